@@ -1,0 +1,6 @@
+//! Giveway: a warehouse fleet manager in which robots give way to people.
+
+pub mod geometry;
+pub mod id;
+pub mod time;
+pub mod warehouse;

@@ -1,0 +1,210 @@
+//! From a draft with names to a [`Warehouse`] with ids: the only way to make one.
+//!
+//! Main types: [`Draft`] and its parts. Refuses: to build anything on which [`super::check`] finds a problem.
+
+use super::check::{self, Findings};
+use super::conflict;
+use super::{Arc, Lane, Node, NodeKind, Rack, Station, Users, Warehouse};
+use crate::geometry::{Point, Segment, turn_between};
+use crate::id::{Dense, IdVec, NodeId, StationId};
+use crate::time::Span;
+use smallvec::SmallVec;
+use std::collections::BTreeMap;
+
+/// Arrival headings closer than this are one (radians).
+const SAME_HEADING: f64 = 0.02;
+
+/// A building as a person or a file describes it: by names, unchecked.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Draft {
+    /// Name of the map.
+    pub name: String,
+    /// Side of the square that a robot with its rack takes, metres.
+    pub footprint_m: f64,
+    /// Places.
+    pub nodes: Vec<DraftNode>,
+    /// Ways between them.
+    pub lanes: Vec<DraftLane>,
+    /// Picking stations.
+    pub stations: Vec<DraftStation>,
+    /// Names of racks with the names of their storage nodes.
+    pub racks: Vec<(String, String)>,
+    /// Names of nodes for racks.
+    pub storage: Vec<String>,
+    /// Names of charging nodes.
+    pub chargers: Vec<String>,
+    /// Names of parking nodes.
+    pub parking: Vec<String>,
+    /// Names of nodes where people come in.
+    pub exits: Vec<String>,
+    /// Outlines of the floor on which people may walk.
+    pub walkable: Vec<Vec<Point>>,
+    /// Outlines of what stands in the way.
+    pub obstacles: Vec<Vec<Point>>,
+}
+
+/// A named place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DraftNode {
+    /// Unique name.
+    pub name: String,
+    /// Where, metres.
+    pub at: Point,
+}
+
+/// A way between two named places.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DraftLane {
+    /// Name of one end.
+    pub from: String,
+    /// Name of the other end.
+    pub to: String,
+    /// Whether it may be driven backwards too.
+    pub both: bool,
+    /// Length, metres; the straight distance where absent.
+    pub length_m: Option<f64>,
+    /// Speed limit, metres per second.
+    pub speed_limit_mps: Option<f64>,
+    /// Who may use it.
+    pub users: Users,
+}
+
+/// A picking station by names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DraftStation {
+    /// Unique name.
+    pub name: String,
+    /// Name of the node where the robot stands.
+    pub node: String,
+    /// Names of the waiting places, the one next to the station first.
+    pub queue: Vec<String>,
+    /// Usual length of a pick.
+    pub pick: Span,
+}
+
+impl Draft {
+    /// Builds and validates.
+    ///
+    /// # Errors
+    /// All problems found, each with its place and remedy.
+    pub fn build(self) -> Result<Warehouse, Findings> {
+        check::names_and_numbers(&self)?;
+        let warehouse = self.assemble();
+        check::well_formed(&warehouse)?;
+        Ok(warehouse)
+    }
+
+    /// Turns names into ids. Every name is known to exist by now.
+    fn assemble(self) -> Warehouse {
+        let ids: BTreeMap<&str, NodeId> =
+            self.nodes.iter().enumerate().map(|(i, n)| (n.name.as_str(), NodeId::at(i))).collect();
+        let id = |name: &String| ids[name.as_str()];
+        let stations: IdVec<StationId, Station> = (self.stations.iter())
+            .map(|s| Station {
+                name: s.name.clone(),
+                node: id(&s.node),
+                queue: s.queue.iter().map(id).collect(),
+                pick: s.pick,
+            })
+            .collect();
+        let kinds = self.kinds(&ids, &stations);
+        let nodes: IdVec<NodeId, Node> = (self.nodes.iter().zip(kinds.iter()))
+            .map(|(n, &kind)| Node { name: n.name.clone(), at: n.at, kind })
+            .collect();
+        let straight = |a: NodeId, b: NodeId| Segment { a: nodes[a].at, b: nodes[b].at }.length();
+        let lanes = (self.lanes.iter())
+            .map(|l| Lane {
+                a: id(&l.from),
+                b: id(&l.to),
+                both: l.both,
+                length_m: l.length_m.unwrap_or_else(|| straight(id(&l.from), id(&l.to))),
+                speed_limit_mps: l.speed_limit_mps,
+                users: l.users,
+            })
+            .collect();
+        let racks = self.racks.iter().map(|(name, at)| Rack { name: name.clone(), home: id(at) }).collect();
+        let mut warehouse = Warehouse {
+            name: self.name,
+            footprint_m: self.footprint_m,
+            conflicts: conflict::between(&nodes, &lanes, self.footprint_m),
+            nodes,
+            lanes,
+            arcs: IdVec::new(),
+            stations,
+            racks,
+            walkable: self.walkable,
+            obstacles: self.obstacles,
+            out_start: Vec::new(),
+            headings: IdVec::new(),
+        };
+        warehouse.index_arcs();
+        warehouse
+    }
+
+    fn kinds(
+        &self,
+        ids: &BTreeMap<&str, NodeId>,
+        stations: &IdVec<StationId, Station>,
+    ) -> IdVec<NodeId, NodeKind> {
+        let mut kinds: IdVec<NodeId, NodeKind> = IdVec::filled(NodeKind::Aisle, self.nodes.len());
+        let lists = [
+            (&self.storage, NodeKind::Storage),
+            (&self.chargers, NodeKind::Charger),
+            (&self.parking, NodeKind::Parking),
+            (&self.exits, NodeKind::Exit),
+        ];
+        for (names, kind) in lists {
+            for name in names {
+                kinds[ids[name.as_str()]] = kind;
+            }
+        }
+        for (s, station) in stations.pairs() {
+            kinds[station.node] = NodeKind::Station(s);
+            for &q in &station.queue {
+                kinds[q] = NodeKind::Queue(s);
+            }
+        }
+        kinds
+    }
+}
+
+impl Warehouse {
+    /// Fills `arcs`, `out_start` and `headings` from nodes and lanes.
+    fn index_arcs(&mut self) {
+        let mut arcs: Vec<Arc> = Vec::new();
+        for (id, lane) in self.lanes.pairs() {
+            let ways = [(lane.a, lane.b), (lane.b, lane.a)];
+            for &(from, to) in &ways[..if lane.both { 2 } else { 1 }] {
+                let heading = Segment { a: self.nodes[from].at, b: self.nodes[to].at }.heading();
+                arcs.push(Arc {
+                    lane: id,
+                    from,
+                    to,
+                    heading,
+                    slot: 0,
+                    length_m: lane.length_m,
+                    speed_limit_mps: lane.speed_limit_mps.unwrap_or(f64::INFINITY),
+                    users: lane.users,
+                });
+            }
+        }
+        arcs.sort_by_key(|a| (a.from, a.to, a.lane));
+        self.headings = IdVec::filled(SmallVec::new(), self.nodes.len());
+        for arc in &mut arcs {
+            let known = &mut self.headings[arc.to];
+            let slot = known.iter().position(|h| turn_between(*h, arc.heading) < SAME_HEADING);
+            arc.slot = slot.unwrap_or_else(|| {
+                known.push(arc.heading);
+                known.len() - 1
+            }) as u8;
+        }
+        self.out_start = vec![0; self.nodes.len() + 1];
+        for arc in &arcs {
+            self.out_start[arc.from.ix() + 1] += 1;
+        }
+        for i in 0..self.nodes.len() {
+            self.out_start[i + 1] += self.out_start[i];
+        }
+        self.arcs = arcs.into();
+    }
+}

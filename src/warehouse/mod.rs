@@ -1,0 +1,265 @@
+//! The building: nodes, lanes, racks, stations, chargers, and which of them get in each other's way.
+//!
+//! Main types: [`Warehouse`] (exists only validated), [`Node`], [`Arc`], [`Station`]; [`formats`] reads and
+//! writes maps as text. Refuses: anything that moves or changes with time, and reading files itself.
+
+mod build;
+mod check;
+mod conflict;
+pub mod formats;
+mod generate;
+mod svg;
+
+pub use build::{Draft, DraftLane, DraftNode, DraftStation};
+pub use check::{Finding, Findings};
+pub use generate::{Blocks, kiva, lab, thesis};
+pub use svg::to_svg;
+
+use crate::geometry::Point;
+use crate::id::{ArcId, Dense, IdVec, LaneId, NodeId, RackId, ResourceId, StationId};
+use crate::time::Span;
+use smallvec::SmallVec;
+
+/// What a node is for. Only `Aisle` nodes carry through traffic of loaded robots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum NodeKind {
+    /// Open floor to drive over.
+    Aisle,
+    /// A place for one rack. Unloaded robots may drive beneath; a loaded one only ends or starts here.
+    Storage,
+    /// Where a robot stands while a person picks from its rack.
+    Station(StationId),
+    /// A waiting place before a station; entered only by robots bound for it.
+    Queue(StationId),
+    /// A charging place.
+    Charger,
+    /// A place to stay.
+    Parking,
+    /// A door for people; robots treat it as open floor.
+    Exit,
+}
+
+impl NodeKind {
+    /// Whether a robot may stay here for ever without being in anyone's way (DESIGN §5, invariant a).
+    pub fn is_lasting(self) -> bool {
+        matches!(self, NodeKind::Storage | NodeKind::Charger | NodeKind::Parking)
+    }
+
+    /// The station whose robots alone may enter, if any.
+    pub fn reserved_for(self) -> Option<StationId> {
+        match self {
+            NodeKind::Station(s) | NodeKind::Queue(s) => Some(s),
+            _ => None,
+        }
+    }
+}
+
+/// A place where a robot can stand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// The map's own name for it, unique.
+    pub name: String,
+    /// Where, metres.
+    pub at: Point,
+    /// What for.
+    pub kind: NodeKind,
+}
+
+/// Who may use a lane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Users {
+    /// Robots that carry a rack.
+    pub loaded: bool,
+    /// Robots that carry nothing.
+    pub unloaded: bool,
+    /// People on foot.
+    pub people: bool,
+}
+
+impl Users {
+    /// Everyone.
+    pub const ALL: Users = Users { loaded: true, unloaded: true, people: true };
+
+    /// Whether a robot may, with or without a rack.
+    pub fn allows(self, loaded: bool) -> bool {
+        if loaded { self.loaded } else { self.unloaded }
+    }
+}
+
+/// A lane, whichever way it is driven.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lane {
+    /// One end.
+    pub a: NodeId,
+    /// The other end.
+    pub b: NodeId,
+    /// Whether it may be driven from `b` to `a` too.
+    pub both: bool,
+    /// Length, metres.
+    pub length_m: f64,
+    /// Speed limit of the lane, metres per second.
+    pub speed_limit_mps: Option<f64>,
+    /// Who may use it.
+    pub users: Users,
+}
+
+/// A lane driven in one direction: what the search expands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arc {
+    /// The lane.
+    pub lane: LaneId,
+    /// From here …
+    pub from: NodeId,
+    /// … to here.
+    pub to: NodeId,
+    /// Heading while driving, radians.
+    pub heading: f64,
+    /// Which of the distinct arrival headings of `to` this is; see [`Warehouse::headings`].
+    pub slot: u8,
+    /// Length, metres.
+    pub length_m: f64,
+    /// Speed limit, metres per second; infinite where there is none.
+    pub speed_limit_mps: f64,
+    /// Who may use it.
+    pub users: Users,
+}
+
+/// A picking station.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Station {
+    /// The map's name for it, unique.
+    pub name: String,
+    /// Where the robot stands while a person picks.
+    pub node: NodeId,
+    /// Waiting places, the one next to the station first.
+    pub queue: Vec<NodeId>,
+    /// How long a pick takes unless the job says otherwise.
+    pub pick: Span,
+}
+
+/// A rack as the map knows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rack {
+    /// Unique name.
+    pub name: String,
+    /// The storage node where it stands when the system starts for the first time.
+    pub home: NodeId,
+}
+
+/// A validated building. Made only by [`Draft::build`], which lists every problem of a bad one.
+#[derive(Clone, Debug)]
+pub struct Warehouse {
+    /// Name of the map.
+    pub name: String,
+    /// Side of the square that a robot with its rack takes, metres.
+    pub footprint_m: f64,
+    /// All nodes.
+    pub nodes: IdVec<NodeId, Node>,
+    /// All lanes.
+    pub lanes: IdVec<LaneId, Lane>,
+    /// All lanes by direction, sorted by their start.
+    pub arcs: IdVec<ArcId, Arc>,
+    /// All stations.
+    pub stations: IdVec<StationId, Station>,
+    /// All racks.
+    pub racks: IdVec<RackId, Rack>,
+    /// Outlines of the floor on which people may walk.
+    pub walkable: Vec<Vec<Point>>,
+    /// Outlines of what stands in the way.
+    pub obstacles: Vec<Vec<Point>>,
+    out_start: Vec<u32>,
+    headings: IdVec<NodeId, SmallVec<[f64; 4]>>,
+    conflicts: IdVec<ResourceId, SmallVec<[ResourceId; 2]>>,
+}
+
+impl Warehouse {
+    /// The arcs that leave `n`.
+    pub fn out(&self, n: NodeId) -> impl Iterator<Item = (ArcId, &Arc)> {
+        let (from, to) = (self.out_start[n.ix()] as usize, self.out_start[n.ix() + 1] as usize);
+        (from..to).map(|i| (ArcId::at(i), &self.arcs[ArcId::at(i)]))
+    }
+
+    /// The distinct headings with which a robot can arrive at `n`, radians.
+    pub fn headings(&self, n: NodeId) -> &[f64] {
+        &self.headings[n]
+    }
+
+    /// The node as a thing that is held.
+    pub fn node_resource(&self, n: NodeId) -> ResourceId {
+        ResourceId(n.0)
+    }
+
+    /// The lane as a thing that is held.
+    pub fn lane_resource(&self, l: LaneId) -> ResourceId {
+        ResourceId::at(self.nodes.len() + l.ix())
+    }
+
+    /// Which node or lane a resource is.
+    pub fn resource(&self, r: ResourceId) -> Result<NodeId, LaneId> {
+        if r.ix() < self.nodes.len() { Ok(NodeId(r.0)) } else { Err(LaneId::at(r.ix() - self.nodes.len())) }
+    }
+
+    /// Nodes and lanes together.
+    pub fn resource_count(&self) -> usize {
+        self.nodes.len() + self.lanes.len()
+    }
+
+    /// The resources that nobody else may hold while `r` is held, without `r` itself. A lane's own end nodes
+    /// are not among them: whoever drives a lane holds both ends anyway, so most lanes have none at all.
+    pub fn conflicts(&self, r: ResourceId) -> &[ResourceId] {
+        &self.conflicts[r]
+    }
+
+    /// Whether driving the lane asks for nothing beyond its two ends, so that it needs no timeline.
+    pub fn lane_is_free_of_conflicts(&self, l: LaneId) -> bool {
+        self.conflicts[self.lane_resource(l)].is_empty()
+    }
+
+    /// How many resources need a timeline of their own: all nodes, and the lanes that reach beyond their ends.
+    pub fn timeline_count(&self) -> usize {
+        self.nodes.len() + self.lanes.ids().filter(|l| !self.lane_is_free_of_conflicts(*l)).count()
+    }
+
+    /// A resource's name for people.
+    pub fn resource_name(&self, r: ResourceId) -> String {
+        match self.resource(r) {
+            Ok(n) => self.nodes[n].name.clone(),
+            Err(l) => {
+                let lane = &self.lanes[l];
+                format!("{}–{}", self.nodes[lane.a].name, self.nodes[lane.b].name)
+            }
+        }
+    }
+
+    /// The node with this name.
+    pub fn node_named(&self, name: &str) -> Option<NodeId> {
+        self.nodes.pairs().find(|(_, n)| n.name == name).map(|(i, _)| i)
+    }
+
+    /// The rack with this name.
+    pub fn rack_named(&self, name: &str) -> Option<RackId> {
+        self.racks.pairs().find(|(_, r)| r.name == name).map(|(i, _)| i)
+    }
+
+    /// The station with this name.
+    pub fn station_named(&self, name: &str) -> Option<StationId> {
+        self.stations.pairs().find(|(_, s)| s.name == name).map(|(i, _)| i)
+    }
+
+    /// Nodes of one kind.
+    pub fn nodes_where(&self, keep: impl Fn(NodeKind) -> bool) -> Vec<NodeId> {
+        self.nodes.pairs().filter(|(_, n)| keep(n.kind)).map(|(i, _)| i).collect()
+    }
+
+    /// The smallest rectangle around all nodes, as `(low corner, high corner)`.
+    pub fn bounds(&self) -> (Point, Point) {
+        let mut low = Point::new(f64::INFINITY, f64::INFINITY);
+        let mut high = Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY);
+        let outlines = self.walkable.iter().chain(&self.obstacles).flatten().copied();
+        for p in self.nodes.iter().map(|n| n.at).chain(outlines) {
+            low = Point::new(low.x.min(p.x), low.y.min(p.y));
+            high = Point::new(high.x.max(p.x), high.y.max(p.y));
+        }
+        (low, high)
+    }
+}
