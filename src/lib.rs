@@ -3,4 +3,5 @@
 pub mod geometry;
 pub mod id;
 pub mod time;
+pub mod timeline;
 pub mod warehouse;

@@ -94,6 +94,12 @@ impl Draft {
         Ok(warehouse)
     }
 
+    /// Builds without the checks on the whole floor, for tests of single parts and benchmark grids.
+    #[doc(hidden)]
+    pub fn build_unchecked(self) -> Warehouse {
+        self.assemble()
+    }
+
     /// Turns names into ids. Every name is known to exist by now.
     fn assemble(self) -> Warehouse {
         let ids: BTreeMap<&str, NodeId> =

@@ -1,0 +1,158 @@
+//! The timeline of one resource: holds sorted by start, and the gaps between them.
+//!
+//! Main types: [`Hold`], [`Line`], [`Gap`]. Refuses: overlapping holds of different holders on the physical
+//! layer (asserted); conflict holds may overlap one another.
+
+use super::Holder;
+use crate::time::{Time, Window};
+
+/// Why a resource is not free.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Layer {
+    /// It is held itself.
+    Physical,
+    /// Something in conflict with it is held.
+    Conflict,
+}
+
+/// One entry of a line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Hold {
+    pub start: Time,
+    pub end: Time,
+    /// The latest end of this entry and all before it: gaps are found without looking back.
+    pub reach: Time,
+    pub holder: Holder,
+    pub serial: u64,
+    pub layer: Layer,
+}
+
+/// A free window of a resource.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Gap {
+    /// First free instant.
+    pub start: Time,
+    /// First instant that is not free any more.
+    pub end: Time,
+    /// Which of the gaps of the resource this is; stable while nobody changes the line.
+    pub index: u32,
+}
+
+/// The beginning of all time, where the first gap of a line starts.
+const BEGINNING: Time = Time(i64::MIN / 2);
+
+/// All holds on one resource.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Line {
+    holds: Vec<Hold>,
+}
+
+impl Line {
+    pub fn len(&self) -> usize {
+        self.holds.len()
+    }
+
+    /// Adds a hold behind those that start no later.
+    pub fn insert(&mut self, hold: Hold) {
+        let at = self.holds.partition_point(|h| h.start <= hold.start);
+        self.holds.insert(at, hold);
+        self.settle_from(at);
+    }
+
+    /// Removes the entries (physical and conflict) of one visit. Absent ones are none of our business: one
+    /// visit can be in conflict with a resource through its node and its lane at once.
+    pub fn remove(&mut self, holder: Holder, serial: u64) {
+        let mine = |h: &Hold| h.holder == holder && h.serial == serial;
+        if let Some(first) = self.holds.iter().position(mine) {
+            self.holds.retain(|h| !mine(h));
+            self.settle_from(first);
+        }
+    }
+
+    fn settle_from(&mut self, at: usize) {
+        let mut reach = if at == 0 { BEGINNING } else { self.holds[at - 1].reach };
+        for h in &mut self.holds[at..] {
+            reach = reach.max(h.end);
+            h.reach = reach;
+        }
+    }
+
+    /// Gaps that end after `t`, in order.
+    pub fn gaps(&self, t: Time) -> impl Iterator<Item = Gap> {
+        let from = self.holds.partition_point(|h| h.start <= t);
+        (from..=self.holds.len()).filter_map(move |i| {
+            let start = if i == 0 { BEGINNING } else { self.holds[i - 1].reach };
+            let end = self.holds.get(i).map_or(Time::MAX, |h| h.start);
+            (start < end).then_some(Gap { start, end, index: i as u32 })
+        })
+    }
+
+    /// Who is on either side of a gap.
+    pub fn neighbours(&self, gap: Gap) -> (Option<Holder>, Option<Holder>) {
+        let i = gap.index as usize;
+        let before = i.checked_sub(1).map(|b| self.holds[b].holder);
+        (before, self.holds.get(i).map(|h| h.holder))
+    }
+
+    /// Entries that meet a window.
+    pub fn during(&self, w: Window) -> impl Iterator<Item = &Hold> {
+        let to = self.holds.partition_point(|h| h.start < w.end());
+        self.holds[..to].iter().filter(move |h| h.end > w.start())
+    }
+
+    /// The first other holder that stands before this visit in the order of the resource.
+    pub fn first_before(&self, holder: Holder, serial: u64) -> Option<Holder> {
+        for h in &self.holds {
+            if h.holder == holder {
+                if h.serial == serial && h.layer == Layer::Physical {
+                    return None;
+                }
+            } else {
+                return Some(h.holder);
+            }
+        }
+        None
+    }
+
+    /// Entries of other holders that come after a visit in the order, but start before `end`. Two conflict
+    /// entries do not order one another. The line may be unsorted while windows slide.
+    pub fn followers(&self, holder: Holder, serial: u64, end: Time) -> impl Iterator<Item = &Hold> {
+        let mine = self.holds.iter().position(|h| h.holder == holder && h.serial == serial);
+        let (from, layer) = match mine {
+            Some(m) => (m + 1, self.holds[m].layer),
+            None => (self.holds.len(), Layer::Conflict),
+        };
+        let ordered = move |h: &&Hold| layer == Layer::Physical || h.layer == Layer::Physical;
+        self.holds[from..].iter().filter(move |h| h.holder != holder && h.start < end).filter(ordered)
+    }
+
+    /// Changes the window of an entry in its place in the order.
+    pub fn slide(&mut self, holder: Holder, serial: u64, layer: Layer, w: Window) {
+        let mine = |h: &&mut Hold| h.holder == holder && h.serial == serial && h.layer == layer;
+        for h in self.holds.iter_mut().filter(mine) {
+            (h.start, h.end) = (w.start(), w.end());
+        }
+    }
+
+    /// Restores the order by start after sliding.
+    pub fn sort(&mut self) {
+        self.holds.sort_by_key(|h| h.start);
+        self.settle_from(0);
+    }
+
+    /// Physical holders in their order.
+    #[cfg(test)]
+    pub fn order(&self) -> impl Iterator<Item = Holder> {
+        self.holds.iter().filter(|h| h.layer == Layer::Physical).map(|h| h.holder)
+    }
+
+    pub fn assert_sound(&self, name: impl Fn() -> String) {
+        for (i, a) in self.holds.iter().enumerate() {
+            assert!(i == 0 || self.holds[i - 1].start <= a.start, "{}: holds out of order", name());
+            for b in self.holds[i + 1..].iter().take_while(|b| b.start < a.end) {
+                let both_conflict = a.layer == Layer::Conflict && b.layer == Layer::Conflict;
+                assert!(a.holder == b.holder || both_conflict, "{} is held twice: {a:?} and {b:?}", name());
+            }
+        }
+    }
+}

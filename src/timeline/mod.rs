@@ -1,0 +1,440 @@
+//! Who holds which resource when, and what is free in between.
+//!
+//! Main types: [`Timeline`] (all holds of everyone), [`Visit`] (a stay on one node as a holder plans it),
+//! [`Gap`] (a free window), [`Reserved`] (the proof that visits are held; only this module makes one).
+//! Refuses: to hold anything twice, to forget who was promised a resource first, and to know why anyone
+//! wants to be anywhere.
+//!
+//! Each resource has one list of holds sorted by start. A hold on a resource also stands, marked
+//! [`Layer::Conflict`], in the list of every resource in conflict with it: a plan writes a few hundred holds but
+//! reads thousands, so writes are widened and reads are not. Lists stay short (tens of holds), so a sorted
+//! vector with binary search beats a tree.
+
+mod delay;
+mod line;
+
+pub use delay::Slip;
+pub use line::{Gap, Layer};
+
+use crate::id::{Dense, IdVec, NodeId, ResourceId, RobotId, WorkerId};
+use crate::time::{Span, Time, Window};
+use crate::warehouse::Warehouse;
+use line::{Hold, Line};
+use std::collections::{BTreeMap, VecDeque};
+use std::fmt;
+use std::sync::Arc;
+
+/// Whoever holds resources.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Holder {
+    /// A robot, along its route.
+    Robot(RobotId),
+    /// A worker, along the assigned path.
+    Worker(WorkerId),
+}
+
+impl fmt::Debug for Holder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Holder::Robot(r) => r.fmt(f),
+            Holder::Worker(w) => w.fmt(f),
+        }
+    }
+}
+
+/// A stay on one node, with the lane that leads to it.
+///
+/// `enter ≤ arrive ≤ depart ≤ leave`. The node is held during `[enter, leave)`: from the moment in which the
+/// holder begins to move towards it (or must be sure of it, because it could not brake any more) until its
+/// tail has left. The lane is held during `[enter, arrive + clearance)` where it needs holding at all.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Visit {
+    /// The node.
+    pub node: NodeId,
+    /// The lane driven to get here, if that lane is in conflict with anything beyond its ends.
+    pub lane: Option<ResourceId>,
+    /// The hold on node and lane begins.
+    pub enter: Time,
+    /// The centre of the node is reached.
+    pub arrive: Time,
+    /// The holder starts to leave; for ever at the last visit.
+    pub depart: Time,
+    /// The hold on the node ends; for ever at the last visit.
+    pub leave: Time,
+    /// How long the holder must stay between `arrive` and `depart`: to turn, lift, be picked from.
+    pub stay: Span,
+}
+
+impl Visit {
+    /// The window in which the node is held.
+    pub fn window(&self) -> Window {
+        Window::new(self.enter, self.leave)
+    }
+
+    /// How much of a delay this visit absorbs by waiting less.
+    pub fn slack(&self) -> Span {
+        if self.depart.is_forever() { Span::MAX } else { self.depart - self.arrive - self.stay }
+    }
+}
+
+/// The proof that visits are held: whoever has it may be told to drive them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reserved {
+    holder: Holder,
+    first: u64,
+    count: usize,
+}
+
+impl Reserved {
+    /// Who holds.
+    pub fn holder(&self) -> Holder {
+        self.holder
+    }
+
+    /// Serial numbers of the visits, see [`Chain::serial_of`].
+    pub fn serials(&self) -> std::ops::Range<u64> {
+        self.first..self.first + self.count as u64
+    }
+}
+
+/// Two holders want one resource at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Clash {
+    /// The resource.
+    pub resource: ResourceId,
+    /// When it was wanted.
+    pub wanted: Window,
+    /// Who has it.
+    pub by: Holder,
+    /// When.
+    pub held: Window,
+}
+
+/// The visits of one holder, oldest first. Each has a serial number that never changes.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Default)]
+pub struct Chain {
+    first: u64,
+    visits: VecDeque<Visit>,
+    granted: u64,
+}
+
+impl Chain {
+    /// Serial number of the visit at `index`.
+    pub fn serial_of(&self, index: usize) -> u64 {
+        self.first + index as u64
+    }
+
+    /// Serial number of the oldest visit still held.
+    pub fn first(&self) -> u64 {
+        self.first
+    }
+
+    /// One past the serial number of the last visit.
+    pub fn end(&self) -> u64 {
+        self.first + self.visits.len() as u64
+    }
+
+    /// One past the serial number of the last granted visit.
+    pub fn granted(&self) -> u64 {
+        self.granted
+    }
+
+    /// The visit with this serial number, if it is still held.
+    pub fn get(&self, serial: u64) -> Option<&Visit> {
+        self.visits.get(usize::try_from(serial.checked_sub(self.first)?).ok()?)
+    }
+
+    /// The visits still held, oldest first.
+    pub fn visits(&self) -> impl DoubleEndedIterator<Item = &Visit> + ExactSizeIterator {
+        self.visits.iter()
+    }
+
+    /// The last visit.
+    pub fn last(&self) -> Option<&Visit> {
+        self.visits.back()
+    }
+}
+
+/// All holds of everyone. Equal timelines hold the same.
+#[derive(Clone, Debug)]
+pub struct Timeline {
+    warehouse: Arc<Warehouse>,
+    clearance: Span,
+    lines: IdVec<ResourceId, Line>,
+    chains: BTreeMap<Holder, Chain>,
+}
+
+impl PartialEq for Timeline {
+    fn eq(&self, o: &Timeline) -> bool {
+        self.chains == o.chains && self.clearance == o.clearance
+    }
+}
+
+impl Timeline {
+    /// Nothing held. `clearance` is the time by which a hold outlasts the moment in which the tail has left;
+    /// strictly positive on a real floor, so that no ring of robots can rotate (DESIGN §5, invariant b).
+    pub fn new(warehouse: Arc<Warehouse>, clearance: Span) -> Timeline {
+        let lines = IdVec::filled(Line::default(), warehouse.resource_count());
+        Timeline { warehouse, clearance, lines, chains: BTreeMap::new() }
+    }
+
+    /// The building.
+    pub fn warehouse(&self) -> &Arc<Warehouse> {
+        &self.warehouse
+    }
+
+    /// By how much a hold outlasts the leaving.
+    pub fn clearance(&self) -> Span {
+        self.clearance
+    }
+
+    /// Everyone who holds something, with their visits.
+    pub fn chains(&self) -> impl Iterator<Item = (Holder, &Chain)> {
+        self.chains.iter().map(|(h, c)| (*h, c))
+    }
+
+    /// The visits of one holder.
+    pub fn chain(&self, holder: Holder) -> Option<&Chain> {
+        self.chains.get(&holder)
+    }
+
+    /// The free windows of a resource that end after `t`, in order.
+    pub fn gaps(&self, r: ResourceId, t: Time) -> impl Iterator<Item = Gap> {
+        self.lines[r].gaps(t)
+    }
+
+    /// Who hands over at the two ends of a free window: the last holder before it and the first one after.
+    pub fn neighbours(&self, r: ResourceId, gap: Gap) -> (Option<Holder>, Option<Holder>) {
+        self.lines[r].neighbours(gap)
+    }
+
+    /// How many holds stand on a resource, conflicts included.
+    pub fn load(&self, r: ResourceId) -> usize {
+        self.lines[r].len()
+    }
+
+    /// Everyone else whose hold on `r`, or on something in conflict with it, meets `window`.
+    pub fn holders_during(&self, r: ResourceId, window: Window, own: Holder) -> impl Iterator<Item = Holder> {
+        self.lines[r].during(window).map(|h| h.holder).filter(move |h| *h != own)
+    }
+
+    /// Puts a holder on the floor with its first visits.
+    ///
+    /// # Errors
+    /// The first clash; nothing is held then.
+    pub fn reserve(&mut self, holder: Holder, visits: Vec<Visit>) -> Result<Reserved, Clash> {
+        assert!(!visits.is_empty(), "{holder:?} reserves nothing");
+        assert!(!self.chains.contains_key(&holder), "{holder:?} stands somewhere already");
+        self.check(holder, &visits)?;
+        let count = visits.len();
+        self.chains.insert(holder, Chain::default());
+        self.put(holder, visits);
+        Ok(Reserved { holder, first: 0, count })
+    }
+
+    /// Replaces everything after the visit `keep` by new visits. The kept visit takes its new `depart` and
+    /// `leave` (and `stay`) from `kept`.
+    ///
+    /// # Errors
+    /// The first clash; everything is as before then.
+    ///
+    /// # Panics
+    /// If `keep` is not a visit of the holder or granted visits would be lost.
+    pub fn replace(
+        &mut self,
+        holder: Holder,
+        keep: u64,
+        kept: Visit,
+        visits: Vec<Visit>,
+    ) -> Result<Reserved, Clash> {
+        let chain = &self.chains[&holder];
+        let before = chain.get(keep).expect("the kept visit is one of the holder's");
+        assert_eq!(before.node, kept.node, "{holder:?} replaces its route from where it is not");
+        assert!(chain.granted <= keep + 1, "{holder:?} was granted more than it wants to keep");
+        let old = self.take_from(holder, keep);
+        let mut wanted = vec![kept];
+        wanted.extend(visits);
+        if let Err(clash) = self.check(holder, &wanted) {
+            self.put(holder, old);
+            return Err(clash);
+        }
+        let count = wanted.len() - 1;
+        self.put(holder, wanted);
+        Ok(Reserved { holder, first: keep + 1, count })
+    }
+
+    /// Forgets the visits before `serial`: the holder has left them.
+    pub fn release(&mut self, holder: Holder, serial: u64) {
+        let chain = self.chains.get_mut(&holder).expect("only holders release");
+        assert!(serial < chain.end(), "{holder:?} must stay somewhere");
+        while chain.first < serial {
+            let visit = chain.visits.pop_front().expect("serial < end");
+            Self::erase(&mut self.lines, &self.warehouse, holder, chain.first, &visit);
+            chain.first += 1;
+        }
+        chain.granted = chain.granted.max(chain.first);
+    }
+
+    /// Forgets a holder altogether: it has left the floor.
+    pub fn remove(&mut self, holder: Holder) {
+        if let Some(mut chain) = self.chains.remove(&holder) {
+            while let Some(visit) = chain.visits.pop_front() {
+                Self::erase(&mut self.lines, &self.warehouse, holder, chain.first, &visit);
+                chain.first += 1;
+            }
+        }
+    }
+
+    /// Who must pass before `holder` may have the visit `serial`: the first holder in the order of the node,
+    /// the lane, or anything in conflict with them, if it is not `holder` itself.
+    pub fn waits_for(&self, holder: Holder, serial: u64) -> Option<(ResourceId, Holder)> {
+        let visit = self.chains.get(&holder)?.get(serial)?;
+        let node = self.warehouse.node_resource(visit.node);
+        std::iter::once(node)
+            .chain(visit.lane)
+            .find_map(|r| Some((r, self.lines[r].first_before(holder, serial)?)))
+    }
+
+    /// Marks visits up to and including `serial` as granted: the holder may be there from `now` on, so the holds
+    /// begin no later than `now`.
+    ///
+    /// # Panics
+    /// If somebody else is before the holder in the order of a resource.
+    pub fn grant(&mut self, holder: Holder, serial: u64, now: Time) {
+        let from = self.chains[&holder].granted;
+        for s in from..=serial {
+            assert_eq!(self.waits_for(holder, s), None, "{holder:?} is granted what others hold before it");
+            let chain = self.chains.get_mut(&holder).expect("checked above");
+            let visit = &mut chain.visits[(s - chain.first) as usize];
+            if visit.enter > now {
+                Self::erase(&mut self.lines, &self.warehouse, holder, s, visit);
+                visit.enter = now;
+                Self::write(&mut self.lines, &self.warehouse, self.clearance, holder, s, visit);
+            }
+            chain.granted = s + 1;
+        }
+    }
+
+    /// Runs `f` as if `holder` held nothing, and puts everything back.
+    pub fn without<T>(&mut self, holders: &[Holder], f: impl FnOnce(&Timeline) -> T) -> T {
+        self.toggle(holders, false);
+        let out = f(self);
+        self.toggle(holders, true);
+        out
+    }
+
+    fn toggle(&mut self, holders: &[Holder], on: bool) {
+        for holder in holders {
+            let Some(chain) = self.chains.get(holder) else { continue };
+            for (i, v) in chain.visits.iter().enumerate() {
+                let serial = chain.first + i as u64;
+                if on {
+                    Self::write(&mut self.lines, &self.warehouse, self.clearance, *holder, serial, v);
+                } else {
+                    Self::erase(&mut self.lines, &self.warehouse, *holder, serial, v);
+                }
+            }
+        }
+    }
+
+    /// Removes and returns the visits from `serial` on.
+    fn take_from(&mut self, holder: Holder, serial: u64) -> Vec<Visit> {
+        let chain = self.chains.get_mut(&holder).expect("only holders replace");
+        let old: Vec<Visit> = chain.visits.drain((serial - chain.first) as usize..).collect();
+        for (i, v) in old.iter().enumerate() {
+            Self::erase(&mut self.lines, &self.warehouse, holder, serial + i as u64, v);
+        }
+        old
+    }
+
+    fn put(&mut self, holder: Holder, visits: impl IntoIterator<Item = Visit>) {
+        let chain = self.chains.get_mut(&holder).expect("only holders replace");
+        for v in visits {
+            Self::write(&mut self.lines, &self.warehouse, self.clearance, holder, chain.end(), &v);
+            chain.visits.push_back(v);
+        }
+    }
+
+    /// The first clash of visits with the holds of others.
+    fn check(&self, holder: Holder, visits: &[Visit]) -> Result<(), Clash> {
+        for visit in visits {
+            for (resource, wanted) in claims(&self.warehouse, self.clearance, visit) {
+                let other = self.lines[resource].during(wanted).find(|h| h.holder != holder);
+                if let Some(h) = other {
+                    return Err(Clash { resource, wanted, by: h.holder, held: Window::new(h.start, h.end) });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn write(
+        lines: &mut IdVec<ResourceId, Line>,
+        warehouse: &Warehouse,
+        clearance: Span,
+        holder: Holder,
+        serial: u64,
+        visit: &Visit,
+    ) {
+        for (resource, window) in claims(warehouse, clearance, visit) {
+            let hold = |layer| Hold {
+                start: window.start(),
+                end: window.end(),
+                reach: Time::ZERO,
+                holder,
+                serial,
+                layer,
+            };
+            lines[resource].insert(hold(Layer::Physical));
+            for &c in warehouse.conflicts(resource) {
+                lines[c].insert(hold(Layer::Conflict));
+            }
+        }
+    }
+
+    fn erase(
+        lines: &mut IdVec<ResourceId, Line>,
+        warehouse: &Warehouse,
+        holder: Holder,
+        serial: u64,
+        visit: &Visit,
+    ) {
+        for resource in std::iter::once(warehouse.node_resource(visit.node)).chain(visit.lane) {
+            lines[resource].remove(holder, serial);
+            for &c in warehouse.conflicts(resource) {
+                lines[c].remove(holder, serial);
+            }
+        }
+    }
+
+    /// Asserts that no resource is held twice and that every chain is in order. For laws and tests: looks at
+    /// everything.
+    pub fn assert_sound(&self) {
+        for r in self.lines.ids() {
+            self.lines[r].assert_sound(|| self.warehouse.resource_name(r));
+        }
+        for (holder, chain) in &self.chains {
+            for pair in chain.visits.iter().zip(chain.visits.iter().skip(1)) {
+                let (a, b) = pair;
+                let ordered =
+                    a.enter <= b.enter && a.arrive <= a.depart && b.enter <= b.arrive && a.leave <= b.leave;
+                assert!(ordered, "{holder:?} has visits out of order: {a:?} then {b:?}");
+                assert!(b.arrive <= a.leave, "{holder:?} leaves {:?} before it is elsewhere", a.node);
+            }
+        }
+    }
+}
+
+/// What a visit holds: its node and, where needed, its lane.
+fn claims(
+    warehouse: &Warehouse,
+    clearance: Span,
+    v: &Visit,
+) -> impl Iterator<Item = (ResourceId, Window)> + use<> {
+    let node = (warehouse.node_resource(v.node), v.window());
+    let lane = v.lane.map(|l| (l, Window::new(v.enter, (v.arrive + clearance).max(v.enter + Span(1)))));
+    std::iter::once(node).chain(lane)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,186 @@
+//! The timeline against a model (bitmaps of seconds), and delays against what they promise.
+
+use super::*;
+use crate::geometry::Point;
+use crate::warehouse::{Draft, DraftLane, DraftNode, Users};
+use proptest::prelude::*;
+
+const LENGTH: i64 = 40;
+
+/// `n` nodes in a row, so close that each is in conflict with its neighbours' neighbours if `dense`.
+fn row(n: usize, dense: bool) -> Arc<Warehouse> {
+    let name = |i: usize| format!("N{i}");
+    let pitch = if dense { 0.5 } else { 1.0 };
+    let nodes = (0..n).map(|i| DraftNode { name: name(i), at: Point::new(i as f64 * pitch, 0.0) }).collect();
+    let lane = |i| DraftLane {
+        from: name(i),
+        to: name(i + 1),
+        both: true,
+        length_m: None,
+        speed_limit_mps: None,
+        users: Users::ALL,
+    };
+    let draft = Draft {
+        name: "row".into(),
+        footprint_m: 0.9,
+        nodes,
+        lanes: (0..n - 1).map(lane).collect(),
+        ..Draft::default()
+    };
+    Arc::new(draft.build_unchecked())
+}
+
+fn visit(node: u32, enter: i64, leave: i64) -> Visit {
+    let (arrive, depart) = (Time(enter), if leave == i64::MAX { Time::MAX } else { Time(leave) });
+    Visit {
+        node: NodeId(node),
+        lane: None,
+        enter: Time(enter),
+        arrive,
+        depart,
+        leave: Time(leave),
+        stay: Span::ZERO,
+    }
+}
+
+fn robot(i: u32) -> Holder {
+    Holder::Robot(RobotId(i))
+}
+
+proptest! {
+    #[test]
+    fn free_windows_are_the_holes_of_a_bitmap(
+        asks in proptest::collection::vec((0u32..4, 0i64..LENGTH - 1, 1i64..12), 1..40),
+        drops in proptest::collection::vec(any::<bool>(), 40),
+        dense in any::<bool>(),
+    ) {
+        let warehouse = row(4, dense);
+        let mut timeline = Timeline::new(warehouse.clone(), Span(1));
+        let mut taken = [[0u8; LENGTH as usize]; 4];
+        let near: Vec<Vec<u32>> = (0..4u32).map(|n| {
+            let others = warehouse.conflicts(ResourceId(n));
+            (0..4).filter(|m| *m == n || others.contains(&ResourceId(*m))).collect()
+        }).collect();
+        for (i, (node, start, length)) in asks.into_iter().enumerate() {
+            let end = (start + length).min(LENGTH);
+            let span = start as usize..end as usize;
+            // Physical use of `node` clashes with physical use of itself and of everything in conflict.
+            let free = near[node as usize].iter().all(|m| span.clone().all(|t| taken[*m as usize][t] & 1 == 0));
+            let got = timeline.reserve(robot(i as u32), vec![visit(node, start, end)]);
+            prop_assert_eq!(got.is_ok(), free);
+            if got.is_ok() {
+                if drops[i] {
+                    timeline.remove(robot(i as u32));
+                } else {
+                    for t in span { taken[node as usize][t] |= 1; }
+                }
+            }
+            timeline.assert_sound();
+        }
+        for node in 0..4u32 {
+            let busy = |t: i64| near[node as usize].iter().any(|m| taken[*m as usize][t as usize] & 1 == 1);
+            let mut model = Vec::new();
+            for t in 0..LENGTH {
+                if !busy(t) && (t == 0 || busy(t - 1)) { model.push((t, t + 1)); }
+                else if !busy(t) { model.last_mut().unwrap().1 = t + 1; }
+            }
+            let real: Vec<(i64, i64)> = timeline.gaps(ResourceId(node), Time(0))
+                .map(|g| (g.start.0.max(0), g.end.0.min(LENGTH))).filter(|(a, b)| a < b).collect();
+            prop_assert_eq!(real, model);
+        }
+    }
+
+    #[test]
+    fn delays_keep_every_order_and_never_make_an_overlap(
+        starts in proptest::collection::vec(0i64..6, 2..6),
+        late in 0i64..50,
+        who in any::<prop::sample::Index>(),
+        dense in any::<bool>(),
+    ) {
+        let mut timeline = convoy(&starts, dense);
+        let before = orders(&timeline);
+        let who = robot(who.index(starts.len()) as u32);
+        let depart = timeline.chain(who).unwrap().get(1).unwrap().depart + Span(late);
+        timeline.postpone(who, 1, depart);
+        timeline.assert_sound();
+        prop_assert_eq!(orders(&timeline), before);
+        prop_assert!(timeline.chain(who).unwrap().get(1).unwrap().depart >= depart);
+    }
+}
+
+/// Robots standing in a row, two nodes apart, that drive up the row one after the other.
+fn convoy(waits: &[i64], dense: bool) -> Timeline {
+    let robots = waits.len() as u32;
+    let length = 4 * robots + 4;
+    let mut timeline = Timeline::new(row(length as usize, dense), Span(1));
+    let mut start = 0;
+    for (i, wait) in (0..).zip(waits) {
+        start += wait + if dense { 45 } else { 25 };
+        let (first, last) = (2 * (robots - 1 - i), length - 1 - 2 * i);
+        let mut visits: Vec<Visit> =
+            (first..=last).map(|n| pass(n, start + 10 * i64::from(n), n == last)).collect();
+        (visits[0].enter, visits[0].arrive) = (Time(0), Time(0));
+        timeline.reserve(robot(i), visits).expect("spaced so that they fit");
+        timeline.grant(robot(i), 0, Time(0));
+    }
+    timeline
+}
+
+/// Ten ticks from node to node, two of them waiting; the hold outlasts the arrival at the next one by two.
+fn pass(node: u32, enter: i64, last: bool) -> Visit {
+    let forever = |t: i64| if last { Time::MAX } else { Time(t) };
+    Visit {
+        arrive: Time(enter + 8),
+        depart: forever(enter + 10),
+        leave: forever(enter + 20),
+        ..visit(node, enter, enter + 20)
+    }
+}
+
+fn orders(timeline: &Timeline) -> Vec<Vec<Holder>> {
+    timeline.lines.iter().map(|l| l.order().collect()).collect()
+}
+
+#[test]
+fn a_delay_is_absorbed_where_the_next_robot_waits_anyway() {
+    let mut timeline = convoy(&[0, 30], false);
+    let second = timeline.chain(robot(1)).unwrap().clone();
+    let depart = timeline.chain(robot(0)).unwrap().get(0).unwrap().depart + Span(4);
+    let slip = timeline.postpone(robot(0), 0, depart);
+    assert_eq!(slip.visits, 3, "the wait of two ticks at each of the nodes on the way is used up first");
+    assert!(slip.others.is_empty());
+    assert_eq!(timeline.chain(robot(1)), Some(&second));
+}
+
+#[test]
+fn the_follower_waits_for_whoever_was_promised_the_resource_first() {
+    let mut timeline = convoy(&[0, 0], false);
+    // Robot 0 stands on node 2, which is the third visit of robot 1.
+    assert_eq!(timeline.waits_for(robot(1), 2), Some((ResourceId(2), robot(0))));
+    timeline.grant(robot(0), 1, Time(0));
+    timeline.release(robot(0), 1);
+    assert_eq!(timeline.waits_for(robot(1), 2), None);
+    assert_eq!(timeline.waits_for(robot(1), 3), Some((ResourceId(3), robot(0))));
+}
+
+#[test]
+#[should_panic(expected = "is granted what others hold before it")]
+fn granting_out_of_order_stops_the_process() {
+    let mut timeline = convoy(&[0, 0], false);
+    timeline.grant(robot(1), 2, Time(0));
+}
+
+#[test]
+fn a_replacement_that_clashes_leaves_everything_as_it_was() {
+    let mut timeline = convoy(&[0, 0], false);
+    let before = timeline.clone();
+    let kept = Visit {
+        leave: Time(1000),
+        depart: Time(1000),
+        ..timeline.chain(robot(1)).unwrap().get(0).unwrap().clone()
+    };
+    let clash = timeline.replace(robot(1), 0, kept, vec![visit(3, 60, i64::MAX)]).unwrap_err();
+    assert_eq!(clash.by, robot(0));
+    assert!(timeline == before);
+    assert_eq!(orders(&timeline), orders(&before));
+}
