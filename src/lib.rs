@@ -2,6 +2,7 @@
 
 pub mod geometry;
 pub mod id;
+pub mod route;
 pub mod time;
 pub mod timeline;
 pub mod warehouse;

@@ -16,7 +16,7 @@ mod line;
 pub use delay::Slip;
 pub use line::{Gap, Layer};
 
-use crate::id::{Dense, IdVec, NodeId, ResourceId, RobotId, WorkerId};
+use crate::id::{IdVec, NodeId, ResourceId, RobotId, WorkerId};
 use crate::time::{Span, Time, Window};
 use crate::warehouse::Warehouse;
 use line::{Hold, Line};

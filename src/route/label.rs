@@ -1,0 +1,149 @@
+//! Labels of the search and where they are kept.
+//!
+//! Main types: [`Label`], [`Labels`] (an arena with, per node, gap and stage, the list of labels that nothing
+//! dominates). Refuses: to know what labels are good for.
+
+use super::motion::Gait;
+use crate::id::{ArcId, NodeId};
+use crate::timeline::Gap;
+
+/// "None" among label indices.
+pub(super) const NONE: u32 = u32::MAX;
+/// The arrival heading of a robot that starts with a heading of its own.
+pub(super) const OWN_HEADING: u8 = u8::MAX;
+
+/// Being at a node in one of its free windows, with a heading and a gait.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Label {
+    /// Earliest arrival (or readiness, after a stop), microseconds.
+    pub lo: i64,
+    /// Latest arrival that the windows on the way allow, for rolling labels.
+    pub hi: i64,
+    pub node: NodeId,
+    pub gap: Gap,
+    pub slot: u8,
+    pub gait: Gait,
+    pub stage: u8,
+    /// When the first goal was reached; zero before that.
+    pub first: i64,
+    pub dominated: bool,
+    /// The label before, or [`NONE`].
+    pub parent: u32,
+    /// The arc driven to get here; nothing after a stop at a goal.
+    pub arc: Option<ArcId>,
+    /// The next label of the same node, gap and stage.
+    next: u32,
+}
+
+impl Label {
+    #[allow(clippy::too_many_arguments, reason = "a label is a plain record; its list link stays private")]
+    pub fn new(
+        (lo, hi): (i64, i64),
+        node: NodeId,
+        gap: Gap,
+        slot: u8,
+        gait: Gait,
+        stage: u8,
+        parent: u32,
+        arc: Option<ArcId>,
+    ) -> Label {
+        Label { lo, hi, node, gap, slot, gait, stage, parent, arc, first: 0, dominated: false, next: NONE }
+    }
+
+    /// The same label with the time at which the first goal was reached.
+    pub fn with_first(self, first: i64) -> Label {
+        Label { first, ..self }
+    }
+
+    fn key(&self) -> u64 {
+        u64::from(self.node.0) << 32 | u64::from(self.gap.index) << 4 | u64::from(self.stage)
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    key: u64,
+    head: u32,
+    generation: u32,
+}
+
+/// All labels of one search. Clearing is free: slots carry the generation of the search that wrote them.
+#[derive(Debug)]
+pub(super) struct Labels {
+    arena: Vec<Label>,
+    slots: Vec<Slot>,
+    used: usize,
+    generation: u32,
+}
+
+impl Default for Labels {
+    fn default() -> Labels {
+        let empty = Slot { key: 0, head: NONE, generation: 0 };
+        Labels { arena: Vec::new(), slots: vec![empty; 1 << 12], used: 0, generation: 1 }
+    }
+}
+
+impl Labels {
+    pub fn clear(&mut self) {
+        self.arena.clear();
+        self.used = 0;
+        self.generation = self.generation.checked_add(1).unwrap_or_else(|| {
+            self.slots.iter_mut().for_each(|s| s.generation = 0);
+            1
+        });
+    }
+
+    pub fn get(&self, index: u32) -> &Label {
+        &self.arena[index as usize]
+    }
+
+    /// Adds a label unless one of its list dominates it; those that it dominates are marked. `dominates(a, b)` says
+    /// whether `a` is as good as `b` in every respect.
+    pub fn add(&mut self, label: Label, dominates: impl Fn(&Label, &Label) -> bool) -> Option<u32> {
+        if self.used * 2 > self.slots.len() {
+            self.grow();
+        }
+        let at = self.find(label.key());
+        let fresh = self.slots[at].generation != self.generation;
+        let head = if fresh { NONE } else { self.slots[at].head };
+        let mut i = head;
+        while i != NONE {
+            let known = &self.arena[i as usize];
+            if !known.dominated && dominates(known, &label) {
+                return None;
+            }
+            i = known.next;
+        }
+        let mut i = head;
+        while i != NONE {
+            let known = &mut self.arena[i as usize];
+            known.dominated = known.dominated || dominates(&label, known);
+            i = known.next;
+        }
+        let index = self.arena.len() as u32;
+        self.arena.push(Label { next: head, ..label });
+        self.slots[at] = Slot { key: label.key(), head: index, generation: self.generation };
+        self.used += usize::from(fresh);
+        Some(index)
+    }
+
+    /// The slot of a key, or the free one where it belongs (linear probing).
+    fn find(&self, key: u64) -> usize {
+        let mask = self.slots.len() - 1;
+        let mut at = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize & mask;
+        while self.slots[at].generation == self.generation && self.slots[at].key != key {
+            at = (at + 1) & mask;
+        }
+        at
+    }
+
+    fn grow(&mut self) {
+        let empty = Slot { key: 0, head: NONE, generation: 0 };
+        let old = std::mem::replace(&mut self.slots, vec![]);
+        self.slots = vec![empty; old.len() * 2];
+        for slot in old.into_iter().filter(|s| s.generation == self.generation) {
+            let at = self.find(slot.key);
+            self.slots[at] = slot;
+        }
+    }
+}

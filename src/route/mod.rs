@@ -1,0 +1,134 @@
+//! One search for everybody: context-aware route planning (CARP) over free windows.
+//!
+//! Main types: [`Ask`] (what is wanted), [`Planner`] (search, estimates and scratch memory), [`Route`] (resources with
+//! windows), [`NoRoute`] (why not). Refuses: to reserve anything itself, to plan to a place where the robot could not
+//! stay, and to look at a clock: effort is counted in expansions.
+//!
+//! Sources: ter Mors et al. 2010 (search over the graph of free windows); thesis 4.2.3 (physical and conflicting
+//! timelines); `reference/carp.md`, pitfalls 1 to 6. What is ours: gaits (standing, rolling) as part of the label with
+//! intervals of arrival, so that a robot may wait in order to arrive at speed; lower bounds lifted to the next free
+//! window of each goal, so that a busy station does not flood the search.
+
+mod estimate;
+mod label;
+pub mod motion;
+mod search;
+mod trace;
+
+pub use estimate::{Estimates, Table};
+pub use motion::{Gait, Kinematics, Pace, Rules};
+
+use crate::id::NodeId;
+use crate::time::{Span, Time};
+use crate::timeline::{Timeline, Visit};
+use crate::warehouse::Warehouse;
+use std::sync::Arc;
+
+/// One leg of what is wanted: drive there, stay that long.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stage {
+    /// Where to.
+    pub goal: NodeId,
+    /// Whether a rack is carried on the way.
+    pub loaded: bool,
+    /// How long to stay there before the next stage; ignored at the last one, where the robot stays for ever.
+    pub stay: Span,
+}
+
+/// What is wanted.
+#[derive(Clone, Debug)]
+pub struct Ask<'a> {
+    /// Where the robot is, or where what it has been granted ends: the visit that the route continues.
+    pub from: &'a Visit,
+    /// Its heading there, radians.
+    pub heading: f64,
+    /// When it can be ready to move there, at the earliest.
+    pub ready: Time,
+    /// Where it wants to go; the last goal must be free for ever from some time on.
+    pub stages: &'a [Stage],
+    /// How many labels may be expanded.
+    pub budget: u32,
+}
+
+/// A route: what to hold, in order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Route {
+    /// The visit it starts from, with its new departure.
+    pub kept: Visit,
+    /// All visits after it; the last one never ends.
+    pub visits: Vec<Visit>,
+    /// For each stage, after how many of `visits` its goal is reached; zero means at the start.
+    pub stops: Vec<usize>,
+    /// When the last goal is reached.
+    pub arrival: Time,
+    /// Labels expanded to find it.
+    pub expansions: u32,
+}
+
+/// Why there is no route.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum NoRoute {
+    /// Not even on an empty floor.
+    Unreachable,
+    /// Others are in the way for ever.
+    Blocked,
+    /// None was found within the budget.
+    BudgetSpent,
+}
+
+/// The search with its estimates and scratch memory.
+#[derive(Debug)]
+pub struct Planner {
+    estimates: Estimates,
+    scratch: search::Scratch,
+}
+
+impl Planner {
+    /// A planner for one building and one set of rules.
+    pub fn new(warehouse: Arc<Warehouse>, rules: Rules) -> Planner {
+        let pace = Arc::new(Pace::new(&warehouse, rules));
+        Planner { estimates: Estimates::new(warehouse, pace), scratch: search::Scratch::default() }
+    }
+
+    /// The durations it plans with.
+    pub fn pace(&self) -> &Arc<Pace> {
+        self.estimates.pace()
+    }
+
+    /// The building.
+    pub fn warehouse(&self) -> &Arc<Warehouse> {
+        self.estimates.warehouse()
+    }
+
+    /// Lower bounds.
+    pub fn estimates(&mut self) -> &mut Estimates {
+        &mut self.estimates
+    }
+
+    /// The route that reaches the first goal earliest and, among those, the last one earliest, given what others
+    /// hold in `timeline`. The holds of the asking robot itself must not be in it (see [`Timeline::without`]).
+    ///
+    /// # Errors
+    /// Why there is none, or none within the budget.
+    pub fn plan(&mut self, ask: &Ask<'_>, timeline: &Timeline) -> Result<Route, NoRoute> {
+        search::plan(&mut self.estimates, &mut self.scratch, ask, timeline)
+    }
+
+    /// How long the stages would take with nobody else on the floor, from standing at a node.
+    pub fn free_flow(&mut self, from: NodeId, stages: &[Stage]) -> Option<Span> {
+        let mut total = Span::ZERO;
+        let mut at = from;
+        for (i, s) in stages.iter().enumerate() {
+            let table = self.estimates.table(s.goal, s.loaded);
+            total += if at == s.goal { Span::ZERO } else { self.estimates.bound_from(&table, at)? };
+            if i + 1 < stages.len() {
+                total += s.stay;
+            }
+            at = s.goal;
+        }
+        Some(total)
+    }
+}
+
+#[cfg(test)]
+mod tests;

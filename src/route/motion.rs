@@ -1,0 +1,245 @@
+//! How long robots take: kinematics, and the same as tables per arc.
+//!
+//! Main types: [`Rules`] (what a move is), [`Kinematics`] (a real robot's figures), [`Pace`] (durations of every
+//! arc and turn of one warehouse). Refuses: to know where anybody is.
+//!
+//! Speeds are planned in two states, standing and rolling. A run of several lanes is driven as: speed up, cruise,
+//! brake. With speed `v` and acceleration `a` a run of length `L ≥ v²/a` takes `L/v + v/a`: the sum of its lanes at
+//! cruise plus `v/2a` for the start and `v/2a` for the stop. A single lane shorter than `v²/a` from rest to rest takes
+//! `2·√(L/a)`. Short runs of several lanes are thereby planned up to 0.4 s too slow, never too fast.
+
+use crate::geometry::turn_between;
+use crate::id::{ArcId, Dense, IdVec};
+use crate::time::Span;
+use crate::warehouse::Warehouse;
+
+/// Headings closer than this are straight on, radians.
+const STRAIGHT: f64 = 0.1;
+
+/// A robot's figures. Defaults: safety.md 1.5 (RAWSim-O's robots with a loaded acceleration of 0.5 m/s²).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kinematics {
+    /// Top speed, metres per second.
+    pub speed_mps: f64,
+    /// Acceleration and braking without a rack, metres per second squared.
+    pub accel_unloaded_mps2: f64,
+    /// Acceleration and braking with a rack.
+    pub accel_loaded_mps2: f64,
+    /// Turning in place, radians per second.
+    pub turn_radps: f64,
+    /// Lifting a rack, or setting it down.
+    pub lift: Span,
+    /// By how much a hold outlasts the moment in which the robot stands on the next node.
+    pub clearance: Span,
+    /// Delay from a grant's leaving to the robot's acting on it.
+    pub reaction: Span,
+}
+
+impl Default for Kinematics {
+    fn default() -> Self {
+        Kinematics {
+            speed_mps: 1.5,
+            accel_unloaded_mps2: 1.0,
+            accel_loaded_mps2: 0.5,
+            turn_radps: std::f64::consts::TAU / 2.5,
+            lift: Span::from_millis(2200),
+            clearance: Span::from_millis(100),
+            reaction: Span::from_millis(100),
+        }
+    }
+}
+
+impl Kinematics {
+    /// Acceleration and braking, metres per second squared.
+    pub fn accel_mps2(&self, loaded: bool) -> f64 {
+        if loaded { self.accel_loaded_mps2 } else { self.accel_unloaded_mps2 }
+    }
+
+    /// Distance in which a robot at speed `v` comes to rest, metres.
+    pub fn braking_m(&self, v: f64, loaded: bool) -> f64 {
+        v * v / (2.0 * self.accel_mps2(loaded))
+    }
+}
+
+/// What a move is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rules {
+    /// Robots with inertia: a robot holds two nodes while it drives between them.
+    Drive(Kinematics),
+    /// One lane a step, hand-over in an instant, no exchange of places: pebble motion on graphs.
+    Pebble {
+        /// The length of a step.
+        step: Span,
+        /// Whether a quarter turn takes a step, too.
+        turns: bool,
+    },
+}
+
+/// Durations of every arc and turn of one warehouse under one set of rules.
+#[derive(Clone, Debug)]
+pub struct Pace {
+    rules: Rules,
+    drive: IdVec<ArcId, [Span; 8]>,
+    turn_start: Vec<u32>,
+    turns: Vec<Span>,
+    straight: Vec<bool>,
+    rolls_on: Vec<bool>,
+}
+
+/// Whether a robot stands or rolls when its centre passes a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Gait {
+    /// At rest: it may wait, turn, lift.
+    Standing,
+    /// At cruising speed: it goes straight on at once.
+    Rolling,
+}
+
+impl Pace {
+    /// Computes all durations. Arcs are few (tens of thousands at most), so this takes milliseconds.
+    pub fn new(warehouse: &Warehouse, rules: Rules) -> Pace {
+        let mut pace = Pace {
+            rules,
+            drive: IdVec::new(),
+            turn_start: vec![0],
+            turns: Vec::new(),
+            straight: Vec::new(),
+            rolls_on: Vec::new(),
+        };
+        for arc in warehouse.arcs.iter() {
+            let mut spans = [Span::ZERO; 8];
+            for (i, span) in spans.iter_mut().enumerate() {
+                let (loaded, from, to) = (i & 4 != 0, gait(i & 2 != 0), gait(i & 1 != 0));
+                *span = drive_span(&rules, arc.length_m, arc.speed_limit_mps, loaded, from, to);
+            }
+            pace.drive.push(spans);
+            for &heading in warehouse.headings(arc.from) {
+                pace.turns.push(turn_span(&rules, heading, arc.heading));
+                pace.straight.push(turn_between(heading, arc.heading) < STRAIGHT);
+            }
+            pace.turn_start.push(pace.turns.len() as u32);
+            let goes_on = |a: &crate::warehouse::Arc| turn_between(arc.heading, a.heading) < STRAIGHT;
+            pace.rolls_on.push(pace.can_roll() && warehouse.out(arc.to).any(|(_, a)| goes_on(a)));
+        }
+        pace
+    }
+
+    /// The rules.
+    pub fn rules(&self) -> &Rules {
+        &self.rules
+    }
+
+    /// Whether robots may roll through nodes at all.
+    pub fn can_roll(&self) -> bool {
+        matches!(self.rules, Rules::Drive(_))
+    }
+
+    /// Whether a robot holds the next node from the moment it departs (else from the moment it arrives).
+    pub fn holds_while_driving(&self) -> bool {
+        matches!(self.rules, Rules::Drive(_))
+    }
+
+    /// From node centre to node centre.
+    pub fn drive(&self, arc: ArcId, loaded: bool, from: Gait, to: Gait) -> Span {
+        let i = usize::from(loaded) << 2 | usize::from(from == Gait::Rolling) << 1;
+        self.drive[arc][i | usize::from(to == Gait::Rolling)]
+    }
+
+    /// Turning in place from arrival heading `slot` of the arc's start to the arc.
+    pub fn turn(&self, arc: ArcId, slot: u8) -> Span {
+        self.turns[self.turn_start[arc.ix()] as usize + usize::from(slot)]
+    }
+
+    /// Whether the arc continues arrival heading `slot` of its start without a turn.
+    pub fn is_straight(&self, arc: ArcId, slot: u8) -> bool {
+        self.straight[self.turn_start[arc.ix()] as usize + usize::from(slot)]
+    }
+
+    /// Whether a robot can roll through the arc's end: some arc continues it without a turn.
+    pub fn rolls_on(&self, arc: ArcId) -> bool {
+        self.rolls_on[arc.ix()]
+    }
+
+    /// Turning in place between any two headings.
+    pub fn turn_between(&self, from: f64, to: f64) -> Span {
+        turn_span(&self.rules, from, to)
+    }
+
+    /// How long before leaving a node a rolling robot must be sure of the next one, since it could not stop any
+    /// more: the time of its braking distance at cruising speed, plus its reaction.
+    pub fn lead(&self, loaded: bool) -> Span {
+        match self.rules {
+            Rules::Drive(k) => Span::from_secs_f64(k.speed_mps / (2.0 * k.accel_mps2(loaded))) + k.reaction,
+            Rules::Pebble { .. } => Span::ZERO,
+        }
+    }
+
+    /// By how much a hold outlasts the arrival at the next node.
+    pub fn clearance(&self) -> Span {
+        match self.rules {
+            Rules::Drive(k) => k.clearance,
+            Rules::Pebble { .. } => Span::ZERO,
+        }
+    }
+}
+
+fn gait(rolling: bool) -> Gait {
+    if rolling { Gait::Rolling } else { Gait::Standing }
+}
+
+fn drive_span(rules: &Rules, length: f64, limit: f64, loaded: bool, from: Gait, to: Gait) -> Span {
+    match rules {
+        Rules::Pebble { step, .. } => *step,
+        Rules::Drive(k) => {
+            let (v, a) = (k.speed_mps.min(limit), k.accel_mps2(loaded));
+            let ramps = f64::from(u8::from(from == Gait::Standing) + u8::from(to == Gait::Standing));
+            let seconds = if ramps == 2.0 && length < v * v / a {
+                2.0 * (length / a).sqrt()
+            } else {
+                length / v + ramps * v / (2.0 * a)
+            };
+            Span::from_secs_f64(seconds)
+        }
+    }
+}
+
+fn turn_span(rules: &Rules, from: f64, to: f64) -> Span {
+    let angle = turn_between(from, to);
+    match rules {
+        Rules::Pebble { turns: false, .. } => Span::ZERO,
+        Rules::Pebble { step, turns: true } => *step * (angle / std::f64::consts::FRAC_PI_2).round() as i64,
+        Rules::Drive(_) if angle < STRAIGHT => Span::ZERO,
+        Rules::Drive(k) => Span::from_secs_f64(angle / k.turn_radps),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn span(length: f64, loaded: bool, from: Gait, to: Gait) -> f64 {
+        let rules = Rules::Drive(Kinematics::default());
+        drive_span(&rules, length, f64::INFINITY, loaded, from, to).as_secs_f64()
+    }
+
+    #[test]
+    fn a_long_run_takes_its_cruise_plus_one_ramp() {
+        use Gait::*;
+        let lanes = 10;
+        let run = span(1.0, false, Standing, Rolling)
+            + (lanes - 2) as f64 * span(1.0, false, Rolling, Rolling)
+            + span(1.0, false, Rolling, Standing);
+        assert!((run - (10.0 / 1.5 + 1.5)).abs() < 1e-4, "{run}");
+    }
+
+    #[test]
+    fn one_short_lane_is_a_triangle_of_speed() {
+        assert!((span(1.0, true, Gait::Standing, Gait::Standing) - 2.0 * 2f64.sqrt()).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_quarter_turn_is_a_quarter_of_a_full_one() {
+        let quarter = turn_span(&Rules::Drive(Kinematics::default()), 0.0, std::f64::consts::FRAC_PI_2);
+        assert_eq!(quarter, Span::from_millis(625));
+    }
+}

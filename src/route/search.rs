@@ -1,0 +1,337 @@
+//! Best-first search over free windows.
+//!
+//! Main function: [`plan`]. A label is (node, gap, arrival heading, gait, stage) with the earliest arrival and, while
+//! rolling, the latest one too: a robot may delay the start of its run, but cannot wait while it rolls. Earlier
+//! arrival dominates while standing (heading differences paid by turning); while rolling, the wider interval does.
+//! The objective is lexicographic: earliest at the first goal, then earliest at the last. A second leg that must wait
+//! thus never sends the search back to the first one. Refuses: any other objective.
+
+use super::estimate::{Estimates, Table, may_drive};
+use super::label::{Label, Labels, NONE, OWN_HEADING};
+use super::motion::{Gait, Pace};
+use super::{Ask, NoRoute, Route, Stage, trace};
+use crate::geometry::turn_between;
+use crate::id::{ArcId, NodeId};
+use crate::time::{Span, Time};
+use crate::timeline::{Gap, Timeline};
+use crate::warehouse::Warehouse;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::sync::Arc;
+
+/// Memory kept between searches.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    labels: Labels,
+    open: Open,
+}
+
+/// Lower bounds of the arrivals at the first and at the last goal, then the deepest label first.
+type Open = BinaryHeap<Reverse<(i64, i64, Reverse<i64>, u32)>>;
+
+/// What one search looks at.
+struct Search<'a> {
+    warehouse: &'a Warehouse,
+    pace: &'a Pace,
+    estimates: &'a Estimates,
+    timeline: &'a Timeline,
+    ask: &'a Ask<'a>,
+    tables: Vec<Arc<Table>>,
+    goals: Vec<GoalWindows>,
+    /// Lower bound from each goal to the next.
+    between: Vec<i64>,
+}
+
+/// When a goal can be reached: `[first, last]` arrivals, in order.
+struct GoalWindows(Vec<(i64, i64)>);
+
+impl GoalWindows {
+    /// The earliest possible arrival at `t` or later.
+    fn lift(&self, t: i64) -> Option<i64> {
+        let at = self.0.partition_point(|(_, last)| *last < t);
+        self.0.get(at).map(|(first, _)| t.max(*first))
+    }
+}
+
+/// A way from a label to the next node, before windows are looked at.
+struct Hop {
+    arc: ArcId,
+    to: Gait,
+    /// Departures possible as far as the label is concerned.
+    depart: (i64, i64),
+    span: i64,
+    /// The next node must be held this long before departure.
+    lead: i64,
+}
+
+pub(super) fn plan(
+    estimates: &mut Estimates,
+    scratch: &mut Scratch,
+    ask: &Ask<'_>,
+    timeline: &Timeline,
+) -> Result<Route, NoRoute> {
+    assert!(!ask.stages.is_empty() && ask.stages.len() < 16, "a route has one to fifteen stages");
+    let tables: Vec<_> = ask.stages.iter().map(|s| estimates.table(s.goal, s.loaded)).collect();
+    let between = bounds_between(estimates, ask.stages, &tables)?;
+    let warehouse = estimates.warehouse().clone();
+    let pace = estimates.pace().clone();
+    let goals = goal_windows(&warehouse, timeline, ask)?;
+    let search =
+        Search { warehouse: &warehouse, pace: &pace, estimates, timeline, ask, tables, goals, between };
+    let Scratch { labels, open } = scratch;
+    labels.clear();
+    open.clear();
+    search.start(labels, open)?;
+    let (goal, expansions) = search.run(labels, open)?;
+    Ok(trace::route(labels, goal, ask, &pace, &warehouse, expansions))
+}
+
+fn bounds_between(
+    estimates: &Estimates,
+    stages: &[Stage],
+    tables: &[Arc<Table>],
+) -> Result<Vec<i64>, NoRoute> {
+    let pairs = stages.iter().zip(&stages[1..]).zip(&tables[1..]);
+    pairs
+        .map(|((here, next), table)| {
+            if here.goal == next.goal {
+                return Ok(0);
+            }
+            estimates.bound_from(table, here.goal).map(|s| s.0).ok_or(NoRoute::Unreachable)
+        })
+        .collect()
+}
+
+fn goal_windows(
+    warehouse: &Warehouse,
+    timeline: &Timeline,
+    ask: &Ask<'_>,
+) -> Result<Vec<GoalWindows>, NoRoute> {
+    let last = ask.stages.len() - 1;
+    let windows = |(i, stage): (usize, &Stage)| {
+        let gaps = timeline.gaps(warehouse.node_resource(stage.goal), ask.ready);
+        let fits = gaps.filter_map(|g| match (i == last, g.end.is_forever()) {
+            (true, false) => None,
+            (_, true) => Some((g.start.0, i64::MAX)),
+            _ => Some((g.start.0, (g.end - stage.stay).0 - 1)),
+        });
+        let fits: Vec<_> = fits.filter(|(first, latest)| first <= latest).collect();
+        if fits.is_empty() { Err(NoRoute::Blocked) } else { Ok(GoalWindows(fits)) }
+    };
+    ask.stages.iter().enumerate().map(windows).collect()
+}
+
+impl Search<'_> {
+    fn start(&self, labels: &mut Labels, open: &mut Open) -> Result<(), NoRoute> {
+        let node = self.ask.from.node;
+        let own = self.timeline.gaps(self.warehouse.node_resource(node), self.ask.ready).next();
+        let gap = own.filter(|g| g.start <= self.ask.ready).ok_or(NoRoute::Blocked)?;
+        let known = self.warehouse.headings(node).iter();
+        let slot = known.clone().position(|h| turn_between(*h, self.ask.heading) < 0.02);
+        let slot = slot.map_or(OWN_HEADING, |s| s as u8);
+        let ready = self.ask.ready.0;
+        let label = Label::new((ready, gap.end.0), node, gap, slot, Gait::Standing, 0, NONE, None);
+        self.push(labels, open, label);
+        Ok(())
+    }
+
+    /// Expands labels in order of their bounds until one stays at the last goal for ever.
+    fn run(&self, labels: &mut Labels, open: &mut Open) -> Result<(u32, u32), NoRoute> {
+        let mut expansions = 0;
+        while let Some(Reverse((_, _, _, index))) = open.pop() {
+            let label = *labels.get(index);
+            if label.dominated {
+                continue;
+            }
+            let stage = &self.ask.stages[usize::from(label.stage)];
+            if label.gait == Gait::Standing && label.node == stage.goal {
+                if usize::from(label.stage) + 1 < self.ask.stages.len() {
+                    self.finish_stage(labels, open, index, label, stage.stay);
+                } else if label.gap.end.is_forever() {
+                    return Ok((index, expansions));
+                }
+            }
+            expansions += 1;
+            if expansions > self.ask.budget {
+                return Err(NoRoute::BudgetSpent);
+            }
+            self.expand(labels, open, index, label);
+        }
+        Err(NoRoute::Blocked)
+    }
+
+    fn finish_stage(&self, labels: &mut Labels, open: &mut Open, index: u32, label: Label, stay: Span) {
+        let ready = (Time(label.lo) + stay).0;
+        if ready < label.gap.end.0 {
+            let times = (ready, label.gap.end.0);
+            let stage = label.stage + 1;
+            let first = if label.stage == 0 { label.lo } else { label.first };
+            let next =
+                Label::new(times, label.node, label.gap, label.slot, Gait::Standing, stage, index, None);
+            self.push(labels, open, next.with_first(first));
+        }
+    }
+
+    fn expand(&self, labels: &mut Labels, open: &mut Open, index: u32, label: Label) {
+        let stage = self.ask.stages[usize::from(label.stage)];
+        for (arc, way) in self.warehouse.out(label.node) {
+            if !may_drive(self.warehouse, arc, stage.loaded, stage.goal) {
+                continue;
+            }
+            let Some(depart) = self.departures(&label, arc) else { continue };
+            for to in [Gait::Standing, Gait::Rolling] {
+                if to == Gait::Rolling && !self.pace.rolls_on(arc) {
+                    continue;
+                }
+                let span = self.pace.drive(arc, stage.loaded, label.gait, to).0;
+                let lead = if label.gait == Gait::Rolling { self.pace.lead(stage.loaded).0 } else { 0 };
+                let hop = Hop { arc, to, depart, span, lead };
+                self.enter_gaps(labels, open, index, &label, &hop, way.to);
+            }
+        }
+    }
+
+    /// When the robot can leave along `arc`, as far as its own gait and heading are concerned.
+    fn departures(&self, label: &Label, arc: ArcId) -> Option<(i64, i64)> {
+        if label.gait == Gait::Rolling {
+            return self.pace.is_straight(arc, label.slot).then_some((label.lo, label.hi));
+        }
+        let turn = if label.slot == OWN_HEADING {
+            self.pace.turn_between(self.ask.heading, self.warehouse.arcs[arc].heading)
+        } else {
+            self.pace.turn(arc, label.slot)
+        };
+        Some((label.lo + turn.0, i64::MAX))
+    }
+
+    /// Tries every free window of the next node that can be reached, and of the lane where it needs holding.
+    fn enter_gaps(
+        &self,
+        labels: &mut Labels,
+        open: &mut Open,
+        index: u32,
+        label: &Label,
+        hop: &Hop,
+        node: NodeId,
+    ) {
+        let lane = self.warehouse.arcs[hop.arc].lane;
+        let latest = hop.depart.1.min(label.gap.end.0);
+        let resource = self.warehouse.node_resource(node);
+        for gap in self.timeline.gaps(resource, Time(hop.depart.0 - hop.lead)) {
+            if gap.start.0 > latest {
+                break;
+            }
+            if self.warehouse.lane_is_free_of_conflicts(lane) {
+                self.enter(labels, open, index, label, hop, node, gap, FREE);
+                continue;
+            }
+            let lane = self.warehouse.lane_resource(lane);
+            for lane_gap in self.timeline.gaps(lane, Time(hop.depart.0 - hop.lead)) {
+                if lane_gap.start.0 > latest {
+                    break;
+                }
+                self.enter(labels, open, index, label, hop, node, gap, lane_gap);
+            }
+        }
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "the innermost step: everything it needs, nothing packed")]
+    fn enter(
+        &self,
+        labels: &mut Labels,
+        open: &mut Open,
+        index: u32,
+        label: &Label,
+        hop: &Hop,
+        node: NodeId,
+        gap: Gap,
+        lane_gap: Gap,
+    ) {
+        let times = if self.pace.holds_while_driving() {
+            self.arrivals_overlapping(label, hop, gap, lane_gap)
+        } else {
+            self.arrivals_instant(label, hop, node, gap)
+        };
+        let Some((lo, hi)) = times else { return };
+        let hi = if hop.to == Gait::Standing { gap.end.0 } else { hi };
+        let slot = self.warehouse.arcs[hop.arc].slot;
+        let next = Label::new((lo, hi), node, gap, slot, hop.to, label.stage, index, Some(hop.arc));
+        self.push(labels, open, next.with_first(label.first));
+    }
+
+    /// Arrivals where both nodes are held while driving between them.
+    fn arrivals_overlapping(&self, label: &Label, hop: &Hop, gap: Gap, lane_gap: Gap) -> Option<(i64, i64)> {
+        let clear = self.pace.clearance();
+        let latest_arrival = (label.gap.end - clear).min(lane_gap.end - clear).min(gap.end - Span(1)).0;
+        let begin = gap.start.max(lane_gap.start).0;
+        let lo = hop.depart.0.max(begin + hop.lead) + hop.span;
+        let hi = hop.depart.1.saturating_add(hop.span).min(latest_arrival);
+        (lo <= hi).then_some((lo, hi))
+    }
+
+    /// Arrivals where nodes change hands in an instant; two robots must not change places.
+    fn arrivals_instant(&self, label: &Label, hop: &Hop, node: NodeId, gap: Gap) -> Option<(i64, i64)> {
+        let lo = (hop.depart.0 + hop.span).max(gap.start.0);
+        let hi = label.gap.end.min(gap.end - Span(1)).0;
+        if lo > hi {
+            return None;
+        }
+        if lo == gap.start.0 && lo == label.gap.end.0 {
+            let (before, _) = self.timeline.neighbours(self.warehouse.node_resource(node), gap);
+            let (_, after) = self.timeline.neighbours(self.warehouse.node_resource(label.node), label.gap);
+            if before == after {
+                return None;
+            }
+        }
+        Some((lo, hi))
+    }
+
+    /// Adds a label with its bound, unless it cannot lead anywhere or another one is as good.
+    fn push(&self, labels: &mut Labels, open: &mut Open, label: Label) {
+        let Some((first, last)) = self.bound(&label) else { return };
+        if let Some(index) = labels.add(label, |a, b| self.dominates(a, b)) {
+            open.push(Reverse((first, last, Reverse(label.lo), index)));
+        }
+    }
+
+    /// The earliest possible arrivals at the first and at the last goal, seen from a label.
+    fn bound(&self, label: &Label) -> Option<(i64, i64)> {
+        let stage = usize::from(label.stage);
+        let there = label.node == self.ask.stages[stage].goal && label.gait == Gait::Standing;
+        let ahead = if label.slot == OWN_HEADING || there {
+            0
+        } else {
+            self.estimates.bound(&self.tables[stage], label.node, label.slot, label.gait)?.0
+        };
+        let mut arrival = label.lo + ahead;
+        let mut first = label.first;
+        for k in stage..self.goals.len() {
+            arrival = self.goals[k].lift(arrival)?;
+            if k == 0 {
+                first = arrival;
+            }
+            if k + 1 < self.goals.len() {
+                arrival += self.ask.stages[k].stay.0 + self.between[k];
+            }
+        }
+        Some((first, arrival))
+    }
+
+    fn dominates(&self, a: &Label, b: &Label) -> bool {
+        if a.lo > b.lo || a.first > b.first || a.gait != b.gait {
+            return false;
+        }
+        if a.slot == b.slot {
+            return a.gait == Gait::Standing || a.hi >= b.hi;
+        }
+        if a.gait == Gait::Rolling || a.slot == OWN_HEADING || b.slot == OWN_HEADING {
+            return false;
+        }
+        let headings = self.warehouse.headings(a.node);
+        let turn = self.pace.turn_between(headings[usize::from(a.slot)], headings[usize::from(b.slot)]);
+        a.lo + turn.0 <= b.lo
+    }
+}
+
+/// The window of a lane that nobody needs to hold.
+const FREE: Gap = Gap { start: Time(i64::MIN / 2), end: Time::MAX, index: 0 };

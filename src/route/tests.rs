@@ -1,0 +1,339 @@
+//! The search against brute force: every walk, gait and choice of windows on small floors.
+
+use super::*;
+use crate::geometry::Point;
+use crate::id::{ArcId, Dense, ResourceId, RobotId};
+use crate::timeline::{Gap, Holder};
+use crate::warehouse::{Draft, DraftLane, DraftNode, Users};
+use proptest::prelude::*;
+
+fn grid(columns: usize, rows: usize) -> Arc<Warehouse> {
+    let name = |x: usize, y: usize| format!("{x},{y}");
+    let mut draft = Draft { name: "grid".into(), footprint_m: 0.9, ..Draft::default() };
+    for y in 0..rows {
+        for x in 0..columns {
+            draft.nodes.push(DraftNode { name: name(x, y), at: Point::new(x as f64, y as f64) });
+            let right = (x + 1 < columns).then(|| name(x + 1, y));
+            let up = (y + 1 < rows).then(|| name(x, y + 1));
+            for to in right.into_iter().chain(up) {
+                draft.lanes.push(DraftLane {
+                    from: name(x, y),
+                    to,
+                    both: true,
+                    length_m: None,
+                    speed_limit_mps: None,
+                    users: Users::ALL,
+                });
+            }
+        }
+    }
+    Arc::new(draft.build_unchecked())
+}
+
+fn still(node: u32, enter: Time, leave: Time) -> Visit {
+    let depart = leave;
+    Visit { node: NodeId(node), lane: None, enter, arrive: enter, depart, leave, stay: Span::ZERO }
+}
+
+fn start() -> Visit {
+    still(0, Time(0), Time::MAX)
+}
+
+fn drive() -> Rules {
+    Rules::Drive(Kinematics::default())
+}
+
+const PEBBLE: Rules = Rules::Pebble { step: Span(1_000_000), turns: false };
+const TURNS: Rules = Rules::Pebble { step: Span(1_000_000), turns: true };
+
+/// Holds of strangers: `(node, start, length)` in half seconds; those that clash are left out.
+fn strangers(warehouse: &Arc<Warehouse>, holds: &[(u32, i64, i64)], unit: i64) -> Timeline {
+    let mut timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));
+    for (i, (node, from, length)) in holds.iter().enumerate() {
+        let (from, to) = (Time(from * unit), Time((from + length) * unit));
+        let _ = timeline.reserve(Holder::Robot(RobotId(100 + i as u32)), vec![still(*node, from, to)]);
+    }
+    timeline
+}
+
+fn ask<'a>(from: &'a Visit, stages: &'a [Stage]) -> Ask<'a> {
+    Ask { from, heading: 0.0, ready: Time(0), stages, budget: 1_000_000 }
+}
+
+fn to(goal: u32) -> Stage {
+    Stage { goal: NodeId(goal), loaded: false, stay: Span::ZERO }
+}
+
+/// Earliest arrival at `goal` by trying everything: walks of at most `steps` arcs, all gaits, all choices of gaps.
+struct Brute<'a> {
+    warehouse: &'a Warehouse,
+    pace: &'a Pace,
+    timeline: &'a Timeline,
+    goal: NodeId,
+    best: i64,
+    walk: Vec<Step>,
+}
+
+#[derive(Clone, Copy)]
+struct Step {
+    arc: ArcId,
+    gap: Gap,
+    gait: Gait,
+}
+
+impl Brute<'_> {
+    fn go(&mut self, at: NodeId, start_gap: Gap, steps: usize) {
+        let Some(arrival) = self.schedule(start_gap) else { return };
+        let last = self.walk.last();
+        let standing = last.is_none_or(|s| s.gait == Gait::Standing);
+        if at == self.goal && standing && last.map_or(start_gap, |s| s.gap).end.is_forever() {
+            self.best = self.best.min(arrival);
+        }
+        if steps == 0 || arrival >= self.best {
+            return;
+        }
+        let hops: Vec<(ArcId, NodeId)> = self.warehouse.out(at).map(|(id, a)| (id, a.to)).collect();
+        for (arc, next) in hops {
+            for gap in self.timeline.gaps(self.warehouse.node_resource(next), Time(0)).collect::<Vec<_>>() {
+                for gait in [Gait::Standing, Gait::Rolling] {
+                    self.walk.push(Step { arc, gap, gait });
+                    self.go(next, start_gap, steps - 1);
+                    self.walk.pop();
+                }
+            }
+        }
+    }
+
+    /// Earliest arrival of the walk so far as a system of difference constraints, solved by repetition.
+    fn schedule(&self, start_gap: Gap) -> Option<i64> {
+        let n = self.walk.len();
+        let mut depart = vec![0i64; n];
+        let (clear, lead) = (self.pace.clearance().0, self.pace.lead(false).0);
+        let gait = |i: usize| if i == 0 { Gait::Standing } else { self.walk[i - 1].gait };
+        let span = |i: usize| self.pace.drive(self.walk[i].arc, false, gait(i), self.walk[i].gait).0;
+        for round in 0..=2 * n {
+            let mut changed = false;
+            for i in 0..n {
+                let arc = self.warehouse.arcs[self.walk[i].arc];
+                let heading = if i == 0 { 0.0 } else { self.warehouse.arcs[self.walk[i - 1].arc].heading };
+                let arrive = if i == 0 { 0 } else { depart[i - 1] + span(i - 1) };
+                let straight = crate::geometry::turn_between(heading, arc.heading) < 0.1;
+                let rolling = gait(i) == Gait::Rolling;
+                if rolling && !straight || !self.pace.can_roll() && self.walk[i].gait == Gait::Rolling {
+                    return None;
+                }
+                let turn = if rolling { 0 } else { self.pace.turn_between(heading, arc.heading).0 };
+                let window = self.walk[i].gap.start.0 + if rolling { lead } else { 0 };
+                let need = depart[i].max(arrive + turn).max(window);
+                changed |= need > depart[i];
+                depart[i] = need;
+                // A rolling robot departs when it arrives: a later departure means a later one before.
+                if rolling && depart[i] > arrive {
+                    depart[i - 1] += depart[i] - arrive;
+                    changed = true;
+                }
+                let own_gap = if i == 0 { start_gap } else { self.walk[i - 1].gap };
+                let reached = depart[i] + span(i);
+                if reached + clear > own_gap.end.0 || reached >= self.walk[i].gap.end.0 {
+                    return None;
+                }
+            }
+            if !changed {
+                return Some(n.checked_sub(1).map_or(0, |l| depart[l] + span(l)));
+            }
+            assert!(round < 2 * n, "difference constraints along a walk settle");
+        }
+        None
+    }
+}
+
+fn brute(warehouse: &Warehouse, pace: &Pace, timeline: &Timeline, goal: u32, steps: usize) -> Option<i64> {
+    let start_gap = timeline.gaps(ResourceId(0), Time(0)).next()?;
+    if start_gap.start > Time(0) {
+        return None;
+    }
+    let mut b = Brute { warehouse, pace, timeline, goal: NodeId(goal), best: i64::MAX, walk: Vec::new() };
+    b.go(NodeId(0), start_gap, steps);
+    (b.best < i64::MAX).then_some(b.best)
+}
+
+/// A route must fit between the holds of others, without touching the order of anything.
+fn assert_fits(timeline: &mut Timeline, route: &Route) {
+    let own = Holder::Robot(RobotId(0));
+    timeline.reserve(own, vec![start()]).expect("the start is free for ever or the search would have failed");
+    timeline.replace(own, 0, route.kept.clone(), route.visits.clone()).expect("routes fit into free windows");
+    timeline.assert_sound();
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn with_inertia_the_search_arrives_as_early_as_brute_force(
+        holds in proptest::collection::vec((0u32..6, 1i64..24, 1i64..8), 0..4),
+        goal in 0u32..6,
+    ) {
+        let warehouse = grid(3, 2);
+        // The start stays free, so that the route can be reserved from it.
+        let holds: Vec<_> = holds.into_iter().filter(|h| h.0 != 0).collect();
+        let mut timeline = strangers(&warehouse, &holds, 500_000);
+        let mut planner = Planner::new(warehouse.clone(), drive());
+        let (from, stages) = (start(), [to(goal)]);
+        let found = planner.plan(&ask(&from, &stages), &timeline);
+        let best = brute(&warehouse, &planner.pace().clone(), &timeline, goal, 5);
+        prop_assert_eq!(found.as_ref().ok().map(|r| r.arrival.0), best);
+        if let Ok(route) = found { assert_fits(&mut timeline, &route); }
+    }
+
+    #[test]
+    fn pebbles_arrive_as_early_as_a_breadth_first_search_over_time(
+        holds in proptest::collection::vec((1u32..6, 1i64..7, 1i64..4), 0..8),
+        goal in 0u32..6,
+        turns in any::<bool>(),
+    ) {
+        let warehouse = grid(3, 2);
+        let timeline = strangers(&warehouse, &holds, 1_000_000);
+        let mut planner = Planner::new(warehouse.clone(), if turns { TURNS } else { PEBBLE });
+        let (from, stages) = (start(), [to(goal)]);
+        let found = planner.plan(&ask(&from, &stages), &timeline);
+        let best = breadth_first(&warehouse, &timeline, goal, turns);
+        prop_assert_eq!(found.ok().map(|r| r.arrival.0 / 1_000_000), best);
+    }
+}
+
+/// Steps until `goal` is reached and free from then on; one step is a second.
+fn breadth_first(warehouse: &Warehouse, timeline: &Timeline, goal: u32, turns: bool) -> Option<i64> {
+    let free = |n: NodeId, t: i64| {
+        let at = Time(t * 1_000_000);
+        timeline.gaps(warehouse.node_resource(n), at).next().is_some_and(|g| g.start <= at)
+    };
+    let for_ever = |n: NodeId, t: i64| (t..24).all(|u| free(n, u));
+    let mut here = vec![(NodeId(0), 0i64)];
+    for t in 0..20 {
+        if here.iter().any(|(n, _)| n.0 == goal && for_ever(*n, t)) {
+            return Some(t);
+        }
+        let mut next = Vec::new();
+        for (n, quarter) in here {
+            let mut add = |m: NodeId, q: i64| {
+                if free(m, t + 1) && !next.contains(&(m, q)) {
+                    next.push((m, q));
+                }
+            };
+            add(n, quarter);
+            if turns {
+                add(n, (quarter + 1) % 4);
+                add(n, (quarter + 3) % 4);
+            }
+            for (_, arc) in warehouse.out(n) {
+                let q = ((arc.heading / std::f64::consts::FRAC_PI_2).round() as i64).rem_euclid(4);
+                if !turns || q == quarter {
+                    add(arc.to, q);
+                }
+            }
+        }
+        here = next;
+    }
+    None
+}
+
+#[test]
+fn every_pattern_of_three_busy_nodes_over_four_steps_is_planned_optimally() {
+    let warehouse = grid(2, 2);
+    let mut planner = Planner::new(warehouse.clone(), PEBBLE);
+    for pattern in 0u32..1 << 12 {
+        let busy = (0..12).filter(|b| pattern >> b & 1 == 1);
+        let holds: Vec<_> = busy.map(|b| (1 + b % 3, 1 + i64::from(b / 3), 1)).collect();
+        let timeline = strangers(&warehouse, &holds, 1_000_000);
+        for goal in 1..4 {
+            let (from, stages) = (start(), [to(goal)]);
+            let found = planner.plan(&ask(&from, &stages), &timeline).ok().map(|r| r.arrival.0 / 1_000_000);
+            assert_eq!(
+                found,
+                breadth_first(&warehouse, &timeline, goal, false),
+                "pattern {pattern:#b} to {goal}"
+            );
+        }
+    }
+}
+
+#[test]
+fn two_pebbles_do_not_change_places() {
+    let warehouse = grid(2, 1);
+    let mut timeline = Timeline::new(warehouse.clone(), Span::ZERO);
+    let second = Time(1_000_000);
+    // Another robot leaves node 1 for node 0 in the very step in which we would go the other way.
+    let other = vec![still(1, Time(0), second), still(0, second, Time::MAX)];
+    timeline.reserve(Holder::Robot(RobotId(7)), other).unwrap();
+    let mut planner = Planner::new(warehouse, PEBBLE);
+    let (from, stages) = (start(), [to(1)]);
+    assert_eq!(planner.plan(&ask(&from, &stages), &timeline), Err(NoRoute::Blocked));
+}
+
+#[test]
+fn nobody_plans_through_a_robot_that_stays_for_ever() {
+    let warehouse = grid(3, 1);
+    let timeline = {
+        let mut t = Timeline::new(warehouse.clone(), Span::ZERO);
+        t.reserve(Holder::Robot(RobotId(7)), vec![still(1, Time(0), Time::MAX)]).unwrap();
+        t
+    };
+    let mut planner = Planner::new(warehouse, drive());
+    let (from, stages) = (start(), [to(2)]);
+    assert_eq!(planner.plan(&ask(&from, &stages), &timeline), Err(NoRoute::Blocked));
+}
+
+#[test]
+fn a_straight_run_takes_what_the_kinematics_say() {
+    let warehouse = grid(11, 1);
+    let timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));
+    let mut planner = Planner::new(warehouse, drive());
+    let (from, stages) = (start(), [to(10)]);
+    let route = planner.plan(&ask(&from, &stages), &timeline).unwrap();
+    assert!((route.arrival.as_secs_f64() - (10.0 / 1.5 + 1.5)).abs() < 1e-3);
+    assert_eq!(route.visits.len(), 10);
+}
+
+#[test]
+fn a_stop_on_the_way_is_planned_together_with_the_way_home() {
+    let warehouse = grid(4, 1);
+    let mut timeline = strangers(&warehouse, &[(2, 8, 10)], 500_000);
+    let mut planner = Planner::new(warehouse, drive());
+    let stages = [Stage { stay: Span::from_secs(3), ..to(2) }, to(0)];
+    let from = start();
+    let route = planner.plan(&ask(&from, &stages), &timeline).unwrap();
+    let stop = &route.visits[route.stops[0] - 1];
+    assert_eq!(stop.node, NodeId(2));
+    assert!(stop.depart - stop.arrive >= Span::from_secs(3), "{stop:?}");
+    assert!(stop.enter >= Time(9_000_000), "the stop does not fit before the stranger: {stop:?}");
+    assert_eq!(route.visits.last().unwrap().node, NodeId(0));
+    assert_fits(&mut timeline, &route);
+}
+
+#[test]
+fn a_search_that_fails_is_bounded_by_its_budget() {
+    let warehouse = grid(3, 3);
+    let timeline = strangers(&warehouse, &[(8, 40, 10)], 500_000);
+    let mut planner = Planner::new(warehouse, drive());
+    let (from, stages) = (start(), [to(8)]);
+    let small = Ask { budget: 3, ..ask(&from, &stages) };
+    assert_eq!(planner.plan(&small, &timeline), Err(NoRoute::BudgetSpent));
+}
+
+#[test]
+fn bounds_never_exceed_what_the_search_finds_on_an_empty_floor() {
+    let warehouse = grid(4, 3);
+    let timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));
+    let mut planner = Planner::new(warehouse.clone(), drive());
+    for goal in warehouse.nodes.ids() {
+        let table = planner.estimates().table(goal, false);
+        let Some(bound) = planner.estimates().bound_from(&table, NodeId(0)) else { continue };
+        let (from, stages) = (start(), [to(goal.ix() as u32)]);
+        let best = (warehouse.headings(NodeId(0)).iter())
+            .map(|&heading| Ask { heading, ..ask(&from, &stages) })
+            .map(|a| planner.plan(&a, &timeline).unwrap().arrival.0)
+            .min()
+            .unwrap();
+        assert!(bound.0 <= best && best < bound.0 + 20_000, "{goal:?}: bound {bound:?}, found {best} µs");
+    }
+}

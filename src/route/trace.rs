@@ -1,0 +1,110 @@
+//! From the last label of a search back to a route with times.
+//!
+//! Main function: [`route`]. Rolling labels carry intervals; which instant of theirs comes true is known only from
+//! the end: a run starts as late as its last window demands. Refuses: to search.
+
+use super::label::{Label, Labels, NONE, OWN_HEADING};
+use super::motion::{Gait, Pace};
+use super::{Ask, Route};
+use crate::id::ArcId;
+use crate::time::{Span, Time};
+use crate::timeline::Visit;
+use crate::warehouse::Warehouse;
+
+/// A label with the time that came true.
+struct Moment {
+    label: Label,
+    arrive: Time,
+}
+
+pub(super) fn route(
+    labels: &Labels,
+    goal: u32,
+    ask: &Ask<'_>,
+    pace: &Pace,
+    warehouse: &Warehouse,
+    expansions: u32,
+) -> Route {
+    let moments = moments(labels, goal, ask, pace);
+    let stay = (ask.ready - ask.from.arrive).max(Span::ZERO);
+    let kept = Visit { depart: Time::MAX, leave: Time::MAX, stay, ..ask.from.clone() };
+    let mut visits = vec![kept];
+    let mut stops = Vec::new();
+    for pair in moments.windows(2) {
+        let (from, to) = (&pair[0], &pair[1]);
+        let loaded = ask.stages[usize::from(from.label.stage)].loaded;
+        match to.label.arc {
+            None => {
+                stops.push(visits.len() - 1);
+                let here = visits.last_mut().expect("starts with the kept visit");
+                here.stay += to.arrive - from.arrive;
+            }
+            Some(arc) => drive(&mut visits, (from, to), arc, loaded, (ask.heading, pace), warehouse),
+        }
+    }
+    stops.push(visits.len() - 1);
+    let arrival = moments.last().expect("at least the start").arrive;
+    let kept = visits.remove(0);
+    Route { kept, visits, stops, arrival, expansions }
+}
+
+/// Labels from start to goal with the times that came true.
+fn moments(labels: &Labels, goal: u32, ask: &Ask<'_>, pace: &Pace) -> Vec<Moment> {
+    let last = *labels.get(goal);
+    let mut moments = vec![Moment { label: last, arrive: Time(last.lo) }];
+    let mut index = last.parent;
+    while index != NONE {
+        let (parent, child) = (*labels.get(index), moments.last().expect("starts with the goal"));
+        let arrive = match (parent.gait, child.label.arc) {
+            (Gait::Rolling, Some(arc)) => {
+                let loaded = ask.stages[usize::from(parent.stage)].loaded;
+                child.arrive - pace.drive(arc, loaded, Gait::Rolling, child.label.gait)
+            }
+            _ => Time(parent.lo),
+        };
+        moments.push(Moment { label: parent, arrive });
+        index = parent.parent;
+    }
+    moments.reverse();
+    moments
+}
+
+/// Ends the last visit and appends the next one.
+fn drive(
+    visits: &mut Vec<Visit>,
+    (from, to): (&Moment, &Moment),
+    arc: ArcId,
+    loaded: bool,
+    (own_heading, pace): (f64, &Pace),
+    warehouse: &Warehouse,
+) {
+    let here = visits.last_mut().expect("starts with the kept visit");
+    let depart = to.arrive - pace.drive(arc, loaded, from.label.gait, to.label.gait);
+    if from.label.gait == Gait::Standing {
+        let turn = match from.label.slot {
+            OWN_HEADING => pace.turn_between(own_heading, warehouse.arcs[arc].heading),
+            slot => pace.turn(arc, slot),
+        };
+        here.stay += turn;
+    }
+    here.depart = depart;
+    let enter = if !pace.holds_while_driving() {
+        here.leave = to.arrive;
+        to.arrive
+    } else {
+        here.leave = to.arrive + pace.clearance();
+        let lead = if from.label.gait == Gait::Rolling { pace.lead(loaded) } else { Span::ZERO };
+        (depart - lead).max(here.enter)
+    };
+    let lane = warehouse.arcs[arc].lane;
+    let lane = (!warehouse.lane_is_free_of_conflicts(lane)).then(|| warehouse.lane_resource(lane));
+    visits.push(Visit {
+        node: to.label.node,
+        lane,
+        enter,
+        arrive: to.arrive,
+        depart: Time::MAX,
+        leave: Time::MAX,
+        stay: Span::ZERO,
+    });
+}
