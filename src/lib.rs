@@ -1,5 +1,8 @@
 //! Giveway: a warehouse fleet manager in which robots give way to people.
 
+#[cfg(feature = "edge")]
+pub mod cli;
+pub mod experiment;
 pub mod geometry;
 pub mod id;
 pub mod route;

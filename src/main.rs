@@ -1,1 +1,7 @@
-fn main() {}
+//! The `giveway` program: arguments only.
+
+#![forbid(unsafe_code)]
+
+fn main() -> std::process::ExitCode {
+    giveway::cli::run()
+}
