@@ -1,0 +1,223 @@
+//! Facts: what happened and must not be forgotten. The ledger is a fold over them.
+//!
+//! Main type: [`Fact`]. Facts carry results (the chosen route, the time), never recipes: a better planner cannot
+//! rewrite history. Refuses: observations (poses, battery), which are seen again after a restart.
+
+use super::job::{JobRequest, JobState};
+use crate::id::{JobId, NodeId, RackId, RobotId};
+use crate::time::{Span, Time};
+use crate::timeline::Visit;
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Fact {
+    /// A robot joined the fleet, standing on a node. Robots are numbered in order of joining.
+    Enlisted {
+        /// The new number.
+        robot: RobotId,
+        /// Its name.
+        name: String,
+        /// Where it stands.
+        node: NodeId,
+        /// When.
+        at: Time,
+    },
+    /// A job was accepted. Jobs are numbered in order of acceptance.
+    Accepted {
+        /// The new number.
+        job: JobId,
+        /// What is wanted.
+        request: JobRequest,
+        /// When.
+        at: Time,
+    },
+    /// A job came to another state.
+    Progressed {
+        /// Which.
+        job: JobId,
+        /// The new state.
+        state: JobState,
+        /// When.
+        at: Time,
+    },
+    /// A robot has something else to do.
+    Tasked {
+        /// Which.
+        robot: RobotId,
+        /// What.
+        task: Task,
+    },
+    /// A robot holds a new route after its visit `keep`.
+    Routed {
+        /// Which.
+        robot: RobotId,
+        /// Serial number of the visit that stays.
+        keep: u64,
+        /// That visit, with its new departure.
+        kept: Visit,
+        /// The visits after it.
+        visits: Vec<Visit>,
+        /// Where it is to do something, by serial number.
+        stops: Vec<Stop>,
+    },
+    /// A robot may drive up to and including this visit.
+    Granted {
+        /// Which.
+        robot: RobotId,
+        /// Serial number.
+        serial: u64,
+        /// When.
+        at: Time,
+    },
+    /// A robot stands on, or has passed, this visit; everything before it is free again.
+    Passed {
+        /// Which.
+        robot: RobotId,
+        /// Serial number.
+        serial: u64,
+    },
+    /// A robot did what it was to do at a stop.
+    Acted {
+        /// Which.
+        robot: RobotId,
+        /// Serial number of the stop.
+        serial: u64,
+    },
+    /// A robot is late: it cannot leave this visit before `depart`, and all who come after it wait.
+    Delayed {
+        /// Which.
+        robot: RobotId,
+        /// Serial number.
+        serial: u64,
+        /// New departure.
+        depart: Time,
+    },
+    /// These robots keep what they were granted, for ever for all we know, and nothing more.
+    Cut {
+        /// Which.
+        robots: Vec<RobotId>,
+    },
+    /// A robot does not work any more.
+    Failed {
+        /// Which.
+        robot: RobotId,
+        /// When.
+        at: Time,
+    },
+    /// A robot works again.
+    Repaired {
+        /// Which.
+        robot: RobotId,
+        /// When.
+        at: Time,
+    },
+}
+
+/// What a robot does at a stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Act {
+    /// Lifts the rack above it.
+    Lift(RackId),
+    /// Sets its rack down.
+    Set(RackId),
+    /// Waits while a person picks from its rack.
+    Pick(Span),
+    /// Nothing: it has arrived.
+    Arrive,
+}
+
+/// A visit at which a robot does something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Stop {
+    /// Serial number of the visit.
+    pub serial: u64,
+    /// What.
+    pub act: Act,
+}
+
+/// What a robot is doing. `Idle → Fetch → Deliver → Store → Idle`; `Fetch → Store` for relocations; `Idle → Move → Idle`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Task {
+    /// Nothing: it stands where it may stay.
+    Idle,
+    /// It goes to a rack and lifts it.
+    Fetch {
+        /// The job.
+        job: JobId,
+        /// The rack.
+        rack: RackId,
+        /// Where the rack stands.
+        node: NodeId,
+    },
+    /// It carries a rack to a station; its route goes on to `store`.
+    Deliver {
+        /// The job.
+        job: JobId,
+        /// The rack.
+        rack: RackId,
+        /// Where the robot stands while somebody picks.
+        station: NodeId,
+        /// The storage node reserved for the rack.
+        store: NodeId,
+    },
+    /// It brings a rack to a storage node and sets it down.
+    Store {
+        /// The job that ends with it, unless it ended at the station.
+        job: Option<JobId>,
+        /// The rack.
+        rack: RackId,
+        /// The storage node.
+        store: NodeId,
+    },
+    /// It goes somewhere without a rack, and on to `stay` where it cannot stay there.
+    Move {
+        /// The job, if a customer sent it.
+        job: Option<JobId>,
+        /// Where to.
+        goal: NodeId,
+        /// Where it stays in the end.
+        stay: NodeId,
+        /// What for.
+        purpose: Purpose,
+    },
+}
+
+/// Why a robot moves without a rack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Purpose {
+    /// To charge.
+    Charge,
+    /// To be out of the way.
+    Park,
+    /// Because a customer said so.
+    Go,
+}
+
+impl Task {
+    /// The job behind it.
+    pub fn job(&self) -> Option<JobId> {
+        match *self {
+            Task::Fetch { job, .. } | Task::Deliver { job, .. } => Some(job),
+            Task::Store { job, .. } | Task::Move { job, .. } => job,
+            Task::Idle => None,
+        }
+    }
+
+    /// The rack that the robot carries while on this task.
+    pub fn carried(&self) -> Option<RackId> {
+        match *self {
+            Task::Deliver { rack, .. } | Task::Store { rack, .. } => Some(rack),
+            Task::Idle | Task::Fetch { .. } | Task::Move { .. } => None,
+        }
+    }
+
+    /// The node on which the robot ends, and which nobody else may be promised.
+    pub fn destination(&self) -> Option<NodeId> {
+        match *self {
+            Task::Idle => None,
+            Task::Fetch { node, .. } => Some(node),
+            Task::Deliver { store, .. } | Task::Store { store, .. } => Some(store),
+            Task::Move { stay, .. } => Some(stay),
+        }
+    }
+}

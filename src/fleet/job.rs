@@ -1,0 +1,171 @@
+//! Jobs: what a customer wants, and how far it has come.
+//!
+//! Main types: [`JobKind`], [`JobRequest`], [`Job`], [`JobState`]. Refuses: to know how a job is carried out.
+
+use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
+use crate::time::{Span, Time};
+
+/// What is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum JobKind {
+    /// Bring a rack to a station, let a person pick from it, and put it back somewhere sensible.
+    Deliver {
+        /// The rack.
+        rack: RackId,
+        /// The station.
+        station: StationId,
+        /// How long the pick takes; the station's usual time where absent.
+        pick: Option<Span>,
+    },
+    /// Put a rack onto the best free storage node.
+    Return {
+        /// The rack.
+        rack: RackId,
+    },
+    /// Put a rack onto this storage node.
+    Relocate {
+        /// The rack.
+        rack: RackId,
+        /// The storage node.
+        node: NodeId,
+    },
+    /// Send a robot to a free charger.
+    Charge {
+        /// The robot.
+        robot: RobotId,
+    },
+    /// Send a robot to a free parking place.
+    Park {
+        /// The robot.
+        robot: RobotId,
+    },
+    /// Send a robot to a node, and on to a place where it may stay if the node is none.
+    Go {
+        /// The robot.
+        robot: RobotId,
+        /// The node.
+        node: NodeId,
+    },
+}
+
+impl JobKind {
+    /// The rack that has to be moved, if any.
+    pub fn rack(&self) -> Option<RackId> {
+        match *self {
+            JobKind::Deliver { rack, .. } | JobKind::Return { rack } | JobKind::Relocate { rack, .. } => Some(rack),
+            JobKind::Charge { .. } | JobKind::Park { .. } | JobKind::Go { .. } => None,
+        }
+    }
+
+    /// The robot that has to do it, if the customer named one.
+    pub fn robot(&self) -> Option<RobotId> {
+        match *self {
+            JobKind::Charge { robot } | JobKind::Park { robot } | JobKind::Go { robot, .. } => Some(robot),
+            JobKind::Deliver { .. } | JobKind::Return { .. } | JobKind::Relocate { .. } => None,
+        }
+    }
+
+    /// The word for it on the wire.
+    pub fn word(&self) -> &'static str {
+        match self {
+            JobKind::Deliver { .. } => "deliver",
+            JobKind::Return { .. } => "return",
+            JobKind::Relocate { .. } => "relocate",
+            JobKind::Charge { .. } => "charge",
+            JobKind::Park { .. } => "park",
+            JobKind::Go { .. } => "go",
+        }
+    }
+}
+
+/// A job as a customer hands it in.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct JobRequest {
+    /// What.
+    pub kind: JobKind,
+    /// 0 (whenever) to 9 (before all others).
+    pub priority: u8,
+    /// When it should be done.
+    pub deadline: Option<Time>,
+    /// Jobs that must be over first.
+    pub after: Vec<JobId>,
+    /// The customer's own key: the same key never makes a second job.
+    pub key: Option<String>,
+}
+
+/// How far a job has come. `Waiting → Assigned → Carrying → Picking → Done`; relocations skip `Picking`, jobs without
+/// a rack skip `Carrying` too; a failed robot sends `Assigned` back to `Waiting`; `Cancelled` and `Failed` end any.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum JobState {
+    /// Nobody has it yet.
+    Waiting,
+    /// A robot is on its way to the rack, or to where it was sent.
+    Assigned {
+        /// Which.
+        robot: RobotId,
+    },
+    /// A robot carries the rack.
+    Carrying {
+        /// Which.
+        robot: RobotId,
+    },
+    /// The rack stands at the station.
+    Picking {
+        /// Under which robot.
+        robot: RobotId,
+    },
+    /// Done.
+    Done,
+    /// The customer does not want it any more, or a job it depended on was cancelled.
+    Cancelled,
+    /// It cannot be done.
+    Failed(JobFailure),
+}
+
+/// Why a job cannot be done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum JobFailure {
+    /// A job it was to come after was cancelled or failed.
+    Predecessor(JobId),
+    /// No way leads there, even on an empty floor.
+    Unreachable,
+}
+
+impl JobState {
+    /// Whether nothing more will happen.
+    pub fn is_over(&self) -> bool {
+        matches!(self, JobState::Done | JobState::Cancelled | JobState::Failed(_))
+    }
+
+    /// The robot at work on it.
+    pub fn robot(&self) -> Option<RobotId> {
+        match *self {
+            JobState::Assigned { robot } | JobState::Carrying { robot } | JobState::Picking { robot } => Some(robot),
+            JobState::Waiting | JobState::Done | JobState::Cancelled | JobState::Failed(_) => None,
+        }
+    }
+
+    /// The word for it on the wire.
+    pub fn word(&self) -> &'static str {
+        match self {
+            JobState::Waiting => "waiting",
+            JobState::Assigned { .. } => "assigned",
+            JobState::Carrying { .. } => "carrying",
+            JobState::Picking { .. } => "picking",
+            JobState::Done => "done",
+            JobState::Cancelled => "cancelled",
+            JobState::Failed(_) => "failed",
+        }
+    }
+}
+
+/// A job with its state.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Job {
+    /// As handed in.
+    pub request: JobRequest,
+    /// How far it has come.
+    pub state: JobState,
+    /// When it was accepted.
+    pub accepted: Time,
+}

@@ -1,0 +1,160 @@
+//! The read model: everything that outsiders see of the fleet, as one immutable value.
+//!
+//! Main types: [`View`], [`RobotView`], [`Why`]. Made on demand by [`super::Fleet::view`], since a simulation of an hour
+//! needs none of the 72 000 it could have. Refuses: to be an input of any decision.
+
+use super::fact::Task;
+use crate::geometry::Pose;
+use crate::id::{JobId, NodeId, RackId, ResourceId, RobotId};
+use crate::time::Time;
+use crate::timeline::Holder;
+
+/// The fleet at one moment.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct View {
+    /// When.
+    pub now: Time,
+    /// Every robot, by number.
+    pub robots: Vec<RobotView>,
+    /// Every rack, by number.
+    pub racks: Vec<RackAt>,
+    /// Every station, by number.
+    pub stations: Vec<StationView>,
+    /// Sums.
+    pub counts: Counts,
+}
+
+/// One robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotView {
+    /// Its name.
+    pub name: String,
+    /// Where it was seen last; where it is booked to be before it was ever seen.
+    pub pose: Pose,
+    /// When it was seen last.
+    pub seen: Option<Time>,
+    /// How fast, metres per second.
+    pub speed_mps: f64,
+    /// Charge, 0 to 1.
+    pub battery: f64,
+    /// Its state in the sense of the thesis, 4.2.4.
+    pub state: RobotState,
+    /// What it is doing.
+    pub task: Task,
+    /// The rack on it.
+    pub rack: Option<RackId>,
+    /// What it is at, in a word.
+    pub doing: Doing,
+    /// The job it works on.
+    pub job: Option<JobId>,
+    /// Nodes that it has been granted, in order, from where it is.
+    pub granted: Vec<NodeId>,
+    /// Nodes that it holds beyond, in order.
+    pub held: Vec<NodeId>,
+    /// Why it does not go on, if it does not.
+    pub why: Option<Why>,
+}
+
+/// The five states of a robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RobotState {
+    /// Nothing to do, standing where it may stay.
+    Idle,
+    /// At work on a job.
+    Busy,
+    /// No job, on its way to a place to stay.
+    Free,
+    /// Lost its route and waits for a new one.
+    Interrupted,
+    /// Cannot drive.
+    Failed,
+}
+
+/// What a robot is at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Doing {
+    /// Nothing.
+    Idle,
+    /// Driving to a rack.
+    ToRack,
+    /// Lifting it.
+    Lifting,
+    /// Carrying it to a station.
+    Carrying,
+    /// In the queue of a station.
+    Queueing,
+    /// At the station.
+    Picking,
+    /// Bringing the rack to storage.
+    Returning,
+    /// Setting it down.
+    SettingDown,
+    /// Driving to a charger.
+    ToCharger,
+    /// Charging.
+    Charging,
+    /// Driving to a parking place.
+    Parking,
+    /// Driving where it was sent.
+    Going,
+    /// Broken.
+    Failed,
+}
+
+/// Where a rack is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RackAt {
+    /// On a storage node.
+    Stored(NodeId),
+    /// On a robot.
+    On(RobotId),
+}
+
+/// One station.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct StationView {
+    /// The robot at the picking place.
+    pub robot: Option<RobotId>,
+    /// Robots in its queue places, first in line first.
+    pub queue: Vec<RobotId>,
+    /// Racks served so far.
+    pub served: u64,
+}
+
+/// Why a robot does not go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Why {
+    /// Somebody was promised the next resource first.
+    WaitsFor(ResourceId, Holder),
+    /// No route was found yet; it tries again.
+    NoRoute,
+    /// It cannot drive.
+    Failed,
+    /// It has not been heard of.
+    Silent,
+}
+
+/// Sums over the fleet's life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Hash)]
+pub struct Counts {
+    /// Racks served at stations.
+    pub robot_deliveries: u64,
+    /// Assignments completed by workers.
+    pub human_deliveries: u64,
+    /// Jobs that nobody has yet.
+    pub waiting: u64,
+    /// Jobs at work.
+    pub active: u64,
+    /// Jobs done.
+    pub done: u64,
+    /// Jobs cancelled.
+    pub cancelled: u64,
+    /// Jobs that could not be done.
+    pub failed: u64,
+    /// Routes planned.
+    pub plans: u64,
+    /// Searches that found none.
+    pub plan_failures: u64,
+    /// Encounters of robots and workers.
+    pub encounters: u64,
+}
