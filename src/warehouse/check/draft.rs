@@ -70,7 +70,7 @@ fn is_far(p: Point) -> bool {
 }
 
 fn good_name(name: &str, place: &str, found: &mut Findings) {
-    if name.is_empty() || name.len() > NAME_MAX || name.chars().any(char::is_control) {
+    if name.is_empty() || name.chars().count() > NAME_MAX || name.chars().any(char::is_control) {
         let remedy = format!("use 1 to {NAME_MAX} visible characters");
         found.add(place, "the name is empty, too long or has control characters", remedy);
     }

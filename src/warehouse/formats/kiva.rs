@@ -2,9 +2,8 @@
 //! `@` shelf, `e` endpoint, `r` robot's home, `.` floor.
 //!
 //! Main function: [`parse`]. What the format does not say is added: racks on the shelf cells beside
-//! endpoints, chargers in place of some homes, station bays beyond the left and right end of the
-//! floor. Refuses: to
-//! give robots a home that can only be reached through another home; such cells stay floor.
+//! endpoints, chargers in place of some homes, station bays beyond the left and right end of the floor.
+//! Refuses: to give robots a home that can only be reached through another home; such cells stay floor.
 
 use super::grid::Grid;
 use super::{MapError, Notes, Options};
