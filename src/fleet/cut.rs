@@ -29,8 +29,10 @@ impl Fleet {
     /// it is broken and may stand anywhere along them.
     fn behind(&self, robot: RobotId, broken: bool) -> Vec<RobotId> {
         let chain = self.ledger.chain(robot);
-        let from = if broken || self.ledger.robots[robot].failed { chain.first() } else { chain.granted() - 1 };
-        let holders = (from..chain.granted()).flat_map(|s| self.ledger.timeline.after(Holder::Robot(robot), s));
+        let from =
+            if broken || self.ledger.robots[robot].failed { chain.first() } else { chain.granted() - 1 };
+        let holders =
+            (from..chain.granted()).flat_map(|s| self.ledger.timeline.after(Holder::Robot(robot), s));
         holders
             .filter_map(|h| match h {
                 Holder::Robot(r) => Some(r),

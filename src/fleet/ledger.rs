@@ -109,7 +109,9 @@ impl Ledger {
             }
             Fact::Progressed { job, state, .. } => self.progress(*job, *state),
             Fact::Tasked { robot, task } => self.robots[*robot].task = *task,
-            Fact::Routed { robot, keep, kept, visits, stops } => self.route(*robot, *keep, kept, visits, stops),
+            Fact::Routed { robot, keep, kept, visits, stops } => {
+                self.route(*robot, *keep, kept, visits, stops)
+            }
             Fact::Granted { robot, serial, at } => {
                 self.timeline.grant(Holder::Robot(*robot), *serial, *at);
             }
@@ -176,7 +178,11 @@ impl Ledger {
         record.acted = Some(serial);
         match stop.act {
             Act::Lift(rack) => {
-                assert_eq!(self.racks[rack], RackAt::Stored(self.node_of(robot)), "{robot:?} lifts what is there");
+                assert_eq!(
+                    self.racks[rack],
+                    RackAt::Stored(self.node_of(robot)),
+                    "{robot:?} lifts what is there"
+                );
                 self.racks[rack] = RackAt::On(robot);
             }
             Act::Set(rack) => {

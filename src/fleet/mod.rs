@@ -104,7 +104,11 @@ impl Fleet {
     ///
     /// # Panics
     /// If the facts contradict each other.
-    pub fn restore(warehouse: Arc<Warehouse>, settings: Settings, facts: impl IntoIterator<Item = Fact>) -> Fleet {
+    pub fn restore(
+        warehouse: Arc<Warehouse>,
+        settings: Settings,
+        facts: impl IntoIterator<Item = Fact>,
+    ) -> Fleet {
         let mut fleet = Fleet::new(warehouse, settings);
         for fact in facts {
             fleet.demand.note(&fact);

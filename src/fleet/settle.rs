@@ -162,7 +162,8 @@ impl Fleet {
         let same = wanted.filter(|(id, j)| {
             matches!(j.request.kind, JobKind::Deliver { rack: k, .. } if k == rack) && self.is_ready(**id)
         });
-        let best = same.min_by_key(|(id, j)| (std::cmp::Reverse(j.request.priority), **id)).map(|(id, _)| *id);
+        let best =
+            same.min_by_key(|(id, j)| (std::cmp::Reverse(j.request.priority), **id)).map(|(id, _)| *id);
         let Some(job) = best else { return };
         let JobKind::Deliver { station, .. } = self.ledger.jobs[&job].request.kind else { return };
         let station = self.warehouse().stations[station].node;
@@ -173,13 +174,13 @@ impl Fleet {
     /// Notes that a robot is late, so that everybody who comes after it is planned with what is true.
     fn settle_delay(&mut self, robot: RobotId, now: Time) {
         let chain = self.ledger.chain(robot);
-        let mut visits = chain.visits();
-        let (Some(here), Some(next)) = (visits.next(), visits.next()) else { return };
+        let serial = chain.first();
+        let (Some(here), Some(next)) = (chain.get(serial), chain.get(serial + 1)) else { return };
         if here.depart.is_forever() || next.arrive + LATE >= now {
             return;
         }
         let depart = here.depart + (now - next.arrive) + GUESS;
-        self.record(Fact::Delayed { robot, serial: chain.first(), depart });
+        self.record(Fact::Delayed { robot, serial, depart });
     }
 
     /// Jobs that wait for one that was cancelled or failed will never start; neither will those that wait for them.

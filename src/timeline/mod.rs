@@ -358,7 +358,13 @@ impl Timeline {
             if visit.enter > now {
                 Self::erase(&mut self.lines, &self.warehouse, holder, s, visit);
                 visit.enter = now;
-                Self::write(&mut self.lines, (&self.warehouse, self.clearance, self.ghostly), holder, s, visit);
+                Self::write(
+                    &mut self.lines,
+                    (&self.warehouse, self.clearance, self.ghostly),
+                    holder,
+                    s,
+                    visit,
+                );
             }
             chain.granted = s + 1;
         }
@@ -378,7 +384,13 @@ impl Timeline {
             for (i, v) in chain.visits.iter().enumerate() {
                 let serial = chain.first + i as u64;
                 if on {
-                    Self::write(&mut self.lines, (&self.warehouse, self.clearance, self.ghostly), *holder, serial, v);
+                    Self::write(
+                        &mut self.lines,
+                        (&self.warehouse, self.clearance, self.ghostly),
+                        *holder,
+                        serial,
+                        v,
+                    );
                 } else {
                     Self::erase(&mut self.lines, &self.warehouse, *holder, serial, v);
                 }
@@ -399,7 +411,13 @@ impl Timeline {
     fn put(&mut self, holder: Holder, visits: impl IntoIterator<Item = Visit>) {
         let chain = self.chains.get_mut(&holder).expect("only holders replace");
         for v in visits {
-            Self::write(&mut self.lines, (&self.warehouse, self.clearance, self.ghostly), holder, chain.end(), &v);
+            Self::write(
+                &mut self.lines,
+                (&self.warehouse, self.clearance, self.ghostly),
+                holder,
+                chain.end(),
+                &v,
+            );
             chain.visits.push_back(v);
         }
     }
