@@ -210,6 +210,14 @@ impl Pace {
         }
     }
 
+    /// What starting from rest costs at most, compared with rolling on.
+    pub fn start_cost(&self, loaded: bool) -> Span {
+        match self.rules {
+            Rules::Drive(k) => Span::from_secs_f64(k.speed_mps / (2.0 * k.accel_mps2(loaded))) + Span(1),
+            Rules::Pebble { .. } => Span::ZERO,
+        }
+    }
+
     /// By how much a hold outlasts the arrival at the next node.
     pub fn clearance(&self) -> Span {
         match self.rules {

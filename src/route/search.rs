@@ -41,7 +41,14 @@ struct Search<'a> {
     goals: Vec<GoalWindows>,
     /// Lower bound from each goal to the next.
     between: Vec<i64>,
+    /// See [`Pace::start_cost`], without and with a rack.
+    start_cost: [i64; 2],
+    /// Whether half of the budget is spent.
+    hurried: bool,
 }
+
+/// By how much the way ahead outweighs the way behind once half of the budget is spent.
+const HASTE: i64 = 4;
 
 /// When a goal can be reached: `[first, last]` arrivals, in order.
 struct GoalWindows(Vec<(i64, i64)>);
@@ -77,8 +84,19 @@ pub(super) fn plan(
     let warehouse = estimates.warehouse().clone();
     let pace = estimates.pace().clone();
     let goals = goal_windows(&warehouse, &pace, timeline, ask)?;
-    let search =
-        Search { warehouse: &warehouse, pace: &pace, estimates, timeline, ask, tables, goals, between };
+    let start_cost = [false, true].map(|loaded| pace.start_cost(loaded).0);
+    let mut search = Search {
+        warehouse: &warehouse,
+        pace: &pace,
+        estimates,
+        timeline,
+        ask,
+        tables,
+        goals,
+        between,
+        start_cost,
+        hurried: false,
+    };
     let Scratch { labels, open } = scratch;
     labels.clear();
     open.clear();
@@ -147,7 +165,7 @@ impl Search<'_> {
     }
 
     /// Expands labels in order of their bounds until one stays at the last goal for ever.
-    fn run(&self, labels: &mut Labels, open: &mut Open) -> Result<(u32, u32), NoRoute> {
+    fn run(&mut self, labels: &mut Labels, open: &mut Open) -> Result<(u32, u32), NoRoute> {
         let mut expansions = 0;
         while let Some(Reverse((_, _, _, index))) = open.pop() {
             let label = *labels.get(index);
@@ -166,9 +184,21 @@ impl Search<'_> {
             if expansions > self.ask.budget {
                 return Err(NoRoute::BudgetSpent);
             }
+            if expansions == self.ask.budget / 2 {
+                self.hurry(labels, open);
+            }
             self.expand(labels, open, index, label);
         }
         Err(NoRoute::Blocked)
+    }
+
+    /// Half of the budget is spent: from now on whatever is nearest to the goals goes first. A route found now may not be
+    /// the earliest one, but a robot that drives is better than one that asks again.
+    fn hurry(&mut self, labels: &Labels, open: &mut Open) {
+        self.hurried = true;
+        let labels =
+            open.drain().map(|Reverse((_, _, left, i))| (labels.get(i).lo, left, i)).collect::<Vec<_>>();
+        open.extend(labels.into_iter().map(|(lo, left, i)| Reverse((lo + HASTE * left, 0, left, i))));
     }
 
     fn finish_stage(&self, labels: &mut Labels, open: &mut Open, index: u32, label: Label, stay: Span) {
@@ -301,7 +331,8 @@ impl Search<'_> {
     fn push(&self, labels: &mut Labels, open: &mut Open, label: Label) {
         let Some((first, last, left)) = self.bound(&label) else { return };
         if let Some(index) = labels.add(label, |a, b| self.dominates(a, b)) {
-            open.push(Reverse((first, last, left, index)));
+            let key = if self.hurried { (label.lo + HASTE * left, 0) } else { (first, last) };
+            open.push(Reverse((key.0, key.1, left, index)));
         }
     }
 
@@ -333,8 +364,13 @@ impl Search<'_> {
     }
 
     fn dominates(&self, a: &Label, b: &Label) -> bool {
-        if a.lo > b.lo || a.first > b.first || a.gait != b.gait {
+        if a.lo > b.lo || a.first > b.first {
             return false;
+        }
+        if a.gait != b.gait {
+            // Who stands there early enough can start so as to be nowhere later than who rolls through.
+            let loaded = usize::from(self.ask.stages[usize::from(a.stage)].loaded);
+            return a.gait == Gait::Standing && a.slot == b.slot && a.lo + self.start_cost[loaded] <= b.lo;
         }
         if a.slot == b.slot {
             return a.gait == Gait::Standing || a.hi >= b.hi;
