@@ -3,9 +3,11 @@
 #[cfg(feature = "edge")]
 pub mod cli;
 pub mod experiment;
+pub mod fleet;
 pub mod geometry;
 pub mod id;
 pub mod route;
+pub mod sim;
 pub mod time;
 pub mod timeline;
 pub mod warehouse;

@@ -14,6 +14,13 @@ use crate::timeline::Reserved;
 pub enum Input {
     /// A robot says how it is.
     Telemetry(Telemetry),
+    /// A robot joins the fleet.
+    Enlist {
+        /// Its name.
+        name: String,
+        /// Where it stands.
+        node: NodeId,
+    },
     /// Somebody wants a job done.
     Submit {
         /// Comes back with the reply.
