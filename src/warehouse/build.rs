@@ -69,6 +69,19 @@ pub struct DraftLane {
     pub users: Users,
 }
 
+impl DraftLane {
+    /// A lane driven from `from` to `to` only, as long as the straight line.
+    pub fn one_way(from: impl Into<String>, to: impl Into<String>, users: Users) -> DraftLane {
+        let (from, to) = (from.into(), to.into());
+        DraftLane { from, to, both: false, length_m: None, speed_limit_mps: None, users }
+    }
+
+    /// A lane driven both ways, as long as the straight line.
+    pub fn both_ways(from: impl Into<String>, to: impl Into<String>, users: Users) -> DraftLane {
+        DraftLane { both: true, ..DraftLane::one_way(from, to, users) }
+    }
+}
+
 /// A picking station by names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DraftStation {

@@ -54,17 +54,12 @@ fn overlap(s: Segment, t: Segment, reach: f64) -> bool {
     distance < reach
 }
 
-/// Pairs `(i, j)`, `i < j`, whose bounding boxes grown by `margin` share a cell of a coarse grid; each once.
+/// Pairs `(i, j)`, `i < j`, that come near one cell of a coarse grid, within `margin`; each pair once.
 fn close_pairs(shapes: &[Segment], margin: f64) -> Vec<(usize, usize)> {
-    let cell = 4.0 * margin;
     let mut grid: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
     for (i, s) in shapes.iter().enumerate() {
-        let low = |a: f64, b: f64| ((a.min(b) - margin) / cell).floor() as i64;
-        let high = |a: f64, b: f64| ((a.max(b) + margin) / cell).floor() as i64;
-        for x in low(s.a.x, s.b.x)..=high(s.a.x, s.b.x) {
-            for y in low(s.a.y, s.b.y)..=high(s.a.y, s.b.y) {
-                grid.entry((x, y)).or_default().push(i);
-            }
+        for cell in cells_near(*s, margin) {
+            grid.entry(cell).or_default().push(i);
         }
     }
     let mut pairs: Vec<(usize, usize)> = Vec::new();
@@ -76,4 +71,50 @@ fn close_pairs(shapes: &[Segment], margin: f64) -> Vec<(usize, usize)> {
     pairs.sort_unstable();
     pairs.dedup();
     pairs
+}
+
+/// The cells of a grid of pitch `4 * margin` that `s` comes near, column by column, so that a long slanted
+/// lane takes cells along itself and not all of its bounding box.
+fn cells_near(s: Segment, margin: f64) -> impl Iterator<Item = (i64, i64)> {
+    let cell = 4.0 * margin;
+    let of = move |v: f64| (v / cell).floor() as i64;
+    let (left, right) = if s.a.x <= s.b.x { (s.a, s.b) } else { (s.b, s.a) };
+    let y_at = move |x: f64| {
+        let u = if right.x > left.x { ((x - left.x) / (right.x - left.x)).clamp(0.0, 1.0) } else { 0.0 };
+        left.y + (right.y - left.y) * u
+    };
+    (of(left.x - margin)..=of(right.x + margin)).flat_map(move |column| {
+        let (mut from, mut to) =
+            (y_at(column as f64 * cell - margin), y_at((column + 1) as f64 * cell + margin));
+        if right.x == left.x {
+            (from, to) = (left.y, right.y);
+        }
+        let rows = of(from.min(to) - margin)..=of(from.max(to) + margin);
+        rows.map(move |row| (column, row))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+
+    #[test]
+    fn near_things_share_a_cell_however_the_lane_slants() {
+        let lane = |ax, ay, bx, by| Segment { a: Point::new(ax, ay), b: Point::new(bx, by) };
+        let slanted = [lane(0.0, 0.0, 90.0, 31.0), lane(-5.0, 40.0, 3.0, -60.0), lane(7.0, 7.0, 7.0, -50.0)];
+        for s in slanted {
+            for step in 0..=200 {
+                let p = s.point(f64::from(step) / 200.0) + nalgebra::Vector2::new(0.5, -0.5);
+                let beside = Segment { a: p, b: p };
+                assert_eq!(close_pairs(&[s, beside], 0.9), [(0, 1)], "{p} beside {s:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_long_slanted_lane_takes_few_cells() {
+        let s = Segment { a: Point::new(0.0, 0.0), b: Point::new(700.0, 700.0) };
+        assert!(cells_near(s, 0.9).count() < 1_000);
+    }
 }

@@ -3,16 +3,21 @@
 //! Main types: [`Warehouse`] (exists only validated), [`Node`], [`Arc`], [`Station`]; [`formats`] reads and
 //! writes maps as text. Refuses: anything that moves or changes with time, and reading files itself.
 
+mod bay;
 mod build;
 mod check;
 mod conflict;
 pub mod formats;
 mod generate;
+mod sketch;
+mod summary;
 mod svg;
 
 pub use build::{Draft, DraftLane, DraftNode, DraftStation};
-pub use check::{Finding, Findings};
+pub use check::{Finding, Findings, room_for};
 pub use generate::{Blocks, kiva, lab, thesis};
+pub use sketch::sketch;
+pub use summary::{Summary, summary};
 pub use svg::to_svg;
 
 use crate::geometry::Point;
@@ -79,6 +84,13 @@ pub struct Users {
 impl Users {
     /// Everyone.
     pub const ALL: Users = Users { loaded: true, unloaded: true, people: true };
+
+    /// Robots that carry nothing, and nobody else.
+    pub const UNLOADED: Users = Users { loaded: false, unloaded: true, people: false };
+    /// Robots with or without a rack, no people.
+    pub const ROBOTS: Users = Users { loaded: true, unloaded: true, people: false };
+    /// People only.
+    pub const PEOPLE: Users = Users { loaded: false, unloaded: false, people: true };
 
     /// Whether a robot may, with or without a rack.
     pub fn allows(self, loaded: bool) -> bool {

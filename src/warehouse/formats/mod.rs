@@ -1,1 +1,128 @@
-//! stub
+//! Maps as text: the project's own JSON, and benchmark grids to import.
+//!
+//! Main types: [`MapError`], [`Options`], [`Notes`]; [`import`] finds out which format a text is in.
+//! Refuses: reading files, and maps that are not well-formed.
+
+mod grid;
+pub mod json;
+pub mod kiva;
+pub mod octile;
+
+use super::{Findings, Warehouse};
+use std::fmt;
+
+/// Why a text is no map.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MapError {
+    /// The text does not follow its format.
+    #[error("line {line}, column {column}: {message}")]
+    Syntax {
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1; 0 where the whole line is meant.
+        column: usize,
+        /// What is wrong there.
+        message: String,
+    },
+    /// The text is readable, but the building is not fit to plan on.
+    #[error("{0}")]
+    Findings(#[from] Findings),
+}
+
+impl MapError {
+    fn syntax(line: usize, column: usize, message: impl Into<String>) -> MapError {
+        MapError::Syntax { line, column, message: message.into() }
+    }
+}
+
+/// What an import adds to a format that does not say it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Name of the map, for formats without one.
+    pub name: String,
+    /// Side of a grid cell, metres.
+    pub pitch_m: f64,
+    /// Picking stations to add beside a warehouse grid.
+    pub stations: usize,
+    /// Waiting places before each of them.
+    pub queue: usize,
+    /// Usual length of a pick, seconds.
+    pub pick_s: f64,
+    /// Largest share of the free cells of an octile grid that become parking places.
+    pub parking_share: f64,
+    /// Share of the robots' homes in a warehouse grid that become chargers.
+    pub charger_share: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            name: "imported".into(),
+            pitch_m: 1.0,
+            stations: 8,
+            queue: 4,
+            pick_s: 8.0,
+            parking_share: 0.15,
+            charger_share: 0.1,
+        }
+    }
+}
+
+/// What an import left out, changed or added, for people to read.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Notes(pub Vec<String>);
+
+impl fmt::Display for Notes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0.join("\n"))
+    }
+}
+
+/// Reads a map in any known format: own JSON, Moving AI octile grid, or warehouse grid with endpoints.
+///
+/// # Errors
+/// [`MapError::Syntax`] where the text follows no known format, [`MapError::Findings`] where the building
+/// is not fit to plan on.
+pub fn import(text: &str, options: &Options) -> Result<(Warehouse, Notes), MapError> {
+    let text = text.trim_start_matches('\u{feff}');
+    let first = text.lines().next().unwrap_or_default().trim();
+    let (draft, notes) = if text.trim_start().starts_with('{') {
+        (json::parse_draft(text)?, Notes::default())
+    } else if first.starts_with("type") {
+        octile::parse(text, options)?
+    } else if first.split(',').count() == 2 && first.split(',').all(|n| n.trim().parse::<usize>().is_ok()) {
+        kiva::parse(text, options)?
+    } else {
+        let known =
+            "a JSON map (\"{\"), an octile grid (\"type octile\") or a warehouse grid (\"rows,columns\")";
+        return Err(MapError::syntax(
+            1,
+            1,
+            format!("not a known map format; the text must start like {known}"),
+        ));
+    };
+    Ok((draft.build()?, notes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_format_is_known_by_its_first_line() {
+        let json = r#"{"giveway_map":1,"name":"two","footprint_m":0.9,"nodes":[{"id":"a","x":0,"y":0},
+            {"id":"p","x":1,"y":0}],"lanes":[{"from":"a","to":"p","both":true}],"parking":["p"]}"#;
+        let octile = "type octile\nheight 2\nwidth 3\nmap\n...\n.@.\n";
+        let kiva = "2,3\n0\n2\n100\n...\nr.r\n";
+        for text in [json, octile, kiva] {
+            let (w, _) = import(text, &Options::default()).expect(text);
+            assert!(!w.nodes.is_empty());
+        }
+    }
+
+    #[test]
+    fn a_text_in_no_known_format_is_refused_with_what_is_known() {
+        let error = import("<xml/>", &Options::default()).expect_err("no XML");
+        assert!(error.to_string().contains("type octile"), "{error}");
+    }
+}

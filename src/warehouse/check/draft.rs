@@ -1,0 +1,212 @@
+//! Names and numbers of a draft: unknown, doubled, absurd.
+//!
+//! Main function: [`names_and_numbers`]. Refuses: to look at ways through the building, which need ids.
+
+use super::Findings;
+use crate::geometry::Point;
+use crate::warehouse::build::{Draft, DraftLane};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// More nodes than any building has; keeps a broken file from taking all memory.
+const NODES_MAX: usize = 200_000;
+/// No map reaches farther from its zero, metres.
+const FAR_M: f64 = 100_000.0;
+/// No single lane is longer, metres.
+const LANE_MAX_M: f64 = 1_000.0;
+/// A stated length may undercut the straight distance by this share only.
+const SHORTCUT: f64 = 0.99;
+/// A robot with its rack is at most so wide, metres.
+const FOOTPRINT_MAX_M: f64 = 10.0;
+/// No lane is faster, metres per second.
+const SPEED_MAX_MPS: f64 = 50.0;
+/// Arrival headings are counted in a byte.
+const ARRIVALS_MAX: usize = 255;
+/// Names are for people: no longer than this.
+const NAME_MAX: usize = 80;
+
+/// Everything that can be said about a draft before its names are turned into ids.
+pub(in crate::warehouse) fn names_and_numbers(draft: &Draft) -> Result<(), Findings> {
+    let mut found = Findings::default();
+    if draft.nodes.is_empty() {
+        found.add("nodes", "there are none", "add at least one place where robots can stand");
+    }
+    if draft.nodes.len() > NODES_MAX {
+        found.add("nodes", format!("{} of them", draft.nodes.len()), format!("keep below {NODES_MAX}"));
+        return found.into_result();
+    }
+    let f = draft.footprint_m;
+    if !(f.is_finite() && f > 0.0 && f <= FOOTPRINT_MAX_M) {
+        let remedy = format!("give the side of a robot with its rack, above 0 and up to {FOOTPRINT_MAX_M} m");
+        found.add("footprint_m", format!("{f} m"), remedy);
+    }
+    let at = nodes(draft, &mut found);
+    lanes(draft, &at, &mut found);
+    stations(draft, &mut found);
+    racks(draft, &mut found);
+    roles(draft, &at, &mut found);
+    outlines(draft, &mut found);
+    found.into_result()
+}
+
+/// Checks names and positions of the nodes; returns where each name is.
+fn nodes<'a>(draft: &'a Draft, found: &mut Findings) -> BTreeMap<&'a str, Point> {
+    let mut at = BTreeMap::new();
+    for node in &draft.nodes {
+        let place = format!("node {}", node.name);
+        good_name(&node.name, &place, found);
+        if at.insert(node.name.as_str(), node.at).is_some() {
+            found.add(&place, "the name is used twice", "rename one of the two");
+        }
+        if is_far(node.at) {
+            let problem = format!("it stands at ({}, {})", node.at.x, node.at.y);
+            found.add(&place, problem, format!("give metres within ±{FAR_M} of the map's zero"));
+        }
+    }
+    at
+}
+
+fn is_far(p: Point) -> bool {
+    [p.x, p.y].iter().any(|v| !v.is_finite() || v.abs() > FAR_M)
+}
+
+fn good_name(name: &str, place: &str, found: &mut Findings) {
+    if name.is_empty() || name.chars().count() > NAME_MAX || name.chars().any(char::is_control) {
+        let remedy = format!("use 1 to {NAME_MAX} visible characters");
+        found.add(place, "the name is empty, too long or has control characters", remedy);
+    }
+}
+
+fn lanes(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findings) {
+    let mut ways: BTreeSet<(&str, &str)> = BTreeSet::new();
+    let mut arrivals: BTreeMap<&str, usize> = BTreeMap::new();
+    for lane in &draft.lanes {
+        let place = format!("lane {}–{}", lane.from, lane.to);
+        lane_numbers(lane, &place, found);
+        match (at.get(lane.from.as_str()), at.get(lane.to.as_str())) {
+            (Some(&a), Some(&b)) if lane.from != lane.to => lane_length(lane, &place, (b - a).norm(), found),
+            (Some(_), Some(_)) => found.add(&place, "it ends where it starts", "remove it"),
+            (a, b) => {
+                let unknown = [(a, &lane.from), (b, &lane.to)];
+                for (_, name) in unknown.iter().filter(|(node, _)| node.is_none()) {
+                    found.add(&place, format!("there is no node {name}"), "add the node or mend the name");
+                }
+            }
+        }
+        let (from, to) = (lane.from.as_str(), lane.to.as_str());
+        let directions = [(from, to), (to, from)];
+        for way in &directions[..if lane.both { 2 } else { 1 }] {
+            *arrivals.entry(way.1).or_default() += 1;
+            if !ways.insert(*way) && from != to {
+                let problem = format!("a second lane from {} to {}", way.0, way.1);
+                found.add(&place, problem, "keep one of them");
+            }
+        }
+    }
+    for (name, count) in arrivals.into_iter().filter(|(_, count)| *count > ARRIVALS_MAX) {
+        let problem = format!("{count} lanes end here");
+        found.add(format!("node {name}"), problem, format!("keep to {ARRIVALS_MAX}"));
+    }
+}
+
+fn lane_numbers(lane: &DraftLane, place: &str, found: &mut Findings) {
+    let u = lane.users;
+    if !(u.loaded || u.unloaded || u.people) {
+        found.add(place, "nobody may use it", "name loaded, unloaded or people, or remove it");
+    }
+    if let Some(v) = lane.speed_limit_mps
+        && !(v > 0.0 && v <= SPEED_MAX_MPS)
+    {
+        let remedy = format!("give metres per second, above 0 and up to {SPEED_MAX_MPS}");
+        found.add(place, format!("its speed limit is {v} m/s"), remedy);
+    }
+}
+
+fn lane_length(lane: &DraftLane, place: &str, straight: f64, found: &mut Findings) {
+    let length = lane.length_m.unwrap_or(straight);
+    if length.is_nan() || length <= 0.0 {
+        found.add(place, format!("its length is {length} m"), "move its ends apart or merge them");
+    } else if length > LANE_MAX_M || straight > LANE_MAX_M {
+        let problem = format!("it is {:.0} m long", length.max(straight));
+        found.add(place, problem, format!("put nodes between, one lane reaches at most {LANE_MAX_M} m"));
+    } else if length < straight * SHORTCUT {
+        let problem = format!("{length} m is shorter than the straight distance of {straight:.3} m");
+        found.add(place, problem, "give the driven length or leave it out");
+    }
+}
+
+fn stations(draft: &Draft, found: &mut Findings) {
+    let mut names = BTreeSet::new();
+    for station in &draft.stations {
+        let place = format!("station {}", station.name);
+        good_name(&station.name, &place, found);
+        if !names.insert(station.name.as_str()) {
+            found.add(&place, "the name is used twice", "rename one of the two");
+        }
+        if station.pick.0 < 0 || station.pick.as_secs_f64() > 86_400.0 {
+            let problem = format!("a pick of {} s", station.pick.as_secs_f64());
+            found.add(&place, problem, "give seconds between 0 and a day");
+        }
+    }
+}
+
+fn racks(draft: &Draft, found: &mut Findings) {
+    let storage: BTreeSet<&str> = draft.storage.iter().map(String::as_str).collect();
+    let (mut names, mut taken) = (BTreeSet::new(), BTreeMap::new());
+    for (name, node) in &draft.racks {
+        let place = format!("rack {name}");
+        good_name(name, &place, found);
+        if !names.insert(name.as_str()) {
+            found.add(&place, "the name is used twice", "rename one of the two");
+        }
+        if !storage.contains(node.as_str()) {
+            found.add(&place, format!("{node} is not a storage node"), "add it to storage or move the rack");
+        }
+        if let Some(other) = taken.insert(node.as_str(), name) {
+            found.add(&place, format!("rack {other} stands on {node} too"), "move one of them");
+        }
+    }
+}
+
+/// Every node has one role at most, every role an existing node.
+fn roles(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findings) {
+    let lists = [
+        ("storage", &draft.storage),
+        ("chargers", &draft.chargers),
+        ("parking", &draft.parking),
+        ("exits", &draft.exits),
+    ];
+    let plain = lists.iter().flat_map(|(role, names)| names.iter().map(|n| (role.to_string(), n)));
+    let stands = draft.stations.iter().map(|s| (format!("station {}", s.name), &s.node));
+    let queues = (draft.stations.iter())
+        .flat_map(|s| s.queue.iter().map(move |n| (format!("the queue of station {}", s.name), n)));
+    let mut known: BTreeMap<&str, String> = BTreeMap::new();
+    for (role, name) in plain.chain(stands).chain(queues) {
+        if !at.contains_key(name.as_str()) {
+            found.add(&role, format!("there is no node {name}"), "add the node or mend the name");
+        } else if let Some(other) = known.get(name.as_str()) {
+            let problem = if *other == role {
+                format!("listed twice in {role}")
+            } else {
+                format!("listed in {other} and in {role}")
+            };
+            found.add(format!("node {name}"), problem, "a node has one role: keep one entry");
+        } else {
+            known.insert(name, role);
+        }
+    }
+}
+
+fn outlines(draft: &Draft, found: &mut Findings) {
+    for (kind, outlines) in [("walkable", &draft.walkable), ("obstacles", &draft.obstacles)] {
+        for (i, outline) in outlines.iter().enumerate() {
+            let place = format!("outline {} of {kind}", i + 1);
+            if outline.len() < 3 {
+                found.add(&place, format!("{} corners", outline.len()), "an outline needs three or more");
+            }
+            if outline.iter().any(|&p| is_far(p)) {
+                let remedy = format!("give metres within ±{FAR_M} of the map's zero");
+                found.add(&place, "a corner is absurdly far away or no number", remedy);
+            }
+        }
+    }
+}

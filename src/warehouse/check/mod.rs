@@ -1,0 +1,83 @@
+//! What is wrong with a map: every problem at once, each with its place and its remedy.
+//!
+//! Main types: [`Finding`], [`Findings`]. `draft` looks at names and numbers before ids exist; `floor` looks
+//! at the finished graph and asks whether robots can always get on (DESIGN §5, invariant a). Refuses: to
+//! stop at the first problem, and to mend anything itself.
+
+mod draft;
+mod floor;
+#[cfg(test)]
+mod tests;
+
+pub(super) use draft::names_and_numbers;
+pub(super) use floor::well_formed;
+
+use super::Warehouse;
+use std::fmt;
+
+/// One thing that is wrong with a map.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// Where in the map.
+    pub place: String,
+    /// What is wrong.
+    pub problem: String,
+    /// What to do about it.
+    pub remedy: String,
+}
+
+/// All things that are wrong with a map; never empty where it is an error.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Findings(pub Vec<Finding>);
+
+impl Findings {
+    fn add(&mut self, place: impl Into<String>, problem: impl Into<String>, remedy: impl Into<String>) {
+        self.0.push(Finding { place: place.into(), problem: problem.into(), remedy: remedy.into() });
+    }
+
+    fn into_result(self) -> Result<(), Findings> {
+        if self.0.is_empty() { Ok(()) } else { Err(self) }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}; {}", self.place, self.problem, self.remedy)
+    }
+}
+
+impl fmt::Display for Findings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, finding) in self.0.iter().enumerate() {
+            let gap = if i == 0 { "" } else { "\n" };
+            write!(f, "{gap}{finding}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Findings {}
+
+/// Whether so many robots can all stay somewhere for ever without being in anyone's way.
+///
+/// # Errors
+/// One finding, where there are fewer storage, charging and parking places than robots.
+pub fn room_for(warehouse: &Warehouse, robots: usize) -> Result<(), Findings> {
+    let places = warehouse.nodes_where(|kind| kind.is_lasting()).len();
+    let mut found = Findings::default();
+    if places < robots {
+        found.add(
+            format!("map {}", warehouse.name),
+            format!("{robots} robots, but only {places} storage, charging and parking places to stay at"),
+            format!("add {} parking places or take fewer robots", robots - places),
+        );
+    }
+    found.into_result()
+}
+
+/// The first few names, and how many more there are.
+fn list(names: &[&str]) -> String {
+    const SHOWN: usize = 12;
+    let head = names.iter().take(SHOWN).copied().collect::<Vec<_>>().join(", ");
+    if names.len() > SHOWN { format!("{head} and {} more", names.len() - SHOWN) } else { head }
+}
