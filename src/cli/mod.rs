@@ -4,6 +4,7 @@
 //! codes: 0 done, 1 the work failed or a law was broken, 2 wrong arguments.
 
 mod bench;
+mod serve;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -12,14 +13,19 @@ use std::process::ExitCode;
 ///
 /// Giveway is an efficiency layer and no safety function: detection, braking and emergency stop are the robots' own.
 #[derive(Parser)]
-#[command(name = "giveway", version, max_term_width = 100)]
+#[command(name = "giveway", version, max_term_width = 100, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
+    /// Without a command: serve.
+    #[command(flatten)]
+    serve: serve::Serve,
 }
 
 #[derive(Subcommand)]
 enum Command {
+    /// Run the server (the default command).
+    Serve(serve::Serve),
     /// Measure planning on this machine.
     #[command(subcommand)]
     Bench(bench::Bench),
@@ -29,8 +35,9 @@ enum Command {
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.command {
+        Some(Command::Serve(serve)) => serve.run(),
         Some(Command::Bench(bench)) => bench.run(),
-        None => Ok(ExitCode::SUCCESS),
+        None => arguments.serve.run(),
     };
     result.unwrap_or_else(|error| {
         eprintln!("giveway: {error:#}");

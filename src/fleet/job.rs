@@ -52,7 +52,9 @@ impl JobKind {
     /// The rack that has to be moved, if any.
     pub fn rack(&self) -> Option<RackId> {
         match *self {
-            JobKind::Deliver { rack, .. } | JobKind::Return { rack } | JobKind::Relocate { rack, .. } => Some(rack),
+            JobKind::Deliver { rack, .. } | JobKind::Return { rack } | JobKind::Relocate { rack, .. } => {
+                Some(rack)
+            }
             JobKind::Charge { .. } | JobKind::Park { .. } | JobKind::Go { .. } => None,
         }
     }
@@ -140,7 +142,9 @@ impl JobState {
     /// The robot at work on it.
     pub fn robot(&self) -> Option<RobotId> {
         match *self {
-            JobState::Assigned { robot } | JobState::Carrying { robot } | JobState::Picking { robot } => Some(robot),
+            JobState::Assigned { robot } | JobState::Carrying { robot } | JobState::Picking { robot } => {
+                Some(robot)
+            }
             JobState::Waiting | JobState::Done | JobState::Cancelled | JobState::Failed(_) => None,
         }
     }
