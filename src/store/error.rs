@@ -94,6 +94,15 @@ impl StoreError {
             _ => false,
         }
     }
+
+    /// Whether the connection may be used again: the database was locked, full, or refused what it was told.
+    pub(super) fn leaves_connection_sound(&self) -> bool {
+        match self {
+            StoreError::OutOfStep { .. } => true,
+            StoreError::Sql(e) => matches!(primary_code(e), Some(5 | 6 | 13 | 19)),
+            _ => false,
+        }
+    }
 }
 
 /// SQLite's code without its extension.

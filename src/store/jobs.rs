@@ -6,8 +6,8 @@ use super::{Store, StoreError, record};
 use crate::fleet::{Fact, Job, JobKind, JobRequest, JobState};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
-use sqlx::sqlite::SqliteRow;
-use sqlx::{Row, Sqlite, Transaction};
+use sqlx::Row;
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
 /// A job as the database has it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -82,16 +82,16 @@ impl Store {
 }
 
 /// Writes what a fact means for the list.
-pub(super) async fn project(tx: &mut Transaction<'static, Sqlite>, fact: &Fact) -> Result<(), sqlx::Error> {
+pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<(), sqlx::Error> {
     match fact {
-        Fact::Accepted { job, request, at } => accept(tx, *job, request, *at).await,
-        Fact::Progressed { job, state, at } => progress(tx, *job, *state, *at).await,
+        Fact::Accepted { job, request, at } => accept(db, *job, request, *at).await,
+        Fact::Progressed { job, state, at } => progress(db, *job, *state, *at).await,
         _ => Ok(()),
     }
 }
 
 async fn accept(
-    tx: &mut Transaction<'static, Sqlite>,
+    db: &mut SqliteConnection,
     id: JobId,
     request: &JobRequest,
     at: Time,
@@ -119,13 +119,13 @@ async fn accept(
         .bind(serde_json::to_string(&after).expect("a list of numbers is JSON"))
         .bind(&request.key)
         .bind(at.0)
-        .execute(&mut **tx)
+        .execute(db)
         .await?;
     Ok(())
 }
 
 async fn progress(
-    tx: &mut Transaction<'static, Sqlite>,
+    db: &mut SqliteConnection,
     id: JobId,
     state: JobState,
     at: Time,
@@ -145,7 +145,7 @@ async fn progress(
             .bind(state.robot().map(|r| r.0))
             .bind(at.0)
     };
-    query.execute(&mut **tx).await?;
+    query.execute(db).await?;
     Ok(())
 }
 

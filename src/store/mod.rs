@@ -20,7 +20,8 @@ use crate::time::Time;
 use crate::warehouse::Warehouse;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{
-    SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
+    SqliteConnectOptions, SqliteConnection, SqliteJournalMode, SqlitePool, SqlitePoolOptions,
+    SqliteSynchronous,
 };
 use sqlx::{AssertSqlSafe, Row, SqlSafeStr};
 use std::fs::{File, TryLockError};
@@ -37,6 +38,9 @@ const ABOUT: &str = "SELECT value FROM about WHERE key = $1";
 const SET_ABOUT: &str = "INSERT INTO about (key, value) VALUES ($1, $2)";
 const FACTS: &str = "SELECT seq, at, wire, fact FROM journal ORDER BY seq";
 const LAST: &str = "SELECT coalesce(max(seq), 0) FROM journal";
+const BEGIN: &str = "BEGIN IMMEDIATE";
+const COMMIT: &str = "COMMIT";
+const ROLLBACK: &str = "ROLLBACK";
 const APPEND: &str = "INSERT INTO journal (seq, at, wire, fact) VALUES ($1, $2, $3, $4)";
 
 /// A fact with the time of its step.
@@ -130,26 +134,16 @@ impl Store {
     /// Where the database does not take them. Then nothing was written, and it may be tried again with the same
     /// facts unless [`StoreError::is_fatal`].
     pub async fn append(&self, next: i64, entries: &[Entry]) -> Result<(), StoreError> {
-        let mut tx = self.writer.begin_with("BEGIN IMMEDIATE").await?;
-        let last: i64 = sqlx::query_scalar(LAST).fetch_one(&mut *tx).await?;
-        if last == next - 1 + entries.len() as i64 {
-            return Ok(());
+        let mut connection = self.writer.acquire().await?;
+        let result = write(&mut connection, next, entries).await;
+        if let Err(e) = &result {
+            // On a full disk SQLite has rolled back by itself; then this says so, which is as good.
+            let _ = sqlx::query(ROLLBACK).execute(&mut *connection).await;
+            if !e.leaves_connection_sound() {
+                let _ = connection.close().await;
+            }
         }
-        if last != next - 1 {
-            return Err(StoreError::OutOfStep { expected: next - 1, found: last });
-        }
-        for (seq, entry) in (next..).zip(entries) {
-            sqlx::query(APPEND)
-                .bind(seq)
-                .bind(entry.at.0)
-                .bind(record::VERSION)
-                .bind(record::encode(&entry.fact))
-                .execute(&mut *tx)
-                .await?;
-            jobs::project(&mut tx, &entry.fact).await?;
-        }
-        tx.commit().await?;
-        Ok(())
+        result
     }
 
     /// Lets the file grow to so many pages of 4 KiB and no further: beyond, it behaves like a full disk.
@@ -167,6 +161,29 @@ impl Store {
         self.readers.close().await;
         self.writer.close().await;
     }
+}
+
+/// Writes facts in one transaction. Its statements are sent as they are: sqlx counts transactions by itself, and loses
+/// count where SQLite rolls one back on its own, as on a full disk.
+async fn write(connection: &mut SqliteConnection, next: i64, entries: &[Entry]) -> Result<(), StoreError> {
+    sqlx::query(BEGIN).execute(&mut *connection).await?;
+    let last: i64 = sqlx::query_scalar(LAST).fetch_one(&mut *connection).await?;
+    if last != next - 1 && last != next - 1 + entries.len() as i64 {
+        return Err(StoreError::OutOfStep { expected: next - 1, found: last });
+    }
+    let missing = if last == next - 1 { entries } else { &[] };
+    for (seq, entry) in (next..).zip(missing) {
+        sqlx::query(APPEND)
+            .bind(seq)
+            .bind(entry.at.0)
+            .bind(record::VERSION)
+            .bind(record::encode(&entry.fact))
+            .execute(&mut *connection)
+            .await?;
+        jobs::project(&mut *connection, &entry.fact).await?;
+    }
+    sqlx::query(COMMIT).execute(&mut *connection).await?;
+    Ok(())
 }
 
 /// Takes the lock beside the database. It falls with the process, however that ends.
