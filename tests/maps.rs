@@ -61,7 +61,8 @@ fn full() -> Value {
             {"id": "w", "x": 2, "y": -1}, {"id": "o", "x": 1, "y": -1},
         ],
         "lanes": [
-            {"from": "a", "to": "b", "both": true, "length_m": 1.5, "speed_limit_mps": 1, "for": ["loaded", "unloaded"]},
+            {"from": "a", "to": "b", "both": true, "length_m": 1.5, "speed_limit_mps": 1,
+             "for": ["loaded", "unloaded"]},
             {"from": "b", "to": "s", "both": true}, {"from": "a", "to": "c", "both": true},
             {"from": "a", "to": "p", "both": true}, {"from": "b", "to": "q"}, {"from": "q", "to": "w"},
             {"from": "w", "to": "o"}, {"from": "o", "to": "b"},

@@ -79,7 +79,7 @@ pub struct Moment {
 pub struct Measured {
     /// Racks served per hour, over the last ten minutes.
     pub deliveries_per_hour: f64,
-    /// Step time per route planned in it, median, microseconds: an upper bound of planning time.
+    /// Length of a search for a route, median, microseconds.
     pub plan_us_p50: u64,
     /// The same, 99th percentile.
     pub plan_us_p99: u64,

@@ -4,8 +4,11 @@
 //! codes: 0 done, 1 the work failed or a law was broken, 2 wrong arguments.
 
 mod bench;
+mod map;
 mod serve;
+mod sim;
 
+use crate::warehouse::{Warehouse, formats};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -26,6 +29,11 @@ struct Arguments {
 enum Command {
     /// Run the server (the default command).
     Serve(serve::Serve),
+    /// Run a scenario without a server, far faster than real time, and print its figures.
+    Sim(sim::Sim),
+    /// Check, show, make and import maps.
+    #[command(subcommand)]
+    Map(map::Map),
     /// Measure planning on this machine.
     #[command(subcommand)]
     Bench(bench::Bench),
@@ -35,6 +43,8 @@ enum Command {
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.command {
+        Some(Command::Sim(sim)) => sim.run(),
+        Some(Command::Map(map)) => map.run(),
         Some(Command::Serve(serve)) => serve.run(),
         Some(Command::Bench(bench)) => bench.run(),
         None => arguments.serve.run(),
@@ -49,6 +59,32 @@ pub fn run() -> ExitCode {
 fn read(path: &std::path::Path) -> anyhow::Result<String> {
     use anyhow::Context;
     std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+}
+
+/// Writes a text file, or standard output where no path is given.
+fn write(path: Option<&std::path::Path>, text: &str) -> anyhow::Result<()> {
+    use anyhow::Context;
+    match path {
+        Some(path) => std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display())),
+        None => {
+            use std::io::Write;
+            Ok(std::io::stdout().write_all(text.as_bytes())?)
+        }
+    }
+}
+
+/// Reads a map of any known format; notes of an import go to standard error.
+fn read_map(path: &std::path::Path) -> anyhow::Result<std::sync::Arc<Warehouse>> {
+    let (warehouse, notes) = formats::import(&read(path)?, &formats::Options::default())
+        .map_err(|e| anyhow::anyhow!("{} is refused:\n{e}", path.display()))?;
+    notes.0.iter().for_each(|n| eprintln!("note: {n}"));
+    Ok(std::sync::Arc::new(warehouse))
+}
+
+/// Nanoseconds of a monotonic clock, for the figures of a run.
+fn stopwatch() -> u64 {
+    static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
+    START.get_or_init(std::time::Instant::now).elapsed().as_nanos() as u64
 }
 
 /// A progress bar on standard error; nothing where that is no terminal.

@@ -3,7 +3,9 @@
 //! Main type: [`Serve`]. Says on standard output where it listens and what it restored; traces go to standard error.
 //! Refuses: to end with 0 where anything was lost.
 
-use crate::server::{Config, Flags, Server};
+use super::sim::Setup;
+use crate::server::{Config, Flags, Floor, Server};
+use anyhow::Context;
 use clap::Args;
 use std::io::IsTerminal;
 use std::process::ExitCode;
@@ -26,14 +28,17 @@ impl Serve {
             .with_ansi(std::io::stderr().is_terminal())
             .init();
         let config = Config::read(&self.flags)?;
+        let Setup { scenario, warehouse, lines } = Setup::read(&config.scenario, None, None)
+            .context("there is nothing to run: name a scenario with --scenario")?;
+        let floor = Floor { scenario, map: warehouse, lines };
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
-        runtime.block_on(serve(&config))?;
+        runtime.block_on(serve(&config, floor))?;
         Ok(ExitCode::SUCCESS)
     }
 }
 
-async fn serve(config: &Config) -> anyhow::Result<()> {
-    let mut server = Server::start(config).await?;
+async fn serve(config: &Config, floor: Floor) -> anyhow::Result<()> {
+    let mut server = Server::start(config, floor).await?;
     let found = server.summary();
     println!("Giveway is at http://{}/", server.address());
     println!("map      {}, {} robots (simulated)", found.map, found.robots);

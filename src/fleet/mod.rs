@@ -1,66 +1,159 @@
-//! STUB for the server side; the real core replaces this file.
+//! The core: one pure state machine. `step(now, inputs)` takes everything in, then decides once.
+//!
+//! Main types: [`Fleet`], [`Settings`], [`Input`], [`Step`], [`View`]. Two halves of state: the [`ledger`] (what was
+//! promised, a fold over facts) and the [`scene`] (what is seen). A restart is a step with an empty scene. Refuses: clocks,
+//! I/O, random numbers, hash order; reacting to messages (it reacts to state, so repeated and late ones do no harm).
+
+mod absorb;
+mod assign;
+mod cut;
 pub mod fact;
+mod grant;
 pub mod io;
 pub mod job;
+pub mod ledger;
+mod look;
+mod matching;
+mod plan;
+pub mod scene;
+mod settle;
+mod storage;
 pub mod view;
-use crate::id::*;
-use crate::route::Kinematics;
-use crate::time::*;
+
+pub use fact::{Act, Fact, Purpose, Stop, Task};
+pub use io::{Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
+pub use job::{Job, JobFailure, JobKind, JobRequest, JobState};
+pub use ledger::Ledger;
+pub use view::{Counts, Doing, RackAt, RobotState, RobotView, StationView, View, Why};
+
+use crate::route::{Kinematics, Planner, Rules};
+use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
-pub use fact::*;
-pub use io::*;
-pub use job::*;
+use plan::Needs;
+use scene::Scene;
 use std::sync::Arc;
-pub use view::*;
-/// Settings of the core.
+
+/// Settings of the core. They never change while it runs.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Robots' figures.
+    /// The robots' figures.
     pub kinematics: Kinematics,
-    /// Control period.
+    /// The control period.
     pub period: Span,
+    /// Labels that one search may expand.
+    pub expansions_per_plan: u32,
+    /// Labels that all searches of one step may expand together.
+    pub expansions_per_step: u32,
+    /// Below this charge an idle robot goes to charge first.
+    pub battery_low: f64,
+    /// Above this charge a charging robot may take jobs again.
+    pub battery_enough: f64,
+    /// How many jobs may wait.
+    pub waiting_max: usize,
+    /// Robots pass through one another: only for the bound on throughput.
+    pub ghosts: bool,
+    /// Reads any clock in nanoseconds, to tell how long searches take. Nothing is ever decided by it.
+    pub stopwatch: fn() -> u64,
 }
-/// The core.
-pub struct Fleet {
-    warehouse: Arc<Warehouse>,
-    jobs: std::collections::BTreeMap<JobId, Job>,
-}
-impl Fleet {
-    /// An empty fleet.
-    pub fn new(warehouse: Arc<Warehouse>, _s: Settings) -> Fleet {
-        Fleet { warehouse, jobs: Default::default() }
-    }
-    /// The fleet after these facts.
-    pub fn restore(warehouse: Arc<Warehouse>, s: Settings, facts: impl IntoIterator<Item = Fact>) -> Fleet {
-        let _ = facts.into_iter().count();
-        Fleet::new(warehouse, s)
-    }
-    /// One step.
-    pub fn step(&mut self, now: Time, inputs: Vec<Input>) -> Step {
-        let mut out = Step::default();
-        for i in inputs {
-            match i {
-                Input::Submit { token, request } => {
-                    let job = JobId(self.jobs.len() as u64 + 1);
-                    out.facts.push(Fact::Accepted { job, request: request.clone(), at: now });
-                    self.jobs.insert(job, Job { request, state: JobState::Waiting, accepted: now });
-                    out.replies.push(Reply::Accepted { token, job, new: true });
-                }
-                Input::Cancel { token, job } => {
-                    out.facts.push(Fact::Progressed { job, state: JobState::Cancelled, at: now });
-                    out.replies.push(Reply::Cancelled { token, job });
-                }
-                _ => {}
-            }
+
+impl Default for Settings {
+    fn default() -> Settings {
+        Settings {
+            kinematics: Kinematics::default(),
+            period: Span::from_millis(50),
+            expansions_per_plan: 20_000,
+            expansions_per_step: 60_000,
+            battery_low: 0.3,
+            battery_enough: 0.5,
+            waiting_max: 100_000,
+            ghosts: false,
+            stopwatch: || 0,
         }
-        out
     }
-    /// The read model.
-    pub fn view(&self, now: Time) -> View {
-        View { now, ..View::default() }
+}
+
+/// The fleet.
+pub struct Fleet {
+    settings: Settings,
+    ledger: Ledger,
+    scene: Scene,
+    planner: Planner,
+    needs: Needs,
+    demand: storage::Demand,
+    plan_times: Vec<u64>,
+    out: Step,
+}
+
+impl Fleet {
+    /// An empty fleet in a building.
+    pub fn new(warehouse: Arc<Warehouse>, settings: Settings) -> Fleet {
+        let clearance = settings.kinematics.clearance;
+        Fleet {
+            ledger: Ledger::new(warehouse.clone(), clearance, settings.ghosts),
+            scene: Scene::default(),
+            planner: Planner::new(warehouse.clone(), Rules::Drive(settings.kinematics)),
+            needs: Needs::default(),
+            demand: storage::Demand::new(&warehouse),
+            plan_times: Vec::new(),
+            out: Step::default(),
+            settings,
+        }
     }
+
+    /// The fleet after these facts, with nothing seen yet.
+    ///
+    /// # Panics
+    /// If the facts contradict each other.
+    pub fn restore(
+        warehouse: Arc<Warehouse>,
+        settings: Settings,
+        facts: impl IntoIterator<Item = Fact>,
+    ) -> Fleet {
+        let mut fleet = Fleet::new(warehouse, settings);
+        for fact in facts {
+            fleet.demand.note(&fact);
+            fleet.ledger.evolve(&fact);
+        }
+        fleet
+    }
+
+    /// Takes all inputs in, then decides once from what is known now.
+    pub fn step(&mut self, now: Time, inputs: Vec<Input>) -> Step {
+        self.absorb(now, inputs);
+        self.settle(now);
+        self.assign(now);
+        self.plan(now);
+        self.grant(now);
+        std::mem::take(&mut self.out)
+    }
+
     /// The building.
     pub fn warehouse(&self) -> &Arc<Warehouse> {
-        &self.warehouse
+        self.ledger.warehouse()
+    }
+
+    /// What was promised.
+    pub fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// How long the searches since the last call took, nanoseconds by the stopwatch of the settings.
+    pub fn take_plan_times(&mut self) -> Vec<u64> {
+        std::mem::take(&mut self.plan_times)
+    }
+
+    /// Takes a fact into the ledger and into the step's result.
+    fn record(&mut self, fact: Fact) {
+        self.demand.note(&fact);
+        self.ledger.evolve(&fact);
+        self.out.facts.push(fact);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,6 +4,7 @@
 //! system's clock was set back in between. Refuses: to follow the system's clock while it runs.
 
 use crate::time::{Span, Time};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
@@ -43,6 +44,12 @@ impl Clock {
         let last = self.last.fetch_max(now, Ordering::Relaxed);
         if now > last { Time(now) } else { Time(self.last.fetch_add(1, Ordering::Relaxed) + 1) }
     }
+}
+
+/// Nanoseconds since its first call, to tell how long something takes.
+pub fn stopwatch() -> u64 {
+    static ORIGIN: OnceLock<Instant> = OnceLock::new();
+    u64::try_from(ORIGIN.get_or_init(Instant::now).elapsed().as_nanos()).unwrap_or(u64::MAX)
 }
 
 #[cfg(test)]

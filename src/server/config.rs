@@ -10,7 +10,7 @@ use figment::Figment;
 use figment::providers::{Format, Serialized, Toml};
 use serde::{Deserialize, Serialize};
 use std::net::SocketAddr;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Settings that the environment may give.
 const FROM_ENVIRONMENT: [&str; 5] = ["scenario", "listen", "database", "token", "tokens"];
@@ -103,7 +103,8 @@ impl Config {
     pub fn gate(&self) -> anyhow::Result<Gate> {
         let mut tokens: Vec<String> = self.token.iter().cloned().collect();
         if let Some(path) = &self.tokens {
-            let text = read(path, "tokens")?;
+            let text = std::fs::read_to_string(path)
+                .with_context(|| format!("cannot read {}: give the file with --tokens", path.display()))?;
             let lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
             let before = tokens.len();
             tokens.extend(lines.map(str::to_owned));
@@ -137,12 +138,6 @@ impl Config {
         );
         Ok(address)
     }
-}
-
-/// Reads a file, naming it where that fails.
-pub(super) fn read(path: &Path, what: &str) -> anyhow::Result<String> {
-    std::fs::read_to_string(path)
-        .with_context(|| format!("cannot read {}: give the file with --{what}", path.display()))
 }
 
 #[cfg(test)]

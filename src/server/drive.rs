@@ -11,7 +11,7 @@ use super::measure::Measure;
 use super::outbox::Outbox;
 use crate::api::metrics::Metrics;
 use crate::api::port::Moment;
-use crate::fleet::{Fact, Fleet};
+use crate::fleet::Fleet;
 use crate::sim::World;
 use crate::time::{Span, Time};
 use std::sync::Arc;
@@ -67,13 +67,13 @@ impl Drive {
     fn turn(&mut self, published: &mut Time) {
         let now = self.clock.now();
         let mut inputs = self.inbox.drain(self.journal.is_failing());
-        inputs.extend(self.world.advance(now));
+        inputs.extend(self.world.advance(now, &self.fleet));
         if self.journal.is_full() {
             self.inbox.keep(inputs);
         } else {
             let began = self.clock.now();
             let step = self.fleet.step(now, inputs);
-            self.note(self.clock.now() - began, &step.facts);
+            self.note(self.clock.now() - began, step.facts.len());
             let after = self.journal.record(now, step.facts);
             self.outbox.put(after, step.commands, step.replies);
         }
@@ -92,15 +92,11 @@ impl Drive {
         replies.into_iter().for_each(|reply| self.inbox.answer(reply));
     }
 
-    fn note(&mut self, length: Span, facts: &[Fact]) {
+    fn note(&mut self, length: Span, facts: usize) {
         self.metrics.step_seconds.observe(length.as_secs_f64());
-        self.measure.step(length, facts.iter().filter(|f| matches!(f, Fact::Routed { .. })).count());
+        self.measure.step(length, &self.fleet.take_plan_times());
         if length.0 > self.period.0 / 2 {
-            tracing::warn!(
-                step.ms = length.0 / 1000,
-                facts = facts.len(),
-                "a step took more than half its period"
-            );
+            tracing::warn!(step.ms = length.0 / 1000, facts, "a step took more than half its period");
         }
     }
 

@@ -24,13 +24,10 @@ pub struct Measure {
 }
 
 impl Measure {
-    /// Notes a step of this length in which so many routes were planned.
-    pub fn step(&mut self, length: Span, plans: usize) {
-        let us = length.0.unsigned_abs();
-        push(&mut self.steps, us);
-        if plans > 0 {
-            push(&mut self.plans, us / plans as u64);
-        }
+    /// Notes a step of this length, with the lengths of its searches in nanoseconds.
+    pub fn step(&mut self, length: Span, searches_ns: &[u64]) {
+        push(&mut self.steps, length.0.unsigned_abs());
+        searches_ns.iter().for_each(|ns| push(&mut self.plans, ns / 1000));
     }
 
     /// All figures, `deliveries` being the sum so far.
@@ -73,11 +70,11 @@ mod tests {
     #[test]
     fn figures_are_of_the_last_minutes() {
         let mut m = Measure::default();
-        (1..=100).for_each(|us| m.step(Span(us), usize::from(us % 2 == 0)));
+        (1..=100).for_each(|us| m.step(Span(us), &[us as u64 * 2000]));
         m.figures(Time(0), 5);
         let figures = m.figures(Time(0) + Span::from_secs(60), 15);
         assert_eq!(figures.step_us_p99, 100);
-        assert_eq!(figures.plan_us_p50, 52);
+        assert_eq!(figures.plan_us_p50, 102);
         assert!((figures.deliveries_per_hour - 600.0).abs() < 1e-9);
         let later = m.figures(Time(0) + Span::from_secs(700), 15);
         assert!(later.deliveries_per_hour.abs() < 1e-9, "the first ones are long ago");

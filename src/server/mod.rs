@@ -20,16 +20,14 @@ use crate::api::live::Live;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment};
 use crate::api::{Api, auth::Gate, router};
-use crate::fleet::Fleet;
-use crate::sim::{Scenario, World};
+use crate::fleet::{Fleet, Settings};
+use crate::sim::{OrderLine, Scenario, World};
 use crate::store::{Store, StoreError};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
-use crate::warehouse::formats::json;
 use anyhow::{Context, anyhow};
 use axum::serve::ListenerExt;
 use std::net::SocketAddr;
-use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
@@ -45,6 +43,16 @@ const FLUSH: Duration = Duration::from_secs(10);
 
 /// The loop is stuck when its picture is older.
 const STUCK: Span = Span::from_secs(2);
+
+/// What the server runs: a simulated floor, until real robots come.
+pub struct Floor {
+    /// Fleet, customers, faults.
+    pub scenario: Scenario,
+    /// The building.
+    pub map: Arc<Warehouse>,
+    /// What the customers order, where the scenario names a file.
+    pub lines: Vec<OrderLine>,
+}
 
 /// A server at work.
 pub struct Server {
@@ -75,10 +83,10 @@ impl Server {
     ///
     /// # Errors
     /// Where anything is wrong; the text says what to do.
-    pub async fn start(config: &Config) -> anyhow::Result<Server> {
+    pub async fn start(config: &Config, floor: Floor) -> anyhow::Result<Server> {
         let gate = config.gate()?;
         let address = config.address(&gate).await?;
-        let (scenario, map) = load(&config.scenario)?;
+        let Floor { scenario, map, lines } = floor;
         let listener = TcpListener::bind(address).await.with_context(|| {
             format!("cannot listen on {address}: stop the program that does, or choose another with --listen HOST:PORT")
         })?;
@@ -94,10 +102,11 @@ impl Server {
             open_jobs,
         };
         let clock = Arc::new(Clock::start(loaded.last));
-        let fleet = Fleet::restore(map.clone(), scenario.settings.clone(), loaded.facts);
-        let world = World::new(map, &scenario, scenario.seed, &fleet, clock.now());
+        let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
+        let fleet = Fleet::restore(map.clone(), settings, loaded.facts);
+        let world = World::new(map, &scenario, &lines, scenario.seed, &fleet, clock.now());
         let (stop, stopping) = watch::channel(false);
-        let parts = Parts { fleet, world, clock, period: scenario.settings.period, next: loaded.next, gate };
+        let parts = Parts { fleet, world, clock, period: scenario.period, next: loaded.next, gate };
         let work = tokio::spawn(work(parts, store.clone(), listener, stopping));
         Ok(Server { address, summary, store, stop, work })
     }
@@ -133,18 +142,6 @@ impl Server {
         self.stop.send_replace(true);
         self.work.await.context("the server ended unexpectedly")?
     }
-}
-
-/// Reads a scenario and its map.
-fn load(path: &Path) -> anyhow::Result<(Scenario, Arc<Warehouse>)> {
-    let text = config::read(path, "scenario")?;
-    let scenario = Scenario::parse(&text).map_err(|e| anyhow!("{}: {e}", path.display()))?;
-    let file = path.parent().unwrap_or(Path::new("")).join(&scenario.map);
-    let text = std::fs::read_to_string(&file)
-        .with_context(|| format!("cannot read the map {}, which {} names", file.display(), path.display()))?;
-    let map =
-        json::parse(&text).map_err(|e| anyhow!("the map {} is not fit to run on: {e}", file.display()))?;
-    Ok((scenario, Arc::new(map)))
 }
 
 /// What the parts of the server are made of.

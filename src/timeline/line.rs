@@ -102,16 +102,9 @@ impl Line {
 
     /// The first other holder that stands before this visit in the order of the resource.
     pub fn first_before(&self, holder: Holder, serial: u64) -> Option<Holder> {
-        for h in &self.holds {
-            if h.holder == holder {
-                if h.serial == serial && h.layer == Layer::Physical {
-                    return None;
-                }
-            } else {
-                return Some(h.holder);
-            }
-        }
-        None
+        let mine = |h: &Hold| h.holder == holder && h.serial == serial && h.layer == Layer::Physical;
+        let own = self.holds.iter().position(mine)?;
+        self.holds[..own].iter().map(|h| h.holder).find(|h| *h != holder)
     }
 
     /// Entries of other holders that come after a visit in the order, but start before `end`. Two conflict

@@ -18,7 +18,7 @@ pub use line::{Gap, Layer};
 
 use crate::id::{IdVec, NodeId, ResourceId, RobotId, WorkerId};
 use crate::time::{Span, Time, Window};
-use crate::warehouse::Warehouse;
+use crate::warehouse::{NodeKind, Warehouse};
 use line::{Hold, Line};
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
@@ -162,6 +162,8 @@ pub struct Timeline {
     clearance: Span,
     lines: IdVec<ResourceId, Line>,
     chains: BTreeMap<Holder, Chain>,
+    /// Where everybody else can be driven through; only for the bound on throughput.
+    ghostly: bool,
 }
 
 impl PartialEq for Timeline {
@@ -175,7 +177,13 @@ impl Timeline {
     /// strictly positive on a real floor, so that no ring of robots can rotate (DESIGN §5, invariant b).
     pub fn new(warehouse: Arc<Warehouse>, clearance: Span) -> Timeline {
         let lines = IdVec::filled(Line::default(), warehouse.resource_count());
-        Timeline { warehouse, clearance, lines, chains: BTreeMap::new() }
+        Timeline { warehouse, clearance, lines, chains: BTreeMap::new(), ghostly: false }
+    }
+
+    /// A timeline on which holders pass through one another everywhere but at stations, where there is still only
+    /// one person to pick: what the bound on throughput is measured with (DESIGN §8).
+    pub fn ghostly(warehouse: Arc<Warehouse>, clearance: Span) -> Timeline {
+        Timeline { ghostly: true, ..Timeline::new(warehouse, clearance) }
     }
 
     /// The building.
@@ -285,6 +293,47 @@ impl Timeline {
         }
     }
 
+    /// Drops what was not granted to these holders; they keep their last granted visit for ever, and those of which
+    /// `stuck` is true keep every granted visit for ever.
+    ///
+    /// # Panics
+    /// If somebody who is not among them holds any of that later (see [`Timeline::after`]).
+    pub fn cut(&mut self, holders: &[(Holder, bool)]) {
+        for &(holder, _) in holders {
+            let granted = self.chains[&holder].granted;
+            self.take_from(holder, granted);
+        }
+        for &(holder, stuck) in holders {
+            let first = self.chains[&holder].first;
+            let mut visits = self.take_from(holder, first);
+            let last = visits.len() - 1;
+            (visits[last].depart, visits[last].leave) = (Time::MAX, Time::MAX);
+            for visit in visits.iter_mut().filter(|_| stuck) {
+                visit.leave = Time::MAX;
+            }
+            assert_eq!(self.check(holder, &visits), Ok(()), "{holder:?} cannot stay where others want to be");
+            self.put(holder, visits);
+        }
+    }
+
+    /// Everyone who comes after a visit in the order of its resources.
+    pub fn after(&self, holder: Holder, serial: u64) -> Vec<Holder> {
+        let Some(visit) = self.chains.get(&holder).and_then(|c| c.get(serial)) else { return Vec::new() };
+        let mut found: Vec<Holder> = (claims(&self.warehouse, self.clearance, visit))
+            .flat_map(|(r, _)| std::iter::once(r).chain(self.warehouse.conflicts(r).iter().copied()))
+            .flat_map(|r| self.lines[r].followers(holder, serial, Time::MAX).map(|h| h.holder))
+            .collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// The proof that a holder may drive up to its last granted visit.
+    pub fn granted(&self, holder: Holder) -> Option<Reserved> {
+        let chain = self.chains.get(&holder)?;
+        Some(Reserved { holder, first: chain.first, count: (chain.granted - chain.first) as usize })
+    }
+
     /// Who must pass before `holder` may have the visit `serial`: the first holder in the order of the node,
     /// the lane, or anything in conflict with them, if it is not `holder` itself.
     pub fn waits_for(&self, holder: Holder, serial: u64) -> Option<(ResourceId, Holder)> {
@@ -309,7 +358,13 @@ impl Timeline {
             if visit.enter > now {
                 Self::erase(&mut self.lines, &self.warehouse, holder, s, visit);
                 visit.enter = now;
-                Self::write(&mut self.lines, &self.warehouse, self.clearance, holder, s, visit);
+                Self::write(
+                    &mut self.lines,
+                    (&self.warehouse, self.clearance, self.ghostly),
+                    holder,
+                    s,
+                    visit,
+                );
             }
             chain.granted = s + 1;
         }
@@ -329,7 +384,13 @@ impl Timeline {
             for (i, v) in chain.visits.iter().enumerate() {
                 let serial = chain.first + i as u64;
                 if on {
-                    Self::write(&mut self.lines, &self.warehouse, self.clearance, *holder, serial, v);
+                    Self::write(
+                        &mut self.lines,
+                        (&self.warehouse, self.clearance, self.ghostly),
+                        *holder,
+                        serial,
+                        v,
+                    );
                 } else {
                     Self::erase(&mut self.lines, &self.warehouse, *holder, serial, v);
                 }
@@ -350,14 +411,20 @@ impl Timeline {
     fn put(&mut self, holder: Holder, visits: impl IntoIterator<Item = Visit>) {
         let chain = self.chains.get_mut(&holder).expect("only holders replace");
         for v in visits {
-            Self::write(&mut self.lines, &self.warehouse, self.clearance, holder, chain.end(), &v);
+            Self::write(
+                &mut self.lines,
+                (&self.warehouse, self.clearance, self.ghostly),
+                holder,
+                chain.end(),
+                &v,
+            );
             chain.visits.push_back(v);
         }
     }
 
     /// The first clash of visits with the holds of others.
     fn check(&self, holder: Holder, visits: &[Visit]) -> Result<(), Clash> {
-        for visit in visits {
+        for visit in visits.iter().filter(|v| !self.ghostly || is_station(&self.warehouse, v)) {
             for (resource, wanted) in claims(&self.warehouse, self.clearance, visit) {
                 let other = self.lines[resource].during(wanted).find(|h| h.holder != holder);
                 if let Some(h) = other {
@@ -370,12 +437,14 @@ impl Timeline {
 
     fn write(
         lines: &mut IdVec<ResourceId, Line>,
-        warehouse: &Warehouse,
-        clearance: Span,
+        (warehouse, clearance, ghostly): (&Warehouse, Span, bool),
         holder: Holder,
         serial: u64,
         visit: &Visit,
     ) {
+        if ghostly && !is_station(warehouse, visit) {
+            return;
+        }
         for (resource, window) in claims(warehouse, clearance, visit) {
             let hold = |layer| Hold {
                 start: window.start(),
@@ -423,6 +492,10 @@ impl Timeline {
             }
         }
     }
+}
+
+fn is_station(warehouse: &Warehouse, visit: &Visit) -> bool {
+    matches!(warehouse.nodes[visit.node].kind, NodeKind::Station(_))
 }
 
 /// What a visit holds: its node and, where needed, its lane.

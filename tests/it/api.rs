@@ -1,6 +1,6 @@
 //! HTTP: what is answered, to whom, and what is refused with which words.
 
-use crate::helper::{Folder, all_jobs, config, delivery, get, map, post, send, start};
+use crate::helper::{Folder, all_jobs, config, delivery, floor, get, map, post, send, start};
 use giveway::server::{Config, Server};
 use serde_json::{Value, json};
 
@@ -201,7 +201,7 @@ async fn a_server_with_tokens_answers_only_to_them() {
     std::fs::write(&file, "# robots' customers\nfirst-token-0123456789\n\nsecond-token-0123456789\n")
         .unwrap();
     let config = Config { tokens: Some(file), ..config(&folder) };
-    let server = Server::start(&config).await.unwrap();
+    let server = Server::start(&config, floor()).await.unwrap();
     let at = server.address();
     let answer = get(at, "/v1/jobs").await;
     answer.problem(401);
@@ -242,7 +242,8 @@ async fn figures_count_requests_and_facts() {
 async fn a_start_that_cannot_be_says_why_and_what_to_do() {
     let folder = Folder::new();
     let server = start(&folder).await;
-    let failure = async |config: Config| format!("{:#}", Server::start(&config).await.err().unwrap());
+    let failure =
+        async |config: Config| format!("{:#}", Server::start(&config, floor()).await.err().unwrap());
     let usual = config(&folder);
     let taken = failure(Config { listen: server.address().to_string(), ..usual.clone() }).await;
     assert!(taken.contains("--listen") && taken.contains(&server.address().to_string()), "{taken}");
@@ -254,7 +255,5 @@ async fn a_start_that_cannot_be_says_why_and_what_to_do() {
     std::fs::write(&text, "this is no database, but long enough to look like one".repeat(100)).unwrap();
     let text = failure(Config { database: text, ..usual.clone() }).await;
     assert!(text.contains("no database"), "{text}");
-    let scenario = failure(Config { scenario: "missing.json".into(), ..usual }).await;
-    assert!(scenario.contains("missing.json") && scenario.contains("--scenario"), "{scenario}");
     server.stop().await.unwrap();
 }

@@ -1,15 +1,17 @@
 //! Folders, servers and a small HTTP client for the tests.
 
-use giveway::server::{Config, Server};
+use giveway::server::{Config, Floor, Server};
+use giveway::sim::Scenario;
 use serde_json::Value;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
-/// The scenario that all tests run.
-pub const SCENARIO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/lab.json");
+/// The scenario that all tests run: fast robots, no customers but the test.
+pub const SCENARIO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/it/quiet.json");
 
 /// A folder that goes with the test.
 pub struct Folder(PathBuf);
@@ -51,7 +53,13 @@ pub fn config(folder: &Folder) -> Config {
 
 /// A server on any port.
 pub async fn start(folder: &Folder) -> Server {
-    Server::start(&config(folder)).await.unwrap()
+    Server::start(&config(folder), floor()).await.unwrap()
+}
+
+/// What servers in tests run.
+pub fn floor() -> Floor {
+    let scenario = Scenario::parse(&std::fs::read_to_string(SCENARIO).unwrap()).unwrap();
+    Floor { scenario, map: Arc::new(map()), lines: Vec::new() }
 }
 
 /// The map of the scenario.

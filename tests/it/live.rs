@@ -1,6 +1,6 @@
 //! The live feed over a real WebSocket.
 
-use crate::helper::{Folder, config, map, start};
+use crate::helper::{Folder, config, floor, map, start};
 use futures_util::StreamExt;
 use giveway::server::{Config, Server};
 use serde_json::Value;
@@ -84,7 +84,7 @@ async fn the_feed_ends_in_order_when_the_server_goes_down() {
 async fn a_token_comes_as_a_protocol() {
     let folder = Folder::new();
     let config = Config { token: Some("the-token-of-the-page".into()), ..config(&folder) };
-    let server = Server::start(&config).await.unwrap();
+    let server = Server::start(&config, floor()).await.unwrap();
     let at = server.address();
     let status = |result: Result<Socket, Error>| match result {
         Err(Error::Http(response)) => response.status().as_u16(),

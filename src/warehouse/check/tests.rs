@@ -303,7 +303,10 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn whatever_lanes_are_missing_the_check_answers(keep in prop::collection::vec(any::<bool>(), 64), wide in 0.1..3.0) {
+    fn whatever_lanes_are_missing_the_check_answers(
+        keep in prop::collection::vec(any::<bool>(), 64),
+        wide in 0.1..3.0,
+    ) {
         let mut draft = with_queue();
         draft.footprint_m = wide;
         let mut keep = keep.into_iter();

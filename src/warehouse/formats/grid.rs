@@ -85,6 +85,35 @@ impl Grid {
         }
     }
 
+    /// Lets people walk on the grid, with what is not `open` in their way as rectangles.
+    pub fn add_outlines(&self, draft: &mut Draft, open: &[bool], options: &Options) {
+        let mut blocks: Vec<(usize, usize)> = Vec::new();
+        for row in 0..self.height {
+            let cells = row * self.width..(row + 1) * self.width;
+            let mut left = cells.start;
+            for run in open[cells].chunk_by(|a, b| a == b) {
+                let right = left + run.len() - 1;
+                if !run[0] {
+                    let above = (blocks.iter_mut().rev().take(self.width))
+                        .find(|(l, r)| l % self.width == left % self.width && r + self.width == right);
+                    match above {
+                        Some(block) => block.1 = right,
+                        None => blocks.push((left, right)),
+                    }
+                }
+                left = right + 1;
+            }
+        }
+        let outline = |left_top: usize, right_bottom: usize| {
+            let half = nalgebra::Vector2::new(options.pitch_m, options.pitch_m) / 2.0;
+            let (a, b) = (self.at(left_top, options), self.at(right_bottom, options));
+            let (low, high) = (Point::new(a.x, b.y) - half, Point::new(b.x, a.y) + half);
+            vec![low, Point::new(high.x, low.y), high, Point::new(low.x, high.y)]
+        };
+        draft.walkable.push(outline(0, self.cells.len() - 1));
+        draft.obstacles.extend(blocks.into_iter().map(|(left, right)| outline(left, right)));
+    }
+
     /// Takes from `floor` every cell outside its largest connected part; says how many.
     pub fn keep_largest_part(&self, floor: &mut Vec<bool>) -> usize {
         let mut best: Vec<usize> = Vec::new();
@@ -210,6 +239,18 @@ mod tests {
         let mut floor = g.which(".");
         let places = g.take_places(&mut floor, &g.which("."), 99);
         assert!(!places[7], "the middle joins both halves");
+    }
+
+    #[test]
+    fn what_is_not_open_becomes_few_rectangles() {
+        let g = grid("@@.@\n@@.@\n....\n@@..");
+        let options = Options::default();
+        let mut draft = g.draft(&options);
+        g.add_outlines(&mut draft, &g.which("."), &options);
+        let corners = |o: &Vec<Point>| (o[0].x, o[0].y, o[2].x, o[2].y);
+        assert_eq!(draft.walkable.iter().map(corners).collect::<Vec<_>>(), [(-0.5, -0.5, 3.5, 3.5)]);
+        let expected = [(-0.5, 1.5, 1.5, 3.5), (2.5, 1.5, 3.5, 3.5), (-0.5, -0.5, 1.5, 0.5)];
+        assert_eq!(draft.obstacles.iter().map(corners).collect::<Vec<_>>(), expected);
     }
 
     #[test]

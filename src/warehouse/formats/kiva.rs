@@ -39,6 +39,7 @@ pub fn parse(text: &str, options: &Options) -> Result<(Draft, Notes), MapError> 
     let cells = Cells { floor, places, storage };
     nodes(&grid, &cells, options, &mut draft, &mut notes);
     grid.add_lanes(&mut draft, |a, b| cells.users_between(a, b));
+    grid.add_outlines(&mut draft, &driven, options);
     stations(&grid, &cells.floor, options, &mut draft, &mut notes);
     Ok((draft, notes))
 }
@@ -116,10 +117,15 @@ fn nodes(grid: &Grid, cells: &Cells, options: &Options, draft: &mut Draft, notes
     }
 }
 
-/// Adds station bays beyond the first and the last column with floor, evenly spaced, in by one row and out by the next.
+/// Adds station bays beyond the first and the last column with floor, evenly spaced, in by one row and out
+/// by the next.
 fn stations(grid: &Grid, floor: &[bool], options: &Options, draft: &mut Draft, notes: &mut Notes) {
-    let sides =
-        [(0, -1.0, "W", options.stations.div_ceil(2)), (grid.width - 1, 1.0, "E", options.stations / 2)];
+    let has_floor = |column: &usize| (0..grid.height).any(|row| floor[row * grid.width + column]);
+    let (Some(first), Some(last)) = ((0..grid.width).find(has_floor), (0..grid.width).rfind(has_floor))
+    else {
+        return;
+    };
+    let sides = [(first, -1.0, "W", options.stations.div_ceil(2)), (last, 1.0, "E", options.stations / 2)];
     for (column, outward, side, wanted) in sides {
         let rows = pairs_of_rows(grid, floor, column, wanted);
         if rows.len() < wanted {
@@ -205,6 +211,14 @@ mod tests {
         assert_eq!(w.stations.len(), 8, "four pairs of nine rows on each side\n{notes}");
         assert!(notes.to_string().contains("4 of 10 stations added on side W"), "{notes}");
         assert!((0..w.resource_count()).all(|r| w.conflicts(Dense::at(r)).is_empty()));
+    }
+
+    #[test]
+    fn stations_find_room_behind_a_wall_around_the_floor() {
+        let text = "6,8\n8\n2\n9\n@@@@@@@@\n@......@\n@.eeee.@\n@.e@@e.@\n@r....r@\n@@@@@@@@\n";
+        let (draft, notes) = parse(text, &Options { stations: 2, ..Options::default() }).expect("a grid");
+        let w = draft.build().expect("well-formed");
+        assert_eq!(w.stations.len(), 2, "{notes}");
     }
 
     #[test]

@@ -107,14 +107,32 @@ pub fn import(text: &str, options: &Options) -> Result<(Warehouse, Notes), MapEr
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+
+    const JSON: &str = r#"{"giveway_map":1,"name":"two","footprint_m":0.9,"nodes":[{"id":"a","x":0,"y":0},
+        {"id":"p","x":1,"y":0}],"lanes":[{"from":"a","to":"p","both":true}],"parking":["p"]}"#;
+    const OCTILE: &str = "type octile\nheight 2\nwidth 3\nmap\n...\n.@.\n";
+    const KIVA: &str = "2,3\n0\n2\n100\n...\nr.r\n";
+
+    proptest! {
+        #[test]
+        fn no_text_makes_the_import_panic(
+            text in prop::sample::select(vec![JSON, OCTILE, KIVA]),
+            cut in 0usize..200,
+            at in 0usize..200,
+            byte in 32u8..127,
+        ) {
+            let mut bytes = text.as_bytes().to_vec();
+            let at = at % bytes.len();
+            bytes[at] = byte;
+            bytes.truncate(bytes.len().saturating_sub(cut.saturating_sub(100)));
+            let _ = import(&String::from_utf8_lossy(&bytes), &Options::default());
+        }
+    }
 
     #[test]
     fn every_format_is_known_by_its_first_line() {
-        let json = r#"{"giveway_map":1,"name":"two","footprint_m":0.9,"nodes":[{"id":"a","x":0,"y":0},
-            {"id":"p","x":1,"y":0}],"lanes":[{"from":"a","to":"p","both":true}],"parking":["p"]}"#;
-        let octile = "type octile\nheight 2\nwidth 3\nmap\n...\n.@.\n";
-        let kiva = "2,3\n0\n2\n100\n...\nr.r\n";
-        for text in [json, octile, kiva] {
+        for text in [JSON, OCTILE, KIVA] {
             let (w, _) = import(text, &Options::default()).expect(text);
             assert!(!w.nodes.is_empty());
         }

@@ -37,6 +37,7 @@ pub fn parse(text: &str, options: &Options) -> Result<(Draft, Notes), MapError> 
         (false, true) if parking[a] => Some(Users::ROBOTS),
         _ => None,
     });
+    grid.add_outlines(&mut draft, &nodes, options);
     let mut notes = Notes::default();
     if dropped > 0 {
         notes.0.push(format!("{dropped} free cells left out: no way joins them to the largest part"));

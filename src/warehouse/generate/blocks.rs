@@ -131,11 +131,12 @@ impl Blocks {
 
     /// Chargers between the stations; the others and the parking places north and south, mixed evenly.
     fn places(&self, hall: &mut Hall, sides: &[Side; 2]) {
-        let between = sides.iter().flat_map(|side| side.places(hall)).take(self.chargers);
+        let between = sides.iter().flat_map(|side| side.places()).take(self.chargers);
         let between: Vec<(Cell, Cell)> = between.collect();
         let (w, h) = (hall.along_y.extent, hall.along_x.extent);
-        let north_south: Vec<(Cell, Cell)> =
-            (2..w - 2).flat_map(|x| [((x, -1), (x, 0)), ((x, h), (x, h - 1))]).collect();
+        let south = (2..w - 2).map(|x| ((x, -1), (x, 0)));
+        let north = (2..w - 2).map(|x| ((x, h), (x, h - 1)));
+        let north_south: Vec<(Cell, Cell)> = south.chain(north).collect();
         let chargers = self.chargers - between.len();
         let wanted = (chargers + self.parking).min(north_south.len());
         let room = north_south.len();

@@ -61,11 +61,18 @@ impl Pen {
         self.draft.lanes.push(lane);
     }
 
-    /// Puts racks on this share of the storage nodes, evenly.
+    /// Puts racks on this share of the storage nodes, scattered: free nodes are near wherever one looks.
     pub fn racks(&mut self, fill: f64) {
-        let before = |i: usize| (i as f64 * fill).floor();
-        let filled = self.draft.storage.iter().enumerate().filter(|(i, _)| before(i + 1) > before(*i));
-        self.draft.racks = filled.zip(1..).map(|((_, node), k)| (format!("K{k}"), node.clone())).collect();
+        const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+        let storage = &self.draft.storage;
+        let count = (storage.len() as f64 * fill.clamp(0.0, 1.0)).round() as usize;
+        // Multiples of the golden ratio modulo one are spread evenly, whatever the length of the rows.
+        let mut order: Vec<usize> = (0..storage.len()).collect();
+        order.sort_by_key(|&i| (i as u64).wrapping_mul(GOLDEN));
+        order.truncate(count);
+        order.sort_unstable();
+        self.draft.racks =
+            order.iter().zip(1..).map(|(&i, k)| (format!("K{k}"), storage[i].clone())).collect();
     }
 }
 

@@ -89,7 +89,7 @@ impl Side {
     }
 
     /// Places beside the road between the bays, each with the floor cell before it.
-    pub fn places(&self, _hall: &Hall) -> Vec<(Cell, Cell)> {
+    pub fn places(&self) -> Vec<(Cell, Cell)> {
         self.free.iter().map(|&y| (self.cell((-1, y)), self.cell((0, y)))).collect()
     }
 

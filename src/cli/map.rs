@@ -1,0 +1,182 @@
+//! `giveway map`: check, show, make and import maps.
+//!
+//! Main type: [`Map`]. Refuses: to write a map that it would not read.
+
+use super::{read, read_map, write};
+use crate::time::Span;
+use crate::warehouse::{Blocks, formats, room_for, summary, to_svg};
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// What to do with maps.
+#[derive(Subcommand)]
+pub enum Map {
+    /// Read a map, list every problem with place and remedy, say what it holds.
+    Check(Check),
+    /// Draw a map as SVG.
+    Show(Show),
+    /// Make a map of rack blocks from parameters.
+    Generate(Generate),
+    /// Turn an octile grid (`.map`) or a warehouse grid with endpoints into a map.
+    Import(Import),
+}
+
+/// Arguments of `map check`.
+#[derive(Args)]
+pub struct Check {
+    /// Map file.
+    map: PathBuf,
+    /// Also check that so many robots have a place to stay.
+    #[arg(long)]
+    robots: Option<usize>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Arguments of `map show`.
+#[derive(Args)]
+pub struct Show {
+    /// Map file.
+    map: PathBuf,
+    /// Where to write the drawing; standard output where absent.
+    #[arg(long, short)]
+    output: Option<PathBuf>,
+}
+
+/// Arguments of `map generate`.
+#[derive(Args)]
+pub struct Generate {
+    /// Name of the map.
+    #[arg(long, default_value = "blocks")]
+    name: String,
+    /// Groups of blocks, across and along, between main roads.
+    #[arg(long, num_args = 2, default_values_t = [1, 1])]
+    groups: Vec<usize>,
+    /// Blocks in a group, across and along.
+    #[arg(long, num_args = 2, default_values_t = [3, 5])]
+    blocks: Vec<usize>,
+    /// Racks along a block; a block is two racks deep.
+    #[arg(long, default_value_t = 5)]
+    block_length: usize,
+    /// Stations on the west side.
+    #[arg(long, default_value_t = 2)]
+    stations_west: usize,
+    /// Stations on the east side.
+    #[arg(long, default_value_t = 2)]
+    stations_east: usize,
+    /// Waiting places before each station.
+    #[arg(long, default_value_t = 4)]
+    queue: usize,
+    /// Usual length of a pick, seconds.
+    #[arg(long, default_value_t = 8.0)]
+    pick: f64,
+    /// Chargers.
+    #[arg(long, default_value_t = 8)]
+    chargers: usize,
+    /// Parking places.
+    #[arg(long, default_value_t = 8)]
+    parking: usize,
+    /// Share of the storage nodes with a rack.
+    #[arg(long, default_value_t = 0.85)]
+    fill: f64,
+    /// Where to write the map; standard output where absent.
+    #[arg(long, short)]
+    output: Option<PathBuf>,
+}
+
+/// Arguments of `map import`.
+#[derive(Args)]
+pub struct Import {
+    /// Grid file.
+    grid: PathBuf,
+    /// Name of the map; the file's where absent.
+    #[arg(long)]
+    name: Option<String>,
+    /// Stations to add beside a warehouse grid.
+    #[arg(long, default_value_t = 8)]
+    stations: usize,
+    /// Where to write the map; standard output where absent.
+    #[arg(long, short)]
+    output: Option<PathBuf>,
+}
+
+impl Map {
+    /// Does it.
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        match self {
+            Map::Check(c) => c.run(),
+            Map::Show(s) => {
+                let warehouse = read_map(&s.map)?;
+                write(s.output.as_deref(), &to_svg(&warehouse))?;
+                Ok(ExitCode::SUCCESS)
+            }
+            Map::Generate(g) => g.run(),
+            Map::Import(i) => i.run(),
+        }
+    }
+}
+
+impl Check {
+    fn run(self) -> anyhow::Result<ExitCode> {
+        let warehouse = read_map(&self.map)?;
+        if let Some(robots) = self.robots {
+            room_for(&warehouse, robots).map_err(|e| anyhow::anyhow!("{}:\n{e}", self.map.display()))?;
+        }
+        let summary = summary(&warehouse);
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&summary)?);
+        } else {
+            println!("{summary}");
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+impl Generate {
+    fn run(self) -> anyhow::Result<ExitCode> {
+        let count = |n: usize, what: &str| {
+            anyhow::ensure!((1..=500).contains(&n), "{what} must be from 1 to 500, not {n}");
+            Ok(n)
+        };
+        anyhow::ensure!((0.0..=1.0).contains(&self.fill), "--fill must be from 0 to 1, not {}", self.fill);
+        anyhow::ensure!(
+            (0.0..=3600.0).contains(&self.pick),
+            "--pick must be from 0 to 3600 s, not {}",
+            self.pick
+        );
+        let blocks = Blocks {
+            name: self.name,
+            groups: (count(self.groups[0], "--groups")?, count(self.groups[1], "--groups")?),
+            blocks: (count(self.blocks[0], "--blocks")?, count(self.blocks[1], "--blocks")?),
+            block_length: count(self.block_length, "--block-length")?,
+            stations_west: self.stations_west,
+            stations_east: self.stations_east,
+            queue: self.queue,
+            pick: Span::from_secs_f64(self.pick),
+            chargers: self.chargers,
+            parking: self.parking,
+            fill: self.fill,
+        };
+        let warehouse =
+            blocks.draft().build().map_err(|e| anyhow::anyhow!("these parameters make no map:\n{e}"))?;
+        write(self.output.as_deref(), &formats::json::write(&warehouse))?;
+        eprintln!("{}", summary(&warehouse));
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+impl Import {
+    fn run(self) -> anyhow::Result<ExitCode> {
+        let stem = self.grid.file_stem().map(|s| s.to_string_lossy().into_owned());
+        let name = self.name.or(stem).unwrap_or_else(|| "imported".into());
+        let options = formats::Options { name, stations: self.stations, ..Default::default() };
+        let (warehouse, notes) = formats::import(&read(&self.grid)?, &options)
+            .map_err(|e| anyhow::anyhow!("{} is refused:\n{e}", self.grid.display()))?;
+        write(self.output.as_deref(), &formats::json::write(&warehouse))?;
+        notes.0.iter().for_each(|n| eprintln!("note: {n}"));
+        eprintln!("{}", summary(&warehouse));
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,165 @@
+//! `giveway sim`: a scenario without a server.
+//!
+//! Main type: [`Sim`]. Refuses: to exit with success where a law was broken.
+
+use super::{progress, read, read_map, stopwatch};
+use crate::sim::{Demand, OrderLine, Outcome, Scenario, Simulation};
+use crate::time::Span;
+use crate::warehouse::Warehouse;
+use anyhow::Context;
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Arguments of `sim`.
+#[derive(Args)]
+pub struct Sim {
+    /// Scenario file.
+    scenario: PathBuf,
+    /// Seed; the scenario's own where absent.
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Another map than the scenario's, in any format that `map import` knows.
+    #[arg(long)]
+    map: Option<PathBuf>,
+    /// Another number of robots.
+    #[arg(long)]
+    robots: Option<usize>,
+    /// Another duration, seconds.
+    #[arg(long)]
+    duration: Option<f64>,
+    /// Jobs from this file of order lines (CSV with `OrderNumber` and `AlleyCell`, `Location` or `SKU`).
+    #[arg(long)]
+    orders: Option<PathBuf>,
+    /// Leave out the second run that measures the bound on throughput.
+    #[arg(long)]
+    no_bound: bool,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Everything that a run needs.
+pub struct Setup {
+    /// The scenario.
+    pub scenario: Scenario,
+    /// Its map.
+    pub warehouse: Arc<Warehouse>,
+    /// Its order lines.
+    pub lines: Vec<OrderLine>,
+}
+
+impl Setup {
+    /// Reads a scenario with its map and orders; paths in the file are relative to it.
+    pub fn read(path: &Path, map: Option<&Path>, orders: Option<&Path>) -> anyhow::Result<Setup> {
+        let mut scenario =
+            Scenario::parse(&read(path)?).with_context(|| format!("{} is refused", path.display()))?;
+        let beside = |p: &str| path.parent().unwrap_or(Path::new(".")).join(p);
+        let warehouse = read_map(&map.map_or_else(|| beside(&scenario.map), Path::to_path_buf))?;
+        if let Some(orders) = orders {
+            let backlog = scenario.robots.max(1) * 2;
+            scenario.demand = Demand::File { path: orders.display().to_string(), backlog };
+        }
+        let lines = match (&scenario.demand, orders) {
+            (_, Some(file)) => Some(file.to_path_buf()),
+            (Demand::File { path, .. }, None) => Some(beside(path)),
+            _ => None,
+        };
+        let lines = lines.map_or(Ok(Vec::new()), |file| {
+            OrderLine::parse_csv(&read(&file)?).map_err(|e| anyhow::anyhow!("{}: {e}", file.display()))
+        })?;
+        crate::warehouse::room_for(&warehouse, scenario.robots)
+            .map_err(|e| anyhow::anyhow!("the map has no room for {} robots:\n{e}", scenario.robots))?;
+        Ok(Setup { scenario, warehouse, lines })
+    }
+}
+
+impl Sim {
+    /// Runs the scenario and prints its figures.
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        let mut setup = Setup::read(&self.scenario, self.map.as_deref(), self.orders.as_deref())?;
+        setup.scenario.robots = self.robots.unwrap_or(setup.scenario.robots);
+        if let Some(seconds) = self.duration {
+            anyhow::ensure!((1.0..=1e7).contains(&seconds), "--duration must be from 1 to 10000000 seconds");
+            setup.scenario.duration = Span::from_secs_f64(seconds);
+        }
+        crate::warehouse::room_for(&setup.warehouse, setup.scenario.robots)
+            .map_err(|e| anyhow::anyhow!("the map has no room for {} robots:\n{e}", setup.scenario.robots))?;
+        let seed = self.seed.unwrap_or(setup.scenario.seed);
+        let start = Instant::now();
+        let outcome = simulate(&setup, seed, false);
+        let wall = start.elapsed().as_secs_f64();
+        let bound = (!self.no_bound).then(|| simulate(&setup, seed, true).counts.robot_deliveries);
+        let report = report(&setup, seed, &outcome, wall, bound);
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&report)?);
+        } else {
+            print_table(&report);
+        }
+        outcome.broken.iter().for_each(|b| eprintln!("broken law at {b}"));
+        Ok(if outcome.law_violations == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    }
+}
+
+fn simulate(setup: &Setup, seed: u64, ghosts: bool) -> Outcome {
+    let Setup { scenario, warehouse, lines } = setup;
+    let mut sim = Simulation::new(warehouse.clone(), scenario, lines, seed, ghosts, stopwatch);
+    let what = if ghosts { "bound" } else { "simulating" };
+    let bar = progress(scenario.duration.0 as u64 / 1_000_000, what);
+    while !sim.is_over() {
+        sim.step();
+        bar.set_position(sim.now().0 as u64 / 1_000_000);
+    }
+    bar.finish_and_clear();
+    sim.outcome()
+}
+
+fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) -> Value {
+    let deliveries = o.counts.robot_deliveries;
+    json!({
+        "scenario": setup.scenario.name,
+        "seed": seed,
+        "robots": setup.scenario.robots,
+        "workers": 0,
+        "sim_seconds": o.simulated.as_secs_f64(),
+        "wall_seconds": wall,
+        "robot_deliveries": deliveries,
+        "human_deliveries": o.counts.human_deliveries,
+        "throughput_bound": bound,
+        "throughput_bound_ratio": bound.map(|b| deliveries as f64 / b.max(1) as f64),
+        "encounters": o.counts.encounters,
+        "worker_minutes": 0.0,
+        "interruptions": 0,
+        "deviations": 0,
+        "plan_us": quantiles(&o.plan_ns),
+        "plan_failures": o.counts.plan_failures,
+        "step_us": quantiles(&o.step_ns),
+        "law_violations": o.law_violations,
+        "trace_hash": format!("{:016x}", o.trace_hash),
+    })
+}
+
+/// Quantiles of ascending nanoseconds, in microseconds.
+pub fn quantiles(ns: &[u64]) -> Value {
+    let at = |q: f64| {
+        ns.get(((ns.len() as f64 * q) as usize).min(ns.len().saturating_sub(1))).copied().unwrap_or(0)
+    };
+    let us = |v: u64| v as f64 / 1000.0;
+    json!({"p50": us(at(0.5)), "p95": us(at(0.95)), "p99": us(at(0.99)), "max": us(at(1.0)), "count": ns.len()})
+}
+
+fn print_table(report: &Value) {
+    let Some(rows) = report.as_object() else { return };
+    for (key, value) in rows {
+        match value {
+            Value::Object(parts) => {
+                let parts: Vec<String> = parts.iter().map(|(k, v)| format!("{k} {v}")).collect();
+                println!("{key:24} {}", parts.join("  "));
+            }
+            _ => println!("{key:24} {value}"),
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! Third phase: which waiting job to which idle robot? All of both are looked at together, at the least sum of costs.
+//!
+//! Refuses: first come, first served; and to give a job to a robot that should charge first.
+
+use super::fact::{Fact, Purpose, Task};
+use super::job::{Job, JobFailure, JobKind, JobState};
+use super::matching::{NEVER, least_cost};
+use super::storage::along_axes;
+use super::{Fleet, RackAt, ledger};
+use crate::id::{JobId, NodeId, RackId, RobotId};
+use crate::time::{Span, Time};
+use crate::warehouse::NodeKind;
+use std::collections::BTreeSet;
+
+/// How many waiting jobs and idle robots one step matches at most.
+const JOBS: usize = 128;
+const ROBOTS: usize = 64;
+/// What one step of priority is worth, what a second of waiting is worth, milliseconds.
+const PRIORITY_MS: i64 = 120_000;
+const AGE_SHARE: i64 = 4;
+/// What it costs that the station has as many racks under way as places, per rack beyond.
+const CROWD_MS: i64 = 8_000;
+/// Below this, an idle robot that nobody needs goes to charge.
+const TOP_UP: f64 = 0.9;
+
+impl Fleet {
+    pub(super) fn assign(&mut self, now: Time) {
+        let (working, resting): (Vec<RobotId>, Vec<RobotId>) =
+            self.idle_robots(now).into_iter().partition(|r| self.is_charged(*r));
+        self.assign_named(now);
+        let left = self.assign_racks(working, now);
+        for robot in left.into_iter().chain(resting) {
+            self.rest(robot);
+        }
+    }
+
+    /// Robots with nothing to do that could do something.
+    fn idle_robots(&self, now: Time) -> Vec<RobotId> {
+        let idle = |r: &RobotId| {
+            let record = &self.ledger.robots[*r];
+            record.task == Task::Idle && !record.failed && self.scene.fit(*r, now).is_some()
+        };
+        ledger::all(&self.ledger.robots).filter(idle).collect()
+    }
+
+    fn is_charged(&self, robot: RobotId) -> bool {
+        let battery = self.scene.robot(robot).map_or(0.0, |t| t.battery);
+        let s = &self.settings;
+        battery >= if self.at_charger(robot) { s.battery_enough } else { s.battery_low }
+    }
+
+    /// Jobs for a robot that the customer named.
+    fn assign_named(&mut self, now: Time) {
+        let named = self
+            .ledger
+            .jobs
+            .iter()
+            .filter_map(|(id, j)| Some((*id, j.request.kind.robot()?, j.request.kind)));
+        let ready: Vec<_> = named.filter(|(id, _, _)| self.is_ready(*id)).collect();
+        for (job, robot, kind) in ready {
+            if self.ledger.robots[robot].task != Task::Idle || self.scene.fit(robot, now).is_none() {
+                continue;
+            }
+            let (goal, stay, purpose) = match kind {
+                JobKind::Charge { .. } => (None, self.free_place(robot, NodeKind::Charger), Purpose::Charge),
+                JobKind::Park { .. } => (None, self.free_place(robot, NodeKind::Parking), Purpose::Park),
+                JobKind::Go { node, .. } => (Some(node), self.stay_for(robot, node), Purpose::Go),
+                _ => continue,
+            };
+            let Some(stay) = stay else { continue };
+            let goal = goal.unwrap_or(stay);
+            if self.planner.free_flow(self.ledger.node_of(robot), &[stage(goal), stage(stay)]).is_none() {
+                let state = JobState::Failed(JobFailure::Unreachable);
+                self.record(Fact::Progressed { job, state, at: now });
+                continue;
+            }
+            self.record(Fact::Tasked { robot, task: Task::Move { job: Some(job), goal, stay, purpose } });
+            self.record(Fact::Progressed { job, state: JobState::Assigned { robot }, at: now });
+        }
+    }
+
+    /// The node itself if the robot may stay there, else some other place to stay.
+    fn stay_for(&self, robot: RobotId, node: NodeId) -> Option<NodeId> {
+        let lasting = self.warehouse().nodes[node].kind.is_lasting();
+        if lasting && !self.is_promised(node, robot) { Some(node) } else { self.any_stay(robot) }
+    }
+
+    /// Gives rack jobs to robots; gives back the robots that got none.
+    fn assign_racks(&mut self, robots: Vec<RobotId>, now: Time) -> Vec<RobotId> {
+        if robots.is_empty() || self.ledger.jobs.is_empty() {
+            return robots;
+        }
+        let jobs = self.candidates(now);
+        let (few, mut left) =
+            (robots[..robots.len().min(ROBOTS)].to_vec(), robots[robots.len().min(ROBOTS)..].to_vec());
+        let crowds: Vec<i64> = jobs.iter().map(|(id, _, _)| self.crowd(*id)).collect();
+        let cost: Vec<Vec<i64>> = (few.iter())
+            .map(|r| {
+                let known = jobs
+                    .iter()
+                    .zip(&crowds)
+                    .map(|((id, rack, node), c)| self.cost(*r, *id, *rack, *node, now) + c);
+                known.chain(std::iter::repeat_n(NEVER, few.len())).collect()
+            })
+            .collect();
+        for (robot, column) in few.into_iter().zip(least_cost(&cost)) {
+            match column.and_then(|c| jobs.get(c)) {
+                Some(&(job, rack, node)) => {
+                    self.record(Fact::Progressed { job, state: JobState::Assigned { robot }, at: now });
+                    self.record(Fact::Tasked { robot, task: Task::Fetch { job, rack, node } });
+                }
+                None => left.push(robot),
+            }
+        }
+        left
+    }
+
+    /// Waiting jobs whose rack stands in storage and is nobody's, most urgent first; one per rack.
+    fn candidates(&self, now: Time) -> Vec<(JobId, RackId, NodeId)> {
+        let mut seen: BTreeSet<RackId> = (self.ledger.robots.iter())
+            .filter_map(|r| match r.task {
+                Task::Fetch { rack, .. } => Some(rack),
+                _ => None,
+            })
+            .collect();
+        let waiting = self.ledger.jobs.iter().filter(|(_, j)| j.state == JobState::Waiting);
+        let mut ranked: Vec<(i64, JobId)> = waiting.map(|(id, j)| (-urgency_ms(j, now), *id)).collect();
+        ranked.sort_unstable();
+        let mut found = Vec::new();
+        for (_, id) in ranked {
+            let Some(rack) = self.ledger.jobs[&id].request.kind.rack() else { continue };
+            let RackAt::Stored(node) = self.ledger.racks[rack] else { continue };
+            if self.is_ready(id) && seen.insert(rack) {
+                found.push((id, rack, node));
+                if found.len() == JOBS {
+                    break;
+                }
+            }
+        }
+        found
+    }
+
+    /// What it costs that this robot does this job: its way to the rack, less the urgency, milliseconds.
+    fn cost(&self, robot: RobotId, job: JobId, _rack: RackId, node: NodeId, now: Time) -> i64 {
+        let here = self.ledger.node_of(robot);
+        if self.ledger.resident(node).is_some_and(|r| r != robot) {
+            return NEVER;
+        }
+        let at = |n: NodeId| self.warehouse().nodes[n].at;
+        let way = along_axes(at(here), at(node)) / self.settings.kinematics.speed_mps * 1000.0;
+        way as i64 - urgency_ms(&self.ledger.jobs[&job], now)
+    }
+
+    /// What it costs that many racks are on their way to the job's station already.
+    fn crowd(&self, job: JobId) -> i64 {
+        let JobKind::Deliver { station, .. } = self.ledger.jobs[&job].request.kind else { return 0 };
+        let places = self.warehouse().stations[station].queue.len() + 1;
+        let under_way = (self.ledger.robots.iter())
+            .filter_map(|r| r.task.job())
+            .filter_map(|j| self.ledger.jobs.get(&j))
+            .filter(|j| matches!(j.request.kind, JobKind::Deliver { station: s, .. } if s == station))
+            .count();
+        CROWD_MS * (under_way.saturating_sub(places / 2)) as i64
+    }
+
+    /// What an idle robot without a job does: charge if it should, leave the floor if it stands in the way.
+    fn rest(&mut self, robot: RobotId) {
+        let node = self.ledger.node_of(robot);
+        let here = self.warehouse().nodes[node].kind;
+        let battery = self.scene.robot(robot).map_or(1.0, |t| t.battery);
+        let purpose =
+            if battery < TOP_UP && here != NodeKind::Charger { Purpose::Charge } else { Purpose::Park };
+        let stay = match purpose {
+            Purpose::Charge => self.free_place(robot, NodeKind::Charger),
+            _ => None,
+        };
+        let stay = stay.or_else(|| if here.is_lasting() { None } else { self.any_stay(robot) });
+        if let Some(stay) = stay {
+            self.record(Fact::Tasked { robot, task: Task::Move { job: None, goal: stay, stay, purpose } });
+        }
+    }
+}
+
+/// Priority, nearness of the deadline and age, milliseconds.
+fn urgency_ms(job: &Job, now: Time) -> i64 {
+    let age = (now - job.accepted).0 / 1000;
+    let deadline = job.request.deadline.map_or(0, |d| {
+        let left = (d - now).max(Span::from_secs(-3600)).0 / 1000;
+        (600_000 - left).clamp(0, 1_200_000) / 4
+    });
+    i64::from(job.request.priority) * PRIORITY_MS + age / AGE_SHARE + deadline
+}
+
+fn stage(goal: NodeId) -> crate::route::Stage {
+    crate::route::Stage { goal, loaded: false, stay: Span::ZERO }
+}

@@ -1,0 +1,43 @@
+//! What happens around a robot that stands where others were to drive: they lose their way and get another.
+//!
+//! Refuses: to move anything; it takes promises back, the planning phase makes new ones.
+
+use super::Fleet;
+use super::fact::Fact;
+use crate::id::RobotId;
+use crate::timeline::Holder;
+use std::collections::{BTreeSet, VecDeque};
+
+impl Fleet {
+    /// Takes back what was promised, but not granted, to everybody who would have to pass a robot that stands still
+    /// for an unknown time, and to everybody who would have to pass those in turn. They all keep what they were
+    /// granted: robots cannot be called back.
+    pub(super) fn cut_for(&mut self, broken: RobotId) {
+        let mut found = BTreeSet::from([broken]);
+        let mut queue = VecDeque::from([broken]);
+        while let Some(robot) = queue.pop_front() {
+            for other in self.behind(robot, robot == broken) {
+                if found.insert(other) {
+                    queue.push_back(other);
+                }
+            }
+        }
+        self.record(Fact::Cut { robots: found.into_iter().collect() });
+    }
+
+    /// Robots that were promised something which `robot` will now keep: its last granted visit, or all of them where
+    /// it is broken and may stand anywhere along them.
+    fn behind(&self, robot: RobotId, broken: bool) -> Vec<RobotId> {
+        let chain = self.ledger.chain(robot);
+        let from =
+            if broken || self.ledger.robots[robot].failed { chain.first() } else { chain.granted() - 1 };
+        let holders =
+            (from..chain.granted()).flat_map(|s| self.ledger.timeline.after(Holder::Robot(robot), s));
+        holders
+            .filter_map(|h| match h {
+                Holder::Robot(r) => Some(r),
+                Holder::Worker(_) => None,
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,224 @@
+//! What was promised: jobs, holds, routes, racks. A fold over facts, durable.
+//!
+//! Main types: [`Ledger`], [`Robot`]. [`Ledger::evolve`] is the only code that changes it, live and on load alike, and it
+//! asserts that what it is told is possible: a journal that books a lane twice does not load. Refuses: to plan, to
+//! read a clock, to know where anything is seen.
+
+use super::fact::{Act, Fact, Stop, Task};
+use super::job::{Job, JobKind, JobState};
+use super::view::{Counts, RackAt};
+use crate::id::{Dense, IdVec, JobId, NodeId, RackId, RobotId, StationId};
+use crate::time::{Span, Time};
+use crate::timeline::{Chain, Holder, Timeline, Visit};
+use crate::warehouse::Warehouse;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A robot as it was told to be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Robot {
+    /// Its name.
+    pub name: String,
+    /// What it is doing.
+    pub task: Task,
+    /// Stops ahead, in order.
+    pub stops: Vec<Stop>,
+    /// The last stop at which it is done.
+    pub acted: Option<u64>,
+    /// Whether it cannot drive.
+    pub failed: bool,
+    /// Whether its route was cut and not yet replaced.
+    pub interrupted: bool,
+}
+
+/// Everything that was promised.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ledger {
+    /// Jobs that are not over.
+    pub jobs: BTreeMap<JobId, Job>,
+    /// The number of the next job.
+    pub next_job: u64,
+    /// Customers' keys of jobs, over or not.
+    pub keys: BTreeMap<String, JobId>,
+    /// All robots.
+    pub robots: IdVec<RobotId, Robot>,
+    /// Where each rack is.
+    pub racks: IdVec<RackId, RackAt>,
+    /// Who holds what when.
+    pub timeline: Timeline,
+    /// Racks served per station.
+    pub served: IdVec<StationId, u64>,
+    /// Sums.
+    pub counts: Counts,
+}
+
+impl Ledger {
+    /// Nothing promised; racks at home. `ghostly` is for the bound on throughput only.
+    pub fn new(warehouse: Arc<Warehouse>, clearance: Span, ghostly: bool) -> Ledger {
+        let racks = warehouse.racks.iter().map(|r| RackAt::Stored(r.home)).collect();
+        let served = IdVec::filled(0, warehouse.stations.len());
+        let timeline = if ghostly { Timeline::ghostly } else { Timeline::new }(warehouse, clearance);
+        Ledger {
+            jobs: BTreeMap::new(),
+            next_job: 1,
+            keys: BTreeMap::new(),
+            robots: IdVec::new(),
+            racks,
+            timeline,
+            served,
+            counts: Counts::default(),
+        }
+    }
+
+    /// The building.
+    pub fn warehouse(&self) -> &Arc<Warehouse> {
+        self.timeline.warehouse()
+    }
+
+    /// The visits of a robot.
+    pub fn chain(&self, robot: RobotId) -> &Chain {
+        self.timeline.chain(Holder::Robot(robot)).expect("every robot stands somewhere")
+    }
+
+    /// The node on which a robot stands or which it passed last.
+    pub fn node_of(&self, robot: RobotId) -> NodeId {
+        self.chain(robot).visits().next().expect("every robot stands somewhere").node
+    }
+
+    /// The rack on a robot.
+    pub fn rack_on(&self, robot: RobotId) -> Option<RackId> {
+        let rack = self.robots[robot].task.carried()?;
+        (self.racks[rack] == RackAt::On(robot)).then_some(rack)
+    }
+
+    /// Takes one fact in.
+    ///
+    /// # Panics
+    /// If the fact cannot be: the journal or the planner is broken, and going on would make it worse.
+    pub fn evolve(&mut self, fact: &Fact) {
+        match fact {
+            Fact::Enlisted { robot, name, node, at } => self.enlist(*robot, name, *node, *at),
+            Fact::Accepted { job, request, at } => {
+                assert_eq!(job.0, self.next_job, "jobs are numbered in order");
+                self.next_job += 1;
+                if let Some(key) = &request.key {
+                    self.keys.insert(key.clone(), *job);
+                }
+                let job_record = Job { request: request.clone(), state: JobState::Waiting, accepted: *at };
+                self.jobs.insert(*job, job_record);
+            }
+            Fact::Progressed { job, state, .. } => self.progress(*job, *state),
+            Fact::Tasked { robot, task } => self.robots[*robot].task = *task,
+            Fact::Routed { robot, keep, kept, visits, stops } => {
+                self.route(*robot, *keep, kept, visits, stops)
+            }
+            Fact::Granted { robot, serial, at } => {
+                self.timeline.grant(Holder::Robot(*robot), *serial, *at);
+            }
+            Fact::Passed { robot, serial } => self.timeline.release(Holder::Robot(*robot), *serial),
+            Fact::Acted { robot, serial } => self.act(*robot, *serial),
+            Fact::Delayed { robot, serial, depart } => {
+                self.timeline.postpone(Holder::Robot(*robot), *serial, *depart);
+            }
+            Fact::Cut { robots } => self.cut(robots),
+            Fact::Failed { robot, .. } => self.robots[*robot].failed = true,
+            Fact::Repaired { robot, .. } => {
+                self.robots[*robot].failed = false;
+                self.robots[*robot].interrupted = true;
+            }
+        }
+    }
+
+    fn enlist(&mut self, robot: RobotId, name: &str, node: NodeId, at: Time) {
+        let id = self.robots.push(Robot {
+            name: name.to_owned(),
+            task: Task::Idle,
+            stops: Vec::new(),
+            acted: None,
+            failed: false,
+            interrupted: false,
+        });
+        assert_eq!(id, robot, "robots are numbered in order");
+        let holder = Holder::Robot(robot);
+        self.timeline.reserve(holder, vec![stand(node, at)]).expect("robots join on free nodes");
+        self.timeline.grant(holder, 0, at);
+    }
+
+    fn progress(&mut self, id: JobId, state: JobState) {
+        let job = self.jobs.get_mut(&id).expect("only live jobs progress");
+        job.state = state;
+        if !state.is_over() {
+            return;
+        }
+        let job = self.jobs.remove(&id).expect("just seen");
+        match state {
+            JobState::Done => self.counts.done += 1,
+            JobState::Cancelled => self.counts.cancelled += 1,
+            _ => self.counts.failed += 1,
+        }
+        if let (JobKind::Deliver { station, .. }, JobState::Done) = (job.request.kind, state) {
+            self.counts.robot_deliveries += 1;
+            self.served[station] += 1;
+        }
+    }
+
+    fn route(&mut self, robot: RobotId, keep: u64, kept: &Visit, visits: &[Visit], stops: &[Stop]) {
+        let holder = Holder::Robot(robot);
+        let reserved = self.timeline.replace(holder, keep, kept.clone(), visits.to_vec());
+        reserved.unwrap_or_else(|clash| panic!("{holder:?} was given a route that clashes: {clash:?}"));
+        self.robots[robot].stops = stops.to_vec();
+        self.robots[robot].interrupted = false;
+    }
+
+    fn act(&mut self, robot: RobotId, serial: u64) {
+        let record = &mut self.robots[robot];
+        assert!(record.acted < Some(serial), "{robot:?} acts once at a stop");
+        assert_eq!(record.stops.first().map(|s| s.serial), Some(serial), "{robot:?} acts at its next stop");
+        let stop = record.stops.remove(0);
+        record.acted = Some(serial);
+        match stop.act {
+            Act::Lift(rack) => {
+                assert_eq!(
+                    self.racks[rack],
+                    RackAt::Stored(self.node_of(robot)),
+                    "{robot:?} lifts what is there"
+                );
+                self.racks[rack] = RackAt::On(robot);
+            }
+            Act::Set(rack) => {
+                assert_eq!(self.racks[rack], RackAt::On(robot), "{robot:?} sets down what it has");
+                let node = self.node_of(robot);
+                assert!(!self.racks.iter().any(|r| *r == RackAt::Stored(node)), "one rack on a node");
+                self.racks[rack] = RackAt::Stored(node);
+            }
+            Act::Pick(_) | Act::Arrive => {}
+        }
+    }
+
+    fn cut(&mut self, robots: &[RobotId]) {
+        let holders: Vec<(Holder, bool)> =
+            robots.iter().map(|r| (Holder::Robot(*r), self.robots[*r].failed)).collect();
+        self.timeline.cut(&holders);
+        for &r in robots {
+            let end = self.chain(r).end();
+            self.robots[r].stops.retain(|s| s.serial < end);
+            self.robots[r].interrupted = true;
+        }
+    }
+
+    /// The robot that stands on a node, or will be there in the end.
+    pub fn resident(&self, node: NodeId) -> Option<RobotId> {
+        let last = |r: RobotId| self.chain(r).last().map(|v| v.node);
+        self.robots.ids().find(|r| last(*r) == Some(node))
+    }
+}
+
+/// Standing on a node for ever.
+pub fn stand(node: NodeId, at: Time) -> Visit {
+    Visit { node, lane: None, enter: at, arrive: at, depart: Time::MAX, leave: Time::MAX, stay: Span::ZERO }
+}
+
+/// All robots by number.
+pub fn all(robots: &IdVec<RobotId, Robot>) -> impl Iterator<Item = RobotId> + use<> {
+    (0..robots.len()).map(RobotId::at)
+}

@@ -1,0 +1,108 @@
+//! Last phase, on demand: an immutable view of everything.
+//!
+//! Main function: [`Fleet::view`]. Refuses: to change anything.
+
+use super::fact::{Act, Purpose, Task};
+use super::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
+use super::{Fleet, JobState};
+use crate::geometry::Pose;
+use crate::id::{NodeId, RobotId, StationId};
+use crate::time::Time;
+use crate::timeline::Holder;
+use crate::warehouse::NodeKind;
+
+impl Fleet {
+    /// Everything that outsiders may see.
+    pub fn view(&self, now: Time) -> View {
+        let robots: Vec<RobotView> = self.ledger.robots.ids().map(|r| self.robot_view(r, now)).collect();
+        let stations = self.warehouse().stations.ids().map(|s| self.station_view(s)).collect();
+        let waiting = self.ledger.jobs.values().filter(|j| j.state == JobState::Waiting).count() as u64;
+        let active = self.ledger.jobs.len() as u64 - waiting;
+        let counts = Counts { waiting, active, ..self.ledger.counts };
+        View { now, robots, racks: self.ledger.racks.iter().copied().collect(), stations, counts }
+    }
+
+    fn robot_view(&self, r: RobotId, now: Time) -> RobotView {
+        let record = &self.ledger.robots[r];
+        let seen = self.scene.robot(r);
+        let chain = self.ledger.chain(r);
+        let nodes = |from: u64, to: u64| -> Vec<NodeId> {
+            (from..to).filter_map(|s| chain.get(s)).map(|v| v.node).collect()
+        };
+        let stands = Pose { at: self.warehouse().nodes[self.ledger.node_of(r)].at, heading: 0.0 };
+        RobotView {
+            name: record.name.clone(),
+            pose: seen.map_or(stands, |t| t.pose),
+            seen: seen.map(|t| t.seen),
+            speed_mps: seen.map_or(0.0, |t| t.speed_mps),
+            battery: seen.map_or(0.0, |t| t.battery),
+            state: self.robot_state(r),
+            task: record.task,
+            rack: self.ledger.rack_on(r),
+            doing: self.doing(r),
+            job: record.task.job(),
+            granted: nodes(chain.first(), chain.granted()),
+            held: nodes(chain.granted(), chain.end()),
+            why: self.why(r, now),
+        }
+    }
+
+    fn robot_state(&self, r: RobotId) -> RobotState {
+        let record = &self.ledger.robots[r];
+        match record.task {
+            _ if record.failed => RobotState::Failed,
+            _ if record.interrupted && record.task != Task::Idle => RobotState::Interrupted,
+            Task::Idle => RobotState::Idle,
+            Task::Move { job: None, .. } => RobotState::Free,
+            _ => RobotState::Busy,
+        }
+    }
+
+    fn doing(&self, r: RobotId) -> Doing {
+        let record = &self.ledger.robots[r];
+        let chain = self.ledger.chain(r);
+        let at_stop = record.stops.first().filter(|s| s.serial == chain.first()).map(|s| s.act);
+        let queueing = || matches!(self.warehouse().nodes[self.ledger.node_of(r)].kind, NodeKind::Queue(_));
+        match (record.task, at_stop) {
+            _ if record.failed => Doing::Failed,
+            (Task::Fetch { .. }, Some(Act::Lift(_))) => Doing::Lifting,
+            (Task::Fetch { .. }, _) => Doing::ToRack,
+            (Task::Deliver { .. }, Some(Act::Pick(_))) => Doing::Picking,
+            (Task::Deliver { .. }, _) if queueing() => Doing::Queueing,
+            (Task::Deliver { .. }, _) => Doing::Carrying,
+            (Task::Store { .. }, Some(Act::Set(_))) => Doing::SettingDown,
+            (Task::Store { .. }, _) => Doing::Returning,
+            (Task::Move { purpose: Purpose::Charge, .. }, _) => Doing::ToCharger,
+            (Task::Move { purpose: Purpose::Park, .. }, _) => Doing::Parking,
+            (Task::Move { purpose: Purpose::Go, .. }, _) => Doing::Going,
+            (Task::Idle, _) if self.at_charger(r) => Doing::Charging,
+            (Task::Idle, _) => Doing::Idle,
+        }
+    }
+
+    fn why(&self, r: RobotId, now: Time) -> Option<Why> {
+        if self.ledger.robots[r].failed {
+            return Some(Why::Failed);
+        }
+        if self.scene.fit(r, now).is_none() {
+            return Some(Why::Silent);
+        }
+        if self.lacks_route(r) && self.needs.failed_before(r) {
+            return Some(Why::NoRoute);
+        }
+        let chain = self.ledger.chain(r);
+        let at_end = chain.first() + 1 == chain.granted();
+        let (resource, holder) = self.ledger.timeline.waits_for(Holder::Robot(r), chain.granted())?;
+        at_end.then_some(Why::WaitsFor(resource, holder))
+    }
+
+    fn station_view(&self, s: StationId) -> StationView {
+        let station = &self.warehouse().stations[s];
+        let stands = |n: NodeId| self.ledger.robots.ids().find(|r| self.ledger.node_of(*r) == n);
+        StationView {
+            robot: stands(station.node),
+            queue: station.queue.iter().filter_map(|q| stands(*q)).collect(),
+            served: self.ledger.served[s],
+        }
+    }
+}

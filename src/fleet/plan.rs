@@ -1,0 +1,300 @@
+//! Fourth phase: who needs a route? One search each, within a budget of expansions per step.
+//!
+//! Main type: [`Needs`] (who waits for a route since when). A new route replaces the old one only when it is complete
+//! up to a place where the robot may stay for ever; else the old one stands (DESIGN §5, invariant a). Refuses: to let
+//! the time of day decide how much is planned.
+
+use super::fact::{Act, Fact, Stop, Task};
+use super::job::{JobKind, JobState};
+use super::{Fleet, ledger};
+use crate::geometry::Segment;
+use crate::id::{NodeId, RobotId};
+use crate::route::{Ask, NoRoute, Route, Stage};
+use crate::time::{Span, Time};
+use crate::timeline::{Holder, Visit};
+use crate::warehouse::NodeKind;
+use smallvec::{SmallVec, smallvec};
+use std::collections::BTreeMap;
+
+/// The first pause after a failed search; it doubles up to [`RETRY_MAX`].
+const RETRY: Span = Span::from_millis(400);
+const RETRY_MAX: Span = Span::from_millis(6400);
+/// A robot that waits this long for another looks for a better way.
+const PATIENCE: Span = Span::from_secs(4);
+/// A better way saves at least this.
+const WORTH: Span = Span::from_secs(1);
+
+/// A robot without the route that its task asks for.
+#[derive(Clone, Copy, Debug)]
+struct Need {
+    since: Time,
+    next_try: Time,
+    tries: u32,
+}
+
+/// Robots that need a route, and when each looked for a better one last.
+#[derive(Debug, Default)]
+pub(super) struct Needs {
+    waiting: BTreeMap<RobotId, Need>,
+    looked: BTreeMap<RobotId, Time>,
+}
+
+impl Needs {
+    /// Whether a search for this robot failed lately.
+    pub fn failed_before(&self, robot: RobotId) -> bool {
+        self.waiting.get(&robot).is_some_and(|n| n.tries > 0)
+    }
+}
+
+impl Fleet {
+    pub(super) fn plan(&mut self, now: Time) {
+        let mut budget = self.settings.expansions_per_step;
+        for robot in self.in_need(now) {
+            if budget == 0 {
+                return;
+            }
+            let spent = self.plan_one(robot, now);
+            budget = budget.saturating_sub(spent);
+        }
+        self.improve(now, budget);
+    }
+
+    /// Robots whose task asks for a route that they do not have, longest waiting first.
+    fn in_need(&mut self, now: Time) -> Vec<RobotId> {
+        for robot in ledger::all(&self.ledger.robots) {
+            if self.lacks_route(robot) {
+                let fresh = Need { since: now, next_try: now, tries: 0 };
+                self.needs.waiting.entry(robot).or_insert(fresh);
+            } else {
+                self.needs.waiting.remove(&robot);
+            }
+        }
+        let due = self.needs.waiting.iter().filter(|(_, n)| n.next_try <= now);
+        let mut robots: Vec<(Time, RobotId)> = due.map(|(r, n)| (n.since, *r)).collect();
+        robots.sort_unstable();
+        robots.into_iter().map(|(_, r)| r).collect()
+    }
+
+    /// Whether the stops ahead are not those of the task.
+    pub(super) fn lacks_route(&self, robot: RobotId) -> bool {
+        let record = &self.ledger.robots[robot];
+        if record.failed {
+            return false;
+        }
+        let has = |wanted: fn(&Act) -> bool| record.stops.iter().any(|s| wanted(&s.act));
+        let pick = |a: &Act| matches!(a, Act::Pick(_));
+        match record.task {
+            Task::Idle => false,
+            Task::Fetch { .. } => !has(|a| matches!(a, Act::Lift(_))),
+            Task::Deliver { .. } => !has(pick),
+            Task::Store { .. } => !has(|a| matches!(a, Act::Set(_))) || has(pick),
+            Task::Move { .. } => !has(|a| matches!(a, Act::Arrive)),
+        }
+    }
+
+    /// One robot, one search; gives the expansions spent.
+    fn plan_one(&mut self, robot: RobotId, now: Time) -> u32 {
+        if self.scene.fit(robot, now).is_none() || !self.station_has_room(robot) {
+            return 0;
+        }
+        self.choose_storage(robot);
+        let stages = self.stages(robot);
+        match self.search(robot, &stages, now) {
+            Ok(route) => {
+                let spent = route.expansions;
+                self.commit(robot, route, now);
+                self.needs.waiting.remove(&robot);
+                spent
+            }
+            Err(why) => {
+                self.ledger.counts.plan_failures += 1;
+                let need = self.needs.waiting.get_mut(&robot).expect("it is in need");
+                need.next_try = now + Span((RETRY.0 << need.tries.min(4)).min(RETRY_MAX.0));
+                need.tries += 1;
+                tracing::debug!(?robot, ?why, tries = need.tries, "no route");
+                if why == NoRoute::BudgetSpent { self.settings.expansions_per_plan } else { 1_000 }
+            }
+        }
+    }
+
+    /// A loaded robot sets off to a station only if the queue has a place for it: whatever happens at the station,
+    /// nobody who is on the way there has to wait outside.
+    fn station_has_room(&self, robot: RobotId) -> bool {
+        let Task::Deliver { station, .. } = self.ledger.robots[robot].task else { return true };
+        let NodeKind::Station(id) = self.warehouse().nodes[station].kind else { return true };
+        let places = self.warehouse().stations[id].queue.len() + 1;
+        let bound = |r: RobotId| {
+            let record = &self.ledger.robots[r];
+            let there = matches!(record.task, Task::Deliver { station: s, .. } if s == station);
+            r != robot && (there || self.ledger.node_of(r) == station) && !self.lacks_route(r)
+        };
+        self.settings.ghosts || self.ledger.robots.ids().filter(|r| bound(*r)).count() < places
+    }
+
+    /// Looks for a better storage node before a rack leaves, and after each failed search.
+    fn choose_storage(&mut self, robot: RobotId) {
+        let tries = self.needs.waiting.get(&robot).map_or(0, |n| n.tries as usize);
+        let task = match self.ledger.robots[robot].task {
+            Task::Deliver { job, rack, station, store } => {
+                let best = self.best_storage(robot, rack, station, tries);
+                (best != store).then_some(Task::Deliver { job, rack, station, store: best })
+            }
+            Task::Store { job, rack, store } if tries > 0 && !self.is_relocation(job) => {
+                let best = self.best_storage(robot, rack, self.ledger.node_of(robot), tries);
+                (best != store).then_some(Task::Store { job, rack, store: best })
+            }
+            _ => None,
+        };
+        if let Some(task) = task {
+            self.record(Fact::Tasked { robot, task });
+        }
+    }
+
+    fn is_relocation(&self, job: Option<crate::id::JobId>) -> bool {
+        let kind = job.and_then(|j| self.ledger.jobs.get(&j)).map(|j| j.request.kind);
+        matches!(kind, Some(JobKind::Relocate { .. }))
+    }
+
+    /// The legs that the rest of a robot's task asks for.
+    fn stages(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
+        let lift = self.settings.kinematics.lift;
+        let leg = |goal, loaded, stay| Stage { goal, loaded, stay };
+        match self.ledger.robots[robot].task {
+            Task::Idle => smallvec![],
+            Task::Fetch { node, .. } => smallvec![leg(node, false, lift)],
+            Task::Deliver { station, store, job, .. } => {
+                smallvec![leg(station, true, self.pick_span(station, job)), leg(store, true, lift)]
+            }
+            Task::Store { store, .. } => smallvec![leg(store, true, lift)],
+            Task::Move { goal, stay, .. } if goal == stay => smallvec![leg(goal, false, Span::ZERO)],
+            Task::Move { goal, stay, .. } => {
+                smallvec![leg(goal, false, Span::ZERO), leg(stay, false, Span::ZERO)]
+            }
+        }
+    }
+
+    fn pick_span(&self, station: NodeId, job: crate::id::JobId) -> Span {
+        let NodeKind::Station(id) = self.warehouse().nodes[station].kind else { return Span::ZERO };
+        let usual = self.warehouse().stations[id].pick;
+        match self.ledger.jobs.get(&job).map(|j| j.request.kind) {
+            Some(JobKind::Deliver { pick: Some(pick), .. }) => pick,
+            _ => usual,
+        }
+    }
+
+    /// What the robot does at the goal of each stage.
+    fn acts(&self, robot: RobotId, stages: &[Stage]) -> SmallVec<[Act; 3]> {
+        match self.ledger.robots[robot].task {
+            Task::Idle => smallvec![],
+            Task::Fetch { rack, .. } => smallvec![Act::Lift(rack)],
+            Task::Deliver { rack, .. } => smallvec![Act::Pick(stages[0].stay), Act::Set(rack)],
+            Task::Store { rack, .. } => smallvec![Act::Set(rack)],
+            Task::Move { .. } => stages.iter().map(|_| Act::Arrive).collect(),
+        }
+    }
+
+    /// A route from where the robot's grants end.
+    fn search(&mut self, robot: RobotId, stages: &[Stage], now: Time) -> Result<Route, NoRoute> {
+        let holder = Holder::Robot(robot);
+        let (from, heading) = self.grant_end(robot);
+        let ready = now.max(from.arrive) + self.settings.period;
+        let ask = Ask { from: &from, heading, ready, stages, budget: self.settings.expansions_per_plan };
+        let (planner, timeline) = (&mut self.planner, &mut self.ledger.timeline);
+        let start = (self.settings.stopwatch)();
+        let found = timeline.without(&[holder], |others| planner.plan(&ask, others));
+        self.plan_times.push((self.settings.stopwatch)() - start);
+        self.ledger.counts.plans += 1;
+        found
+    }
+
+    /// The last granted visit, and the heading with which the robot arrives there.
+    fn grant_end(&self, robot: RobotId) -> (Visit, f64) {
+        let chain = self.ledger.chain(robot);
+        let serial = chain.granted() - 1;
+        let visit = chain.get(serial).expect("the last granted visit is still held").clone();
+        let at = |n: NodeId| self.warehouse().nodes[n].at;
+        let before = serial.checked_sub(1).and_then(|s| chain.get(s)).filter(|b| b.node != visit.node);
+        let seen = self.scene.robot(robot).map_or(0.0, |t| t.pose.heading);
+        let heading = before.map_or(seen, |b| Segment { a: at(b.node), b: at(visit.node) }.heading());
+        (visit, heading)
+    }
+
+    /// Holds a route. A stop where the robot stands already becomes a visit of its own.
+    fn commit(&mut self, robot: RobotId, route: Route, _now: Time) {
+        let keep = self.ledger.chain(robot).granted() - 1;
+        let Route { mut kept, mut visits, stops, .. } = route;
+        let here = stops.iter().filter(|s| **s == 0).count();
+        if here > 0 {
+            let again = Visit { lane: None, arrive: kept.arrive.max(kept.enter), ..kept.clone() };
+            (kept.depart, kept.leave, kept.stay) = (kept.arrive, again.leave, Span::ZERO);
+            visits.insert(0, again);
+        }
+        let acts = self.acts(robot, &self.stages(robot));
+        let shift = usize::from(here > 0);
+        let serials = stops.iter().map(|s| keep + (s + shift) as u64);
+        let stops = serials.zip(acts).map(|(serial, act)| Stop { serial, act }).collect();
+        self.record(Fact::Routed { robot, keep, kept, visits, stops });
+    }
+
+    /// Robots that wait for others look for a better way now and then: that is how the order on a resource is changed
+    /// where keeping it would hand one robot's delay on to the fleet. The new windows fit into what everybody holds,
+    /// so the order of all stays free of cycles.
+    fn improve(&mut self, now: Time, mut budget: u32) {
+        for robot in ledger::all(&self.ledger.robots) {
+            if budget == 0 {
+                return;
+            }
+            let looked = self.needs.looked.get(&robot).copied().unwrap_or(Time::ZERO);
+            if now - looked < PATIENCE || !self.is_held_up(robot, now) {
+                continue;
+            }
+            self.needs.looked.insert(robot, now);
+            budget = budget.saturating_sub(self.improve_one(robot, now));
+        }
+    }
+
+    fn improve_one(&mut self, robot: RobotId, now: Time) -> u32 {
+        let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return 0 };
+        let chain = self.ledger.chain(robot);
+        let Some(planned) = chain.get(stop.serial).map(|v| v.arrive) else { return 0 };
+        if stop.serial < chain.granted() {
+            return 0;
+        }
+        let mut stages = self.stages(robot);
+        if self.ledger.robots[robot].stops.len() < stages.len() {
+            stages.remove(0);
+        }
+        match self.search(robot, &stages, now) {
+            Ok(route) if reached(&route) + WORTH < planned => {
+                let spent = route.expansions;
+                self.commit(robot, route, now);
+                spent
+            }
+            Ok(route) => route.expansions,
+            Err(_) => self.settings.expansions_per_plan / 4,
+        }
+    }
+
+    /// Whether the robot stands at the end of what it was granted because somebody else comes first.
+    fn is_held_up(&self, robot: RobotId, now: Time) -> bool {
+        let chain = self.ledger.chain(robot);
+        let at_end = chain.first() + 1 == chain.granted() && chain.granted() < chain.end();
+        let slow = self.scene.fit(robot, now).is_some_and(|t| t.speed_mps < 0.1);
+        let late = chain.get(chain.granted()).is_some_and(|v| v.enter < now);
+        at_end && slow && late && !self.lacks_route(robot)
+    }
+
+    /// Whether nothing that the job waits for is still to be done.
+    pub(super) fn is_ready(&self, job: crate::id::JobId) -> bool {
+        let record = &self.ledger.jobs[&job];
+        record.state == JobState::Waiting
+            && !record.request.after.iter().any(|a| self.ledger.jobs.contains_key(a))
+    }
+}
+
+fn reached(route: &Route) -> Time {
+    match route.stops[0] {
+        0 => route.kept.arrive,
+        n => route.visits[n - 1].arrive,
+    }
+}

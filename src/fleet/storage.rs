@@ -1,0 +1,140 @@
+//! Where a rack is put: near where it is likely to be wanted next.
+//!
+//! Main type: [`Demand`] (how often each rack was wanted lately). Refuses: places that are taken or promised.
+
+use super::fact::{Fact, Task};
+use super::{Fleet, RackAt};
+use crate::geometry::Point;
+use crate::id::{Dense, IdVec, NodeId, RackId, RobotId};
+use crate::warehouse::{NodeKind, Warehouse};
+
+/// When so many wishes were counted per rack, all counts are halved: old wishes fade.
+const HALVE_AT: u64 = 4;
+
+/// How often each rack was wanted lately.
+#[derive(Debug)]
+pub(super) struct Demand {
+    wishes: IdVec<RackId, u32>,
+    total: u64,
+    storage: Vec<NodeId>,
+    /// For each storage node, metres to the nearest station (along the axes).
+    to_station_m: IdVec<NodeId, f64>,
+}
+
+impl Demand {
+    pub fn new(warehouse: &Warehouse) -> Demand {
+        let nearest = |p: Point| {
+            let at = warehouse.stations.iter().map(|s| along_axes(warehouse.nodes[s.node].at, p));
+            at.fold(f64::INFINITY, f64::min)
+        };
+        Demand {
+            wishes: IdVec::filled(0, warehouse.racks.len()),
+            total: 0,
+            storage: warehouse.nodes_where(|k| k == NodeKind::Storage),
+            to_station_m: warehouse.nodes.iter().map(|n| nearest(n.at)).collect(),
+        }
+    }
+
+    /// Counts the wishes in accepted jobs.
+    pub fn note(&mut self, fact: &Fact) {
+        let Fact::Accepted { request, .. } = fact else { return };
+        let Some(rack) = request.kind.rack() else { return };
+        self.wishes[rack] += 1;
+        self.total += 1;
+        if self.total > HALVE_AT * self.wishes.len() as u64 {
+            self.wishes.iter_mut().for_each(|w| *w /= 2);
+            self.total = self.wishes.iter().map(|w| u64::from(*w)).sum();
+        }
+    }
+
+    /// How wanted a rack is, relative to the mean: 0 never, 1 like any, up to 3.
+    fn heat(&self, rack: RackId) -> f64 {
+        if self.total == 0 {
+            return 1.0;
+        }
+        let mean = self.total as f64 / self.wishes.len() as f64;
+        (f64::from(self.wishes[rack]) / mean).min(3.0)
+    }
+}
+
+impl Fleet {
+    /// The storage node for a rack that comes from `from`: the way there now, plus the way from there to a station
+    /// as often as the rack is wanted, minus what the place is worth to other racks. `choice` counts down the list,
+    /// for a robot that found no way to the first. The robot's own place is among the candidates.
+    pub(super) fn best_storage(&self, robot: RobotId, rack: RackId, from: NodeId, choice: usize) -> NodeId {
+        let taken = self.taken_storage(rack, robot);
+        let heat = self.demand.heat(rack);
+        let at = |n: NodeId| self.warehouse().nodes[n].at;
+        let cost = |n: NodeId| along_axes(at(from), at(n)) + (heat - 1.0) * self.demand.to_station_m[n];
+        let free = self.demand.storage.iter().copied().filter(|n| !taken[n.ix()]);
+        let mut ranked: Vec<(i64, NodeId)> = free.map(|n| ((cost(n) * 1000.0) as i64, n)).collect();
+        let wanted = choice.min(ranked.len().saturating_sub(1)).min(16);
+        match ranked.is_empty() {
+            true => self.ledger.robots[robot].task.destination().unwrap_or(self.ledger.node_of(robot)),
+            false => ranked.select_nth_unstable(wanted).1.1,
+        }
+    }
+
+    /// Storage nodes that cannot be promised to `rack` on `robot`, by node.
+    fn taken_storage(&self, rack: RackId, robot: RobotId) -> Vec<bool> {
+        let mut taken = vec![false; self.warehouse().nodes.len()];
+        for (k, at) in self.ledger.racks.pairs() {
+            if let RackAt::Stored(node) = at
+                && k != rack
+            {
+                taken[node.ix()] = true;
+            }
+        }
+        for (r, record) in self.ledger.robots.pairs().filter(|(r, _)| *r != robot) {
+            let end = self.ledger.chain(r).last().expect("every robot stands somewhere").node;
+            taken[end.ix()] = true;
+            if let Some(node) = record.task.destination() {
+                taken[node.ix()] = true;
+            }
+        }
+        for job in self.ledger.jobs.values() {
+            if let super::JobKind::Relocate { node, rack: k } = job.request.kind
+                && k != rack
+            {
+                taken[node.ix()] = true;
+            }
+        }
+        taken
+    }
+
+    /// A free charger or parking place near a robot, for it to go to.
+    pub(super) fn free_place(&self, robot: RobotId, kind: NodeKind) -> Option<NodeId> {
+        let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;
+        let taken: Vec<NodeId> = (self.ledger.robots.pairs().filter(|(r, _)| *r != robot))
+            .flat_map(|(r, record)| {
+                let end = self.ledger.chain(r).last().map(|v| v.node);
+                end.into_iter().chain(record.task.destination())
+            })
+            .collect();
+        let places = self.warehouse().nodes_where(|k| k == kind);
+        let free = places.into_iter().filter(|n| !taken.contains(n));
+        free.min_by_key(|n| (along_axes(here, self.warehouse().nodes[*n].at) * 1000.0) as i64)
+    }
+
+    /// A place where an unloaded robot can stay: parking, else a charger, else beneath a rack nobody is sent to.
+    pub(super) fn any_stay(&self, robot: RobotId) -> Option<NodeId> {
+        self.free_place(robot, NodeKind::Parking)
+            .or_else(|| self.free_place(robot, NodeKind::Charger))
+            .or_else(|| self.free_place(robot, NodeKind::Storage))
+    }
+
+    /// Whether somebody else stands on, or is sent to, a node.
+    pub(super) fn is_promised(&self, node: NodeId, robot: RobotId) -> bool {
+        self.ledger.robots.pairs().filter(|(r, _)| *r != robot).any(|(r, record)| {
+            let fetches = matches!(record.task, Task::Fetch { node: n, .. } if n == node);
+            fetches
+                || record.task.destination() == Some(node)
+                || self.ledger.chain(r).last().is_some_and(|v| v.node == node)
+        })
+    }
+}
+
+/// Distance along the map's axes, metres: a cheap stand-in for the way on a grid of aisles.
+pub(super) fn along_axes(a: Point, b: Point) -> f64 {
+    (a.x - b.x).abs() + (a.y - b.y).abs()
+}

@@ -1,0 +1,184 @@
+//! Simulated customers: they keep jobs waiting, or order at random times, or work through a file of order lines.
+//!
+//! Main type: [`Customers`]. Refuses: to look at anything a customer could not see (it counts waiting jobs, no more).
+
+use super::random::Stream;
+use super::scenario::Demand;
+use crate::fleet::{Fleet, Input, JobKind, JobRequest, JobState};
+use crate::id::{Dense, RackId, StationId};
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
+use std::collections::BTreeMap;
+
+/// Requests of simulated customers carry tokens from here on.
+pub(super) const FIRST_TOKEN: u64 = 1 << 63;
+
+/// One line of an order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OrderLine {
+    /// The order it belongs to; lines of one order go to one station.
+    pub order: String,
+    /// Where its goods lie; one rack holds the goods of one location.
+    pub location: String,
+}
+
+impl OrderLine {
+    /// Reads a CSV file with a header line that names `OrderNumber` and `AlleyCell` (or `Location`, or `SKU`).
+    ///
+    /// # Errors
+    /// What is wrong, with its line.
+    pub fn parse_csv(text: &str) -> Result<Vec<OrderLine>, String> {
+        let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty());
+        let header: Vec<&str> = split(lines.next().ok_or("the file is empty")?.1);
+        let column = |name: &str| header.iter().position(|h| *h == name);
+        let order = column("OrderNumber").ok_or("the header names no column `OrderNumber`")?;
+        let place = column("AlleyCell").or(column("Location")).or(column("SKU"));
+        let place = place.ok_or("the header names no column `AlleyCell`, `Location` or `SKU`")?;
+        lines
+            .map(|(i, line)| {
+                let cells = split(line);
+                let cell = |c: usize| cells.get(c).map(|s| s.to_string()).filter(|s| !s.is_empty());
+                let missing = || format!("line {}: it has no order number or no place", i + 1);
+                Ok(OrderLine {
+                    order: cell(order).ok_or_else(missing)?,
+                    location: cell(place).ok_or_else(missing)?,
+                })
+            })
+            .collect()
+    }
+}
+
+/// Cells of a CSV line; quoted cells may contain commas.
+fn split(line: &str) -> Vec<&str> {
+    let mut cells = Vec::new();
+    let (mut start, mut quoted) = (0, false);
+    for (i, c) in line.char_indices() {
+        match c {
+            '"' => quoted = !quoted,
+            ',' if !quoted => {
+                cells.push(line[start..i].trim_matches('"').trim());
+                start = i + 1;
+            }
+            _ => {}
+        }
+    }
+    cells.push(line[start..].trim_matches('"').trim());
+    cells
+}
+
+/// All customers of a run.
+#[derive(Debug)]
+pub(super) struct Customers {
+    demand: Demand,
+    lines: Vec<(RackId, StationId)>,
+    next_line: usize,
+    next_order: Option<Time>,
+    racks: usize,
+    stations: usize,
+    random: Stream,
+    sent: u64,
+    /// Jobs sent, but not yet seen in the ledger.
+    last_seen: u64,
+}
+
+impl Customers {
+    pub fn new(demand: Demand, lines: &[OrderLine], warehouse: &Warehouse, seed: u64) -> Customers {
+        let (racks, stations) = (warehouse.racks.len(), warehouse.stations.len());
+        Customers {
+            demand: if racks == 0 || stations == 0 { Demand::None } else { demand },
+            lines: assign_lines(lines, racks, stations),
+            next_line: 0,
+            next_order: None,
+            racks,
+            stations,
+            random: Stream::new(seed, 3, 0),
+            sent: 0,
+            last_seen: 0,
+        }
+    }
+
+    /// What they order now.
+    pub fn order(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
+        let accepted = fleet.ledger().next_job - 1;
+        let waiting = fleet.ledger().jobs.values().filter(|j| j.state == JobState::Waiting).count();
+        let count = match &self.demand {
+            Demand::None => 0,
+            // Orders of the step before are in the ledger by now: every step takes its inputs in.
+            Demand::Backlog(n) | Demand::File { backlog: n, .. } => n.saturating_sub(waiting),
+            Demand::PerHour(rate) => return self.at_random(now, *rate),
+        };
+        self.last_seen = accepted;
+        (0..count).map(|_| self.one()).collect()
+    }
+
+    fn at_random(&mut self, now: Time, per_hour: f64) -> Vec<Input> {
+        let mut orders = Vec::new();
+        let mean_s = 3600.0 / per_hour.max(1e-9);
+        let mut next =
+            self.next_order.unwrap_or_else(|| now + Span::from_secs_f64(self.random.exponential(mean_s)));
+        while next <= now {
+            orders.push(self.one());
+            next += Span::from_secs_f64(self.random.exponential(mean_s));
+        }
+        self.next_order = Some(next);
+        orders
+    }
+
+    fn one(&mut self) -> Input {
+        let (rack, station) = match self.lines.get(self.next_line) {
+            Some(line) => {
+                self.next_line = (self.next_line + 1) % self.lines.len();
+                *line
+            }
+            None => {
+                // Popularity falls with the square of the rank: a fifth of the racks gets 45 % of the orders.
+                let rank = self.random.unit().powi(2);
+                let rack = (rank * self.racks as f64) as usize;
+                // Ranks are spread over the floor by a step that shares no divisor with most numbers of racks.
+                (RackId::at(rack * 7919 % self.racks), StationId::at(self.random.below(self.stations)))
+            }
+        };
+        self.sent += 1;
+        let kind = JobKind::Deliver { rack, station, pick: None };
+        let request = JobRequest { kind, priority: 0, deadline: None, after: Vec::new(), key: None };
+        Input::Submit { token: FIRST_TOKEN + self.sent, request }
+    }
+}
+
+/// Locations become racks in order of first appearance, orders become stations in turn.
+fn assign_lines(lines: &[OrderLine], racks: usize, stations: usize) -> Vec<(RackId, StationId)> {
+    let mut places: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut orders: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut jobs = Vec::new();
+    for line in lines.iter().filter(|_| racks > 0 && stations > 0) {
+        let next = places.len();
+        let place = *places.entry(&line.location).or_insert(next);
+        let next = orders.len();
+        let order = *orders.entry(&line.order).or_insert(next);
+        let job = (RackId::at(place % racks), StationId::at(order % stations));
+        // Lines of one order that lie in one rack are picked in one visit.
+        if jobs.last() != Some(&job) {
+            jobs.push(job);
+        }
+    }
+    jobs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn order_lines_are_found_by_their_header() {
+        let text =
+            ",DATE,OrderNumber,SKU,Coord,AlleyCell\n0,1/1,77,5,\"[1, 2]\",A1\n1,1/1,78,6,\"[1, 3]\",A2\n";
+        let lines = OrderLine::parse_csv(text).unwrap();
+        assert_eq!(lines[1], OrderLine { order: "78".into(), location: "A2".into() });
+    }
+
+    #[test]
+    fn a_line_without_its_place_is_named() {
+        let e = OrderLine::parse_csv("OrderNumber,SKU\n1,2\n3,\n").unwrap_err();
+        assert!(e.starts_with("line 3"), "{e}");
+    }
+}

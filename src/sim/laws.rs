@@ -1,0 +1,183 @@
+//! Laws that hold in every simulation, checked at every step (DESIGN §8).
+//!
+//! Main types: [`Laws`], [`Violation`]. They look at where robots truly are, not at what the fleet believes. Refuses: to
+//! mend anything; one violation fails the run.
+
+use super::world::World;
+use crate::fleet::{Fact, Fleet, JobState, Ledger, Task};
+use crate::geometry::{Point, axis_distance};
+use crate::id::{Dense, JobId, RobotId};
+use crate::time::{Span, Time};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+/// A robot with a task, but without any progress for this long, is stuck.
+pub const STUCK: Span = Span::from_secs(600);
+/// Every how many steps the whole timeline and ledger are compared.
+const AUDIT_EVERY: u64 = 500;
+/// Rounding allowed between squares, metres.
+const SLACK_M: f64 = 1e-3;
+
+/// A broken law.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Violation {
+    /// Two robots overlap.
+    Overlap(RobotId, RobotId),
+    /// A robot is beyond what it was granted.
+    BeyondGrant(RobotId),
+    /// A robot has had a task without progress for too long.
+    Stuck(RobotId, Task),
+    /// A job vanished.
+    JobLost(JobId),
+    /// A job was done twice.
+    DoneTwice(JobId),
+    /// The ledger is not the fold of the facts.
+    Fold,
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Violation::Overlap(a, b) => write!(f, "robots {} and {} overlap", a.0 + 1, b.0 + 1),
+            Violation::BeyondGrant(r) => write!(f, "robot {} drove beyond its grant", r.0 + 1),
+            Violation::Stuck(r, task) => {
+                write!(f, "robot {} made no progress for {STUCK:?} on {task:?}", r.0 + 1)
+            }
+            Violation::JobLost(j) => write!(f, "job {j:?} was lost"),
+            Violation::DoneTwice(j) => write!(f, "job {j:?} was done twice"),
+            Violation::Fold => write!(f, "the ledger is not the fold of its facts"),
+        }
+    }
+}
+
+/// Everything the laws remember.
+#[derive(Debug)]
+pub struct Laws {
+    shadow: Ledger,
+    over: BTreeSet<JobId>,
+    accepted: u64,
+    progress: BTreeMap<RobotId, (u64, Option<u64>, Time)>,
+    steps: u64,
+    reach_m: f64,
+    /// What was broken, and when; the first hundred.
+    pub broken: Vec<(Time, Violation)>,
+    /// How often laws were broken.
+    pub count: u64,
+}
+
+impl Laws {
+    /// Laws for a fleet that starts as `fleet` is.
+    pub fn new(fleet: &Fleet) -> Laws {
+        Laws {
+            shadow: fleet.ledger().clone(),
+            over: BTreeSet::new(),
+            accepted: fleet.ledger().next_job - 1,
+            progress: BTreeMap::new(),
+            steps: 0,
+            reach_m: fleet.warehouse().footprint_m - SLACK_M,
+            broken: Vec::new(),
+            count: 0,
+        }
+    }
+
+    fn break_law(&mut self, now: Time, violation: Violation) {
+        self.count += 1;
+        if self.broken.len() < 100 {
+            tracing::error!(%now, %violation, "a law is broken");
+            self.broken.push((now, violation));
+        }
+    }
+
+    /// Looks at the floor and at the facts of one step.
+    pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet, facts: &[Fact]) {
+        self.steps += 1;
+        self.check_places(now, world);
+        self.check_grants(now, world, fleet);
+        self.check_jobs(now, facts, fleet);
+        self.check_progress(now, fleet);
+        for fact in facts {
+            self.shadow.evolve(fact);
+        }
+        if self.steps.is_multiple_of(AUDIT_EVERY) {
+            fleet.ledger().timeline.assert_sound();
+            let mut folded = self.shadow.clone();
+            (folded.counts.plans, folded.counts.plan_failures) =
+                (fleet.ledger().counts.plans, fleet.ledger().counts.plan_failures);
+            if folded != *fleet.ledger() {
+                self.break_law(now, Violation::Fold);
+            }
+        }
+    }
+
+    /// No two robots' squares overlap: neighbours are found on a grid of cells as wide as a footprint.
+    fn check_places(&mut self, now: Time, world: &World) {
+        let mut places: Vec<((i64, i64), RobotId, Point)> =
+            world.truth().map(|(r, t)| (self.cell(t.pose.at), r, t.pose.at)).collect();
+        places.sort_unstable_by_key(|(c, r, _)| (*c, *r));
+        let mut overlaps = Vec::new();
+        for (i, (cell, r, at)) in places.iter().enumerate() {
+            // Half of the neighbourhood: each pair is looked at once.
+            for (dx, dy) in [(0, 0), (0, 1), (1, -1), (1, 0), (1, 1)] {
+                let other = (cell.0 + dx, cell.1 + dy);
+                let from =
+                    if (dx, dy) == (0, 0) { i + 1 } else { places.partition_point(|(c, _, _)| *c < other) };
+                for (_, s, there) in places[from..].iter().take_while(|(c, _, _)| *c == other) {
+                    if axis_distance(*at, *there) < self.reach_m {
+                        overlaps.push(Violation::Overlap(*r, *s));
+                    }
+                }
+            }
+        }
+        for o in overlaps {
+            self.break_law(now, o);
+        }
+    }
+
+    fn cell(&self, p: Point) -> (i64, i64) {
+        ((p.x / self.reach_m).floor() as i64, (p.y / self.reach_m).floor() as i64)
+    }
+
+    fn check_grants(&mut self, now: Time, world: &World, fleet: &Fleet) {
+        let beyond: Vec<RobotId> = (world.truth())
+            .filter(|(r, t)| t.reached.max(t.known) >= fleet.ledger().chain(*r).granted())
+            .map(|(r, _)| r)
+            .collect();
+        for r in beyond {
+            self.break_law(now, Violation::BeyondGrant(r));
+        }
+    }
+
+    fn check_jobs(&mut self, now: Time, facts: &[Fact], fleet: &Fleet) {
+        for fact in facts {
+            match fact {
+                Fact::Accepted { .. } => self.accepted += 1,
+                Fact::Progressed { job, state, .. } if state.is_over() && !self.over.insert(*job) => {
+                    self.break_law(now, Violation::DoneTwice(*job));
+                }
+                Fact::Progressed { job, state: JobState::Done, .. } if job.0 > self.accepted => {
+                    self.break_law(now, Violation::JobLost(*job));
+                }
+                _ => {}
+            }
+        }
+        let live = fleet.ledger().jobs.len() as u64;
+        if live + self.over.len() as u64 != self.accepted {
+            self.break_law(now, Violation::JobLost(JobId(self.accepted)));
+        }
+    }
+
+    fn check_progress(&mut self, now: Time, fleet: &Fleet) {
+        for (r, record) in fleet.ledger().robots.pairs() {
+            let here = (fleet.ledger().chain(r).first(), record.acted);
+            let entry = self.progress.entry(r).or_insert((here.0, here.1, now));
+            if (entry.0, entry.1) != here || record.task == Task::Idle || record.failed {
+                *entry = (here.0, here.1, now);
+            } else if now - entry.2 > STUCK {
+                entry.2 = now;
+                let task = record.task;
+                self.break_law(now, Violation::Stuck(r, task));
+            }
+        }
+        debug_assert!(self.progress.len() <= RobotId::at(fleet.ledger().robots.len()).ix());
+    }
+}

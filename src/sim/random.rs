@@ -1,0 +1,40 @@
+//! Randomness: one stream per thing and purpose, so that adding a robot does not disturb the others.
+//!
+//! Main type: [`Stream`]. Refuses: a seed from anywhere but the scenario.
+
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::{Rng, SeedableRng};
+
+/// A stream of random numbers.
+#[derive(Debug)]
+pub(super) struct Stream(Pcg64Mcg);
+
+impl Stream {
+    /// The stream of number `who` for one purpose.
+    pub fn new(seed: u64, purpose: u64, who: u64) -> Stream {
+        let mut mixed =
+            seed ^ purpose.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ who.wrapping_mul(0xd1b5_4a32_d192_ed03);
+        mixed = (mixed ^ (mixed >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        Stream(Pcg64Mcg::seed_from_u64(mixed ^ (mixed >> 29)))
+    }
+
+    /// Uniform in `[0, 1)`.
+    pub fn unit(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Uniform in `0..n`.
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.unit() * n as f64) as usize
+    }
+
+    /// Whether something of this probability happens.
+    pub fn happens(&mut self, probability: f64) -> bool {
+        probability > 0.0 && self.unit() < probability
+    }
+
+    /// Time to the next event of a Poisson process, in the unit of `mean`.
+    pub fn exponential(&mut self, mean: f64) -> f64 {
+        -mean * (1.0 - self.unit()).ln()
+    }
+}

@@ -1,0 +1,256 @@
+//! A simulated robot: drives along granted waypoints with inertia, turns in place, lifts, waits, breaks down.
+//!
+//! Main type: [`Body`]. Between two calls it integrates in steps of at most 20 ms. It never drives beyond what it was
+//! told, and it can always stop before the end of it. Refuses: to know where others are.
+
+use crate::fleet::{Act, Telemetry, Waypoint};
+use crate::geometry::{Point, Pose, Segment, turn_between, wrap_angle};
+use crate::id::{NodeId, RackId, RobotId};
+use crate::route::Kinematics;
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
+use std::collections::VecDeque;
+
+/// Longest step of integration, seconds.
+const TICK_S: f64 = 0.02;
+/// Closer than this is there, metres.
+const THERE_M: f64 = 1e-4;
+/// Headings closer than this are the same, radians.
+const STRAIGHT: f64 = 0.1;
+/// Hours of driving on a full charge (safety.md 1.5).
+const BATTERY_H: f64 = 8.0;
+/// Share of the drain while standing.
+const STANDING_DRAIN: f64 = 0.2;
+/// Charge gained per second at a charger: a quarter in ten minutes.
+const CHARGE_PER_S: f64 = 0.25 / 600.0;
+
+/// A waypoint with its place.
+#[derive(Clone, Copy, Debug)]
+struct Target {
+    serial: u64,
+    node: NodeId,
+    at: Point,
+    act: Option<Act>,
+    limit_mps: f64,
+}
+
+/// One robot.
+#[derive(Debug)]
+pub(super) struct Body {
+    pub id: RobotId,
+    pub pose: Pose,
+    pub speed_mps: f64,
+    /// The visit whose centre it reached last, with its node.
+    pub reached: u64,
+    pub node: NodeId,
+    pub rack: Option<RackId>,
+    pub failed_until: Option<Time>,
+    battery: f64,
+    acted: Option<u64>,
+    /// What it is to do where it stands, and until when it is at it.
+    acting: Option<(u64, Act, Option<Time>)>,
+    path: VecDeque<Target>,
+    kinematics: Kinematics,
+}
+
+impl Body {
+    /// A robot standing on a node.
+    pub fn new(id: RobotId, node: NodeId, at: Point, battery: f64, kinematics: Kinematics) -> Body {
+        Body {
+            id,
+            pose: Pose { at, heading: 0.0 },
+            speed_mps: 0.0,
+            reached: 0,
+            node,
+            rack: None,
+            failed_until: None,
+            battery,
+            acted: None,
+            acting: None,
+            path: VecDeque::new(),
+            kinematics,
+        }
+    }
+
+    /// Puts it where the ledger has it: a restarted simulation.
+    pub fn resume(&mut self, reached: u64, acted: Option<u64>, rack: Option<RackId>) {
+        (self.reached, self.acted, self.rack) = (reached, acted, rack);
+    }
+
+    /// Serial number of the last waypoint it knows.
+    pub fn known(&self) -> u64 {
+        self.path.back().map_or(self.reached, |t| t.serial)
+    }
+
+    /// Takes orders: waypoints that it knows already are skipped, an act for the place where it stands is begun.
+    pub fn obey(&mut self, waypoints: &[Waypoint], warehouse: &Warehouse) {
+        for w in waypoints {
+            if w.serial == self.reached {
+                if let Some(act) = w.act.filter(|_| self.acted < Some(w.serial) && self.acting.is_none()) {
+                    self.acting = Some((w.serial, act, None));
+                }
+            } else if w.serial == self.known() + 1 {
+                let from = self.path.back().map_or(self.node, |t| t.node);
+                let arc = warehouse.out(from).find(|(_, a)| a.to == w.node);
+                let limit_mps = arc.map_or(f64::INFINITY, |(_, a)| a.speed_limit_mps);
+                let at = warehouse.nodes[w.node].at;
+                self.path.push_back(Target { serial: w.serial, node: w.node, at, act: w.act, limit_mps });
+            }
+        }
+    }
+
+    /// What it says of itself.
+    pub fn report(&self, now: Time) -> Telemetry {
+        Telemetry {
+            robot: self.id,
+            seen: now,
+            pose: self.pose,
+            speed_mps: self.speed_mps,
+            reached: self.reached,
+            known: self.known(),
+            acted: self.acted,
+            rack: self.rack,
+            battery: self.battery,
+            failed: self.failed_until.is_some(),
+        }
+    }
+
+    /// Lives from `from` to `to`. `charging` says whether the node it stands on is a charger.
+    pub fn advance(&mut self, from: Time, to: Time, charging: bool) {
+        let seconds = (to - from).as_secs_f64();
+        let ticks = (seconds / TICK_S - 1e-9).ceil().max(1.0);
+        let dt = seconds / ticks;
+        for i in 0..ticks as i64 {
+            let now = from + Span::from_secs_f64(dt * (i + 1) as f64);
+            self.tick(now, dt);
+        }
+        self.drain(seconds, charging);
+    }
+
+    fn drain(&mut self, seconds: f64, charging: bool) {
+        let standing = self.speed_mps == 0.0;
+        let change = match (standing, charging) {
+            (true, true) => seconds * CHARGE_PER_S,
+            (true, false) => -seconds * STANDING_DRAIN / (BATTERY_H * 3600.0),
+            (false, _) => -seconds / (BATTERY_H * 3600.0),
+        };
+        self.battery = (self.battery + change).clamp(0.0, 1.0);
+    }
+
+    fn tick(&mut self, now: Time, dt: f64) {
+        if self.failed_until.is_some() {
+            return self.coast(dt);
+        }
+        if self.acting.is_some() {
+            return self.act(now);
+        }
+        let Some(next) = self.path.front().copied() else { return };
+        let way = Segment { a: self.pose.at, b: next.at };
+        if way.length() < THERE_M {
+            return self.reach(next);
+        }
+        let off = wrap_angle(way.heading() - self.pose.heading);
+        if self.speed_mps == 0.0 && off.abs() > 1e-6 {
+            let turn = (self.kinematics.turn_radps * dt).min(off.abs());
+            self.pose.heading = wrap_angle(self.pose.heading + turn * off.signum());
+            return;
+        }
+        self.drive(dt, next.limit_mps);
+    }
+
+    /// Broken: it comes to rest on the way it was on.
+    fn coast(&mut self, dt: f64) {
+        let stop = self.speed_mps;
+        self.go(dt, (stop - self.accel() * dt).max(0.0));
+    }
+
+    fn accel(&self) -> f64 {
+        self.kinematics.accel_mps2(self.rack.is_some())
+    }
+
+    /// Speeds up as far as top speed, lane and the next place to stop allow.
+    fn drive(&mut self, dt: f64, limit: f64) {
+        let a = self.accel();
+        let d = self.distance_to_stop();
+        let brake = -a * dt + ((a * dt).powi(2) + 2.0 * a * d).sqrt();
+        let speed = (self.speed_mps + a * dt).min(self.kinematics.speed_mps.min(limit)).min(brake);
+        self.go(dt, speed.max(0.02));
+    }
+
+    /// Moves along the path, changing speed evenly, and passes waypoints on the way.
+    fn go(&mut self, dt: f64, speed: f64) {
+        let mut left = (self.speed_mps + speed) / 2.0 * dt;
+        self.speed_mps = speed;
+        while left > 0.0 {
+            let Some(next) = self.path.front().copied() else { break };
+            let way = Segment { a: self.pose.at, b: next.at };
+            let length = way.length();
+            if length > left + THERE_M {
+                self.pose.at += (way.b - way.a) * (left / length);
+                return;
+            }
+            left -= length;
+            let stops = self.must_stop(0);
+            self.reach(next);
+            if stops {
+                break;
+            }
+        }
+        if self.path.is_empty() || self.acting.is_some() {
+            self.speed_mps = 0.0;
+        }
+    }
+
+    fn reach(&mut self, target: Target) {
+        if self.must_stop(0) {
+            self.speed_mps = 0.0;
+        }
+        self.path.pop_front();
+        (self.reached, self.node, self.pose.at) = (target.serial, target.node, target.at);
+        self.acting = target.act.map(|act| (target.serial, act, None));
+    }
+
+    /// Whether it must come to rest at the waypoint `i` of its path.
+    fn must_stop(&self, i: usize) -> bool {
+        let here = &self.path[i];
+        let Some(next) = self.path.get(i + 1) else { return true };
+        let before = if i == 0 { self.pose.at } else { self.path[i - 1].at };
+        let (to, on) = (Segment { a: before, b: here.at }, Segment { a: here.at, b: next.at });
+        let heading = if to.length() < THERE_M { self.pose.heading } else { to.heading() };
+        here.act.is_some() || on.length() < THERE_M || turn_between(heading, on.heading()) > STRAIGHT
+    }
+
+    fn distance_to_stop(&self) -> f64 {
+        let mut d = 0.0;
+        let mut from = self.pose.at;
+        for (i, t) in self.path.iter().enumerate() {
+            d += (t.at - from).norm();
+            from = t.at;
+            if self.must_stop(i) {
+                break;
+            }
+        }
+        d
+    }
+
+    fn act(&mut self, now: Time) {
+        let (serial, act, until) = self.acting.expect("called while acting");
+        let span = match act {
+            Act::Lift(_) | Act::Set(_) => self.kinematics.lift,
+            Act::Pick(span) => span,
+            Act::Arrive => Span::ZERO,
+        };
+        let until = until.unwrap_or(now + span);
+        if now < until {
+            self.acting = Some((serial, act, Some(until)));
+            return;
+        }
+        match act {
+            Act::Lift(rack) => self.rack = Some(rack),
+            Act::Set(_) => self.rack = None,
+            Act::Pick(_) | Act::Arrive => {}
+        }
+        self.acted = Some(serial);
+        self.acting = None;
+    }
+}

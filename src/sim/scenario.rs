@@ -1,0 +1,247 @@
+//! Scenario files: a map, a fleet, customers, faults, how long and with which seed.
+//!
+//! Main type: [`Scenario`]. Takes text; whoever reads the file resolves the paths in it. Refuses: unknown keys and
+//! numbers that cannot be.
+
+use crate::route::Kinematics;
+use crate::time::Span;
+use serde::Deserialize;
+
+/// What to simulate.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// Its name.
+    pub name: String,
+    /// The map file, relative to the scenario file.
+    pub map: String,
+    /// How many robots.
+    pub robots: usize,
+    /// How long.
+    pub duration: Span,
+    /// The control period.
+    pub period: Span,
+    /// The seed unless another is given.
+    pub seed: u64,
+    /// Where jobs come from.
+    pub demand: Demand,
+    /// What goes wrong.
+    pub faults: Faults,
+    /// The robots' figures.
+    pub kinematics: Kinematics,
+}
+
+/// Where jobs come from.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Demand {
+    /// Nowhere but from outside.
+    None,
+    /// So many jobs are always waiting; racks by a skewed popularity, stations evenly.
+    Backlog(usize),
+    /// So many an hour, at random times.
+    PerHour(f64),
+    /// Order lines from a file, relative to the scenario file, so many always waiting; repeated from the start when used up.
+    File {
+        /// The file.
+        path: String,
+        /// How many lines are always waiting.
+        backlog: usize,
+    },
+}
+
+/// What goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Faults {
+    /// Share of messages that get lost, both ways.
+    pub message_loss: f64,
+    /// Delay of each message, milliseconds.
+    pub message_delay_ms: i64,
+    /// Break-downs per robot and hour of driving.
+    pub failures_per_hour: f64,
+    /// How long a broken robot stands, seconds.
+    pub repair_s: f64,
+}
+
+impl Default for Faults {
+    fn default() -> Faults {
+        Faults { message_loss: 0.0, message_delay_ms: 20, failures_per_hour: 0.0, repair_s: 300.0 }
+    }
+}
+
+/// A scenario file that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ScenarioError {
+    /// It is not JSON of the right shape.
+    #[error("line {line}, column {column}: {message}")]
+    Syntax {
+        /// Where.
+        line: usize,
+        /// Where in the line.
+        column: usize,
+        /// What.
+        message: String,
+    },
+    /// A number in it cannot be.
+    #[error("`{key}` is {found}, but must be {wanted}")]
+    Number {
+        /// Which.
+        key: &'static str,
+        /// What it is.
+        found: String,
+        /// What it may be.
+        wanted: &'static str,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    giveway_scenario: u32,
+    name: String,
+    map: String,
+    robots: usize,
+    #[serde(default = "hour")]
+    duration_s: f64,
+    #[serde(default = "period")]
+    period_ms: i64,
+    #[serde(default = "one")]
+    seed: u64,
+    #[serde(default = "none")]
+    jobs: Demand,
+    #[serde(default)]
+    faults: Faults,
+    #[serde(default)]
+    fleet: Fleet,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Fleet {
+    speed_mps: Option<f64>,
+    accel_unloaded_mps2: Option<f64>,
+    accel_loaded_mps2: Option<f64>,
+    lift_s: Option<f64>,
+}
+
+fn hour() -> f64 {
+    3600.0
+}
+
+fn period() -> i64 {
+    100
+}
+
+fn one() -> u64 {
+    1
+}
+
+fn none() -> Demand {
+    Demand::None
+}
+
+impl Scenario {
+    /// Reads a scenario file.
+    ///
+    /// # Errors
+    /// Where and what is wrong.
+    pub fn parse(text: &str) -> Result<Scenario, ScenarioError> {
+        let file: File = serde_json::from_str(text).map_err(|e| ScenarioError::Syntax {
+            line: e.line(),
+            column: e.column(),
+            message: e.to_string(),
+        })?;
+        check(
+            "giveway_scenario",
+            f64::from(file.giveway_scenario),
+            1.0..=1.0,
+            "1, the only version there is",
+        )?;
+        check("robots", file.robots as f64, 0.0..=10_000.0, "from 0 to 10000")?;
+        check("duration_s", file.duration_s, 1.0..=1e7, "from 1 to 10000000")?;
+        check("period_ms", file.period_ms as f64, 10.0..=1000.0, "from 10 to 1000")?;
+        let f = &file.faults;
+        check("faults.message_loss", f.message_loss, 0.0..=0.9, "from 0 to 0.9")?;
+        check("faults.message_delay_ms", f.message_delay_ms as f64, 0.0..=2000.0, "from 0 to 2000")?;
+        check("faults.failures_per_hour", f.failures_per_hour, 0.0..=1000.0, "from 0 to 1000")?;
+        check("faults.repair_s", f.repair_s, 1.0..=1e6, "from 1 to 1000000")?;
+        Ok(Scenario {
+            name: file.name,
+            map: file.map,
+            robots: file.robots,
+            duration: Span::from_secs_f64(file.duration_s),
+            period: Span::from_millis(file.period_ms),
+            seed: file.seed,
+            demand: file.jobs,
+            faults: file.faults,
+            kinematics: file.fleet.kinematics()?,
+        })
+    }
+
+    /// The settings of the core for this scenario.
+    pub fn settings(&self) -> crate::fleet::Settings {
+        crate::fleet::Settings { kinematics: self.kinematics, period: self.period, ..Default::default() }
+    }
+}
+
+impl Fleet {
+    fn kinematics(&self) -> Result<Kinematics, ScenarioError> {
+        let usual = Kinematics::default();
+        let speed = self.speed_mps.unwrap_or(usual.speed_mps);
+        let unloaded = self.accel_unloaded_mps2.unwrap_or(usual.accel_unloaded_mps2);
+        let loaded = self.accel_loaded_mps2.unwrap_or(usual.accel_loaded_mps2);
+        let lift = self.lift_s.unwrap_or(usual.lift.as_secs_f64());
+        check("fleet.speed_mps", speed, 0.1..=5.0, "from 0.1 to 5")?;
+        check("fleet.accel_unloaded_mps2", unloaded, 0.05..=5.0, "from 0.05 to 5")?;
+        check("fleet.accel_loaded_mps2", loaded, 0.05..=5.0, "from 0.05 to 5")?;
+        check("fleet.lift_s", lift, 0.0..=60.0, "from 0 to 60")?;
+        Ok(Kinematics {
+            speed_mps: speed,
+            accel_unloaded_mps2: unloaded,
+            accel_loaded_mps2: loaded,
+            lift: Span::from_secs_f64(lift),
+            ..usual
+        })
+    }
+}
+
+fn check(
+    key: &'static str,
+    found: f64,
+    range: std::ops::RangeInclusive<f64>,
+    wanted: &'static str,
+) -> Result<(), ScenarioError> {
+    if range.contains(&found) {
+        Ok(())
+    } else {
+        Err(ScenarioError::Number { key, found: found.to_string(), wanted })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str =
+        r#"{"giveway_scenario": 1, "name": "x", "map": "m.json", "robots": 2, "jobs": {"backlog": 5}}"#;
+
+    #[test]
+    fn what_is_left_out_has_sensible_values() {
+        let s = Scenario::parse(GOOD).unwrap();
+        assert_eq!(s.demand, Demand::Backlog(5));
+        assert_eq!(s.duration, Span::from_secs(3600));
+    }
+
+    #[test]
+    fn a_misspelt_key_is_named_with_its_place() {
+        let e = Scenario::parse(&GOOD.replace("robots", "robbots")).unwrap_err();
+        assert!(e.to_string().contains("robbots"), "{e}");
+    }
+
+    #[test]
+    fn absurd_numbers_are_refused_with_what_they_may_be() {
+        let e =
+            Scenario::parse(&GOOD.replace("\"robots\": 2", "\"robots\": 2, \"duration_s\": -1")).unwrap_err();
+        assert_eq!(e.to_string(), "`duration_s` is -1, but must be from 1 to 10000000");
+    }
+}

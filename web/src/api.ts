@@ -1,0 +1,78 @@
+// Requests to the public API. Every answer is a value, never an exception: done, refused with a reason,
+// or unreachable. It keeps the access token, and tells the page when the server wants one.
+import type { Socket, SocketEvents } from './link';
+import type { FloorMap, Job, JobPage, JobState, NewJob, Problem } from './wire';
+
+export type Answer<T> =
+  | { kind: 'ok'; value: T }
+  | { kind: 'refused'; problem: Problem }
+  | { kind: 'unreachable' };
+
+const TOKEN = 'giveway.token';
+const PATIENCE_MS = 15_000;
+
+export class Api {
+  /** Called when the server answers 401. */
+  onLocked: () => void = () => {};
+
+  map = () => this.#ask<FloorMap>('GET', '/v1/map');
+  job = (id: string) => this.#ask<Job>('GET', `/v1/jobs/${encodeURIComponent(id)}`);
+  cancel = (id: string) => this.#ask<Job>('DELETE', `/v1/jobs/${encodeURIComponent(id)}`);
+
+  jobs(state: JobState | 'any', cursor: string | null): Promise<Answer<JobPage>> {
+    const query = new URLSearchParams({ limit: '50' });
+    if (state !== 'any') query.set('state', state);
+    if (cursor) query.set('cursor', cursor);
+    return this.#ask<JobPage>('GET', `/v1/jobs?${query}`);
+  }
+
+  submit(job: NewJob, key: string): Promise<Answer<Job>> {
+    return this.#ask<Job>('POST', '/v1/jobs', { 'Idempotency-Key': key }, job);
+  }
+
+  get token(): string | null {
+    return sessionStorage.getItem(TOKEN);
+  }
+  set token(token: string) {
+    sessionStorage.setItem(TOKEN, token);
+  }
+
+  openLive(since: number | null, events: SocketEvents): Socket {
+    const url = new URL('/v1/live', location.href);
+    url.protocol = url.protocol.replace('http', 'ws');
+    if (since !== null) url.searchParams.set('since', String(since));
+    // Browsers let no header be set on a WebSocket; the subprotocol list is the one place for a token.
+    const socket = this.token ? new WebSocket(url, ['giveway', `bearer.${this.token}`]) : new WebSocket(url);
+    socket.onmessage = (event) => events.message(String(event.data));
+    socket.onclose = () => events.closed();
+    return socket;
+  }
+
+  async #ask<T>(method: string, path: string, headers: Record<string, string> = {}, body?: object): Promise<Answer<T>> {
+    const all: Record<string, string> = { Accept: 'application/json', ...headers };
+    if (this.token) all['Authorization'] = `Bearer ${this.token}`;
+    if (body) all['Content-Type'] = 'application/json';
+    try {
+      const response = await fetch(path, {
+        method, headers: all, signal: AbortSignal.timeout(PATIENCE_MS),
+        ...(body ? { body: JSON.stringify(body) } : {}),
+      });
+      if (response.ok) return { kind: 'ok', value: (await response.json()) as T };
+      if (response.status === 401) this.onLocked();
+      return { kind: 'refused', problem: await problemOf(response) };
+    } catch {
+      return { kind: 'unreachable' };
+    }
+  }
+}
+
+async function problemOf(response: Response): Promise<Problem> {
+  const plain = { title: `The server answered ${response.status} ${response.statusText}`.trim(), status: response.status };
+  try {
+    const body: unknown = await response.json();
+    return typeof body === 'object' && body !== null ? { ...plain, ...body } : plain;
+  } catch {
+    // A proxy in between answers in HTML; its status is all there is to tell.
+    return plain;
+  }
+}

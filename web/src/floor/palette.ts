@@ -1,0 +1,28 @@
+// Colours of the floor. They are defined once, as custom properties in app.css, and read from there.
+import { ROBOT_STATES } from '../wire';
+
+const NAMES = [
+  'void', 'floor', 'edge', 'wall', 'lane', 'walkway', 'slot', 'queue', 'station', 'charger', 'parking', 'exit',
+  'rack', 'rack-edge', 'carried', 'granted', 'held', 'tick', 'label', 'halo', 'chosen', 'low',
+] as const;
+type Name = (typeof NAMES)[number];
+
+export interface Palette {
+  of: Record<Name, string>;
+  /** In the order of ROBOT_STATES. */
+  states: string[];
+}
+
+export function readPalette(host: HTMLElement): Palette {
+  // light-dark() is resolved only in a real property, so a probe element computes each colour.
+  const probe = document.createElement('span');
+  host.append(probe);
+  const read = (name: string): string => {
+    probe.style.color = `var(--${name})`;
+    return getComputedStyle(probe).color;
+  };
+  const of = Object.fromEntries(NAMES.map((n) => [n, read(`map-${n}`)])) as Record<Name, string>;
+  const states = ROBOT_STATES.map((s) => read(`state-${s}`));
+  probe.remove();
+  return { of, states };
+}

@@ -1,0 +1,191 @@
+// Runs the floor: owns the camera, the kept picture of the ground and the animation loop. It draws what
+// it is given and knows no panel.
+import type { Mirror } from '../mirror';
+import type { FloorMap } from '../wire';
+import { drawGround } from './ground';
+import { listen } from './hands';
+import type { Ground, Painter } from './painter';
+import { readPalette, type Palette } from './palette';
+import { robotNear, Stage } from './scene';
+import { fit, pan, toWorld, zoomAt, type View } from './view';
+
+export interface ShowOptions {
+  host: HTMLElement;
+  map: FloorMap;
+  painter(palette: Palette): Promise<Painter>;
+  onHover(robot: string | null): void;
+  onChoose(robot: string | null): void;
+}
+
+/** The kept picture reaches this far beyond the window, as a share of it, on every side. */
+const BEYOND = 0.25;
+const REST_MS = 140;
+const DENSEST = 2;
+/** Pixels per metre when one robot is brought to the middle: near enough to read its name. */
+const CLOSE_SCALE = 36;
+
+export class Show {
+  view: View;
+  #options: ShowOptions;
+  #painter: Painter;
+  #palette: Palette;
+  #stage: Stage;
+  #ground: Ground;
+  #version = -1;
+  #chosen: string | null = null;
+  #movedAt = 0;
+  #dirty = true;
+  #fitted = true;
+  #frame = 0;
+  #observer: ResizeObserver;
+  #gone = new AbortController();
+
+  static async open(options: ShowOptions): Promise<Show> {
+    const palette = readPalette(options.host);
+    return new Show(options, await options.painter(palette), palette);
+  }
+
+  private constructor(options: ShowOptions, painter: Painter, palette: Palette) {
+    this.#options = options;
+    this.#painter = painter;
+    this.#palette = palette;
+    this.#stage = new Stage(options.map);
+    this.view = fit(options.map.bounds, 300, 150);
+    this.#ground = { picture: document.createElement('canvas'), view: this.view };
+    const { host } = options;
+    const canvas = painter.element;
+    canvas.dataset['painter'] = painter.kind;
+    canvas.setAttribute('aria-hidden', 'true');
+    host.prepend(canvas);
+    listen(host, {
+      pan: (dx, dy) => this.#pan(dx, dy),
+      zoom: (factor, px, py) => this.zoom(factor, px, py),
+      fit: () => this.fit(),
+      hover: (at) => options.onHover(at && this.#robotAt(...at)),
+      choose: (at) => options.onChoose(at && this.#robotAt(...at)),
+    }, this.#gone.signal);
+    this.#observer = new ResizeObserver(() => this.#measure());
+    this.#observer.observe(host);
+    this.#measure();
+    this.#frame = requestAnimationFrame((now) => this.#loop(now));
+  }
+
+  take(mirror: Mirror, how: 'glide' | 'jump'): void {
+    this.#stage.take(mirror, performance.now(), how);
+    this.#version = mirror.version ?? -1;
+    this.#dirty = true;
+  }
+
+  choose(robot: string | null): void {
+    this.#chosen = robot;
+    this.#dirty = true;
+  }
+
+  centreOn(robot: string): void {
+    const { scene } = this.#stage;
+    const i = scene.ids.indexOf(robot);
+    if (i < 0) return;
+    this.#fitted = false;
+    this.#move({ ...this.view, x: scene.x[i]!, y: scene.y[i]!, scale: Math.max(this.view.scale, CLOSE_SCALE) });
+  }
+
+  fit(): void {
+    this.#fitted = true;
+    this.#move(fit(this.#options.map.bounds, this.view.width, this.view.height));
+  }
+
+  zoom(factor: number, px = this.view.width / 2, py = this.view.height / 2): void {
+    this.#fitted = false;
+    this.#move(zoomAt(this.view, factor, px, py, this.#options.map.bounds));
+  }
+
+  recolour(): void {
+    this.#palette = readPalette(this.#options.host);
+    this.#painter.recolour(this.#palette);
+    this.#paintGround();
+  }
+
+  destroy(): void {
+    cancelAnimationFrame(this.#frame);
+    this.#observer.disconnect();
+    this.#gone.abort();
+    this.#painter.destroy();
+  }
+
+  #loop(now: number): void {
+    const under = this.#stage.at(now);
+    if (now - this.#movedAt > REST_MS || !this.#covers()) this.#freshenGround();
+    if (this.#dirty || under) {
+      const began = performance.now();
+      const { scene } = this.#stage;
+      const chosen = this.#chosen === null ? -1 : scene.ids.indexOf(this.#chosen);
+      this.#painter.draw({ view: this.view, ground: this.#ground, scene, chosen });
+      // What is on the screen, for tests and for the curious.
+      const { dataset } = this.#painter.element;
+      dataset['robots'] = String(scene.robots);
+      dataset['racks'] = String(scene.racks);
+      dataset['version'] = String(this.#version);
+      dataset['drawMs'] = (performance.now() - began).toFixed(2);
+      this.#dirty = under;
+    }
+    this.#frame = requestAnimationFrame((next) => this.#loop(next));
+  }
+
+  #move(view: View): void {
+    this.view = view;
+    this.#movedAt = performance.now();
+    this.#dirty = true;
+  }
+
+  #pan(dx: number, dy: number): void {
+    this.#fitted = false;
+    this.#move(pan(this.view, dx, dy, this.#options.map.bounds));
+  }
+
+  #measure(): void {
+    const { clientWidth, clientHeight } = this.#options.host;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    this.#painter.resize(clientWidth, clientHeight, this.#density());
+    const resized = { ...this.view, width: clientWidth, height: clientHeight };
+    this.#move(this.#fitted ? fit(this.#options.map.bounds, clientWidth, clientHeight) : resized);
+    this.#paintGround();
+  }
+
+  #covers(): boolean {
+    const kept = this.#ground.view;
+    const zoom = this.view.scale / kept.scale;
+    return zoom > 0.6 && zoom < 2.5 &&
+      Math.abs(this.view.x - kept.x) * 2 + this.view.width / this.view.scale <= kept.width / kept.scale &&
+      Math.abs(this.view.y - kept.y) * 2 + this.view.height / this.view.scale <= kept.height / kept.scale;
+  }
+
+  #freshenGround(): void {
+    const kept = this.#ground.view;
+    if (kept.scale !== this.view.scale || !this.#covers()) this.#paintGround();
+  }
+
+  #paintGround(): void {
+    const grow = 1 + 2 * BEYOND;
+    const view = { ...this.view, width: this.view.width * grow, height: this.view.height * grow };
+    const density = this.#density();
+    // A new canvas each time: a painter tells by it that the picture has changed.
+    const picture = document.createElement('canvas');
+    picture.width = Math.ceil(view.width * density);
+    picture.height = Math.ceil(view.height * density);
+    const ink = picture.getContext('2d', { alpha: false });
+    if (!ink) return;
+    ink.scale(picture.width / view.width, picture.height / view.height);
+    drawGround(ink, this.#options.map, view, this.#palette);
+    this.#ground = { picture, view };
+    this.#dirty = true;
+  }
+
+  #density = (): number => Math.min(DENSEST, window.devicePixelRatio || 1);
+
+  #robotAt(px: number, py: number): string | null {
+    const [x, y] = toWorld(this.view, px, py);
+    const { scene } = this.#stage;
+    const i = robotNear(scene, x, y, Math.max(0.6, 12 / this.view.scale));
+    return i < 0 ? null : scene.ids[i]!;
+  }
+}

@@ -1,0 +1,104 @@
+// The job form without its looks: which fields a kind of job needs, and the request made of them.
+import type { JobKind, NewJob, Problem } from './wire';
+
+export type Field = 'rack' | 'station' | 'node' | 'robot';
+export type FormField = Field | 'priority' | 'deadline';
+export type FieldErrors = Partial<Record<FormField, string>>;
+
+export interface FormValues {
+  kind: JobKind;
+  rack: string;
+  station: string;
+  node: string;
+  robot: string;
+  priority: string;
+  /** Minutes from now; empty for none. */
+  deadline: string;
+}
+export type Built = { kind: 'ready'; job: NewJob } | { kind: 'wrong'; errors: FieldErrors };
+
+export const FIELDS: Record<JobKind, readonly Field[]> = {
+  deliver: ['rack', 'station'], return: ['rack'], relocate: ['rack', 'node'],
+  charge: ['robot'], park: ['robot'], go: ['robot', 'node'],
+};
+const FIELD_WORDS: Record<Field, string> = { rack: 'a rack', station: 'a station', node: 'a place', robot: 'a robot' };
+
+export const BLANK: FormValues = {
+  kind: 'deliver', rack: '', station: '', node: '', robot: '', priority: '0', deadline: '',
+};
+
+/** Checks only what the page can know; whether a rack exists is the server's to say. */
+export function build(values: FormValues, now: Date): Built {
+  const errors: FieldErrors = {};
+  const job: NewJob = { kind: values.kind, priority: 0 };
+  for (const field of FIELDS[values.kind]) {
+    const text = values[field].trim();
+    if (text === '') errors[field] = `Name ${FIELD_WORDS[field]}.`;
+    else job[field] = text;
+  }
+  const priority = Number(values.priority);
+  if (values.priority.trim() === '' || !Number.isInteger(priority) || priority < 0 || priority > 9) {
+    errors.priority = 'Priority is a whole number from 0 to 9.';
+  } else {
+    job.priority = priority;
+  }
+  if (values.deadline.trim() !== '') {
+    const minutes = Number(values.deadline);
+    if (!Number.isFinite(minutes) || minutes <= 0 || minutes > 7 * 24 * 60) {
+      errors.deadline = 'The deadline is a number of minutes from now, at most a week.';
+    } else {
+      job.deadline = new Date(now.getTime() + minutes * 60_000).toISOString();
+    }
+  }
+  return Object.keys(errors).length > 0 ? { kind: 'wrong', errors } : { kind: 'ready', job };
+}
+
+/** Sorts a server's answer into what belongs beside a field and what belongs under the form. */
+export function explain(problem: Problem, kind: JobKind): { fields: FieldErrors; form: string | null } {
+  const shown: readonly string[] = [...FIELDS[kind], 'priority', 'deadline'];
+  const fields: FieldErrors = {};
+  const rest: string[] = [];
+  for (const error of problem.errors ?? []) {
+    if (shown.includes(error.field)) fields[error.field as FormField] = error.detail;
+    else rest.push(error.detail);
+  }
+  const said = Object.keys(fields).length > 0 || rest.length > 0;
+  if (!said) rest.push(problem.detail ?? problem.title);
+  return { fields, form: rest.length > 0 ? rest.join(' ') : null };
+}
+
+/** At most `limit` names that match, those that begin with the text first: no list of 5,000 options. */
+export function suggest(names: readonly string[], text: string, limit = 40): string[] {
+  const wanted = text.trim().toLowerCase();
+  const first: string[] = [];
+  const second: string[] = [];
+  for (const name of names) {
+    const at = name.toLowerCase().indexOf(wanted);
+    if (at === 0) first.push(name);
+    else if (at > 0 && second.length < limit) second.push(name);
+    if (first.length >= limit) break;
+  }
+  return [...first, ...second].slice(0, limit);
+}
+
+/** randomUUID exists only in secure contexts, and a warehouse LAN often has plain http. */
+export function newKey(source: Crypto = crypto): string {
+  if (typeof source.randomUUID === 'function') return source.randomUUID();
+  const b = source.getRandomValues(new Uint8Array(16));
+  b[6] = (b[6]! & 0x0f) | 0x40;
+  b[8] = (b[8]! & 0x3f) | 0x80;
+  const hex = Array.from(b, (n) => n.toString(16).padStart(2, '0')).join('');
+  return [hex.slice(0, 8), hex.slice(8, 12), hex.slice(12, 16), hex.slice(16, 20), hex.slice(20)].join('-');
+}
+
+/** One key per intention: the same job sent again after a lost answer keeps its key; a new one does not. */
+export class Keys {
+  #sent: { body: string; key: string } | null = null;
+  keyFor(body: string, fresh: () => string = newKey): string {
+    if (this.#sent?.body !== body) this.#sent = { body, key: fresh() };
+    return this.#sent.key;
+  }
+  answered(): void {
+    this.#sent = null;
+  }
+}

@@ -1,0 +1,115 @@
+// The page's copy of the floor: a pure reducer over snapshots and patches. Untouched rows keep their
+// identity from one version to the next. It opens no socket and reads no clock.
+import type { Alarm, Changed, Counters, JobCounts, Message, Patch, Rack, Robot, Station } from './wire';
+
+export interface Table<T> {
+  readonly rows: readonly T[];
+  readonly at: ReadonlyMap<string, number>;
+}
+export interface Mirror {
+  /** null until the first snapshot. */
+  readonly version: number | null;
+  readonly time_s: number;
+  readonly source: 'simulated' | 'real' | 'unknown';
+  readonly robots: Table<Robot>;
+  readonly racks: Table<Rack>;
+  readonly stations: Table<Station>;
+  readonly jobs: JobCounts;
+  readonly counters: Counters;
+  readonly alarms: readonly Alarm[];
+}
+/** `gap`: the patch builds on another version, and only a new snapshot helps. */
+export type Reduced = { kind: 'snapshot' | 'patched'; mirror: Mirror } | { kind: 'gap' };
+
+const NO_JOBS: JobCounts = { waiting: 0, active: 0, done: 0, cancelled: 0, failed: 0 };
+const NO_COUNTERS: Counters = {
+  robot_deliveries: 0, human_deliveries: 0, deliveries_per_hour: 0, encounters: 0,
+  plan_us_p50: 0, plan_us_p99: 0, step_us_p99: 0,
+};
+const BLANK_ROBOT: Robot = {
+  id: '', x: 0, y: 0, heading: 0, speed: 0, state: 'idle', doing: 'idle', rack: null, job: null,
+  battery: 1, granted: [], held: [], why: null,
+};
+const BLANK_RACK: Rack = { id: '', node: null, robot: null };
+const BLANK_STATION: Station = { id: '', robot: null, queue: [], served: 0 };
+
+export const EMPTY: Mirror = {
+  version: null, time_s: 0, source: 'unknown',
+  robots: tableOf([], BLANK_ROBOT), racks: tableOf([], BLANK_RACK), stations: tableOf([], BLANK_STATION),
+  jobs: NO_JOBS, counters: NO_COUNTERS, alarms: [],
+};
+
+export function reduce(mirror: Mirror, message: Message): Reduced {
+  if (message.type === 'patch') {
+    if (message.base !== mirror.version) return { kind: 'gap' };
+    return { kind: 'patched', mirror: patched(mirror, message) };
+  }
+  return {
+    kind: 'snapshot',
+    mirror: {
+      version: message.version,
+      time_s: message.time_s,
+      source: message.simulated ? 'simulated' : 'real',
+      robots: tableOf(message.robots, BLANK_ROBOT),
+      racks: tableOf(message.racks, BLANK_RACK),
+      stations: tableOf(message.stations, BLANK_STATION),
+      jobs: overlay(NO_JOBS, message.jobs),
+      counters: overlay(NO_COUNTERS, message.counters),
+      alarms: message.alarms ?? [],
+    },
+  };
+}
+
+export function row<T>(table: Table<T>, id: string | null): T | undefined {
+  const at = id === null ? undefined : table.at.get(id);
+  return at === undefined ? undefined : table.rows[at];
+}
+
+function patched(old: Mirror, patch: Patch): Mirror {
+  return {
+    version: patch.version,
+    time_s: patch.time_s ?? old.time_s,
+    source: old.source,
+    robots: merge(old.robots, patch.robots, BLANK_ROBOT),
+    racks: merge(old.racks, patch.racks, BLANK_RACK),
+    stations: merge(old.stations, patch.stations, BLANK_STATION),
+    jobs: overlay(old.jobs, patch.jobs),
+    counters: overlay(old.counters, patch.counters),
+    alarms: patch.alarms ?? old.alarms,
+  };
+}
+
+function tableOf<T extends { id: string }>(rows: readonly Changed<T>[] | undefined, blank: T): Table<T> {
+  return merge<T>({ rows: [], at: new Map() }, rows, blank);
+}
+
+function merge<T extends { id: string }>(
+  old: Table<T>, changes: readonly Changed<T>[] | undefined, blank: T,
+): Table<T> {
+  if (!changes || changes.length === 0) return old;
+  const rows = old.rows.slice();
+  let at = old.at as Map<string, number>;
+  for (const change of changes) {
+    const i = at.get(change.id);
+    if (i !== undefined) {
+      rows[i] = overlay(rows[i]!, change);
+      continue;
+    }
+    // A row that joined since the snapshot. The index is shared with older mirrors until it grows.
+    if (at === old.at) at = new Map(old.at);
+    at.set(change.id, rows.length);
+    rows.push(overlay(blank, change));
+  }
+  return { rows, at };
+}
+
+/** Takes from `changes` only the keys that `old` has, so an unknown key never spreads into the page. */
+function overlay<T extends object>(old: T, changes: Partial<T> | undefined): T {
+  if (!changes) return old;
+  const next = { ...old };
+  for (const key in old) {
+    const value = changes[key];
+    if (value !== undefined) next[key] = value as T[typeof key];
+  }
+  return next;
+}

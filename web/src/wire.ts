@@ -1,0 +1,166 @@
+// What travels between this page and the server: the public API, and nothing else. Keys that are not
+// listed here are ignored, so that an older page keeps working with a newer server.
+
+export type NodeKind = 'aisle' | 'storage' | 'station' | 'queue' | 'charger' | 'parking' | 'exit';
+export type Traveller = 'loaded' | 'unloaded' | 'people';
+export type Point = [x: number, y: number];
+
+/** Metres and radians in a right-handed frame with y up; the screen flips y, nobody else. */
+export interface FloorMap {
+  name: string;
+  bounds: [x0: number, y0: number, x1: number, y1: number];
+  footprint_m: number;
+  nodes: MapNode[];
+  lanes: Lane[];
+  stations: { id: string; node: number; queue: number[] }[];
+  racks: { id: string; node: number }[];
+  obstacles: Point[][];
+  walkable: Point[][];
+}
+export interface MapNode {
+  id: string;
+  x: number;
+  y: number;
+  kind: NodeKind;
+}
+export interface Lane {
+  from: number;
+  to: number;
+  both: boolean;
+  for: Traveller[];
+}
+
+export const ROBOT_STATES = ['idle', 'busy', 'free', 'interrupted', 'failed'] as const;
+export type RobotState = (typeof ROBOT_STATES)[number];
+export type Doing =
+  | 'to_rack' | 'lifting' | 'carrying' | 'queueing' | 'picking' | 'returning' | 'setting_down'
+  | 'to_charger' | 'charging' | 'parking' | 'going' | 'idle' | 'waiting' | 'failed';
+
+export interface Robot {
+  id: string;
+  x: number;
+  y: number;
+  heading: number;
+  speed: number;
+  state: RobotState;
+  doing: Doing;
+  rack: string | null;
+  job: string | null;
+  battery: number;
+  /** Nodes that the robot may drive to now, in order. */
+  granted: number[];
+  /** Nodes kept for it further on, which it may not enter yet. */
+  held: number[];
+  why: string | null;
+}
+export interface Rack {
+  id: string;
+  node: number | null;
+  robot: string | null;
+}
+export interface Station {
+  id: string;
+  robot: string | null;
+  queue: string[];
+  served: number;
+}
+export interface JobCounts {
+  waiting: number;
+  active: number;
+  done: number;
+  cancelled: number;
+  failed: number;
+}
+export interface Counters {
+  robot_deliveries: number;
+  human_deliveries: number;
+  deliveries_per_hour: number;
+  encounters: number;
+  plan_us_p50: number;
+  plan_us_p99: number;
+  step_us_p99: number;
+}
+export interface Alarm {
+  id: string;
+  text: string;
+  since_s: number;
+}
+
+export interface Snapshot {
+  type: 'snapshot';
+  version: number;
+  time_s: number;
+  simulated: boolean;
+  robots: Robot[];
+  racks: Rack[];
+  stations: Station[];
+  jobs: JobCounts;
+  counters: Counters;
+  alarms: Alarm[];
+}
+/** A row that carries only what changed. */
+export type Changed<T extends { id: string }> = Pick<T, 'id'> & Partial<T>;
+export interface Patch {
+  type: 'patch';
+  base: number;
+  version: number;
+  time_s?: number;
+  robots?: Changed<Robot>[];
+  racks?: Changed<Rack>[];
+  stations?: Changed<Station>[];
+  jobs?: Partial<JobCounts>;
+  counters?: Partial<Counters>;
+  alarms?: Alarm[];
+}
+export type Message = Snapshot | Patch;
+
+/** A message of a kind this page does not know is null, and ignored; bad JSON throws. */
+export function parseMessage(text: string): Message | null {
+  const raw: unknown = JSON.parse(text);
+  if (typeof raw !== 'object' || raw === null || !('type' in raw)) return null;
+  return raw.type === 'snapshot' || raw.type === 'patch' ? (raw as Message) : null;
+}
+
+export const JOB_KINDS = ['deliver', 'return', 'relocate', 'charge', 'park', 'go'] as const;
+export type JobKind = (typeof JOB_KINDS)[number];
+export const JOB_STATES = [
+  'waiting', 'assigned', 'carrying', 'queued', 'picking', 'done', 'cancelled', 'failed',
+] as const;
+export type JobState = (typeof JOB_STATES)[number];
+
+export interface Job {
+  id: string;
+  kind: JobKind;
+  rack: string | null;
+  station: string | null;
+  node: string | null;
+  robot: string | null;
+  priority: number;
+  deadline: string | null;
+  state: JobState;
+  why: string | null;
+  created: string;
+  updated: string;
+}
+export interface JobPage {
+  items: Job[];
+  next: string | null;
+}
+export interface NewJob {
+  kind: JobKind;
+  rack?: string;
+  station?: string;
+  node?: string;
+  robot?: string;
+  priority: number;
+  deadline?: string;
+}
+
+/** RFC 9457, with the field each error belongs to. */
+export interface Problem {
+  type?: string;
+  title: string;
+  status: number;
+  detail?: string;
+  errors?: { field: string; detail: string }[];
+}

@@ -1,0 +1,128 @@
+// The camera and the scene: arithmetic that a wrong sign would spoil.
+import { describe, expect, test } from 'vitest';
+import { heldBeyond, robotNear, shortTurn, Stage } from '../src/floor/scene';
+import { fit, pan, toScreen, toWorld, zoomAt } from '../src/floor/view';
+import { History } from '../src/history';
+import { EMPTY, reduce, type Mirror } from '../src/mirror';
+import type { FloorMap, Robot, Snapshot } from '../src/wire';
+import { robot, snapshot } from './samples';
+
+const MAP: FloorMap = {
+  name: 'Four', bounds: [0, 0, 40, 20], footprint_m: 0.9,
+  nodes: [0, 1, 2, 9].map((x, i) => ({ id: `N${i}`, x, y: 0, kind: 'aisle' as const })),
+  lanes: [{ from: 0, to: 1, both: true, for: [] }, { from: 1, to: 2, both: true, for: [] }],
+  stations: [], racks: [], obstacles: [], walkable: [],
+};
+function mirror(robots: Robot[], more: Partial<Snapshot> = {}): Mirror {
+  const reduced = reduce(EMPTY, snapshot({ robots, ...more }));
+  if (reduced.kind === 'gap') throw new Error('no gap in a snapshot');
+  return reduced.mirror;
+}
+
+describe('the camera', () => {
+  const view = fit(MAP.bounds, 800, 500);
+
+  test('the whole floor is in sight, and up is up', () => {
+    const [left, bottom] = toScreen(view, 0, 0);
+    const [right, top] = toScreen(view, 40, 20);
+    expect(left).toBeGreaterThan(0);
+    expect(right).toBeLessThan(800);
+    expect(top).toBeGreaterThan(0);
+    expect(bottom).toBeLessThan(500);
+    expect(top).toBeLessThan(bottom);
+  });
+
+  test('screen and world undo each other', () => {
+    const [x, y] = toWorld(view, ...toScreen(view, 12.5, 3.25));
+    expect(x).toBeCloseTo(12.5);
+    expect(y).toBeCloseTo(3.25);
+  });
+
+  test('zooming keeps what is under the pointer under the pointer', () => {
+    const before = toWorld(view, 300, 200);
+    const after = toWorld(zoomAt(view, 2, 300, 200, MAP.bounds), 300, 200);
+    expect(after[0]).toBeCloseTo(before[0]);
+    expect(after[1]).toBeCloseTo(before[1]);
+  });
+
+  test('nobody can pan the floor out of sight', () => {
+    const far = pan(view, 1e6, 1e6, MAP.bounds);
+    expect([far.x, far.y]).toEqual([0, 20]);
+  });
+});
+
+describe('the scene', () => {
+  test('a robot glides to where a patch puts it', () => {
+    const stage = new Stage(MAP);
+    const one = mirror([robot('r1')]);
+    stage.take(one, 0, 'jump');
+    const two = reduce(one, { type: 'patch', base: 1, version: 2, robots: [{ id: 'r1', x: 1 }] });
+    if (two.kind === 'gap') throw new Error('gap');
+    stage.take(two.mirror, 100, 'glide');
+    stage.at(150);
+    expect(stage.scene.x[0]).toBeGreaterThan(0.3);
+    expect(stage.scene.x[0]).toBeLessThan(0.7);
+    expect(stage.at(1_000)).toBe(false);
+    expect(stage.scene.x[0]).toBe(1);
+  });
+
+  test('a robot that is far away at once is put there, not slid', () => {
+    const stage = new Stage(MAP);
+    const one = mirror([robot('r1')]);
+    stage.take(one, 0, 'jump');
+    const two = reduce(one, { type: 'patch', base: 1, version: 2, robots: [{ id: 'r1', x: 9 }] });
+    if (two.kind === 'gap') throw new Error('gap');
+    stage.take(two.mirror, 100, 'glide');
+    expect(stage.scene.x[0]).toBe(9);
+  });
+
+  test('a carried rack is where its robot is', () => {
+    const stage = new Stage(MAP);
+    stage.take(mirror([robot('r1', { x: 3, y: 2 })], { racks: [{ id: 'K1', node: null, robot: 'r1' }, { id: 'K2', node: 1, robot: null }] }), 0, 'jump');
+    stage.at(1);
+    expect([...stage.scene.rackX]).toEqual([3, 1]);
+    expect([...stage.scene.rackOn]).toEqual([0, -1]);
+  });
+
+  test('ways are drawn only along lanes', () => {
+    const stage = new Stage(MAP);
+    stage.take(mirror([robot('r1', { granted: [0, 1, 2, 3] }), robot('r2', { granted: [2, 1] })]), 0, 'jump');
+    expect([...stage.scene.granted.at]).toEqual([0, 0, 1, 0, 1, 0, 2, 0, 2, 0, 1, 0]);
+    expect([...stage.scene.granted.from]).toEqual([0, 2, 3]);
+  });
+
+  test('what is held begins where the grant ends', () => {
+    expect(heldBeyond([0, 1], [0, 1, 2])).toEqual([1, 2]);
+    expect(heldBeyond([0, 1], [0, 1])).toEqual([]);
+    expect(heldBeyond([], [2, 3])).toEqual([2, 3]);
+  });
+
+  test('turns go the short way round', () => {
+    expect(shortTurn(3, -3)).toBeCloseTo(2 * Math.PI - 6);
+    expect(shortTurn(0.1, -0.1)).toBeCloseTo(-0.2);
+  });
+
+  test('the nearest robot within reach is the one meant', () => {
+    const stage = new Stage(MAP);
+    stage.take(mirror([robot('r1', { x: 1 }), robot('r2', { x: 2 })]), 0, 'jump');
+    expect(robotNear(stage.scene, 1.8, 0, 1)).toBe(1);
+    expect(robotNear(stage.scene, 30, 0, 1)).toBe(-1);
+  });
+});
+
+describe('the history of deliveries', () => {
+  test('it keeps ten minutes, newest at the right', () => {
+    const history = new History();
+    for (let s = 0; s <= 1_200; s += 1) history.add(s, s);
+    const points = history.points();
+    expect(points).toHaveLength(120);
+    expect(points.at(-1)).toEqual([1, 0]);
+    expect(points[0]![0]).toBeCloseTo(0);
+  });
+
+  test('a clock that starts again starts the line again', () => {
+    const history = new History();
+    [10, 20, 30, 0, 10].forEach((s) => history.add(s, 1));
+    expect(history.points()).toHaveLength(2);
+  });
+});

@@ -1,0 +1,205 @@
+// The page in a real browser against a real, running server: node tests/live.mjs URL
+// Each check prints a sentence; the last line counts them. CHROMIUM names the browser to use.
+import { existsSync, readFileSync } from 'node:fs';
+import { mkdir } from 'node:fs/promises';
+import { createRequire } from 'node:module';
+import { fileURLToPath } from 'node:url';
+import { chromium } from 'playwright-core';
+
+const url = process.argv[2];
+if (!url) {
+  console.error('Say where the server is: node tests/live.mjs http://127.0.0.1:8080');
+  process.exit(2);
+}
+const ARGS = [
+  '--headless', '--no-sandbox', '--disable-gpu', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
+  '--disable-background-networking', '--disable-component-update', '--disable-sync', '--no-first-run',
+];
+const executablePath = process.env.CHROMIUM ?? ['/usr/bin/chromium-headless-shell', '/usr/bin/chromium'].find((path) => existsSync(path));
+if (!executablePath) {
+  console.error('No Chromium: install the Debian package chromium-headless-shell, or set CHROMIUM to one.');
+  process.exit(2);
+}
+const SHOTS = fileURLToPath(new URL('./shots/', import.meta.url));
+const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const JOB_DONE_MS = 240_000;
+const WRONG_RACK = 'no-such-rack';
+
+let passed = 0;
+let failed = 0;
+async function check(sentence, run) {
+  try {
+    const more = await run();
+    passed += 1;
+    console.log(`pass: ${sentence}${more ? ` (${more})` : ''}`);
+  } catch (error) {
+    failed += 1;
+    console.log(`FAIL: ${sentence}: ${String(error.message ?? error).split('\n').slice(0, 4).join(' | ')}`);
+  }
+}
+function assert(truth, why) {
+  if (!truth) throw new Error(why);
+}
+
+await mkdir(SHOTS, { recursive: true });
+const browser = await chromium.launch({ executablePath, args: ARGS });
+const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
+const complaints = [];
+const page = await context.newPage();
+watch(page);
+
+const canvas = page.locator('canvas[data-robots]');
+const read = (name) => canvas.getAttribute(`data-${name}`);
+const form = page.getByRole('form', { name: 'New job' });
+const jobsTable = page.getByRole('region', { name: 'Table of jobs' });
+
+await check('The page opens and draws robots', async () => {
+  await page.goto(url);
+  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: 30_000 });
+  return `${await read('robots')} robots, ${await read('racks')} racks, painted with ${await read('painter')}`;
+});
+await check('The link is live and the floor keeps changing', async () => {
+  await page.getByRole('status').filter({ hasText: 'Live' }).waitFor({ timeout: 10_000 });
+  const before = Number(await read('version'));
+  await page.waitForFunction((v) => Number(document.querySelector('canvas')?.dataset.version) > v, before, { timeout: 15_000 });
+  return `version ${before} to ${await read('version')}`;
+});
+await check('The counters agree with the robots drawn', async () => {
+  await page.getByRole('heading', { name: `${Number(await read('robots')).toLocaleString('en')} robots` }).waitFor({ timeout: 5_000 });
+});
+await page.screenshot({ path: `${SHOTS}dark.png` });
+
+const map = await (await context.request.get(new URL('/v1/map', url).href)).json();
+await check('A job submitted through the form is accepted and carried out', async () => {
+  const [rack, station] = [map.racks[0].id, map.stations[0].id];
+  await form.getByLabel('Kind of job').selectOption('deliver');
+  await form.getByLabel('Rack', { exact: true }).fill(rack);
+  await form.getByLabel('Station', { exact: true }).fill(station);
+  await form.getByRole('button', { name: 'Submit job' }).click();
+  const link = form.getByRole('link');
+  await link.waitFor({ timeout: 15_000 });
+  const id = await link.textContent();
+  const began = Date.now();
+  const line = jobsTable.locator(`[data-job="${id}"]`);
+  await line.waitFor({ timeout: 10_000 });
+  await page.waitForFunction(
+    (job) => ['done', 'failed', 'cancelled'].includes(document.querySelector(`[data-job="${job}"]`)?.dataset.state), id, { timeout: JOB_DONE_MS },
+  ).catch(async () => { throw new Error(`${id} is still ${await line.getAttribute('data-state')} after ${JOB_DONE_MS / 1000} s`); });
+  assert((await line.getAttribute('data-state')) === 'done', `${id} ended as ${await line.textContent()}`);
+  return `${id}, ${rack} to ${station}, done after ${Math.round((Date.now() - began) / 1000)} s`;
+});
+await check('A wrong rack is refused in words, beside the field', async () => {
+  const rack = form.getByLabel('Rack', { exact: true });
+  await rack.fill(WRONG_RACK);
+  await form.getByRole('button', { name: 'Submit job' }).click();
+  const error = form.locator('#job-rack-error');
+  await error.waitFor({ timeout: 10_000 });
+  const words = (await error.textContent()) ?? '';
+  assert(words.split(/\s+/).length >= 3 && !/[{}[\]]/.test(words), `these are no words: ${words}`);
+  assert((await rack.getAttribute('aria-invalid')) === 'true', 'the field is not marked as wrong');
+  return words;
+});
+await check('A job is cancelled only after it was asked about', async () => {
+  await form.getByLabel('Rack', { exact: true }).fill(map.racks.at(-1).id);
+  await form.getByRole('button', { name: 'Submit job' }).click();
+  const link = form.getByRole('link');
+  await link.waitFor({ timeout: 15_000 });
+  const id = await link.textContent();
+  const line = jobsTable.locator(`[data-job="${id}"]`);
+  const dialog = page.getByRole('dialog');
+  await line.getByRole('button', { name: `Cancel ${id}` }).click({ timeout: 10_000 });
+  await dialog.getByRole('button', { name: 'Keep it' }).click();
+  assert((await line.getAttribute('data-state')) !== 'cancelled', 'it was cancelled although it was to be kept');
+  await line.getByRole('button', { name: `Cancel ${id}` }).click({ timeout: 10_000 });
+  await dialog.getByRole('button', { name: 'Cancel the job' }).click();
+  await page.locator(`[data-job="${id}"][data-state="cancelled"]`).waitFor({ timeout: 15_000 });
+  return id;
+});
+await check('The map answers to the keyboard', async () => {
+  const host = page.getByRole('application', { name: 'Map of the floor' });
+  await host.focus();
+  for (const key of ['+', '+', 'ArrowLeft', 'ArrowUp', '-', '0', 'Escape']) await page.keyboard.press(key);
+  assert(await host.evaluate((element) => element === document.activeElement), 'the map lost the focus');
+});
+await check('A robot found by name shows what it is doing', async () => {
+  const robot = await page.locator('#robots-to-find option').first().getAttribute('value');
+  await page.getByLabel('Find a robot').fill(robot);
+  await page.keyboard.press('Enter');
+  const panel = page.getByRole('region', { name: 'Robot', exact: true });
+  await panel.getByRole('heading', { name: robot, exact: true }).waitFor({ timeout: 5_000 });
+  await page.waitForTimeout(1_000);
+  await page.screenshot({ path: `${SHOTS}robot.png` });
+  await panel.getByRole('button', { name: 'Close' }).click();
+  await page.getByRole('button', { name: 'Show the whole floor' }).click();
+});
+await accessible('dark');
+
+await page.getByLabel('Theme').selectOption('light');
+await page.waitForTimeout(700);
+await page.screenshot({ path: `${SHOTS}light.png` });
+await accessible('light');
+
+await page.setViewportSize({ width: 390, height: 844 });
+await page.waitForTimeout(700);
+await check('The page fits a phone without scrolling sideways', async () => {
+  const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert(over <= 0, `it is ${over} px too wide`);
+});
+await page.screenshot({ path: `${SHOTS}phone.png`, fullPage: true });
+await accessible('phone');
+await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
+
+for (const painter of ['webgl', 'canvas2d']) await check(`The ${painter} painter draws the same floor`, async () => {
+  const other = await context.newPage();
+  watch(other);
+  const address = new URL(url);
+  address.searchParams.set('painter', painter);
+  await other.setViewportSize({ width: 1440, height: 900 });
+  await other.goto(address.href);
+  await other.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: 30_000 });
+  const painted = await other.locator('canvas[data-robots]').evaluate((element) => ({ ...element.dataset }));
+  assert(painted.painter === painter, `it was painted with ${painted.painter}`);
+  assert(painted.robots === (await read('robots')), `it shows ${painted.robots} robots`);
+  await other.waitForTimeout(1_000);
+  await other.screenshot({ path: `${SHOTS}${painter}.png` });
+  await other.close();
+  assert(complaints.length === 0, complaints.join(' | '));
+});
+await check('A lost connection is said plainly and the data is shown as old', async () => {
+  // Only what reaches this page is held back; the server goes on.
+  const lost = await context.newPage();
+  const silent = [];
+  await lost.routeWebSocket(/\/v1\/live/, (socket) => {
+    const server = socket.connectToServer();
+    server.onMessage((message) => { if (silent.length === 0) socket.send(message); });
+  });
+  await lost.goto(url);
+  await lost.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: 30_000 });
+  silent.push('from now on');
+  await lost.getByText(/The link is slow, showing \d+ s old data/).waitFor({ timeout: 15_000 });
+  await lost.screenshot({ path: `${SHOTS}slow.png` });
+  await lost.getByText(/Connection lost, showing \d+ s old data/).waitFor({ timeout: 20_000 });
+  await lost.close();
+});
+
+await browser.close();
+console.log(`${passed} passed, ${failed} failed`);
+process.exit(failed === 0 ? 0 : 1);
+
+function watch(one) {
+  one.on('console', (message) => {
+    // The browser itself logs a refused request; the wrong rack below is meant to be refused.
+    const meant = /status of 4(00|04|09|22)\b/.test(message.text()) && message.location().url.endsWith('/v1/jobs');
+    if (message.type() === 'error' && !meant) complaints.push(message.text());
+  });
+  one.on('pageerror', (error) => complaints.push(error.message));
+}
+
+async function accessible(look) {
+  await check(`axe finds nothing wrong (${look})`, async () => {
+    // Evaluated from outside the page, as its Content-Security-Policy lets no script be added.
+    await page.evaluate(AXE);
+    const { violations } = await page.evaluate(() => globalThis.axe.run());
+    assert(violations.length === 0, violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(' ')).slice(0, 3).join('; ')}`).join(' | '));
+  });
+}
