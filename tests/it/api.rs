@@ -140,9 +140,6 @@ async fn the_same_key_never_makes_a_second_job() {
     let folder = Folder::new();
     let server = start(&folder).await;
     let at = server.address();
-    if get(at, "/v1/robots").await.json()["items"].as_array().unwrap().is_empty() {
-        return server.stop().await.unwrap(); // The stub of the core knows no keys.
-    }
     let first = post(at, Some("order-1"), &delivery(0)).await.unwrap();
     let again = post(at, Some("order-1"), &delivery(0)).await.unwrap();
     assert_eq!((first.status, again.status), (201, 200));
