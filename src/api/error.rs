@@ -15,7 +15,7 @@ pub struct Problem {
     #[serde(rename = "type")]
     pub kind: String,
     /// The kind of error in words.
-    pub title: String,
+    pub title: &'static str,
     /// The HTTP status.
     #[schema(example = 422)]
     pub status: u16,
@@ -23,7 +23,8 @@ pub struct Problem {
     pub detail: String,
     /// The path that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub instance: Option<String>,
+    #[schema(value_type = Option<String>)]
+    pub instance: Option<Box<str>>,
     /// The fields that are wrong, where fields are.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub errors: Vec<FieldError>,
@@ -50,10 +51,10 @@ impl FieldError {
 
 impl Problem {
     /// A problem of this kind, `kind` being the last part of its type.
-    pub fn new(status: StatusCode, kind: &str, title: &str, detail: impl Into<String>) -> Problem {
+    pub fn new(status: StatusCode, kind: &str, title: &'static str, detail: impl Into<String>) -> Problem {
         Problem {
             kind: format!("/problems/{kind}"),
-            title: title.into(),
+            title,
             status: status.as_u16(),
             detail: detail.into(),
             instance: None,
@@ -69,11 +70,11 @@ impl Problem {
 
     /// 404: no such thing.
     pub fn unknown(what: &str, detail: impl Into<String>) -> Problem {
-        Problem::new(StatusCode::NOT_FOUND, &format!("unknown-{what}"), &format!("No such {what}"), detail)
+        Problem::new(StatusCode::NOT_FOUND, &format!("unknown-{what}"), "There is no such thing", detail)
     }
 
     /// 409: not in this state.
-    pub fn conflict(kind: &str, title: &str, detail: impl Into<String>) -> Problem {
+    pub fn conflict(kind: &str, title: &'static str, detail: impl Into<String>) -> Problem {
         Problem::new(StatusCode::CONFLICT, kind, title, detail)
     }
 

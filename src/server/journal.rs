@@ -126,7 +126,7 @@ impl Writer {
         loop {
             match self.attempt(batch).await {
                 Ok(()) => {
-                    if self.failing.send_if_modified(|f| std::mem::take(f)) {
+                    if self.failing.send_if_modified(std::mem::take) {
                         self.alarms.clear(ALARM);
                         tracing::info!("the journal is back: every fact is durable");
                     }
