@@ -256,7 +256,7 @@ mod tests {
     #[test]
     fn a_reader_of_patches_sees_what_a_reader_of_snapshots_sees() {
         let live = live();
-        live.publish(&moment(vec![robot("a", 1.0)]), &[], 0.0);
+        live.publish(&moment(vec![robot("r0", 1.0)]), &[], 0.0);
         let (first, mut version) = live.after(None, LAGGING);
         let mut mirror = Value::Null;
         apply(&mut mirror, &first[0]);
