@@ -1,9 +1,10 @@
 //! Builds the web page into the program.
 //!
-//! Hashes the inputs of `web/`; an unknown hash runs `npm ci` (where the lock file changed) and the page's own build
-//! into the target folder's cache, shared by debug and release. The result is copied to `$OUT_DIR/web`, from where it
-//! is embedded. Nothing is written into the source tree but `web/node_modules`. Without `web/`, without npm, or where
-//! the build fails, a page that says so is embedded. `GIVEWAY_WEB=skip` does that too, for the inner loop.
+//! Hashes the inputs of `web/`; an unknown hash runs `npm ci` (where the lock file changed) and the page's
+//! own build into the target folder's cache, shared by debug and release. The result is copied to
+//! `$OUT_DIR/web`, from where it is embedded. Nothing is written into the source tree but `web/node_modules`.
+//! Without `web/`, without npm, or where the build fails, a page that says so is embedded. `GIVEWAY_WEB=skip`
+//! does that too, for the inner loop.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -38,7 +39,8 @@ fn main() {
     if let Err(why) = page(&out, &target) {
         if env::var("GIVEWAY_WEB").as_deref() != Ok("skip") {
             println!("cargo:warning=the web page is not built in: {why}");
-            // A file that never exists: look again at the next build, since what was missing may be there then.
+            // A file that never exists: look again at the next build, since what was missing may be there
+            // then.
             println!("cargo:rerun-if-changed=web/.built-again-each-time");
         }
         let text = placeholder(&why);

@@ -1,8 +1,9 @@
 //! Who may ask: bearer tokens, and on an open loopback server only pages that it served itself.
 //!
-//! Main type: [`Gate`]. Tokens are kept as SHA-256 and compared in constant time. Without tokens the server listens on
-//! the loopback only; there, requests under a foreign host name or from a foreign page are refused, since any web page
-//! can make a browser talk to the loopback. Refuses: tokens in addresses, which end up in logs.
+//! Main type: [`Gate`]. Tokens are kept as SHA-256 and compared in constant time. Without tokens the server
+//! listens on the loopback only; there, requests under a foreign host name or from a foreign page are
+//! refused, since any web page can make a browser talk to the loopback. Refuses: tokens in addresses, which
+//! end up in logs.
 
 use super::error::Problem;
 use axum::http::{HeaderMap, StatusCode, header};

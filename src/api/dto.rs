@@ -1,7 +1,7 @@
 //! What travels: names instead of numbers, words instead of variants, millimetres instead of sixteen digits.
 //!
-//! Main types: [`RobotDto`], [`RackDto`], [`StationDto`], [`JobDto`], [`Page`], and [`Names`], which makes them. Ids on
-//! the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
+//! Main types: [`RobotDto`], [`RackDto`], [`StationDto`], [`JobDto`], [`Page`], and [`Names`], which makes
+//! them. Ids on the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
 
 use super::port::JobRecord;
 use crate::fleet::{Counts, Doing, JobFailure, JobKind, JobState, RackAt, RobotState, View, Why};

@@ -1,7 +1,7 @@
 //! Errors on the wire: RFC 9457 problems that say what happened and what to do.
 //!
-//! Main types: [`Problem`], [`FieldError`]. Use a constructor by status; every one takes a sentence for people. Server
-//! faults are logged where they are made, and nowhere else. Refuses: to show internals.
+//! Main types: [`Problem`], [`FieldError`]. Use a constructor by status; every one takes a sentence for
+//! people. Server faults are logged where they are made, and nowhere else. Refuses: to show internals.
 
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};

@@ -1,6 +1,7 @@
 //! Reading requests: bodies, queries and paths, with every rejection a problem that says what to do.
 //!
-//! Main types: [`Body`], [`Params`], [`Segment`], [`Key`]. Refuses: unknown fields, bodies over 64 KiB, other media types.
+//! Main types: [`Body`], [`Params`], [`Segment`], [`Key`]. Refuses: unknown fields, bodies over 64 KiB, other
+//! media types.
 
 use super::error::Problem;
 use axum::extract::rejection::{PathRejection, QueryRejection};

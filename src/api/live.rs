@@ -1,9 +1,9 @@
 //! The live feed: a snapshot, then patches with base and version, made once for everybody.
 //!
-//! Main type: [`Live`]. [`Live::publish`] compares the new picture with the last one and writes one patch; readers
-//! fetch what they miss by version, so that a slow reader costs nothing but its own fresh snapshot. Versions start
-//! above those of every earlier run, so that a reader who resumes after a restart gets a snapshot. Refuses: a queue
-//! per reader.
+//! Main type: [`Live`]. [`Live::publish`] compares the new picture with the last one and writes one patch;
+//! readers fetch what they miss by version, so that a slow reader costs nothing but its own fresh snapshot.
+//! Versions start above those of every earlier run, so that a reader who resumes after a restart gets a
+//! snapshot. Refuses: a queue per reader.
 
 use super::dto::{JobCountsDto, Names};
 use super::port::{Alarm, Moment};
@@ -81,8 +81,8 @@ impl Live {
         self.newest.send_replace(version);
     }
 
-    /// What a reader at version `since` misses, with the version it has then: patches if there are at most `most`,
-    /// else a snapshot.
+    /// What a reader at version `since` misses, with the version it has then: patches if there are at most
+    /// `most`, else a snapshot.
     pub fn after(&self, since: Option<u64>, most: u64) -> (Vec<Utf8Bytes>, u64) {
         let mut state = self.state.lock().expect("nobody panics with this lock");
         let missing = since.and_then(|s| state.version.checked_sub(s));

@@ -1,6 +1,7 @@
 //! Figures for Prometheus.
 //!
-//! Main type: [`Metrics`]: a value, so that two servers in one test do not share it. Refuses: labels without a bound.
+//! Main type: [`Metrics`]: a value, so that two servers in one test do not share it. Refuses: labels without
+//! a bound.
 
 use super::dto::{JobCountsDto, state_word};
 use super::port::Moment;

@@ -1,8 +1,9 @@
 //! The server's face: HTTP under `/v1`, the live feed, metrics, the API's own description, the page.
 //!
-//! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from whoever runs it; [`live`] is the
-//! feed. Reads look at the latest published picture or at durable jobs; writes put a request onto the desk and answer
-//! when its facts are durable. Refuses: to decide anything about robots, and to know store or server.
+//! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from whoever runs it;
+//! [`live`] is the feed. Reads look at the latest published picture or at durable jobs; writes put a request
+//! onto the desk and answer when its facts are durable. Refuses: to decide anything about robots, and to know
+//! store or server.
 
 pub mod auth;
 pub mod dto;
@@ -67,13 +68,13 @@ impl Api {
         match tokio::time::timeout(PATIENCE, answer).await {
             Ok(Ok(reply)) => Ok(reply),
             Ok(Err(_)) => {
-                let detail = "nothing was accepted: the journal does not take facts, or the server goes down. \
-                              Try again soon.";
+                let detail = "nothing was accepted: the journal does not take facts, or the server goes \
+                              down. Try again soon.";
                 Err(Problem::unavailable(detail, 2))
             }
             Err(_) => {
-                let detail = "not durable after ten seconds: whether it was accepted will be known later. Try again \
-                              with the same Idempotency-Key, which never makes a second job.";
+                let detail = "not durable after ten seconds: whether it was accepted will be known later. \
+                              Try again with the same Idempotency-Key, which never makes a second job.";
                 Err(Problem::unavailable(detail, 5))
             }
         }

@@ -1,6 +1,8 @@
-//! What the API needs from whoever runs it: jobs to read, a desk for requests, alarms, and the fleet's picture.
+//! What the API needs from whoever runs it: jobs to read, a desk for requests, alarms, and the fleet's
+//! picture.
 //!
-//! Main types: [`Records`], [`JobRecord`], [`JobFilter`], [`Ask`], [`Alarms`], [`Moment`]. Refuses: to know who answers.
+//! Main types: [`Records`], [`JobRecord`], [`JobFilter`], [`Ask`], [`Alarms`], [`Moment`]. Refuses: to know
+//! who answers.
 
 use crate::fleet::{Job, JobRequest, Reply, View};
 use crate::id::{JobId, RobotId};

@@ -33,17 +33,21 @@ const SEND: Duration = Duration::from_secs(10);
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct LiveParams {
-    /// The version that the reader has: it gets patches from there on if they are still kept, else a snapshot.
+    /// The version that the reader has: it gets patches from there on if they are still kept, else a
+    /// snapshot.
     since: Option<u64>,
 }
 
-/// The live feed: JSON texts, first `{"type": "snapshot", "version", …}`, then `{"type": "patch", "base", "version", …}`
-/// ten times a second. A patch names only items and keys that changed; one whose base is not the reader's version
-/// means: connect again. Offer the protocol `giveway`, and `bearer.TOKEN` where a token is needed.
+/// The live feed: JSON texts, first `{"type": "snapshot", "version", …}`, then `{"type": "patch", "base",
+/// "version", …}` ten times a second. A patch names only items and keys that changed; one whose base is not
+/// the reader's version means: connect again. Offer the protocol `giveway`, and `bearer.TOKEN` where a token
+/// is needed.
 #[utoipa::path(get, path = "/v1/live", tag = "floor", params(LiveParams), responses(
     (status = 101, description = "The feed begins"),
-    (status = 426, description = "Not a WebSocket", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "Too many readers", body = Problem, content_type = "application/problem+json")))]
+    (status = 426, description = "Not a WebSocket", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 503, description = "Too many readers", body = Problem,
+     content_type = "application/problem+json")))]
 pub async fn live(
     State(api): State<Api>,
     Params(p): Params<LiveParams>,

@@ -1,7 +1,7 @@
 //! The only clock: microseconds since 1970, read from the system once and then counted on.
 //!
-//! Main type: [`Clock`]. Times are strictly increasing, and never before the last fact of the journal, even where the
-//! system's clock was set back in between. Refuses: to follow the system's clock while it runs.
+//! Main type: [`Clock`]. Times are strictly increasing, and never before the last fact of the journal, even
+//! where the system's clock was set back in between. Refuses: to follow the system's clock while it runs.
 
 use crate::time::{Span, Time};
 use std::sync::OnceLock;

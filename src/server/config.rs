@@ -1,8 +1,8 @@
 //! Settings: flags before environment before file before defaults.
 //!
-//! Main types: [`Flags`] (what the command line takes), [`Config`] (what holds in the end). The environment has the
-//! same names in capitals after `GIVEWAY_`. Refuses: to listen beyond this machine without a token, and settings that it
-//! does not know.
+//! Main types: [`Flags`] (what the command line takes), [`Config`] (what holds in the end). The environment
+//! has the same names in capitals after `GIVEWAY_`. Refuses: to listen beyond this machine without a token,
+//! and settings that it does not know.
 
 use crate::api::auth::Gate;
 use anyhow::{Context, bail, ensure};
@@ -115,7 +115,8 @@ impl Config {
             ensure!(plain, "a token has characters other than letters, digits and -._~+/=");
             ensure!(
                 token.len() >= SHORTEST_TOKEN,
-                "a token is shorter than {SHORTEST_TOKEN} characters: take a random one, as from `openssl rand -hex 24`"
+                "a token is shorter than {SHORTEST_TOKEN} characters: take a random one, as from \
+                 `openssl rand -hex 24`"
             );
         }
         Ok(Gate::new(tokens.iter().map(String::as_str)))
@@ -133,8 +134,8 @@ impl Config {
         let Some(address) = all.next() else { bail!("\"{}\" is the name of no address", self.listen) };
         ensure!(
             address.ip().is_loopback() || gate.is_closed(),
-            "{address} can be reached from other machines, and there is no token that they must know: set GIVEWAY_TOKEN \
-             or --tokens FILE, or listen on 127.0.0.1 only"
+            "{address} can be reached from other machines, and there is no token that they must know: set \
+             GIVEWAY_TOKEN or --tokens FILE, or listen on 127.0.0.1 only"
         );
         Ok(address)
     }

@@ -1,8 +1,8 @@
 //! The loop: one thread owns the fleet and the floor, and turns twenty times a second.
 //!
-//! Main type: [`Drive`]. Missed ticks are skipped, not caught up. Orders and answers leave when the journal has the
-//! facts behind them; where it has none of them for long, the fleet stands and the floor goes on. Refuses: locks,
-//! waiting for the database, and decisions of its own.
+//! Main type: [`Drive`]. Missed ticks are skipped, not caught up. Orders and answers leave when the journal
+//! has the facts behind them; where it has none of them for long, the fleet stands and the floor goes on.
+//! Refuses: locks, waiting for the database, and decisions of its own.
 
 use super::clock::Clock;
 use super::inbox::Inbox;
@@ -19,7 +19,8 @@ use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::{MissedTickBehavior, interval};
 
-/// How often the picture is published; a little less than a tenth of a second, so that a tick does not just miss it.
+/// How often the picture is published; a little less than a tenth of a second, so that a tick does not just
+/// miss it.
 const PUBLISH: Span = Span::from_millis(95);
 
 /// Everything that the loop owns.

@@ -1,7 +1,7 @@
 //! Requests on their way into a step, and whom to answer.
 //!
-//! Main type: [`Inbox`]. Refuses: requests while the journal does not take facts, and tokens that the simulated
-//! customers could use.
+//! Main type: [`Inbox`]. Refuses: requests while the journal does not take facts, and tokens that the
+//! simulated customers could use.
 
 use crate::api::port::{Ask, What};
 use crate::fleet::{Input, Reply};

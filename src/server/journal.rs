@@ -1,8 +1,8 @@
 //! The journal's task: everything that waits becomes one transaction, tried until the database takes it.
 //!
-//! Main types: [`Journal`] (the loop's end: records, knows what is durable), [`Writer`] (the task). While the database
-//! refuses, facts wait in order and an alarm stands; nothing is dropped, and what is not durable is not acknowledged.
-//! Refuses: to try again what contradicts the journal; that ends the process.
+//! Main types: [`Journal`] (the loop's end: records, knows what is durable), [`Writer`] (the task). While the
+//! database refuses, facts wait in order and an alarm stands; nothing is dropped, and what is not durable is
+//! not acknowledged. Refuses: to try again what contradicts the journal; that ends the process.
 
 use super::clock::Clock;
 use crate::api::metrics::Metrics;

@@ -1,6 +1,7 @@
 //! What the loop measures of itself.
 //!
-//! Main type: [`Measure`]. Keeps the last minute of steps and ten minutes of deliveries. Refuses: to influence anything.
+//! Main type: [`Measure`]. Keeps the last minute of steps and ten minutes of deliveries. Refuses: to
+//! influence anything.
 
 use crate::api::port::Measured;
 use crate::time::{Span, Time};

@@ -1,8 +1,8 @@
 //! The running server: reads settings, restores the fleet, wires the parts, and takes them down in order.
 //!
-//! Main types: [`Server`] (started, with its address), [`Config`]. [`drive`] is the loop. Going down: no new requests,
-//! those on their way are answered, one last step, the journal flushed, sockets and files closed. Refuses: to start
-//! where anything is wrong with map, database, address or tokens.
+//! Main types: [`Server`] (started, with its address), [`Config`]. [`drive`] is the loop. Going down: no new
+//! requests, those on their way are answered, one last step, the journal flushed, sockets and files closed.
+//! Refuses: to start where anything is wrong with map, database, address or tokens.
 
 mod clock;
 mod config;
@@ -88,7 +88,8 @@ impl Server {
         let address = config.address(&gate).await?;
         let Floor { scenario, map, lines } = floor;
         let listener = TcpListener::bind(address).await.with_context(|| {
-            format!("cannot listen on {address}: stop the program that does, or choose another with --listen HOST:PORT")
+            let remedy = "stop the program that does, or choose another with --listen HOST:PORT";
+            format!("cannot listen on {address}: {remedy}")
         })?;
         let address = listener.local_addr()?;
         let store = Arc::new(Store::open(&config.database, &map).await?);
@@ -201,7 +202,7 @@ async fn work(
     let mut http = tokio::spawn(listen(listener, api, closes));
     let ended: anyhow::Result<()> = tokio::select! {
         _ = stopping.wait_for(|stop| *stop) => Ok(()),
-        _ = &mut thread => Err(anyhow!("the control loop broke; what it said is above. Start again: nothing is lost")),
+        _ = &mut thread => Err(anyhow!("the control loop broke, as said above; nothing is lost")),
         out = &mut writer => Err(written(out)),
         out = &mut http => Err(anyhow!("the HTTP server ended: {out:?}")),
         out = &mut feed => Err(anyhow!("the live feed broke: {out:?}")),

@@ -33,7 +33,8 @@ pub enum StoreError {
     },
     /// The tables cannot be brought up to date.
     #[error(
-        "cannot bring the tables of {path} up to date: {why}: use the Giveway that wrote it, or another --database"
+        "cannot bring the tables of {path} up to date: {why}: use the Giveway that wrote it, or another \
+         --database"
     )]
     Migrate {
         /// Which file.
@@ -43,8 +44,8 @@ pub enum StoreError {
     },
     /// The facts speak of another map.
     #[error(
-        "the database {path} belongs to the map \"{theirs}\", which is not the map \"{ours}\" of this scenario \
-         (nodes, lanes, racks or stations differ): use another --database, or the same map"
+        "the database {path} belongs to the map \"{theirs}\", which is not the map \"{ours}\" of this \
+         scenario (nodes, lanes, racks or stations differ): use another --database, or the same map"
     )]
     OtherMap {
         /// Which file.
@@ -72,7 +73,8 @@ pub enum StoreError {
     },
     /// Somebody else wrote into the journal.
     #[error(
-        "the journal ends with fact {found}, not with {expected}: another program wrote into it; restart Giveway"
+        "the journal ends with fact {found}, not with {expected}: another program wrote into it; restart \
+         Giveway"
     )]
     OutOfStep {
         /// What this process wrote last.

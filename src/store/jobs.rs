@@ -38,12 +38,13 @@ const ACCEPT: &str = "INSERT INTO jobs \
     VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, 'waiting', $12, $12)";
 const PROGRESS: &str = "UPDATE jobs SET state = $2, why = $3, worker = $4, updated = $5 WHERE id = $1";
 const FINISH: &str = "UPDATE jobs SET state = $2, why = $3, updated = $4 WHERE id = $1";
-const ONE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, why, \
-    worker, created, updated FROM jobs WHERE id = $1";
-const PAGE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, why, \
-    worker, created, updated FROM jobs WHERE id < $1 ORDER BY id DESC LIMIT $2";
-const PAGE_OF_STATE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, \
-    why, worker, created, updated FROM jobs WHERE id < $1 AND state = $3 ORDER BY id DESC LIMIT $2";
+const ONE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, \
+    key, state, why, worker, created, updated FROM jobs WHERE id = $1";
+const PAGE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, \
+    key, state, why, worker, created, updated FROM jobs WHERE id < $1 ORDER BY id DESC LIMIT $2";
+const PAGE_OF_STATE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, \
+    key, state, why, worker, created, updated FROM jobs WHERE id < $1 AND state = $3 \
+    ORDER BY id DESC LIMIT $2";
 const COUNT: &str =
     "SELECT count(*), coalesce(sum(state NOT IN ('done', 'cancelled', 'failed')), 0) FROM jobs";
 

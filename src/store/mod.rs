@@ -1,10 +1,11 @@
 //! The journal of facts and the list of jobs, in SQLite.
 //!
-//! Main types: [`Store`] (open, load, append, lists), [`Entry`], [`Loaded`], [`JobRow`], [`StoreError`]; [`record`] is
-//! the wire form. This module is the seam behind which PostgreSQL follows: statements are constants with `$1`, and
-//! nobody outside sees a row. What is guaranteed: an [`Store::append`] that returned `Ok` survives loss of power; the
-//! journal and the list of jobs never differ; a batch that is appended again after an unclear failure is written once.
-//! Refuses: observations, a second process on the same file, a map other than the one that the facts speak of.
+//! Main types: [`Store`] (open, load, append, lists), [`Entry`], [`Loaded`], [`JobRow`], [`StoreError`];
+//! [`record`] is the wire form. This module is the seam behind which PostgreSQL follows: statements are
+//! constants with `$1`, and nobody outside sees a row. What is guaranteed: an [`Store::append`] that returned
+//! `Ok` survives loss of power; the journal and the list of jobs never differ; a batch that is appended again
+//! after an unclear failure is written once. Refuses: observations, a second process on the same file, a map
+//! other than the one that the facts speak of.
 
 mod error;
 mod jobs;
@@ -127,12 +128,11 @@ impl Store {
         Ok(out)
     }
 
-    /// Writes facts and what they mean for the list of jobs, all or none. `next` is the number of the first one:
-    /// where the journal has them already, since an earlier try succeeded unnoticed, nothing is written.
+    /// Writes facts and what they mean for the list of jobs, all or none. `next` is the number of the first
+    /// one: where the journal has them already, since an earlier try succeeded unnoticed, nothing is written.
     ///
-    /// # Errors
-    /// Where the database does not take them. Then nothing was written, and it may be tried again with the same
-    /// facts unless [`StoreError::is_fatal`].
+    /// # Errors Where the database does not take them. Then nothing was written, and it may be tried again
+    /// with the same facts unless [`StoreError::is_fatal`].
     pub async fn append(&self, next: i64, entries: &[Entry]) -> Result<(), StoreError> {
         let mut connection = self.writer.acquire().await?;
         let result = write(&mut connection, next, entries).await;
@@ -163,8 +163,8 @@ impl Store {
     }
 }
 
-/// Writes facts in one transaction. Its statements are sent as they are: sqlx counts transactions by itself, and loses
-/// count where SQLite rolls one back on its own, as on a full disk.
+/// Writes facts in one transaction. Its statements are sent as they are: sqlx counts transactions by itself,
+/// and loses count where SQLite rolls one back on its own, as on a full disk.
 async fn write(connection: &mut SqliteConnection, next: i64, entries: &[Entry]) -> Result<(), StoreError> {
     sqlx::query(BEGIN).execute(&mut *connection).await?;
     let last: i64 = sqlx::query_scalar(LAST).fetch_one(&mut *connection).await?;

@@ -30,7 +30,8 @@ pub struct Health {
 /// Whether the server does its work: 200, or 503 with every alarm that stands. Needs no token.
 #[utoipa::path(get, path = "/v1/health", tag = "server", responses(
     (status = 200, description = "All is well", body = Health),
-    (status = 503, description = "An alarm stands", body = Problem, content_type = "application/problem+json")))]
+    (status = 503, description = "An alarm stands", body = Problem,
+     content_type = "application/problem+json")))]
 pub async fn health(State(api): State<Api>) -> Result<Json<Health>, Problem> {
     let alarms = api.alarms.list();
     if !alarms.is_empty() {

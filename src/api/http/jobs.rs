@@ -1,7 +1,8 @@
 //! `/v1/jobs`: submit, list, get, cancel.
 //!
-//! Main types: [`NewJob`], [`JobParams`]. A request is answered when its facts are durable. Refuses: fields that the
-//! kind of job does not have, names that the map does not have, and all of them at once rather than one by one.
+//! Main types: [`NewJob`], [`JobParams`]. A request is answered when its facts are durable. Refuses: fields
+//! that the kind of job does not have, names that the map does not have, and all of them at once rather than
+//! one by one.
 
 use super::lists::checked_limit;
 use crate::api::Api;
@@ -25,8 +26,8 @@ const LONGEST_PICK_S: f64 = 3600.0;
 /// How many jobs one may come after.
 const MOST_PREDECESSORS: usize = 100;
 
-/// A job as a customer hands it in. Which fields go with it depends on its kind: `deliver` rack, station, pick_s?;
-/// `return` rack; `relocate` rack, node; `charge` and `park` robot; `go` robot, node.
+/// A job as a customer hands it in. Which fields go with it depends on its kind: `deliver` rack, station,
+/// pick_s?; `return` rack; `relocate` rack, node; `charge` and `park` robot; `go` robot, node.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewJob {
@@ -125,7 +126,8 @@ pub async fn list(
 }
 
 /// One job.
-#[utoipa::path(get, path = "/v1/jobs/{id}", tag = "jobs", params(("id" = String, Path, example = "j17")), responses(
+#[utoipa::path(get, path = "/v1/jobs/{id}", tag = "jobs", params(("id" = String, Path, example = "j17")),
+    responses(
     (status = 200, description = "The job", body = JobDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
@@ -134,7 +136,8 @@ pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<Jo
     Ok(Json(dto(&api, &row)))
 }
 
-/// Hand in a job. It is durable when this answers. With an `Idempotency-Key`, trying again never makes a second job.
+/// Hand in a job. It is durable when this answers. With an `Idempotency-Key`, trying again never makes a
+/// second job.
 #[utoipa::path(post, path = "/v1/jobs", tag = "jobs", request_body = NewJob,
     params(("Idempotency-Key" = Option<String>, Header, description = "Your own key, up to 255 characters")),
     responses(
@@ -171,10 +174,12 @@ pub async fn submit(
 }
 
 /// Cancel a job. A robot that carries its rack puts it back first.
-#[utoipa::path(delete, path = "/v1/jobs/{id}", tag = "jobs", params(("id" = String, Path, example = "j17")), responses(
+#[utoipa::path(delete, path = "/v1/jobs/{id}", tag = "jobs", params(("id" = String, Path, example = "j17")),
+    responses(
     (status = 200, description = "It is cancelled, or will be as soon as its rack is back", body = JobDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "It was over already", body = Problem, content_type = "application/problem+json"),
+    (status = 409, description = "It was over already", body = Problem,
+     content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn cancel(State(api): State<Api>, Segment(id): Segment) -> Result<Json<JobDto>, Problem> {
     let id = parse_id(&id)?;

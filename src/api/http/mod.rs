@@ -28,10 +28,11 @@ use utoipa_axum::routes;
 #[derive(OpenApi)]
 #[openapi(info(
     title = "Giveway",
-    description = "A warehouse fleet manager in which robots give way to people. Giveway is an efficiency layer and no \
-    safety function: detection, braking and emergency stop are the robots' own. Ids are the names of the map; jobs are \
-    \"j17\". Errors are application/problem+json (RFC 9457) and say what to do. A job is acknowledged only when it is \
-    durable: an answer 201 survives loss of power. The live feed is a WebSocket at /v1/live."
+    description = "A warehouse fleet manager in which robots give way to people. Giveway is an \
+    efficiency layer and no safety function: detection, braking and emergency stop are the robots' own. \
+    Ids are the names of the map; jobs are \"j17\". Errors are application/problem+json (RFC 9457) and say \
+    what to do. A job is acknowledged only when it is durable: an answer 201 survives loss of power. The live \
+    feed is a WebSocket at /v1/live."
 ))]
 struct Description;
 
