@@ -1,6 +1,6 @@
 //! The running server: reads settings, restores the fleet, wires the parts, and takes them down in order.
 //!
-//! Main types: [`Server`] (started, with its address), [`Config`]. [`drive`] is the loop. Going down: no new
+//! Main types: [`Server`] (started, with its address), [`Config`]. `drive` is the loop. Going down: no new
 //! requests, those on their way are answered, one last step, the journal flushed, sockets and files closed.
 //! Refuses: to start where anything is wrong with map, database, address or tokens.
 

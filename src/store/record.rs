@@ -1,6 +1,6 @@
 //! Facts as they are written down: the versioned wire form of the journal.
 //!
-//! Main types: [`Record`] with [`VERSION`]; [`encode`] and [`decode`]. Field names are short and never reused
+//! Main types: `Record` with [`VERSION`]; [`encode`] and [`decode`]. Field names are short and never reused
 //! with another meaning: a journal outlives the program that wrote it. Visits are arrays, since they are most
 //! of the bytes. Refuses: to guess what a newer version means.
 
