@@ -6,6 +6,8 @@
 mod bench;
 mod map;
 mod recording;
+mod replay;
+mod serve;
 mod sim;
 
 use crate::warehouse::{Warehouse, formats};
@@ -16,16 +18,23 @@ use std::process::ExitCode;
 ///
 /// Giveway is an efficiency layer and no safety function: detection, braking and emergency stop are the robots' own.
 #[derive(Parser)]
-#[command(name = "giveway", version, max_term_width = 100)]
+#[command(name = "giveway", version, max_term_width = 100, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
+    /// Without a command: serve.
+    #[command(flatten)]
+    serve: serve::Serve,
 }
 
 #[derive(Subcommand)]
 enum Command {
+    /// Run the server (the default command).
+    Serve(serve::Serve),
     /// Run a scenario without a server, far faster than real time, and print its figures.
     Sim(sim::Sim),
+    /// Show a recording again.
+    Replay(replay::Replay),
     /// Check, show, make and import maps.
     #[command(subcommand)]
     Map(map::Map),
@@ -40,8 +49,10 @@ pub fn run() -> ExitCode {
     let result = match arguments.command {
         Some(Command::Sim(sim)) => sim.run(),
         Some(Command::Map(map)) => map.run(),
+        Some(Command::Replay(replay)) => replay.run(),
+        Some(Command::Serve(serve)) => serve.run(),
         Some(Command::Bench(bench)) => bench.run(),
-        None => Ok(ExitCode::SUCCESS),
+        None => arguments.serve.run(),
     };
     result.unwrap_or_else(|error| {
         eprintln!("giveway: {error:#}");

@@ -10,6 +10,7 @@ pub mod laws;
 mod link;
 mod random;
 pub mod recording;
+pub mod replay;
 mod robot;
 pub mod run;
 mod scenario;

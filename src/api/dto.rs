@@ -1,0 +1,331 @@
+//! What travels: names instead of numbers, words instead of variants, millimetres instead of sixteen digits.
+//!
+//! Main types: [`RobotDto`], [`RackDto`], [`StationDto`], [`JobDto`], [`Page`], and [`Names`], which makes
+//! them. Ids on the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
+
+use super::port::JobRecord;
+use crate::fleet::{Counts, Doing, JobFailure, JobKind, JobState, RackAt, RobotState, View, Why};
+use crate::id::{Dense, JobId, NodeId, RobotId};
+use crate::time::Time;
+use crate::timeline::Holder;
+use crate::warehouse::Warehouse;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// One page of a list.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct Page<T> {
+    /// The items.
+    pub items: Vec<T>,
+    /// Give this as `cursor` for the next page; null on the last one.
+    pub next: Option<String>,
+}
+
+/// One robot.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct RobotDto {
+    /// Its name.
+    #[schema(example = "robot-1")]
+    pub id: String,
+    /// Metres.
+    pub x: f64,
+    /// Metres.
+    pub y: f64,
+    /// Radians, counter-clockwise from the x axis.
+    pub heading: f64,
+    /// Metres per second.
+    pub speed: f64,
+    /// idle, busy, free, interrupted or failed.
+    pub state: &'static str,
+    /// What it is at.
+    #[schema(example = "carrying")]
+    pub doing: &'static str,
+    /// The rack on it.
+    pub rack: Option<String>,
+    /// The job it works on.
+    #[schema(example = "j17")]
+    pub job: Option<String>,
+    /// Charge, 0 to 1.
+    pub battery: f64,
+    /// Indices of the nodes that it may drive to now, in order.
+    pub granted: Vec<usize>,
+    /// Indices of the nodes that it holds beyond, in order.
+    pub held: Vec<usize>,
+    /// Why it does not go on, if it does not.
+    #[schema(example = "waiting for A12, held by robot-7")]
+    pub why: Option<String>,
+}
+
+/// One rack.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct RackDto {
+    /// Its name.
+    pub id: String,
+    /// Index of the node on which it stands.
+    pub node: Option<usize>,
+    /// The robot that carries it.
+    pub robot: Option<String>,
+}
+
+/// One station.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct StationDto {
+    /// Its name.
+    pub id: String,
+    /// The robot at the picking place.
+    pub robot: Option<String>,
+    /// Robots in its queue, first in line first.
+    pub queue: Vec<String>,
+    /// Racks served so far.
+    pub served: u64,
+}
+
+/// How many jobs are in which state.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct JobCountsDto {
+    /// Nobody has them yet.
+    pub waiting: u64,
+    /// At work.
+    pub active: u64,
+    /// Done.
+    pub done: u64,
+    /// Cancelled.
+    pub cancelled: u64,
+    /// Could not be done.
+    pub failed: u64,
+}
+
+/// One job.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct JobDto {
+    /// Its number.
+    #[schema(example = "j17")]
+    pub id: String,
+    /// deliver, return, relocate, charge, park or go.
+    pub kind: &'static str,
+    /// The rack to move.
+    pub rack: Option<String>,
+    /// The station to bring it to.
+    pub station: Option<String>,
+    /// The node to bring it, or the robot, to.
+    pub node: Option<String>,
+    /// The robot at work on it, the last one that was, or the one that was named.
+    pub robot: Option<String>,
+    /// How long the pick takes, seconds, where the job says so.
+    pub pick_s: Option<f64>,
+    /// 0 to 9, 9 first.
+    pub priority: u8,
+    /// When it should be done, RFC 3339.
+    pub deadline: Option<String>,
+    /// Jobs that must be over first.
+    pub after: Vec<String>,
+    /// waiting, assigned, carrying, picking, done, cancelled or failed.
+    pub state: &'static str,
+    /// Why it failed, or what it waits for.
+    pub why: Option<String>,
+    /// When it was accepted, RFC 3339.
+    pub created: String,
+    /// When its state changed last, RFC 3339.
+    pub updated: String,
+}
+
+/// Gives names to ids.
+#[derive(Clone, Copy)]
+pub struct Names<'a> {
+    /// Names of nodes, racks and stations.
+    pub map: &'a Warehouse,
+    /// Names of robots.
+    pub view: &'a View,
+}
+
+impl Names<'_> {
+    /// A robot's name.
+    pub fn robot(&self, r: RobotId) -> String {
+        self.view.robots.get(r.ix()).map_or_else(|| format!("{r:?}"), |robot| robot.name.clone())
+    }
+
+    fn node(&self, n: NodeId) -> String {
+        self.map.nodes.get(n).map_or_else(|| format!("{n:?}"), |node| node.name.clone())
+    }
+
+    /// All robots.
+    pub fn robots(&self) -> Vec<RobotDto> {
+        let rack = |r| self.map.racks.get(r).map(|rack| rack.name.clone());
+        let robot = |r: &crate::fleet::RobotView| RobotDto {
+            id: r.name.clone(),
+            x: round3(r.pose.at.x),
+            y: round3(r.pose.at.y),
+            heading: round3(r.pose.heading),
+            speed: round3(r.speed_mps),
+            state: state_word(r.state),
+            doing: doing_word(r.doing),
+            rack: r.rack.and_then(rack),
+            job: r.job.map(job_name),
+            battery: round3(r.battery),
+            granted: r.granted.iter().map(|n| n.ix()).collect(),
+            held: r.held.iter().map(|n| n.ix()).collect(),
+            why: r.why.map(|why| self.why(why)),
+        };
+        self.view.robots.iter().map(robot).collect()
+    }
+
+    /// All racks.
+    pub fn racks(&self) -> Vec<RackDto> {
+        let racks = self.map.racks.iter().enumerate();
+        let at = |i: usize, home: NodeId| match self.view.racks.get(i) {
+            Some(RackAt::On(robot)) => (None, Some(self.robot(*robot))),
+            Some(RackAt::Stored(node)) => (Some(node.ix()), None),
+            None => (Some(home.ix()), None),
+        };
+        let rack = |(i, rack): (usize, &crate::warehouse::Rack)| {
+            let (node, robot) = at(i, rack.home);
+            RackDto { id: rack.name.clone(), node, robot }
+        };
+        racks.map(rack).collect()
+    }
+
+    /// All stations.
+    pub fn stations(&self) -> Vec<StationDto> {
+        let nobody = crate::fleet::StationView::default();
+        let stations = self.map.stations.iter().enumerate();
+        let station = |(i, s): (usize, &crate::warehouse::Station)| {
+            let seen = self.view.stations.get(i).unwrap_or(&nobody);
+            StationDto {
+                id: s.name.clone(),
+                robot: seen.robot.map(|r| self.robot(r)),
+                queue: seen.queue.iter().map(|r| self.robot(*r)).collect(),
+                served: seen.served,
+            }
+        };
+        stations.map(station).collect()
+    }
+
+    /// A job.
+    pub fn job(&self, record: &JobRecord) -> JobDto {
+        let request = &record.job.request;
+        let (station, pick) = match request.kind {
+            JobKind::Deliver { station, pick, .. } => (self.map.stations.get(station), pick),
+            _ => (None, None),
+        };
+        let node = match request.kind {
+            JobKind::Relocate { node, .. } | JobKind::Go { node, .. } => Some(self.node(node)),
+            _ => None,
+        };
+        let rack = request.kind.rack().and_then(|r| self.map.racks.get(r));
+        JobDto {
+            id: job_name(record.id),
+            kind: request.kind.word(),
+            rack: rack.map(|r| r.name.clone()),
+            station: station.map(|s| s.name.clone()),
+            node,
+            robot: record.robot.or(request.kind.robot()).map(|r| self.robot(r)),
+            pick_s: pick.map(|p| p.as_secs_f64()),
+            priority: request.priority,
+            deadline: request.deadline.map(time_text),
+            after: request.after.iter().map(|j| job_name(*j)).collect(),
+            state: record.job.state.word(),
+            why: why_of_job(record.job.state),
+            created: time_text(record.job.accepted),
+            updated: time_text(record.updated),
+        }
+    }
+
+    fn why(&self, why: Why) -> String {
+        match why {
+            Why::WaitsFor(resource, Holder::Robot(r)) => {
+                format!("waiting for {}, held by {}", self.map.resource_name(resource), self.robot(r))
+            }
+            Why::WaitsFor(resource, Holder::Worker(w)) => {
+                format!("waiting for {}, held by worker {w:?}", self.map.resource_name(resource))
+            }
+            Why::NoRoute => "no route found yet; trying again".into(),
+            Why::Failed => "cannot drive".into(),
+            Why::Silent => "not heard of".into(),
+        }
+    }
+}
+
+impl From<Counts> for JobCountsDto {
+    fn from(c: Counts) -> JobCountsDto {
+        JobCountsDto {
+            waiting: c.waiting,
+            active: c.active,
+            done: c.done,
+            cancelled: c.cancelled,
+            failed: c.failed,
+        }
+    }
+}
+
+/// The words for the states of a job, in order of life.
+pub const JOB_STATES: [&str; 7] =
+    ["waiting", "assigned", "carrying", "picking", "done", "cancelled", "failed"];
+
+/// The word for a robot's state.
+pub fn state_word(s: RobotState) -> &'static str {
+    match s {
+        RobotState::Idle => "idle",
+        RobotState::Busy => "busy",
+        RobotState::Free => "free",
+        RobotState::Interrupted => "interrupted",
+        RobotState::Failed => "failed",
+    }
+}
+
+fn doing_word(d: Doing) -> &'static str {
+    match d {
+        Doing::Idle => "idle",
+        Doing::ToRack => "to_rack",
+        Doing::Lifting => "lifting",
+        Doing::Carrying => "carrying",
+        Doing::Queueing => "queueing",
+        Doing::Picking => "picking",
+        Doing::Returning => "returning",
+        Doing::SettingDown => "setting_down",
+        Doing::ToCharger => "to_charger",
+        Doing::Charging => "charging",
+        Doing::Parking => "parking",
+        Doing::Going => "going",
+        Doing::Failed => "failed",
+    }
+}
+
+fn why_of_job(state: JobState) -> Option<String> {
+    match state {
+        JobState::Failed(JobFailure::Predecessor(job)) => {
+            Some(format!("{}, which had to be over first, was cancelled or failed", job_name(job)))
+        }
+        JobState::Failed(JobFailure::Unreachable) => {
+            Some("no way leads there, even on an empty floor".into())
+        }
+        _ => None,
+    }
+}
+
+/// A job's name on the wire.
+pub fn job_name(id: JobId) -> String {
+    format!("j{}", id.0)
+}
+
+/// A job's number from its name, if it is one.
+pub fn parse_job_name(text: &str) -> Option<JobId> {
+    let digits = text.strip_prefix('j')?;
+    let plain = digits.bytes().all(|b| b.is_ascii_digit()) && !digits.starts_with('0');
+    if plain { digits.parse().ok().map(JobId) } else { None }
+}
+
+/// A time as RFC 3339 in UTC.
+pub fn time_text(t: Time) -> String {
+    jiff::Timestamp::from_microsecond(t.0).map_or_else(|_| "out of range".into(), |t| t.to_string())
+}
+
+/// A time from RFC 3339 with any offset.
+pub fn parse_time(text: &str) -> Option<Time> {
+    text.parse::<jiff::Timestamp>().ok().map(|t| Time(t.as_microsecond()))
+}
+
+/// Rounded to a thousandth; never minus zero, never something JSON cannot say.
+pub fn round3(x: f64) -> f64 {
+    let rounded = (x * 1000.0).round() / 1000.0;
+    if rounded.is_finite() { rounded + 0.0 } else { 0.0 }
+}

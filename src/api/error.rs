@@ -1,0 +1,124 @@
+//! Errors on the wire: RFC 9457 problems that say what happened and what to do.
+//!
+//! Main types: [`Problem`], [`FieldError`]. Use a constructor by status; every one takes a sentence for
+//! people. Server faults are logged where they are made, and nowhere else. Refuses: to show internals.
+
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// An error as `application/problem+json` (RFC 9457).
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct Problem {
+    /// A name for this kind of error that never changes, such as `/problems/unknown-rack`.
+    #[serde(rename = "type")]
+    pub kind: String,
+    /// The kind of error in words.
+    pub title: &'static str,
+    /// The HTTP status.
+    #[schema(example = 422)]
+    pub status: u16,
+    /// What happened here, and what to do.
+    pub detail: String,
+    /// The path that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<String>)]
+    pub instance: Option<Box<str>>,
+    /// The fields that are wrong, where fields are.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub errors: Vec<FieldError>,
+    /// Seconds after which a new try makes sense.
+    #[serde(skip)]
+    pub retry_after: Option<u32>,
+}
+
+/// One wrong field.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+pub struct FieldError {
+    /// Its name.
+    pub field: String,
+    /// What is wrong, and what is right.
+    pub detail: String,
+}
+
+impl FieldError {
+    /// A wrong field.
+    pub fn new(field: impl Into<String>, detail: impl Into<String>) -> FieldError {
+        FieldError { field: field.into(), detail: detail.into() }
+    }
+}
+
+impl Problem {
+    /// A problem of this kind, `kind` being the last part of its type.
+    pub fn new(status: StatusCode, kind: &str, title: &'static str, detail: impl Into<String>) -> Problem {
+        Problem {
+            kind: format!("/problems/{kind}"),
+            title,
+            status: status.as_u16(),
+            detail: detail.into(),
+            instance: None,
+            errors: Vec::new(),
+            retry_after: None,
+        }
+    }
+
+    /// 400: the request cannot be read.
+    pub fn malformed(detail: impl Into<String>) -> Problem {
+        Problem::new(StatusCode::BAD_REQUEST, "malformed", "The request cannot be read", detail)
+    }
+
+    /// 404: no such thing.
+    pub fn unknown(what: &str, detail: impl Into<String>) -> Problem {
+        Problem::new(StatusCode::NOT_FOUND, &format!("unknown-{what}"), "There is no such thing", detail)
+    }
+
+    /// 409: not in this state.
+    pub fn conflict(kind: &str, title: &'static str, detail: impl Into<String>) -> Problem {
+        Problem::new(StatusCode::CONFLICT, kind, title, detail)
+    }
+
+    /// 422: readable, but some fields cannot be.
+    pub fn invalid(errors: Vec<FieldError>) -> Problem {
+        let detail: Vec<_> = errors.iter().map(|e| format!("{}: {}", e.field, e.detail)).collect();
+        let status = StatusCode::UNPROCESSABLE_ENTITY;
+        Problem { errors, ..Problem::new(status, "invalid", "Some fields are wrong", detail.join("; ")) }
+    }
+
+    /// 503: not now.
+    pub fn unavailable(detail: impl Into<String>, retry_after: u32) -> Problem {
+        let status = StatusCode::SERVICE_UNAVAILABLE;
+        let problem = Problem::new(status, "unavailable", "The server cannot do this now", detail);
+        Problem { retry_after: Some(retry_after), ..problem }
+    }
+
+    /// 500: our mistake.
+    pub fn internal() -> Problem {
+        let detail = "An error in the server, recorded in its log. Nothing that was acknowledged is lost.";
+        Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "An error in the server", detail)
+    }
+
+    /// The same at this path.
+    pub fn at(self, path: &str) -> Problem {
+        Problem { instance: Some(path.into()), ..self }
+    }
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let status = StatusCode::from_u16(self.status).expect("made from a status");
+        let body = serde_json::to_vec(&self).expect("problems are plain");
+        let mut response = (status, body).into_response();
+        let headers = response.headers_mut();
+        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
+        if let Some(seconds) = self.retry_after {
+            headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds));
+        }
+        if status == StatusCode::UNAUTHORIZED {
+            headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer realm=\"giveway\""));
+        }
+        // The path is filled in by the layer that knows it.
+        response.extensions_mut().insert(self);
+        response
+    }
+}

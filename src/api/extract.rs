@@ -1,0 +1,84 @@
+//! Reading requests: bodies, queries and paths, with every rejection a problem that says what to do.
+//!
+//! Main types: [`Body`], [`Params`], [`Segment`], [`Key`]. Refuses: unknown fields, bodies over 64 KiB, other
+//! media types.
+
+use super::error::Problem;
+use axum::extract::rejection::{PathRejection, QueryRejection};
+use axum::extract::{FromRequest, FromRequestParts, Path, Query, Request};
+use axum::http::{StatusCode, header, request::Parts};
+use serde::de::DeserializeOwned;
+
+/// How long a body may be, bytes.
+pub const BODY_LIMIT: usize = 64 * 1024;
+
+/// A JSON body.
+pub struct Body<T>(pub T);
+
+impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
+        let media = request.headers().get(header::CONTENT_TYPE).and_then(|v| v.to_str().ok()).unwrap_or("");
+        let media = media.split(';').next().unwrap_or("").trim();
+        if !media.eq_ignore_ascii_case("application/json") {
+            let status = StatusCode::UNSUPPORTED_MEDIA_TYPE;
+            let detail = format!("the body is \"{media}\": send JSON with `Content-Type: application/json`");
+            return Err(Problem::new(status, "media-type", "The body is no JSON", detail));
+        }
+        let bytes = axum::body::to_bytes(request.into_body(), BODY_LIMIT).await.map_err(|_| {
+            let detail = format!("the body is cut off or longer than {BODY_LIMIT} bytes");
+            Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
+        })?;
+        serde_json::from_slice(&bytes).map(Body).map_err(|e| match e.classify() {
+            serde_json::error::Category::Data => {
+                let status = StatusCode::UNPROCESSABLE_ENTITY;
+                Problem::new(status, "invalid", "Some fields are wrong", e.to_string())
+            }
+            _ => Problem::malformed(format!("the body is no JSON: {e}")),
+        })
+    }
+}
+
+/// The query of an address.
+pub struct Params<T>(pub T);
+
+impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Params<T> {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let query = Query::<T>::from_request_parts(parts, state).await;
+        let detail = |e: QueryRejection| Problem::malformed(e.body_text());
+        query.map(|Query(params)| Params(params)).map_err(detail)
+    }
+}
+
+/// The variable part of a path.
+pub struct Segment(pub String);
+
+impl<S: Send + Sync> FromRequestParts<S> for Segment {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let path = Path::<String>::from_request_parts(parts, state).await;
+        path.map(|Path(text)| Segment(text)).map_err(|e: PathRejection| Problem::malformed(e.body_text()))
+    }
+}
+
+/// The `Idempotency-Key` header.
+pub struct Key(pub Option<String>);
+
+impl<S: Send + Sync> FromRequestParts<S> for Key {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
+        let Some(value) = parts.headers.get("idempotency-key") else { return Ok(Key(None)) };
+        let text = value.to_str().unwrap_or("").trim();
+        if text.is_empty() || text.len() > 255 {
+            let detail =
+                "Idempotency-Key: 1 to 255 printable ASCII characters, the same ones for the same job only";
+            return Err(Problem::malformed(detail));
+        }
+        Ok(Key(Some(text.into())))
+    }
+}

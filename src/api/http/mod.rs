@@ -1,0 +1,110 @@
+//! The routes: one file per resource, one list here, and the layers around them.
+//!
+//! Main function: [`router`]. Every route under `/v1` is registered together with its description, so that
+//! `/openapi.json` cannot forget one. Refuses: answers that are no problem+json where something went wrong.
+
+mod health;
+mod jobs;
+mod lists;
+mod map;
+mod page;
+
+use super::error::Problem;
+use super::metrics::HttpLabels;
+use super::{Api, ws};
+use axum::Router;
+use axum::extract::{MatchedPath, Request, State};
+use axum::http::{HeaderName, HeaderValue, Method, StatusCode, header};
+use axum::middleware::{self, Next};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use tower_http::catch_panic::CatchPanicLayer;
+use utoipa::OpenApi;
+use utoipa::openapi::OpenApi as Document;
+use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+#[derive(OpenApi)]
+#[openapi(info(
+    title = "Giveway",
+    description = "A warehouse fleet manager in which robots give way to people. Giveway is an \
+    efficiency layer and no safety function: detection, braking and emergency stop are the robots' own. \
+    Ids are the names of the map; jobs are \"j17\". Errors are application/problem+json (RFC 9457) and say \
+    what to do. A job is acknowledged only when it is durable: an answer 201 survives loss of power. The live \
+    feed is a WebSocket at /v1/live."
+))]
+struct Description;
+
+/// All routes, and what is said about them.
+pub fn router(api: Api) -> (Router, Document) {
+    let (v1, mut document) = OpenApiRouter::with_openapi(Description::openapi())
+        .routes(routes!(health::health))
+        .routes(routes!(map::map))
+        .routes(routes!(lists::racks))
+        .routes(routes!(lists::stations))
+        .routes(routes!(lists::robots))
+        .routes(routes!(jobs::list, jobs::submit))
+        .routes(routes!(jobs::get, jobs::cancel))
+        .routes(routes!(ws::live))
+        .routes(routes!(health::metrics))
+        .split_for_parts();
+    let bearer = SecurityScheme::Http(Http::new(HttpAuthScheme::Bearer));
+    document.components.get_or_insert_default().add_security_scheme("bearer", bearer);
+    let text = document.to_json().expect("the description is plain");
+    let described =
+        move || async move { ([(header::CONTENT_TYPE, "application/json")], text.clone()).into_response() };
+    let router = v1
+        .route_layer(middleware::from_fn_with_state(api.clone(), authorise))
+        .route("/openapi.json", get(described))
+        .fallback(page::page)
+        .method_not_allowed_fallback(wrong_method)
+        .with_state(api.clone())
+        .layer(CatchPanicLayer::custom(|_| Problem::internal().into_response()))
+        .layer(middleware::from_fn_with_state(api, account));
+    (router, document)
+}
+
+/// Lets requests in that may come in; health is for everyone.
+async fn authorise(State(api): State<Api>, request: Request, next: Next) -> Response {
+    let open = request.uri().path() == "/v1/health";
+    match api.gate.check(request.headers()) {
+        Err(problem) if !open || problem.status != StatusCode::UNAUTHORIZED.as_u16() => {
+            problem.into_response()
+        }
+        _ => next.run(request).await,
+    }
+}
+
+/// Counts requests, and writes the path into problems.
+async fn account(State(api): State<Api>, request: Request, next: Next) -> Response {
+    let method = method_word(request.method());
+    let path = request.uri().path().to_owned();
+    let route = request.extensions().get::<MatchedPath>().map_or("other", MatchedPath::as_str).to_owned();
+    let mut response = next.run(request).await;
+    let status = response.status().as_u16();
+    api.metrics.http.get_or_create(&HttpLabels { method: method.into(), route, status }).inc();
+    if let Some(problem) = response.extensions_mut().remove::<Problem>() {
+        response = problem.at(&path).into_response();
+    }
+    response
+        .headers_mut()
+        .entry(HeaderName::from_static("x-content-type-options"))
+        .or_insert(HeaderValue::from_static("nosniff"));
+    response
+}
+
+fn method_word(method: &Method) -> &'static str {
+    match *method {
+        Method::GET => "GET",
+        Method::HEAD => "HEAD",
+        Method::POST => "POST",
+        Method::DELETE => "DELETE",
+        _ => "other",
+    }
+}
+
+async fn wrong_method(request: Request) -> Problem {
+    let detail = format!("{} does not work here: /openapi.json lists what does", request.method());
+    Problem::new(StatusCode::METHOD_NOT_ALLOWED, "method", "Not this method", detail)
+}

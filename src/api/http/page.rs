@@ -1,0 +1,70 @@
+//! The web page, built into the program, and the answer to every path that is not there.
+//!
+//! Main function: [`page`]. Files with a hash in their name never change; `index.html` is asked for again
+//! each time. Refuses: scripts from elsewhere, by Content-Security-Policy.
+
+use crate::api::error::Problem;
+use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
+use axum::response::{IntoResponse, Response};
+use rust_embed::{EmbeddedFile, RustEmbed};
+
+#[derive(RustEmbed)]
+#[folder = "$OUT_DIR/web"]
+struct Web;
+
+/// What the page may load: itself. Pixels may come from data and blob addresses, workers from blobs.
+const POLICY: &str = "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; \
+    worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// A file of the page; a problem where there is none.
+pub async fn page(method: Method, uri: Uri, headers: HeaderMap) -> Response {
+    let path = uri.path().trim_start_matches('/');
+    let unknown = || {
+        let detail = format!("nothing is at /{path}: /openapi.json lists what there is");
+        Problem::unknown("page", detail).into_response()
+    };
+    if path == "v1" || path.starts_with("v1/") || !matches!(method, Method::GET | Method::HEAD) {
+        return unknown();
+    }
+    let name = if path.is_empty() { "index.html" } else { path };
+    match Web::get(name) {
+        Some(file) => serve(name, &file, &headers),
+        None => unknown(),
+    }
+}
+
+fn serve(name: &str, file: &EmbeddedFile, headers: &HeaderMap) -> Response {
+    let digest: String = file.metadata.sha256_hash()[..12].iter().map(|b| format!("{b:02x}")).collect();
+    let etag = format!("\"{digest}\"");
+    let known = headers.get(header::IF_NONE_MATCH).and_then(|v| v.to_str().ok());
+    let mut response = if known.is_some_and(|known| known.contains(&etag)) {
+        StatusCode::NOT_MODIFIED.into_response()
+    } else {
+        file.data.to_vec().into_response()
+    };
+    let hashed = name.starts_with("assets/");
+    let caching = if hashed { "public, max-age=31536000, immutable" } else { "no-cache" };
+    let out = response.headers_mut();
+    out.insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type(name)));
+    out.insert(header::CACHE_CONTROL, HeaderValue::from_static(caching));
+    out.insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY));
+    out.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
+    out.insert(header::ETAG, HeaderValue::from_str(&etag).expect("hexadecimal digits in quotes"));
+    response
+}
+
+fn media_type(name: &str) -> &'static str {
+    match name.rsplit('.').next() {
+        Some("html") => "text/html; charset=utf-8",
+        Some("js" | "mjs") => "text/javascript; charset=utf-8",
+        Some("css") => "text/css; charset=utf-8",
+        Some("json" | "map" | "webmanifest") => "application/json",
+        Some("svg") => "image/svg+xml",
+        Some("png") => "image/png",
+        Some("ico") => "image/x-icon",
+        Some("woff2") => "font/woff2",
+        Some("wasm") => "application/wasm",
+        Some("txt") => "text/plain; charset=utf-8",
+        _ => "application/octet-stream",
+    }
+}

@@ -1,0 +1,82 @@
+//! The server's face: HTTP under `/v1`, the live feed, metrics, the API's own description, the page.
+//!
+//! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from whoever runs it;
+//! [`live`] is the feed. Reads look at the latest published picture or at durable jobs; writes put a request
+//! onto the desk and answer when its facts are durable. Refuses: to decide anything about robots, and to know
+//! store or server.
+
+pub mod auth;
+pub mod dto;
+pub mod error;
+mod extract;
+mod http;
+pub mod live;
+pub mod metrics;
+pub mod port;
+mod ws;
+
+pub use http::router;
+
+use crate::fleet::Reply;
+use crate::warehouse::Warehouse;
+use error::Problem;
+use port::{Alarms, Ask, Moment, Records, What};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::{mpsc, oneshot, watch};
+
+/// How long a request waits for being durable.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// What handlers see. Cheap to clone.
+#[derive(Clone)]
+pub struct Api {
+    /// The building.
+    pub map: Arc<Warehouse>,
+    /// The latest picture.
+    pub moments: watch::Receiver<Arc<Moment>>,
+    /// Durable jobs.
+    pub records: Arc<dyn Records>,
+    /// Takes requests.
+    pub desk: mpsc::Sender<Ask>,
+    /// What stands.
+    pub alarms: Arc<Alarms>,
+    /// The live feed.
+    pub live: Arc<live::Live>,
+    /// Figures.
+    pub metrics: Arc<metrics::Metrics>,
+    /// Who may ask.
+    pub gate: Arc<auth::Gate>,
+    /// Turns true when the server goes down.
+    pub closing: watch::Receiver<bool>,
+}
+
+impl Api {
+    /// The latest picture.
+    fn moment(&self) -> Arc<Moment> {
+        self.moments.borrow().clone()
+    }
+
+    /// Asks the fleet and waits until its answer is durable.
+    async fn ask(&self, what: What) -> Result<Reply, Problem> {
+        let (reply, answer) = oneshot::channel();
+        self.desk.try_send(Ask { what, reply }).map_err(|_| {
+            let cause = self.alarms.list().into_iter().map(|a| a.text).collect::<Vec<_>>().join("; ");
+            let cause = if cause.is_empty() { "too many requests are waiting".into() } else { cause };
+            Problem::unavailable(format!("nothing was accepted: {cause}. Try again soon."), 1)
+        })?;
+        match tokio::time::timeout(PATIENCE, answer).await {
+            Ok(Ok(reply)) => Ok(reply),
+            Ok(Err(_)) => {
+                let detail = "nothing was accepted: the journal does not take facts, or the server goes \
+                              down. Try again soon.";
+                Err(Problem::unavailable(detail, 2))
+            }
+            Err(_) => {
+                let detail = "not durable after ten seconds: whether it was accepted will be known later. \
+                              Try again with the same Idempotency-Key, which never makes a second job.";
+                Err(Problem::unavailable(detail, 5))
+            }
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! What the API needs from whoever runs it: jobs to read, a desk for requests, alarms, and the fleet's
+//! picture.
+//!
+//! Main types: [`Records`], [`JobRecord`], [`JobFilter`], [`Ask`], [`Alarms`], [`Moment`]. Refuses: to know
+//! who answers.
+
+use crate::fleet::{Job, JobRequest, Reply, View};
+use crate::id::{JobId, RobotId};
+use crate::time::Time;
+use std::collections::BTreeMap;
+use std::pin::Pin;
+use std::sync::Mutex;
+use tokio::sync::oneshot;
+
+/// An answer that comes later.
+pub type Later<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
+
+/// A job as it is listed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct JobRecord {
+    /// Its number.
+    pub id: JobId,
+    /// What it is and how far it has come.
+    pub job: Job,
+    /// The robot at work on it, or the last one that was.
+    pub robot: Option<RobotId>,
+    /// When its state changed last.
+    pub updated: Time,
+}
+
+/// Which jobs to list, newest first.
+#[derive(Clone, Debug, Default)]
+pub struct JobFilter {
+    /// Only jobs in this state, by its word.
+    pub state: Option<&'static str>,
+    /// Only jobs older than this one.
+    pub before: Option<JobId>,
+    /// How many at most.
+    pub limit: u32,
+}
+
+/// Durable jobs. Errors are texts for people: what happened and what to do.
+pub trait Records: Send + Sync {
+    /// One job.
+    fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRecord>, String>>;
+    /// Some jobs, newest first.
+    fn jobs(&self, filter: JobFilter) -> Later<'_, Result<Vec<JobRecord>, String>>;
+}
+
+/// A request to the fleet.
+#[derive(Debug)]
+pub struct Ask {
+    /// What is asked.
+    pub what: What,
+    /// Gets the answer once it is durable.
+    pub reply: oneshot::Sender<Reply>,
+}
+
+/// What is asked of the fleet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum What {
+    /// A job.
+    Submit(JobRequest),
+    /// The end of one.
+    Cancel(JobId),
+}
+
+/// The fleet at one moment, with what the loop measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// The picture.
+    pub view: View,
+    /// Seconds since the server started.
+    pub time_s: f64,
+    /// What the loop measured.
+    pub measured: Measured,
+}
+
+/// Figures of the loop over the last minutes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Racks served per hour, over the last ten minutes.
+    pub deliveries_per_hour: f64,
+    /// Length of a search for a route, median, microseconds.
+    pub plan_us_p50: u64,
+    /// The same, 99th percentile.
+    pub plan_us_p99: u64,
+    /// Step time, 99th percentile, microseconds.
+    pub step_us_p99: u64,
+}
+
+/// Something that a person must know.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Alarm {
+    /// Short name of the cause.
+    pub id: &'static str,
+    /// What is wrong and what to do.
+    pub text: String,
+    /// Since when.
+    pub since: Time,
+}
+
+/// The alarms that stand.
+#[derive(Debug, Default)]
+pub struct Alarms {
+    standing: Mutex<BTreeMap<&'static str, (Time, String)>>,
+}
+
+impl Alarms {
+    /// Raises an alarm, or gives a standing one a new text. Whether it is new.
+    pub fn raise(&self, id: &'static str, text: String, now: Time) -> bool {
+        let mut standing = self.standing.lock().expect("nobody panics with this lock");
+        let since = standing.get(id).map(|(since, _)| *since);
+        standing.insert(id, (since.unwrap_or(now), text));
+        since.is_none()
+    }
+
+    /// Ends an alarm. Whether it stood.
+    pub fn clear(&self, id: &'static str) -> bool {
+        self.standing.lock().expect("nobody panics with this lock").remove(id).is_some()
+    }
+
+    /// All that stand.
+    pub fn list(&self) -> Vec<Alarm> {
+        let standing = self.standing.lock().expect("nobody panics with this lock");
+        standing.iter().map(|(id, (since, text))| Alarm { id, text: text.clone(), since: *since }).collect()
+    }
+}

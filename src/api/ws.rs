@@ -1,0 +1,118 @@
+//! `/v1/live` over WebSocket: sends what a reader misses, pings, and ends what does not answer.
+//!
+//! Main function: [`live`]. Refuses: to buffer for a reader, and to read more than it must.
+
+use super::Api;
+use super::error::Problem;
+use super::extract::Params;
+use super::live::LAGGING;
+use axum::extract::State;
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
+use axum::http::StatusCode;
+use axum::response::Response;
+use serde::Deserialize;
+use std::time::Duration;
+use tokio::time::{MissedTickBehavior, interval, timeout};
+use utoipa::IntoParams;
+
+/// How many readers there may be.
+const MOST_READERS: i64 = 1000;
+
+/// How often readers are pinged.
+const PING: Duration = Duration::from_secs(15);
+
+/// A reader that says nothing, not even to pings, for so many of them is gone.
+const SILENT_PINGS: u32 = 3;
+
+/// How long one message may take to leave.
+const SEND: Duration = Duration::from_secs(10);
+
+/// From where on to read.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct LiveParams {
+    /// The version that the reader has: it gets patches from there on if they are still kept, else a
+    /// snapshot.
+    since: Option<u64>,
+}
+
+/// The live feed: JSON texts, first `{"type": "snapshot", "version", …}`, then `{"type": "patch", "base",
+/// "version", …}` ten times a second. A patch names only items and keys that changed; one whose base is not
+/// the reader's version means: connect again. Offer the protocol `giveway`, and `bearer.TOKEN` where a token
+/// is needed.
+#[utoipa::path(get, path = "/v1/live", tag = "floor", params(LiveParams), responses(
+    (status = 101, description = "The feed begins"),
+    (status = 426, description = "Not a WebSocket", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 503, description = "Too many readers", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn live(
+    State(api): State<Api>,
+    Params(p): Params<LiveParams>,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+) -> Result<Response, Problem> {
+    let upgrade = upgrade.map_err(|e| {
+        let detail = format!("this is a WebSocket: connect with ws:// or wss:// ({})", e.body_text());
+        Problem::new(StatusCode::UPGRADE_REQUIRED, "websocket", "A WebSocket is needed", detail)
+    })?;
+    if api.metrics.live_clients.get() >= MOST_READERS {
+        return Err(Problem::unavailable(
+            format!("{MOST_READERS} live feeds are open, which is the limit"),
+            10,
+        ));
+    }
+    let upgrade = upgrade.protocols(["giveway"]).max_message_size(4096).max_write_buffer_size(64 << 20);
+    Ok(upgrade.on_upgrade(move |socket| async move {
+        api.metrics.live_clients.inc();
+        serve(&api, socket, p.since).await;
+        api.metrics.live_clients.dec();
+    }))
+}
+
+/// Serves one reader until it leaves, stalls, or the server goes down.
+async fn serve(api: &Api, mut socket: WebSocket, since: Option<u64>) {
+    let mut newest = api.live.subscribe();
+    let mut closing = api.closing.clone();
+    let mut ping = interval(PING);
+    ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    let mut silent = 0;
+    let (mut texts, mut version) = api.live.after(since, api.live.kept());
+    loop {
+        for text in texts.drain(..) {
+            if !send(&mut socket, Message::Text(text)).await {
+                return;
+            }
+        }
+        tokio::select! {
+            changed = newest.changed() => {
+                if changed.is_err() {
+                    return;
+                }
+                newest.mark_unchanged();
+                (texts, version) = api.live.after(Some(version), LAGGING);
+            }
+            message = socket.recv() => match message {
+                Some(Ok(Message::Close(_)) | Err(_)) | None => return,
+                Some(Ok(_)) => silent = 0,
+            },
+            _ = ping.tick() => {
+                silent += 1;
+                if silent > SILENT_PINGS || !send(&mut socket, Message::Ping(Default::default())).await {
+                    return;
+                }
+            }
+            () = async { _ = closing.wait_for(|closing| *closing).await.is_ok() } => {
+                let frame = CloseFrame { code: close_code::AWAY, reason: "the server goes down".into() };
+                send(&mut socket, Message::Close(Some(frame))).await;
+                return;
+            }
+        }
+    }
+}
+
+/// Whether the message left in time.
+async fn send(socket: &mut WebSocket, message: Message) -> bool {
+    matches!(timeout(SEND, socket.send(message)).await, Ok(Ok(())))
+}

@@ -1,0 +1,76 @@
+//! `giveway serve`: the server, until it is told to stop.
+//!
+//! Main type: [`Serve`]. Says on standard output where it listens and what it restored; traces go to standard error.
+//! Refuses: to end with 0 where anything was lost.
+
+use super::sim::Setup;
+use crate::server::{Config, Flags, Floor, Server};
+use anyhow::Context;
+use clap::Args;
+use std::io::IsTerminal;
+use std::process::ExitCode;
+use tracing_subscriber::EnvFilter;
+
+/// Arguments of `serve`.
+#[derive(Args, Default)]
+pub struct Serve {
+    #[command(flatten)]
+    flags: Flags,
+}
+
+impl Serve {
+    /// Serves until SIGINT or SIGTERM.
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        trace_to_stderr();
+        let config = Config::read(&self.flags)?;
+        let Setup { scenario, warehouse, lines, .. } = Setup::read(&config.scenario, None, None)
+            .context("there is nothing to run: name a scenario with --scenario")?;
+        let floor = Floor { scenario, map: warehouse, lines };
+        let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+        runtime.block_on(serve(&config, floor))?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// Traces go to standard error; `RUST_LOG` says which.
+pub(super) fn trace_to_stderr() {
+    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info"));
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
+        .init();
+}
+
+async fn serve(config: &Config, floor: Floor) -> anyhow::Result<()> {
+    let mut server = Server::start(config, floor).await?;
+    let found = server.summary();
+    println!("Giveway is at http://{}/", server.address());
+    println!("map      {}, {} robots (simulated)", found.map, found.robots);
+    println!("database {}", config.database.display());
+    println!("restored {} jobs ({} not over) from {} facts", found.jobs, found.open_jobs, found.facts);
+    println!("Giveway is an efficiency layer and no safety function.");
+    tokio::select! {
+        ended = server.ended() => return ended,
+        signal = asked_to_stop() => signal?,
+    }
+    println!("stopping");
+    server.stop().await?;
+    println!("stopped; everything is written");
+    Ok(())
+}
+
+#[cfg(unix)]
+pub(super) async fn asked_to_stop() -> std::io::Result<()> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let mut terminate = signal(SignalKind::terminate())?;
+    tokio::select! {
+        interrupted = tokio::signal::ctrl_c() => interrupted,
+        _ = terminate.recv() => Ok(()),
+    }
+}
+
+#[cfg(not(unix))]
+pub(super) async fn asked_to_stop() -> std::io::Result<()> {
+    tokio::signal::ctrl_c().await
+}

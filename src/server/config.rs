@@ -1,0 +1,188 @@
+//! Settings: flags before environment before file before defaults.
+//!
+//! Main types: [`Flags`] (what the command line takes), [`Config`] (what holds in the end). The environment
+//! has the same names in capitals after `GIVEWAY_`. Refuses: to listen beyond this machine without a token,
+//! and settings that it does not know.
+
+use crate::api::auth::Gate;
+use anyhow::{Context, bail, ensure};
+use figment::Figment;
+use figment::providers::{Format, Serialized, Toml};
+use serde::{Deserialize, Serialize};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+/// Settings that the environment may give.
+const FROM_ENVIRONMENT: [&str; 5] = ["scenario", "listen", "database", "token", "tokens"];
+
+/// The shortest token.
+const SHORTEST_TOKEN: usize = 16;
+
+/// Flags of `giveway serve`.
+#[derive(Clone, Debug, Default, clap::Args, Serialize)]
+pub struct Flags {
+    /// Settings file (TOML: scenario, listen, database, token, tokens) [env: GIVEWAY_CONFIG]
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip)]
+    pub config: Option<PathBuf>,
+    /// What to run: map, fleet, simulated customers [default: scenarios/lab.json] [env: GIVEWAY_SCENARIO]
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scenario: Option<PathBuf>,
+    /// Address and port; port 0 takes any [default: 127.0.0.1:8080] [env: GIVEWAY_LISTEN]
+    #[arg(long, value_name = "HOST:PORT")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub listen: Option<String>,
+    /// The database; made where there is none [default: giveway.sqlite] [env: GIVEWAY_DATABASE]
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub database: Option<PathBuf>,
+    /// File with one token a line; a single token may be in GIVEWAY_TOKEN [env: GIVEWAY_TOKENS]
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tokens: Option<PathBuf>,
+}
+
+/// What holds in the end.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// What to run.
+    pub scenario: PathBuf,
+    /// Where to listen.
+    pub listen: String,
+    /// The database.
+    pub database: PathBuf,
+    /// A token.
+    pub token: Option<String>,
+    /// A file with tokens.
+    pub tokens: Option<PathBuf>,
+}
+
+impl Default for Config {
+    fn default() -> Config {
+        Config {
+            scenario: "scenarios/lab.json".into(),
+            listen: "127.0.0.1:8080".into(),
+            database: "giveway.sqlite".into(),
+            token: None,
+            tokens: None,
+        }
+    }
+}
+
+impl Config {
+    /// Settings from flags, environment, file and defaults.
+    ///
+    /// # Errors
+    /// Where a file cannot be read or a setting is not known; the text names the culprit.
+    pub fn read(flags: &Flags) -> anyhow::Result<Config> {
+        Config::merge(flags, |name| std::env::var(name).ok().filter(|v| !v.is_empty()))
+    }
+
+    fn merge(flags: &Flags, environment: impl Fn(&str) -> Option<String>) -> anyhow::Result<Config> {
+        let mut figment = Figment::from(Serialized::defaults(Config::default()));
+        let file = flags.config.clone().or_else(|| environment("GIVEWAY_CONFIG").map(PathBuf::from));
+        if let Some(file) = file {
+            ensure!(file.exists(), "cannot read the settings file {}: it does not exist", file.display());
+            figment = figment.merge(Toml::file_exact(file));
+        }
+        for key in FROM_ENVIRONMENT {
+            // By hand, since every value is a text, even one that looks like a number.
+            if let Some(value) = environment(&format!("GIVEWAY_{}", key.to_uppercase())) {
+                figment = figment.merge(Serialized::default(key, value));
+            }
+        }
+        figment.merge(Serialized::defaults(flags)).extract().map_err(|e| anyhow::anyhow!("settings: {e}"))
+    }
+
+    /// The gate that the tokens make.
+    ///
+    /// # Errors
+    /// Where the file with tokens cannot be read, or a token is too short.
+    pub fn gate(&self) -> anyhow::Result<Gate> {
+        let mut tokens: Vec<String> = self.token.iter().cloned().collect();
+        if let Some(path) = &self.tokens {
+            let text = std::fs::read_to_string(path)
+                .with_context(|| format!("cannot read {}: give the file with --tokens", path.display()))?;
+            let lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
+            let before = tokens.len();
+            tokens.extend(lines.map(str::to_owned));
+            ensure!(tokens.len() > before, "{} has no token: write one into each line", path.display());
+        }
+        for token in &tokens {
+            let plain = token.bytes().all(|b| b.is_ascii_alphanumeric() || b"-._~+/=".contains(&b));
+            ensure!(plain, "a token has characters other than letters, digits and -._~+/=");
+            ensure!(
+                token.len() >= SHORTEST_TOKEN,
+                "a token is shorter than {SHORTEST_TOKEN} characters: take a random one, as from \
+                 `openssl rand -hex 24`"
+            );
+        }
+        Ok(Gate::new(tokens.iter().map(String::as_str)))
+    }
+
+    /// Where to listen.
+    ///
+    /// # Errors
+    /// Where the address cannot be understood, or is beyond this machine and the gate is open.
+    pub async fn address(&self, gate: &Gate) -> anyhow::Result<SocketAddr> {
+        let resolved = tokio::net::lookup_host(&self.listen).await;
+        let mut all = resolved.with_context(|| {
+            format!("cannot listen on \"{}\": --listen takes HOST:PORT, such as 127.0.0.1:8080", self.listen)
+        })?;
+        let Some(address) = all.next() else { bail!("\"{}\" is the name of no address", self.listen) };
+        ensure!(
+            address.ip().is_loopback() || gate.is_closed(),
+            "{address} can be reached from other machines, and there is no token that they must know: set \
+             GIVEWAY_TOKEN or --tokens FILE, or listen on 127.0.0.1 only"
+        );
+        Ok(address)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn nothing(_: &str) -> Option<String> {
+        None
+    }
+
+    #[test]
+    fn flags_win_over_environment_and_environment_over_defaults() {
+        let flags = Flags { listen: Some("127.0.0.1:1".into()), ..Flags::default() };
+        let environment = |name: &str| match name {
+            "GIVEWAY_LISTEN" => Some("127.0.0.1:2".into()),
+            "GIVEWAY_TOKEN" => Some("0123456789012345678".into()),
+            _ => None,
+        };
+        let config = Config::merge(&flags, environment).unwrap();
+        assert_eq!(config.listen, "127.0.0.1:1");
+        assert_eq!(config.token.as_deref(), Some("0123456789012345678"), "a text, not a number");
+        assert_eq!(config.database, PathBuf::from("giveway.sqlite"));
+    }
+
+    #[test]
+    fn a_wrong_settings_file_is_named() {
+        let file = std::env::temp_dir().join(format!("giveway-{}.toml", std::process::id()));
+        std::fs::write(&file, "listn = \"127.0.0.1:1\"\n").unwrap();
+        let flags = Flags { config: Some(file.clone()), ..Flags::default() };
+        let error = Config::merge(&flags, nothing).unwrap_err().to_string();
+        std::fs::remove_file(&file).unwrap();
+        assert!(error.contains("listn") && error.contains(".toml"), "{error}");
+    }
+
+    #[tokio::test]
+    async fn it_refuses_to_listen_beyond_this_machine_without_a_token() {
+        let open = Config { listen: "0.0.0.0:0".into(), ..Config::default() };
+        let error = open.address(&open.gate().unwrap()).await.unwrap_err().to_string();
+        assert!(error.contains("GIVEWAY_TOKEN"), "{error}");
+        let closed = Config { token: Some("a-long-enough-token".into()), ..open };
+        closed.address(&closed.gate().unwrap()).await.unwrap();
+        let short = Config { token: Some("short".into()), ..closed };
+        assert!(short.gate().unwrap_err().to_string().contains("shorter"));
+        let absurd = Config { listen: "127.0.0.1:99999".into(), ..Config::default() };
+        assert!(absurd.address(&Gate::default()).await.unwrap_err().to_string().contains("--listen"));
+    }
+}

@@ -1,0 +1,75 @@
+//! Requests on their way into a step, and whom to answer.
+//!
+//! Main type: [`Inbox`]. Refuses: requests while the journal does not take facts, and tokens that the
+//! simulated customers could use.
+
+use crate::api::port::{Ask, What};
+use crate::fleet::{Input, Reply};
+use std::collections::BTreeMap;
+use tokio::sync::{mpsc, oneshot};
+
+/// How many requests may wait on the desk.
+pub const DESK: usize = 1024;
+
+/// How many inputs may wait while the fleet stands.
+const MOST_KEPT: usize = 10_000;
+
+/// Tokens of requests from outside have this bit.
+const OURS: u64 = 1 << 63;
+
+/// Requests, and whom to answer.
+#[derive(Debug)]
+pub struct Inbox {
+    desk: mpsc::Receiver<Ask>,
+    waiting: BTreeMap<u64, oneshot::Sender<Reply>>,
+    kept: Vec<Input>,
+    next: u64,
+}
+
+impl Inbox {
+    /// An inbox that is filled from a desk.
+    pub fn new(desk: mpsc::Receiver<Ask>) -> Inbox {
+        Inbox { desk, waiting: BTreeMap::new(), kept: Vec::new(), next: OURS }
+    }
+
+    /// Everything that waits. While `refusing`, those who ask now are told so instead.
+    pub fn drain(&mut self, refusing: bool) -> Vec<Input> {
+        let mut inputs = std::mem::take(&mut self.kept);
+        while let Ok(ask) = self.desk.try_recv() {
+            // Dropping the reply tells the handler; nobody waits for those who have left.
+            if refusing || ask.reply.is_closed() {
+                continue;
+            }
+            let token = self.next;
+            self.next += 1;
+            self.waiting.insert(token, ask.reply);
+            inputs.push(match ask.what {
+                What::Submit(request) => Input::Submit { token, request },
+                What::Cancel(job) => Input::Cancel { token, job },
+            });
+        }
+        inputs
+    }
+
+    /// Keeps inputs for a later step. Observations are not kept: they will be seen again.
+    pub fn keep(&mut self, inputs: Vec<Input>) {
+        self.kept.extend(inputs.into_iter().filter(|i| !matches!(i, Input::Telemetry(_))));
+        if self.kept.len() > MOST_KEPT {
+            tracing::warn!(
+                dropped = self.kept.len() - MOST_KEPT,
+                "simulated orders are dropped: the journal is full"
+            );
+            self.kept.truncate(MOST_KEPT);
+        }
+    }
+
+    /// Answers whoever asked; simulated customers want no answer.
+    pub fn answer(&mut self, reply: Reply) {
+        let (Reply::Accepted { token, .. } | Reply::Cancelled { token, .. } | Reply::Refused { token, .. }) =
+            reply;
+        if let Some(waiting) = self.waiting.remove(&token) {
+            // Whoever has left meanwhile finds the job in the list.
+            let _ = waiting.send(reply);
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! The running server: reads settings, restores the fleet, wires the parts, and takes them down in order.
+//!
+//! Main types: [`Server`] (started, with its address), [`Config`]. `drive` is the loop. Going down: no new
+//! requests, those on their way are answered, one last step, the journal flushed, sockets and files closed.
+//! Refuses: to start where anything is wrong with map, database, address or tokens.
+
+mod clock;
+mod config;
+mod drive;
+mod inbox;
+mod journal;
+mod measure;
+mod outbox;
+mod records;
+mod show;
+
+pub use clock::Clock;
+pub use config::{Config, Flags};
+pub use show::Show;
+
+use crate::api::live::Live;
+use crate::api::metrics::Metrics;
+use crate::api::port::{Alarms, Moment};
+use crate::api::{Api, auth::Gate, router};
+use crate::fleet::{Fleet, Settings};
+use crate::sim::{OrderLine, Scenario, World};
+use crate::store::{Store, StoreError};
+use crate::time::Span;
+use crate::warehouse::Warehouse;
+use anyhow::{Context, anyhow};
+use axum::serve::ListenerExt;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::net::TcpListener;
+use tokio::sync::{mpsc, oneshot, watch};
+use tokio::task::JoinHandle;
+use tokio::time::timeout;
+
+/// How long requests on their way may take when the server goes down.
+const DRAIN: Duration = Duration::from_secs(12);
+
+/// How long the journal may take for the last facts.
+const FLUSH: Duration = Duration::from_secs(10);
+
+/// The loop is stuck when its picture is older.
+const STUCK: Span = Span::from_secs(2);
+
+/// What the server runs: a simulated floor, until real robots come.
+pub struct Floor {
+    /// Fleet, customers, faults.
+    pub scenario: Scenario,
+    /// The building.
+    pub map: Arc<Warehouse>,
+    /// What the customers order, where the scenario names a file.
+    pub lines: Vec<OrderLine>,
+}
+
+/// A server at work.
+pub struct Server {
+    address: SocketAddr,
+    summary: Summary,
+    store: Arc<Store>,
+    stop: watch::Sender<bool>,
+    work: JoinHandle<anyhow::Result<()>>,
+}
+
+/// What was found at the start.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// Name of the map.
+    pub map: String,
+    /// Robots that the scenario has.
+    pub robots: usize,
+    /// Facts restored.
+    pub facts: usize,
+    /// Jobs restored.
+    pub jobs: u64,
+    /// Of them, jobs that are not over.
+    pub open_jobs: u64,
+}
+
+impl Server {
+    /// Starts a server.
+    ///
+    /// # Errors
+    /// Where anything is wrong; the text says what to do.
+    pub async fn start(config: &Config, floor: Floor) -> anyhow::Result<Server> {
+        let gate = config.gate()?;
+        let address = config.address(&gate).await?;
+        let Floor { scenario, map, lines } = floor;
+        let listener = TcpListener::bind(address).await.with_context(|| {
+            let remedy = "stop the program that does, or choose another with --listen HOST:PORT";
+            format!("cannot listen on {address}: {remedy}")
+        })?;
+        let address = listener.local_addr()?;
+        let store = Arc::new(Store::open(&config.database, &map).await?);
+        let loaded = store.load().await?;
+        let (jobs, open_jobs) = store.count_jobs().await?;
+        let summary = Summary {
+            map: map.name.clone(),
+            robots: scenario.robots,
+            facts: loaded.facts.len(),
+            jobs,
+            open_jobs,
+        };
+        let clock = Arc::new(Clock::start(loaded.last));
+        let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
+        let fleet = Fleet::restore(map.clone(), settings, loaded.facts);
+        let world = World::new(map, &scenario, &lines, scenario.seed, &fleet, clock.now());
+        let (stop, stopping) = watch::channel(false);
+        let parts = Parts { fleet, world, clock, period: scenario.period, next: loaded.next, gate };
+        let work = tokio::spawn(work(parts, store.clone(), listener, stopping));
+        Ok(Server { address, summary, store, stop, work })
+    }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// What was found at the start.
+    pub fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    /// The database.
+    pub fn store(&self) -> &Arc<Store> {
+        &self.store
+    }
+
+    /// Waits until the server ends by itself, which it does only where it cannot go on.
+    ///
+    /// # Errors
+    /// Why it ended.
+    pub async fn ended(&mut self) -> anyhow::Result<()> {
+        (&mut self.work).await.context("the server ended unexpectedly")?
+    }
+
+    /// Takes the server down in order.
+    ///
+    /// # Errors
+    /// Where facts could not be written any more. None of them was acknowledged.
+    pub async fn stop(self) -> anyhow::Result<()> {
+        self.stop.send_replace(true);
+        self.work.await.context("the server ended unexpectedly")?
+    }
+}
+
+/// What the parts of the server are made of.
+struct Parts {
+    fleet: Fleet,
+    world: World,
+    clock: Arc<Clock>,
+    period: Span,
+    next: i64,
+    gate: Gate,
+}
+
+/// Runs everything until told to stop, or until something cannot go on; then takes it down in order.
+async fn work(
+    parts: Parts,
+    store: Arc<Store>,
+    listener: TcpListener,
+    mut stopping: watch::Receiver<bool>,
+) -> anyhow::Result<()> {
+    let Parts { fleet, world, clock, period, next, gate } = parts;
+    let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
+    let (journal, writer) =
+        journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
+    let (desk, requests) = mpsc::channel(inbox::DESK);
+    let first = Moment { view: fleet.view(clock.now()), ..Moment::default() };
+    let (moments, picture) = watch::channel(Arc::new(first));
+    let map = fleet.warehouse().clone();
+    let live = Arc::new(Live::new(map.clone(), clock.started().0.unsigned_abs()));
+    let drive = drive::Drive {
+        fleet,
+        world,
+        clock: clock.clone(),
+        period,
+        inbox: inbox::Inbox::new(requests),
+        outbox: outbox::Outbox::default(),
+        journal,
+        measure: measure::Measure::default(),
+        metrics: metrics.clone(),
+        moments,
+    };
+    let (closing, closes) = watch::channel(false);
+    let (halt, halted) = watch::channel(false);
+    let mut feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock));
+    let mut writer = tokio::spawn(writer.run());
+    let mut thread = spawn_loop(drive, halted)?;
+    let api = Api {
+        map,
+        moments: picture,
+        records: Arc::new(records::Shelf(store.clone())),
+        desk,
+        alarms,
+        live,
+        metrics,
+        gate: Arc::new(gate),
+        closing: closes.clone(),
+    };
+    let mut http = tokio::spawn(listen(listener, api, closes));
+    let ended: anyhow::Result<()> = tokio::select! {
+        _ = stopping.wait_for(|stop| *stop) => Ok(()),
+        _ = &mut thread => Err(anyhow!("the control loop broke, as said above; nothing is lost")),
+        out = &mut writer => Err(written(out)),
+        out = &mut http => Err(anyhow!("the HTTP server ended: {out:?}")),
+        out = &mut feed => Err(anyhow!("the live feed broke: {out:?}")),
+    };
+    closing.send_replace(true);
+    if !http.is_finished() && timeout(DRAIN, &mut http).await.is_err() {
+        tracing::warn!("some requests did not end in time");
+        http.abort();
+    }
+    halt.send_replace(true);
+    if ended.is_ok() {
+        let _ = thread.await;
+        let flushed = timeout(FLUSH, &mut writer).await;
+        let lost = "the journal did not take the last facts. None of them was acknowledged";
+        flushed.context(lost)?.context(lost)?.context(lost)?;
+    }
+    feed.abort();
+    store.close().await;
+    ended
+}
+
+/// Runs the loop on a thread of its own: steps are work, and nothing else may wait for them.
+fn spawn_loop(drive: drive::Drive, halted: watch::Receiver<bool>) -> anyhow::Result<oneshot::Receiver<()>> {
+    let (ended, end) = oneshot::channel();
+    let runtime = tokio::runtime::Handle::current();
+    let body = move || {
+        let _ended = ended;
+        runtime.block_on(drive.run(halted));
+    };
+    std::thread::Builder::new().name("fleet".into()).spawn(body).context("cannot start the control loop")?;
+    Ok(end)
+}
+
+async fn listen(listener: TcpListener, api: Api, mut closes: watch::Receiver<bool>) -> std::io::Result<()> {
+    let listener = listener.tap_io(|stream| {
+        if let Err(e) = stream.set_nodelay(true) {
+            tracing::debug!("TCP_NODELAY: {e}");
+        }
+    });
+    let (router, _) = router(api);
+    let closed = async move { _ = closes.wait_for(|closing| *closing).await.is_ok() };
+    axum::serve(listener, router).with_graceful_shutdown(closed).await
+}
+
+/// Publishes every new picture, and says so where there is none.
+async fn feed(
+    live: Arc<Live>,
+    mut picture: watch::Receiver<Arc<Moment>>,
+    alarms: Arc<Alarms>,
+    clock: Arc<Clock>,
+) {
+    let started_s = clock.started().as_secs_f64();
+    loop {
+        let moment = picture.borrow_and_update().clone();
+        let age = clock.now() - moment.view.now;
+        if age <= STUCK {
+            alarms.clear("loop");
+        } else if alarms.raise("loop", "the control loop is stuck: robots get no orders.".into(), clock.now())
+        {
+            tracing::error!(age.s = age.as_secs_f64(), "the control loop is stuck");
+        }
+        live.publish(&moment, &alarms.list(), started_s);
+        if let Ok(Err(_)) = timeout(Duration::from_secs(1), picture.changed()).await {
+            return std::future::pending().await;
+        }
+    }
+}
+
+fn written(out: Result<Result<(), StoreError>, tokio::task::JoinError>) -> anyhow::Error {
+    match out {
+        Ok(Err(e)) => anyhow::Error::new(e).context("the journal contradicts the fleet"),
+        Ok(Ok(())) => anyhow!("the journal ended, since the control loop broke; what it said is above"),
+        Err(e) => anyhow::Error::new(e).context("the journal's task broke"),
+    }
+}

@@ -1,0 +1,188 @@
+//! A recording on the screen: the same pages and feeds, with the fleet of then.
+//!
+//! Main type: [`Show`]. Jobs are kept in memory; requests are refused, since the past takes none. Refuses: a database.
+
+use super::{clock::Clock, listen, measure::Measure};
+use crate::api::Api;
+use crate::api::auth::Gate;
+use crate::api::live::Live;
+use crate::api::metrics::Metrics;
+use crate::api::port::{Alarms, JobFilter, JobRecord, Later, Moment, Records};
+use crate::fleet::{Fact, Job, JobState};
+use crate::id::JobId;
+use crate::sim::replay::{Player, Turn};
+use crate::time::{Span, Time};
+use anyhow::Context;
+use std::collections::BTreeMap;
+use std::net::SocketAddr;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+use tokio::net::TcpListener;
+use tokio::sync::{mpsc, watch};
+use tokio::task::JoinHandle;
+
+/// How often the picture is published, in recorded time at normal speed.
+const PUBLISH: Span = Span::from_millis(95);
+
+/// A recording that is being shown.
+pub struct Show {
+    address: SocketAddr,
+    http: JoinHandle<std::io::Result<()>>,
+    play: Option<JoinHandle<anyhow::Result<()>>>,
+    _closing: watch::Sender<bool>,
+}
+
+impl Show {
+    /// Begins to show a recording.
+    ///
+    /// # Errors
+    /// If the address is taken.
+    pub async fn start(player: Player, listen_at: SocketAddr, speed: f64) -> anyhow::Result<Show> {
+        let listener = TcpListener::bind(listen_at).await;
+        let listener = listener
+            .with_context(|| format!("cannot listen on {listen_at}: choose another with --listen"))?;
+        let address = listener.local_addr()?;
+        let map = player.fleet.warehouse().clone();
+        let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
+        let (moments, picture) = watch::channel(Arc::new(Moment::default()));
+        let live = Arc::new(Live::new(map.clone(), Clock::start(None).now().0.unsigned_abs()));
+        let past = Arc::new(Past::default());
+        let (desk, _) = mpsc::channel(1);
+        let (closing, closes) = watch::channel(false);
+        let api = Api {
+            map,
+            moments: picture,
+            records: past.clone(),
+            desk,
+            alarms: alarms.clone(),
+            live: live.clone(),
+            metrics,
+            gate: Arc::new(Gate::default()),
+            closing: closes.clone(),
+        };
+        let http = tokio::spawn(listen(listener, api, closes));
+        let screen = Screen { live, alarms, moments, past, measure: Measure::default(), speed };
+        let play = Some(tokio::spawn(screen.play(player)));
+        Ok(Show { address, http, play, _closing: closing })
+    }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Plays to the end and stays on the last picture; returns only where something breaks.
+    ///
+    /// # Errors
+    /// If the recording cannot be read to its end.
+    pub async fn ended(&mut self) -> anyhow::Result<()> {
+        if let Some(play) = self.play.take() {
+            play.await.context("the replay broke")??;
+        }
+        (&mut self.http).await.context("the HTTP server broke")??;
+        Ok(())
+    }
+}
+
+/// What a recording is shown on.
+struct Screen {
+    live: Arc<Live>,
+    alarms: Arc<Alarms>,
+    moments: watch::Sender<Arc<Moment>>,
+    past: Arc<Past>,
+    measure: Measure,
+    speed: f64,
+}
+
+impl Screen {
+    async fn play(mut self, mut player: Player) -> anyhow::Result<()> {
+        let mut published = Time(i64::MIN / 2);
+        let began = tokio::time::Instant::now();
+        let mut first = None;
+        loop {
+            match player.turn()? {
+                Turn::Step(now, step) => {
+                    let zero = *first.get_or_insert(now);
+                    let due = Duration::from_secs_f64((now - zero).as_secs_f64() / self.speed);
+                    tokio::time::sleep_until(began + due).await;
+                    self.past.add(&step.facts);
+                    if (now - published).as_secs_f64() >= PUBLISH.as_secs_f64() * self.speed.max(1.0) {
+                        published = now;
+                        self.publish(&player, now);
+                    }
+                }
+                Turn::End { same } => {
+                    self.publish(&player, published);
+                    return self.stay(same).await;
+                }
+            }
+        }
+    }
+
+    fn publish(&mut self, player: &Player, now: Time) {
+        let view = player.fleet.view(now);
+        let measured = self.measure.figures(now, view.counts.robot_deliveries);
+        let moment = Arc::new(Moment { view, time_s: now.as_secs_f64(), measured });
+        self.live.publish(&moment, &self.alarms.list(), 0.0);
+        self.moments.send_replace(moment);
+    }
+
+    /// The last picture stands; the feed goes on, so that nobody takes the link for lost.
+    async fn stay(&mut self, same: bool) -> anyhow::Result<()> {
+        let told = if same { "" } else { " This build decides differently from the one that recorded it." };
+        self.alarms.raise("end", format!("The recording has ended.{told}"), Time::ZERO);
+        loop {
+            let moment = self.moments.borrow().clone();
+            self.live.publish(&moment, &self.alarms.list(), 0.0);
+            tokio::time::sleep(Duration::from_secs(1)).await;
+        }
+    }
+}
+
+/// The jobs of then.
+#[derive(Default)]
+struct Past(Mutex<BTreeMap<JobId, JobRecord>>);
+
+impl Past {
+    fn add(&self, facts: &[Fact]) {
+        let mut jobs = self.0.lock().expect("nobody panics with this lock");
+        for fact in facts {
+            match fact {
+                Fact::Accepted { job: id, request, at } => {
+                    let job = Job { request: request.clone(), state: JobState::Waiting, accepted: *at };
+                    jobs.insert(*id, JobRecord { id: *id, job, robot: None, updated: *at });
+                }
+                Fact::Progressed { job, state, at } => {
+                    if let Some(record) = jobs.get_mut(job) {
+                        record.job.state = *state;
+                        record.robot = state.robot().or(record.robot);
+                        record.updated = *at;
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+impl Records for Past {
+    fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRecord>, String>> {
+        let found = self.0.lock().expect("nobody panics with this lock").get(&id).cloned();
+        Box::pin(async move { Ok(found) })
+    }
+
+    fn jobs(&self, filter: JobFilter) -> Later<'_, Result<Vec<JobRecord>, String>> {
+        let jobs = self.0.lock().expect("nobody panics with this lock");
+        let before = filter.before.unwrap_or(JobId(u64::MAX));
+        let wanted = |r: &&JobRecord| filter.state.is_none_or(|s| r.job.state.word() == s);
+        let found: Vec<JobRecord> = jobs
+            .range(..before)
+            .rev()
+            .map(|(_, r)| r)
+            .filter(wanted)
+            .take(filter.limit as usize)
+            .cloned()
+            .collect();
+        Box::pin(async move { Ok(found) })
+    }
+}

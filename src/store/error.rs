@@ -1,0 +1,128 @@
+//! What can go wrong with the store, and what to do about it.
+//!
+//! Main type: [`StoreError`]. Refuses: to pass on a database's code without a remedy.
+
+use super::record::RecordError;
+use std::path::PathBuf;
+
+/// Why the store cannot do what it should.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    /// The file cannot be opened.
+    #[error("cannot open the database {path}: {why}{}", remedy(.why))]
+    Open {
+        /// Which file.
+        path: PathBuf,
+        /// What the database said.
+        why: sqlx::Error,
+    },
+    /// Another process has it.
+    #[error(
+        "the database {0} is in use by another Giveway: stop that one, or choose another file with --database"
+    )]
+    InUse(PathBuf),
+    /// The lock beside the database cannot be taken.
+    #[error(
+        "cannot lock {path}: {why}: the folder must exist and be writable, or choose another with --database"
+    )]
+    Lock {
+        /// The lock file.
+        path: PathBuf,
+        /// What the system said.
+        why: std::io::Error,
+    },
+    /// The tables cannot be brought up to date.
+    #[error(
+        "cannot bring the tables of {path} up to date: {why}: use the Giveway that wrote it, or another \
+         --database"
+    )]
+    Migrate {
+        /// Which file.
+        path: PathBuf,
+        /// What failed.
+        why: sqlx::migrate::MigrateError,
+    },
+    /// The facts speak of another map.
+    #[error(
+        "the database {path} belongs to the map \"{theirs}\", which is not the map \"{ours}\" of this \
+         scenario (nodes, lanes, racks or stations differ): use another --database, or the same map"
+    )]
+    OtherMap {
+        /// Which file.
+        path: PathBuf,
+        /// Name of the map in the database.
+        theirs: String,
+        /// Name of the map given.
+        ours: String,
+    },
+    /// A fact cannot be read.
+    #[error("fact {seq} of the journal: {why}")]
+    Record {
+        /// Its number.
+        seq: i64,
+        /// What is wrong.
+        why: RecordError,
+    },
+    /// A job cannot be read.
+    #[error("job {id} in the database is damaged ({why}): restore the database from a backup")]
+    Job {
+        /// Its number.
+        id: i64,
+        /// What is wrong.
+        why: String,
+    },
+    /// Somebody else wrote into the journal.
+    #[error(
+        "the journal ends with fact {found}, not with {expected}: another program wrote into it; restart \
+         Giveway"
+    )]
+    OutOfStep {
+        /// What this process wrote last.
+        expected: i64,
+        /// What is there.
+        found: i64,
+    },
+    /// The database refused.
+    #[error("{}{}", .0, remedy(.0))]
+    Sql(#[from] sqlx::Error),
+}
+
+impl StoreError {
+    /// Whether trying again is senseless, since what was to be written contradicts what is there.
+    pub fn is_fatal(&self) -> bool {
+        match self {
+            StoreError::OutOfStep { .. } => true,
+            StoreError::Sql(e) => primary_code(e) == Some(19),
+            _ => false,
+        }
+    }
+
+    /// Whether the connection may be used again: the database was locked, full, or refused what it was told.
+    pub(super) fn leaves_connection_sound(&self) -> bool {
+        match self {
+            StoreError::OutOfStep { .. } => true,
+            StoreError::Sql(e) => matches!(primary_code(e), Some(5 | 6 | 13 | 19)),
+            _ => false,
+        }
+    }
+}
+
+/// SQLite's code without its extension.
+fn primary_code(e: &sqlx::Error) -> Option<i64> {
+    let code = e.as_database_error()?.code()?;
+    code.parse::<i64>().ok().map(|c| c & 0xff)
+}
+
+/// What to do, as the end of a sentence.
+fn remedy(e: &sqlx::Error) -> &'static str {
+    match primary_code(e) {
+        Some(5 | 6) => ": another program holds a lock on the database; end it or let it finish",
+        Some(8) => ": the file or its folder is read-only; change that",
+        Some(10) => ": the disk does not answer properly; check it",
+        Some(11) => ": the file is damaged; restore a backup",
+        Some(13) => ": the disk is full; make room",
+        Some(14) => ": does its folder exist, and may this user write there? --database names another file",
+        Some(26) => ": this file is no database; --database names another file",
+        _ => "",
+    }
+}

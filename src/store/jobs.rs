@@ -1,0 +1,201 @@
+//! The list of jobs: what the facts say about each, ready to be listed.
+//!
+//! Main types: [`JobRow`], [`JobQuery`]. Refuses: names, which the map gives to ids elsewhere.
+
+use super::{Store, StoreError, record};
+use crate::fleet::{Fact, Job, JobKind, JobRequest, JobState};
+use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
+use crate::time::{Span, Time};
+use sqlx::Row;
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
+
+/// A job as the database has it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct JobRow {
+    /// Its number.
+    pub id: JobId,
+    /// What it is and how far it has come.
+    pub job: Job,
+    /// The robot at work on it, or the last one that was.
+    pub robot: Option<RobotId>,
+    /// When its state changed last.
+    pub updated: Time,
+}
+
+/// Which jobs to list, newest first.
+#[derive(Clone, Debug, Default)]
+pub struct JobQuery {
+    /// Only jobs in this state, by its word.
+    pub state: Option<&'static str>,
+    /// Only jobs older than this one.
+    pub before: Option<JobId>,
+    /// How many at most.
+    pub limit: u32,
+}
+
+const ACCEPT: &str = "INSERT INTO jobs \
+    (id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, created, updated) \
+    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, 'waiting', $12, $12)";
+const PROGRESS: &str = "UPDATE jobs SET state = $2, why = $3, worker = $4, updated = $5 WHERE id = $1";
+const FINISH: &str = "UPDATE jobs SET state = $2, why = $3, updated = $4 WHERE id = $1";
+const ONE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, \
+    key, state, why, worker, created, updated FROM jobs WHERE id = $1";
+const PAGE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, \
+    key, state, why, worker, created, updated FROM jobs WHERE id < $1 ORDER BY id DESC LIMIT $2";
+const PAGE_OF_STATE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, \
+    key, state, why, worker, created, updated FROM jobs WHERE id < $1 AND state = $3 \
+    ORDER BY id DESC LIMIT $2";
+const COUNT: &str =
+    "SELECT count(*), coalesce(sum(state NOT IN ('done', 'cancelled', 'failed')), 0) FROM jobs";
+
+impl Store {
+    /// One job.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn job(&self, id: JobId) -> Result<Option<JobRow>, StoreError> {
+        let Ok(id) = i64::try_from(id.0) else { return Ok(None) };
+        sqlx::query(ONE).bind(id).fetch_optional(&self.readers).await?.map(|row| decode(&row)).transpose()
+    }
+
+    /// Some jobs, newest first.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn jobs(&self, q: &JobQuery) -> Result<Vec<JobRow>, StoreError> {
+        let before = q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX));
+        let query = match q.state {
+            None => sqlx::query(PAGE).bind(before).bind(q.limit),
+            Some(state) => sqlx::query(PAGE_OF_STATE).bind(before).bind(q.limit).bind(state),
+        };
+        query.fetch_all(&self.readers).await?.iter().map(decode).collect()
+    }
+
+    /// How many jobs there are, and how many of them are not over.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn count_jobs(&self) -> Result<(u64, u64), StoreError> {
+        let row = sqlx::query(COUNT).fetch_one(&self.readers).await?;
+        let (all, open): (i64, i64) = (row.try_get(0)?, row.try_get(1)?);
+        Ok((all.unsigned_abs(), open.unsigned_abs()))
+    }
+}
+
+/// Writes what a fact means for the list.
+pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<(), sqlx::Error> {
+    match fact {
+        Fact::Accepted { job, request, at } => accept(db, *job, request, *at).await,
+        Fact::Progressed { job, state, at } => progress(db, *job, *state, *at).await,
+        _ => Ok(()),
+    }
+}
+
+async fn accept(
+    db: &mut SqliteConnection,
+    id: JobId,
+    request: &JobRequest,
+    at: Time,
+) -> Result<(), sqlx::Error> {
+    let kind = request.kind;
+    let (station, pick) = match kind {
+        JobKind::Deliver { station, pick, .. } => (Some(station.0), pick.map(|p| p.0)),
+        _ => (None, None),
+    };
+    let node = match kind {
+        JobKind::Relocate { node, .. } | JobKind::Go { node, .. } => Some(node.0),
+        _ => None,
+    };
+    let after: Vec<u64> = request.after.iter().map(|j| j.0).collect();
+    sqlx::query(ACCEPT)
+        .bind(id.0.cast_signed())
+        .bind(kind.word())
+        .bind(kind.rack().map(|r| r.0))
+        .bind(station)
+        .bind(node)
+        .bind(kind.robot().map(|r| r.0))
+        .bind(pick)
+        .bind(request.priority)
+        .bind(request.deadline.map(|t| t.0))
+        .bind(serde_json::to_string(&after).expect("a list of numbers is JSON"))
+        .bind(&request.key)
+        .bind(at.0)
+        .execute(db)
+        .await?;
+    Ok(())
+}
+
+async fn progress(
+    db: &mut SqliteConnection,
+    id: JobId,
+    state: JobState,
+    at: Time,
+) -> Result<(), sqlx::Error> {
+    let why = match state {
+        JobState::Failed(failure) => Some(record::encode_failure(failure)),
+        _ => None,
+    };
+    let id = id.0.cast_signed();
+    let query = if state.is_over() {
+        sqlx::query(FINISH).bind(id).bind(state.word()).bind(why).bind(at.0)
+    } else {
+        sqlx::query(PROGRESS)
+            .bind(id)
+            .bind(state.word())
+            .bind(why)
+            .bind(state.robot().map(|r| r.0))
+            .bind(at.0)
+    };
+    query.execute(db).await?;
+    Ok(())
+}
+
+fn decode(row: &SqliteRow) -> Result<JobRow, StoreError> {
+    let id: i64 = row.try_get("id")?;
+    let broken = |why: &str| StoreError::Job { id, why: why.into() };
+    let worker = row.try_get::<Option<u32>, _>("worker")?.map(RobotId);
+    let after: Vec<u64> = serde_json::from_str(row.try_get("after")?).map_err(|e| broken(&e.to_string()))?;
+    let request = JobRequest {
+        kind: decode_kind(row)?.ok_or_else(|| broken("its kind and its columns do not go together"))?,
+        priority: row.try_get("priority")?,
+        deadline: row.try_get::<Option<i64>, _>("deadline")?.map(Time),
+        after: after.into_iter().map(JobId).collect(),
+        key: row.try_get("key")?,
+    };
+    let why: Option<&str> = row.try_get("why")?;
+    let state = match (row.try_get("state")?, worker, why) {
+        ("waiting", _, _) => JobState::Waiting,
+        ("assigned", Some(robot), _) => JobState::Assigned { robot },
+        ("carrying", Some(robot), _) => JobState::Carrying { robot },
+        ("picking", Some(robot), _) => JobState::Picking { robot },
+        ("done", _, _) => JobState::Done,
+        ("cancelled", _, _) => JobState::Cancelled,
+        ("failed", _, Some(why)) => {
+            JobState::Failed(record::decode_failure(why).map_err(|e| broken(&e.to_string()))?)
+        }
+        (state, _, _) => return Err(broken(&format!("state {state} and its columns do not go together"))),
+    };
+    Ok(JobRow {
+        id: JobId(id.unsigned_abs()),
+        job: Job { request, state, accepted: Time(row.try_get("created")?) },
+        robot: worker,
+        updated: Time(row.try_get("updated")?),
+    })
+}
+
+fn decode_kind(row: &SqliteRow) -> Result<Option<JobKind>, sqlx::Error> {
+    let rack = row.try_get::<Option<u32>, _>("rack")?.map(RackId);
+    let station = row.try_get::<Option<u32>, _>("station")?.map(StationId);
+    let node = row.try_get::<Option<u32>, _>("node")?.map(NodeId);
+    let robot = row.try_get::<Option<u32>, _>("robot")?.map(RobotId);
+    let pick = row.try_get::<Option<i64>, _>("pick")?.map(Span);
+    Ok(match (row.try_get("kind")?, rack, station, node, robot) {
+        ("deliver", Some(rack), Some(station), _, _) => Some(JobKind::Deliver { rack, station, pick }),
+        ("return", Some(rack), _, _, _) => Some(JobKind::Return { rack }),
+        ("relocate", Some(rack), _, Some(node), _) => Some(JobKind::Relocate { rack, node }),
+        ("charge", _, _, _, Some(robot)) => Some(JobKind::Charge { robot }),
+        ("park", _, _, _, Some(robot)) => Some(JobKind::Park { robot }),
+        ("go", _, _, Some(node), Some(robot)) => Some(JobKind::Go { robot, node }),
+        _ => None,
+    })
+}

@@ -1,0 +1,446 @@
+//! Facts as they are written down: the versioned wire form of the journal.
+//!
+//! Main types: `Record` with [`VERSION`]; [`encode`] and [`decode`]. Field names are short and never reused
+//! with another meaning: a journal outlives the program that wrote it. Visits are arrays, since they are most
+//! of the bytes. Refuses: to guess what a newer version means.
+
+use crate::fleet::{Act, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, Stop, Task};
+use crate::id::{JobId, NodeId, RackId, ResourceId, RobotId, StationId};
+use crate::time::{Span, Time};
+use crate::timeline::Visit;
+use serde::{Deserialize, Serialize};
+
+/// The version that this program writes. It reads all versions up to it.
+pub const VERSION: i64 = 1;
+
+/// Why a record cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// It was written by a newer program.
+    #[error(
+        "fact is in wire version {0}, this Giveway reads up to {VERSION}: use the newer Giveway that wrote it"
+    )]
+    Newer(i64),
+    /// It is damaged.
+    #[error("fact is damaged ({0}): restore the database from a backup")]
+    Damaged(#[from] serde_json::Error),
+}
+
+/// A fact as text.
+pub fn encode(fact: &Fact) -> String {
+    serde_json::to_string(&Record::from(fact)).expect("records have no maps with keys that are not text")
+}
+
+/// A fact from text.
+///
+/// # Errors
+/// Where it was written by a newer program, or is damaged.
+pub fn decode(version: i64, text: &str) -> Result<Fact, RecordError> {
+    match version {
+        VERSION => Ok(serde_json::from_str::<Record>(text)?.into()),
+        newer => Err(RecordError::Newer(newer)),
+    }
+}
+
+/// A visit: node, lane, enter, arrive, depart, leave, stay.
+#[derive(Serialize, Deserialize)]
+struct VisitRecord(u32, Option<u32>, i64, i64, i64, i64, i64);
+
+/// A fact.
+#[derive(Serialize, Deserialize)]
+#[serde(tag = "fact", rename_all = "snake_case")]
+enum Record {
+    Enlisted {
+        robot: u32,
+        name: String,
+        node: u32,
+        at: i64,
+    },
+    Accepted {
+        job: u64,
+        request: RequestRecord,
+        at: i64,
+    },
+    Progressed {
+        job: u64,
+        state: StateRecord,
+        at: i64,
+    },
+    Tasked {
+        robot: u32,
+        task: TaskRecord,
+    },
+    Routed {
+        robot: u32,
+        keep: u64,
+        kept: VisitRecord,
+        visits: Vec<VisitRecord>,
+        stops: Vec<(u64, ActRecord)>,
+    },
+    Granted {
+        robot: u32,
+        serial: u64,
+        at: i64,
+    },
+    Passed {
+        robot: u32,
+        serial: u64,
+    },
+    Acted {
+        robot: u32,
+        serial: u64,
+    },
+    Delayed {
+        robot: u32,
+        serial: u64,
+        depart: i64,
+    },
+    Cut {
+        robots: Vec<u32>,
+    },
+    Failed {
+        robot: u32,
+        at: i64,
+    },
+    Repaired {
+        robot: u32,
+        at: i64,
+    },
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum KindRecord {
+    Deliver { rack: u32, station: u32, pick: Option<i64> },
+    Return { rack: u32 },
+    Relocate { rack: u32, node: u32 },
+    Charge { robot: u32 },
+    Park { robot: u32 },
+    Go { robot: u32, node: u32 },
+}
+
+#[derive(Serialize, Deserialize)]
+struct RequestRecord {
+    kind: KindRecord,
+    priority: u8,
+    deadline: Option<i64>,
+    after: Vec<u64>,
+    key: Option<String>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum StateRecord {
+    Waiting,
+    Assigned(u32),
+    Carrying(u32),
+    Picking(u32),
+    Done,
+    Cancelled,
+    Failed(FailureRecord),
+}
+
+/// Why a job failed; also a column of the `jobs` table.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum FailureRecord {
+    Predecessor(u64),
+    Unreachable,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum TaskRecord {
+    Idle,
+    Fetch { job: u64, rack: u32, node: u32 },
+    Deliver { job: u64, rack: u32, station: u32, store: u32 },
+    Store { job: Option<u64>, rack: u32, store: u32 },
+    Move { job: Option<u64>, goal: u32, stay: u32, purpose: PurposeRecord },
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum PurposeRecord {
+    Charge,
+    Park,
+    Go,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum ActRecord {
+    Lift(u32),
+    Set(u32),
+    Pick(i64),
+    Arrive,
+}
+
+impl From<&Fact> for Record {
+    fn from(fact: &Fact) -> Record {
+        match fact {
+            Fact::Enlisted { robot, name, node, at } => {
+                Record::Enlisted { robot: robot.0, name: name.clone(), node: node.0, at: at.0 }
+            }
+            Fact::Accepted { job, request, at } => {
+                Record::Accepted { job: job.0, request: request.into(), at: at.0 }
+            }
+            Fact::Progressed { job, state, at } => {
+                Record::Progressed { job: job.0, state: (*state).into(), at: at.0 }
+            }
+            Fact::Tasked { robot, task } => Record::Tasked { robot: robot.0, task: (*task).into() },
+            Fact::Routed { robot, keep, kept, visits, stops } => Record::Routed {
+                robot: robot.0,
+                keep: *keep,
+                kept: kept.into(),
+                visits: visits.iter().map(VisitRecord::from).collect(),
+                stops: stops.iter().map(|s| (s.serial, s.act.into())).collect(),
+            },
+            Fact::Granted { robot, serial, at } => {
+                Record::Granted { robot: robot.0, serial: *serial, at: at.0 }
+            }
+            Fact::Passed { robot, serial } => Record::Passed { robot: robot.0, serial: *serial },
+            Fact::Acted { robot, serial } => Record::Acted { robot: robot.0, serial: *serial },
+            Fact::Delayed { robot, serial, depart } => {
+                Record::Delayed { robot: robot.0, serial: *serial, depart: depart.0 }
+            }
+            Fact::Cut { robots } => Record::Cut { robots: robots.iter().map(|r| r.0).collect() },
+            Fact::Failed { robot, at } => Record::Failed { robot: robot.0, at: at.0 },
+            Fact::Repaired { robot, at } => Record::Repaired { robot: robot.0, at: at.0 },
+        }
+    }
+}
+
+impl From<Record> for Fact {
+    fn from(record: Record) -> Fact {
+        let stop = |(serial, act): (u64, ActRecord)| Stop { serial, act: act.into() };
+        match record {
+            Record::Enlisted { robot, name, node, at } => {
+                Fact::Enlisted { robot: RobotId(robot), name, node: NodeId(node), at: Time(at) }
+            }
+            Record::Accepted { job, request, at } => {
+                Fact::Accepted { job: JobId(job), request: request.into(), at: Time(at) }
+            }
+            Record::Progressed { job, state, at } => {
+                Fact::Progressed { job: JobId(job), state: state.into(), at: Time(at) }
+            }
+            Record::Tasked { robot, task } => Fact::Tasked { robot: RobotId(robot), task: task.into() },
+            Record::Routed { robot, keep, kept, visits, stops } => Fact::Routed {
+                robot: RobotId(robot),
+                keep,
+                kept: kept.into(),
+                visits: visits.into_iter().map(Visit::from).collect(),
+                stops: stops.into_iter().map(stop).collect(),
+            },
+            Record::Granted { robot, serial, at } => {
+                Fact::Granted { robot: RobotId(robot), serial, at: Time(at) }
+            }
+            Record::Passed { robot, serial } => Fact::Passed { robot: RobotId(robot), serial },
+            Record::Acted { robot, serial } => Fact::Acted { robot: RobotId(robot), serial },
+            Record::Delayed { robot, serial, depart } => {
+                Fact::Delayed { robot: RobotId(robot), serial, depart: Time(depart) }
+            }
+            Record::Cut { robots } => Fact::Cut { robots: robots.into_iter().map(RobotId).collect() },
+            Record::Failed { robot, at } => Fact::Failed { robot: RobotId(robot), at: Time(at) },
+            Record::Repaired { robot, at } => Fact::Repaired { robot: RobotId(robot), at: Time(at) },
+        }
+    }
+}
+
+impl From<&Visit> for VisitRecord {
+    fn from(v: &Visit) -> VisitRecord {
+        VisitRecord(v.node.0, v.lane.map(|l| l.0), v.enter.0, v.arrive.0, v.depart.0, v.leave.0, v.stay.0)
+    }
+}
+
+impl From<VisitRecord> for Visit {
+    fn from(VisitRecord(node, lane, enter, arrive, depart, leave, stay): VisitRecord) -> Visit {
+        Visit {
+            node: NodeId(node),
+            lane: lane.map(ResourceId),
+            enter: Time(enter),
+            arrive: Time(arrive),
+            depart: Time(depart),
+            leave: Time(leave),
+            stay: Span(stay),
+        }
+    }
+}
+
+impl From<&JobRequest> for RequestRecord {
+    fn from(r: &JobRequest) -> RequestRecord {
+        let kind = match r.kind {
+            JobKind::Deliver { rack, station, pick } => {
+                KindRecord::Deliver { rack: rack.0, station: station.0, pick: pick.map(|p| p.0) }
+            }
+            JobKind::Return { rack } => KindRecord::Return { rack: rack.0 },
+            JobKind::Relocate { rack, node } => KindRecord::Relocate { rack: rack.0, node: node.0 },
+            JobKind::Charge { robot } => KindRecord::Charge { robot: robot.0 },
+            JobKind::Park { robot } => KindRecord::Park { robot: robot.0 },
+            JobKind::Go { robot, node } => KindRecord::Go { robot: robot.0, node: node.0 },
+        };
+        RequestRecord {
+            kind,
+            priority: r.priority,
+            deadline: r.deadline.map(|t| t.0),
+            after: r.after.iter().map(|j| j.0).collect(),
+            key: r.key.clone(),
+        }
+    }
+}
+
+impl From<RequestRecord> for JobRequest {
+    fn from(r: RequestRecord) -> JobRequest {
+        let kind = match r.kind {
+            KindRecord::Deliver { rack, station, pick } => {
+                JobKind::Deliver { rack: RackId(rack), station: StationId(station), pick: pick.map(Span) }
+            }
+            KindRecord::Return { rack } => JobKind::Return { rack: RackId(rack) },
+            KindRecord::Relocate { rack, node } => {
+                JobKind::Relocate { rack: RackId(rack), node: NodeId(node) }
+            }
+            KindRecord::Charge { robot } => JobKind::Charge { robot: RobotId(robot) },
+            KindRecord::Park { robot } => JobKind::Park { robot: RobotId(robot) },
+            KindRecord::Go { robot, node } => JobKind::Go { robot: RobotId(robot), node: NodeId(node) },
+        };
+        JobRequest {
+            kind,
+            priority: r.priority,
+            deadline: r.deadline.map(Time),
+            after: r.after.into_iter().map(JobId).collect(),
+            key: r.key,
+        }
+    }
+}
+
+impl From<JobState> for StateRecord {
+    fn from(s: JobState) -> StateRecord {
+        match s {
+            JobState::Waiting => StateRecord::Waiting,
+            JobState::Assigned { robot } => StateRecord::Assigned(robot.0),
+            JobState::Carrying { robot } => StateRecord::Carrying(robot.0),
+            JobState::Picking { robot } => StateRecord::Picking(robot.0),
+            JobState::Done => StateRecord::Done,
+            JobState::Cancelled => StateRecord::Cancelled,
+            JobState::Failed(why) => StateRecord::Failed(why.into()),
+        }
+    }
+}
+
+impl From<StateRecord> for JobState {
+    fn from(s: StateRecord) -> JobState {
+        match s {
+            StateRecord::Waiting => JobState::Waiting,
+            StateRecord::Assigned(robot) => JobState::Assigned { robot: RobotId(robot) },
+            StateRecord::Carrying(robot) => JobState::Carrying { robot: RobotId(robot) },
+            StateRecord::Picking(robot) => JobState::Picking { robot: RobotId(robot) },
+            StateRecord::Done => JobState::Done,
+            StateRecord::Cancelled => JobState::Cancelled,
+            StateRecord::Failed(why) => JobState::Failed(why.into()),
+        }
+    }
+}
+
+impl From<JobFailure> for FailureRecord {
+    fn from(f: JobFailure) -> FailureRecord {
+        match f {
+            JobFailure::Predecessor(job) => FailureRecord::Predecessor(job.0),
+            JobFailure::Unreachable => FailureRecord::Unreachable,
+        }
+    }
+}
+
+impl From<FailureRecord> for JobFailure {
+    fn from(f: FailureRecord) -> JobFailure {
+        match f {
+            FailureRecord::Predecessor(job) => JobFailure::Predecessor(JobId(job)),
+            FailureRecord::Unreachable => JobFailure::Unreachable,
+        }
+    }
+}
+
+/// A failure as text, for its own column.
+pub(super) fn encode_failure(f: JobFailure) -> String {
+    serde_json::to_string(&FailureRecord::from(f)).expect("failures have no maps")
+}
+
+/// A failure from its column.
+pub(super) fn decode_failure(text: &str) -> Result<JobFailure, RecordError> {
+    Ok(serde_json::from_str::<FailureRecord>(text)?.into())
+}
+
+impl From<Task> for TaskRecord {
+    fn from(t: Task) -> TaskRecord {
+        match t {
+            Task::Idle => TaskRecord::Idle,
+            Task::Fetch { job, rack, node } => TaskRecord::Fetch { job: job.0, rack: rack.0, node: node.0 },
+            Task::Deliver { job, rack, station, store } => {
+                TaskRecord::Deliver { job: job.0, rack: rack.0, station: station.0, store: store.0 }
+            }
+            Task::Store { job, rack, store } => {
+                TaskRecord::Store { job: job.map(|j| j.0), rack: rack.0, store: store.0 }
+            }
+            Task::Move { job, goal, stay, purpose } => TaskRecord::Move {
+                job: job.map(|j| j.0),
+                goal: goal.0,
+                stay: stay.0,
+                purpose: match purpose {
+                    Purpose::Charge => PurposeRecord::Charge,
+                    Purpose::Park => PurposeRecord::Park,
+                    Purpose::Go => PurposeRecord::Go,
+                },
+            },
+        }
+    }
+}
+
+impl From<TaskRecord> for Task {
+    fn from(t: TaskRecord) -> Task {
+        match t {
+            TaskRecord::Idle => Task::Idle,
+            TaskRecord::Fetch { job, rack, node } => {
+                Task::Fetch { job: JobId(job), rack: RackId(rack), node: NodeId(node) }
+            }
+            TaskRecord::Deliver { job, rack, station, store } => Task::Deliver {
+                job: JobId(job),
+                rack: RackId(rack),
+                station: NodeId(station),
+                store: NodeId(store),
+            },
+            TaskRecord::Store { job, rack, store } => {
+                Task::Store { job: job.map(JobId), rack: RackId(rack), store: NodeId(store) }
+            }
+            TaskRecord::Move { job, goal, stay, purpose } => Task::Move {
+                job: job.map(JobId),
+                goal: NodeId(goal),
+                stay: NodeId(stay),
+                purpose: match purpose {
+                    PurposeRecord::Charge => Purpose::Charge,
+                    PurposeRecord::Park => Purpose::Park,
+                    PurposeRecord::Go => Purpose::Go,
+                },
+            },
+        }
+    }
+}
+
+impl From<Act> for ActRecord {
+    fn from(a: Act) -> ActRecord {
+        match a {
+            Act::Lift(rack) => ActRecord::Lift(rack.0),
+            Act::Set(rack) => ActRecord::Set(rack.0),
+            Act::Pick(span) => ActRecord::Pick(span.0),
+            Act::Arrive => ActRecord::Arrive,
+        }
+    }
+}
+
+impl From<ActRecord> for Act {
+    fn from(a: ActRecord) -> Act {
+        match a {
+            ActRecord::Lift(rack) => Act::Lift(RackId(rack)),
+            ActRecord::Set(rack) => Act::Set(RackId(rack)),
+            ActRecord::Pick(span) => Act::Pick(Span(span)),
+            ActRecord::Arrive => Act::Arrive,
+        }
+    }
+}

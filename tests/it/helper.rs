@@ -1,0 +1,166 @@
+//! Folders, servers and a small HTTP client for the tests.
+
+use giveway::server::{Config, Floor, Server};
+use giveway::sim::Scenario;
+use serde_json::Value;
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+
+/// The scenario that all tests run: fast robots, no customers but the test.
+pub const SCENARIO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/it/quiet.json");
+
+/// A folder that goes with the test.
+pub struct Folder(PathBuf);
+
+impl Folder {
+    pub fn new() -> Folder {
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        let name = format!("giveway-it-{}-{}", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed));
+        let path = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&path).unwrap();
+        Folder(path)
+    }
+
+    pub fn database(&self) -> PathBuf {
+        self.0.join("giveway.sqlite")
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Settings for a server on any port.
+pub fn config(folder: &Folder) -> Config {
+    Config {
+        scenario: SCENARIO.into(),
+        listen: "127.0.0.1:0".into(),
+        database: folder.database(),
+        token: None,
+        tokens: None,
+    }
+}
+
+/// A server on any port.
+pub async fn start(folder: &Folder) -> Server {
+    Server::start(&config(folder), floor()).await.unwrap()
+}
+
+/// What servers in tests run.
+pub fn floor() -> Floor {
+    let scenario = Scenario::parse(&std::fs::read_to_string(SCENARIO).unwrap()).unwrap();
+    Floor { scenario, map: Arc::new(map()), lines: Vec::new() }
+}
+
+/// The map of the scenario.
+pub fn map() -> giveway::warehouse::Warehouse {
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/maps/lab.json")).unwrap();
+    giveway::warehouse::formats::json::parse(&text).unwrap()
+}
+
+/// A job that brings a rack of the map to a station of it.
+pub fn delivery(rack: usize) -> Value {
+    let map = map();
+    let rack = map.racks.iter().nth(rack % map.racks.len()).unwrap();
+    let station = map.stations.iter().next().unwrap();
+    serde_json::json!({"kind": "deliver", "rack": rack.name, "station": station.name})
+}
+
+/// An answer.
+#[derive(Debug)]
+pub struct Answer {
+    pub status: u16,
+    pub headers: Vec<(String, String)>,
+    pub text: String,
+}
+
+impl Answer {
+    pub fn header(&self, name: &str) -> Option<&str> {
+        self.headers.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_str())
+    }
+
+    pub fn json(&self) -> Value {
+        serde_json::from_str(&self.text).unwrap_or_else(|e| panic!("{e}: {self:?}"))
+    }
+
+    /// The problem that this is, checked for what every problem has.
+    pub fn problem(&self, status: u16) -> Value {
+        assert_eq!(self.status, status, "{self:?}");
+        assert_eq!(self.header("content-type"), Some("application/problem+json"), "{self:?}");
+        let json = self.json();
+        assert_eq!(json["status"], status);
+        for key in ["type", "title", "detail", "instance"] {
+            assert!(json[key].as_str().is_some_and(|t| !t.is_empty()), "{key} of {json}");
+        }
+        json
+    }
+}
+
+/// One request on a connection of its own.
+pub async fn send(
+    at: SocketAddr,
+    method: &str,
+    path: &str,
+    headers: &[(&str, &str)],
+    body: &str,
+) -> std::io::Result<Answer> {
+    let mut text = format!("{method} {path} HTTP/1.1\r\nconnection: close\r\n");
+    for (name, value) in headers {
+        text += &format!("{name}: {value}\r\n");
+    }
+    if !headers.iter().any(|(name, _)| *name == "host") {
+        text += &format!("host: {at}\r\n");
+    }
+    text += &format!("content-length: {}\r\n\r\n{body}", body.len());
+    let mut stream = TcpStream::connect(at).await?;
+    stream.write_all(text.as_bytes()).await?;
+    let mut bytes = Vec::new();
+    stream.read_to_end(&mut bytes).await?;
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    let cut = || std::io::Error::other("the answer is cut off");
+    let (head, body) = text.split_once("\r\n\r\n").ok_or_else(cut)?;
+    let mut lines = head.lines();
+    let status =
+        lines.next().and_then(|l| l.split(' ').nth(1)).and_then(|s| s.parse().ok()).ok_or_else(cut)?;
+    let header = |l: &str| l.split_once(": ").map(|(n, v)| (n.to_lowercase(), v.to_owned()));
+    let answer = Answer { status, headers: lines.filter_map(header).collect(), text: body.into() };
+    match answer.header("content-length").and_then(|n| n.parse::<usize>().ok()) {
+        Some(length) if method != "HEAD" && length != answer.text.len() => Err(cut()),
+        _ => Ok(answer),
+    }
+}
+
+pub async fn get(at: SocketAddr, path: &str) -> Answer {
+    send(at, "GET", path, &[], "").await.unwrap()
+}
+
+/// Hands in a job.
+pub async fn post(at: SocketAddr, key: Option<&str>, job: &Value) -> std::io::Result<Answer> {
+    let mut headers = vec![("content-type", "application/json")];
+    headers.extend(key.map(|key| ("idempotency-key", key)));
+    send(at, "POST", "/v1/jobs", &headers, &job.to_string()).await
+}
+
+/// All jobs, page by page.
+pub async fn all_jobs(at: SocketAddr, limit: u32) -> Vec<Value> {
+    let mut jobs = Vec::new();
+    let mut path = format!("/v1/jobs?limit={limit}");
+    loop {
+        let page = get(at, &path).await.json();
+        jobs.extend(page["items"].as_array().unwrap().clone());
+        match page["next"].as_str() {
+            Some(next) => path = format!("/v1/jobs?limit={limit}&cursor={next}"),
+            None => return jobs,
+        }
+    }
+}

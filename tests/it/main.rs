@@ -1,0 +1,11 @@
+//! The edges from outside: a real server on a port of its own, a real database in a folder of its own.
+//!
+//! One file per subject; [`helper`] starts servers and speaks HTTP. Refuses: to reach into the parts.
+
+#![cfg(feature = "edge")]
+
+mod api;
+mod helper;
+mod live;
+mod recovery;
+mod store;

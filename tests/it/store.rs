@@ -1,0 +1,257 @@
+//! The store: what goes in comes out, once; and a server whose database is locked or full.
+
+use crate::helper::{Folder, all_jobs, delivery, get, map, post, start};
+use giveway::fleet::{Act, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, Stop, Task};
+use giveway::id::{JobId, NodeId, RackId, ResourceId, RobotId, StationId};
+use giveway::store::{Entry, JobQuery, Store, StoreError, record};
+use giveway::time::{Span, Time};
+use giveway::timeline::Visit;
+use sqlx::Connection;
+use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
+use std::net::SocketAddr;
+use std::time::Duration;
+
+fn request(kind: JobKind) -> JobRequest {
+    JobRequest { kind, priority: 3, deadline: None, after: vec![], key: None }
+}
+
+fn deliver() -> JobRequest {
+    request(JobKind::Deliver { rack: RackId(1), station: StationId(0), pick: Some(Span(5)) })
+}
+
+/// Every variant of everything at least once.
+fn every_fact() -> Vec<Fact> {
+    let (robot, job, rack, node, at) =
+        (RobotId(2), JobId(7), RackId(3), NodeId(4), Time(1_800_000_000_000_000));
+    let visit = |serial: u32, last: bool| Visit {
+        node: NodeId(serial),
+        lane: (!last).then_some(ResourceId(99)),
+        enter: at,
+        arrive: at,
+        depart: if last { Time::MAX } else { at },
+        leave: if last { Time::MAX } else { at },
+        stay: Span(if last { 0 } else { 2_200_000 }),
+    };
+    let stop = |serial, act| Stop { serial, act };
+    let kinds = [
+        JobKind::Deliver { rack, station: StationId(1), pick: Some(Span(8)) },
+        JobKind::Deliver { rack, station: StationId(1), pick: None },
+        JobKind::Return { rack },
+        JobKind::Relocate { rack, node },
+        JobKind::Charge { robot },
+        JobKind::Park { robot },
+        JobKind::Go { robot, node },
+    ];
+    let states = [
+        JobState::Waiting,
+        JobState::Assigned { robot },
+        JobState::Carrying { robot },
+        JobState::Picking { robot },
+        JobState::Done,
+        JobState::Cancelled,
+        JobState::Failed(JobFailure::Unreachable),
+        JobState::Failed(JobFailure::Predecessor(job)),
+    ];
+    let moves = [Purpose::Charge, Purpose::Park, Purpose::Go];
+    let tasks = [
+        Task::Idle,
+        Task::Fetch { job, rack, node },
+        Task::Deliver { job, rack, station: node, store: NodeId(9) },
+        Task::Store { job: Some(job), rack, store: node },
+        Task::Store { job: None, rack, store: node },
+    ];
+    let mut facts = vec![
+        Fact::Enlisted { robot, name: "robot-\"ü\"".into(), node, at },
+        Fact::Routed {
+            robot,
+            keep: u64::MAX,
+            kept: visit(1, false),
+            visits: vec![visit(2, false), visit(3, true)],
+            stops: vec![
+                stop(1, Act::Lift(rack)),
+                stop(2, Act::Set(rack)),
+                stop(3, Act::Pick(Span(9))),
+                stop(4, Act::Arrive),
+            ],
+        },
+        Fact::Granted { robot, serial: 8, at },
+        Fact::Passed { robot, serial: 8 },
+        Fact::Acted { robot, serial: 8 },
+        Fact::Delayed { robot, serial: 8, depart: Time::MAX },
+        Fact::Cut { robots: vec![robot, RobotId(0)] },
+        Fact::Failed { robot, at },
+        Fact::Repaired { robot, at },
+    ];
+    for (i, kind) in kinds.into_iter().enumerate() {
+        let mut request = request(kind);
+        request.deadline = Some(at);
+        request.after = vec![JobId(1), JobId(2)];
+        request.key = Some("a key".into());
+        facts.push(Fact::Accepted { job: JobId(i as u64 + 1), request, at });
+    }
+    facts.extend(states.map(|state| Fact::Progressed { job, state, at }));
+    facts.extend(tasks.map(|task| Fact::Tasked { robot, task }));
+    facts.extend(moves.map(|purpose| {
+        let task = Task::Move { job: Some(job), goal: node, stay: NodeId(5), purpose };
+        Fact::Tasked { robot, task }
+    }));
+    facts
+}
+
+fn entries(facts: Vec<Fact>) -> Vec<Entry> {
+    facts.into_iter().enumerate().map(|(i, fact)| Entry { at: Time(1000 + i as i64), fact }).collect()
+}
+
+#[test]
+fn every_fact_comes_back_from_its_record() {
+    for fact in every_fact() {
+        let text = record::encode(&fact);
+        assert_eq!(record::decode(record::VERSION, &text).unwrap(), fact, "{text}");
+    }
+}
+
+#[test]
+fn records_of_version_1_are_read_for_ever() {
+    let text = r#"{"fact":"routed","robot":2,"keep":5,"kept":[1,null,10,20,30,40,5],"visits":[[2,7,30,40,9223372036854775807,9223372036854775807,0]],"stops":[[6,{"lift":3}],[7,"arrive"]]}"#;
+    let Fact::Routed { keep: 5, visits, stops, .. } = record::decode(1, text).unwrap() else {
+        panic!("{text}")
+    };
+    assert!(visits[0].depart.is_forever());
+    assert_eq!(stops[1].act, Act::Arrive);
+    let newer = record::decode(2, text).unwrap_err().to_string();
+    assert!(newer.contains("newer Giveway"), "{newer}");
+    assert!(record::decode(1, "{").unwrap_err().to_string().contains("backup"));
+}
+
+#[tokio::test]
+async fn what_was_appended_is_loaded_and_projected() {
+    let folder = Folder::new();
+    let store = Store::open(&folder.database(), &map()).await.unwrap();
+    assert_eq!(store.load().await.unwrap().next, 1);
+    let facts = every_fact();
+    let (first, second) = facts.split_at(10);
+    store.append(1, &entries(first.to_vec())).await.unwrap();
+    store.append(11, &entries(second.to_vec())).await.unwrap();
+    store.close().await;
+    drop(store);
+
+    let store = Store::open(&folder.database(), &map()).await.unwrap();
+    let loaded = store.load().await.unwrap();
+    assert_eq!(loaded.facts, facts);
+    assert_eq!(loaded.next, facts.len() as i64 + 1);
+    assert_eq!(loaded.last, Some(Time(1000 + second.len() as i64 - 1)).max(Some(Time(1009))));
+    for fact in &facts {
+        if let Fact::Accepted { job, request, at } = fact {
+            let row = store.job(*job).await.unwrap().unwrap();
+            assert_eq!((&row.job.request, row.job.accepted), (request, *at));
+        }
+    }
+    let row = store.job(JobId(7)).await.unwrap().unwrap();
+    assert_eq!(row.job.state, JobState::Failed(JobFailure::Predecessor(JobId(7))));
+    assert_eq!(row.robot, Some(RobotId(2)), "the last one at work on it");
+    let failed = JobQuery { state: Some("failed"), before: None, limit: 10 };
+    assert_eq!(store.jobs(&failed).await.unwrap().len(), 1);
+    let older = JobQuery { state: None, before: Some(JobId(3)), limit: 10 };
+    let ids: Vec<_> = store.jobs(&older).await.unwrap().iter().map(|row| row.id).collect();
+    assert_eq!(ids, [JobId(2), JobId(1)]);
+    assert_eq!(store.count_jobs().await.unwrap(), (7, 6));
+}
+
+#[tokio::test]
+async fn a_batch_that_is_appended_again_is_written_once_and_a_gap_is_refused() {
+    let folder = Folder::new();
+    let store = Store::open(&folder.database(), &map()).await.unwrap();
+    let batch = entries(vec![Fact::Accepted { job: JobId(1), request: deliver(), at: Time(5) }]);
+    store.append(1, &batch).await.unwrap();
+    store.append(1, &batch).await.unwrap();
+    assert_eq!(store.load().await.unwrap().facts.len(), 1);
+    let gap = store.append(5, &batch).await.unwrap_err();
+    assert!(matches!(gap, StoreError::OutOfStep { expected: 4, found: 1 }) && gap.is_fatal(), "{gap}");
+    let double = store.append(2, &batch).await.unwrap_err();
+    assert!(double.is_fatal(), "the same job twice: {double}");
+    assert_eq!(store.load().await.unwrap().facts.len(), 1, "all or none");
+}
+
+#[tokio::test]
+async fn a_database_belongs_to_its_map() {
+    let folder = Folder::new();
+    drop(Store::open(&folder.database(), &map()).await.unwrap());
+    let mut other = map();
+    let last = other.racks.ids().next_back().unwrap();
+    other.racks[last].name = "another".into();
+    let error = Store::open(&folder.database(), &other).await.unwrap_err().to_string();
+    assert!(error.contains("use another --database, or the same map"), "{error}");
+    let mut faster = map();
+    faster.name = "renamed".into();
+    Store::open(&folder.database(), &faster).await.unwrap();
+}
+
+/// Waits until health has this status.
+async fn wait_for_health(at: SocketAddr, status: u16) -> String {
+    for _ in 0..200 {
+        let answer = get(at, "/v1/health").await;
+        if answer.status == status {
+            return answer.text;
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    panic!("health does not become {status}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_locked_database_delays_answers_and_loses_nothing() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let before = post(at, None, &delivery(0)).await.unwrap().json();
+    let options = SqliteConnectOptions::new().filename(folder.database());
+    let mut other = SqliteConnection::connect_with(&options).await.unwrap();
+    sqlx::query("BEGIN EXCLUSIVE").execute(&mut other).await.unwrap();
+    let late = tokio::spawn(async move { post(at, Some("late"), &delivery(1)).await.unwrap() });
+    let text = wait_for_health(at, 503).await;
+    assert!(text.contains("journal"), "{text}");
+    assert!(!late.is_finished(), "not durable, not acknowledged");
+    let refused = post(at, None, &delivery(2)).await.unwrap();
+    refused.problem(503);
+    assert!(refused.header("retry-after").is_some());
+    assert_eq!(
+        get(at, &format!("/v1/jobs/{}", before["id"].as_str().unwrap())).await.status,
+        200,
+        "reads go on"
+    );
+    sqlx::query("COMMIT").execute(&mut other).await.unwrap();
+    let late = late.await.unwrap();
+    assert_eq!(late.status, 201, "{late:?}");
+    wait_for_health(at, 200).await;
+    assert_eq!(post(at, None, &delivery(2)).await.unwrap().status, 201);
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_full_disk_stops_acknowledgements_and_loses_nothing() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    server.store().cap(1).await.unwrap();
+    let mut acknowledged = Vec::new();
+    for i in 0..400 {
+        let key = format!("{i:0200}");
+        let answer = post(at, Some(&key), &delivery(i)).await.unwrap();
+        if answer.status != 201 {
+            answer.problem(503);
+            break;
+        }
+        acknowledged.push(answer.json()["id"].clone());
+    }
+    let text = wait_for_health(at, 503).await;
+    assert!(text.contains("the disk is full; make room"), "{text}");
+    assert!(acknowledged.len() < 400, "the cap holds");
+    server.store().cap(1 << 20).await.unwrap();
+    wait_for_health(at, 200).await;
+    acknowledged.push(post(at, None, &delivery(0)).await.unwrap().json()["id"].clone());
+    let listed = all_jobs(at, 500).await;
+    for id in acknowledged {
+        assert_eq!(listed.iter().filter(|j| j["id"] == id).count(), 1, "{id}");
+    }
+    server.stop().await.unwrap();
+}
