@@ -80,7 +80,8 @@ impl Fleet {
         }
     }
 
-    fn why(&self, r: RobotId, now: Time) -> Option<Why> {
+    /// Why a robot does not go on, if it does not.
+    pub fn why(&self, r: RobotId, now: Time) -> Option<Why> {
         if self.ledger.robots[r].failed {
             return Some(Why::Failed);
         }

@@ -4,7 +4,7 @@
 //! mend anything; one violation fails the run.
 
 use super::world::World;
-use crate::fleet::{Fact, Fleet, JobState, Ledger, Task};
+use crate::fleet::{Fact, Fleet, JobState, Ledger, Task, Why};
 use crate::geometry::{Point, axis_distance};
 use crate::id::{Dense, JobId, RobotId};
 use crate::time::{Span, Time};
@@ -26,7 +26,7 @@ pub enum Violation {
     /// A robot is beyond what it was granted.
     BeyondGrant(RobotId),
     /// A robot has had a task without progress for too long.
-    Stuck(RobotId, Task),
+    Stuck(RobotId, Task, Option<Why>),
     /// A job vanished.
     JobLost(JobId),
     /// A job was done twice.
@@ -40,8 +40,8 @@ impl fmt::Display for Violation {
         match self {
             Violation::Overlap(a, b) => write!(f, "robots {} and {} overlap", a.0 + 1, b.0 + 1),
             Violation::BeyondGrant(r) => write!(f, "robot {} drove beyond its grant", r.0 + 1),
-            Violation::Stuck(r, task) => {
-                write!(f, "robot {} made no progress for {STUCK:?} on {task:?}", r.0 + 1)
+            Violation::Stuck(r, task, why) => {
+                write!(f, "robot {} made no progress for {STUCK:?} on {task:?}: {why:?}", r.0 + 1)
             }
             Violation::JobLost(j) => write!(f, "job {j:?} was lost"),
             Violation::DoneTwice(j) => write!(f, "job {j:?} was done twice"),
@@ -175,7 +175,8 @@ impl Laws {
             } else if now - entry.2 > STUCK {
                 entry.2 = now;
                 let task = record.task;
-                self.break_law(now, Violation::Stuck(r, task));
+                let why = fleet.why(r, now);
+                self.break_law(now, Violation::Stuck(r, task, why));
             }
         }
         debug_assert!(self.progress.len() <= RobotId::at(fleet.ledger().robots.len()).ix());
