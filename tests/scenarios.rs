@@ -16,7 +16,7 @@ const RUNS: [(&str, i64); 7] = [
     ("kiva-50", 60),
     ("kiva-100", 60),
     ("orders", 60),
-    ("kiva-800", 40),
+    ("kiva-800", 70),
 ];
 
 fn folder() -> PathBuf {
