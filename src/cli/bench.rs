@@ -2,9 +2,13 @@
 //!
 //! Main type: [`Bench`]. Refuses: to print a figure without the command that made it.
 
-use super::{progress, read};
+use super::sim::quantiles;
+use super::{progress, read, read_map, stopwatch};
 use crate::experiment::grid::Grid;
 use crate::experiment::lifelong::{self, Setup};
+use crate::experiment::planning;
+use crate::fleet::Settings;
+use crate::warehouse::room_for;
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::json;
 use std::path::PathBuf;
@@ -16,6 +20,8 @@ use std::time::Instant;
 pub enum Bench {
     /// Goals reached per step on a benchmark floor, by the product's own search.
     Lifelong(Lifelong),
+    /// How long one route takes to plan while all other robots hold theirs.
+    Plan(Plan),
 }
 
 /// Pebble rules, with or without turns.
@@ -56,11 +62,73 @@ pub struct Lifelong {
     json: bool,
 }
 
+/// Arguments of `bench plan`.
+#[derive(Args)]
+pub struct Plan {
+    /// Map.
+    #[arg(long)]
+    map: PathBuf,
+    /// How many robots hold routes.
+    #[arg(long, default_value_t = 800)]
+    robots: usize,
+    /// How many single routes to plan.
+    #[arg(long, default_value_t = 4000)]
+    queries: usize,
+    /// Labels that one search may expand.
+    #[arg(long)]
+    budget: Option<u32>,
+    /// Seed of the errands.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Plan {
+    fn run(self) -> anyhow::Result<ExitCode> {
+        let warehouse = read_map(&self.map)?;
+        room_for(&warehouse, self.robots).map_err(|e| anyhow::anyhow!("{}:\n{e}", self.map.display()))?;
+        anyhow::ensure!(self.robots > 0 && self.queries > 0, "--robots and --queries must be at least 1");
+        let budget = self.budget.unwrap_or(Settings::default().expansions_per_plan);
+        let bar = progress(self.queries as u64, "queries");
+        let step = |query| bar.set_position(query as u64);
+        let out = planning::run(&warehouse, self.robots, self.queries, budget, self.seed, stopwatch, step);
+        bar.finish_and_clear();
+        let expansions = |q: f64| out.expansions.get((out.expansions.len() as f64 * q) as usize);
+        let report = json!({
+            "map": warehouse.name, "robots": self.robots, "routes_held": out.routes, "holds": out.holds,
+            "budget_expansions": budget,
+            "plan_us": quantiles(&out.found_ns), "failed_us": quantiles(&out.failed_ns),
+            "expansions": {"p50": expansions(0.5), "p99": expansions(0.99)},
+            "cold_all_ms": out.cold_ns as f64 / 1e6,
+            "memory_mb": {"process_peak": peak_memory_mb(), "lower_bounds": out.estimate_bytes as f64 / 1e6},
+        });
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&report)?);
+        } else {
+            println!("{} routes held; one more:", out.routes);
+            println!("  found  {}", report["plan_us"]);
+            println!("  failed {}", report["failed_us"]);
+            println!("  memory {}", report["memory_mb"]);
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// The largest memory the process has had, as the kernel tells it; nothing where it does not.
+fn peak_memory_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
+    Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? / 1000.0)
+}
+
 impl Bench {
     /// Runs the measurement.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         match self {
             Bench::Lifelong(arguments) => arguments.run(),
+            Bench::Plan(arguments) => arguments.run(),
         }
     }
 }

@@ -61,8 +61,8 @@ impl Default for Settings {
         Settings {
             kinematics: Kinematics::default(),
             period: Span::from_millis(50),
-            expansions_per_plan: 20_000,
-            expansions_per_step: 60_000,
+            expansions_per_plan: 3_500,
+            expansions_per_step: 30_000,
             battery_low: 0.3,
             battery_enough: 0.5,
             waiting_max: 100_000,

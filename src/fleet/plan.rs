@@ -8,7 +8,7 @@ use super::fact::{Act, Fact, Stop, Task};
 use super::job::{JobKind, JobState};
 use super::{Fleet, ledger};
 use crate::geometry::Segment;
-use crate::id::{NodeId, RobotId};
+use crate::id::{IdVec, NodeId, RobotId, StationId};
 use crate::route::{Ask, NoRoute, Route, Stage};
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Visit};
@@ -49,12 +49,20 @@ impl Needs {
 impl Fleet {
     pub(super) fn plan(&mut self, now: Time) {
         let mut budget = self.settings.expansions_per_step;
-        for robot in self.in_need(now) {
+        let in_need = self.in_need(now);
+        let mut bound = if in_need.is_empty() { IdVec::new() } else { self.bound_for_stations() };
+        for robot in in_need {
             if budget == 0 {
                 return;
             }
+            if self.scene.fit(robot, now).is_none() || !self.station_has_room(robot, &bound) {
+                continue;
+            }
             let spent = self.plan_one(robot, now);
             budget = budget.saturating_sub(spent);
+            if let Some(station) = self.station_of(robot).filter(|_| !self.lacks_route(robot)) {
+                bound[station] += 1;
+            }
         }
         self.improve(now, budget);
     }
@@ -94,9 +102,6 @@ impl Fleet {
 
     /// One robot, one search; gives the expansions spent.
     fn plan_one(&mut self, robot: RobotId, now: Time) -> u32 {
-        if self.scene.fit(robot, now).is_none() || !self.station_has_room(robot) {
-            return 0;
-        }
         self.choose_storage(robot);
         let stages = self.stages(robot);
         match self.search(robot, &stages, now) {
@@ -117,18 +122,33 @@ impl Fleet {
         }
     }
 
+    /// The station that a robot carries its rack to.
+    fn station_of(&self, robot: RobotId) -> Option<StationId> {
+        let Task::Deliver { station, .. } = self.ledger.robots[robot].task else { return None };
+        self.warehouse().nodes[station].kind.reserved_for()
+    }
+
+    /// For each station, how many robots are on their way to it or stand at it.
+    fn bound_for_stations(&self) -> IdVec<StationId, usize> {
+        let mut bound = IdVec::filled(0, self.warehouse().stations.len());
+        for robot in self.ledger.robots.ids() {
+            let standing = match self.warehouse().nodes[self.ledger.node_of(robot)].kind {
+                NodeKind::Station(s) => Some(s),
+                _ => None,
+            };
+            let under_way = self.station_of(robot).filter(|_| !self.lacks_route(robot));
+            if let Some(station) = under_way.or(standing) {
+                bound[station] += 1;
+            }
+        }
+        bound
+    }
+
     /// A loaded robot sets off to a station only if the queue has a place for it: whatever happens at the station,
     /// nobody who is on the way there has to wait outside.
-    fn station_has_room(&self, robot: RobotId) -> bool {
-        let Task::Deliver { station, .. } = self.ledger.robots[robot].task else { return true };
-        let NodeKind::Station(id) = self.warehouse().nodes[station].kind else { return true };
-        let places = self.warehouse().stations[id].queue.len() + 1;
-        let bound = |r: RobotId| {
-            let record = &self.ledger.robots[r];
-            let there = matches!(record.task, Task::Deliver { station: s, .. } if s == station);
-            r != robot && (there || self.ledger.node_of(r) == station) && !self.lacks_route(r)
-        };
-        self.settings.ghosts || self.ledger.robots.ids().filter(|r| bound(*r)).count() < places
+    fn station_has_room(&self, robot: RobotId, bound: &IdVec<StationId, usize>) -> bool {
+        let Some(station) = self.station_of(robot) else { return true };
+        self.settings.ghosts || bound[station] <= self.warehouse().stations[station].queue.len()
     }
 
     /// Looks for a better storage node before a rack leaves, and after each failed search.

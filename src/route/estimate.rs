@@ -30,12 +30,22 @@ pub struct Estimates {
     warehouse: Arc<Warehouse>,
     pace: Arc<Pace>,
     offsets: Vec<u32>,
-    into_start: Vec<u32>,
-    into: Vec<ArcId>,
+    nodes: Vec<NodeId>,
+    /// What leads into each state, without and with a rack.
+    into: [Into; 2],
     tables: BTreeMap<(NodeId, bool), (Arc<Table>, u64)>,
     clock: u64,
     buckets: Vec<Vec<u32>>,
     built: u64,
+}
+
+/// Edges into states, by the state they lead to: first those from within the same station's places, then all others.
+#[derive(Debug, Default)]
+struct Into {
+    start: Vec<u32>,
+    inner_end: Vec<u32>,
+    /// State before, milliseconds.
+    edges: Vec<(u32, u32)>,
 }
 
 /// Whether a robot bound for `goal` may drive the arc: lanes have users, a loaded robot never passes beneath
@@ -56,21 +66,16 @@ impl Estimates {
     /// No tables yet.
     pub fn new(warehouse: Arc<Warehouse>, pace: Arc<Pace>) -> Estimates {
         let mut offsets = vec![0u32];
+        let mut nodes = Vec::new();
         for n in warehouse.nodes.ids() {
             offsets.push(offsets[n.ix()] + 2 * warehouse.headings(n).len() as u32);
+            nodes.resize(offsets[n.ix() + 1] as usize, n);
         }
-        let mut into: Vec<ArcId> = warehouse.arcs.ids().collect();
-        into.sort_by_key(|a| (warehouse.arcs[*a].to, *a));
-        let mut into_start = vec![0u32; warehouse.nodes.len() + 1];
-        for a in warehouse.arcs.iter() {
-            into_start[a.to.ix() + 1] += 1;
-        }
-        for i in 0..warehouse.nodes.len() {
-            into_start[i + 1] += into_start[i];
-        }
-        let buckets = vec![Vec::new(); (longest_ms(&warehouse, &pace) + 1).next_power_of_two()];
+        let into = [false, true].map(|loaded| Into::new(&warehouse, &pace, &offsets, &nodes, loaded));
+        let longest = into.iter().flat_map(|i| &i.edges).map(|(_, ms)| *ms).max().unwrap_or(0);
+        let buckets = vec![Vec::new(); (longest as usize + 2).next_power_of_two()];
         let tables = BTreeMap::new();
-        Estimates { warehouse, pace, offsets, into_start, into, tables, clock: 0, buckets, built: 0 }
+        Estimates { warehouse, pace, offsets, nodes, into, tables, clock: 0, buckets, built: 0 }
     }
 
     /// How many tables were computed so far.
@@ -125,25 +130,43 @@ impl Estimates {
         slots.filter_map(|s| self.bound(table, node, s, Gait::Standing)).min()
     }
 
-    /// Reverse Dijkstra from standing at the goal, whatever the heading.
+    /// Reverse Dijkstra from standing at the goal, whatever the heading. What may not be driven through (storage with a
+    /// rack, the places of other stations) gets a value as a start, but nothing leads on from it.
     fn compute(&mut self, goal: NodeId, loaded: bool) -> Table {
         self.built += 1;
         let mut best = vec![u32::MAX; self.states()];
         let mask = self.buckets.len() - 1;
+        let goal_zone = self.warehouse.nodes[goal].kind.reserved_for();
         let mut waiting = 0;
-        for slot in 0..self.warehouse.headings(goal).len() as u32 {
-            let state = self.offsets[goal.ix()] + 2 * slot;
+        for state in (self.offsets[goal.ix()]..self.offsets[goal.ix() + 1]).step_by(2) {
             best[state as usize] = 0;
             self.buckets[0].push(state);
             waiting += 1;
         }
-        let node_of = self.node_of_state();
+        let into = &self.into[usize::from(loaded)];
         let mut now = 0u32;
         while waiting > 0 {
             while let Some(state) = self.buckets[now as usize & mask].pop() {
                 waiting -= 1;
-                if best[state as usize] == now {
-                    waiting += self.relax(&mut best, state, node_of[state as usize], now, loaded, goal);
+                let s = state as usize;
+                if best[s] != now {
+                    continue;
+                }
+                let node = self.nodes[s];
+                let kind = self.warehouse.nodes[node].kind;
+                let zone = kind.reserved_for();
+                if loaded && kind == NodeKind::Storage && node != goal {
+                    continue;
+                }
+                let open = zone.is_none() || zone == goal_zone;
+                let end = if open { into.start[s + 1] } else { into.inner_end[s] };
+                for &(before, ms) in &into.edges[into.start[s] as usize..end as usize] {
+                    let cost = now + ms;
+                    if cost < best[before as usize] {
+                        best[before as usize] = cost;
+                        self.buckets[cost as usize & mask].push(before);
+                        waiting += 1;
+                    }
                 }
             }
             now += 1;
@@ -151,81 +174,50 @@ impl Estimates {
         let floor = |b: u32| if b == u32::MAX { UNREACHABLE } else { (b / UNIT_MS).min(0xfffe) as u16 };
         Table { bounds: best.into_iter().map(floor).collect() }
     }
+}
 
-    fn node_of_state(&self) -> Vec<NodeId> {
-        let mut nodes = Vec::with_capacity(self.states());
-        for n in self.warehouse.nodes.ids() {
-            nodes.resize(self.offsets[n.ix() + 1] as usize, n);
-        }
-        nodes
-    }
-
-    /// Relaxes everything that can lead into `state` of `node`; gives how many entries were queued.
-    fn relax(
-        &mut self,
-        best: &mut [u32],
-        state: u32,
-        node: NodeId,
-        now: u32,
-        loaded: bool,
-        goal: NodeId,
-    ) -> usize {
-        let local = state - self.offsets[node.ix()];
-        let (slot, to) = ((local / 2) as u8, if local % 2 == 1 { Gait::Rolling } else { Gait::Standing });
-        let mask = self.buckets.len() - 1;
-        let mut queued = 0;
-        for i in self.into_start[node.ix()]..self.into_start[node.ix() + 1] {
-            let id = self.into[i as usize];
-            let arc = &self.warehouse.arcs[id];
-            if arc.slot != slot || !may_drive(&self.warehouse, id, loaded, goal) {
-                continue;
-            }
-            for from_slot in 0..self.warehouse.headings(arc.from).len() as u8 {
-                for from in [Gait::Standing, Gait::Rolling] {
-                    let Some(span) = self.step(id, from_slot, loaded, from, to) else { continue };
-                    let cost = now + (span.0 / 1000) as u32;
-                    let rolling = u32::from(from == Gait::Rolling);
-                    let before = self.offsets[arc.from.ix()] + 2 * u32::from(from_slot) + rolling;
-                    if cost < best[before as usize] {
-                        best[before as usize] = cost;
-                        self.buckets[cost as usize & mask].push(before);
-                        queued += 1;
-                    }
+impl Into {
+    fn new(warehouse: &Warehouse, pace: &Pace, offsets: &[u32], nodes: &[NodeId], loaded: bool) -> Into {
+        let mut lists: Vec<Vec<(bool, u32, u32)>> = vec![Vec::new(); nodes.len()];
+        for (id, arc) in warehouse.arcs.pairs().filter(|(_, a)| a.users.allows(loaded)) {
+            let zone = |n: NodeId| warehouse.nodes[n].kind.reserved_for();
+            let outer = zone(arc.from).is_none() || zone(arc.from) != zone(arc.to);
+            for slot in 0..warehouse.headings(arc.from).len() as u8 {
+                for (from, to) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    let (g, h) = (gait(from), gait(to));
+                    let Some(span) = step(pace, id, slot, loaded, g, h) else { continue };
+                    let before = offsets[arc.from.ix()] + 2 * u32::from(slot) + from;
+                    let state = offsets[arc.to.ix()] + 2 * u32::from(arc.slot) + to;
+                    lists[state as usize].push((outer, before, (span.0 / 1000) as u32));
                 }
             }
         }
-        queued
-    }
-
-    /// Turning and driving one arc, if that can be done with these gaits.
-    fn step(&self, arc: ArcId, slot: u8, loaded: bool, from: Gait, to: Gait) -> Option<Span> {
-        let pace = &self.pace;
-        let rolls = from == Gait::Rolling || to == Gait::Rolling;
-        if rolls && !pace.can_roll() || from == Gait::Rolling && !pace.is_straight(arc, slot) {
-            return None;
+        let mut into = Into { start: vec![0], ..Into::default() };
+        for mut list in lists {
+            list.sort_unstable();
+            let inner = list.iter().filter(|(outer, _, _)| !outer).count() as u32;
+            into.inner_end.push(into.edges.len() as u32 + inner);
+            into.edges.extend(list.into_iter().map(|(_, before, ms)| (before, ms)));
+            into.start.push(into.edges.len() as u32);
         }
-        let turn = if from == Gait::Rolling { Span::ZERO } else { pace.turn(arc, slot) };
-        Some(turn + pace.drive(arc, loaded, from, to))
+        into
     }
 }
 
-/// The longest turn and drive of all arcs, milliseconds.
-fn longest_ms(warehouse: &Warehouse, pace: &Pace) -> usize {
-    let mut longest = Span::ZERO;
-    for (id, arc) in warehouse.arcs.pairs() {
-        for slot in 0..warehouse.headings(arc.from).len() as u8 {
-            for loaded in [false, true] {
-                let drive = pace.drive(id, loaded, Gait::Standing, Gait::Standing);
-                longest = longest.max(pace.turn(id, slot) + drive);
-                longest =
-                    longest.max(pace.turn(id, slot) + pace.drive(id, loaded, Gait::Standing, Gait::Rolling));
-            }
-        }
-    }
-    (longest.0 / 1000) as usize + 1
+fn gait(rolling: u32) -> Gait {
+    if rolling == 1 { Gait::Rolling } else { Gait::Standing }
 }
 
-/// Durations per node of everything that starts there: for the search.
+/// Turning and driving one arc, if that can be done with these gaits.
+fn step(pace: &Pace, arc: ArcId, slot: u8, loaded: bool, from: Gait, to: Gait) -> Option<Span> {
+    let rolls = from == Gait::Rolling || to == Gait::Rolling;
+    if rolls && !pace.can_roll() || from == Gait::Rolling && !pace.is_straight(arc, slot) {
+        return None;
+    }
+    let turn = if from == Gait::Rolling { Span::ZERO } else { pace.turn(arc, slot) };
+    Some(turn + pace.drive(arc, loaded, from, to))
+}
+
 impl Estimates {
     /// The pace.
     pub fn pace(&self) -> &Arc<Pace> {

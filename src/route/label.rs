@@ -9,6 +9,9 @@ use crate::timeline::Gap;
 
 /// "None" among label indices.
 pub(super) const NONE: u32 = u32::MAX;
+/// How many rolling labels of one node, gap, stage and heading are kept: they differ only in how long the start of
+/// their run can still be put off, and beyond a few that never decides anything.
+const INTERVALS: usize = 4;
 /// The arrival heading of a robot that starts with a heading of its own.
 pub(super) const OWN_HEADING: u8 = u8::MAX;
 
@@ -106,18 +109,29 @@ impl Labels {
         let at = self.find(label.key());
         let fresh = self.slots[at].generation != self.generation;
         let head = if fresh { NONE } else { self.slots[at].head };
-        let mut i = head;
+        let (mut i, mut head, mut link) = (head, head, NONE);
+        let mut rolling = 0;
         while i != NONE {
-            let known = &self.arena[i as usize];
-            if !known.dominated && dominates(known, &label) {
+            let known = self.arena[i as usize];
+            if dominates(&known, &label) {
                 return None;
             }
-            i = known.next;
-        }
-        let mut i = head;
-        while i != NONE {
-            let known = &mut self.arena[i as usize];
-            known.dominated = known.dominated || dominates(&label, known);
+            if known.gait == label.gait && known.gait == Gait::Rolling && known.slot == label.slot {
+                rolling += 1;
+                if rolling >= INTERVALS && known.lo <= label.lo {
+                    return None;
+                }
+            }
+            if dominates(&label, &known) {
+                self.arena[i as usize].dominated = true;
+                // Nobody looks at it again: take it out of the list.
+                match link {
+                    NONE => head = known.next,
+                    l => self.arena[l as usize].next = known.next,
+                }
+            } else {
+                link = i;
+            }
             i = known.next;
         }
         let index = self.arena.len() as u32;

@@ -46,7 +46,7 @@ pub struct Ask<'a> {
     pub ready: Time,
     /// Where it wants to go; the last goal must be free for ever from some time on.
     pub stages: &'a [Stage],
-    /// How many labels may be expanded.
+    /// How many labels may be expanded. A route found within the first half is the earliest one.
     pub budget: u32,
 }
 

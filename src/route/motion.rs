@@ -9,7 +9,7 @@
 //! `2·√(L/a)`. Short runs of several lanes are thereby planned up to 0.4 s too slow, never too fast.
 
 use crate::geometry::turn_between;
-use crate::id::{ArcId, Dense, IdVec};
+use crate::id::{ArcId, Dense, IdVec, NodeId};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
 
@@ -84,6 +84,8 @@ pub struct Pace {
     turns: Vec<Span>,
     straight: Vec<bool>,
     rolls_on: Vec<bool>,
+    fastest_in: IdVec<NodeId, [Span; 2]>,
+    fastest_out: IdVec<NodeId, [Span; 2]>,
 }
 
 /// Whether a robot stands or rolls when its centre passes a node.
@@ -105,6 +107,8 @@ impl Pace {
             turns: Vec::new(),
             straight: Vec::new(),
             rolls_on: Vec::new(),
+            fastest_in: IdVec::filled([Span::ZERO; 2], warehouse.nodes.len()),
+            fastest_out: IdVec::filled([Span::ZERO; 2], warehouse.nodes.len()),
         };
         for arc in warehouse.arcs.iter() {
             let mut spans = [Span::ZERO; 8];
@@ -121,7 +125,39 @@ impl Pace {
             let goes_on = |a: &crate::warehouse::Arc| turn_between(arc.heading, a.heading) < STRAIGHT;
             pace.rolls_on.push(pace.can_roll() && warehouse.out(arc.to).any(|(_, a)| goes_on(a)));
         }
+        if pace.holds_while_driving() {
+            pace.note_fastest(warehouse);
+        }
         pace
+    }
+
+    /// Fills `fastest_in` and `fastest_out`.
+    fn note_fastest(&mut self, warehouse: &Warehouse) {
+        use Gait::{Rolling, Standing};
+        self.fastest_in.iter_mut().for_each(|s| *s = [Span::MAX; 2]);
+        self.fastest_out.iter_mut().for_each(|s| *s = [Span::MAX; 2]);
+        for (id, arc) in warehouse.arcs.pairs() {
+            for loaded in [false, true] {
+                let rolls = self.lead(loaded) + self.drive(id, loaded, Rolling, Standing);
+                let way_in = rolls.min(self.drive(id, loaded, Standing, Standing));
+                let out =
+                    self.drive(id, loaded, Standing, Rolling).min(self.drive(id, loaded, Standing, Standing));
+                let best_in = &mut self.fastest_in[arc.to][usize::from(loaded)];
+                *best_in = way_in.min(*best_in);
+                let best_out = &mut self.fastest_out[arc.from][usize::from(loaded)];
+                *best_out = out.min(*best_out);
+            }
+        }
+    }
+
+    /// From the end of somebody's hold on a node to the earliest stop of the next robot there.
+    pub fn fastest_in(&self, node: NodeId, loaded: bool) -> Span {
+        self.fastest_in[node][usize::from(loaded)]
+    }
+
+    /// From the earliest departure to the earliest arrival at any next node.
+    pub fn fastest_out(&self, node: NodeId, loaded: bool) -> Span {
+        self.fastest_out[node][usize::from(loaded)]
     }
 
     /// The rules.
@@ -170,6 +206,14 @@ impl Pace {
     pub fn lead(&self, loaded: bool) -> Span {
         match self.rules {
             Rules::Drive(k) => Span::from_secs_f64(k.speed_mps / (2.0 * k.accel_mps2(loaded))) + k.reaction,
+            Rules::Pebble { .. } => Span::ZERO,
+        }
+    }
+
+    /// What starting from rest costs at most, compared with rolling on.
+    pub fn start_cost(&self, loaded: bool) -> Span {
+        match self.rules {
+            Rules::Drive(k) => Span::from_secs_f64(k.speed_mps / (2.0 * k.accel_mps2(loaded))) + Span(1),
             Rules::Pebble { .. } => Span::ZERO,
         }
     }

@@ -26,8 +26,9 @@ pub(super) struct Scratch {
     open: Open,
 }
 
-/// Lower bounds of the arrivals at the first and at the last goal, then the deepest label first.
-type Open = BinaryHeap<Reverse<(i64, i64, Reverse<i64>, u32)>>;
+/// Lower bounds of the arrivals at the first and at the last goal; among equals the label nearest to the goals first:
+/// where all must wait for the same window, the search walks straight up to it.
+type Open = BinaryHeap<Reverse<(i64, i64, i64, u32)>>;
 
 /// What one search looks at.
 struct Search<'a> {
@@ -40,7 +41,14 @@ struct Search<'a> {
     goals: Vec<GoalWindows>,
     /// Lower bound from each goal to the next.
     between: Vec<i64>,
+    /// See [`Pace::start_cost`], without and with a rack.
+    start_cost: [i64; 2],
+    /// Whether half of the budget is spent.
+    hurried: bool,
 }
+
+/// By how much the way ahead outweighs the way behind once half of the budget is spent.
+const HASTE: i64 = 4;
 
 /// When a goal can be reached: `[first, last]` arrivals, in order.
 struct GoalWindows(Vec<(i64, i64)>);
@@ -75,9 +83,20 @@ pub(super) fn plan(
     let between = bounds_between(estimates, ask.stages, &tables)?;
     let warehouse = estimates.warehouse().clone();
     let pace = estimates.pace().clone();
-    let goals = goal_windows(&warehouse, timeline, ask)?;
-    let search =
-        Search { warehouse: &warehouse, pace: &pace, estimates, timeline, ask, tables, goals, between };
+    let goals = goal_windows(&warehouse, &pace, timeline, ask)?;
+    let start_cost = [false, true].map(|loaded| pace.start_cost(loaded).0);
+    let mut search = Search {
+        warehouse: &warehouse,
+        pace: &pace,
+        estimates,
+        timeline,
+        ask,
+        tables,
+        goals,
+        between,
+        start_cost,
+        hurried: false,
+    };
     let Scratch { labels, open } = scratch;
     labels.clear();
     open.clear();
@@ -102,18 +121,28 @@ fn bounds_between(
         .collect()
 }
 
+/// The arrivals at each goal that its free windows allow. Where robots hold the next node while they drive, nobody
+/// arrives sooner after a hold ends than the last lane takes, and nobody leaves faster than the first one does:
+/// without this, every search to a busy station would try all ways of arriving in those seconds.
 fn goal_windows(
     warehouse: &Warehouse,
+    pace: &Pace,
     timeline: &Timeline,
     ask: &Ask<'_>,
 ) -> Result<Vec<GoalWindows>, NoRoute> {
     let last = ask.stages.len() - 1;
     let windows = |(i, stage): (usize, &Stage)| {
+        let before = if i == 0 { ask.from.node } else { ask.stages[i - 1].goal };
+        let loaded_after = ask.stages.get(i + 1).map_or(stage.loaded, |s| s.loaded);
+        let (way_in, way_out) = (
+            if before == stage.goal { Span::ZERO } else { pace.fastest_in(stage.goal, stage.loaded) },
+            pace.fastest_out(stage.goal, loaded_after) + pace.clearance(),
+        );
         let gaps = timeline.gaps(warehouse.node_resource(stage.goal), ask.ready);
         let fits = gaps.filter_map(|g| match (i == last, g.end.is_forever()) {
             (true, false) => None,
-            (_, true) => Some((g.start.0, i64::MAX)),
-            _ => Some((g.start.0, (g.end - stage.stay).0 - 1)),
+            (_, true) => Some(((g.start + way_in).0, i64::MAX)),
+            _ => Some(((g.start + way_in).0, (g.end - stage.stay - way_out).0)),
         });
         let fits: Vec<_> = fits.filter(|(first, latest)| first <= latest).collect();
         if fits.is_empty() { Err(NoRoute::Blocked) } else { Ok(GoalWindows(fits)) }
@@ -136,7 +165,7 @@ impl Search<'_> {
     }
 
     /// Expands labels in order of their bounds until one stays at the last goal for ever.
-    fn run(&self, labels: &mut Labels, open: &mut Open) -> Result<(u32, u32), NoRoute> {
+    fn run(&mut self, labels: &mut Labels, open: &mut Open) -> Result<(u32, u32), NoRoute> {
         let mut expansions = 0;
         while let Some(Reverse((_, _, _, index))) = open.pop() {
             let label = *labels.get(index);
@@ -155,9 +184,21 @@ impl Search<'_> {
             if expansions > self.ask.budget {
                 return Err(NoRoute::BudgetSpent);
             }
+            if expansions == self.ask.budget / 2 {
+                self.hurry(labels, open);
+            }
             self.expand(labels, open, index, label);
         }
         Err(NoRoute::Blocked)
+    }
+
+    /// Half of the budget is spent: from now on whatever is nearest to the goals goes first. A route found now may not be
+    /// the earliest one, but a robot that drives is better than one that asks again.
+    fn hurry(&mut self, labels: &Labels, open: &mut Open) {
+        self.hurried = true;
+        let labels =
+            open.drain().map(|Reverse((_, _, left, i))| (labels.get(i).lo, left, i)).collect::<Vec<_>>();
+        open.extend(labels.into_iter().map(|(lo, left, i)| Reverse((lo + HASTE * left, 0, left, i))));
     }
 
     fn finish_stage(&self, labels: &mut Labels, open: &mut Open, index: u32, label: Label, stay: Span) {
@@ -288,14 +329,16 @@ impl Search<'_> {
 
     /// Adds a label with its bound, unless it cannot lead anywhere or another one is as good.
     fn push(&self, labels: &mut Labels, open: &mut Open, label: Label) {
-        let Some((first, last)) = self.bound(&label) else { return };
+        let Some((first, last, left)) = self.bound(&label) else { return };
         if let Some(index) = labels.add(label, |a, b| self.dominates(a, b)) {
-            open.push(Reverse((first, last, Reverse(label.lo), index)));
+            let key = if self.hurried { (label.lo + HASTE * left, 0) } else { (first, last) };
+            open.push(Reverse((key.0, key.1, left, index)));
         }
     }
 
-    /// The earliest possible arrivals at the first and at the last goal, seen from a label.
-    fn bound(&self, label: &Label) -> Option<(i64, i64)> {
+    /// The earliest possible arrivals at the first and at the last goal, seen from a label, and how long the rest takes
+    /// without any waiting.
+    fn bound(&self, label: &Label) -> Option<(i64, i64, i64)> {
         let stage = usize::from(label.stage);
         let there = label.node == self.ask.stages[stage].goal && label.gait == Gait::Standing;
         let ahead = if label.slot == OWN_HEADING || there {
@@ -304,6 +347,7 @@ impl Search<'_> {
             self.estimates.bound(&self.tables[stage], label.node, label.slot, label.gait)?.0
         };
         let mut arrival = label.lo + ahead;
+        let mut left = ahead;
         let mut first = label.first;
         for k in stage..self.goals.len() {
             arrival = self.goals[k].lift(arrival)?;
@@ -311,15 +355,22 @@ impl Search<'_> {
                 first = arrival;
             }
             if k + 1 < self.goals.len() {
-                arrival += self.ask.stages[k].stay.0 + self.between[k];
+                let leg = self.ask.stages[k].stay.0 + self.between[k];
+                arrival += leg;
+                left += leg;
             }
         }
-        Some((first, arrival))
+        Some((first, arrival, left))
     }
 
     fn dominates(&self, a: &Label, b: &Label) -> bool {
-        if a.lo > b.lo || a.first > b.first || a.gait != b.gait {
+        if a.lo > b.lo || a.first > b.first {
             return false;
+        }
+        if a.gait != b.gait {
+            // Who stands there early enough can start so as to be nowhere later than who rolls through.
+            let loaded = usize::from(self.ask.stages[usize::from(a.stage)].loaded);
+            return a.gait == Gait::Standing && a.slot == b.slot && a.lo + self.start_cost[loaded] <= b.lo;
         }
         if a.slot == b.slot {
             return a.gait == Gait::Standing || a.hi >= b.hi;

@@ -17,4 +17,4 @@ pub use customers::OrderLine;
 pub use laws::Violation;
 pub use run::{Outcome, Simulation};
 pub use scenario::{Demand, Faults, Scenario, ScenarioError};
-pub use world::World;
+pub use world::{World, starting_places};

@@ -136,7 +136,7 @@ impl Robot {
 }
 
 /// Where robots stand at first: chargers, parking places, then beneath racks, spread over the floor.
-fn starting_places(warehouse: &Warehouse, robots: usize) -> Vec<NodeId> {
+pub fn starting_places(warehouse: &Warehouse, robots: usize) -> Vec<NodeId> {
     let mut places = warehouse.nodes_where(|k| k == NodeKind::Charger);
     places.extend(warehouse.nodes_where(|k| k == NodeKind::Parking));
     let storage = warehouse.nodes_where(|k| k == NodeKind::Storage);

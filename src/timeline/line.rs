@@ -20,8 +20,6 @@ pub enum Layer {
 pub(super) struct Hold {
     pub start: Time,
     pub end: Time,
-    /// The latest end of this entry and all before it: gaps are found without looking back.
-    pub reach: Time,
     pub holder: Holder,
     pub serial: u64,
     pub layer: Layer,
@@ -45,6 +43,9 @@ const BEGINNING: Time = Time(i64::MIN / 2);
 #[derive(Clone, Debug, Default)]
 pub(super) struct Line {
     holds: Vec<Hold>,
+    /// For each hold its start, and the latest end of it and all before it: gaps are found without looking back, in a
+    /// few lines of cache.
+    edges: Vec<(Time, Time)>,
 }
 
 impl Line {
@@ -70,19 +71,21 @@ impl Line {
     }
 
     fn settle_from(&mut self, at: usize) {
-        let mut reach = if at == 0 { BEGINNING } else { self.holds[at - 1].reach };
-        for h in &mut self.holds[at..] {
+        let mut reach = if at == 0 { BEGINNING } else { self.edges[at - 1].1 };
+        self.edges.truncate(at);
+        for h in &self.holds[at..] {
             reach = reach.max(h.end);
-            h.reach = reach;
+            self.edges.push((h.start, reach));
         }
     }
 
     /// Gaps that end after `t`, in order.
     pub fn gaps(&self, t: Time) -> impl Iterator<Item = Gap> {
-        let from = self.holds.partition_point(|h| h.start <= t);
-        (from..=self.holds.len()).filter_map(move |i| {
-            let start = if i == 0 { BEGINNING } else { self.holds[i - 1].reach };
-            let end = self.holds.get(i).map_or(Time::MAX, |h| h.start);
+        let from = self.edges.partition_point(|(start, _)| *start <= t);
+        let mut free = if from == 0 { BEGINNING } else { self.edges[from - 1].1 };
+        (from..=self.edges.len()).filter_map(move |i| {
+            let (end, reach) = self.edges.get(i).copied().unwrap_or((Time::MAX, Time::MAX));
+            let start = std::mem::replace(&mut free, reach);
             (start < end).then_some(Gap { start, end, index: i as u32 })
         })
     }

@@ -446,14 +446,7 @@ impl Timeline {
             return;
         }
         for (resource, window) in claims(warehouse, clearance, visit) {
-            let hold = |layer| Hold {
-                start: window.start(),
-                end: window.end(),
-                reach: Time::ZERO,
-                holder,
-                serial,
-                layer,
-            };
+            let hold = |layer| Hold { start: window.start(), end: window.end(), holder, serial, layer };
             lines[resource].insert(hold(Layer::Physical));
             for &c in warehouse.conflicts(resource) {
                 lines[c].insert(hold(Layer::Conflict));

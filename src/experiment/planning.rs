@@ -1,0 +1,170 @@
+//! How long one route takes to plan while everybody else holds theirs.
+//!
+//! Main function: [`run`]. A crowd of robots holds routes as in operation: as many racks are bound for each station as
+//! it has places, as many robots again bring a rack to storage, all others go to a rack; departures are spread over a
+//! minute. Then single robots in turn get a new errand of their kind, planned against all others. Refuses: to look at a
+//! clock itself; the caller passes a stopwatch in.
+
+use crate::id::{Dense, NodeId, RobotId, StationId};
+use crate::route::{Ask, Kinematics, NoRoute, Planner, Route, Rules, Stage};
+use crate::sim::starting_places;
+use crate::time::{Span, Time};
+use crate::timeline::{Holder, Timeline, Visit};
+use crate::warehouse::{NodeKind, Warehouse};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// What was measured.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// Searches that found a route, nanoseconds, ascending.
+    pub found_ns: Vec<u64>,
+    /// Searches that found none, nanoseconds, ascending.
+    pub failed_ns: Vec<u64>,
+    /// First plans of all robots one after another on the empty floor, nanoseconds in all.
+    pub cold_ns: u64,
+    /// Robots that hold a route to somewhere else than where they stand.
+    pub routes: usize,
+    /// Holds on all resources.
+    pub holds: usize,
+    /// Labels expanded per search, ascending.
+    pub expansions: Vec<u32>,
+    /// Memory of the lower bounds, bytes.
+    pub estimate_bytes: usize,
+}
+
+struct Crowd {
+    timeline: Timeline,
+    planner: Planner,
+    starts: Vec<NodeId>,
+    ready: Vec<Time>,
+    budget: u32,
+    random: u64,
+}
+
+/// Plans `queries` single routes among `robots` robots.
+pub fn run(
+    warehouse: &Arc<Warehouse>,
+    robots: usize,
+    queries: usize,
+    budget: u32,
+    seed: u64,
+    stopwatch: fn() -> u64,
+    mut progress: impl FnMut(usize),
+) -> Outcome {
+    let kinematics = Kinematics::default();
+    let mut crowd = Crowd {
+        timeline: Timeline::new(warehouse.clone(), kinematics.clearance),
+        planner: Planner::new(warehouse.clone(), Rules::Drive(kinematics)),
+        starts: starting_places(warehouse, robots),
+        ready: Vec::new(),
+        budget,
+        random: seed.wrapping_mul(2).wrapping_add(1),
+    };
+    let mut out = Outcome::default();
+    crowd.ready = crowd.starts.clone().iter().map(|_| Time(crowd.below(60_000_000) as i64)).collect();
+    for (i, &node) in crowd.starts.iter().enumerate() {
+        let stand = crate::fleet::ledger::stand(node, Time::ZERO);
+        let holder = Holder::Robot(RobotId::at(i));
+        crowd
+            .timeline
+            .reserve(holder, vec![stand])
+            .expect("starting places are distinct and do not conflict");
+    }
+    let begin = stopwatch();
+    for i in 0..crowd.starts.len() {
+        let errand = crowd.errand(i);
+        if let Ok(route) = crowd.search(i, &errand) {
+            crowd.commit(i, route);
+        }
+    }
+    out.cold_ns = stopwatch() - begin;
+    for query in 0..queries {
+        let i = crowd.below(crowd.starts.len());
+        let errand = crowd.errand(i);
+        for stage in &errand {
+            crowd.planner.estimates().table(stage.goal, stage.loaded);
+        }
+        let begin = stopwatch();
+        let found = crowd.search(i, &errand);
+        let ns = stopwatch() - begin;
+        match found {
+            Ok(route) => {
+                out.found_ns.push(ns);
+                out.expansions.push(route.expansions);
+                crowd.commit(i, route);
+            }
+            Err(_) => out.failed_ns.push(ns),
+        }
+        progress(query);
+    }
+    crowd.sum_up(&mut out);
+    out
+}
+
+impl Crowd {
+    /// A small generator of its own (xorshift): the figures ask for variety, not for quality.
+    fn below(&mut self, n: usize) -> usize {
+        self.random ^= self.random << 13;
+        self.random ^= self.random >> 7;
+        self.random ^= self.random << 17;
+        (self.random >> 11) as usize % n.max(1)
+    }
+
+    /// What a robot does: a rack to a station and back, a rack to another storage node, or nothing but a way to one.
+    /// Robots are dealt to the kinds by number, so that the kinds are spread over the floor.
+    fn errand(&mut self, robot: usize) -> Vec<Stage> {
+        let w = self.planner.warehouse().clone();
+        let stage = |goal, loaded, stay| Stage { goal, loaded, stay: Span::from_millis(stay) };
+        let from_storage = w.nodes[self.starts[robot]].kind == NodeKind::Storage;
+        let stations = w.stations.pairs();
+        let places: Vec<StationId> =
+            stations.flat_map(|(s, station)| std::iter::repeat_n(s, station.queue.len() + 1)).collect();
+        let kinds = (self.starts.len() / places.len().max(1)).max(2);
+        if from_storage && robot.is_multiple_of(kinds) && robot / kinds < places.len() {
+            // Neighbours in number go to stations far apart.
+            let station = places[robot / kinds * 7 % places.len()];
+            return vec![
+                stage(w.stations[station].node, true, 8_000),
+                stage(self.starts[robot], true, 2_200),
+            ];
+        }
+        let loaded = from_storage && robot % kinds == 1;
+        vec![stage(self.free_storage(robot), loaded, 2_200)]
+    }
+
+    fn free_storage(&mut self, robot: usize) -> NodeId {
+        let places = self.planner.warehouse().nodes_where(|k| k == NodeKind::Storage);
+        let others = self.timeline.chains().filter(|(h, _)| *h != Holder::Robot(RobotId::at(robot)));
+        let taken: BTreeSet<NodeId> = others.filter_map(|(_, chain)| chain.last()).map(|v| v.node).collect();
+        loop {
+            let goal = places[self.below(places.len())];
+            if !taken.contains(&goal) {
+                return goal;
+            }
+        }
+    }
+
+    fn search(&mut self, robot: usize, stages: &[Stage]) -> Result<Route, NoRoute> {
+        let holder = Holder::Robot(RobotId::at(robot));
+        let first: Visit = self.timeline.chain(holder).and_then(|c| c.get(0)).expect("placed").clone();
+        let ask = Ask { from: &first, heading: 0.0, ready: self.ready[robot], stages, budget: self.budget };
+        let planner = &mut self.planner;
+        self.timeline.without(&[holder], |others| planner.plan(&ask, others))
+    }
+
+    fn commit(&mut self, robot: usize, route: Route) {
+        let holder = Holder::Robot(RobotId::at(robot));
+        let reserved = self.timeline.replace(holder, 0, route.kept, route.visits);
+        reserved.expect("the search uses only free windows");
+    }
+
+    fn sum_up(&mut self, out: &mut Outcome) {
+        out.routes = self.timeline.chains().filter(|(_, c)| c.visits().len() > 1).count();
+        out.holds = self.timeline.chains().map(|(_, c)| c.visits().len()).sum();
+        out.estimate_bytes = self.planner.estimates().bytes();
+        out.found_ns.sort_unstable();
+        out.failed_ns.sort_unstable();
+        out.expansions.sort_unstable();
+    }
+}
