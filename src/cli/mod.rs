@@ -5,6 +5,7 @@
 
 mod bench;
 mod map;
+mod recording;
 mod sim;
 
 use crate::warehouse::{Warehouse, formats};

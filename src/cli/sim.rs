@@ -3,6 +3,7 @@
 //! Main type: [`Sim`]. Refuses: to exit with success where a law was broken.
 
 use super::{progress, read, read_map, stopwatch};
+use crate::sim::recording::{Header, Recorder};
 use crate::sim::{Demand, OrderLine, Outcome, Scenario, Simulation};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
@@ -37,6 +38,9 @@ pub struct Sim {
     /// Leave out the second run that measures the bound on throughput.
     #[arg(long)]
     no_bound: bool,
+    /// Write a recording that `giveway replay` shows again; packed where the name ends with `.gz`.
+    #[arg(long)]
+    record: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -50,13 +54,16 @@ pub struct Setup {
     pub warehouse: Arc<Warehouse>,
     /// Its order lines.
     pub lines: Vec<OrderLine>,
+    /// The scenario file as it was read.
+    pub text: String,
 }
 
 impl Setup {
     /// Reads a scenario with its map and orders; paths in the file are relative to it.
     pub fn read(path: &Path, map: Option<&Path>, orders: Option<&Path>) -> anyhow::Result<Setup> {
+        let text = read(path)?;
         let mut scenario =
-            Scenario::parse(&read(path)?).with_context(|| format!("{} is refused", path.display()))?;
+            Scenario::parse(&text).with_context(|| format!("{} is refused", path.display()))?;
         let beside = |p: &str| path.parent().unwrap_or(Path::new(".")).join(p);
         let warehouse = read_map(&map.map_or_else(|| beside(&scenario.map), Path::to_path_buf))?;
         if let Some(orders) = orders {
@@ -73,7 +80,7 @@ impl Setup {
         })?;
         crate::warehouse::room_for(&warehouse, scenario.robots)
             .map_err(|e| anyhow::anyhow!("the map has no room for {} robots:\n{e}", scenario.robots))?;
-        Ok(Setup { scenario, warehouse, lines })
+        Ok(Setup { scenario, warehouse, lines, text })
     }
 }
 
@@ -90,9 +97,12 @@ impl Sim {
             .map_err(|e| anyhow::anyhow!("the map has no room for {} robots:\n{e}", setup.scenario.robots))?;
         let seed = self.seed.unwrap_or(setup.scenario.seed);
         let start = Instant::now();
-        let outcome = simulate(&setup, seed, false);
+        let outcome = simulate(&setup, seed, false, self.record.as_deref())?;
         let wall = start.elapsed().as_secs_f64();
-        let bound = (!self.no_bound).then(|| simulate(&setup, seed, true).counts.robot_deliveries);
+        let bound = match self.no_bound {
+            true => None,
+            false => Some(simulate(&setup, seed, true, None)?.counts.robot_deliveries),
+        };
         let report = report(&setup, seed, &outcome, wall, bound);
         if self.json {
             println!("{}", serde_json::to_string_pretty(&report)?);
@@ -104,17 +114,31 @@ impl Sim {
     }
 }
 
-fn simulate(setup: &Setup, seed: u64, ghosts: bool) -> Outcome {
-    let Setup { scenario, warehouse, lines } = setup;
+fn simulate(setup: &Setup, seed: u64, ghosts: bool, record: Option<&Path>) -> anyhow::Result<Outcome> {
+    let Setup { scenario, warehouse, lines, text } = setup;
     let mut sim = Simulation::new(warehouse.clone(), scenario, lines, seed, ghosts, stopwatch);
+    let mut recorder = Recorder::default();
+    let mut file = record.map(super::recording::create).transpose()?;
+    if let Some(file) = &mut file {
+        let map = crate::warehouse::formats::json::write(warehouse);
+        file.write(&Recorder::header(&Header { giveway_recording: 1, scenario: text.clone(), map, seed }))?;
+    }
     let what = if ghosts { "bound" } else { "simulating" };
     let bar = progress(scenario.duration.0 as u64 / 1_000_000, what);
     while !sim.is_over() {
-        sim.step();
-        bar.set_position(sim.now().0 as u64 / 1_000_000);
+        let now = sim.now();
+        let (inputs, _) = sim.step();
+        if let Some(file) = &mut file {
+            file.write(&recorder.step(now, &inputs))?;
+        }
+        bar.set_position(now.0 as u64 / 1_000_000);
     }
     bar.finish_and_clear();
-    sim.outcome()
+    if let Some(mut file) = file {
+        file.write(&Recorder::end(sim.trace_hash()))?;
+        file.finish()?;
+    }
+    Ok(sim.outcome())
 }
 
 fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) -> Value {

@@ -5,15 +5,18 @@
 //! to show the fleet anything that a real floor would not.
 
 mod customers;
+mod digest;
 pub mod laws;
 mod link;
 mod random;
+pub mod recording;
 mod robot;
 pub mod run;
 mod scenario;
 mod world;
 
 pub use customers::OrderLine;
+pub use digest::Digest;
 pub use laws::Violation;
 pub use run::{Outcome, Simulation};
 pub use scenario::{Demand, Faults, Scenario, ScenarioError};

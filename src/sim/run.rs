@@ -4,13 +4,13 @@
 //! passes in, and decide nothing.
 
 use super::customers::OrderLine;
+use super::digest::Digest;
 use super::laws::Laws;
 use super::scenario::Scenario;
 use super::world::World;
 use crate::fleet::{Counts, Fleet, Input, Settings, Step};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
-use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 /// A run in progress.
@@ -27,7 +27,7 @@ pub struct Simulation {
     stopwatch: fn() -> u64,
     plan_ns: Vec<u64>,
     step_ns: Vec<u64>,
-    trace: Fnv,
+    trace: Digest,
 }
 
 /// What came out.
@@ -73,7 +73,7 @@ impl Simulation {
             stopwatch,
             plan_ns: Vec::new(),
             step_ns: Vec::new(),
-            trace: Fnv::default(),
+            trace: Digest::default(),
         }
     }
 
@@ -97,12 +97,15 @@ impl Simulation {
         if !self.ghosts {
             self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
         }
-        for fact in &step.facts {
-            fact.hash(&mut self.trace);
-        }
+        self.trace.add(&step.facts);
         self.world.command(self.now, step.commands.clone());
         self.now += self.period;
         (inputs, step)
+    }
+
+    /// The digest of all facts so far.
+    pub fn trace_hash(&self) -> u64 {
+        self.trace.value()
     }
 
     /// The figures.
@@ -116,29 +119,7 @@ impl Simulation {
             step_ns: self.step_ns,
             law_violations: self.laws.count,
             broken: self.laws.broken.iter().map(|(t, v)| format!("{t}: {v}")).collect(),
-            trace_hash: self.trace.finish(),
-        }
-    }
-}
-
-/// FNV-1a, 64 bits: a digest that is the same on every run, unlike the standard hasher's.
-#[derive(Debug)]
-struct Fnv(u64);
-
-impl Default for Fnv {
-    fn default() -> Fnv {
-        Fnv(0xcbf2_9ce4_8422_2325)
-    }
-}
-
-impl Hasher for Fnv {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for b in bytes {
-            self.0 = (self.0 ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3);
+            trace_hash: self.trace.value(),
         }
     }
 }

@@ -1,0 +1,67 @@
+//! Recording files, packed or not.
+//!
+//! Main types: [`Writer`], [`create`], [`open`]. Refuses: to leave half a file behind without saying so.
+
+use anyhow::Context;
+use flate2::Compression;
+use flate2::read::MultiGzDecoder;
+use flate2::write::GzEncoder;
+use std::fs::File;
+use std::io::{BufRead, BufReader, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// A recording being written.
+pub struct Writer {
+    path: PathBuf,
+    out: Out,
+}
+
+enum Out {
+    Plain(BufWriter<File>),
+    Packed(GzEncoder<BufWriter<File>>),
+}
+
+fn is_packed(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e == "gz")
+}
+
+/// Begins a recording.
+pub fn create(path: &Path) -> anyhow::Result<Writer> {
+    let file = File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
+    let file = BufWriter::new(file);
+    let out = if is_packed(path) {
+        Out::Packed(GzEncoder::new(file, Compression::fast()))
+    } else {
+        Out::Plain(file)
+    };
+    Ok(Writer { path: path.to_path_buf(), out })
+}
+
+impl Writer {
+    /// Writes a line.
+    pub fn write(&mut self, line: &str) -> anyhow::Result<()> {
+        let written = match &mut self.out {
+            Out::Plain(f) => f.write_all(line.as_bytes()),
+            Out::Packed(f) => f.write_all(line.as_bytes()),
+        };
+        written.with_context(|| format!("cannot write to {}", self.path.display()))
+    }
+
+    /// Makes sure that everything is on the disk.
+    pub fn finish(self) -> anyhow::Result<()> {
+        let done = match self.out {
+            Out::Plain(mut f) => f.flush(),
+            Out::Packed(f) => f.finish().and_then(|mut f| f.flush()),
+        };
+        done.with_context(|| format!("cannot write to {}", self.path.display()))
+    }
+}
+
+/// Opens a recording for reading, line by line.
+pub fn open(path: &Path) -> anyhow::Result<Box<dyn BufRead + Send>> {
+    let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
+    Ok(match is_packed(path) {
+        true => Box::new(BufReader::new(MultiGzDecoder::new(file))),
+        false => Box::new(BufReader::new(file)),
+    })
+}

@@ -1,0 +1,265 @@
+//! Recordings: the inputs of every step, so that a run can be looked at again and stepped through again.
+//!
+//! Main types: [`Header`], [`Recorder`] (steps → lines), [`Playback`] (lines → steps). One JSON text per line: the header,
+//! then a line per step, then the digest of all facts. What a robot says twice in the same words is written once.
+//! Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
+
+use crate::fleet::{Input, JobKind, JobRequest, Telemetry};
+use crate::geometry::{Point, Pose};
+use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
+use crate::time::{Span, Time};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What stands in the first line.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Header {
+    /// Version of the format; there is only 1.
+    pub giveway_recording: u32,
+    /// The scenario file's text.
+    pub scenario: String,
+    /// The map's text.
+    pub map: String,
+    /// The seed.
+    pub seed: u64,
+}
+
+/// A recording that cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line} of the recording: {message}")]
+pub struct Broken {
+    /// Where.
+    pub line: usize,
+    /// What.
+    pub message: String,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Line {
+    t: i64,
+    /// Robots that say something new.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    r: Vec<Said>,
+    /// Robots that say the same again, with the time they say it at where that is not `t`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    s: Vec<(u32, i64)>,
+    /// Everything else, in the order in which it came.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    i: Vec<Other>,
+}
+
+/// Robot, seen, x, y, heading, speed, reached, known, acted, rack, battery, failed.
+type Said = (u32, i64, f64, f64, f64, f64, u64, u64, Option<u64>, Option<u32>, f64, bool);
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Other {
+    Enlist(String, u32),
+    Submit {
+        token: u64,
+        kind: Kind,
+        priority: u8,
+        deadline: Option<i64>,
+        after: Vec<u64>,
+        key: Option<String>,
+    },
+    Cancel(u64, u64),
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Kind {
+    Deliver(u32, u32, Option<i64>),
+    Return(u32),
+    Relocate(u32, u32),
+    Charge(u32),
+    Park(u32),
+    Go(u32, u32),
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct End {
+    trace_hash: String,
+}
+
+/// Turns steps into lines.
+#[derive(Debug, Default)]
+pub struct Recorder {
+    last: BTreeMap<RobotId, Telemetry>,
+}
+
+impl Recorder {
+    /// The first line.
+    pub fn header(header: &Header) -> String {
+        to_line(header)
+    }
+
+    /// The line of one step.
+    pub fn step(&mut self, now: Time, inputs: &[Input]) -> String {
+        let mut line = Line { t: now.0, r: vec![], s: vec![], i: vec![] };
+        for input in inputs {
+            match input {
+                Input::Telemetry(t) => {
+                    let same = |o: &Telemetry| Telemetry { seen: t.seen, ..*o } == *t;
+                    if self.last.get(&t.robot).is_some_and(same) {
+                        line.s.push((t.robot.0, t.seen.0));
+                    } else {
+                        line.r.push(said(t));
+                        self.last.insert(t.robot, *t);
+                    }
+                }
+                Input::Enlist { name, node } => line.i.push(Other::Enlist(name.clone(), node.0)),
+                Input::Submit { token, request } => line.i.push(submit(*token, request)),
+                Input::Cancel { token, job } => line.i.push(Other::Cancel(*token, job.0)),
+            }
+        }
+        to_line(&line)
+    }
+
+    /// The last line.
+    pub fn end(trace_hash: u64) -> String {
+        to_line(&End { trace_hash: format!("{trace_hash:016x}") })
+    }
+}
+
+fn to_line(value: &impl Serialize) -> String {
+    let mut text = serde_json::to_string(value).expect("records hold nothing that JSON cannot");
+    text.push('\n');
+    text
+}
+
+fn said(t: &Telemetry) -> Said {
+    let (x, y) = (t.pose.at.x, t.pose.at.y);
+    let rack = t.rack.map(|k| k.0);
+    let seen = t.seen.0;
+    (
+        t.robot.0,
+        seen,
+        x,
+        y,
+        t.pose.heading,
+        t.speed_mps,
+        t.reached,
+        t.known,
+        t.acted,
+        rack,
+        t.battery,
+        t.failed,
+    )
+}
+
+fn submit(token: u64, request: &JobRequest) -> Other {
+    let kind = match request.kind {
+        JobKind::Deliver { rack, station, pick } => Kind::Deliver(rack.0, station.0, pick.map(|p| p.0)),
+        JobKind::Return { rack } => Kind::Return(rack.0),
+        JobKind::Relocate { rack, node } => Kind::Relocate(rack.0, node.0),
+        JobKind::Charge { robot } => Kind::Charge(robot.0),
+        JobKind::Park { robot } => Kind::Park(robot.0),
+        JobKind::Go { robot, node } => Kind::Go(robot.0, node.0),
+    };
+    Other::Submit {
+        token,
+        kind,
+        priority: request.priority,
+        deadline: request.deadline.map(|d| d.0),
+        after: request.after.iter().map(|j| j.0).collect(),
+        key: request.key.clone(),
+    }
+}
+
+/// A line of a recording, read.
+#[derive(Debug)]
+pub enum Played {
+    /// A step.
+    Step(Time, Vec<Input>),
+    /// The end, with the digest of all facts.
+    End(u64),
+}
+
+/// Turns lines into steps.
+#[derive(Debug)]
+pub struct Playback {
+    last: BTreeMap<RobotId, Telemetry>,
+    line: usize,
+}
+
+impl Playback {
+    /// Reads the first line.
+    ///
+    /// # Errors
+    /// If it is no recording, or of another version.
+    pub fn open(first: &str) -> Result<(Header, Playback), Broken> {
+        let header: Header = serde_json::from_str(first)
+            .map_err(|e| Broken { line: 1, message: format!("this is no recording: {e}") })?;
+        if header.giveway_recording != 1 {
+            let message = format!("version {} is not known, only 1 is", header.giveway_recording);
+            return Err(Broken { line: 1, message });
+        }
+        Ok((header, Playback { last: BTreeMap::new(), line: 1 }))
+    }
+
+    /// Reads a further line.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn read(&mut self, text: &str) -> Result<Played, Broken> {
+        self.line += 1;
+        let broken = |message: String| Broken { line: self.line, message };
+        if let Ok(end) = serde_json::from_str::<End>(text) {
+            let hash = u64::from_str_radix(&end.trace_hash, 16).map_err(|e| broken(e.to_string()))?;
+            return Ok(Played::End(hash));
+        }
+        let line: Line = serde_json::from_str(text).map_err(|e| broken(e.to_string()))?;
+        let mut inputs: Vec<Input> = line.i.into_iter().map(other).collect();
+        let mut seen: Vec<Telemetry> = line.r.into_iter().map(heard).collect();
+        for (robot, at) in line.s {
+            let last = self.last.get(&RobotId(robot));
+            let last = last.ok_or_else(|| broken(format!("robot {robot} repeats what it never said")))?;
+            seen.push(Telemetry { seen: Time(at), ..*last });
+        }
+        self.last.extend(seen.iter().map(|t| (t.robot, *t)));
+        inputs.extend(seen.into_iter().map(Input::Telemetry));
+        Ok(Played::Step(Time(line.t), inputs))
+    }
+}
+
+fn heard(s: Said) -> Telemetry {
+    let (robot, seen, x, y, heading, speed_mps, reached, known, acted, rack, battery, failed) = s;
+    Telemetry {
+        robot: RobotId(robot),
+        seen: Time(seen),
+        pose: Pose { at: Point::new(x, y), heading },
+        speed_mps,
+        reached,
+        known,
+        acted,
+        rack: rack.map(RackId),
+        battery,
+        failed,
+    }
+}
+
+fn other(o: Other) -> Input {
+    match o {
+        Other::Enlist(name, node) => Input::Enlist { name, node: NodeId(node) },
+        Other::Cancel(token, job) => Input::Cancel { token, job: JobId(job) },
+        Other::Submit { token, kind, priority, deadline, after, key } => {
+            let kind = match kind {
+                Kind::Deliver(rack, station, pick) => {
+                    JobKind::Deliver { rack: RackId(rack), station: StationId(station), pick: pick.map(Span) }
+                }
+                Kind::Return(rack) => JobKind::Return { rack: RackId(rack) },
+                Kind::Relocate(rack, node) => JobKind::Relocate { rack: RackId(rack), node: NodeId(node) },
+                Kind::Charge(robot) => JobKind::Charge { robot: RobotId(robot) },
+                Kind::Park(robot) => JobKind::Park { robot: RobotId(robot) },
+                Kind::Go(robot, node) => JobKind::Go { robot: RobotId(robot), node: NodeId(node) },
+            };
+            let after = after.into_iter().map(JobId).collect();
+            let request = JobRequest { kind, priority, deadline: deadline.map(Time), after, key };
+            Input::Submit { token, request }
+        }
+    }
+}
