@@ -33,7 +33,7 @@
 //! - `human/` and `aware/`: to come. People as beliefs, and what they mean for robots: prices and closures for the
 //!   search, regions for speeds. There will be no second planner.
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
-//! - [`sim`]: robots with inertia, radios that lose, customers; the laws; recordings; the driver without a server. Pure.
+//! - [`sim`]: robots with inertia, radios that lose, customers; laws; recordings; the driver without a server. Pure.
 //! - [`experiment`]: benchmark floors and published tables, driven by the same search. Pure.
 //! - `store`: the journal of facts and the list of jobs, in SQLite.
 //! - `api`: HTTP under `/v1`, the live feed, metrics, OpenAPI; wire types are its own.
