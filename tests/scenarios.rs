@@ -1,0 +1,126 @@
+//! Every file in `scenarios/` is also a test: it is read, run for a while under all laws, and run again.
+//!
+//! The runs are shortened, since this is the inner loop; `giveway sim scenarios/NAME.json` runs them whole.
+
+use giveway::sim::{Demand, OrderLine, Outcome, Scenario, Simulation};
+use giveway::time::Span;
+use giveway::warehouse::{Warehouse, formats, room_for};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Each scenario with the seconds for which it is run here.
+const RUNS: [(&str, i64); 7] = [
+    ("lab", 300),
+    ("thesis-20", 300),
+    ("thesis-faults", 300),
+    ("kiva-50", 60),
+    ("kiva-100", 60),
+    ("orders", 60),
+    ("kiva-800", 70),
+];
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios")
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// A scenario with all that its file names.
+struct Setup {
+    scenario: Scenario,
+    warehouse: Arc<Warehouse>,
+    lines: Vec<OrderLine>,
+}
+
+impl Setup {
+    fn read(name: &str) -> Setup {
+        let text = read(&folder().join(format!("{name}.json")));
+        let scenario = Scenario::parse(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(scenario.name, name, "a scenario is named like its file");
+        let map = read(&folder().join(&scenario.map));
+        let warehouse = formats::json::parse(&map).unwrap_or_else(|e| panic!("{}: {e}", scenario.map));
+        room_for(&warehouse, scenario.robots).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let lines = match &scenario.demand {
+            Demand::File { path, .. } => {
+                OrderLine::parse_csv(&read(&folder().join(path))).expect("order lines")
+            }
+            _ => Vec::new(),
+        };
+        Setup { scenario, warehouse: Arc::new(warehouse), lines }
+    }
+
+    fn run(&self) -> Outcome {
+        let Setup { scenario, warehouse, lines } = self;
+        let mut sim = Simulation::new(warehouse.clone(), scenario, lines, scenario.seed, false, || 0);
+        while !sim.is_over() {
+            sim.step();
+        }
+        sim.outcome()
+    }
+}
+
+/// Runs a scenario twice: no law broken, something delivered, the same bytes both times.
+fn holds(name: &str) {
+    let (_, seconds) = RUNS.iter().find(|(run, _)| *run == name).expect("listed above");
+    let mut setup = Setup::read(name);
+    setup.scenario.duration = setup.scenario.duration.min(Span::from_secs(*seconds));
+    let first = setup.run();
+    assert_eq!(first.law_violations, 0, "{name}: {}", first.broken.join("; "));
+    assert!(first.counts.robot_deliveries > 0, "{name}: nothing is delivered in {seconds} s");
+    assert_eq!(first.trace_hash, setup.run().trace_hash, "{name}: the second run of the seed differs");
+}
+
+#[test]
+fn the_laboratory_keeps_its_laws() {
+    holds("lab");
+}
+
+#[test]
+fn the_hall_of_the_thesis_keeps_its_laws() {
+    holds("thesis-20");
+}
+
+#[test]
+fn the_hall_of_the_thesis_keeps_its_laws_when_robots_and_radios_fail() {
+    holds("thesis-faults");
+}
+
+#[test]
+fn fifty_robots_keep_their_laws() {
+    holds("kiva-50");
+}
+
+#[test]
+fn a_hundred_robots_keep_their_laws() {
+    holds("kiva-100");
+}
+
+#[test]
+fn a_hundred_and_fifty_robots_under_orders_keep_their_laws() {
+    holds("orders");
+}
+
+#[test]
+fn eight_hundred_robots_keep_their_laws() {
+    holds("kiva-800");
+}
+
+#[test]
+fn every_scenario_file_has_its_test() {
+    let this = include_str!("scenarios.rs");
+    let mut names: Vec<String> = (std::fs::read_dir(folder()).expect("scenarios/ is here").flatten())
+        .map(|e| e.path())
+        .filter(|p| p.extension().is_some_and(|e| e == "json"))
+        .map(|p| p.file_stem().expect("a name").to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    let mut listed: Vec<&str> = RUNS.iter().map(|(name, _)| *name).collect();
+    listed.sort_unstable();
+    assert_eq!(names, listed, "scenarios/ and RUNS differ");
+    for name in names {
+        let call = format!("    holds(\"{name}\");\n");
+        assert_eq!(this.matches(&call).count(), 1, "{name} has no test: add one that says\n{call}");
+    }
+}
