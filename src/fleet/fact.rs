@@ -47,18 +47,10 @@ pub enum Fact {
         /// What.
         task: Task,
     },
-    /// A robot holds a new route after its visit `keep`.
+    /// Robots hold new routes, all at once: several where they must make way for one another.
     Routed {
-        /// Which.
-        robot: RobotId,
-        /// Serial number of the visit that stays.
-        keep: u64,
-        /// That visit, with its new departure.
-        kept: Visit,
-        /// The visits after it.
-        visits: Vec<Visit>,
-        /// Where it is to do something, by serial number.
-        stops: Vec<Stop>,
+        /// The routes.
+        bookings: Vec<Booking>,
     },
     /// A robot may drive up to and including this visit.
     Granted {
@@ -111,6 +103,21 @@ pub enum Fact {
         /// When.
         at: Time,
     },
+}
+
+/// The new route of one robot, after its visit `keep`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Booking {
+    /// Which robot.
+    pub robot: RobotId,
+    /// Serial number of the visit that stays.
+    pub keep: u64,
+    /// That visit, with its new departure.
+    pub kept: Visit,
+    /// The visits after it.
+    pub visits: Vec<Visit>,
+    /// Where it is to do something, by serial number.
+    pub stops: Vec<Stop>,
 }
 
 /// What a robot does at a stop.

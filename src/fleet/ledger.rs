@@ -4,7 +4,7 @@
 //! asserts that what it is told is possible: a journal that books a lane twice does not load. Refuses: to plan, to
 //! read a clock, to know where anything is seen.
 
-use super::fact::{Act, Fact, Stop, Task};
+use super::fact::{Act, Booking, Fact, Stop, Task};
 use super::job::{Job, JobKind, JobState};
 use super::view::{Counts, RackAt};
 use crate::id::{Dense, IdVec, JobId, NodeId, RackId, RobotId, StationId};
@@ -109,9 +109,8 @@ impl Ledger {
             }
             Fact::Progressed { job, state, .. } => self.progress(*job, *state),
             Fact::Tasked { robot, task } => self.robots[*robot].task = *task,
-            Fact::Routed { robot, keep, kept, visits, stops } => {
-                self.route(*robot, *keep, kept, visits, stops)
-            }
+            Fact::Routed { bookings } => self.route(bookings),
+
             Fact::Granted { robot, serial, at } => {
                 self.timeline.grant(Holder::Robot(*robot), *serial, *at);
             }
@@ -162,12 +161,16 @@ impl Ledger {
         }
     }
 
-    fn route(&mut self, robot: RobotId, keep: u64, kept: &Visit, visits: &[Visit], stops: &[Stop]) {
-        let holder = Holder::Robot(robot);
-        let reserved = self.timeline.replace(holder, keep, kept.clone(), visits.to_vec());
-        reserved.unwrap_or_else(|clash| panic!("{holder:?} was given a route that clashes: {clash:?}"));
-        self.robots[robot].stops = stops.to_vec();
-        self.robots[robot].interrupted = false;
+    fn route(&mut self, bookings: &[Booking]) {
+        let routes = (bookings.iter())
+            .map(|b| (Holder::Robot(b.robot), b.keep, b.kept.clone(), b.visits.clone()))
+            .collect();
+        let reserved = self.timeline.replace_all(routes);
+        reserved.unwrap_or_else(|clash| panic!("a robot was given a route that clashes: {clash:?}"));
+        for b in bookings {
+            self.robots[b.robot].stops = b.stops.clone();
+            self.robots[b.robot].interrupted = false;
+        }
     }
 
     fn act(&mut self, robot: RobotId, serial: u64) {

@@ -4,7 +4,7 @@
 //! Refuses: floats, so that ties and order never depend on rounding.
 
 /// A cost that means "never".
-pub(super) const NEVER: i64 = i64::MAX / 4;
+pub(super) const NEVER: i64 = 1 << 50;
 
 /// For each row the column assigned to it. `cost[r][c]`; there must be at least as many columns as rows. Pairs that
 /// cost [`NEVER`] are left out of the result.

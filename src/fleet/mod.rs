@@ -9,6 +9,7 @@ mod assign;
 mod cut;
 pub mod fact;
 mod grant;
+mod insert;
 pub mod io;
 pub mod job;
 pub mod ledger;
@@ -20,7 +21,7 @@ mod settle;
 mod storage;
 pub mod view;
 
-pub use fact::{Act, Fact, Purpose, Stop, Task};
+pub use fact::{Act, Booking, Fact, Purpose, Stop, Task};
 pub use io::{Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
 pub use job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use ledger::Ledger;

@@ -4,7 +4,7 @@
 //! up to a place where the robot may stay for ever; else the old one stands (DESIGN §5, invariant a). Refuses: to let
 //! the time of day decide how much is planned.
 
-use super::fact::{Act, Fact, Stop, Task};
+use super::fact::{Act, Booking, Fact, Stop, Task};
 use super::job::{JobKind, JobState};
 use super::{Fleet, ledger};
 use crate::geometry::Segment;
@@ -19,6 +19,8 @@ use std::collections::BTreeMap;
 /// The first pause after a failed search; it doubles up to [`RETRY_MAX`].
 const RETRY: Span = Span::from_millis(400);
 const RETRY_MAX: Span = Span::from_millis(6400);
+/// After every so many failed searches, others are asked to make way.
+const INSERT_EVERY: u32 = 3;
 /// A robot that waits this long for another looks for a better way.
 const PATIENCE: Span = Span::from_secs(4);
 /// A better way saves at least this.
@@ -107,7 +109,7 @@ impl Fleet {
         match self.search(robot, &stages, now) {
             Ok(route) => {
                 let spent = route.expansions;
-                self.commit(robot, route, now);
+                self.commit(robot, route);
                 self.needs.waiting.remove(&robot);
                 spent
             }
@@ -117,6 +119,9 @@ impl Fleet {
                 need.next_try = now + Span((RETRY.0 << need.tries.min(4)).min(RETRY_MAX.0));
                 need.tries += 1;
                 tracing::debug!(?robot, ?why, tries = need.tries, "no route");
+                if need.tries.is_multiple_of(INSERT_EVERY) && self.insert(robot, now) {
+                    self.needs.waiting.remove(&robot);
+                }
                 if why == NoRoute::BudgetSpent { self.settings.expansions_per_plan } else { 1_000 }
             }
         }
@@ -207,6 +212,7 @@ impl Fleet {
         match self.ledger.robots[robot].task {
             Task::Idle => smallvec![],
             Task::Fetch { rack, .. } => smallvec![Act::Lift(rack)],
+            Task::Deliver { rack, .. } if stages.len() < 2 => smallvec![Act::Set(rack)],
             Task::Deliver { rack, .. } => smallvec![Act::Pick(stages[0].stay), Act::Set(rack)],
             Task::Store { rack, .. } => smallvec![Act::Set(rack)],
             Task::Move { .. } => stages.iter().map(|_| Act::Arrive).collect(),
@@ -214,7 +220,7 @@ impl Fleet {
     }
 
     /// A route from where the robot's grants end.
-    fn search(&mut self, robot: RobotId, stages: &[Stage], now: Time) -> Result<Route, NoRoute> {
+    pub(super) fn search(&mut self, robot: RobotId, stages: &[Stage], now: Time) -> Result<Route, NoRoute> {
         let holder = Holder::Robot(robot);
         let (from, heading) = self.grant_end(robot);
         let ready = now.max(from.arrive) + self.settings.period;
@@ -228,7 +234,7 @@ impl Fleet {
     }
 
     /// The last granted visit, and the heading with which the robot arrives there.
-    fn grant_end(&self, robot: RobotId) -> (Visit, f64) {
+    pub(super) fn grant_end(&self, robot: RobotId) -> (Visit, f64) {
         let chain = self.ledger.chain(robot);
         let serial = chain.granted() - 1;
         let visit = chain.get(serial).expect("the last granted visit is still held").clone();
@@ -239,21 +245,35 @@ impl Fleet {
         (visit, heading)
     }
 
-    /// Holds a route. A stop where the robot stands already becomes a visit of its own.
-    fn commit(&mut self, robot: RobotId, route: Route, _now: Time) {
+    fn commit(&mut self, robot: RobotId, route: Route) {
+        let booking = self.booking(robot, route);
+        self.record(Fact::Routed { bookings: vec![booking] });
+    }
+
+    /// A route as it is booked. A stop where the robot stands already becomes a visit of its own.
+    pub(super) fn booking(&self, robot: RobotId, route: Route) -> Booking {
         let keep = self.ledger.chain(robot).granted() - 1;
         let Route { mut kept, mut visits, stops, .. } = route;
-        let here = stops.iter().filter(|s| **s == 0).count();
-        if here > 0 {
+        let here = stops.contains(&0);
+        if here {
             let again = Visit { lane: None, arrive: kept.arrive.max(kept.enter), ..kept.clone() };
             (kept.depart, kept.leave, kept.stay) = (kept.arrive, again.leave, Span::ZERO);
             visits.insert(0, again);
         }
-        let acts = self.acts(robot, &self.stages(robot));
-        let shift = usize::from(here > 0);
-        let serials = stops.iter().map(|s| keep + (s + shift) as u64);
+        let acts = self.acts(robot, &self.stages_left(robot));
+        let serials = stops.iter().map(|s| keep + (s + usize::from(here)) as u64);
         let stops = serials.zip(acts).map(|(serial, act)| Stop { serial, act }).collect();
-        self.record(Fact::Routed { robot, keep, kept, visits, stops });
+        Booking { robot, keep, kept, visits, stops }
+    }
+
+    /// The legs of a robot's task that are still ahead, given the stops that it has done.
+    pub(super) fn stages_left(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
+        let mut stages = self.stages(robot);
+        let left = self.ledger.robots[robot].stops.len();
+        if !self.lacks_route(robot) && left < stages.len() {
+            stages.drain(..stages.len() - left);
+        }
+        stages
     }
 
     /// Robots that wait for others look for a better way now and then: that is how the order on a resource is changed
@@ -280,14 +300,11 @@ impl Fleet {
         if stop.serial < chain.granted() {
             return 0;
         }
-        let mut stages = self.stages(robot);
-        if self.ledger.robots[robot].stops.len() < stages.len() {
-            stages.remove(0);
-        }
+        let stages = self.stages_left(robot);
         match self.search(robot, &stages, now) {
             Ok(route) if reached(&route) + WORTH < planned => {
                 let spent = route.expansions;
-                self.commit(robot, route, now);
+                self.commit(robot, route);
                 spent
             }
             Ok(route) => route.expansions,
@@ -310,6 +327,11 @@ impl Fleet {
         record.state == JobState::Waiting
             && !record.request.after.iter().any(|a| self.ledger.jobs.contains_key(a))
     }
+}
+
+/// Going to a node without a rack, to stay.
+pub(super) fn stay_at(goal: NodeId) -> Stage {
+    Stage { goal, loaded: false, stay: Span::ZERO }
 }
 
 fn reached(route: &Route) -> Time {

@@ -4,7 +4,7 @@
 //! with another meaning: a journal outlives the program that wrote it. Visits are arrays, since they are most
 //! of the bytes. Refuses: to guess what a newer version means.
 
-use crate::fleet::{Act, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, Stop, Task};
+use crate::fleet::{Act, Booking, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, Stop, Task};
 use crate::id::{JobId, NodeId, RackId, ResourceId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::timeline::Visit;
@@ -46,66 +46,26 @@ pub fn decode(version: i64, text: &str) -> Result<Fact, RecordError> {
 #[derive(Serialize, Deserialize)]
 struct VisitRecord(u32, Option<u32>, i64, i64, i64, i64, i64);
 
+/// Robot, kept serial, kept visit, visits after it, stops by serial.
+#[derive(Serialize, Deserialize)]
+struct BookingRecord(u32, u64, VisitRecord, Vec<VisitRecord>, Vec<(u64, ActRecord)>);
+
 /// A fact.
 #[derive(Serialize, Deserialize)]
 #[serde(tag = "fact", rename_all = "snake_case")]
 enum Record {
-    Enlisted {
-        robot: u32,
-        name: String,
-        node: u32,
-        at: i64,
-    },
-    Accepted {
-        job: u64,
-        request: RequestRecord,
-        at: i64,
-    },
-    Progressed {
-        job: u64,
-        state: StateRecord,
-        at: i64,
-    },
-    Tasked {
-        robot: u32,
-        task: TaskRecord,
-    },
-    Routed {
-        robot: u32,
-        keep: u64,
-        kept: VisitRecord,
-        visits: Vec<VisitRecord>,
-        stops: Vec<(u64, ActRecord)>,
-    },
-    Granted {
-        robot: u32,
-        serial: u64,
-        at: i64,
-    },
-    Passed {
-        robot: u32,
-        serial: u64,
-    },
-    Acted {
-        robot: u32,
-        serial: u64,
-    },
-    Delayed {
-        robot: u32,
-        serial: u64,
-        depart: i64,
-    },
-    Cut {
-        robots: Vec<u32>,
-    },
-    Failed {
-        robot: u32,
-        at: i64,
-    },
-    Repaired {
-        robot: u32,
-        at: i64,
-    },
+    Enlisted { robot: u32, name: String, node: u32, at: i64 },
+    Accepted { job: u64, request: RequestRecord, at: i64 },
+    Progressed { job: u64, state: StateRecord, at: i64 },
+    Tasked { robot: u32, task: TaskRecord },
+    Routed { bookings: Vec<BookingRecord> },
+    Granted { robot: u32, serial: u64, at: i64 },
+    Passed { robot: u32, serial: u64 },
+    Acted { robot: u32, serial: u64 },
+    Delayed { robot: u32, serial: u64, depart: i64 },
+    Cut { robots: Vec<u32> },
+    Failed { robot: u32, at: i64 },
+    Repaired { robot: u32, at: i64 },
 }
 
 #[derive(Serialize, Deserialize)]
@@ -188,13 +148,9 @@ impl From<&Fact> for Record {
                 Record::Progressed { job: job.0, state: (*state).into(), at: at.0 }
             }
             Fact::Tasked { robot, task } => Record::Tasked { robot: robot.0, task: (*task).into() },
-            Fact::Routed { robot, keep, kept, visits, stops } => Record::Routed {
-                robot: robot.0,
-                keep: *keep,
-                kept: kept.into(),
-                visits: visits.iter().map(VisitRecord::from).collect(),
-                stops: stops.iter().map(|s| (s.serial, s.act.into())).collect(),
-            },
+            Fact::Routed { bookings } => {
+                Record::Routed { bookings: bookings.iter().map(BookingRecord::from).collect() }
+            }
             Fact::Granted { robot, serial, at } => {
                 Record::Granted { robot: robot.0, serial: *serial, at: at.0 }
             }
@@ -212,7 +168,6 @@ impl From<&Fact> for Record {
 
 impl From<Record> for Fact {
     fn from(record: Record) -> Fact {
-        let stop = |(serial, act): (u64, ActRecord)| Stop { serial, act: act.into() };
         match record {
             Record::Enlisted { robot, name, node, at } => {
                 Fact::Enlisted { robot: RobotId(robot), name, node: NodeId(node), at: Time(at) }
@@ -224,13 +179,9 @@ impl From<Record> for Fact {
                 Fact::Progressed { job: JobId(job), state: state.into(), at: Time(at) }
             }
             Record::Tasked { robot, task } => Fact::Tasked { robot: RobotId(robot), task: task.into() },
-            Record::Routed { robot, keep, kept, visits, stops } => Fact::Routed {
-                robot: RobotId(robot),
-                keep,
-                kept: kept.into(),
-                visits: visits.into_iter().map(Visit::from).collect(),
-                stops: stops.into_iter().map(stop).collect(),
-            },
+            Record::Routed { bookings } => {
+                Fact::Routed { bookings: bookings.into_iter().map(Booking::from).collect() }
+            }
             Record::Granted { robot, serial, at } => {
                 Fact::Granted { robot: RobotId(robot), serial, at: Time(at) }
             }
@@ -242,6 +193,26 @@ impl From<Record> for Fact {
             Record::Cut { robots } => Fact::Cut { robots: robots.into_iter().map(RobotId).collect() },
             Record::Failed { robot, at } => Fact::Failed { robot: RobotId(robot), at: Time(at) },
             Record::Repaired { robot, at } => Fact::Repaired { robot: RobotId(robot), at: Time(at) },
+        }
+    }
+}
+
+impl From<&Booking> for BookingRecord {
+    fn from(b: &Booking) -> BookingRecord {
+        let visits = b.visits.iter().map(VisitRecord::from).collect();
+        let stops = b.stops.iter().map(|s| (s.serial, s.act.into())).collect();
+        BookingRecord(b.robot.0, b.keep, (&b.kept).into(), visits, stops)
+    }
+}
+
+impl From<BookingRecord> for Booking {
+    fn from(BookingRecord(robot, keep, kept, visits, stops): BookingRecord) -> Booking {
+        Booking {
+            robot: RobotId(robot),
+            keep,
+            kept: kept.into(),
+            visits: visits.into_iter().map(Visit::from).collect(),
+            stops: stops.into_iter().map(|(serial, act)| Stop { serial, act: act.into() }).collect(),
         }
     }
 }

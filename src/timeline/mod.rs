@@ -155,6 +155,9 @@ impl Chain {
     }
 }
 
+/// A holder, the serial number of the visit that it keeps, that visit anew, and the visits after it.
+pub type Replacement = (Holder, u64, Visit, Vec<Visit>);
+
 /// All holds of everyone. Equal timelines hold the same.
 #[derive(Clone, Debug)]
 pub struct Timeline {
@@ -255,20 +258,54 @@ impl Timeline {
         kept: Visit,
         visits: Vec<Visit>,
     ) -> Result<Reserved, Clash> {
-        let chain = &self.chains[&holder];
-        let before = chain.get(keep).expect("the kept visit is one of the holder's");
-        assert_eq!(before.node, kept.node, "{holder:?} replaces its route from where it is not");
-        assert!(chain.granted <= keep + 1, "{holder:?} was granted more than it wants to keep");
-        let old = self.take_from(holder, keep);
-        let mut wanted = vec![kept];
-        wanted.extend(visits);
-        if let Err(clash) = self.check(holder, &wanted) {
-            self.put(holder, old);
-            return Err(clash);
+        let reserved = self.replace_all(vec![(holder, keep, kept, visits)])?;
+        Ok(reserved.into_iter().next().expect("one in, one out"))
+    }
+
+    /// [`Timeline::replace`] for several holders at once, who may be promised what another of them gives up.
+    ///
+    /// # Errors
+    /// The first clash; everything is as before then.
+    ///
+    /// # Panics
+    /// As [`Timeline::replace`].
+    pub fn replace_all(&mut self, routes: Vec<Replacement>) -> Result<Vec<Reserved>, Clash> {
+        let mut old = Vec::new();
+        for (holder, keep, kept, _) in &routes {
+            let chain = &self.chains[holder];
+            let before = chain.get(*keep).expect("the kept visit is one of the holder's");
+            assert_eq!(before.node, kept.node, "{holder:?} replaces its route from where it is not");
+            assert!(chain.granted <= keep + 1, "{holder:?} was granted more than it wants to keep");
+            old.push((*holder, *keep, self.take_from(*holder, *keep)));
         }
-        let count = wanted.len() - 1;
-        self.put(holder, wanted);
-        Ok(Reserved { holder, first: keep + 1, count })
+        let mut reserved = Vec::new();
+        for (holder, keep, kept, visits) in routes {
+            let count = visits.len();
+            let wanted: Vec<Visit> = std::iter::once(kept).chain(visits).collect();
+            if let Err(clash) = self.check(holder, &wanted) {
+                old.iter().for_each(|(h, k, _)| drop(self.take_from(*h, *k)));
+                old.into_iter().for_each(|(h, _, visits)| self.put(h, visits));
+                return Err(clash);
+            }
+            self.put(holder, wanted);
+            reserved.push(Reserved { holder, first: keep + 1, count });
+        }
+        Ok(reserved)
+    }
+
+    /// Takes the visits from `serial` on back, for somebody who works on a copy to find better ones.
+    pub fn withdraw(&mut self, holder: Holder, serial: u64) {
+        self.take_from(holder, serial);
+    }
+
+    /// Adds visits behind those that a holder has.
+    ///
+    /// # Errors
+    /// The first clash; nothing is added then.
+    pub fn extend(&mut self, holder: Holder, visits: Vec<Visit>) -> Result<(), Clash> {
+        self.check(holder, &visits)?;
+        self.put(holder, visits);
+        Ok(())
     }
 
     /// Forgets the visits before `serial`: the holder has left them.
@@ -281,6 +318,19 @@ impl Timeline {
             chain.first += 1;
         }
         chain.granted = chain.granted.max(chain.first);
+        // Whoever stands on a node is off the lane that led there.
+        let (first, here) = (chain.first, &mut chain.visits[0]);
+        if here.lane.is_some() {
+            Self::erase(&mut self.lines, &self.warehouse, holder, first, here);
+            here.lane = None;
+            Self::write(
+                &mut self.lines,
+                (&self.warehouse, self.clearance, self.ghostly),
+                holder,
+                first,
+                here,
+            );
+        }
     }
 
     /// Forgets a holder altogether: it has left the floor.

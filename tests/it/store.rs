@@ -1,7 +1,7 @@
 //! The store: what goes in comes out, once; and a server whose database is locked or full.
 
 use crate::helper::{Folder, all_jobs, delivery, get, map, post, start};
-use giveway::fleet::{Act, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, Stop, Task};
+use giveway::fleet::{Act, Booking, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, Stop, Task};
 use giveway::id::{JobId, NodeId, RackId, ResourceId, RobotId, StationId};
 use giveway::store::{Entry, JobQuery, Store, StoreError, record};
 use giveway::time::{Span, Time};
@@ -63,16 +63,18 @@ fn every_fact() -> Vec<Fact> {
     let mut facts = vec![
         Fact::Enlisted { robot, name: "robot-\"ü\"".into(), node, at },
         Fact::Routed {
-            robot,
-            keep: u64::MAX,
-            kept: visit(1, false),
-            visits: vec![visit(2, false), visit(3, true)],
-            stops: vec![
-                stop(1, Act::Lift(rack)),
-                stop(2, Act::Set(rack)),
-                stop(3, Act::Pick(Span(9))),
-                stop(4, Act::Arrive),
-            ],
+            bookings: vec![Booking {
+                robot,
+                keep: u64::MAX,
+                kept: visit(1, false),
+                visits: vec![visit(2, false), visit(3, true)],
+                stops: vec![
+                    stop(1, Act::Lift(rack)),
+                    stop(2, Act::Set(rack)),
+                    stop(3, Act::Pick(Span(9))),
+                    stop(4, Act::Arrive),
+                ],
+            }],
         },
         Fact::Granted { robot, serial: 8, at },
         Fact::Passed { robot, serial: 8 },

@@ -1,0 +1,63 @@
+//! scratch
+use giveway::id::*;
+use giveway::time::*;
+use giveway::timeline::*;
+use giveway::warehouse::formats::json;
+use std::sync::Arc;
+
+#[test]
+fn lanes_crossing() {
+    let text = r#"{"giveway_map":1,"name":"x","footprint_m":0.4,"nodes":[{"id":"W","x":0,"y":0},{"id":"X","x":1,"y":0},
+    {"id":"s","x":1,"y":1},{"id":"Y","x":0,"y":1},{"id":"P","x":2,"y":0}],
+    "lanes":[{"from":"W","to":"s","both":true},{"from":"X","to":"Y","both":true},{"from":"s","to":"X","both":true},
+    {"from":"W","to":"X","both":true},{"from":"X","to":"P","both":true}],"parking":["P"]}"#;
+    let w = Arc::new(json::parse(text).expect("ok"));
+    let lane = |a: &str, b: &str| {
+        let (a, b) = (w.node_named(a).unwrap(), w.node_named(b).unwrap());
+        w.lanes
+            .pairs()
+            .find(|(_, l)| (l.a == a && l.b == b) || (l.a == b && l.b == a))
+            .map(|(i, _)| w.lane_resource(i))
+            .unwrap()
+    };
+    let (l, m) = (lane("W", "s"), lane("X", "Y"));
+    println!("conflicts of W-s: {:?}, of X-Y {:?}", w.conflicts(l), w.conflicts(m));
+    let n = |a: &str| w.node_named(a).unwrap();
+    let t = |s: f64| Time::from_secs_f64(s);
+    let mut tl = Timeline::new(w.clone(), Span::from_millis(100));
+    let v = |node, lane, e, a, d, le, stay| Visit {
+        node,
+        lane,
+        enter: e,
+        arrive: a,
+        depart: d,
+        leave: le,
+        stay: Span::from_secs(stay),
+    };
+    let (a, b) = (Holder::Robot(RobotId(0)), Holder::Robot(RobotId(1)));
+    tl.reserve(
+        a,
+        vec![
+            v(n("W"), None, t(0.), t(0.), t(0.), t(2.1), 0),
+            v(n("s"), Some(l), t(0.), t(2.), t(12.), t(14.1), 10),
+            v(n("X"), None, t(12.), t(14.), t(14.), t(16.1), 0),
+            v(n("P"), None, t(14.), t(16.), Time::MAX, Time::MAX, 0),
+        ],
+    )
+    .unwrap();
+    tl.reserve(
+        b,
+        vec![
+            v(n("X"), None, t(0.), t(0.), t(3.), t(5.1), 0),
+            v(n("Y"), Some(m), t(3.), t(5.), Time::MAX, Time::MAX, 0),
+        ],
+    )
+    .unwrap();
+    tl.grant(a, 0, t(0.));
+    tl.grant(b, 0, t(0.));
+    tl.grant(a, 1, t(0.));
+    tl.release(a, 1); // A has reached s
+    println!("A waits for {:?}", tl.waits_for(a, 2));
+    println!("B waits for {:?}", tl.waits_for(b, 1));
+    assert!(tl.waits_for(a, 2).is_none() || tl.waits_for(b, 1).is_none(), "both wait for each other");
+}
