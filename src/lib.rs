@@ -115,10 +115,6 @@
 //! - *A broken robot* keeps what it was granted without end. Whoever has to pass it, and whoever would have to pass
 //!   those, loses what was not granted yet (`fleet/cut.rs`) and is routed anew.
 //!
-//! A gap in the argument, still open: a lane that has a timeline is given back together with the node behind it, which
-//! is later than its window says. On a map with such lanes (the shipped ones have none: `giveway map check` counts them
-//! as conflicts) two robots can wait for each other.
-//!
 //! One thing must be true of the floor for (a) to be possible at all: every place can be reached without crossing a
 //! place where somebody may stay for ever. `warehouse/check/floor.rs` refuses maps where that is not so.
 //!

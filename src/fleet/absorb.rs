@@ -99,7 +99,12 @@ impl Fleet {
     /// Whether another rack than `rack` stands on a storage node, or is promised to it.
     pub(super) fn storage_taken(&self, node: NodeId, rack: RackId) -> bool {
         let stands = self.ledger.racks.pairs().any(|(k, at)| k != rack && *at == RackAt::Stored(node));
-        let promised = |t: &Task| matches!(t, Task::Deliver { store, rack: k, .. } | Task::Store { store, rack: k, .. } if *store == node && *k != rack);
+        let promised = |t: &Task| match *t {
+            Task::Deliver { store, rack: k, .. } | Task::Store { store, rack: k, .. } => {
+                store == node && k != rack
+            }
+            Task::Idle | Task::Fetch { .. } | Task::Move { .. } => false,
+        };
         stands || self.ledger.robots.iter().any(|r| promised(&r.task))
     }
 

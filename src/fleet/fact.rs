@@ -142,7 +142,8 @@ pub struct Stop {
     pub act: Act,
 }
 
-/// What a robot is doing. `Idle → Fetch → Deliver → Store → Idle`; `Fetch → Store` for relocations; `Idle → Move → Idle`.
+/// What a robot is doing. `Idle → Fetch → Deliver → Store → Idle`; `Fetch → Store` for relocations; `Idle → Move
+/// → Idle`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Task {
     /// Nothing: it stands where it may stay.

@@ -1,8 +1,8 @@
 //! What was promised: jobs, holds, routes, racks. A fold over facts, durable.
 //!
-//! Main types: [`Ledger`], [`Robot`]. [`Ledger::evolve`] is the only code that changes it, live and on load alike, and it
-//! asserts that what it is told is possible: a journal that books a lane twice does not load. Refuses: to plan, to
-//! read a clock, to know where anything is seen.
+//! Main types: [`Ledger`], [`Robot`]. [`Ledger::evolve`] is the only code that changes it, live and on load
+//! alike, and it asserts that what it is told is possible: a journal that books a lane twice does not load.
+//! Refuses: to plan, to read a clock, to know where anything is seen.
 
 use super::fact::{Act, Booking, Fact, Stop, Task};
 use super::job::{Job, JobKind, JobState};

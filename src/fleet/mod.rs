@@ -1,8 +1,9 @@
 //! The core: one pure state machine. `step(now, inputs)` takes everything in, then decides once.
 //!
 //! Main types: [`Fleet`], [`Settings`], [`Input`], [`Step`], [`View`]. Two halves of state: the [`ledger`] (what was
-//! promised, a fold over facts) and the [`scene`] (what is seen). A restart is a step with an empty scene. Refuses: clocks,
-//! I/O, random numbers, hash order; reacting to messages (it reacts to state, so repeated and late ones do no harm).
+//! promised, a fold over facts) and the [`scene`] (what is seen). A restart is a step with an empty scene.
+//! Refuses: clocks, I/O, random numbers, hash order; reacting to messages (it reacts to state, so repeated and
+//! late ones do no harm).
 
 mod absorb;
 mod assign;

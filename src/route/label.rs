@@ -153,7 +153,7 @@ impl Labels {
 
     fn grow(&mut self) {
         let empty = Slot { key: 0, head: NONE, generation: 0 };
-        let old = std::mem::replace(&mut self.slots, vec![]);
+        let old = std::mem::take(&mut self.slots);
         self.slots = vec![empty; old.len() * 2];
         for slot in old.into_iter().filter(|s| s.generation == self.generation) {
             let at = self.find(slot.key);

@@ -192,8 +192,8 @@ impl Search<'_> {
         Err(NoRoute::Blocked)
     }
 
-    /// Half of the budget is spent: from now on whatever is nearest to the goals goes first. A route found now may not be
-    /// the earliest one, but a robot that drives is better than one that asks again.
+    /// Half of the budget is spent: from now on whatever is nearest to the goals goes first. A route found now
+    /// may not be the earliest one, but a robot that drives is better than one that asks again.
     fn hurry(&mut self, labels: &Labels, open: &mut Open) {
         self.hurried = true;
         let labels =
@@ -336,8 +336,8 @@ impl Search<'_> {
         }
     }
 
-    /// The earliest possible arrivals at the first and at the last goal, seen from a label, and how long the rest takes
-    /// without any waiting.
+    /// The earliest possible arrivals at the first and at the last goal, seen from a label, and how long the
+    /// rest takes without any waiting.
     fn bound(&self, label: &Label) -> Option<(i64, i64, i64)> {
         let stage = usize::from(label.stage);
         let there = label.node == self.ask.stages[stage].goal && label.gait == Gait::Standing;

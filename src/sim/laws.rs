@@ -1,7 +1,7 @@
 //! Laws that hold in every simulation, checked at every step (DESIGN §8).
 //!
-//! Main types: [`Laws`], [`Violation`]. They look at where robots truly are, not at what the fleet believes. Refuses: to
-//! mend anything; one violation fails the run.
+//! Main types: [`Laws`], [`Violation`]. They look at where robots truly are, not at what the fleet believes.
+//! Refuses: to mend anything; one violation fails the run.
 
 use super::world::World;
 use crate::fleet::{Fact, Fleet, JobState, Ledger, Task, Why};

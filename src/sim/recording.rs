@@ -1,8 +1,8 @@
 //! Recordings: the inputs of every step, so that a run can be looked at again and stepped through again.
 //!
-//! Main types: [`Header`], [`Recorder`] (steps → lines), [`Playback`] (lines → steps). One JSON text per line: the header,
-//! then a line per step, then the digest of all facts. What a robot says twice in the same words is written once.
-//! Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
+//! Main types: [`Header`], [`Recorder`] (steps → lines), [`Playback`] (lines → steps). One JSON text per line:
+//! the header, then a line per step, then the digest of all facts. What a robot says twice in the same words is
+//! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
 use crate::fleet::{Input, JobKind, JobRequest, Telemetry};
 use crate::geometry::{Point, Pose};

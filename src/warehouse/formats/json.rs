@@ -1,6 +1,6 @@
 //! The project's own map format: JSON, one node or lane a line.
 //!
-//! Main functions: [`parse`], [`write`]; `maps/map.schema.json` describes the format for other programs.
+//! Main functions: [`parse`], [`write()`]; `maps/map.schema.json` describes the format for other programs.
 //! Refuses: unknown keys, other versions, and buildings with findings.
 
 use super::MapError;
