@@ -12,8 +12,8 @@ use std::sync::Arc;
 const RUNS: [(&str, i64); 7] = [
     ("lab", 300),
     ("thesis-20", 300),
-    ("thesis-faults", 300),
-    ("kiva-50", 60),
+    ("thesis-faults", 3600),
+    ("kiva-50", 150),
     ("kiva-100", 60),
     ("orders", 60),
     ("kiva-800", 70),

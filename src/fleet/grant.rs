@@ -14,6 +14,8 @@ use crate::timeline::Holder;
 const EARLY: Span = Span::from_secs(4);
 /// Orders are repeated this often until the robot says that it knows them.
 const REPEAT: Span = Span::from_millis(600);
+/// A robot at a stop is reminded this often of what it is to do there.
+const REMIND: Span = Span::from_secs(3);
 
 impl Fleet {
     pub(super) fn grant(&mut self, now: Time) {
@@ -84,11 +86,16 @@ impl Fleet {
         k.braking_m(k.speed_mps, loaded) + k.speed_mps * latency + 1.0
     }
 
+    /// Whether the robot may not know its orders: it does not say that it does, or it has been standing at a stop for a
+    /// while without being done (a robot that was restarted there has forgotten what it was to do).
     fn must_repeat(&mut self, robot: RobotId, now: Time) -> bool {
-        let granted = self.ledger.chain(robot).granted();
+        let chain = self.ledger.chain(robot);
+        let (here, granted) = (chain.first(), chain.granted());
+        let at_stop = self.ledger.robots[robot].stops.first().is_some_and(|s| s.serial == here);
         let knows = self.scene.robot(robot).is_some_and(|t| t.known + 1 >= granted);
         let told = self.scene.robot_mut(robot).told;
-        !knows && told.is_none_or(|t| now - t >= REPEAT)
+        let pause = if knows { REMIND } else { REPEAT };
+        (!knows || at_stop) && told.is_none_or(|t| now - t >= pause)
     }
 
     /// Sends everything granted from where the robot is.
