@@ -8,7 +8,7 @@
 use super::motion::{Gait, Pace};
 use crate::id::{ArcId, Dense, NodeId};
 use crate::time::Span;
-use crate::warehouse::{NodeKind, Warehouse};
+use crate::warehouse::{NodeKind, Warehouse, Way};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -50,16 +50,15 @@ struct Into {
 
 /// Whether a robot bound for `goal` may drive the arc: lanes have users, a loaded robot never passes beneath
 /// racks, and the places of a station are for robots bound for it, or on their way out of it.
-pub(super) fn may_drive(warehouse: &Warehouse, arc: ArcId, loaded: bool, goal: NodeId) -> bool {
-    let arc = &warehouse.arcs[arc];
-    let kind = warehouse.nodes[arc.to].kind;
-    if !arc.users.allows(loaded) || (loaded && kind == NodeKind::Storage && arc.to != goal) {
+pub(super) fn may_drive(warehouse: &Warehouse, from: NodeId, way: &Way, loaded: bool, goal: NodeId) -> bool {
+    let kind = warehouse.kind(way.to);
+    if !way.users.allows(loaded) || (loaded && kind == NodeKind::Storage && way.to != goal) {
         return false;
     }
     let zone = kind.reserved_for();
     zone.is_none()
-        || zone == warehouse.nodes[goal].kind.reserved_for()
-        || zone == warehouse.nodes[arc.from].kind.reserved_for()
+        || zone == warehouse.kind(goal).reserved_for()
+        || zone == warehouse.kind(from).reserved_for()
 }
 
 impl Estimates {

@@ -79,7 +79,9 @@ pub enum Rules {
 #[derive(Clone, Debug)]
 pub struct Pace {
     rules: Rules,
-    drive: IdVec<ArcId, [Span; 8]>,
+    /// For each arc which of `drive` it is: floors have few different lanes, so the durations stay in the cache.
+    class: IdVec<ArcId, u16>,
+    drive: Vec<[Span; 8]>,
     turn_start: Vec<u32>,
     turns: Vec<Span>,
     straight: Vec<bool>,
@@ -102,7 +104,8 @@ impl Pace {
     pub fn new(warehouse: &Warehouse, rules: Rules) -> Pace {
         let mut pace = Pace {
             rules,
-            drive: IdVec::new(),
+            class: IdVec::new(),
+            drive: Vec::new(),
             turn_start: vec![0],
             turns: Vec::new(),
             straight: Vec::new(),
@@ -116,7 +119,11 @@ impl Pace {
                 let (loaded, from, to) = (i & 4 != 0, gait(i & 2 != 0), gait(i & 1 != 0));
                 *span = drive_span(&rules, arc.length_m, arc.speed_limit_mps, loaded, from, to);
             }
-            pace.drive.push(spans);
+            let class = pace.drive.iter().position(|d| *d == spans).unwrap_or(pace.drive.len());
+            if class == pace.drive.len() {
+                pace.drive.push(spans);
+            }
+            pace.class.push(u16::try_from(class).expect("a floor has fewer than 65536 different lanes"));
             for &heading in warehouse.headings(arc.from) {
                 pace.turns.push(turn_span(&rules, heading, arc.heading));
                 pace.straight.push(turn_between(heading, arc.heading) < STRAIGHT);
@@ -178,7 +185,7 @@ impl Pace {
     /// From node centre to node centre.
     pub fn drive(&self, arc: ArcId, loaded: bool, from: Gait, to: Gait) -> Span {
         let i = usize::from(loaded) << 2 | usize::from(from == Gait::Rolling) << 1;
-        self.drive[arc][i | usize::from(to == Gait::Rolling)]
+        self.drive[usize::from(self.class[arc])][i | usize::from(to == Gait::Rolling)]
     }
 
     /// Turning in place from arrival heading `slot` of the arc's start to the arc.

@@ -14,7 +14,7 @@ use crate::geometry::turn_between;
 use crate::id::{ArcId, NodeId};
 use crate::time::{Span, Time};
 use crate::timeline::{Gap, Timeline};
-use crate::warehouse::Warehouse;
+use crate::warehouse::{Warehouse, Way};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::sync::Arc;
@@ -64,6 +64,7 @@ impl GoalWindows {
 /// A way from a label to the next node, before windows are looked at.
 struct Hop {
     arc: ArcId,
+    way: Way,
     to: Gait,
     /// Departures possible as far as the label is concerned.
     depart: (i64, i64),
@@ -215,8 +216,8 @@ impl Search<'_> {
 
     fn expand(&self, labels: &mut Labels, open: &mut Open, index: u32, label: Label) {
         let stage = self.ask.stages[usize::from(label.stage)];
-        for (arc, way) in self.warehouse.out(label.node) {
-            if !may_drive(self.warehouse, arc, stage.loaded, stage.goal) {
+        for (arc, way) in self.warehouse.ways(label.node) {
+            if !may_drive(self.warehouse, label.node, &way, stage.loaded, stage.goal) {
                 continue;
             }
             let Some(depart) = self.departures(&label, arc) else { continue };
@@ -226,8 +227,8 @@ impl Search<'_> {
                 }
                 let span = self.pace.drive(arc, stage.loaded, label.gait, to).0;
                 let lead = if label.gait == Gait::Rolling { self.pace.lead(stage.loaded).0 } else { 0 };
-                let hop = Hop { arc, to, depart, span, lead };
-                self.enter_gaps(labels, open, index, &label, &hop, way.to);
+                let hop = Hop { arc, way, to, depart, span, lead };
+                self.enter_gaps(labels, open, index, &label, &hop);
             }
         }
     }
@@ -246,27 +247,19 @@ impl Search<'_> {
     }
 
     /// Tries every free window of the next node that can be reached, and of the lane where it needs holding.
-    fn enter_gaps(
-        &self,
-        labels: &mut Labels,
-        open: &mut Open,
-        index: u32,
-        label: &Label,
-        hop: &Hop,
-        node: NodeId,
-    ) {
-        let lane = self.warehouse.arcs[hop.arc].lane;
+    fn enter_gaps(&self, labels: &mut Labels, open: &mut Open, index: u32, label: &Label, hop: &Hop) {
+        let node = hop.way.to;
         let latest = hop.depart.1.min(label.gap.end.0);
         let resource = self.warehouse.node_resource(node);
         for gap in self.timeline.gaps(resource, Time(hop.depart.0 - hop.lead)) {
             if gap.start.0 > latest {
                 break;
             }
-            if self.warehouse.lane_is_free_of_conflicts(lane) {
+            if hop.way.lane_is_free {
                 self.enter(labels, open, index, label, hop, node, gap, FREE);
                 continue;
             }
-            let lane = self.warehouse.lane_resource(lane);
+            let lane = self.warehouse.lane_resource(hop.way.lane);
             for lane_gap in self.timeline.gaps(lane, Time(hop.depart.0 - hop.lead)) {
                 if lane_gap.start.0 > latest {
                     break;
@@ -295,7 +288,7 @@ impl Search<'_> {
         };
         let Some((lo, hi)) = times else { return };
         let hi = if hop.to == Gait::Standing { gap.end.0 } else { hi };
-        let slot = self.warehouse.arcs[hop.arc].slot;
+        let slot = hop.way.slot;
         let next = Label::new((lo, hi), node, gap, slot, hop.to, label.stage, index, Some(hop.arc));
         self.push(labels, open, next.with_first(label.first));
     }

@@ -4,7 +4,7 @@
 
 use super::check::{self, Findings};
 use super::conflict;
-use super::{Arc, Lane, Node, NodeKind, Rack, Station, Users, Warehouse};
+use super::{Arc, Lane, Node, NodeKind, Rack, Station, Users, Warehouse, Way};
 use crate::geometry::{Point, Segment, turn_between};
 use crate::id::{Dense, IdVec, NodeId, StationId};
 use crate::time::Span;
@@ -154,6 +154,8 @@ impl Draft {
             walkable: self.walkable,
             obstacles: self.obstacles,
             out_start: Vec::new(),
+            ways: IdVec::new(),
+            kinds: IdVec::new(),
             headings: IdVec::new(),
         };
         warehouse.index_arcs();
@@ -224,6 +226,16 @@ impl Warehouse {
         for i in 0..self.nodes.len() {
             self.out_start[i + 1] += self.out_start[i];
         }
+        self.ways = (arcs.iter())
+            .map(|a| Way {
+                to: a.to,
+                lane: a.lane,
+                slot: a.slot,
+                lane_is_free: self.lane_is_free_of_conflicts(a.lane),
+                users: a.users,
+            })
+            .collect();
+        self.kinds = self.nodes.iter().map(|n| n.kind).collect();
         self.arcs = arcs.into();
     }
 }

@@ -136,6 +136,21 @@ pub struct Arc {
     pub users: Users,
 }
 
+/// What the search needs of an arc, packed: it looks at millions of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    /// Where it leads.
+    pub to: NodeId,
+    /// The lane.
+    pub lane: LaneId,
+    /// See [`Arc::slot`].
+    pub slot: u8,
+    /// Whether driving the lane asks for nothing beyond its ends.
+    pub lane_is_free: bool,
+    /// Who may use it.
+    pub users: Users,
+}
+
 /// A picking station.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Station {
@@ -180,6 +195,8 @@ pub struct Warehouse {
     /// Outlines of what stands in the way.
     pub obstacles: Vec<Vec<Point>>,
     out_start: Vec<u32>,
+    ways: IdVec<ArcId, Way>,
+    kinds: IdVec<NodeId, NodeKind>,
     headings: IdVec<NodeId, SmallVec<[f64; 4]>>,
     conflicts: IdVec<ResourceId, SmallVec<[ResourceId; 2]>>,
 }
@@ -189,6 +206,17 @@ impl Warehouse {
     pub fn out(&self, n: NodeId) -> impl Iterator<Item = (ArcId, &Arc)> {
         let (from, to) = (self.out_start[n.ix()] as usize, self.out_start[n.ix() + 1] as usize);
         (from..to).map(|i| (ArcId::at(i), &self.arcs[ArcId::at(i)]))
+    }
+
+    /// The arcs that leave `n`, packed.
+    pub fn ways(&self, n: NodeId) -> impl Iterator<Item = (ArcId, Way)> {
+        let (from, to) = (self.out_start[n.ix()] as usize, self.out_start[n.ix() + 1] as usize);
+        (from..to).map(|i| (ArcId::at(i), self.ways[ArcId::at(i)]))
+    }
+
+    /// What a node is for, without the rest of it.
+    pub fn kind(&self, n: NodeId) -> NodeKind {
+        self.kinds[n]
     }
 
     /// The distinct headings with which a robot can arrive at `n`, radians.
