@@ -1,0 +1,84 @@
+//! Robots that break down: others take over, go round them, and they go on when they are repaired.
+
+use super::*;
+
+const NEVER: Time = Time::MAX;
+
+/// A robot on a street between racks, at work as `wanted` says.
+fn in_an_aisle(floor: &Floor, wanted: fn(&Task) -> bool) -> Option<RobotId> {
+    let w = floor.fleet.warehouse();
+    floor.fleet.ledger().robots.ids().find(|r| {
+        let (at, top) = (w.nodes[floor.fleet.ledger().node_of(*r)].at, w.bounds().1);
+        let kind = w.nodes[floor.fleet.ledger().node_of(*r)].kind;
+        let between = w.racks.iter().any(|k| (w.nodes[k.home].at - at).norm() < 1.5 * w.footprint_m);
+        let moving = floor.fleet.ledger().chain(*r).granted() > floor.fleet.ledger().chain(*r).first() + 1;
+        wanted(&floor.fleet.ledger().robots[*r].task) && between && moving && !kind.is_lasting() && at.y < top.y
+    })
+}
+
+#[test]
+fn a_robot_that_fails_on_its_way_to_a_rack_gives_its_job_to_another() {
+    let mut floor = Floor::thesis(3);
+    let job = floor.submit(request(deliver(40)));
+    floor.until(10, "a robot has the job", |f| f.is(job, "assigned"));
+    let first = floor.state(job).and_then(|s| s.robot()).expect("assigned jobs have a robot");
+    floor.run(4);
+    floor.world.fail(first, NEVER);
+    floor.until(5, "another has it", |f| f.state(job).and_then(|s| s.robot()).is_some_and(|r| r != first));
+    floor.until_over(600);
+    assert_eq!(floor.story(job), ["assigned", "waiting", "assigned", "carrying", "picking", "done"]);
+    assert!(floor.fleet.ledger().robots[first].failed, "nobody repaired it");
+}
+
+#[track_caller]
+fn check_others_go_on(wanted: fn(&Task) -> bool) {
+    let mut floor = Floor::thesis(6);
+    let jobs = floor.submit_batch(24);
+    floor.until(300, "a robot is in an aisle", |f| in_an_aisle(f, wanted).is_some());
+    let broken = in_an_aisle(&floor, wanted).expect("just seen");
+    let own = floor.fleet.ledger().robots[broken].task;
+    floor.world.fail(broken, NEVER);
+    let kept = u64::from(own.carried().is_some());
+    floor.until(3000, "the others did everything else", |f| f.done() == jobs.len() as u64 - kept);
+    assert_eq!(floor.fleet.view(floor.now).robots[broken.ix()].state, RobotState::Failed);
+    floor.world.fail(broken, floor.now);
+    floor.until_over(600);
+    floor.assert_done_once(&jobs);
+    floor.until(600, "it brought its rack away", |f| f.is_idle(broken));
+    assert!(floor.facts.iter().any(|f| matches!(f, Fact::Repaired { robot, .. } if *robot == broken)));
+}
+
+#[test]
+fn a_robot_that_fails_in_an_aisle_without_a_rack_does_not_stop_the_others() {
+    check_others_go_on(|t| matches!(t, Task::Fetch { .. }));
+}
+
+#[test]
+fn a_robot_that_fails_in_an_aisle_with_a_rack_does_not_stop_the_others_and_finishes_when_repaired() {
+    check_others_go_on(|t| matches!(t, Task::Deliver { .. }));
+}
+
+#[test]
+fn a_robot_that_fails_with_a_rack_keeps_its_job_and_does_it_after_repair() {
+    let mut floor = Floor::thesis(2);
+    let job = floor.submit(request(deliver(40)));
+    floor.until(300, "it is carried", |f| f.is(job, "carrying"));
+    floor.run(3);
+    let robot = floor.state(job).and_then(|s| s.robot()).expect("carried by a robot");
+    floor.world.fail(robot, floor.now + Span::from_secs(60));
+    floor.run(50);
+    assert_eq!(floor.state(job), Some(JobState::Carrying { robot }));
+    floor.until_over(600);
+    assert_eq!(floor.story(job), ["assigned", "carrying", "picking", "done"]);
+}
+
+#[test]
+fn a_batch_is_done_although_robots_fail_again_and_again() {
+    let faults = Faults { failures_per_hour: 40.0, repair_s: 60.0, ..Faults::default() };
+    let mut floor = Floor::new(thesis(), &Scenario { faults, ..scenario(6) });
+    let jobs = floor.submit_batch(24);
+    floor.until_over(3600);
+    floor.assert_done_once(&jobs);
+    let failures = floor.facts.iter().filter(|f| matches!(f, Fact::Failed { .. })).count();
+    assert!(failures >= 5, "only {failures} failures");
+}
