@@ -87,8 +87,11 @@ impl Fleet {
     fn must_repeat(&mut self, robot: RobotId, now: Time) -> bool {
         let granted = self.ledger.chain(robot).granted();
         let knows = self.scene.robot(robot).is_some_and(|t| t.known + 1 >= granted);
+        // Nobody says whether it knows what to do where it stands; after a restart of its own it may not.
+        let acts = self.ledger.robots[robot].stops.first().is_some_and(|s| s.serial + 1 == granted);
+        let stands = self.ledger.chain(robot).first() + 1 == granted;
         let told = self.scene.robot_mut(robot).told;
-        !knows && told.is_none_or(|t| now - t >= REPEAT)
+        (!knows || acts && stands) && told.is_none_or(|t| now - t >= REPEAT)
     }
 
     /// Sends everything granted from where the robot is.
