@@ -173,7 +173,8 @@ impl Floor {
 
     fn assert_stored(&self, rack: u32) {
         let at = self.rack(rack);
-        let stored = matches!(at, RackAt::Stored(n) if self.fleet.warehouse().nodes[n].kind == NodeKind::Storage);
+        let stored =
+            matches!(at, RackAt::Stored(n) if self.fleet.warehouse().nodes[n].kind == NodeKind::Storage);
         assert!(stored, "rack {rack} is {at:?}");
     }
 

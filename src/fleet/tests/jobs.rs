@@ -8,7 +8,9 @@ fn a_delivery_goes_through_its_states_once_and_the_rack_comes_back_to_storage() 
     let job = floor.submit(request(deliver(3)));
     floor.until_over(300);
     assert_eq!(floor.story(job), ["assigned", "carrying", "picking", "done"]);
-    let RackAt::On(robot) = floor.rack(3) else { panic!("a delivery is done while the rack is still on its robot") };
+    let RackAt::On(robot) = floor.rack(3) else {
+        panic!("a delivery is done while the rack is still on its robot")
+    };
     floor.until(300, "the robot has nothing to do", |f| f.is_idle(robot));
     floor.assert_stored(3);
     assert_eq!(floor.story(job).len(), 4, "nothing happens to a job that is over");

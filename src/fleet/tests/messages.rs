@@ -21,11 +21,8 @@ impl Dice {
 #[test]
 fn repeated_late_and_shuffled_telemetry_changes_nothing() {
     let mut floor = Floor::thesis(5);
-    let mut noisy = Fleet::restore(
-        floor.fleet.warehouse().clone(),
-        floor.fleet.settings().clone(),
-        floor.facts.clone(),
-    );
+    let mut noisy =
+        Fleet::restore(floor.fleet.warehouse().clone(), floor.fleet.settings().clone(), floor.facts.clone());
     let (mut dice, mut old, mut extra) = (Dice(1), Vec::<Input>::new(), 0);
     let mut wanted: Vec<JobKind> = (0..15).map(|i| deliver(i * 4)).collect();
     while floor.now < Time::from_secs_f64(300.0) {

@@ -19,13 +19,21 @@ fn stand(node: NodeId) -> Visit {
     Visit { node, lane: None, enter: from, arrive: from, depart: to, leave: to, stay: Span::ZERO }
 }
 
+/// Until then, robots that are still to be planned are taken to stand where they are.
+const HEAD_START: Time = Time(20_000_000);
+
 /// Routes of all robots, planned in this order, each around those before it; `None` if one finds no way.
 fn plan(planner: &mut Planner, ways: &[(NodeId, NodeId)], order: &[usize]) -> Option<Timeline> {
     let mut timeline = Timeline::new(planner.warehouse().clone(), Kinematics::default().clearance);
-    for &i in order {
+    for (turn, &i) in order.iter().enumerate() {
+        let mut others = timeline.clone();
+        for &later in &order[turn + 1..] {
+            let waits = Visit { depart: HEAD_START, leave: HEAD_START, ..stand(ways[later].0) };
+            others.reserve(holder(later), vec![waits]).ok()?;
+        }
         let (from, stage) = (stand(ways[i].0), Stage { goal: ways[i].1, loaded: false, stay: Span::ZERO });
         let ask = Ask { from: &from, heading: 0.0, ready: Time::ZERO, stages: &[stage], budget: 100_000 };
-        let route = planner.plan(&ask, &timeline).ok()?;
+        let route = planner.plan(&ask, &others).ok()?;
         let visits = std::iter::once(route.kept).chain(route.visits).collect();
         timeline.reserve(holder(i), visits).ok()?;
     }
