@@ -279,7 +279,8 @@ impl Timeline {
             old.push((*holder, *keep, self.take_from(*holder, *keep)));
         }
         let mut reserved = Vec::new();
-        let ends: Vec<_> = routes.iter().map(|(holder, keep, kept, _)| (*holder, *keep, kept.leave)).collect();
+        let ends: Vec<_> =
+            routes.iter().map(|(holder, keep, kept, _)| (*holder, *keep, kept.leave)).collect();
         for (holder, keep, kept, visits) in routes {
             let count = visits.len();
             let wanted: Vec<Visit> = std::iter::once(kept).chain(visits).collect();
