@@ -296,7 +296,7 @@ impl Timeline {
         Ok(reserved)
     }
 
-    /// Ends the holds on visits before `keep` by `leave`: a robot that was broken kept them for ever, and now drives on.
+    /// Ends the holds on visits before `keep` by `leave`: a broken robot kept them for ever, and now drives on.
     fn end_by(&mut self, holder: Holder, keep: u64, leave: Time) {
         let chain = self.chains.get_mut(&holder).expect("only holders replace");
         let first = chain.first;
