@@ -1,1 +1,197 @@
-//! The core as a whole, step by step.
+//! The core as a whole, step by step, on a simulated floor whose laws are checked at every step.
+
+mod cancel;
+mod failure;
+mod jobs;
+mod messages;
+mod restart;
+mod stuck;
+
+use super::*;
+use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};
+use crate::sim::laws::Laws;
+use crate::sim::{Demand, Faults, Scenario, World};
+use crate::warehouse::NodeKind;
+use crate::warehouse::{lab, thesis};
+
+/// A fleet on a simulated floor, with everything that happened.
+struct Floor {
+    fleet: Fleet,
+    world: World,
+    laws: Laws,
+    now: Time,
+    facts: Vec<Fact>,
+}
+
+fn scenario(robots: usize) -> Scenario {
+    Scenario {
+        name: "test".into(),
+        map: String::new(),
+        robots,
+        duration: Span::from_secs(3600),
+        period: Span::from_millis(100),
+        seed: 1,
+        demand: Demand::None,
+        faults: Faults::default(),
+        kinematics: Kinematics::default(),
+    }
+}
+
+fn deliver(rack: u32) -> JobKind {
+    JobKind::Deliver { rack: RackId(rack), station: StationId(0), pick: None }
+}
+
+fn request(kind: JobKind) -> JobRequest {
+    JobRequest { kind, priority: 0, deadline: None, after: Vec::new(), key: None }
+}
+
+impl Floor {
+    fn new(warehouse: Warehouse, scenario: &Scenario) -> Floor {
+        let warehouse = Arc::new(warehouse);
+        let fleet = Fleet::new(warehouse.clone(), scenario.settings());
+        let world = World::new(warehouse, scenario, &[], scenario.seed, &fleet, Time::ZERO);
+        let laws = Laws::new(&fleet);
+        let mut floor = Floor { fleet, world, laws, now: Time::ZERO, facts: Vec::new() };
+        floor.step(vec![]);
+        assert_eq!(floor.fleet.ledger().robots.len(), scenario.robots, "all robots join in the first step");
+        floor
+    }
+
+    fn lab(robots: usize) -> Floor {
+        Floor::new(lab(), &scenario(robots))
+    }
+
+    fn thesis(robots: usize) -> Floor {
+        Floor::new(thesis(), &scenario(robots))
+    }
+
+    /// One control period in which somebody also wants `extra`.
+    fn step(&mut self, extra: Vec<Input>) -> Step {
+        let mut inputs = self.world.advance(self.now, &self.fleet);
+        inputs.extend(extra);
+        let step = self.fleet.step(self.now, inputs);
+        self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
+        assert_eq!(self.laws.broken, [], "laws hold");
+        self.world.command(self.now, step.commands.clone());
+        self.facts.extend(step.facts.iter().cloned());
+        self.now += self.fleet.settings().period;
+        step
+    }
+
+    fn ask(&mut self, request: JobRequest) -> Reply {
+        self.step(vec![Input::Submit { token: 7, request }]).replies.remove(0)
+    }
+
+    fn submit(&mut self, request: JobRequest) -> JobId {
+        match self.ask(request) {
+            Reply::Accepted { token: 7, job, new: true } => job,
+            other => panic!("not accepted: {other:?}"),
+        }
+    }
+
+    /// Deliveries of so many racks, to all stations in turn.
+    fn submit_batch(&mut self, count: usize) -> Vec<JobId> {
+        let w = self.fleet.warehouse();
+        let (racks, stations) = (w.racks.len(), w.stations.len());
+        let kind = |i: usize| JobKind::Deliver {
+            rack: RackId::at(i * 7 % racks),
+            station: StationId::at(i % stations),
+            pick: None,
+        };
+        (0..count).map(|i| self.submit(request(kind(i)))).collect()
+    }
+
+    fn assert_done_once(&self, jobs: &[JobId]) {
+        for job in jobs {
+            let done = self.story(*job).iter().filter(|w| **w == "done").count();
+            assert_eq!(done, 1, "{job:?} went {:?}", self.story(*job));
+        }
+    }
+
+    fn cancel(&mut self, job: JobId) -> Reply {
+        self.step(vec![Input::Cancel { token: 8, job }]).replies.remove(0)
+    }
+
+    fn run(&mut self, seconds: i64) {
+        let end = self.now + Span::from_secs(seconds);
+        while self.now < end {
+            self.step(vec![]);
+        }
+    }
+
+    /// Steps until it is so, for at most so many simulated seconds.
+    fn until(&mut self, seconds: i64, what: &str, so: impl Fn(&Floor) -> bool) {
+        let end = self.now + Span::from_secs(seconds);
+        while !so(self) {
+            let (jobs, robots) = (&self.fleet.ledger().jobs, &self.fleet.ledger().robots);
+            assert!(self.now < end, "not within {seconds} s: {what}; jobs {jobs:?}; robots {robots:?}");
+            self.step(vec![]);
+        }
+    }
+
+    fn until_over(&mut self, seconds: i64) {
+        self.until(seconds, "all jobs are over", |f| f.fleet.ledger().jobs.is_empty());
+    }
+
+    /// All states that a job came to, in order, in the words of the wire.
+    fn story(&self, job: JobId) -> Vec<&'static str> {
+        self.progress(job).map(|(s, _)| s.word()).collect()
+    }
+
+    fn progress(&self, job: JobId) -> impl Iterator<Item = (JobState, Time)> {
+        self.facts.iter().filter_map(move |f| match f {
+            Fact::Progressed { job: j, state, at } if *j == job => Some((*state, *at)),
+            _ => None,
+        })
+    }
+
+    /// When a job came to a state for the first time.
+    fn when(&self, job: JobId, word: &str) -> Time {
+        let at = self.progress(job).find(|(s, _)| s.word() == word).map(|(_, at)| at);
+        at.unwrap_or_else(|| panic!("{job:?} never was {word}: {:?}", self.story(job)))
+    }
+
+    fn state(&self, job: JobId) -> Option<JobState> {
+        self.fleet.ledger().jobs.get(&job).map(|j| j.state)
+    }
+
+    fn is(&self, job: JobId, word: &str) -> bool {
+        self.state(job).is_some_and(|s| s.word() == word)
+    }
+
+    fn done(&self) -> u64 {
+        self.fleet.ledger().counts.done
+    }
+
+    fn node(&self, name: &str) -> NodeId {
+        self.fleet.warehouse().node_named(name).unwrap_or_else(|| panic!("there is no node {name}"))
+    }
+
+    fn rack(&self, rack: u32) -> RackAt {
+        self.fleet.ledger().racks[RackId(rack)]
+    }
+
+    fn assert_stored(&self, rack: u32) {
+        let at = self.rack(rack);
+        let stored =
+            matches!(at, RackAt::Stored(n) if self.fleet.warehouse().nodes[n].kind == NodeKind::Storage);
+        assert!(stored, "rack {rack} is {at:?}");
+    }
+
+    /// A storage node without a rack.
+    fn free_storage(&self) -> NodeId {
+        let taken = |n: &NodeId| self.fleet.ledger().racks.iter().any(|r| *r == RackAt::Stored(*n));
+        let all = self.fleet.warehouse().nodes_where(|k| k == NodeKind::Storage);
+        let resident = |n: &NodeId| self.fleet.ledger().resident(*n).is_some();
+        all.into_iter().find(|n| !taken(n) && !resident(n)).expect("some storage is free")
+    }
+
+    /// No task but to stand somewhere.
+    fn is_idle(&self, robot: RobotId) -> bool {
+        self.fleet.ledger().robots[robot].task == Task::Idle
+    }
+
+    fn first_robot_is_idle(&self) -> bool {
+        self.is_idle(RobotId::at(0))
+    }
+}

@@ -92,6 +92,12 @@ impl World {
         }
     }
 
+    /// Breaks a robot, for tests of what happens then.
+    #[cfg(test)]
+    pub fn fail(&mut self, robot: RobotId, until: Time) {
+        self.robots[robot.ix()].body.failed_until = Some(until);
+    }
+
     /// Bodies for robots that the fleet knows by now.
     fn meet(&mut self, fleet: &Fleet) {
         for i in self.robots.len()..fleet.ledger().robots.len() {

@@ -279,6 +279,8 @@ impl Timeline {
             old.push((*holder, *keep, self.take_from(*holder, *keep)));
         }
         let mut reserved = Vec::new();
+        let ends: Vec<_> =
+            routes.iter().map(|(holder, keep, kept, _)| (*holder, *keep, kept.leave)).collect();
         for (holder, keep, kept, visits) in routes {
             let count = visits.len();
             let wanted: Vec<Visit> = std::iter::once(kept).chain(visits).collect();
@@ -290,7 +292,20 @@ impl Timeline {
             self.put(holder, wanted);
             reserved.push(Reserved { holder, first: keep + 1, count });
         }
+        ends.into_iter().for_each(|(holder, keep, leave)| self.end_by(holder, keep, leave));
         Ok(reserved)
+    }
+
+    /// Ends the holds on visits before `keep` by `leave`: a broken robot kept them for ever, and now drives on.
+    fn end_by(&mut self, holder: Holder, keep: u64, leave: Time) {
+        let chain = self.chains.get_mut(&holder).expect("only holders replace");
+        let first = chain.first;
+        for (serial, visit) in (first..keep).zip(&mut chain.visits).filter(|(_, v)| v.leave > leave) {
+            Self::erase(&mut self.lines, &self.warehouse, holder, serial, visit);
+            visit.leave = leave;
+            let context = (&*self.warehouse, self.clearance, self.ghostly);
+            Self::write(&mut self.lines, context, holder, serial, visit);
+        }
     }
 
     /// Takes the visits from `serial` on back, for somebody who works on a copy to find better ones.

@@ -1,0 +1,175 @@
+//! Jobs of every kind, from the request to the end; priorities, order, keys and refusals.
+
+use super::*;
+
+#[test]
+fn a_delivery_goes_through_its_states_once_and_the_rack_comes_back_to_storage() {
+    let mut floor = Floor::lab(1);
+    let job = floor.submit(request(deliver(3)));
+    floor.until_over(300);
+    assert_eq!(floor.story(job), ["assigned", "carrying", "picking", "done"]);
+    let RackAt::On(robot) = floor.rack(3) else {
+        panic!("a delivery is done while the rack is still on its robot")
+    };
+    floor.until(300, "the robot has nothing to do", |f| f.is_idle(robot));
+    floor.assert_stored(3);
+    assert_eq!(floor.story(job).len(), 4, "nothing happens to a job that is over");
+    assert_eq!(floor.fleet.ledger().served[StationId(0)], 1);
+}
+
+#[test]
+fn the_pick_takes_as_long_as_the_customer_said() {
+    let mut floor = Floor::lab(1);
+    let kind = JobKind::Deliver { rack: RackId(0), station: StationId(0), pick: Some(Span::from_secs(40)) };
+    let job = floor.submit(request(kind));
+    floor.until_over(300);
+    let picked = floor.when(job, "done") - floor.when(job, "picking");
+    assert!(picked >= Span::from_secs(39) && picked < Span::from_secs(43), "it took {picked:?}");
+}
+
+#[test]
+fn the_same_key_makes_no_second_job_not_even_when_the_first_is_over() {
+    let mut floor = Floor::lab(1);
+    let keyed = JobRequest { key: Some("order 1".into()), ..request(deliver(3)) };
+    let job = floor.submit(keyed.clone());
+    assert_eq!(floor.ask(keyed.clone()), Reply::Accepted { token: 7, job, new: false });
+    floor.until_over(300);
+    assert_eq!(floor.ask(keyed), Reply::Accepted { token: 7, job, new: false });
+    floor.run(100);
+    assert_eq!((floor.done(), floor.fleet.ledger().next_job), (1, 2));
+    let other = JobRequest { key: Some("order 2".into()), ..request(deliver(3)) };
+    assert_ne!(floor.submit(other), job);
+}
+
+#[test]
+fn an_urgent_job_overtakes_those_that_waited_before() {
+    let mut floor = Floor::lab(1);
+    let usual: Vec<JobId> = (0..4).map(|k| floor.submit(request(deliver(k)))).collect();
+    let urgent = floor.submit(JobRequest { priority: 9, ..request(deliver(11)) });
+    floor.until_over(2000);
+    let first = *usual.iter().min_by_key(|j| floor.when(**j, "assigned")).expect("four of them");
+    for job in usual.into_iter().filter(|j| *j != first) {
+        assert!(floor.when(urgent, "assigned") < floor.when(job, "assigned"), "{job:?} came before");
+        assert!(floor.when(urgent, "done") < floor.when(job, "done"), "{job:?} came before");
+    }
+}
+
+#[test]
+fn a_job_after_another_starts_only_when_that_is_over() {
+    let mut floor = Floor::lab(2);
+    let first = floor.submit(request(deliver(3)));
+    let second = floor.submit(JobRequest { after: vec![first], ..request(deliver(8)) });
+    floor.until_over(900);
+    assert!(floor.when(second, "assigned") >= floor.when(first, "done"));
+    assert_eq!(floor.story(second), ["assigned", "carrying", "picking", "done"]);
+}
+
+#[test]
+fn without_after_two_robots_work_at_once() {
+    let mut floor = Floor::lab(2);
+    let first = floor.submit(request(deliver(3)));
+    let second = floor.submit(request(deliver(8)));
+    floor.until_over(900);
+    assert!(floor.when(second, "assigned") < floor.when(first, "done"));
+}
+
+#[test]
+fn cancelling_a_job_fails_those_that_wait_for_it_and_those_that_wait_for_them() {
+    let mut floor = Floor::lab(1);
+    let first = floor.submit(request(deliver(3)));
+    let second = floor.submit(JobRequest { after: vec![first], ..request(deliver(8)) });
+    let third = floor.submit(JobRequest { after: vec![second], ..request(deliver(9)) });
+    let apart = floor.submit(request(deliver(1)));
+    assert_eq!(floor.cancel(first), Reply::Cancelled { token: 8, job: first });
+    floor.until_over(600);
+    let last = |j| floor.progress(j).last().expect("something happened").0;
+    assert_eq!(last(second), JobState::Failed(JobFailure::Predecessor(first)));
+    assert_eq!(last(third), JobState::Failed(JobFailure::Predecessor(second)));
+    assert_eq!(last(apart), JobState::Done);
+}
+
+#[test]
+fn a_relocated_rack_stands_where_it_was_to_stand() {
+    let mut floor = Floor::thesis(2);
+    let node = floor.free_storage();
+    assert_ne!(floor.rack(40), RackAt::Stored(node));
+    let job = floor.submit(request(JobKind::Relocate { rack: RackId(40), node }));
+    floor.until_over(600);
+    assert_eq!(floor.story(job), ["assigned", "carrying", "done"]);
+    assert_eq!(floor.rack(40), RackAt::Stored(node));
+}
+
+#[test]
+fn a_returned_rack_stands_on_storage() {
+    let mut floor = Floor::lab(1);
+    let job = floor.submit(request(JobKind::Return { rack: RackId(5) }));
+    floor.until_over(600);
+    assert_eq!(floor.story(job), ["assigned", "carrying", "done"]);
+    floor.assert_stored(5);
+}
+
+#[test]
+fn robots_go_where_they_are_sent_and_do_not_stay_where_they_must_not() {
+    let mut floor = Floor::lab(1);
+    let (robot, street) = (RobotId::at(0), floor.node("R117"));
+    let job = floor.submit(request(JobKind::Go { robot, node: street }));
+    floor.until(300, "it is there", |f| f.fleet.ledger().node_of(robot) == street);
+    floor.until_over(10);
+    assert_eq!(floor.story(job), ["assigned", "done"]);
+    floor.until(300, "it has nothing to do", |f| f.is_idle(robot));
+    let stands = floor.fleet.warehouse().nodes[floor.fleet.ledger().node_of(robot)].kind;
+    assert!(stands.is_lasting(), "it stands on {stands:?}");
+}
+
+#[test]
+fn robots_park_and_charge_when_they_are_told_to() {
+    let mut floor = Floor::lab(1);
+    let robot = RobotId::at(0);
+    for (kind, wanted) in
+        [(JobKind::Park { robot }, NodeKind::Parking), (JobKind::Charge { robot }, NodeKind::Charger)]
+    {
+        floor.until(300, "it has nothing to do", Floor::first_robot_is_idle);
+        let job = floor.submit(request(kind));
+        floor.until_over(300);
+        assert_eq!(floor.story(job), ["assigned", "done"], "{kind:?}");
+        let stands = floor.fleet.warehouse().nodes[floor.fleet.ledger().node_of(robot)].kind;
+        assert_eq!(stands, wanted);
+    }
+}
+
+#[track_caller]
+fn check_refused(floor: &mut Floor, request: JobRequest, why: Refusal) {
+    let next = floor.fleet.ledger().next_job;
+    assert_eq!(floor.ask(request), Reply::Refused { token: 7, why });
+    assert_eq!(floor.fleet.ledger().next_job, next, "what is refused is no job");
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_with_a_reason() {
+    let mut floor = Floor::thesis(1);
+    let (rack, robot) = (RackId(0), RobotId::at(0));
+    let racks = floor.fleet.warehouse().racks.len() as u32;
+    let nodes = NodeId::at(floor.fleet.warehouse().nodes.len());
+    let station = StationId::at(floor.fleet.warehouse().stations.len());
+    for kind in [
+        deliver(racks),
+        JobKind::Deliver { rack, station, pick: None },
+        JobKind::Return { rack: RackId(racks) },
+        JobKind::Relocate { rack, node: nodes },
+        JobKind::Charge { robot: RobotId::at(1) },
+        JobKind::Park { robot: RobotId::at(1) },
+        JobKind::Go { robot: RobotId::at(1), node: NodeId(0) },
+        JobKind::Go { robot, node: nodes },
+    ] {
+        check_refused(&mut floor, request(kind), Refusal::UnknownPlace);
+    }
+    let street = floor.node("G3-3");
+    let relocate = |node| request(JobKind::Relocate { rack, node });
+    check_refused(&mut floor, relocate(street), Refusal::NotStorage(street));
+    let RackAt::Stored(taken) = floor.rack(1) else { panic!("racks are at home at first") };
+    check_refused(&mut floor, relocate(taken), Refusal::StorageTaken(taken));
+    check_refused(&mut floor, JobRequest { priority: 10, ..request(deliver(0)) }, Refusal::Priority(10));
+    let after = |job| JobRequest { after: vec![job], ..request(deliver(0)) };
+    check_refused(&mut floor, after(JobId(9)), Refusal::UnknownPredecessor(JobId(9)));
+    assert_eq!(floor.cancel(JobId(1)), Reply::Refused { token: 8, why: Refusal::UnknownJob(JobId(1)) });
+}
