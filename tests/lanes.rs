@@ -1,4 +1,4 @@
-//! scratch
+//! Lanes that cross without a common node: whoever has left one must not keep another from driving over it.
 use giveway::id::*;
 use giveway::time::*;
 use giveway::timeline::*;
@@ -6,7 +6,7 @@ use giveway::warehouse::formats::json;
 use std::sync::Arc;
 
 #[test]
-fn lanes_crossing() {
+fn a_lane_is_free_as_soon_as_the_robot_stands_at_its_end() {
     let text = r#"{"giveway_map":1,"name":"x","footprint_m":0.4,"nodes":[{"id":"W","x":0,"y":0},{"id":"X","x":1,"y":0},
     {"id":"s","x":1,"y":1},{"id":"Y","x":0,"y":1},{"id":"P","x":2,"y":0}],
     "lanes":[{"from":"W","to":"s","both":true},{"from":"X","to":"Y","both":true},{"from":"s","to":"X","both":true},
@@ -21,7 +21,6 @@ fn lanes_crossing() {
             .unwrap()
     };
     let (l, m) = (lane("W", "s"), lane("X", "Y"));
-    println!("conflicts of W-s: {:?}, of X-Y {:?}", w.conflicts(l), w.conflicts(m));
     let n = |a: &str| w.node_named(a).unwrap();
     let t = |s: f64| Time::from_secs_f64(s);
     let mut tl = Timeline::new(w.clone(), Span::from_millis(100));
@@ -57,7 +56,5 @@ fn lanes_crossing() {
     tl.grant(b, 0, t(0.));
     tl.grant(a, 1, t(0.));
     tl.release(a, 1); // A has reached s
-    println!("A waits for {:?}", tl.waits_for(a, 2));
-    println!("B waits for {:?}", tl.waits_for(b, 1));
     assert!(tl.waits_for(a, 2).is_none() || tl.waits_for(b, 1).is_none(), "both wait for each other");
 }
