@@ -83,7 +83,7 @@ impl Fleet {
         let k = &self.settings.kinematics;
         let loaded = self.ledger.rack_on(robot).is_some();
         let latency = (self.settings.period * 2 + k.reaction).as_secs_f64();
-        k.braking_m(k.speed_mps, loaded) + k.speed_mps * latency + 1.0
+        k.braking_m(k.top_mps(loaded), loaded) + k.top_mps(loaded) * latency + 1.0
     }
 
     /// Whether the robot may not know its orders: it does not say that it does, or it has been standing at a stop for a

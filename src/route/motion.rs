@@ -19,8 +19,10 @@ const STRAIGHT: f64 = 0.1;
 /// A robot's figures. Defaults: safety.md 1.5 (RAWSim-O's robots with a loaded acceleration of 0.5 m/s²).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kinematics {
-    /// Top speed, metres per second.
+    /// Top speed without a rack, metres per second.
     pub speed_mps: f64,
+    /// Top speed with a rack.
+    pub speed_loaded_mps: f64,
     /// Acceleration and braking without a rack, metres per second squared.
     pub accel_unloaded_mps2: f64,
     /// Acceleration and braking with a rack.
@@ -39,6 +41,7 @@ impl Default for Kinematics {
     fn default() -> Self {
         Kinematics {
             speed_mps: 1.5,
+            speed_loaded_mps: 1.5,
             accel_unloaded_mps2: 1.0,
             accel_loaded_mps2: 0.5,
             turn_radps: std::f64::consts::TAU / 2.5,
@@ -50,6 +53,11 @@ impl Default for Kinematics {
 }
 
 impl Kinematics {
+    /// Top speed, metres per second.
+    pub fn top_mps(&self, loaded: bool) -> f64 {
+        if loaded { self.speed_loaded_mps } else { self.speed_mps }
+    }
+
     /// Acceleration and braking, metres per second squared.
     pub fn accel_mps2(&self, loaded: bool) -> f64 {
         if loaded { self.accel_loaded_mps2 } else { self.accel_unloaded_mps2 }
@@ -212,7 +220,9 @@ impl Pace {
     /// more: the time of its braking distance at cruising speed, plus its reaction.
     pub fn lead(&self, loaded: bool) -> Span {
         match self.rules {
-            Rules::Drive(k) => Span::from_secs_f64(k.speed_mps / (2.0 * k.accel_mps2(loaded))) + k.reaction,
+            Rules::Drive(k) => {
+                Span::from_secs_f64(k.top_mps(loaded) / (2.0 * k.accel_mps2(loaded))) + k.reaction
+            }
             Rules::Pebble { .. } => Span::ZERO,
         }
     }
@@ -220,7 +230,9 @@ impl Pace {
     /// What starting from rest costs at most, compared with rolling on.
     pub fn start_cost(&self, loaded: bool) -> Span {
         match self.rules {
-            Rules::Drive(k) => Span::from_secs_f64(k.speed_mps / (2.0 * k.accel_mps2(loaded))) + Span(1),
+            Rules::Drive(k) => {
+                Span::from_secs_f64(k.top_mps(loaded) / (2.0 * k.accel_mps2(loaded))) + Span(1)
+            }
             Rules::Pebble { .. } => Span::ZERO,
         }
     }
@@ -242,7 +254,7 @@ fn drive_span(rules: &Rules, length: f64, limit: f64, loaded: bool, from: Gait, 
     match rules {
         Rules::Pebble { step, .. } => *step,
         Rules::Drive(k) => {
-            let (v, a) = (k.speed_mps.min(limit), k.accel_mps2(loaded));
+            let (v, a) = (k.top_mps(loaded).min(limit), k.accel_mps2(loaded));
             let ramps = f64::from(u8::from(from == Gait::Standing) + u8::from(to == Gait::Standing));
             let seconds = if ramps == 2.0 && length < v * v / a {
                 2.0 * (length / a).sqrt()
@@ -286,6 +298,16 @@ mod tests {
     #[test]
     fn one_short_lane_is_a_triangle_of_speed() {
         assert!((span(1.0, true, Gait::Standing, Gait::Standing) - 2.0 * 2f64.sqrt()).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_robot_with_a_rack_may_be_slower() {
+        let k = Kinematics { speed_loaded_mps: 0.5, ..Kinematics::default() };
+        let cruise = |loaded| {
+            let rolling = (Gait::Rolling, Gait::Rolling);
+            drive_span(&Rules::Drive(k), 3.0, f64::INFINITY, loaded, rolling.0, rolling.1)
+        };
+        assert_eq!((cruise(false), cruise(true)), (Span::from_secs(2), Span::from_secs(6)));
     }
 
     #[test]

@@ -173,7 +173,8 @@ impl Body {
         let a = self.accel();
         let d = self.distance_to_stop();
         let brake = -a * dt + ((a * dt).powi(2) + 2.0 * a * d).sqrt();
-        let speed = (self.speed_mps + a * dt).min(self.kinematics.speed_mps.min(limit)).min(brake);
+        let speed =
+            (self.speed_mps + a * dt).min(self.kinematics.top_mps(self.rack.is_some()).min(limit)).min(brake);
         self.go(dt, speed.max(0.02));
     }
 

@@ -120,6 +120,7 @@ struct File {
 #[serde(default, deny_unknown_fields)]
 struct Fleet {
     speed_mps: Option<f64>,
+    speed_loaded_mps: Option<f64>,
     accel_unloaded_mps2: Option<f64>,
     accel_loaded_mps2: Option<f64>,
     lift_s: Option<f64>,
@@ -189,15 +190,18 @@ impl Fleet {
     fn kinematics(&self) -> Result<Kinematics, ScenarioError> {
         let usual = Kinematics::default();
         let speed = self.speed_mps.unwrap_or(usual.speed_mps);
+        let speed_loaded = self.speed_loaded_mps.unwrap_or(speed);
         let unloaded = self.accel_unloaded_mps2.unwrap_or(usual.accel_unloaded_mps2);
         let loaded = self.accel_loaded_mps2.unwrap_or(usual.accel_loaded_mps2);
         let lift = self.lift_s.unwrap_or(usual.lift.as_secs_f64());
         check("fleet.speed_mps", speed, 0.1..=5.0, "from 0.1 to 5")?;
+        check("fleet.speed_loaded_mps", speed_loaded, 0.1..=5.0, "from 0.1 to 5")?;
         check("fleet.accel_unloaded_mps2", unloaded, 0.05..=5.0, "from 0.05 to 5")?;
         check("fleet.accel_loaded_mps2", loaded, 0.05..=5.0, "from 0.05 to 5")?;
         check("fleet.lift_s", lift, 0.0..=60.0, "from 0 to 60")?;
         Ok(Kinematics {
             speed_mps: speed,
+            speed_loaded_mps: speed_loaded,
             accel_unloaded_mps2: unloaded,
             accel_loaded_mps2: loaded,
             lift: Span::from_secs_f64(lift),
