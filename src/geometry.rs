@@ -11,6 +11,32 @@ pub type Point = Point2<f64>;
 /// A displacement in the map frame, metres.
 pub type Vector = Vector2<f64>;
 
+/// A point rounded to millimetres: for what is written down and compared, where rounding must not matter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Spot {
+    /// Millimetres along x.
+    pub x_mm: i64,
+    /// Millimetres along y.
+    pub y_mm: i64,
+}
+
+impl From<Point> for Spot {
+    fn from(p: Point) -> Spot {
+        Spot { x_mm: to_mm(p.x), y_mm: to_mm(p.y) }
+    }
+}
+
+impl From<Spot> for Point {
+    fn from(s: Spot) -> Point {
+        Point::new(s.x_mm as f64 / 1000.0, s.y_mm as f64 / 1000.0)
+    }
+}
+
+/// Metres as whole millimetres.
+pub fn to_mm(metres: f64) -> i64 {
+    (metres * 1000.0).round() as i64
+}
+
 /// Position and heading in the map frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {

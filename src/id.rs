@@ -1,6 +1,6 @@
 //! Identifiers: one newtype per kind of thing, and [`IdVec`], a vector indexed by one kind only.
 //!
-//! Dense ids (nodes, lanes, robots, …) are positions in an [`IdVec`]; [`JobId`] grows for ever.
+//! Dense ids (nodes, lanes, robots, …) are positions in an [`IdVec`]; [`JobId`] and its like grow for ever.
 //! Refuses: arithmetic on ids, and using one kind of id where another is meant.
 
 use std::fmt;
@@ -57,14 +57,27 @@ dense! {
     WorkerId "w";
 }
 
-/// A job, numbered in the order of acceptance, starting at 1.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct JobId(pub u64);
+macro_rules! counted {
+    ($($(#[$doc:meta])* $name:ident $letter:literal;)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub struct $name(pub u64);
 
-impl fmt::Debug for JobId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "j{}", self.0)
-    }
+        impl fmt::Debug for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, concat!($letter, "{}"), self.0)
+            }
+        }
+    )*};
+}
+
+counted! {
+    /// A job, numbered in the order of acceptance, starting at 1.
+    JobId "j";
+    /// What a worker is to do, numbered in the order of acceptance, starting at 1.
+    AssignmentId "as";
+    /// An area that robots keep out of, numbered in the order of marking, starting at 1.
+    ClosureId "cl";
 }
 
 /// A vector indexed by one kind of dense id.

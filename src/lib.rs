@@ -163,6 +163,7 @@ pub mod cli;
 pub mod experiment;
 pub mod fleet;
 pub mod geometry;
+pub mod human;
 pub mod id;
 pub mod route;
 #[cfg(feature = "edge")]

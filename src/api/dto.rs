@@ -238,6 +238,8 @@ impl Names<'_> {
             Why::WaitsFor(resource, Holder::Worker(w)) => {
                 format!("waiting for {}, held by worker {w:?}", self.map.resource_name(resource))
             }
+            Why::GivesWay(w) => format!("giving way to worker {}", w.0 + 1),
+            Why::Closed(c) => format!("the way leads into closed area c{}", c.0),
             Why::NoRoute => "no route found yet; trying again".into(),
             Why::Failed => "cannot drive".into(),
             Why::Silent => "not heard of".into(),

@@ -4,7 +4,8 @@
 //! rewrite history. Refuses: observations (poses, battery), which are seen again after a restart.
 
 use super::job::{JobRequest, JobState};
-use crate::id::{JobId, NodeId, RackId, RobotId};
+use super::people::{AssignmentRequest, AssignmentState, Closure, Encounter, Reaction};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::Visit;
 
@@ -100,6 +101,69 @@ pub enum Fact {
     Repaired {
         /// Which.
         robot: RobotId,
+        /// When.
+        at: Time,
+    },
+    /// A worker is known from now on. Workers are numbered in order of joining.
+    Hired {
+        /// The new number.
+        worker: WorkerId,
+        /// The name.
+        name: String,
+        /// When.
+        at: Time,
+    },
+    /// A worker is to do something. Assignments are numbered in order of acceptance.
+    Assigned {
+        /// The new number.
+        assignment: AssignmentId,
+        /// Who.
+        worker: WorkerId,
+        /// What.
+        request: AssignmentRequest,
+        /// When.
+        at: Time,
+    },
+    /// An assignment came to another state.
+    Advanced {
+        /// Which.
+        assignment: AssignmentId,
+        /// The new state.
+        state: AssignmentState,
+        /// When.
+        at: Time,
+    },
+    /// Robots keep out of an area. Closures are numbered in order of marking.
+    Closed {
+        /// The new number.
+        closure: ClosureId,
+        /// Where, when, why.
+        area: Closure,
+    },
+    /// They need not any more.
+    Reopened {
+        /// Which.
+        closure: ClosureId,
+        /// When.
+        at: Time,
+    },
+    /// A robot met a worker. For the record; nothing is promised by it.
+    Encountered(Encounter),
+    /// A worker left the path. For the record.
+    Deviated {
+        /// Who.
+        worker: WorkerId,
+        /// When.
+        at: Time,
+    },
+    /// A robot had to stop or to change its route because of a worker. For the record.
+    Interrupted {
+        /// Which.
+        robot: RobotId,
+        /// Because of whom.
+        worker: WorkerId,
+        /// What happened to it.
+        reaction: Reaction,
         /// When.
         at: Time,
     },

@@ -4,8 +4,10 @@
 
 use super::fact::{Act, Fact};
 use super::job::JobRequest;
+use super::people::{AssignmentRequest, Closure, Guidance};
 use crate::geometry::Pose;
-use crate::id::{JobId, NodeId, RackId, RobotId};
+use crate::human::Sighting;
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, WorkerId};
 use crate::time::Time;
 use crate::timeline::Reserved;
 
@@ -35,6 +37,52 @@ pub enum Input {
         /// Which.
         job: JobId,
     },
+    /// Somebody saw a worker.
+    Sighted(Sighting),
+    /// A worker is to be known.
+    Hire {
+        /// Comes back with the reply.
+        token: u64,
+        /// The name; a known one is no second worker.
+        name: String,
+    },
+    /// A worker has left the floor, or a supervisor vouches that nobody is where one was lost.
+    Clear {
+        /// Comes back with the reply.
+        token: u64,
+        /// Who.
+        worker: WorkerId,
+    },
+    /// Somebody wants a worker to do something.
+    Assign {
+        /// Comes back with the reply.
+        token: u64,
+        /// Who.
+        worker: WorkerId,
+        /// What.
+        request: AssignmentRequest,
+    },
+    /// Somebody does not want it any more.
+    Unassign {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        assignment: AssignmentId,
+    },
+    /// Robots are to keep out of an area.
+    Close {
+        /// Comes back with the reply.
+        token: u64,
+        /// Where, when, why.
+        area: Closure,
+    },
+    /// They need not any more.
+    Reopen {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        closure: ClosureId,
+    },
 }
 
 /// How a robot is. Observations of one robot may be late, repeated or out of order; the newest by `seen` counts.
@@ -60,10 +108,12 @@ pub struct Telemetry {
     pub battery: f64,
     /// Whether it cannot drive by itself.
     pub failed: bool,
+    /// The limit of its speed that it was told last, metres per second; 0 is a stop.
+    pub limit_mps: Option<f64>,
 }
 
 /// An order to a robot.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// Drive along these waypoints, in order. Waypoints that the robot knows already are repeated until it says so.
     Drive {
@@ -72,6 +122,8 @@ pub enum Command {
         /// Where, and what to do there.
         waypoints: Vec<Waypoint>,
     },
+    /// Drive no faster than this from now on, metres per second; 0 is a stop, nothing lifts the limit.
+    Limit(Option<f64>),
 }
 
 /// One granted visit.
@@ -104,6 +156,36 @@ pub enum Reply {
         /// Its number.
         job: JobId,
     },
+    /// The worker is known, now or before.
+    Hired {
+        /// Of the request.
+        token: u64,
+        /// The number.
+        worker: WorkerId,
+        /// Whether the worker is new.
+        new: bool,
+    },
+    /// The assignment is accepted, or was accepted before under the same key.
+    Assigned {
+        /// Of the request.
+        token: u64,
+        /// Its number.
+        assignment: AssignmentId,
+        /// Whether it is new.
+        new: bool,
+    },
+    /// The area is closed.
+    Closed {
+        /// Of the request.
+        token: u64,
+        /// Its number.
+        closure: ClosureId,
+    },
+    /// It is so: a worker is cleared, an assignment cancelled, an area open again.
+    Done {
+        /// Of the request.
+        token: u64,
+    },
     /// It cannot be.
     Refused {
         /// Of the request.
@@ -111,6 +193,21 @@ pub enum Reply {
         /// Why.
         why: Refusal,
     },
+}
+
+impl Reply {
+    /// The token of the request that it answers.
+    pub fn token(&self) -> u64 {
+        match *self {
+            Reply::Accepted { token, .. }
+            | Reply::Cancelled { token, .. }
+            | Reply::Hired { token, .. }
+            | Reply::Assigned { token, .. }
+            | Reply::Closed { token, .. }
+            | Reply::Done { token }
+            | Reply::Refused { token, .. } => token,
+        }
+    }
 }
 
 /// Why a request is refused.
@@ -132,6 +229,16 @@ pub enum Refusal {
     Priority(u8),
     /// Too many jobs are waiting.
     TooMany(usize),
+    /// No worker has this number.
+    UnknownWorker(WorkerId),
+    /// No assignment has this number, or it is over.
+    UnknownAssignment(AssignmentId),
+    /// No area is closed under this number.
+    UnknownClosure(ClosureId),
+    /// People cannot walk to this node.
+    OutOfReach(NodeId),
+    /// An area needs three corners and some time.
+    EmptyArea,
 }
 
 /// What one step did.
@@ -143,4 +250,8 @@ pub struct Step {
     pub commands: Vec<(RobotId, Command)>,
     /// Answers. They leave once the facts are durable.
     pub replies: Vec<Reply>,
+    /// Stops, slow-downs and their ends. They leave at once: they take nothing from anybody.
+    pub urgent: Vec<(RobotId, Command)>,
+    /// What workers are told, where it changed. It leaves at once.
+    pub guidance: Vec<(WorkerId, Guidance)>,
 }

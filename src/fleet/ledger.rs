@@ -6,8 +6,9 @@
 
 use super::fact::{Act, Booking, Fact, Stop, Task};
 use super::job::{Job, JobKind, JobState};
+use super::people::{Assignment, AssignmentRequest, AssignmentState, Closure, Reaction};
 use super::view::{Counts, RackAt};
-use crate::id::{Dense, IdVec, JobId, NodeId, RackId, RobotId, StationId};
+use crate::id::{AssignmentId, ClosureId, Dense, IdVec, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::{Chain, Holder, Timeline, Visit};
 use crate::warehouse::Warehouse;
@@ -48,6 +49,18 @@ pub struct Ledger {
     pub timeline: Timeline,
     /// Racks served per station.
     pub served: IdVec<StationId, u64>,
+    /// All workers' names.
+    pub workers: IdVec<WorkerId, String>,
+    /// Assignments that are not over.
+    pub assignments: BTreeMap<AssignmentId, Assignment>,
+    /// The number of the next assignment.
+    pub next_assignment: u64,
+    /// Customers' keys of assignments, over or not.
+    pub assignment_keys: BTreeMap<String, AssignmentId>,
+    /// Areas that robots keep out of.
+    pub closures: BTreeMap<ClosureId, Closure>,
+    /// The number of the next closure.
+    pub next_closure: u64,
     /// Sums.
     pub counts: Counts,
 }
@@ -66,6 +79,12 @@ impl Ledger {
             racks,
             timeline,
             served,
+            workers: IdVec::new(),
+            assignments: BTreeMap::new(),
+            next_assignment: 1,
+            assignment_keys: BTreeMap::new(),
+            closures: BTreeMap::new(),
+            next_closure: 1,
             counts: Counts::default(),
         }
     }
@@ -125,6 +144,46 @@ impl Ledger {
                 self.robots[*robot].failed = false;
                 self.robots[*robot].interrupted = true;
             }
+            Fact::Hired { worker, name, .. } => {
+                let id = self.workers.push(name.clone());
+                assert_eq!(id, *worker, "workers are numbered in order");
+            }
+            Fact::Assigned { assignment, worker, request, at } => {
+                self.hand_out(*assignment, *worker, request, *at);
+            }
+            Fact::Advanced { assignment, state, .. } => self.advance(*assignment, *state),
+            Fact::Closed { closure, area } => {
+                assert_eq!(closure.0, self.next_closure, "closures are numbered in order");
+                self.next_closure += 1;
+                self.closures.insert(*closure, area.clone());
+            }
+            Fact::Reopened { closure, .. } => {
+                self.closures.remove(closure).expect("only what is closed is opened again");
+            }
+            Fact::Encountered(_) => self.counts.encounters += 1,
+            Fact::Deviated { .. } => self.counts.deviations += 1,
+            Fact::Interrupted { reaction, .. } => {
+                self.counts.interruptions += 1;
+                self.counts.replans += u64::from(*reaction == Reaction::Rerouted);
+            }
+        }
+    }
+
+    fn hand_out(&mut self, id: AssignmentId, worker: WorkerId, request: &AssignmentRequest, at: Time) {
+        assert_eq!(id.0, self.next_assignment, "assignments are numbered in order");
+        self.next_assignment += 1;
+        if let Some(key) = &request.key {
+            self.assignment_keys.insert(key.clone(), id);
+        }
+        let (request, state) = (request.clone(), AssignmentState::Waiting);
+        self.assignments.insert(id, Assignment { worker, request, state, accepted: at });
+    }
+
+    fn advance(&mut self, id: AssignmentId, state: AssignmentState) {
+        self.assignments.get_mut(&id).expect("only live assignments advance").state = state;
+        if state.is_over() {
+            self.assignments.remove(&id);
+            self.counts.human_deliveries += u64::from(state == AssignmentState::Done);
         }
     }
 

@@ -3,6 +3,7 @@
 //! Main function: [`Fleet::view`]. Refuses: to change anything.
 
 use super::fact::{Act, Purpose, Task};
+use super::people::ClosureView;
 use super::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
 use super::{Fleet, JobState};
 use crate::geometry::Pose;
@@ -19,7 +20,8 @@ impl Fleet {
         let waiting = self.ledger.jobs.values().filter(|j| j.state == JobState::Waiting).count() as u64;
         let active = self.ledger.jobs.len() as u64 - waiting;
         let counts = Counts { waiting, active, ..self.ledger.counts };
-        View { now, robots, racks: self.ledger.racks.iter().copied().collect(), stations, counts }
+        let racks = self.ledger.racks.iter().copied().collect();
+        View { now, robots, racks, stations, workers: Vec::new(), closures: self.closure_views(), counts }
     }
 
     fn robot_view(&self, r: RobotId, now: Time) -> RobotView {
@@ -95,6 +97,11 @@ impl Fleet {
         let at_end = chain.first() + 1 == chain.granted();
         let (resource, holder) = self.ledger.timeline.waits_for(Holder::Robot(r), chain.granted())?;
         at_end.then_some(Why::WaitsFor(resource, holder))
+    }
+
+    fn closure_views(&self) -> Vec<ClosureView> {
+        let closures = self.ledger.closures.iter();
+        closures.map(|(id, closure)| ClosureView { id: *id, closure: closure.clone() }).collect()
     }
 
     fn station_view(&self, s: StationId) -> StationView {

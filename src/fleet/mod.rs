@@ -16,9 +16,11 @@ pub mod job;
 pub mod ledger;
 mod look;
 mod matching;
+pub mod people;
 mod plan;
 pub mod scene;
 mod settle;
+mod staff;
 mod storage;
 pub mod view;
 
@@ -26,6 +28,10 @@ pub use fact::{Act, Booking, Fact, Purpose, Stop, Task};
 pub use io::{Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
 pub use job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use ledger::Ledger;
+pub use people::{
+    Assignment, AssignmentRequest, AssignmentState, Closure, ClosureView, Encounter, FeedCounts, Guidance,
+    GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
+};
 pub use view::{Counts, Doing, RackAt, RobotState, RobotView, StationView, View, Why};
 
 use crate::route::{Kinematics, Planner, Rules};

@@ -4,8 +4,9 @@
 //! an hour needs none of the 72 000 it could have. Refuses: to be an input of any decision.
 
 use super::fact::Task;
+use super::people::{ClosureView, WorkerView};
 use crate::geometry::Pose;
-use crate::id::{JobId, NodeId, RackId, ResourceId, RobotId};
+use crate::id::{ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, WorkerId};
 use crate::time::Time;
 use crate::timeline::Holder;
 
@@ -20,6 +21,10 @@ pub struct View {
     pub racks: Vec<RackAt>,
     /// Every station, by number.
     pub stations: Vec<StationView>,
+    /// Every worker, by number.
+    pub workers: Vec<WorkerView>,
+    /// Areas that robots keep out of.
+    pub closures: Vec<ClosureView>,
     /// Sums.
     pub counts: Counts,
 }
@@ -126,6 +131,10 @@ pub struct StationView {
 pub enum Why {
     /// Somebody was promised the next resource first.
     WaitsFor(ResourceId, Holder),
+    /// A worker is near, or will be.
+    GivesWay(WorkerId),
+    /// The way leads into an area that robots keep out of.
+    Closed(ClosureId),
     /// No route was found yet; it tries again.
     NoRoute,
     /// It cannot drive.
@@ -157,4 +166,10 @@ pub struct Counts {
     pub plan_failures: u64,
     /// Encounters of robots and workers.
     pub encounters: u64,
+    /// How often a worker left the path.
+    pub deviations: u64,
+    /// How often a robot had to stop or to change its route because of a worker.
+    pub interruptions: u64,
+    /// Routes planned anew because of workers.
+    pub replans: u64,
 }

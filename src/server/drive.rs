@@ -75,6 +75,9 @@ impl Drive {
             let began = self.clock.now();
             let step = self.fleet.step(now, inputs);
             self.note(self.clock.now() - began, step.facts.len());
+            if !step.urgent.is_empty() {
+                self.world.command(self.clock.now(), step.urgent);
+            }
             let after = self.journal.record(now, step.facts);
             self.outbox.put(after, step.commands, step.replies);
         }

@@ -65,9 +65,7 @@ impl Inbox {
 
     /// Answers whoever asked; simulated customers want no answer.
     pub fn answer(&mut self, reply: Reply) {
-        let (Reply::Accepted { token, .. } | Reply::Cancelled { token, .. } | Reply::Refused { token, .. }) =
-            reply;
-        if let Some(waiting) = self.waiting.remove(&token) {
+        if let Some(waiting) = self.waiting.remove(&reply.token()) {
             // Whoever has left meanwhile finds the job in the list.
             let _ = waiting.send(reply);
         }

@@ -4,10 +4,11 @@
 //! the header, then a line per step, then the digest of all facts. What a robot says twice in the same words is
 //! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
-use crate::fleet::{Input, JobKind, JobRequest, Telemetry};
-use crate::geometry::{Point, Pose};
-use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
-use crate::time::{Span, Time};
+use crate::fleet::{AssignmentRequest, Closure, Input, JobKind, JobRequest, Telemetry};
+use crate::geometry::{Point, Pose, Spot};
+use crate::human::{Quality, Sighting};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::time::{Span, Time, Window};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -45,13 +46,18 @@ struct Line {
     /// Robots that say the same again, with the time they say it at where that is not `t`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     s: Vec<(u32, i64)>,
+    /// Workers that were seen.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    w: Vec<Seen>,
     /// Everything else, in the order in which it came.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     i: Vec<Other>,
 }
 
-/// Robot, seen, x, y, heading, speed, reached, known, acted, rack, battery, failed.
-type Said = (u32, i64, f64, f64, f64, f64, u64, u64, Option<u64>, Option<u32>, f64, bool);
+/// Robot, seen, x, y, heading, speed, reached, known, acted, rack, battery, failed, limit.
+type Said = (u32, i64, f64, f64, f64, f64, u64, u64, Option<u64>, Option<u32>, f64, bool, Option<f64>);
+/// Worker, seen, epoch, number, x, y, heading, accuracy, quality (0 tracked, 1 emulated, 2 lost).
+type Seen = (u32, i64, u32, u64, f64, f64, Option<f64>, f64, u8);
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -66,6 +72,25 @@ enum Other {
         key: Option<String>,
     },
     Cancel(u64, u64),
+    Hire(u64, String),
+    Clear(u64, u32),
+    Assign {
+        token: u64,
+        worker: u32,
+        place: u32,
+        stay: i64,
+        what: String,
+        key: Option<String>,
+    },
+    Unassign(u64, u64),
+    Close {
+        token: u64,
+        outline: Vec<(i64, i64)>,
+        from: i64,
+        until: i64,
+        reason: String,
+    },
+    Reopen(u64, u64),
 }
 
 #[derive(Serialize, Deserialize)]
@@ -99,7 +124,7 @@ impl Recorder {
 
     /// The line of one step.
     pub fn step(&mut self, now: Time, inputs: &[Input]) -> String {
-        let mut line = Line { t: now.0, r: vec![], s: vec![], i: vec![] };
+        let mut line = Line { t: now.0, r: vec![], s: vec![], w: vec![], i: vec![] };
         for input in inputs {
             match input {
                 Input::Telemetry(t) => {
@@ -111,9 +136,8 @@ impl Recorder {
                         self.last.insert(t.robot, *t);
                     }
                 }
-                Input::Enlist { name, node } => line.i.push(Other::Enlist(name.clone(), node.0)),
-                Input::Submit { token, request } => line.i.push(submit(*token, request)),
-                Input::Cancel { token, job } => line.i.push(Other::Cancel(*token, job.0)),
+                Input::Sighted(s) => line.w.push(sighted(s)),
+                request => line.i.push(asked(request)),
             }
         }
         to_line(&line)
@@ -148,7 +172,41 @@ fn said(t: &Telemetry) -> Said {
         rack,
         t.battery,
         t.failed,
+        t.limit_mps,
     )
+}
+
+fn sighted(s: &Sighting) -> Seen {
+    let quality = match s.quality {
+        Quality::Tracked => 0,
+        Quality::Emulated => 1,
+        Quality::Lost => 2,
+    };
+    (s.worker.0, s.seen.0, s.epoch, s.seq, s.at.x, s.at.y, s.heading, s.accuracy_m, quality)
+}
+
+fn asked(input: &Input) -> Other {
+    match input {
+        Input::Enlist { name, node } => Other::Enlist(name.clone(), node.0),
+        Input::Submit { token, request } => submit(*token, request),
+        Input::Cancel { token, job } => Other::Cancel(*token, job.0),
+        Input::Hire { token, name } => Other::Hire(*token, name.clone()),
+        Input::Clear { token, worker } => Other::Clear(*token, worker.0),
+        Input::Assign { token, worker, request: r } => {
+            let (what, key) = (r.what.clone(), r.key.clone());
+            Other::Assign { token: *token, worker: worker.0, place: r.place.0, stay: r.stay.0, what, key }
+        }
+        Input::Unassign { token, assignment } => Other::Unassign(*token, assignment.0),
+        Input::Close { token, area } => Other::Close {
+            token: *token,
+            outline: area.outline.iter().map(|p| (p.x_mm, p.y_mm)).collect(),
+            from: area.window.start().0,
+            until: area.window.end().0,
+            reason: area.reason.clone(),
+        },
+        Input::Reopen { token, closure } => Other::Reopen(*token, closure.0),
+        Input::Telemetry(_) | Input::Sighted(_) => unreachable!("they have places of their own in a line"),
+    }
 }
 
 fn submit(token: u64, request: &JobRequest) -> Other {
@@ -222,12 +280,13 @@ impl Playback {
         }
         self.last.extend(seen.iter().map(|t| (t.robot, *t)));
         inputs.extend(seen.into_iter().map(Input::Telemetry));
+        inputs.extend(line.w.into_iter().map(|s| Input::Sighted(glimpsed(s))));
         Ok(Played::Step(Time(line.t), inputs))
     }
 }
 
 fn heard(s: Said) -> Telemetry {
-    let (robot, seen, x, y, heading, speed_mps, reached, known, acted, rack, battery, failed) = s;
+    let (robot, seen, x, y, heading, speed_mps, reached, known, acted, rack, battery, failed, limit_mps) = s;
     Telemetry {
         robot: RobotId(robot),
         seen: Time(seen),
@@ -239,13 +298,38 @@ fn heard(s: Said) -> Telemetry {
         rack: rack.map(RackId),
         battery,
         failed,
+        limit_mps,
     }
+}
+
+fn glimpsed(s: Seen) -> Sighting {
+    let (worker, seen, epoch, seq, x, y, heading, accuracy_m, quality) = s;
+    let quality = match quality {
+        0 => Quality::Tracked,
+        1 => Quality::Emulated,
+        _ => Quality::Lost,
+    };
+    let (worker, seen, at) = (WorkerId(worker), Time(seen), Point::new(x, y));
+    Sighting { worker, seen, epoch, seq, at, heading, accuracy_m, quality }
 }
 
 fn other(o: Other) -> Input {
     match o {
         Other::Enlist(name, node) => Input::Enlist { name, node: NodeId(node) },
         Other::Cancel(token, job) => Input::Cancel { token, job: JobId(job) },
+        Other::Hire(token, name) => Input::Hire { token, name },
+        Other::Clear(token, worker) => Input::Clear { token, worker: WorkerId(worker) },
+        Other::Assign { token, worker, place, stay, what, key } => {
+            let request = AssignmentRequest { place: NodeId(place), stay: Span(stay), what, key };
+            Input::Assign { token, worker: WorkerId(worker), request }
+        }
+        Other::Unassign(token, assignment) => Input::Unassign { token, assignment: AssignmentId(assignment) },
+        Other::Close { token, outline, from, until, reason } => {
+            let outline = outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect();
+            let window = Window::new(Time(from), Time(until));
+            Input::Close { token, area: Closure { outline, window, reason } }
+        }
+        Other::Reopen(token, closure) => Input::Reopen { token, closure: ClosureId(closure) },
         Other::Submit { token, kind, priority, deadline, after, key } => {
             let kind = match kind {
                 Kind::Deliver(rack, station, pick) => {

@@ -3,7 +3,7 @@
 //! Main type: [`Body`]. Between two calls it integrates in steps of at most 20 ms. It never drives beyond what it was
 //! told, and it can always stop before the end of it. Refuses: to know where others are.
 
-use crate::fleet::{Act, Telemetry, Waypoint};
+use crate::fleet::{Act, Command, Telemetry, Waypoint};
 use crate::geometry::{Point, Pose, Segment, turn_between, wrap_angle};
 use crate::id::{NodeId, RackId, RobotId};
 use crate::route::Kinematics;
@@ -45,6 +45,8 @@ pub(super) struct Body {
     pub node: NodeId,
     pub rack: Option<RackId>,
     pub failed_until: Option<Time>,
+    /// The limit of its speed that it was told last.
+    pub limit_mps: Option<f64>,
     battery: f64,
     acted: Option<u64>,
     /// What it is to do where it stands, and until when it is at it.
@@ -64,6 +66,7 @@ impl Body {
             node,
             rack: None,
             failed_until: None,
+            limit_mps: None,
             battery,
             acted: None,
             acting: None,
@@ -82,8 +85,16 @@ impl Body {
         self.path.back().map_or(self.reached, |t| t.serial)
     }
 
-    /// Takes orders: waypoints that it knows already are skipped, an act for the place where it stands is begun.
-    pub fn obey(&mut self, waypoints: &[Waypoint], warehouse: &Warehouse) {
+    /// Takes an order.
+    pub fn obey(&mut self, order: &Command, warehouse: &Warehouse) {
+        match order {
+            Command::Drive { waypoints, .. } => self.learn(waypoints, warehouse),
+            Command::Limit(limit) => self.limit_mps = *limit,
+        }
+    }
+
+    /// Waypoints that it knows already are skipped, an act for the place where it stands is begun.
+    fn learn(&mut self, waypoints: &[Waypoint], warehouse: &Warehouse) {
         for w in waypoints {
             if w.serial == self.reached {
                 if let Some(act) = w.act.filter(|_| self.acted < Some(w.serial) && self.acting.is_none()) {
@@ -112,6 +123,7 @@ impl Body {
             rack: self.rack,
             battery: self.battery,
             failed: self.failed_until.is_some(),
+            limit_mps: self.limit_mps,
         }
     }
 
@@ -155,10 +167,13 @@ impl Body {
             self.pose.heading = wrap_angle(self.pose.heading + turn * off.signum());
             return;
         }
-        self.drive(dt, next.limit_mps);
+        match self.limit_mps {
+            Some(0.0) => self.coast(dt),
+            limit => self.drive(dt, next.limit_mps.min(limit.unwrap_or(f64::INFINITY))),
+        }
     }
 
-    /// Broken: it comes to rest on the way it was on.
+    /// Broken or told to stop: it comes to rest on the way it was on.
     fn coast(&mut self, dt: f64) {
         let stop = self.speed_mps;
         self.go(dt, (stop - self.accel() * dt).max(0.0));
@@ -173,8 +188,8 @@ impl Body {
         let a = self.accel();
         let d = self.distance_to_stop();
         let brake = -a * dt + ((a * dt).powi(2) + 2.0 * a * d).sqrt();
-        let speed =
-            (self.speed_mps + a * dt).min(self.kinematics.top_mps(self.rack.is_some()).min(limit)).min(brake);
+        let top = self.kinematics.top_mps(self.rack.is_some()).min(limit).max(self.speed_mps - a * dt);
+        let speed = (self.speed_mps + a * dt).min(top).min(brake);
         self.go(dt, speed.max(0.02));
     }
 

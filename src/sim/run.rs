@@ -98,6 +98,7 @@ impl Simulation {
             self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
         }
         self.trace.add(&step.facts);
+        self.world.command(self.now, step.urgent.clone());
         self.world.command(self.now, step.commands.clone());
         self.now += self.period;
         (inputs, step)

@@ -7,7 +7,7 @@ use super::link::Link;
 use super::random::Stream;
 use super::robot::Body;
 use super::scenario::{Faults, Scenario};
-use crate::fleet::{Command, Fleet, Input, Telemetry, Waypoint};
+use crate::fleet::{Command, Fleet, Input, Telemetry};
 use crate::id::{Dense, NodeId, RobotId};
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 struct Robot {
     body: Body,
-    orders: Link<Vec<Waypoint>>,
+    orders: Link<Command>,
     reports: Link<Telemetry>,
     luck: Stream,
 }
@@ -65,8 +65,8 @@ impl World {
         inputs.extend(self.joining.drain(..).map(|(name, node)| Input::Enlist { name, node }));
         let from = self.now;
         for robot in &mut self.robots {
-            while let Some(waypoints) = robot.orders.receive(from) {
-                robot.body.obey(&waypoints, &self.warehouse);
+            while let Some(order) = robot.orders.receive(from) {
+                robot.body.obey(&order, &self.warehouse);
             }
             robot.break_down(&self.faults, from, now);
             let charging = self.warehouse.nodes[robot.body.node].kind == NodeKind::Charger;
@@ -85,9 +85,8 @@ impl World {
     /// Hands over orders to robots.
     pub fn command(&mut self, now: Time, commands: Vec<(RobotId, Command)>) {
         for (robot, command) in commands {
-            let Command::Drive { waypoints, .. } = command;
             if let Some(robot) = self.robots.get_mut(robot.ix()) {
-                robot.orders.send(now, waypoints);
+                robot.orders.send(now, command);
             }
         }
     }

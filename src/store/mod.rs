@@ -9,6 +9,7 @@
 
 mod error;
 mod jobs;
+mod people_record;
 pub mod record;
 mod seal;
 

@@ -4,9 +4,13 @@
 //! with another meaning: a journal outlives the program that wrote it. Visits are arrays, since they are most
 //! of the bytes. Refuses: to guess what a newer version means.
 
-use crate::fleet::{Act, Booking, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, Stop, Task};
-use crate::id::{JobId, NodeId, RackId, ResourceId, RobotId, StationId};
-use crate::time::{Span, Time};
+use super::people_record::{AssignmentRecord, AssignmentStateRecord, EncounterRecord, ReactionRecord};
+use crate::fleet::{
+    Act, Booking, Closure, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, Stop, Task,
+};
+use crate::geometry::Spot;
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
+use crate::time::{Span, Time, Window};
 use crate::timeline::Visit;
 use serde::{Deserialize, Serialize};
 
@@ -66,6 +70,14 @@ enum Record {
     Cut { robots: Vec<u32> },
     Failed { robot: u32, at: i64 },
     Repaired { robot: u32, at: i64 },
+    Hired { worker: u32, name: String, at: i64 },
+    Assigned { assignment: u64, worker: u32, request: AssignmentRecord, at: i64 },
+    Advanced { assignment: u64, state: AssignmentStateRecord, at: i64 },
+    Closed { closure: u64, outline: Vec<(i64, i64)>, from: i64, until: i64, reason: String },
+    Reopened { closure: u64, at: i64 },
+    Encountered(EncounterRecord),
+    Deviated { worker: u32, at: i64 },
+    Interrupted { robot: u32, worker: u32, reaction: ReactionRecord, at: i64 },
 }
 
 #[derive(Serialize, Deserialize)]
@@ -162,6 +174,28 @@ impl From<&Fact> for Record {
             Fact::Cut { robots } => Record::Cut { robots: robots.iter().map(|r| r.0).collect() },
             Fact::Failed { robot, at } => Record::Failed { robot: robot.0, at: at.0 },
             Fact::Repaired { robot, at } => Record::Repaired { robot: robot.0, at: at.0 },
+            Fact::Hired { worker, name, at } => {
+                Record::Hired { worker: worker.0, name: name.clone(), at: at.0 }
+            }
+            Fact::Assigned { assignment, worker, request, at } => Record::Assigned {
+                assignment: assignment.0,
+                worker: worker.0,
+                request: request.into(),
+                at: at.0,
+            },
+            Fact::Advanced { assignment, state, at } => {
+                Record::Advanced { assignment: assignment.0, state: (*state).into(), at: at.0 }
+            }
+            Fact::Closed { closure, area } => closed(*closure, area),
+            Fact::Reopened { closure, at } => Record::Reopened { closure: closure.0, at: at.0 },
+            Fact::Encountered(encounter) => Record::Encountered(encounter.into()),
+            Fact::Deviated { worker, at } => Record::Deviated { worker: worker.0, at: at.0 },
+            Fact::Interrupted { robot, worker, reaction, at } => Record::Interrupted {
+                robot: robot.0,
+                worker: worker.0,
+                reaction: (*reaction).into(),
+                at: at.0,
+            },
         }
     }
 }
@@ -193,7 +227,43 @@ impl From<Record> for Fact {
             Record::Cut { robots } => Fact::Cut { robots: robots.into_iter().map(RobotId).collect() },
             Record::Failed { robot, at } => Fact::Failed { robot: RobotId(robot), at: Time(at) },
             Record::Repaired { robot, at } => Fact::Repaired { robot: RobotId(robot), at: Time(at) },
+            Record::Hired { worker, name, at } => {
+                Fact::Hired { worker: WorkerId(worker), name, at: Time(at) }
+            }
+            Record::Assigned { assignment, worker, request, at } => Fact::Assigned {
+                assignment: AssignmentId(assignment),
+                worker: WorkerId(worker),
+                request: request.into(),
+                at: Time(at),
+            },
+            Record::Advanced { assignment, state, at } => {
+                Fact::Advanced { assignment: AssignmentId(assignment), state: state.into(), at: Time(at) }
+            }
+            Record::Closed { closure, outline, from, until, reason } => {
+                let outline = outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect();
+                let window = Window::new(Time(from), Time(until));
+                Fact::Closed { closure: ClosureId(closure), area: Closure { outline, window, reason } }
+            }
+            Record::Reopened { closure, at } => Fact::Reopened { closure: ClosureId(closure), at: Time(at) },
+            Record::Encountered(encounter) => Fact::Encountered(encounter.into()),
+            Record::Deviated { worker, at } => Fact::Deviated { worker: WorkerId(worker), at: Time(at) },
+            Record::Interrupted { robot, worker, reaction, at } => Fact::Interrupted {
+                robot: RobotId(robot),
+                worker: WorkerId(worker),
+                reaction: reaction.into(),
+                at: Time(at),
+            },
         }
+    }
+}
+
+fn closed(closure: ClosureId, area: &Closure) -> Record {
+    Record::Closed {
+        closure: closure.0,
+        outline: area.outline.iter().map(|p| (p.x_mm, p.y_mm)).collect(),
+        from: area.window.start().0,
+        until: area.window.end().0,
+        reason: area.reason.clone(),
     }
 }
 

@@ -158,7 +158,7 @@ pub async fn submit(
     let (job, new) = match reply {
         Reply::Accepted { job, new, .. } => (job, new),
         Reply::Refused { why, .. } => return Err(refused(&api.map, why)),
-        Reply::Cancelled { .. } => return Err(Problem::internal()),
+        _ => return Err(Problem::internal()),
     };
     let row = read(&api, job).await?;
     if row.job.request != request {
@@ -372,5 +372,10 @@ fn refused(map: &Warehouse, why: Refusal) -> Problem {
             format!("{n} jobs are waiting, which is the limit: try again when some are done"),
             10,
         ),
+        Refusal::UnknownWorker(_)
+        | Refusal::UnknownAssignment(_)
+        | Refusal::UnknownClosure(_)
+        | Refusal::OutOfReach(_)
+        | Refusal::EmptyArea => Problem::internal(),
     }
 }

@@ -1,0 +1,288 @@
+//! People on the floor as the fleet deals with them: what they are to do, what they are told, whom they met.
+//!
+//! Main types: [`Assignment`], [`Closure`], [`Guidance`], [`Encounter`], [`WorkerView`]. Refuses: beliefs about people
+//! (the `human` module) and decisions about robots (the step).
+
+use crate::geometry::{Point, Pose, Spot};
+use crate::id::{AssignmentId, ClosureId, NodeId, RobotId, WorkerId};
+use crate::time::{Span, Time, Window};
+
+/// What a worker is to do, as it is handed in.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct AssignmentRequest {
+    /// Where. At a storage node the worker goes to the nearest place from which the rack can be reached.
+    pub place: NodeId,
+    /// How long it takes there.
+    pub stay: Span,
+    /// What, in the customer's words.
+    pub what: String,
+    /// The customer's own key: the same key never makes a second assignment.
+    pub key: Option<String>,
+}
+
+/// How far an assignment has come. `Waiting → Walking → Working → Done`; `Cancelled` ends any.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AssignmentState {
+    /// The worker is at another one, or not on the floor.
+    Waiting,
+    /// The worker is on the way.
+    Walking,
+    /// The worker is at the place.
+    Working,
+    /// Done.
+    Done,
+    /// Somebody cancelled it.
+    Cancelled,
+}
+
+impl AssignmentState {
+    /// Whether nothing will happen any more.
+    pub fn is_over(self) -> bool {
+        matches!(self, AssignmentState::Done | AssignmentState::Cancelled)
+    }
+
+    /// The word for it on the wire.
+    pub fn word(self) -> &'static str {
+        match self {
+            AssignmentState::Waiting => "waiting",
+            AssignmentState::Walking => "walking",
+            AssignmentState::Working => "working",
+            AssignmentState::Done => "done",
+            AssignmentState::Cancelled => "cancelled",
+        }
+    }
+}
+
+/// An assignment that is not over.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Assignment {
+    /// Whose.
+    pub worker: WorkerId,
+    /// What.
+    pub request: AssignmentRequest,
+    /// How far it is.
+    pub state: AssignmentState,
+    /// When it was accepted.
+    pub accepted: Time,
+}
+
+/// An area that robots keep out of, marked by hand.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Closure {
+    /// Its outline.
+    pub outline: Vec<Spot>,
+    /// When.
+    pub window: Window,
+    /// Why, in the supervisor's words.
+    pub reason: String,
+}
+
+/// What a worker is told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Guidance {
+    /// How things stand.
+    pub state: GuidanceState,
+    /// Why, where it is not just as planned.
+    pub reason: Option<GuidanceReason>,
+    /// Counts up with every new path.
+    pub version: u64,
+    /// The path from here on, metres; empty where there is none.
+    pub path: Vec<Point>,
+    /// The next point to walk to.
+    pub next: Option<Point>,
+    /// When the end of the path is reached at usual speed.
+    pub eta: Option<Time>,
+    /// What the path is for.
+    pub assignment: Option<AssignmentId>,
+    /// Robots nearby, nearest first.
+    pub near: Vec<NearRobot>,
+}
+
+/// How things stand with a worker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum GuidanceState {
+    /// Nothing to do.
+    #[default]
+    Idle,
+    /// On the path.
+    Following,
+    /// Off the path.
+    Deviating,
+    /// Off the old path, a new one is shown.
+    Redirected,
+    /// Stand still.
+    Stop,
+}
+
+impl GuidanceState {
+    /// The word for it on the wire.
+    pub fn word(self) -> &'static str {
+        match self {
+            GuidanceState::Idle => "idle",
+            GuidanceState::Following => "following",
+            GuidanceState::Deviating => "deviating",
+            GuidanceState::Redirected => "redirected",
+            GuidanceState::Stop => "stop",
+        }
+    }
+}
+
+/// Why a worker is told something else than to follow the path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum GuidanceReason {
+    /// The worker left the path.
+    LeftPath,
+    /// A robot stands on the path and cannot leave.
+    RobotInTheWay(RobotId),
+    /// No way to the place is free.
+    NoWay,
+    /// The headset does not know where it is.
+    NotTracked,
+}
+
+/// A robot near a worker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearRobot {
+    /// Which.
+    pub robot: RobotId,
+    /// Between the centres, metres.
+    pub distance_m: f64,
+    /// Direction from the worker to it, radians in the map's frame.
+    pub bearing: f64,
+    /// Time to the closest approach if both go on as they do; nothing where they move apart.
+    pub closest: Option<Span>,
+    /// How fast it drives, metres per second.
+    pub speed_mps: f64,
+}
+
+/// What the fleet did about an encounter, or before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Reaction {
+    /// Nothing.
+    Kept,
+    /// The robot was slowed.
+    Slowed,
+    /// The robot had to wait.
+    Held,
+    /// The robot got another route.
+    Rerouted,
+    /// The robot was stopped.
+    Stopped,
+}
+
+impl Reaction {
+    /// The word for it on the wire.
+    pub fn word(self) -> &'static str {
+        match self {
+            Reaction::Kept => "kept",
+            Reaction::Slowed => "slowed",
+            Reaction::Held => "held",
+            Reaction::Rerouted => "rerouted",
+            Reaction::Stopped => "stopped",
+        }
+    }
+}
+
+/// A moving robot came into region 1 of a worker (DESIGN §8).
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Encounter {
+    /// Who.
+    pub worker: WorkerId,
+    /// And which robot.
+    pub robot: RobotId,
+    /// When it began.
+    pub began: Time,
+    /// When the robot was out of the region again.
+    pub ended: Time,
+    /// Where the worker was.
+    pub at: Spot,
+    /// Radius of region 1 then, millimetres.
+    pub radius_mm: i64,
+    /// Closest distance between the centres, millimetres.
+    pub closest_mm: i64,
+    /// Speed of the robot when it came in, millimetres per second.
+    pub robot_mmps: i64,
+    /// Speed of the worker then.
+    pub worker_mmps: i64,
+    /// What the fleet did about the robot.
+    pub reaction: Reaction,
+    /// How long the robot stood because of it.
+    pub delay: Span,
+}
+
+/// How well a worker's place is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Presence {
+    /// Not on the floor.
+    #[default]
+    Absent,
+    /// Seen lately.
+    Tracked,
+    /// Not seen for a moment; the region around the last place grows.
+    Stale,
+    /// Not seen for long: robots stand in all that could be reached, until somebody sees or clears it.
+    Lost,
+}
+
+impl Presence {
+    /// The word for it on the wire.
+    pub fn word(self) -> &'static str {
+        match self {
+            Presence::Absent => "absent",
+            Presence::Tracked => "tracked",
+            Presence::Stale => "stale",
+            Presence::Lost => "lost",
+        }
+    }
+}
+
+/// How many sightings a source sent, and what became of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Hash)]
+pub struct FeedCounts {
+    /// Taken in.
+    pub taken: u64,
+    /// Older than the newest, or seen already.
+    pub late: u64,
+    /// Too far from where the worker can be.
+    pub jumps: u64,
+    /// Cannot be true: off the map, in the future, not a number.
+    pub absurd: u64,
+}
+
+/// One worker, as outsiders see it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorkerView {
+    /// The name.
+    pub name: String,
+    /// How well the place is known.
+    pub presence: Presence,
+    /// The last pose, if there was any.
+    pub pose: Option<Pose>,
+    /// When it was seen.
+    pub seen: Option<Time>,
+    /// Walking speed, metres per second.
+    pub speed_mps: f64,
+    /// One standard deviation of the position, metres, grown with silence.
+    pub accuracy_m: f64,
+    /// Radii of regions 1, 2 and 3, metres, for a robot without a rack.
+    pub regions_m: [f64; 3],
+    /// What the worker is told.
+    pub guidance: Guidance,
+    /// Where the worker may be going, with probabilities, most probable first.
+    pub goals: Vec<(Point, f64)>,
+    /// Probability that nothing can be said yet.
+    pub undecided: f64,
+    /// Probability of going somewhere else.
+    pub elsewhere: f64,
+    /// What became of the sightings.
+    pub feed: FeedCounts,
+}
+
+/// An area that robots keep out of, as outsiders see it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClosureView {
+    /// Its number.
+    pub id: ClosureId,
+    /// The area.
+    pub closure: Closure,
+}

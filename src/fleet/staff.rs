@@ -1,0 +1,98 @@
+//! Requests about people: who is known, who is to do what, where robots are to keep out.
+//!
+//! Refuses: to plan for anybody; what is asked for becomes a fact or a refusal.
+
+use super::Fleet;
+use super::fact::Fact;
+use super::io::{Input, Refusal, Reply};
+use super::people::{AssignmentRequest, AssignmentState, Closure};
+use crate::id::{AssignmentId, ClosureId, Dense, NodeId, WorkerId};
+use crate::time::Time;
+
+impl Fleet {
+    /// Takes a request about people in.
+    pub(super) fn absorb_request(&mut self, input: Input, now: Time) {
+        let (token, answer) = match input {
+            Input::Hire { token, name } => (token, Ok(self.hire(token, name, now))),
+            Input::Assign { token, worker, request } => (token, self.hand_out(token, worker, request, now)),
+            Input::Unassign { token, assignment } => (token, self.take_back(token, assignment, now)),
+            Input::Close { token, area } => (token, self.close(token, area)),
+            Input::Reopen { token, closure } => (token, self.reopen(token, closure, now)),
+            Input::Clear { token, worker } => (token, self.clear(token, worker)),
+            _ => unreachable!("telemetry, sightings and jobs are taken in elsewhere"),
+        };
+        self.out.replies.push(answer.unwrap_or_else(|why| Reply::Refused { token, why }));
+    }
+
+    fn hire(&mut self, token: u64, name: String, now: Time) -> Reply {
+        let known = self.ledger.workers.pairs().find(|(_, n)| **n == name).map(|(w, _)| w);
+        let worker = known.unwrap_or_else(|| {
+            let worker = WorkerId::at(self.ledger.workers.len());
+            self.record(Fact::Hired { worker, name, at: now });
+            worker
+        });
+        Reply::Hired { token, worker, new: known.is_none() }
+    }
+
+    fn hand_out(
+        &mut self,
+        token: u64,
+        worker: WorkerId,
+        request: AssignmentRequest,
+        now: Time,
+    ) -> Result<Reply, Refusal> {
+        if let Some(id) = request.key.as_ref().and_then(|k| self.ledger.assignment_keys.get(k)) {
+            return Ok(Reply::Assigned { token, assignment: *id, new: false });
+        }
+        if self.ledger.workers.get(worker).is_none() {
+            return Err(Refusal::UnknownWorker(worker));
+        }
+        self.check_walkable(request.place)?;
+        if self.ledger.assignments.len() >= self.settings.waiting_max {
+            return Err(Refusal::TooMany(self.ledger.assignments.len()));
+        }
+        let assignment = AssignmentId(self.ledger.next_assignment);
+        self.record(Fact::Assigned { assignment, worker, request, at: now });
+        Ok(Reply::Assigned { token, assignment, new: true })
+    }
+
+    /// Whether a worker can get near a node on foot.
+    fn check_walkable(&self, place: NodeId) -> Result<(), Refusal> {
+        if self.warehouse().nodes.get(place).is_none() {
+            return Err(Refusal::UnknownPlace);
+        }
+        Ok(())
+    }
+
+    fn take_back(&mut self, token: u64, id: AssignmentId, now: Time) -> Result<Reply, Refusal> {
+        if !self.ledger.assignments.contains_key(&id) {
+            return Err(Refusal::UnknownAssignment(id));
+        }
+        self.record(Fact::Advanced { assignment: id, state: AssignmentState::Cancelled, at: now });
+        Ok(Reply::Done { token })
+    }
+
+    fn close(&mut self, token: u64, area: Closure) -> Result<Reply, Refusal> {
+        if area.outline.len() < 3 || area.window.start() >= area.window.end() {
+            return Err(Refusal::EmptyArea);
+        }
+        let closure = ClosureId(self.ledger.next_closure);
+        self.record(Fact::Closed { closure, area });
+        Ok(Reply::Closed { token, closure })
+    }
+
+    fn reopen(&mut self, token: u64, closure: ClosureId, now: Time) -> Result<Reply, Refusal> {
+        if !self.ledger.closures.contains_key(&closure) {
+            return Err(Refusal::UnknownClosure(closure));
+        }
+        self.record(Fact::Reopened { closure, at: now });
+        Ok(Reply::Done { token })
+    }
+
+    fn clear(&mut self, token: u64, worker: WorkerId) -> Result<Reply, Refusal> {
+        if self.ledger.workers.get(worker).is_none() {
+            return Err(Refusal::UnknownWorker(worker));
+        }
+        Ok(Reply::Done { token })
+    }
+}

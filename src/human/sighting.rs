@@ -1,0 +1,41 @@
+//! One observed pose of a worker, in the map's frame and in the server's time.
+//!
+//! Main types: [`Sighting`], [`Quality`]. Refuses: frames of devices and their clocks; whoever receives poses
+//! aligns them first.
+
+use crate::geometry::Point;
+use crate::id::WorkerId;
+use crate::time::Time;
+
+/// How well a source knows its pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Quality {
+    /// Position and heading are measured.
+    Tracked,
+    /// The position is guessed by the device (last known place and a model of the neck): not for deciding where
+    /// somebody goes.
+    Emulated,
+    /// The device says that it does not know where it is.
+    Lost,
+}
+
+/// A pose of a worker, as one source saw it. Sightings may be late, repeated, out of order or wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sighting {
+    /// Who.
+    pub worker: WorkerId,
+    /// When this was so, in the server's time.
+    pub seen: Time,
+    /// The alignment of the source's frame. Within one epoch a displacement is a movement; across epochs it is not.
+    pub epoch: u32,
+    /// Number of the message within its epoch.
+    pub seq: u64,
+    /// Where, metres.
+    pub at: Point,
+    /// Where the head faces, radians; nothing for tags that know positions only.
+    pub heading: Option<f64>,
+    /// One standard deviation of the position, metres.
+    pub accuracy_m: f64,
+    /// How well the source knows.
+    pub quality: Quality,
+}

@@ -1,0 +1,150 @@
+//! What is written down about people: parts of the journal's wire form.
+//!
+//! Main types: the records named by `record`. Refuses: to stand alone; versions are `record`'s business.
+
+use crate::fleet::{AssignmentRequest, AssignmentState, Encounter, Reaction};
+use crate::geometry::Spot;
+use crate::id::{NodeId, RobotId, WorkerId};
+use crate::time::{Span, Time};
+use serde::{Deserialize, Serialize};
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct AssignmentRecord {
+    pub place: u32,
+    pub stay: i64,
+    pub what: String,
+    pub key: Option<String>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum AssignmentStateRecord {
+    Waiting,
+    Walking,
+    Working,
+    Done,
+    Cancelled,
+}
+
+/// Lengths in millimetres, speeds in millimetres per second.
+#[derive(Serialize, Deserialize)]
+pub(super) struct EncounterRecord {
+    pub worker: u32,
+    pub robot: u32,
+    pub began: i64,
+    pub ended: i64,
+    pub at: (i64, i64),
+    pub radius: i64,
+    pub closest: i64,
+    pub robot_speed: i64,
+    pub worker_speed: i64,
+    pub reaction: ReactionRecord,
+    pub delay: i64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum ReactionRecord {
+    Kept,
+    Slowed,
+    Held,
+    Rerouted,
+    Stopped,
+}
+
+impl From<&AssignmentRequest> for AssignmentRecord {
+    fn from(r: &AssignmentRequest) -> AssignmentRecord {
+        let (what, key) = (r.what.clone(), r.key.clone());
+        AssignmentRecord { place: r.place.0, stay: r.stay.0, what, key }
+    }
+}
+
+impl From<AssignmentRecord> for AssignmentRequest {
+    fn from(r: AssignmentRecord) -> AssignmentRequest {
+        AssignmentRequest { place: NodeId(r.place), stay: Span(r.stay), what: r.what, key: r.key }
+    }
+}
+
+impl From<AssignmentState> for AssignmentStateRecord {
+    fn from(s: AssignmentState) -> AssignmentStateRecord {
+        match s {
+            AssignmentState::Waiting => AssignmentStateRecord::Waiting,
+            AssignmentState::Walking => AssignmentStateRecord::Walking,
+            AssignmentState::Working => AssignmentStateRecord::Working,
+            AssignmentState::Done => AssignmentStateRecord::Done,
+            AssignmentState::Cancelled => AssignmentStateRecord::Cancelled,
+        }
+    }
+}
+
+impl From<AssignmentStateRecord> for AssignmentState {
+    fn from(s: AssignmentStateRecord) -> AssignmentState {
+        match s {
+            AssignmentStateRecord::Waiting => AssignmentState::Waiting,
+            AssignmentStateRecord::Walking => AssignmentState::Walking,
+            AssignmentStateRecord::Working => AssignmentState::Working,
+            AssignmentStateRecord::Done => AssignmentState::Done,
+            AssignmentStateRecord::Cancelled => AssignmentState::Cancelled,
+        }
+    }
+}
+
+impl From<Reaction> for ReactionRecord {
+    fn from(r: Reaction) -> ReactionRecord {
+        match r {
+            Reaction::Kept => ReactionRecord::Kept,
+            Reaction::Slowed => ReactionRecord::Slowed,
+            Reaction::Held => ReactionRecord::Held,
+            Reaction::Rerouted => ReactionRecord::Rerouted,
+            Reaction::Stopped => ReactionRecord::Stopped,
+        }
+    }
+}
+
+impl From<ReactionRecord> for Reaction {
+    fn from(r: ReactionRecord) -> Reaction {
+        match r {
+            ReactionRecord::Kept => Reaction::Kept,
+            ReactionRecord::Slowed => Reaction::Slowed,
+            ReactionRecord::Held => Reaction::Held,
+            ReactionRecord::Rerouted => Reaction::Rerouted,
+            ReactionRecord::Stopped => Reaction::Stopped,
+        }
+    }
+}
+
+impl From<&Encounter> for EncounterRecord {
+    fn from(e: &Encounter) -> EncounterRecord {
+        EncounterRecord {
+            worker: e.worker.0,
+            robot: e.robot.0,
+            began: e.began.0,
+            ended: e.ended.0,
+            at: (e.at.x_mm, e.at.y_mm),
+            radius: e.radius_mm,
+            closest: e.closest_mm,
+            robot_speed: e.robot_mmps,
+            worker_speed: e.worker_mmps,
+            reaction: e.reaction.into(),
+            delay: e.delay.0,
+        }
+    }
+}
+
+impl From<EncounterRecord> for Encounter {
+    fn from(e: EncounterRecord) -> Encounter {
+        Encounter {
+            worker: WorkerId(e.worker),
+            robot: RobotId(e.robot),
+            began: Time(e.began),
+            ended: Time(e.ended),
+            at: Spot { x_mm: e.at.0, y_mm: e.at.1 },
+            radius_mm: e.radius,
+            closest_mm: e.closest,
+            robot_mmps: e.robot_speed,
+            worker_mmps: e.worker_speed,
+            reaction: e.reaction.into(),
+            delay: Span(e.delay),
+        }
+    }
+}
