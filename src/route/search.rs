@@ -15,6 +15,7 @@ use crate::id::{ArcId, NodeId};
 use crate::time::{Span, Time};
 use crate::timeline::{Gap, Timeline};
 use crate::warehouse::{Warehouse, Way};
+use smallvec::SmallVec;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::sync::Arc;
@@ -41,8 +42,9 @@ struct Search<'a> {
     goals: Vec<GoalWindows>,
     /// Lower bound from each goal to the next.
     between: Vec<i64>,
-    /// See [`Pace::start_cost`], without and with a rack.
+    /// See [`Pace::start_cost`] and [`Pace::lead`], without and with a rack.
     start_cost: [i64; 2],
+    lead: [i64; 2],
     /// Whether half of the budget is spent.
     hurried: bool,
 }
@@ -65,10 +67,10 @@ impl GoalWindows {
 struct Hop {
     arc: ArcId,
     way: Way,
-    to: Gait,
+    /// How it may end, and how long it takes then.
+    ends: SmallVec<[(Gait, i64); 2]>,
     /// Departures possible as far as the label is concerned.
     depart: (i64, i64),
-    span: i64,
     /// The next node must be held this long before departure.
     lead: i64,
 }
@@ -86,6 +88,7 @@ pub(super) fn plan(
     let pace = estimates.pace().clone();
     let goals = goal_windows(&warehouse, &pace, timeline, ask)?;
     let start_cost = [false, true].map(|loaded| pace.start_cost(loaded).0);
+    let lead = [false, true].map(|loaded| pace.lead(loaded).0);
     let mut search = Search {
         warehouse: &warehouse,
         pace: &pace,
@@ -96,6 +99,7 @@ pub(super) fn plan(
         goals,
         between,
         start_cost,
+        lead,
         hurried: false,
     };
     let Scratch { labels, open } = scratch;
@@ -221,15 +225,12 @@ impl Search<'_> {
                 continue;
             }
             let Some(depart) = self.departures(&label, arc) else { continue };
-            for to in [Gait::Standing, Gait::Rolling] {
-                if to == Gait::Rolling && !self.pace.rolls_on(arc) {
-                    continue;
-                }
-                let span = self.pace.drive(arc, stage.loaded, label.gait, to).0;
-                let lead = if label.gait == Gait::Rolling { self.pace.lead(stage.loaded).0 } else { 0 };
-                let hop = Hop { arc, way, to, depart, span, lead };
-                self.enter_gaps(labels, open, index, &label, &hop);
-            }
+            let lead = if label.gait == Gait::Rolling { self.lead[usize::from(stage.loaded)] } else { 0 };
+            let ends = [Gait::Standing, Gait::Rolling].into_iter();
+            let ends = ends.filter(|&to| to == Gait::Standing || self.pace.rolls_on(arc));
+            let ends = ends.map(|to| (to, self.pace.drive(arc, stage.loaded, label.gait, to).0));
+            let hop = Hop { arc, way, ends: ends.collect(), depart, lead };
+            self.enter_gaps(labels, open, index, &label, &hop);
         }
     }
 
@@ -281,31 +282,47 @@ impl Search<'_> {
         gap: Gap,
         lane_gap: Gap,
     ) {
-        let times = if self.pace.holds_while_driving() {
-            self.arrivals_overlapping(label, hop, gap, lane_gap)
-        } else {
-            self.arrivals_instant(label, hop, node, gap)
-        };
-        let Some((lo, hi)) = times else { return };
-        let hi = if hop.to == Gait::Standing { gap.end.0 } else { hi };
-        let slot = hop.way.slot;
-        let next = Label::new((lo, hi), node, gap, slot, hop.to, label.stage, index, Some(hop.arc));
-        self.push(labels, open, next.with_first(label.first));
+        for &(to, span) in &hop.ends {
+            let times = if self.pace.holds_while_driving() {
+                self.arrivals_overlapping(label, hop, span, gap, lane_gap)
+            } else {
+                self.arrivals_instant(label, hop, span, node, gap)
+            };
+            let Some((lo, hi)) = times else { continue };
+            let hi = if to == Gait::Standing { gap.end.0 } else { hi };
+            let slot = hop.way.slot;
+            let next = Label::new((lo, hi), node, gap, slot, to, label.stage, index, Some(hop.arc));
+            self.push(labels, open, next.with_first(label.first));
+        }
     }
 
     /// Arrivals where both nodes are held while driving between them.
-    fn arrivals_overlapping(&self, label: &Label, hop: &Hop, gap: Gap, lane_gap: Gap) -> Option<(i64, i64)> {
+    fn arrivals_overlapping(
+        &self,
+        label: &Label,
+        hop: &Hop,
+        span: i64,
+        gap: Gap,
+        lane_gap: Gap,
+    ) -> Option<(i64, i64)> {
         let clear = self.pace.clearance();
         let latest_arrival = (label.gap.end - clear).min(lane_gap.end - clear).min(gap.end - Span(1)).0;
         let begin = gap.start.max(lane_gap.start).0;
-        let lo = hop.depart.0.max(begin + hop.lead) + hop.span;
-        let hi = hop.depart.1.saturating_add(hop.span).min(latest_arrival);
+        let lo = hop.depart.0.max(begin + hop.lead) + span;
+        let hi = hop.depart.1.saturating_add(span).min(latest_arrival);
         (lo <= hi).then_some((lo, hi))
     }
 
     /// Arrivals where nodes change hands in an instant; two robots must not change places.
-    fn arrivals_instant(&self, label: &Label, hop: &Hop, node: NodeId, gap: Gap) -> Option<(i64, i64)> {
-        let lo = (hop.depart.0 + hop.span).max(gap.start.0);
+    fn arrivals_instant(
+        &self,
+        label: &Label,
+        hop: &Hop,
+        span: i64,
+        node: NodeId,
+        gap: Gap,
+    ) -> Option<(i64, i64)> {
+        let lo = (hop.depart.0 + span).max(gap.start.0);
         let hi = label.gap.end.min(gap.end - Span(1)).0;
         if lo > hi {
             return None;
