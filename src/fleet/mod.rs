@@ -63,7 +63,7 @@ impl Default for Settings {
         Settings {
             kinematics: Kinematics::default(),
             period: Span::from_millis(50),
-            expansions_per_plan: 2_200,
+            expansions_per_plan: 2_000,
             expansions_per_step: 30_000,
             battery_low: 0.3,
             battery_enough: 0.5,
