@@ -324,8 +324,12 @@ impl Fleet {
     /// Whether nothing that the job waits for is still to be done.
     pub(super) fn is_ready(&self, job: crate::id::JobId) -> bool {
         let record = &self.ledger.jobs[&job];
-        record.state == JobState::Waiting
-            && !record.request.after.iter().any(|a| self.ledger.jobs.contains_key(a))
+        record.state == JobState::Waiting && !self.is_blocked(&record.request.after)
+    }
+
+    /// Whether one of these jobs is not over yet.
+    pub(super) fn is_blocked(&self, after: &[crate::id::JobId]) -> bool {
+        after.iter().any(|a| self.ledger.jobs.contains_key(a))
     }
 }
 
