@@ -37,7 +37,7 @@ impl Fleet {
     }
 
     /// Robots with nothing to do that could do something.
-    fn idle_robots(&self, now: Time) -> Vec<RobotId> {
+    pub(super) fn idle_robots(&self, now: Time) -> Vec<RobotId> {
         let idle = |r: &RobotId| {
             let record = &self.ledger.robots[*r];
             record.task == Task::Idle && !record.failed && self.scene.fit(*r, now).is_some()
@@ -45,7 +45,7 @@ impl Fleet {
         ledger::all(&self.ledger.robots).filter(idle).collect()
     }
 
-    fn is_charged(&self, robot: RobotId) -> bool {
+    pub(super) fn is_charged(&self, robot: RobotId) -> bool {
         let battery = self.scene.robot(robot).map_or(0.0, |t| t.battery);
         let s = &self.settings;
         battery >= if self.at_charger(robot) { s.battery_enough } else { s.battery_low }
@@ -129,7 +129,7 @@ impl Fleet {
         let waiting = self.ledger.jobs.iter().filter(|(_, j)| j.state == JobState::Waiting);
         let waiting: Vec<(JobId, &Job)> = waiting.map(|(id, j)| (*id, j)).collect();
         let mut oldest = [now; 10];
-        for (id, job) in waiting.iter().filter(|(_, j)| !self.is_blocked(&j.request.after)) {
+        for (_, job) in waiting.iter().filter(|(_, j)| !self.is_blocked(&j.request.after)) {
             let first = &mut oldest[usize::from(job.request.priority)];
             *first = job.accepted.min(*first);
         }

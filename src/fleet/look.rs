@@ -4,12 +4,13 @@
 
 use super::fact::{Act, Purpose, Task};
 use super::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
-use super::{Fleet, JobState};
+use super::{Fleet, Job, JobState};
 use crate::geometry::Pose;
-use crate::id::{NodeId, RobotId, StationId};
+use crate::id::{JobId, NodeId, RobotId, StationId};
 use crate::time::Time;
 use crate::timeline::Holder;
 use crate::warehouse::NodeKind;
+use std::collections::BTreeMap;
 
 impl Fleet {
     /// Everything that outsiders may see.
@@ -19,7 +20,16 @@ impl Fleet {
         let waiting = self.ledger.jobs.values().filter(|j| j.state == JobState::Waiting).count() as u64;
         let active = self.ledger.jobs.len() as u64 - waiting;
         let counts = Counts { waiting, active, ..self.ledger.counts };
-        View { now, robots, racks: self.ledger.racks.iter().copied().collect(), stations, counts }
+        let racks = self.ledger.racks.iter().copied().collect();
+        let free = self.idle_robots(now).into_iter().filter(|r| self.is_charged(*r)).count();
+        View { now, robots, racks, stations, blocked: self.blocked(), free, counts }
+    }
+
+    /// Waiting jobs that come after others, each with the first one that is not over yet.
+    fn blocked(&self) -> BTreeMap<JobId, JobId> {
+        let first = |j: &Job| j.request.after.iter().copied().find(|a| self.ledger.jobs.contains_key(a));
+        let waiting = self.ledger.jobs.iter().filter(|(_, j)| j.state == JobState::Waiting);
+        waiting.filter_map(|(id, j)| Some((*id, first(j)?))).collect()
     }
 
     fn robot_view(&self, r: RobotId, now: Time) -> RobotView {
@@ -87,6 +97,12 @@ impl Fleet {
         }
         if self.scene.fit(r, now).is_none() {
             return Some(Why::Silent);
+        }
+        if let Some(station) = self.station_of(r)
+            && self.lacks_route(r)
+            && !self.station_has_room(r, &self.bound_for_stations())
+        {
+            return Some(Why::QueueFull(station));
         }
         if self.lacks_route(r) && self.needs.failed_before(r) {
             return Some(Why::NoRoute);

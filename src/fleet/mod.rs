@@ -26,7 +26,7 @@ pub use fact::{Act, Booking, Fact, Purpose, Stop, Task};
 pub use io::{Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
 pub use job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use ledger::Ledger;
-pub use view::{Counts, Doing, RackAt, RobotState, RobotView, StationView, View, Why};
+pub use view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
 
 use crate::route::{Kinematics, Planner, Rules};
 use crate::time::{Span, Time};

@@ -6,6 +6,7 @@ mod jobs;
 mod messages;
 mod restart;
 mod stuck;
+mod why;
 
 use super::*;
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};
