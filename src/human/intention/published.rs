@@ -31,6 +31,10 @@ const FRESH: f64 = 0.5;
 /// So long nobody is called irrational for walking away from all goals.
 const PATIENCE: Span = Span::from_secs(1);
 
+/// Undecided is never less probable than this makes it (eq. 3.18 has it; the text says the same of eq. 3.17, whose
+/// print would be zero where one goal fits fully and no other at all).
+const DOUBT: f64 = 0.1;
+
 /// Which chapter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Chapter {
@@ -160,9 +164,9 @@ pub(super) fn weigh_chapter_three(chain: &mut Chain, v: &[f64], goes_nowhere: Op
             sorted.sort_by(f64::total_cmp);
             let ahead = sorted.last().copied().unwrap_or(0.0)
                 - sorted.len().checked_sub(2).map_or(0.0, |second| sorted[second]);
-            v.iter().map(|v| v.tanh()).chain([(1.0 - ahead).tanh(), 0.0]).collect()
+            v.iter().map(|v| v.tanh()).chain([(1.0 - ahead).max(DOUBT).tanh(), 0.0]).collect()
         }
-        Some(best) => v.iter().map(|_| 0.0).chain([0.1_f64.tanh(), (1.0 - best).tanh()]).collect(),
+        Some(best) => v.iter().map(|_| 0.0).chain([DOUBT.tanh(), (1.0 - best).tanh()]).collect(),
     };
     chain.update(step, &emission);
 }
