@@ -287,7 +287,10 @@ fn keep_good_roles(rest: &mut Draft, at: &BTreeMap<&str, Point>, doubts: &mut Do
     }
     rest.stations.retain(|s| {
         let line = || std::iter::once(&s.node).chain(&s.queue);
-        let good = line().fold(true, |good, name| is_good(name) && good);
+        let mut good = true;
+        for name in line() {
+            good &= is_good(name);
+        }
         if !good {
             places.extend(line().cloned());
         }
