@@ -55,6 +55,10 @@ dense! {
     StationId "s";
     /// A worker.
     WorkerId "w";
+    /// A node of the walkways: a point on the middle line of the free floor.
+    WalkNodeId "f";
+    /// An edge of the walkways.
+    WalkEdgeId "e";
 }
 
 macro_rules! counted {

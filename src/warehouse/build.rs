@@ -4,6 +4,7 @@
 
 use super::check::{self, Findings};
 use super::conflict;
+use super::near::Near;
 use super::{Arc, Lane, Node, NodeKind, Rack, Station, Users, Warehouse, Way};
 use crate::geometry::{Point, Segment, turn_between};
 use crate::id::{Dense, IdVec, NodeId, StationId};
@@ -146,6 +147,7 @@ impl Draft {
             name: self.name,
             footprint_m: self.footprint_m,
             conflicts: conflict::between(&nodes, &lanes, self.footprint_m),
+            near: Near::new(nodes.iter().map(|n| n.at).collect()),
             nodes,
             lanes,
             arcs: IdVec::new(),
