@@ -1,8 +1,9 @@
 //! Scenario files: a map, a fleet, customers, faults, how long and with which seed.
 //!
-//! Main type: [`Scenario`]. Takes text; whoever reads the file resolves the paths in it. Refuses: unknown keys and
+//! Main types: [`Scenario`], [`Arm`]. Takes text; whoever reads the file resolves the paths in it. Refuses: unknown keys and
 //! numbers that cannot be.
 
+use super::workforce::Workers;
 use crate::route::Kinematics;
 use crate::time::Span;
 use serde::Deserialize;
@@ -28,6 +29,40 @@ pub struct Scenario {
     pub faults: Faults,
     /// The robots' figures.
     pub kinematics: Kinematics,
+    /// The people on the floor.
+    pub workers: Workers,
+    /// How the fleet gives way to people.
+    pub arm: Arm,
+}
+
+/// How the fleet gives way to people: the arms of Petković 2021, Table 4.1, and ours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Arm {
+    /// Reacts when a worker is near a robot; predicts nothing.
+    Nhir,
+    /// Predicts that workers go straight ahead.
+    Shir,
+    /// The published method.
+    Phir,
+    /// Ours.
+    #[default]
+    Giveway,
+}
+
+impl Arm {
+    /// All of them, in the order of the published table.
+    pub const ALL: [Arm; 4] = [Arm::Nhir, Arm::Shir, Arm::Phir, Arm::Giveway];
+
+    /// The word for it in files and reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Arm::Nhir => "nhir",
+            Arm::Shir => "shir",
+            Arm::Phir => "phir",
+            Arm::Giveway => "giveway",
+        }
+    }
 }
 
 /// Where jobs come from.
@@ -114,6 +149,10 @@ struct File {
     faults: Faults,
     #[serde(default)]
     fleet: Fleet,
+    #[serde(default)]
+    workers: Workers,
+    #[serde(default)]
+    arm: Arm,
 }
 
 #[derive(Default, Deserialize)]
@@ -167,6 +206,7 @@ impl Scenario {
         check("faults.message_delay_ms", f.message_delay_ms as f64, 0.0..=2000.0, "from 0 to 2000")?;
         check("faults.failures_per_hour", f.failures_per_hour, 0.0..=1000.0, "from 0 to 1000")?;
         check("faults.repair_s", f.repair_s, 1.0..=1e6, "from 1 to 1000000")?;
+        file.workers.check()?;
         Ok(Scenario {
             name: file.name,
             map: file.map,
@@ -177,6 +217,8 @@ impl Scenario {
             demand: file.jobs,
             faults: file.faults,
             kinematics: file.fleet.kinematics()?,
+            workers: file.workers,
+            arm: file.arm,
         })
     }
 
@@ -210,7 +252,7 @@ impl Fleet {
     }
 }
 
-fn check(
+pub(super) fn check(
     key: &'static str,
     found: f64,
     range: std::ops::RangeInclusive<f64>,
