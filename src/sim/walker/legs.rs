@@ -82,6 +82,12 @@ pub fn ease(p: Point, walkways: &Walkways) -> Point {
     roomy.next().unwrap_or(p + to)
 }
 
+/// Whether a body has room all along a straight line.
+fn roomy(a: Point, b: Point, walkways: &Walkways) -> bool {
+    let steps = ((b - a).norm() / 0.1).ceil().max(1.0) as u32;
+    (0..=steps).all(|i| walkways.clearance_m(a + (b - a) * (f64::from(i) / f64::from(steps))) >= WALL_M)
+}
+
 /// What keeps a walker from a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Taken {
@@ -157,13 +163,26 @@ impl Legs {
             }
         }
         self.speed_mps = 0.0;
+        if !self.blocked {
+            self.leave_wall(around.walkways);
+        }
+    }
+
+    /// Walls on all sides of the way: back to the middle of the aisle first.
+    fn leave_wall(&mut self, walkways: &Walkways) {
+        let near = walkways.near(self.at, 1.0).into_iter().filter(|(_, far)| *far > 2.0 * THERE_M);
+        let node = near.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+        if let Some((n, _)) = node {
+            self.route.push_front(walkways.nodes()[n].at);
+        }
     }
 
     /// Drops points that are reached, and corners that can be cut.
     fn pass_corners(&mut self, walkways: &Walkways) {
         while let Some(&next) = self.route.front() {
             let far = (next - self.at).norm();
-            let cut = self.route.get(1).is_some_and(|then| far < self.cut_m && walkways.sees(self.at, *then));
+            let cut =
+                self.route.get(1).is_some_and(|then| far < self.cut_m && roomy(self.at, *then, walkways));
             if !cut && far >= THERE_M {
                 break;
             }

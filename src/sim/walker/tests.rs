@@ -129,11 +129,11 @@ fn a_walker_never_enters_a_rack_or_a_pillar_whatever_comes_to_its_mind() {
         .iter()
         .map(|n| hall.warehouse.nodes[*n].at)
         .collect();
-    for (who, name) in [(0, "S7-4"), (1, "S1-9"), (2, "S11-13")] {
+    for who in 0..3 {
         let workers = workers(Causes::Rates(often), &[100.0], Persona::Yields);
         let mut w = Walker::new(&workers, 5, who, hall.place("G0-14"), hall.now);
-        for _ in 0..20 {
-            hall.work_at(name);
+        for round in 0..20 {
+            hall.work_at(["S7-4", "S1-9", "S11-13", "S2-1"][round % 4]);
             hall.live(&mut w, 60.0, |hall, w| {
                 let at = w.pose(hall.now).at;
                 assert!(hall.walkways.is_free(at), "off the floor at {at}");
