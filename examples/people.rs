@@ -8,6 +8,7 @@ fn main(){
  let t=std::time::Instant::now();
  let mut sim=Simulation::new(map,&s,&[],seed,false,||0);
  while !sim.is_over(){ sim.step(); }
+ for (r,t) in sim.world.truth(){ let near=sim.world.walkers().any(|(_,k)|(k.pose(sim.now()).at-t.pose.at).norm()<3.0); if near { println!("{r:?} at {:.2} {:.2} heading {:.1} v {:.2} rack {:?} ahead {:?} why {:?}", t.pose.at.x,t.pose.at.y,t.pose.heading,t.speed_mps,t.rack, sim.fleet.view(sim.now()).robots[r.0 as usize].granted.iter().take(3).map(|n|sim.fleet.warehouse().nodes[*n].name.clone()).collect::<Vec<_>>(), sim.fleet.why(r,sim.now())); } }
  let f=sim.world.figures().clone();
  println!("encounters {} contacts {} worker_min {:.1} completed {}", f.meetings.len(), f.contacts, f.worker_time.as_secs_f64()/60., sim.world.completed());
  for (w,k) in sim.world.walkers(){ println!("{w:?} walked {:.0} m, at {:?}", k.walked_m(), k.pose(sim.now()).at);

@@ -17,6 +17,8 @@ const STAND_OFF_M: f64 = 0.05;
 const WALL_M: f64 = 0.3;
 /// A walker takes so much room beside its body for a moving robot, metres.
 const SIDE_M: f64 = 0.1;
+/// A walker stops before a robot that drives towards it when it would be there after so many seconds.
+const COMES_S: f64 = 1.2;
 /// Nearer than this is there, metres.
 const THERE_M: f64 = 0.05;
 /// How fast a walker changes its speed, metres per second squared.
@@ -198,7 +200,9 @@ impl Legs {
         }
         let taken = robots.iter().any(|r| {
             let gap = r.gap(to, half_m);
-            let nearer = gap < STAND_OFF_M && gap <= r.gap(self.at, half_m);
+            // Nobody walks on towards a robot that cannot stop in time.
+            let comes = if r.sweeps(to, half_m, 3.0) { COMES_S * r.velocity.norm() } else { 0.0 };
+            let nearer = gap < STAND_OFF_M + comes && gap <= r.gap(self.at, half_m);
             let steps_in = || r.sweeps(to, half_m, foresight) && !r.sweeps(self.at, half_m, foresight);
             nearer || steps_in()
         });
