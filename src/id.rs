@@ -93,8 +93,8 @@ pub struct IdVec<I, T> {
 
 impl<I: Dense, T> IdVec<I, T> {
     /// An empty vector.
-    pub fn new() -> Self {
-        Vec::new().into()
+    pub const fn new() -> Self {
+        IdVec { items: Vec::new(), kind: PhantomData }
     }
 
     /// `n` copies of `item`.

@@ -158,6 +158,7 @@
 
 #[cfg(feature = "edge")]
 pub mod api;
+pub mod aware;
 #[cfg(feature = "edge")]
 pub mod cli;
 pub mod experiment;

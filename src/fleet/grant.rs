@@ -56,6 +56,7 @@ impl Fleet {
         !undone
             && visit.enter <= now + EARLY
             && self.ledger.timeline.waits_for(Holder::Robot(robot), serial).is_none()
+            && self.grant_waits_for(robot, visit, now).is_none()
     }
 
     /// Distance from the visit before to this one, metres.

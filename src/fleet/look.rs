@@ -3,11 +3,12 @@
 //! Main function: [`Fleet::view`]. Refuses: to change anything.
 
 use super::fact::{Act, Purpose, Task};
-use super::people::ClosureView;
+use super::people::{ClosureView, Presence, WorkerView};
 use super::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
 use super::{Fleet, JobState};
 use crate::geometry::Pose;
-use crate::id::{NodeId, RobotId, StationId};
+use crate::id::{NodeId, RobotId, StationId, WorkerId};
+use crate::route::Cause;
 use crate::time::Time;
 use crate::timeline::Holder;
 use crate::warehouse::NodeKind;
@@ -21,7 +22,8 @@ impl Fleet {
         let active = self.ledger.jobs.len() as u64 - waiting;
         let counts = Counts { waiting, active, ..self.ledger.counts };
         let racks = self.ledger.racks.iter().copied().collect();
-        View { now, robots, racks, stations, workers: Vec::new(), closures: self.closure_views(), counts }
+        let (workers, closures) = (self.worker_views(now), self.closure_views());
+        View { now, robots, racks, stations, workers, closures, counts }
     }
 
     fn robot_view(&self, r: RobotId, now: Time) -> RobotView {
@@ -95,8 +97,44 @@ impl Fleet {
         }
         let chain = self.ledger.chain(r);
         let at_end = chain.first() + 1 == chain.granted();
+        let held = chain.get(chain.granted()).filter(|v| at_end && v.enter <= now);
+        match held.and_then(|v| self.grant_waits_for(r, v, now)) {
+            Some(Cause::Worker(w)) => return Some(Why::GivesWay(w)),
+            Some(Cause::Closure(c)) => return Some(Why::Closed(c)),
+            None => {}
+        }
         let (resource, holder) = self.ledger.timeline.waits_for(Holder::Robot(r), chain.granted())?;
         at_end.then_some(Why::WaitsFor(resource, holder))
+    }
+
+    fn worker_views(&self, now: Time) -> Vec<WorkerView> {
+        self.ledger.workers.pairs().map(|(w, name)| self.worker_view(w, name, now)).collect()
+    }
+
+    fn worker_view(&self, worker: WorkerId, name: &str, now: Time) -> WorkerView {
+        let place = self.whereabouts(worker, now);
+        let person = self.crowd.people.get(worker);
+        let sigma = place.map_or(0.0, |w| w.sigma_m);
+        let regions = &self.crowd.regions;
+        let guidance = place.map(|w| self.guidance(worker, &w, now)).unwrap_or_default();
+        WorkerView {
+            name: name.to_owned(),
+            presence: place.map_or(Presence::Absent, |w| w.presence),
+            pose: place.map(|w| Pose { at: w.at, heading: w.heading.unwrap_or(0.0) }),
+            seen: person.and_then(|p| p.track.newest()).map(|s| s.seen),
+            speed_mps: place.map_or(0.0, |w| w.velocity.norm()),
+            accuracy_m: place.map_or(0.0, |w| w.sigma_m + w.reach_m),
+            regions_m: [
+                regions.stop_radius_m(false, sigma),
+                regions.still_radius_m(false, sigma),
+                regions.slow_radius_m(false, sigma),
+            ],
+            guidance,
+            goals: Vec::new(),
+            undecided: 1.0,
+            elsewhere: 0.0,
+            feed: person.map(|p| p.track.counts()).unwrap_or_default(),
+        }
     }
 
     fn closure_views(&self) -> Vec<ClosureView> {

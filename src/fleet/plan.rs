@@ -6,9 +6,10 @@
 
 use super::fact::{Act, Booking, Fact, Stop, Task};
 use super::job::{JobKind, JobState};
+use super::people::Reaction;
 use super::{Fleet, ledger};
 use crate::geometry::Segment;
-use crate::id::{IdVec, NodeId, RobotId, StationId};
+use crate::id::{IdVec, NodeId, RobotId, StationId, WorkerId};
 use crate::route::{Ask, NoRoute, Route, Stage};
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Visit};
@@ -66,6 +67,7 @@ impl Fleet {
                 bound[station] += 1;
             }
         }
+        self.give_way(now, &mut budget);
         self.improve(now, budget);
     }
 
@@ -224,7 +226,9 @@ impl Fleet {
         let holder = Holder::Robot(robot);
         let (from, heading) = self.grant_end(robot);
         let ready = now.max(from.arrive) + self.settings.period;
-        let ask = Ask { from: &from, heading, ready, stages, budget: self.settings.expansions_per_plan };
+        let (budget, away) = (self.settings.expansions_per_plan, self.away(robot, now));
+        let conditions = &self.crowd.conditions;
+        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away: &away };
         let (planner, timeline) = (&mut self.planner, &mut self.ledger.timeline);
         let start = (self.settings.stopwatch)();
         let found = timeline.without(&[holder], |others| planner.plan(&ask, others));
@@ -310,6 +314,59 @@ impl Fleet {
             Ok(route) => route.expansions,
             Err(_) => self.settings.expansions_per_plan / 4,
         }
+    }
+
+    /// Looks for a route that avoids somebody; takes it where it is earlier than what is left of the old one after the
+    /// wait. Gives the expansions spent.
+    pub(super) fn reroute(&mut self, robot: RobotId, worker: WorkerId, now: Time) -> u32 {
+        let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return 0 };
+        let planned = self.expected(robot, stop.serial, now);
+        let stages = self.stages_left(robot);
+        match self.search(robot, &stages, now) {
+            Ok(route) => {
+                let spent = route.expansions;
+                if reached(&route) + WORTH < planned {
+                    self.commit(robot, route);
+                    self.gives_way(robot, worker, Reaction::Rerouted, now);
+                }
+                spent
+            }
+            Err(_) => self.settings.expansions_per_plan / 4,
+        }
+    }
+
+    /// When a robot reaches a visit if it waits for everybody on its way.
+    fn expected(&self, robot: RobotId, serial: u64, now: Time) -> Time {
+        let chain = self.ledger.chain(robot);
+        let planned = chain.get(serial).map_or(now, |v| v.arrive);
+        let late = match self.waits_until(robot, now) {
+            Some(until) => {
+                let next = chain.get(chain.granted()).map_or(now, |v| v.enter.max(now));
+                (until - next).max(Span::ZERO)
+            }
+            None => Span::ZERO,
+        };
+        // Nobody knows how long people stay; as long again as so far is the best guess.
+        let waited = self.crowd.yielding.get(&robot).map_or(Span::ZERO, |y| now - y.since);
+        planned + late.max(waited)
+    }
+
+    /// A way to a place aside first, then on with the task. Whether it was found and taken.
+    pub(super) fn detour(&mut self, robot: RobotId, place: NodeId, now: Time) -> bool {
+        let rest = self.stages_left(robot);
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let mut stages: SmallVec<[Stage; 4]> = smallvec![Stage { goal: place, loaded, stay: Span::ZERO }];
+        if rest.is_empty() {
+            stages.push(stay_at(self.ledger.chain(robot).last().expect("it stands somewhere").node));
+        }
+        stages.extend(rest.iter().copied());
+        let Ok(mut route) = self.search(robot, &stages, now) else { return false };
+        route.stops.remove(0);
+        if rest.is_empty() {
+            route.stops.clear();
+        }
+        self.commit(robot, route);
+        true
     }
 
     /// Whether the robot stands at the end of what it was granted because somebody else comes first.

@@ -4,6 +4,7 @@ mod cancel;
 mod failure;
 mod jobs;
 mod messages;
+mod people;
 mod restart;
 mod stuck;
 
@@ -74,6 +75,7 @@ impl Floor {
         let step = self.fleet.step(self.now, inputs);
         self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
         assert_eq!(self.laws.broken, [], "laws hold");
+        self.world.command(self.now, step.urgent.clone());
         self.world.command(self.now, step.commands.clone());
         self.facts.extend(step.facts.iter().cloned());
         self.now += self.fleet.settings().period;

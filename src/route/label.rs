@@ -29,6 +29,10 @@ pub(super) struct Label {
     pub stage: u8,
     /// When the first goal was reached; zero before that.
     pub first: i64,
+    /// How long the drive to here took, microseconds.
+    pub span: i64,
+    /// What the way to here costs beyond its time, microseconds.
+    pub price: i64,
     pub dominated: bool,
     /// The label before, or [`NONE`].
     pub parent: u32,
@@ -50,12 +54,32 @@ impl Label {
         parent: u32,
         arc: Option<ArcId>,
     ) -> Label {
-        Label { lo, hi, node, gap, slot, gait, stage, parent, arc, first: 0, dominated: false, next: NONE }
+        Label {
+            lo,
+            hi,
+            node,
+            gap,
+            slot,
+            gait,
+            stage,
+            parent,
+            arc,
+            first: 0,
+            span: 0,
+            price: 0,
+            dominated: false,
+            next: NONE,
+        }
     }
 
     /// The same label with the time at which the first goal was reached.
     pub fn with_first(self, first: i64) -> Label {
         Label { first, ..self }
+    }
+
+    /// The same label with what the way to it took and cost.
+    pub fn with_way(self, span: i64, price: i64) -> Label {
+        Label { span, price, ..self }
     }
 
     fn key(&self) -> u64 {

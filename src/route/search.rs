@@ -1,20 +1,23 @@
 //! Best-first search over free windows.
 //!
-//! Main function: [`plan`]. A label is (node, gap, arrival heading, gait, stage) with the earliest arrival and, while
-//! rolling, the latest one too: a robot may delay the start of its run, but cannot wait while it rolls. Earlier
-//! arrival dominates while standing (heading differences paid by turning); while rolling, the wider interval does.
-//! The objective is lexicographic: earliest at the first goal, then earliest at the last. A second leg that must wait
-//! thus never sends the search back to the first one. Refuses: any other objective.
+//! Main function: [`plan`]. A label is (node, gap, arrival heading, gait, stage) with the earliest arrival
+//! and, while rolling, the latest one too: a robot may delay the start of its run, but cannot wait while it
+//! rolls. Earlier arrival dominates while standing (heading differences paid by turning); while rolling, the
+//! wider interval does. The objective is lexicographic: earliest at the first goal, then earliest at the
+//! last. A second leg that must wait thus never sends the search back to the first one. Refuses: any other
+//! objective.
 
+use super::conditions::{Condition, Effect, slow_span, still_until};
 use super::estimate::{Estimates, Table, may_drive};
 use super::label::{Label, Labels, NONE, OWN_HEADING};
-use super::motion::{Gait, Pace};
+use super::motion::{Gait, Pace, Rules};
 use super::{Ask, NoRoute, Route, Stage, trace};
 use crate::geometry::turn_between;
 use crate::id::{ArcId, NodeId};
-use crate::time::{Span, Time};
+use crate::time::{Span, Time, Window};
 use crate::timeline::{Gap, Timeline};
 use crate::warehouse::{Warehouse, Way};
+use smallvec::{SmallVec, smallvec};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::sync::Arc;
@@ -26,8 +29,8 @@ pub(super) struct Scratch {
     open: Open,
 }
 
-/// Lower bounds of the arrivals at the first and at the last goal; among equals the label nearest to the goals first:
-/// where all must wait for the same window, the search walks straight up to it.
+/// Lower bounds of the arrivals at the first and at the last goal; among equals the label nearest to the
+/// goals first: where all must wait for the same window, the search walks straight up to it.
 type Open = BinaryHeap<Reverse<(i64, i64, i64, u32)>>;
 
 /// What one search looks at.
@@ -62,6 +65,7 @@ impl GoalWindows {
 }
 
 /// A way from a label to the next node, before windows are looked at.
+#[derive(Clone, Copy)]
 struct Hop {
     arc: ArcId,
     way: Way,
@@ -71,6 +75,10 @@ struct Hop {
     span: i64,
     /// The next node must be held this long before departure.
     lead: i64,
+    /// Whether a rack is carried.
+    loaded: bool,
+    /// How many ends of the lane are passed standing.
+    ramps: u8,
 }
 
 pub(super) fn plan(
@@ -122,9 +130,9 @@ fn bounds_between(
         .collect()
 }
 
-/// The arrivals at each goal that its free windows allow. Where robots hold the next node while they drive, nobody
-/// arrives sooner after a hold ends than the last lane takes, and nobody leaves faster than the first one does:
-/// without this, every search to a busy station would try all ways of arriving in those seconds.
+/// The arrivals at each goal that its free windows allow. Where robots hold the next node while they drive,
+/// nobody arrives sooner after a hold ends than the last lane takes, and nobody leaves faster than the first
+/// one does: without this, every search to a busy station would try all ways of arriving in those seconds.
 fn goal_windows(
     warehouse: &Warehouse,
     pace: &Pace,
@@ -139,8 +147,8 @@ fn goal_windows(
             if before == stage.goal { Span::ZERO } else { pace.fastest_in(stage.goal, stage.loaded) },
             pace.fastest_out(stage.goal, loaded_after) + pace.clearance(),
         );
-        let gaps = timeline.gaps(warehouse.node_resource(stage.goal), ask.ready);
-        let fits = gaps.filter_map(|g| match (i == last, g.end.is_forever()) {
+        let gaps = open_gaps(warehouse, timeline, ask, stage.goal, ask.ready);
+        let fits = gaps.into_iter().filter_map(|g| match (i == last, g.end.is_forever()) {
             (true, false) => None,
             (_, true) => Some(((g.start + way_in).0, i64::MAX)),
             _ => Some(((g.start + way_in).0, (g.end - stage.stay - way_out).0)),
@@ -150,6 +158,40 @@ fn goal_windows(
     };
     ask.stages.iter().enumerate().map(windows).collect()
 }
+
+/// The free windows of a node that end after `t`, without the time in which it is closed.
+fn open_gaps(
+    warehouse: &Warehouse,
+    timeline: &Timeline,
+    ask: &Ask<'_>,
+    node: NodeId,
+    t: Time,
+) -> SmallVec<[Gap; 4]> {
+    let at = warehouse.nodes[node].at;
+    let conditions = ask.conditions.binding(node, at, ask.away);
+    let mut closed: SmallVec<[Window; 4]> =
+        conditions.filter(|c| c.effect == Effect::Closed).map(|c| c.window).collect();
+    closed.sort_unstable_by_key(|w| w.start());
+    let mut open = SmallVec::new();
+    for gap in timeline.gaps(warehouse.node_resource(node), t) {
+        let (mut start, mut part) = (gap.start, 0);
+        let index = |part: u32| gap.index | part << PARTS_AT;
+        for w in closed.iter().filter(|w| w.start() < gap.end && w.end() > gap.start) {
+            if w.start() > start && w.start() > t {
+                open.push(Gap { start, end: w.start(), index: index(part) });
+            }
+            start = start.max(w.end());
+            part += 1;
+        }
+        if start < gap.end {
+            open.push(Gap { start, end: gap.end, index: index(part) });
+        }
+    }
+    open
+}
+
+/// Parts of a free window are told apart above this bit of its index.
+const PARTS_AT: u32 = 20;
 
 impl Search<'_> {
     fn start(&self, labels: &mut Labels, open: &mut Open) -> Result<(), NoRoute> {
@@ -197,8 +239,10 @@ impl Search<'_> {
     /// may not be the earliest one, but a robot that drives is better than one that asks again.
     fn hurry(&mut self, labels: &Labels, open: &mut Open) {
         self.hurried = true;
-        let labels =
-            open.drain().map(|Reverse((_, _, left, i))| (labels.get(i).lo, left, i)).collect::<Vec<_>>();
+        let labels = open
+            .drain()
+            .map(|Reverse((_, _, left, i))| (labels.get(i).lo + labels.get(i).price, left, i))
+            .collect::<Vec<_>>();
         open.extend(labels.into_iter().map(|(lo, left, i)| Reverse((lo + HASTE * left, 0, left, i))));
     }
 
@@ -210,7 +254,7 @@ impl Search<'_> {
             let first = if label.stage == 0 { label.lo } else { label.first };
             let next =
                 Label::new(times, label.node, label.gap, label.slot, Gait::Standing, stage, index, None);
-            self.push(labels, open, next.with_first(first));
+            self.push(labels, open, next.with_first(first).with_way(0, label.price));
         }
     }
 
@@ -221,14 +265,21 @@ impl Search<'_> {
                 continue;
             }
             let Some(depart) = self.departures(&label, arc) else { continue };
+            let bound =
+                !self.ask.conditions.of(way.to).is_empty() || !self.ask.conditions.of(label.node).is_empty();
             for to in [Gait::Standing, Gait::Rolling] {
                 if to == Gait::Rolling && !self.pace.rolls_on(arc) {
                     continue;
                 }
                 let span = self.pace.drive(arc, stage.loaded, label.gait, to).0;
                 let lead = if label.gait == Gait::Rolling { self.pace.lead(stage.loaded).0 } else { 0 };
-                let hop = Hop { arc, way, to, depart, span, lead };
-                self.enter_gaps(labels, open, index, &label, &hop);
+                let ramps = u8::from(label.gait == Gait::Standing) + u8::from(to == Gait::Standing);
+                let hop = Hop { arc, way, to, depart, span, lead, loaded: stage.loaded, ramps };
+                if bound {
+                    self.enter_open_gaps(labels, open, index, &label, &hop);
+                } else {
+                    self.enter_gaps(labels, open, index, &label, &hop);
+                }
             }
         }
     }
@@ -290,7 +341,77 @@ impl Search<'_> {
         let hi = if hop.to == Gait::Standing { gap.end.0 } else { hi };
         let slot = hop.way.slot;
         let next = Label::new((lo, hi), node, gap, slot, hop.to, label.stage, index, Some(hop.arc));
-        self.push(labels, open, next.with_first(label.first));
+        self.push(labels, open, next.with_first(label.first).with_way(hop.span, label.price));
+    }
+
+    /// [`Search::enter_gaps`] where people are near either end of the lane: closed times are no gaps, no move
+    /// happens while an end is to be still, driving may be slower, and being there may cost.
+    fn enter_open_gaps(&self, labels: &mut Labels, open: &mut Open, index: u32, label: &Label, hop: &Hop) {
+        let node = hop.way.to;
+        let latest = hop.depart.1.min(label.gap.end.0);
+        let from = Time(hop.depart.0 - hop.lead);
+        let gaps = open_gaps(self.warehouse, self.timeline, self.ask, node, from);
+        let lane = self.warehouse.lane_resource(hop.way.lane);
+        let lanes: SmallVec<[Gap; 4]> =
+            if hop.way.lane_is_free { smallvec![FREE] } else { self.timeline.gaps(lane, from).collect() };
+        for gap in gaps.into_iter().filter(|g| g.start.0 <= latest) {
+            for &lane_gap in lanes.iter().filter(|g| g.start.0 <= latest) {
+                let begin = gap.start.max(lane_gap.start).0 + hop.lead;
+                self.enter_with_care(labels, open, index, label, hop, (gap, lane_gap), begin);
+            }
+        }
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "as the innermost step without people")]
+    fn enter_with_care(
+        &self,
+        labels: &mut Labels,
+        open: &mut Open,
+        index: u32,
+        label: &Label,
+        hop: &Hop,
+        (gap, lane_gap): (Gap, Gap),
+        begin: i64,
+    ) {
+        let ends = [label.node, hop.way.to];
+        let depart = Time(hop.depart.0.max(begin));
+        let span = Span(hop.span).max(self.slow(&ends, hop, depart).unwrap_or(Span::ZERO));
+        let still = ends.iter().flat_map(|n| self.binding(*n)).filter(|c| c.effect == Effect::Still);
+        let (first, last) = still_until(still.map(|c| c.window), depart, span);
+        let care = Hop { depart: (first.0, hop.depart.1.min(last.0)), span: span.0, ..*hop };
+        if care.depart.0 > care.depart.1 {
+            return;
+        }
+        let price = self.price(hop.way.to, first + span);
+        let mut dear = *label;
+        dear.price += price.0;
+        self.enter(labels, open, index, &dear, &care, hop.way.to, gap, lane_gap);
+    }
+
+    fn binding(&self, node: NodeId) -> impl Iterator<Item = &Condition> + Clone {
+        self.ask.conditions.binding(node, self.warehouse.nodes[node].at, self.ask.away)
+    }
+
+    /// How long the lane takes if either end is where robots go slowly when it is driven.
+    fn slow(&self, ends: &[NodeId; 2], hop: &Hop, depart: Time) -> Option<Span> {
+        let drive = Window::new(depart, depart + Span(hop.span));
+        let limits = ends.iter().flat_map(|n| self.binding(*n)).filter_map(|c| match c.effect {
+            Effect::Slow(limits) if c.window.overlaps(drive) => Some(limits),
+            _ => None,
+        });
+        let limit = limits.map(|l| l[usize::from(hop.loaded)]).min_by(f64::total_cmp)?;
+        let Rules::Drive(k) = self.pace.rules() else { return None };
+        Some(slow_span(k, self.warehouse.arcs[hop.arc].length_m, limit, hop.loaded, hop.ramps))
+    }
+
+    /// What being at a node about then costs.
+    fn price(&self, node: NodeId, t: Time) -> Span {
+        let stay = Window::new(t, t + Span::from_secs(1));
+        let prices = self.binding(node).filter(|c| c.window.overlaps(stay)).filter_map(|c| match c.effect {
+            Effect::Price(p) => Some(p),
+            _ => None,
+        });
+        prices.max().unwrap_or(Span::ZERO)
     }
 
     /// Arrivals where both nodes are held while driving between them.
@@ -324,7 +445,8 @@ impl Search<'_> {
     fn push(&self, labels: &mut Labels, open: &mut Open, label: Label) {
         let Some((first, last, left)) = self.bound(&label) else { return };
         if let Some(index) = labels.add(label, |a, b| self.dominates(a, b)) {
-            let key = if self.hurried { (label.lo + HASTE * left, 0) } else { (first, last) };
+            let (first, last) = (first + label.price, last + label.price);
+            let key = if self.hurried { (label.lo + label.price + HASTE * left, 0) } else { (first, last) };
             open.push(Reverse((key.0, key.1, left, index)));
         }
     }
@@ -357,7 +479,7 @@ impl Search<'_> {
     }
 
     fn dominates(&self, a: &Label, b: &Label) -> bool {
-        if a.lo > b.lo || a.first > b.first {
+        if a.lo > b.lo || a.first > b.first || a.price > b.price {
             return false;
         }
         if a.gait != b.gait {
