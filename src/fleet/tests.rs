@@ -11,7 +11,7 @@ mod stuck;
 use super::*;
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};
 use crate::sim::laws::Laws;
-use crate::sim::{Arm, Demand, Faults, Scenario, Workers, World};
+use crate::sim::{Demand, Faults, Scenario, Workers, World};
 use crate::warehouse::NodeKind;
 use crate::warehouse::{lab, thesis};
 

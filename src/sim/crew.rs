@@ -228,11 +228,6 @@ impl Crew {
     pub fn completed(&self) -> u64 {
         self.members.iter().map(|m| m.done.len() as u64).sum()
     }
-
-    /// The floor.
-    pub fn walkways(&self) -> &Walkways {
-        &self.walkways
-    }
 }
 
 impl Member {

@@ -27,6 +27,6 @@ pub use customers::OrderLine;
 pub use digest::Digest;
 pub use laws::Violation;
 pub use run::{Outcome, Simulation};
-pub use scenario::{Arm, Demand, Faults, Scenario, ScenarioError};
+pub use scenario::{Demand, Faults, Scenario, ScenarioError};
 pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, Sensor, Source, Workers};
 pub use world::{World, starting_places};

@@ -1,9 +1,10 @@
 //! Scenario files: a map, a fleet, customers, faults, how long and with which seed.
 //!
-//! Main types: [`Scenario`], [`Arm`]. Takes text; whoever reads the file resolves the paths in it. Refuses: unknown keys and
+//! Main type: [`Scenario`]. Takes text; whoever reads the file resolves the paths in it. Refuses: unknown keys and
 //! numbers that cannot be.
 
 use super::workforce::Workers;
+use crate::aware::Arm;
 use crate::route::Kinematics;
 use crate::time::Span;
 use serde::Deserialize;
@@ -33,36 +34,6 @@ pub struct Scenario {
     pub workers: Workers,
     /// How the fleet gives way to people.
     pub arm: Arm,
-}
-
-/// How the fleet gives way to people: the arms of Petković 2021, Table 4.1, and ours.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Arm {
-    /// Reacts when a worker is near a robot; predicts nothing.
-    Nhir,
-    /// Predicts that workers go straight ahead.
-    Shir,
-    /// The published method.
-    Phir,
-    /// Ours.
-    #[default]
-    Giveway,
-}
-
-impl Arm {
-    /// All of them, in the order of the published table.
-    pub const ALL: [Arm; 4] = [Arm::Nhir, Arm::Shir, Arm::Phir, Arm::Giveway];
-
-    /// The word for it in files and reports.
-    pub fn word(self) -> &'static str {
-        match self {
-            Arm::Nhir => "nhir",
-            Arm::Shir => "shir",
-            Arm::Phir => "phir",
-            Arm::Giveway => "giveway",
-        }
-    }
 }
 
 /// Where jobs come from.
@@ -152,7 +123,29 @@ struct File {
     #[serde(default)]
     workers: Workers,
     #[serde(default)]
-    arm: Arm,
+    arm: ArmWord,
+}
+
+/// [`Arm`] as files name it.
+#[derive(Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum ArmWord {
+    Nhir,
+    Shir,
+    Phir,
+    #[default]
+    Giveway,
+}
+
+impl From<ArmWord> for Arm {
+    fn from(word: ArmWord) -> Arm {
+        match word {
+            ArmWord::Nhir => Arm::Nhir,
+            ArmWord::Shir => Arm::Shir,
+            ArmWord::Phir => Arm::Phir,
+            ArmWord::Giveway => Arm::Giveway,
+        }
+    }
 }
 
 #[derive(Default, Deserialize)]
@@ -218,13 +211,14 @@ impl Scenario {
             faults: file.faults,
             kinematics: file.fleet.kinematics()?,
             workers: file.workers,
-            arm: file.arm,
+            arm: file.arm.into(),
         })
     }
 
     /// The settings of the core for this scenario.
     pub fn settings(&self) -> crate::fleet::Settings {
-        crate::fleet::Settings { kinematics: self.kinematics, period: self.period, ..Default::default() }
+        let Scenario { kinematics, period, arm, .. } = *self;
+        crate::fleet::Settings { kinematics, period, arm, ..Default::default() }
     }
 }
 

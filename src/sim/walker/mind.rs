@@ -31,7 +31,7 @@ impl Walker {
     /// What the device shows, what comes to mind, what robots do.
     pub(super) fn notice(&mut self, now: Time, around: &Around<'_>, desk: &Desk<'_>) {
         while let Some((_, shown)) = self.news.pop_front_if(|(due, _)| *due <= now) {
-            self.heed(shown);
+            self.heed(shown, around.walkways);
         }
         while let Some(impulse) = self.impulses.due(now) {
             self.follow(impulse, now, around, desk);
@@ -39,23 +39,21 @@ impl Walker {
         self.mind_robots(now, around);
     }
 
-    /// Takes what is shown in. A new way is followed, or it is not.
-    fn heed(&mut self, shown: Shown) {
+    /// Takes what is shown in. Another way to work is followed, or it is not. Whoever has an errand keeps to it, but
+    /// takes a way that leads there.
+    fn heed(&mut self, shown: Shown, walkways: &Walkways) {
         let new = self.shown.as_ref().is_none_or(|s| s.version != shown.version);
         if new && shown.redirected {
-            let ignores = self.heeds.happens(self.ignore);
+            let ignores = self.heeds.happens_of(self.ignore);
             self.ignored = ignores.then_some(shown.version);
-            if let Doing::Errand { goal, .. } = self.doing
-                && !ignores
-                && shown.path.last().is_none_or(|end| (end - goal).norm() > PATH_ENDS_M)
-            {
-                self.doing = Doing::Duty;
-                self.legs.route.clear();
-            }
-            if let Doing::Wander(_) = self.doing
-                && !ignores
-            {
-                self.doing = Doing::Duty;
+            match self.doing {
+                Doing::Errand { goal, until: None, .. } if !ignores => {
+                    if shown.path.last().is_some_and(|end| (end - goal).norm() < PATH_ENDS_M) {
+                        self.legs.set_off(join(self.legs.at, &shown.path, walkways), walkways);
+                    }
+                }
+                Doing::Wander(_) if !ignores => self.doing = Doing::Duty,
+                _ => {}
             }
         } else if new {
             self.ignored = None;
