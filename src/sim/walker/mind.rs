@@ -22,6 +22,8 @@ const OWN_WAY: Span = Span::from_secs(10);
 const NEAR_M: f64 = 3.0;
 /// For so long after a reaction, robots are nothing new.
 const CALM: Span = Span::from_secs(10);
+/// Whoever has got so far is not kept by the same robot any more, metres.
+const GOT_AWAY_M: f64 = 0.5;
 /// Robots this near are in the way of a detour, metres.
 const IN_SIGHT_M: f64 = 6.0;
 /// Places that nobody knows of are so far from those that everybody knows, metres.
@@ -259,11 +261,13 @@ impl Walker {
 
     /// A robot in the way: after some time the walker takes another way, or goes back and tries again.
     pub(super) fn give_up_waiting(&mut self, now: Time, around: &Around<'_>, desk: &Desk<'_>) {
-        if !self.legs.blocked || self.legs.speed_mps > 0.1 {
-            self.blocked_since = None;
+        let here = self.legs.at;
+        // Whoever shuffles to and fro before a robot has not got away from it.
+        self.blocked_since = self.blocked_since.filter(|(_, at)| (here - at).norm() < GOT_AWAY_M);
+        if !self.legs.blocked {
             return;
         }
-        let since = *self.blocked_since.get_or_insert(now);
+        let (since, _) = *self.blocked_since.get_or_insert((now, here));
         if now - since < self.traits.patience {
             return;
         }

@@ -110,7 +110,7 @@ pub struct Walker {
     look_until: Time,
     reacts_until: Time,
     calm_until: Time,
-    blocked_since: Option<Time>,
+    blocked_since: Option<(Time, Point)>,
     detour: bool,
     aside: Option<Aside>,
     log: Log,
