@@ -47,6 +47,11 @@ fn main() {
         sim.world.completed()
     );
     for (w, k) in sim.world.walkers() {
+        println!("{}", format!("{k:?}").split("impulses").next().unwrap());
+        if a.len() > 4 {
+        } else {
+        }
+        println!("{}", format!("{k:?}").split("news:").nth(1).unwrap().rsplit("followed:").next().unwrap());
         println!("{w:?} walked {:.0} m, at {:?}", k.walked_m(), k.pose(sim.now()).at);
         let mut m = std::collections::BTreeMap::new();
         for s in k.log().segments() {

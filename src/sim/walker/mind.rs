@@ -10,7 +10,7 @@ use super::{Aside, Desk, Doing, Job, Shown, Walker};
 use crate::geometry::{Point, Segment};
 use crate::id::{Dense, WalkNodeId};
 use crate::time::{Span, Time};
-use crate::warehouse::walkway::{EdgeSet, Walkways};
+use crate::warehouse::walkway::{EdgeSet, WalkPath, Walkways};
 
 /// So near to the place of a job the walker can work, metres.
 const AT_WORK_M: f64 = 0.6;
@@ -22,6 +22,11 @@ const OWN_WAY: Span = Span::from_secs(10);
 const NEAR_M: f64 = 3.0;
 /// For so long after a reaction, robots are nothing new.
 const CALM: Span = Span::from_secs(10);
+/// A walkway nearer than this is the one on which the walker stands, metres.
+const HERE_M: f64 = 0.3;
+/// A way is looked along so far, in steps of so much, metres.
+const LOOK_M: f64 = 3.0;
+const STEP_M: f64 = 0.2;
 /// Whoever has got so far is not kept by the same robot any more, metres.
 const GOT_AWAY_M: f64 = 0.5;
 /// Robots this near are in the way of a detour, metres.
@@ -278,7 +283,10 @@ impl Walker {
             Doing::Leave(door) => Some(door),
             _ => self.legs.route.back().copied().or(desk.job.map(|j| j.at)),
         };
-        if self.aside.is_none() && target.is_some_and(|goal| self.go(goal, around, Some(&cut))) {
+        if self.aside.is_none()
+            && target.is_some_and(|goal| self.go(goal, around, Some(&cut)))
+            && is_clear(self.legs.at, self.legs.route.iter().copied(), around)
+        {
             self.detour = true;
             return;
         }
@@ -310,15 +318,42 @@ fn join(at: Point, path: &[Point], walkways: &Walkways) -> Vec<Point> {
     points
 }
 
-/// Walkways that robots nearby stand or drive on.
+/// Walkways that robots nearby stand or drive on, but not the one on which the walker stands: it may go back on that.
 fn cut_by_robots(at: Point, around: &Around<'_>) -> EdgeSet {
     let mut cut = around.walkways.no_edges();
     for r in around.robots.iter().filter(|r| (r.at - at).norm() < IN_SIGHT_M) {
         for e in around.walkways.edges_within(r.at, around.half_m + BODY_M) {
-            cut.insert(e);
+            if around.walkways.segment(e).distance_to(at) > HERE_M {
+                cut.insert(e);
+            }
         }
     }
     cut
+}
+
+/// Whether no robot is in the way of the next steps.
+fn is_clear(at: Point, route: impl Iterator<Item = Point>, around: &Around<'_>) -> bool {
+    let mut from = at;
+    let mut far = 0.0;
+    for to in route {
+        let steps = ((to - from).norm() / STEP_M).ceil().max(1.0);
+        for i in 1..=steps as u32 {
+            let p = from + (to - from) * (f64::from(i) / steps);
+            let taken = |r: &RobotNear| {
+                let gap = r.gap(p, around.half_m);
+                gap < 0.0 && gap < r.gap(at, around.half_m)
+            };
+            if around.robots.iter().any(taken) {
+                return false;
+            }
+        }
+        far += (to - from).norm();
+        from = to;
+        if far > LOOK_M {
+            break;
+        }
+    }
+    true
 }
 
 /// The place farthest from all robots nearby that can be walked to, with the way there.
@@ -333,7 +368,9 @@ fn back_off(at: Point, around: &Around<'_>, cut: &EdgeSet) -> Option<(Point, Vec
     places.retain(|p| room(*p) > here + 0.2);
     places.sort_by(|a, b| room(*b).total_cmp(&room(*a)));
     let ways = places.into_iter().filter_map(|p| walkways.path(at, p, cut).map(|way| (p, way)));
-    let mut ways = ways.filter(|(_, way)| way.length_m < 2.0 * IN_SIGHT_M);
+    let is_good =
+        |way: &WalkPath| way.length_m < 2.0 * IN_SIGHT_M && is_clear(at, way.points.iter().copied(), around);
+    let mut ways = ways.filter(|(_, way)| is_good(way));
     ways.next().map(|(p, way)| (p, way.points.into_iter().skip(1).collect()))
 }
 
