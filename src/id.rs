@@ -82,6 +82,8 @@ counted! {
     AssignmentId "as";
     /// An area that robots keep out of, numbered in the order of marking, starting at 1.
     ClosureId "cl";
+    /// A place where a person may be going: goals come and go, so these are numbers and no positions.
+    GoalId "g";
 }
 
 /// A vector indexed by one kind of dense id.

@@ -5,13 +5,14 @@
 use super::fact::{Act, Purpose, Task};
 use super::people::{ClosureView, Presence, WorkerView};
 use super::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
-use super::{Fleet, JobState};
+use super::{Fleet, Job, JobState};
 use crate::geometry::Pose;
-use crate::id::{NodeId, RobotId, StationId, WorkerId};
+use crate::id::{JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::route::Cause;
 use crate::time::Time;
 use crate::timeline::Holder;
 use crate::warehouse::NodeKind;
+use std::collections::BTreeMap;
 
 impl Fleet {
     /// Everything that outsiders may see.
@@ -23,7 +24,15 @@ impl Fleet {
         let counts = Counts { waiting, active, ..self.ledger.counts };
         let racks = self.ledger.racks.iter().copied().collect();
         let (workers, closures) = (self.worker_views(now), self.closure_views());
-        View { now, robots, racks, stations, workers, closures, counts }
+        let free = self.idle_robots(now).into_iter().filter(|r| self.is_charged(*r)).count();
+        View { now, robots, racks, stations, workers, closures, blocked: self.blocked(), free, counts }
+    }
+
+    /// Waiting jobs that come after others, each with the first one that is not over yet.
+    fn blocked(&self) -> BTreeMap<JobId, JobId> {
+        let first = |j: &Job| j.request.after.iter().copied().find(|a| self.ledger.jobs.contains_key(a));
+        let waiting = self.ledger.jobs.iter().filter(|(_, j)| j.state == JobState::Waiting);
+        waiting.filter_map(|(id, j)| Some((*id, first(j)?))).collect()
     }
 
     fn robot_view(&self, r: RobotId, now: Time) -> RobotView {
@@ -91,6 +100,12 @@ impl Fleet {
         }
         if self.scene.fit(r, now).is_none() {
             return Some(Why::Silent);
+        }
+        if let Some(station) = self.station_of(r)
+            && self.lacks_route(r)
+            && !self.station_has_room(r, &self.bound_for_stations())
+        {
+            return Some(Why::QueueFull(station));
         }
         if self.lacks_route(r) && self.needs.failed_before(r) {
             return Some(Why::NoRoute);

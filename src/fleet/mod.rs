@@ -36,7 +36,7 @@ pub use people::{
     Assignment, AssignmentRequest, AssignmentState, Closure, ClosureView, Encounter, FeedCounts, Guidance,
     GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
 };
-pub use view::{Counts, Doing, RackAt, RobotState, RobotView, StationView, View, Why};
+pub use view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
 
 use crate::aware::{Arm, Regions};
 use crate::route::{Kinematics, Planner, Rules};
@@ -77,7 +77,7 @@ impl Default for Settings {
         Settings {
             kinematics: Kinematics::default(),
             period: Span::from_millis(50),
-            expansions_per_plan: 2_200,
+            expansions_per_plan: 2_000,
             expansions_per_step: 30_000,
             battery_low: 0.3,
             battery_enough: 0.5,

@@ -130,13 +130,13 @@ impl Fleet {
     }
 
     /// The station that a robot carries its rack to.
-    fn station_of(&self, robot: RobotId) -> Option<StationId> {
+    pub(super) fn station_of(&self, robot: RobotId) -> Option<StationId> {
         let Task::Deliver { station, .. } = self.ledger.robots[robot].task else { return None };
         self.warehouse().nodes[station].kind.reserved_for()
     }
 
     /// For each station, how many robots are on their way to it or stand at it.
-    fn bound_for_stations(&self) -> IdVec<StationId, usize> {
+    pub(super) fn bound_for_stations(&self) -> IdVec<StationId, usize> {
         let mut bound = IdVec::filled(0, self.warehouse().stations.len());
         for robot in self.ledger.robots.ids() {
             let standing = match self.warehouse().nodes[self.ledger.node_of(robot)].kind {
@@ -153,7 +153,7 @@ impl Fleet {
 
     /// A loaded robot sets off to a station only if the queue has a place for it: whatever happens at the station,
     /// nobody who is on the way there has to wait outside.
-    fn station_has_room(&self, robot: RobotId, bound: &IdVec<StationId, usize>) -> bool {
+    pub(super) fn station_has_room(&self, robot: RobotId, bound: &IdVec<StationId, usize>) -> bool {
         let Some(station) = self.station_of(robot) else { return true };
         self.settings.ghosts || bound[station] <= self.warehouse().stations[station].queue.len()
     }
@@ -381,8 +381,12 @@ impl Fleet {
     /// Whether nothing that the job waits for is still to be done.
     pub(super) fn is_ready(&self, job: crate::id::JobId) -> bool {
         let record = &self.ledger.jobs[&job];
-        record.state == JobState::Waiting
-            && !record.request.after.iter().any(|a| self.ledger.jobs.contains_key(a))
+        record.state == JobState::Waiting && !self.is_blocked(&record.request.after)
+    }
+
+    /// Whether one of these jobs is not over yet.
+    pub(super) fn is_blocked(&self, after: &[crate::id::JobId]) -> bool {
+        after.iter().any(|a| self.ledger.jobs.contains_key(a))
     }
 }
 

@@ -7,6 +7,7 @@ mod messages;
 mod people;
 mod restart;
 mod stuck;
+mod why;
 
 use super::*;
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};

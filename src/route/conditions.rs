@@ -5,7 +5,7 @@
 
 use super::motion::Kinematics;
 use crate::geometry::Point;
-use crate::id::{ClosureId, IdVec, NodeId, WorkerId};
+use crate::id::{ClosureId, Dense, IdVec, NodeId, WorkerId};
 use crate::time::{Span, Time, Window};
 use crate::warehouse::Warehouse;
 use smallvec::SmallVec;
@@ -62,16 +62,19 @@ const NEARER_M: f64 = 0.15;
 pub struct Conditions {
     nodes: IdVec<NodeId, SmallVec<[Condition; 2]>>,
     touched: Vec<NodeId>,
+    /// A bit for each node that is touched: the search asks for most nodes in vain, and this stays in the cache.
+    marks: Vec<u64>,
 }
 
 /// No conditions at all: a floor without people.
-pub static NO_PEOPLE: Conditions = Conditions { nodes: IdVec::new(), touched: Vec::new() };
+pub static NO_PEOPLE: Conditions = Conditions { nodes: IdVec::new(), touched: Vec::new(), marks: Vec::new() };
 
 impl Conditions {
     /// None yet, for a building.
     pub fn none(warehouse: &Warehouse) -> Conditions {
-        let nodes = IdVec::filled(SmallVec::new(), warehouse.nodes.len());
-        Conditions { nodes, touched: Vec::new() }
+        let count = warehouse.nodes.len();
+        let nodes = IdVec::filled(SmallVec::new(), count);
+        Conditions { nodes, touched: Vec::new(), marks: vec![0; count.div_ceil(64)] }
     }
 
     /// Takes all back.
@@ -79,6 +82,7 @@ impl Conditions {
         for node in self.touched.drain(..) {
             self.nodes[node].clear();
         }
+        self.marks.fill(0);
     }
 
     /// Adds one. One of the same cause and effect that meets it is widened instead.
@@ -86,6 +90,7 @@ impl Conditions {
         let list = &mut self.nodes[node];
         if list.is_empty() {
             self.touched.push(node);
+            self.marks[node.ix() / 64] |= 1 << (node.ix() % 64);
         }
         let same = |c: &&mut Condition| {
             let meets =
@@ -103,7 +108,12 @@ impl Conditions {
 
     /// Those of a node.
     pub fn of(&self, node: NodeId) -> &[Condition] {
-        self.nodes.get(node).map_or(&[], |list| list)
+        if self.is_touched(node) { &self.nodes[node] } else { &[] }
+    }
+
+    /// Whether a node has any.
+    pub fn is_touched(&self, node: NodeId) -> bool {
+        self.marks.get(node.ix() / 64).is_some_and(|w| w >> (node.ix() % 64) & 1 != 0)
     }
 
     /// Nodes with conditions.

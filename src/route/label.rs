@@ -136,8 +136,9 @@ impl Labels {
         let (mut i, mut head, mut link) = (head, head, NONE);
         let mut rolling = 0;
         while i != NONE {
-            let known = self.arena[i as usize];
-            if dominates(&known, &label) {
+            let known = &self.arena[i as usize];
+            let after = known.next;
+            if dominates(known, &label) {
                 return None;
             }
             if known.gait == label.gait && known.gait == Gait::Rolling && known.slot == label.slot {
@@ -146,17 +147,17 @@ impl Labels {
                     return None;
                 }
             }
-            if dominates(&label, &known) {
+            if dominates(&label, known) {
                 self.arena[i as usize].dominated = true;
                 // Nobody looks at it again: take it out of the list.
                 match link {
-                    NONE => head = known.next,
-                    l => self.arena[l as usize].next = known.next,
+                    NONE => head = after,
+                    l => self.arena[l as usize].next = after,
                 }
             } else {
                 link = i;
             }
-            i = known.next;
+            i = after;
         }
         let index = self.arena.len() as u32;
         self.arena.push(Label { next: head, ..label });

@@ -7,17 +7,18 @@
 //! last. A second leg that must wait thus never sends the search back to the first one. Refuses: any other
 //! objective.
 
-use super::conditions::{Condition, Effect, slow_span, still_until};
+mod care;
+
 use super::estimate::{Estimates, Table, may_drive};
 use super::label::{Label, Labels, NONE, OWN_HEADING};
-use super::motion::{Gait, Pace, Rules};
+use super::motion::{Gait, Pace};
 use super::{Ask, NoRoute, Route, Stage, trace};
 use crate::geometry::turn_between;
 use crate::id::{ArcId, NodeId};
-use crate::time::{Span, Time, Window};
+use crate::time::{Span, Time};
 use crate::timeline::{Gap, Timeline};
 use crate::warehouse::{Warehouse, Way};
-use smallvec::{SmallVec, smallvec};
+use smallvec::SmallVec;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::sync::Arc;
@@ -44,8 +45,9 @@ struct Search<'a> {
     goals: Vec<GoalWindows>,
     /// Lower bound from each goal to the next.
     between: Vec<i64>,
-    /// See [`Pace::start_cost`], without and with a rack.
+    /// See [`Pace::start_cost`] and [`Pace::lead`], without and with a rack.
     start_cost: [i64; 2],
+    lead: [i64; 2],
     /// Whether half of the budget is spent.
     hurried: bool,
 }
@@ -65,20 +67,16 @@ impl GoalWindows {
 }
 
 /// A way from a label to the next node, before windows are looked at.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Hop {
     arc: ArcId,
     way: Way,
-    to: Gait,
+    /// How it may end, and how long it takes then.
+    ends: SmallVec<[(Gait, i64); 2]>,
     /// Departures possible as far as the label is concerned.
     depart: (i64, i64),
-    span: i64,
     /// The next node must be held this long before departure.
     lead: i64,
-    /// Whether a rack is carried.
-    loaded: bool,
-    /// How many ends of the lane are passed standing.
-    ramps: u8,
 }
 
 pub(super) fn plan(
@@ -94,6 +92,7 @@ pub(super) fn plan(
     let pace = estimates.pace().clone();
     let goals = goal_windows(&warehouse, &pace, timeline, ask)?;
     let start_cost = [false, true].map(|loaded| pace.start_cost(loaded).0);
+    let lead = [false, true].map(|loaded| pace.lead(loaded).0);
     let mut search = Search {
         warehouse: &warehouse,
         pace: &pace,
@@ -104,6 +103,7 @@ pub(super) fn plan(
         goals,
         between,
         start_cost,
+        lead,
         hurried: false,
     };
     let Scratch { labels, open } = scratch;
@@ -147,7 +147,7 @@ fn goal_windows(
             if before == stage.goal { Span::ZERO } else { pace.fastest_in(stage.goal, stage.loaded) },
             pace.fastest_out(stage.goal, loaded_after) + pace.clearance(),
         );
-        let gaps = open_gaps(warehouse, timeline, ask, stage.goal, ask.ready);
+        let gaps = care::open_gaps(warehouse, timeline, ask, stage.goal, ask.ready);
         let fits = gaps.into_iter().filter_map(|g| match (i == last, g.end.is_forever()) {
             (true, false) => None,
             (_, true) => Some(((g.start + way_in).0, i64::MAX)),
@@ -158,40 +158,6 @@ fn goal_windows(
     };
     ask.stages.iter().enumerate().map(windows).collect()
 }
-
-/// The free windows of a node that end after `t`, without the time in which it is closed.
-fn open_gaps(
-    warehouse: &Warehouse,
-    timeline: &Timeline,
-    ask: &Ask<'_>,
-    node: NodeId,
-    t: Time,
-) -> SmallVec<[Gap; 4]> {
-    let at = warehouse.nodes[node].at;
-    let conditions = ask.conditions.binding(node, at, ask.away);
-    let mut closed: SmallVec<[Window; 4]> =
-        conditions.filter(|c| c.effect == Effect::Closed).map(|c| c.window).collect();
-    closed.sort_unstable_by_key(|w| w.start());
-    let mut open = SmallVec::new();
-    for gap in timeline.gaps(warehouse.node_resource(node), t) {
-        let (mut start, mut part) = (gap.start, 0);
-        let index = |part: u32| gap.index | part << PARTS_AT;
-        for w in closed.iter().filter(|w| w.start() < gap.end && w.end() > gap.start) {
-            if w.start() > start && w.start() > t {
-                open.push(Gap { start, end: w.start(), index: index(part) });
-            }
-            start = start.max(w.end());
-            part += 1;
-        }
-        if start < gap.end {
-            open.push(Gap { start, end: gap.end, index: index(part) });
-        }
-    }
-    open
-}
-
-/// Parts of a free window are told apart above this bit of its index.
-const PARTS_AT: u32 = 20;
 
 impl Search<'_> {
     fn start(&self, labels: &mut Labels, open: &mut Open) -> Result<(), NoRoute> {
@@ -260,26 +226,21 @@ impl Search<'_> {
 
     fn expand(&self, labels: &mut Labels, open: &mut Open, index: u32, label: Label) {
         let stage = self.ask.stages[usize::from(label.stage)];
+        let conditions = self.ask.conditions;
         for (arc, way) in self.warehouse.ways(label.node) {
             if !may_drive(self.warehouse, label.node, &way, stage.loaded, stage.goal) {
                 continue;
             }
             let Some(depart) = self.departures(&label, arc) else { continue };
-            let bound =
-                !self.ask.conditions.of(way.to).is_empty() || !self.ask.conditions.of(label.node).is_empty();
-            for to in [Gait::Standing, Gait::Rolling] {
-                if to == Gait::Rolling && !self.pace.rolls_on(arc) {
-                    continue;
-                }
-                let span = self.pace.drive(arc, stage.loaded, label.gait, to).0;
-                let lead = if label.gait == Gait::Rolling { self.pace.lead(stage.loaded).0 } else { 0 };
-                let ramps = u8::from(label.gait == Gait::Standing) + u8::from(to == Gait::Standing);
-                let hop = Hop { arc, way, to, depart, span, lead, loaded: stage.loaded, ramps };
-                if bound {
-                    self.enter_open_gaps(labels, open, index, &label, &hop);
-                } else {
-                    self.enter_gaps(labels, open, index, &label, &hop);
-                }
+            let lead = if label.gait == Gait::Rolling { self.lead[usize::from(stage.loaded)] } else { 0 };
+            let ends = [Gait::Standing, Gait::Rolling].into_iter();
+            let ends = ends.filter(|&to| to == Gait::Standing || self.pace.rolls_on(arc));
+            let ends = ends.map(|to| (to, self.pace.drive(arc, stage.loaded, label.gait, to).0));
+            let hop = Hop { arc, way, ends: ends.collect(), depart, lead };
+            if conditions.is_touched(label.node) || conditions.is_touched(way.to) {
+                self.enter_with_care(labels, open, index, &label, &hop);
+            } else {
+                self.enter_gaps(labels, open, index, &label, &hop);
             }
         }
     }
@@ -332,101 +293,47 @@ impl Search<'_> {
         gap: Gap,
         lane_gap: Gap,
     ) {
-        let times = if self.pace.holds_while_driving() {
-            self.arrivals_overlapping(label, hop, gap, lane_gap)
-        } else {
-            self.arrivals_instant(label, hop, node, gap)
-        };
-        let Some((lo, hi)) = times else { return };
-        let hi = if hop.to == Gait::Standing { gap.end.0 } else { hi };
-        let slot = hop.way.slot;
-        let next = Label::new((lo, hi), node, gap, slot, hop.to, label.stage, index, Some(hop.arc));
-        self.push(labels, open, next.with_first(label.first).with_way(hop.span, label.price));
-    }
-
-    /// [`Search::enter_gaps`] where people are near either end of the lane: closed times are no gaps, no move
-    /// happens while an end is to be still, driving may be slower, and being there may cost.
-    fn enter_open_gaps(&self, labels: &mut Labels, open: &mut Open, index: u32, label: &Label, hop: &Hop) {
-        let node = hop.way.to;
-        let latest = hop.depart.1.min(label.gap.end.0);
-        let from = Time(hop.depart.0 - hop.lead);
-        let gaps = open_gaps(self.warehouse, self.timeline, self.ask, node, from);
-        let lane = self.warehouse.lane_resource(hop.way.lane);
-        let lanes: SmallVec<[Gap; 4]> =
-            if hop.way.lane_is_free { smallvec![FREE] } else { self.timeline.gaps(lane, from).collect() };
-        for gap in gaps.into_iter().filter(|g| g.start.0 <= latest) {
-            for &lane_gap in lanes.iter().filter(|g| g.start.0 <= latest) {
-                let begin = gap.start.max(lane_gap.start).0 + hop.lead;
-                self.enter_with_care(labels, open, index, label, hop, (gap, lane_gap), begin);
-            }
+        for &(to, span) in &hop.ends {
+            let times = if self.pace.holds_while_driving() {
+                self.arrivals_overlapping(label, hop, span, gap, lane_gap)
+            } else {
+                self.arrivals_instant(label, hop, span, node, gap)
+            };
+            let Some((lo, hi)) = times else { continue };
+            let hi = if to == Gait::Standing { gap.end.0 } else { hi };
+            let slot = hop.way.slot;
+            let next = Label::new((lo, hi), node, gap, slot, to, label.stage, index, Some(hop.arc));
+            self.push(labels, open, next.with_first(label.first).with_way(span, label.price));
         }
-    }
-
-    #[allow(clippy::too_many_arguments, reason = "as the innermost step without people")]
-    fn enter_with_care(
-        &self,
-        labels: &mut Labels,
-        open: &mut Open,
-        index: u32,
-        label: &Label,
-        hop: &Hop,
-        (gap, lane_gap): (Gap, Gap),
-        begin: i64,
-    ) {
-        let ends = [label.node, hop.way.to];
-        let depart = Time(hop.depart.0.max(begin));
-        let span = Span(hop.span).max(self.slow(&ends, hop, depart).unwrap_or(Span::ZERO));
-        let still = ends.iter().flat_map(|n| self.binding(*n)).filter(|c| c.effect == Effect::Still);
-        let (first, last) = still_until(still.map(|c| c.window), depart, span);
-        let care = Hop { depart: (first.0, hop.depart.1.min(last.0)), span: span.0, ..*hop };
-        if care.depart.0 > care.depart.1 {
-            return;
-        }
-        let price = self.price(hop.way.to, first + span);
-        let mut dear = *label;
-        dear.price += price.0;
-        self.enter(labels, open, index, &dear, &care, hop.way.to, gap, lane_gap);
-    }
-
-    fn binding(&self, node: NodeId) -> impl Iterator<Item = &Condition> + Clone {
-        self.ask.conditions.binding(node, self.warehouse.nodes[node].at, self.ask.away)
-    }
-
-    /// How long the lane takes if either end is where robots go slowly when it is driven.
-    fn slow(&self, ends: &[NodeId; 2], hop: &Hop, depart: Time) -> Option<Span> {
-        let drive = Window::new(depart, depart + Span(hop.span));
-        let limits = ends.iter().flat_map(|n| self.binding(*n)).filter_map(|c| match c.effect {
-            Effect::Slow(limits) if c.window.overlaps(drive) => Some(limits),
-            _ => None,
-        });
-        let limit = limits.map(|l| l[usize::from(hop.loaded)]).min_by(f64::total_cmp)?;
-        let Rules::Drive(k) = self.pace.rules() else { return None };
-        Some(slow_span(k, self.warehouse.arcs[hop.arc].length_m, limit, hop.loaded, hop.ramps))
-    }
-
-    /// What being at a node about then costs.
-    fn price(&self, node: NodeId, t: Time) -> Span {
-        let stay = Window::new(t, t + Span::from_secs(1));
-        let prices = self.binding(node).filter(|c| c.window.overlaps(stay)).filter_map(|c| match c.effect {
-            Effect::Price(p) => Some(p),
-            _ => None,
-        });
-        prices.max().unwrap_or(Span::ZERO)
     }
 
     /// Arrivals where both nodes are held while driving between them.
-    fn arrivals_overlapping(&self, label: &Label, hop: &Hop, gap: Gap, lane_gap: Gap) -> Option<(i64, i64)> {
+    fn arrivals_overlapping(
+        &self,
+        label: &Label,
+        hop: &Hop,
+        span: i64,
+        gap: Gap,
+        lane_gap: Gap,
+    ) -> Option<(i64, i64)> {
         let clear = self.pace.clearance();
         let latest_arrival = (label.gap.end - clear).min(lane_gap.end - clear).min(gap.end - Span(1)).0;
         let begin = gap.start.max(lane_gap.start).0;
-        let lo = hop.depart.0.max(begin + hop.lead) + hop.span;
-        let hi = hop.depart.1.saturating_add(hop.span).min(latest_arrival);
+        let lo = hop.depart.0.max(begin + hop.lead) + span;
+        let hi = hop.depart.1.saturating_add(span).min(latest_arrival);
         (lo <= hi).then_some((lo, hi))
     }
 
     /// Arrivals where nodes change hands in an instant; two robots must not change places.
-    fn arrivals_instant(&self, label: &Label, hop: &Hop, node: NodeId, gap: Gap) -> Option<(i64, i64)> {
-        let lo = (hop.depart.0 + hop.span).max(gap.start.0);
+    fn arrivals_instant(
+        &self,
+        label: &Label,
+        hop: &Hop,
+        span: i64,
+        node: NodeId,
+        gap: Gap,
+    ) -> Option<(i64, i64)> {
+        let lo = (hop.depart.0 + span).max(gap.start.0);
         let hi = label.gap.end.min(gap.end - Span(1)).0;
         if lo > hi {
             return None;

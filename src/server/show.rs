@@ -18,7 +18,7 @@ use std::net::SocketAddr;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tokio::net::TcpListener;
-use tokio::sync::{mpsc, watch};
+use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
 /// How often the picture is published, in recorded time at normal speed.
@@ -47,13 +47,12 @@ impl Show {
         let (moments, picture) = watch::channel(Arc::new(Moment::default()));
         let live = Arc::new(Live::new(map.clone(), Clock::start(None).now().0.unsigned_abs()));
         let past = Arc::new(Past::default());
-        let (desk, _) = mpsc::channel(1);
         let (closing, closes) = watch::channel(false);
         let api = Api {
             map,
             moments: picture,
             records: past.clone(),
-            desk,
+            desk: None,
             alarms: alarms.clone(),
             live: live.clone(),
             metrics,

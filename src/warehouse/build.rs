@@ -102,9 +102,14 @@ impl Draft {
     /// # Errors
     /// All problems found, each with its place and remedy.
     pub fn build(self) -> Result<Warehouse, Findings> {
-        check::names_and_numbers(&self)?;
+        if let Err(mut findings) = check::names_and_numbers(&self) {
+            if let Some((rest, doubts)) = check::without_bad_parts(&self) {
+                findings.also(check::well_formed(&rest.assemble(), &doubts));
+            }
+            return Err(findings);
+        }
         let warehouse = self.assemble();
-        check::well_formed(&warehouse)?;
+        check::well_formed(&warehouse, &check::Doubts::default())?;
         Ok(warehouse)
     }
 
