@@ -12,7 +12,7 @@ mod why;
 use super::*;
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};
 use crate::sim::laws::Laws;
-use crate::sim::{Demand, Faults, Scenario, World};
+use crate::sim::{Demand, Faults, Scenario, Workers, World};
 use crate::warehouse::NodeKind;
 use crate::warehouse::{lab, thesis};
 
@@ -36,6 +36,8 @@ fn scenario(robots: usize) -> Scenario {
         demand: Demand::None,
         faults: Faults::default(),
         kinematics: Kinematics::default(),
+        workers: Workers::default(),
+        arm: Arm::default(),
     }
 }
 
