@@ -4,6 +4,7 @@
 //! where a person will almost surely walk within seconds, nobody may be; where a person may walk, being there
 //! costs, in proportion to the probability. Refuses: to look at robots.
 
+use super::afoot::Afoot;
 use super::regions::{BODY_M, Regions};
 use crate::geometry::{Point, Segment};
 use crate::human::{Band, Hypothesis, Whereabouts, passages};
@@ -34,6 +35,8 @@ pub struct Effects<'a> {
     pub warehouse: &'a Warehouse,
     /// Radii and speeds.
     pub regions: &'a Regions,
+    /// How far nodes are on foot.
+    pub afoot: &'a Afoot,
     /// The time now.
     pub now: Time,
 }
@@ -50,8 +53,7 @@ impl Effects<'_> {
         let window = Window::new(self.now, self.now + NOW);
         let still = self.regions.still_radius_m(true, w.sigma_m) + w.reach_m;
         let slow = self.regions.slow_radius_m(true, w.sigma_m) + w.reach_m;
-        for node in self.warehouse.nodes_within(w.at, slow) {
-            let distance = (self.warehouse.nodes[node].at - w.at).norm();
+        for (node, distance) in self.afoot.nodes_within(self.warehouse, w.at, slow) {
             let effect = if distance <= still {
                 Effect::Still
             } else {
@@ -147,11 +149,14 @@ mod tests {
     use crate::human::Presence;
     use crate::route::Kinematics;
     use crate::warehouse::thesis;
+    use crate::warehouse::walkway::Walkways;
+    use std::sync::Arc;
 
-    fn hall() -> (Warehouse, Regions) {
+    fn hall() -> (Warehouse, Regions, Afoot) {
         let w = thesis();
         let r = Regions::new(Kinematics::default(), w.footprint_m, 0.1);
-        (w, r)
+        let afoot = Afoot::new(&w, Arc::new(Walkways::of(&w)));
+        (w, r, afoot)
     }
 
     fn standing(at: Point) -> Whereabouts {
@@ -161,25 +166,26 @@ mod tests {
 
     #[test]
     fn around_a_worker_nothing_comes_or_goes_and_beyond_it_is_slow() {
-        let (warehouse, regions) = hall();
-        let effects = Effects { warehouse: &warehouse, regions: &regions, now: Time::ZERO };
+        let (warehouse, regions, afoot) = hall();
+        let effects = Effects { warehouse: &warehouse, regions: &regions, afoot: &afoot, now: Time::ZERO };
         let mut conditions = Conditions::none(&warehouse);
         let node = warehouse.nodes.ids().next().unwrap();
         let at = warehouse.nodes[node].at;
         effects.presence(&mut conditions, WorkerId(0), &standing(at));
         assert!(matches!(conditions.of(node)[0].effect, Effect::Still));
         let still = regions.still_radius_m(true, 0.02);
-        for (n, it) in warehouse.nodes.pairs() {
-            let distance = (it.at - at).norm();
+        let near: Vec<_> = afoot.nodes_within(&warehouse, at, still);
+        assert!(near.len() > 4);
+        for n in warehouse.nodes.ids() {
             let is_still = conditions.of(n).iter().any(|c| c.effect == Effect::Still);
-            assert_eq!(is_still, distance <= still, "{} m", distance);
+            assert_eq!(is_still, near.iter().any(|(m, _)| *m == n), "{n:?}");
         }
     }
 
     #[test]
     fn the_surer_a_way_the_harder_its_conditions() {
-        let (warehouse, regions) = hall();
-        let effects = Effects { warehouse: &warehouse, regions: &regions, now: Time::ZERO };
+        let (warehouse, regions, afoot) = hall();
+        let effects = Effects { warehouse: &warehouse, regions: &regions, afoot: &afoot, now: Time::ZERO };
         let at = |i: usize| warehouse.nodes.iter().nth(i).unwrap().at;
         for (p, closed) in [(0.9, true), (0.3, false)] {
             let mut conditions = Conditions::none(&warehouse);
@@ -192,8 +198,8 @@ mod tests {
 
     #[test]
     fn hypotheses_that_share_a_place_add_up() {
-        let (warehouse, regions) = hall();
-        let effects = Effects { warehouse: &warehouse, regions: &regions, now: Time::ZERO };
+        let (warehouse, regions, afoot) = hall();
+        let effects = Effects { warehouse: &warehouse, regions: &regions, afoot: &afoot, now: Time::ZERO };
         let at = |i: usize| warehouse.nodes.iter().nth(i).unwrap().at;
         let h = |to: usize| Hypothesis { probability: 0.4, path: vec![at(0), at(to)], stay: None };
         let mut conditions = Conditions::none(&warehouse);
@@ -204,7 +210,7 @@ mod tests {
 
     #[test]
     fn an_area_takes_all_nodes_whose_robots_would_reach_into_it() {
-        let (warehouse, _) = hall();
+        let (warehouse, ..) = hall();
         let node = warehouse.nodes.ids().next().unwrap();
         let p = warehouse.nodes[node].at;
         let corner = |x: f64, y: f64| Point::new(p.x + x, p.y + y);

@@ -3,10 +3,12 @@
 //! Main types: [`Arm`] (which method decides), [`Regions`] (radii and speeds), [`Effects`] (beliefs to
 //! conditions), [`Meter`] (encounters). Refuses: to plan, and to command anybody.
 
+mod afoot;
 mod effects;
 mod encounter;
 mod regions;
 
+pub use afoot::Afoot;
 pub use effects::{Effects, nodes_in};
 pub use encounter::{Meeting, Meter, Near};
 pub use regions::{BODY_M, CREEP_MPS, Regions, SLOW_MPS};

@@ -5,7 +5,7 @@
 use super::mind::Mind;
 use super::people::{Guidance, Reaction};
 use super::published::Procedure;
-use crate::aware::{Meter, Regions, nodes_in};
+use crate::aware::{Afoot, Meter, Regions, nodes_in};
 use crate::geometry::Point;
 use crate::human::{Follower, Track};
 use crate::id::{AssignmentId, ClosureId, IdVec, NodeId, RobotId, WorkerId};
@@ -87,6 +87,7 @@ pub(super) struct Crowd {
     /// The published reaction, where that is what the fleet is to use.
     pub procedure: Procedure,
     pub regions: Regions,
+    pub afoot: Afoot,
     pub people: IdVec<WorkerId, Person>,
     /// What people mean for the search, in this step.
     pub conditions: Conditions,
@@ -105,6 +106,7 @@ impl Crowd {
         Crowd {
             mind: Mind::new(warehouse, walkways.clone()),
             procedure: Procedure::default(),
+            afoot: Afoot::new(warehouse, walkways.clone()),
             walkways,
             regions,
             people: IdVec::new(),

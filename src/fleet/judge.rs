@@ -8,11 +8,13 @@ use super::crowd::Mode;
 use super::fact::Fact;
 use super::io::Command;
 use super::people::{AssignmentState, Encounter, Reaction};
-use crate::aware::{Arm, BODY_M, CREEP_MPS, Effects, Near};
+use crate::aware::{Arm, BODY_M, CREEP_MPS, Effects, Near, SLOW_MPS};
 use crate::geometry::{Point, Segment, to_mm};
 use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, Taken, Whereabouts};
 use crate::id::{AssignmentId, Dense, RobotId, WorkerId};
+use crate::route::{Cause, Effect};
 use crate::time::{Span, Time};
+use crate::warehouse::walkway::EdgeSet;
 
 /// A worker this near to the end of the path is there, metres.
 const THERE_M: f64 = 0.6;
@@ -22,6 +24,12 @@ const BACK_M: f64 = 1.0;
 const REDIRECT: Span = Span::from_secs(1);
 /// A robot that stands on a worker's path for this long is walked round.
 const BLOCKED: Span = Span::from_secs(3);
+/// How far a worker is sent out of the way at most, metres.
+const REFUGE_M: f64 = 15.0;
+/// How far such a place is from what robots are about to drive, metres.
+const REFUGE_CLEAR_M: f64 = 2.5;
+/// So many nodes ahead of a robot are what it is about to drive.
+const REFUGE_AHEAD: usize = 6;
 /// Robots are told their limit again after this long, until they say that they know it.
 const INSIST: Span = Span::from_millis(100);
 /// Robots and workers farther apart than this are of no interest to one another, metres.
@@ -194,17 +202,38 @@ impl Fleet {
                 cut.insert(e);
             });
         }
-        let way = self.crowd.walkways.path(place.at, goal, &cut);
+        let way = self.crowd.walkways.path(place.at, goal, &cut).map(|w| w.points);
+        let refuge = if way.is_none() { self.refuge(worker, place.at, &cut) } else { None };
         let person = &mut self.crowd.people[worker];
         let plan = person.plan.as_ref().expect("just seen");
         let (assignment, stay) = (plan.assignment, plan.stay);
-        match way {
-            Some(way) => {
-                person.give(way.points, assignment, stay, now);
-                person.mode = Mode::Redirected;
+        let (points, assignment) = match (way, refuge) {
+            (Some(points), _) => (points, assignment),
+            (None, Some(points)) => (points, None),
+            (None, None) => {
+                person.mode = Mode::Stopped { since: now };
+                return;
             }
-            None => person.mode = Mode::Stopped { since: now },
-        }
+        };
+        person.give(points, assignment, stay, now);
+        person.mode = Mode::Redirected;
+    }
+
+    /// Where robots and a worker wait for one another and neither can pass: a way to the nearest place from which the
+    /// worker leaves to those robots what they are about to drive.
+    fn refuge(&self, worker: WorkerId, at: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
+        let waiting = self.crowd.yielding.iter().filter(|(_, y)| y.worker == worker).map(|(r, _)| *r);
+        let wanted: Vec<Point> = waiting
+            .flat_map(|r| self.ledger.chain(r).visits().take(REFUGE_AHEAD))
+            .map(|v| self.warehouse().nodes[v.node].at)
+            .collect();
+        let walkways = &self.crowd.walkways;
+        let mut near: Vec<(f64, Point)> = (walkways.within(at, REFUGE_M).into_iter())
+            .map(|(n, length)| (length, walkways.nodes()[n].at))
+            .filter(|(length, p)| *length > 1.0 && wanted.iter().all(|w| (w - p).norm() > REFUGE_CLEAR_M))
+            .collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        near.into_iter().take(12).find_map(|(_, p)| Some(walkways.path(at, p, cut)?.points))
     }
 
     fn stands_near(&self, robot: RobotId, at: Point) -> bool {
@@ -227,7 +256,7 @@ impl Fleet {
     }
 
     /// Walkways on which robots rest or are broken: nobody waits for those to go away.
-    pub(super) fn edges_blocked_for_long(&self, _now: Time) -> crate::warehouse::walkway::EdgeSet {
+    pub(super) fn edges_blocked_for_long(&self, _now: Time) -> EdgeSet {
         let mut cut = self.crowd.walkways.no_edges();
         let reach = self.warehouse().footprint_m / 2.0 + 0.2;
         for robot in self.ledger.robots.ids() {
@@ -294,10 +323,16 @@ impl Fleet {
         for (id, closure) in closures {
             let outline: Vec<Point> = closure.outline.iter().map(|s| Point::from(*s)).collect();
             let nodes = self.crowd.nodes_of(id, &outline, &warehouse).to_vec();
-            let effects = Effects { warehouse: &warehouse, regions: &self.crowd.regions, now };
+            let effects = Effects {
+                warehouse: &warehouse,
+                regions: &self.crowd.regions,
+                afoot: &self.crowd.afoot,
+                now,
+            };
             effects.area(&mut conditions, id, &nodes, closure.window);
         }
-        let effects = Effects { warehouse: &warehouse, regions: &self.crowd.regions, now };
+        let effects =
+            Effects { warehouse: &warehouse, regions: &self.crowd.regions, afoot: &self.crowd.afoot, now };
         for (worker, place) in self.present(now) {
             let person = &self.crowd.people[worker];
             if self.settings.arm == Arm::Giveway || place.presence == Presence::Lost {
@@ -352,10 +387,8 @@ impl Fleet {
             let limit = if distance < stop {
                 let off = w.presence != Presence::Lost && self.drives_away(robot, at, w.at);
                 Some(if off { CREEP_MPS } else { 0.0 })
-            } else if self.settings.arm == Arm::Giveway {
-                self.crowd.regions.limit_mps(distance, loaded, w.sigma_m)
             } else {
-                self.limit_by_plan(robot, loaded)
+                self.limit_here(robot, *worker, loaded)
             };
             if limit.is_some_and(|l| slowest.0.is_none_or(|s| l < s)) {
                 slowest = (limit, Some(*worker));
@@ -364,15 +397,14 @@ impl Fleet {
         slowest
     }
 
-    /// The limit where the robot is, as far as workers' plans ask for one.
-    fn limit_by_plan(&self, robot: RobotId, loaded: bool) -> Option<f64> {
-        let node = self.ledger.node_of(robot);
-        let limits = self.crowd.conditions.of(node).iter().filter_map(|c| match c.effect {
-            crate::route::Effect::Slow(l) if l[usize::from(loaded)].is_finite() => {
-                Some(l[usize::from(loaded)])
-            }
-            crate::route::Effect::Still | crate::route::Effect::Closed => Some(crate::aware::SLOW_MPS),
-            _ => None,
+    /// The limit that a worker means where the robot is, and where it drives next.
+    fn limit_here(&self, robot: RobotId, worker: WorkerId, loaded: bool) -> Option<f64> {
+        let nodes = self.ledger.chain(robot).visits().take(2).map(|v| v.node);
+        let conditions = nodes.flat_map(|n| self.crowd.conditions.of(n));
+        let limits = conditions.filter(|c| c.cause == Cause::Worker(worker)).filter_map(|c| match c.effect {
+            Effect::Slow(l) => Some(l[usize::from(loaded)]).filter(|l| l.is_finite()),
+            Effect::Still | Effect::Closed => Some(SLOW_MPS),
+            Effect::Price(_) => None,
         });
         limits.min_by(f64::total_cmp)
     }

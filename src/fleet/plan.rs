@@ -262,7 +262,10 @@ impl Fleet {
         let here = stops.contains(&0);
         if here {
             let again = Visit { lane: None, arrive: kept.arrive.max(kept.enter), ..kept.clone() };
-            (kept.depart, kept.leave, kept.stay) = (kept.arrive, again.leave, Span::ZERO);
+            // It leaves the first visit for the second, which is at the same place: a delay of the one must not
+            // hold it longer than the other.
+            let gone = (again.arrive + self.ledger.timeline.clearance()).min(again.leave);
+            (kept.depart, kept.leave, kept.stay) = (again.arrive, gone, Span::ZERO);
             visits.insert(0, again);
         }
         let acts = self.acts(robot, &self.stages_left(robot));

@@ -153,7 +153,8 @@ impl Fleet {
     fn all_can_leave(&mut self, worker: WorkerId, path: &[Point], robots: &[RobotId], now: Time) -> bool {
         let warehouse = self.warehouse().clone();
         let mut conditions = std::mem::take(&mut self.crowd.conditions);
-        let effects = Effects { warehouse: &warehouse, regions: &self.crowd.regions, now };
+        let effects =
+            Effects { warehouse: &warehouse, regions: &self.crowd.regions, afoot: &self.crowd.afoot, now };
         let way = Hypothesis { probability: 1.0, path: path.to_vec(), stay: None };
         effects.plan(&mut conditions, worker, &way, Band::ANY);
         self.crowd.conditions = conditions;

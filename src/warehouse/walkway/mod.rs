@@ -8,6 +8,7 @@
 
 mod floor;
 mod path;
+mod reach;
 mod thin;
 mod trace;
 
@@ -160,6 +161,11 @@ impl Walkways {
         let all = self.near_nodes.within(p, radius).into_iter();
         let all = all.map(|(i, distance)| (WalkNodeId::at(i), distance));
         all.filter(|(n, _)| self.sees(p, self.nodes[*n].at)).collect()
+    }
+
+    /// The nodes no farther than `radius` (metres) from `p`, in sight or not, by id.
+    pub fn around(&self, p: Point, radius: f64) -> impl Iterator<Item = WalkNodeId> {
+        self.near_nodes.within(p, radius).into_iter().map(|(i, _)| WalkNodeId::at(i))
     }
 
     /// The node nearest to `p` as the crow flies; nothing where the map has no walkways.
