@@ -19,8 +19,8 @@ use std::sync::Arc;
 const ROBOTS_A_GROUP: usize = 8;
 /// The western, middle and eastern road.
 const ROADS: [f64; 3] = [0.0, 19.0, 39.0];
-/// Radius of what a robot closes, metres.
-const ROBOT_M: f64 = 0.7;
+/// Radius of what a robot closes, metres: the aisle in which it is, but not a road of two lanes.
+const ROBOT_M: f64 = 0.45;
 /// Poses a second.
 const RATE: f64 = 10.0;
 /// Seconds for a robot from one node to the next.
@@ -34,11 +34,13 @@ const GOALS: [(&str, &str, f64, f64); 4] = [
 const BROWN: u64 = 1;
 const ADDED: &str = "the brown goal is added";
 const PACE_MPS: f64 = 1.2;
+/// The person knows of robots so near only, metres.
+const NEAR_M: f64 = 4.0;
 /// No story takes longer.
 const LONGEST_S: f64 = 180.0;
 
 fn hall() -> Warehouse {
-    let blocks = Blocks { name: "hall".into(), groups: (2, 1), blocks: (3, 7), ..Blocks::default() };
+    let blocks = Blocks { name: "hall".into(), groups: (2, 2), blocks: (3, 7), ..Blocks::default() };
     blocks.draft().build().expect("these parameters make a map, a test builds it")
 }
 
@@ -59,7 +61,7 @@ impl Crowd {
         let mut robots = Vec::new();
         for x in ROADS {
             for k in 0..ROBOTS_A_GROUP {
-                robots.push([nearest(Point::new(x, 3.0 * k as f64 + 1.0)); 3]);
+                robots.push([nearest(Point::new(x, 5.5 * k as f64 + 2.0)); 3]);
             }
         }
         Crowd { dice: Dice::new(seed), robots }
@@ -88,7 +90,7 @@ impl Crowd {
 }
 
 /// The person: where it wants to be next, and what is said when it sets off there. It walks the shortest way that is
-/// open, and waits where there is none.
+/// open as far as it can see, and waits where there is none.
 const ERRANDS: [(f64, f64, &str); 5] = [
     (7.0, 10.0, "walks north towards yellow"),
     (7.0, 13.0, "passes yellow"),
@@ -106,7 +108,13 @@ impl Person {
     /// Walks for a tick; whether it sets off on a new errand.
     fn walk(&mut self, all: &Distances) -> bool {
         let Some((x, y, _)) = ERRANDS.get(self.errand) else { return false };
-        let way = all.walkways().path(self.pose.at, Point::new(*x, *y), all.cut());
+        let mut near = all.walkways().no_edges();
+        for e in all.cut().iter() {
+            if (all.walkways().segment(e).point(0.5) - self.pose.at).norm() < NEAR_M {
+                near.insert(e);
+            }
+        }
+        let way = all.walkways().path(self.pose.at, Point::new(*x, *y), &near);
         let mut left = PACE_MPS / RATE;
         for next in way.iter().flat_map(|w| &w.points[1..]) {
             let leg = Segment { a: self.pose.at, b: *next };
@@ -202,7 +210,7 @@ mod tests {
             let added = at("is added", 0.1);
             assert!(added.goals.len() == 4 && added.of(YELLOW) < 0.5, "{context}: {added:?}");
             let east = at("walks north: fits brown", -1.0);
-            assert!(east.of(YELLOW) < 0.1, "{context}: {east:?}");
+            assert!(east.of(YELLOW) < 0.2, "{context}: {east:?}");
             let end = &story.beliefs[story.beliefs.len() - 1];
             assert!(end.0 < LONGEST_S - 1.0, "{context}: it never arrived");
             assert_eq!(best(&end.1).0, BROWN, "{context}: {end:?}");
