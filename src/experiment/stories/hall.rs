@@ -3,7 +3,8 @@
 //!
 //! Main function: [`tell`]. Goals lie so that the text's choices come in its order, except that cyan parts from brown
 //! where purple does. Robots move as in the text: eight each in the western, middle and eastern roads, each to a
-//! random neighbouring node, never straight back, waiting where another has chosen the same. They do not see the person.
+//! random neighbouring node, never straight back, waiting where another has chosen the same. Refuses: robots that see
+//! the person.
 
 use super::super::dice::Dice;
 use super::{Event, Story, name};

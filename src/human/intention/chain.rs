@@ -1,8 +1,8 @@
 //! Hidden Markov models over goals.
 //!
-//! Main types: [`Chain`] (forward filter and most probable sequence side by side), [`State`]. The published programs call
-//! the scores of Viterbi's algorithm probabilities; they are none (the maximum keeps one past per state), so posteriors
-//! come from sums here and the sequence from maxima. Refuses: to know what is observed.
+//! Main types: [`Chain`] (forward filter and most probable sequence side by side), [`State`]. The published text calls
+//! the scores of Viterbi's algorithm probabilities; they are none (the maximum keeps one past per state), so
+//! posteriors come from sums here and the sequence from maxima. Refuses: to know what is observed.
 
 use super::Belief;
 use crate::id::GoalId;
