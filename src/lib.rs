@@ -133,6 +133,8 @@
 //! | what happens when robots are late, or break down | `fleet/settle.rs`, `timeline/delay.rs`; `fleet/cut.rs` |
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
 //! | which maps are refused | `warehouse/check/` |
+//! | where people walk | `warehouse/walkway/` |
+//! | how it is guessed where a person is going | `human/intention/`; stories that test it: `experiment/stories/` |
 //! | a key of scenario files | `sim/scenario.rs`, `docs/scenarios.md` |
 //! | what every simulation must keep | `sim/laws.rs` |
 //! | what a recording holds | `sim/recording.rs` |

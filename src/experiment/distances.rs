@@ -28,12 +28,14 @@ impl Setup {
         Setup { name: format!("{} roads", w.name), nodes, edges, goals }
     }
 
-    /// A square grid, a metre from node to node, with a goal near each corner and one in the middle.
+    /// A square grid, a metre or a little more from node to node (hardly any two ways are equally long, so that cuts
+    /// matter), with a goal near each corner and one in the middle.
     pub fn grid(side: usize) -> Setup {
         let nodes: Vec<Point> =
             (0..side * side).map(|i| Point::new((i % side) as f64, (i / side) as f64)).collect();
-        let east = (0..side * side).filter(|i| i % side + 1 < side).map(|i| (i, i + 1, 1.0));
-        let north = (0..side * (side - 1)).map(|i| (i, i + side, 1.0));
+        let metres = |i: usize| 1.0 + (i * 7919 % 1009) as f64 / 5000.0;
+        let east = (0..side * side).filter(|i| i % side + 1 < side).map(|i| (i, i + 1, metres(2 * i)));
+        let north = (0..side * (side - 1)).map(|i| (i, i + side, metres(2 * i + 1)));
         let edges = east.chain(north).collect();
         let goals = spread(&nodes);
         Setup { name: format!("grid {side} × {side}"), nodes, edges, goals }

@@ -19,7 +19,8 @@ const STYLE: &str = "
 text{font-family:'Inter','Helvetica Neue',Arial,'DejaVu Sans',sans-serif;font-size:13px;fill:#273142}
 .title{font-size:19px;font-weight:600}.sub,.tick{fill:#667085}.tick{font-size:12px}
 .grid{stroke:#e4e8ee}.axis{stroke:#667085}.mark{stroke:#98a2b3;stroke-dasharray:3 3}
-.number{font-size:11px;font-weight:600;fill:#fff;text-anchor:middle}.line{fill:none;stroke-width:2.2;stroke-linejoin:round}
+.number{font-size:11px;font-weight:600;fill:#fff;text-anchor:middle}
+.line{fill:none;stroke-width:2.2;stroke-linejoin:round}
 .whisker{stroke:#273142;stroke-width:1.4;fill:none}";
 
 /// Appends formatted text; a string never refuses it.
@@ -260,7 +261,8 @@ impl BarChart {
                     (frame.px(from + wide * 0.46, bar.low), frame.px(0.0, bar.high));
                 put!(
                     body,
-                    "<path class=\"whisker\" d=\"M{middle:.1} {low:.1}V{high:.1}M{0:.1} {low:.1}h8M{0:.1} {high:.1}h8\"/>\n",
+                    "<path class=\"whisker\" d=\"M{middle:.1} {low:.1}V{high:.1}M{0:.1} {low:.1}h8M{0:.1} \
+                     {high:.1}h8\"/>\n",
                     middle - 4.0
                 );
             }

@@ -1,8 +1,8 @@
 //! How far it is on foot from anywhere to each goal, as the floor is now.
 //!
-//! Main types: [`Distances`] (goals × nodes of the walkways; the matrix F of Petković 2021, section 3.3, kept up to date
-//! by repair instead of computed anew), [`Vantage`] (one place, from which many goals are looked at). Refuses: to know
-//! whose goals they are, and why edges are cut.
+//! Main types: [`Distances`] (goals × nodes of the walkways; the matrix F of Petković 2021, section 3.3, kept up to
+//! date by repair instead of computed anew), [`Vantage`] (one place, from which many goals are looked at). Refuses: to
+//! know whose goals they are, and why edges are cut.
 
 use super::field::{Field, Graph};
 use crate::geometry::{Point, Segment};

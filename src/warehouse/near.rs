@@ -108,4 +108,19 @@ mod tests {
         }
         assert!(Near::new(Vec::new()).nearest(Point::origin()).is_none());
     }
+
+    #[test]
+    fn a_building_tells_which_nodes_are_near() {
+        let w = crate::warehouse::lab();
+        let near = |radius: f64| -> Vec<String> {
+            w.nodes_within(Point::new(3.0, 0.0), radius)
+                .into_iter()
+                .map(|n| w.nodes[n].name.clone())
+                .collect()
+        };
+        assert_eq!(
+            (near(0.1), near(1.0)),
+            (vec!["R103".to_string()], ["R104", "R103", "R30", "R17", "P"].map(String::from).to_vec())
+        );
+    }
 }

@@ -122,7 +122,7 @@ mod tests {
         let at = |words: &str, later: f64| story.at(story.when(words) + later);
         assert_eq!(at("robot closes", 0.0).top(), State::Goal(R117), "{method:?}");
         assert_eq!(at("turns round", 0.0).top(), State::Elsewhere, "{method:?}: it walks on to a closed way");
-        let back = at("passes the turn to R17", 0.0);
+        let back = at("passes the turn to R17", -1.5);
         assert!(is_undecided(back) && back.elsewhere < 0.1, "{method:?}: all three fit: {back:?}");
         let passed = at("turns north", 0.0);
         let least = passed.of(R117).min(passed.of(R109));

@@ -1,8 +1,8 @@
 //! Hidden Markov models over goals.
 //!
-//! Main types: [`Chain`] (forward filter and most probable sequence side by side), [`State`]. The published programs call
-//! the scores of Viterbi's algorithm probabilities; they are none (the maximum keeps one past per state), so posteriors
-//! come from sums here and the sequence from maxima. Refuses: to know what is observed.
+//! Main types: [`Chain`] (forward filter and most probable sequence side by side), [`State`]. The published text calls
+//! the scores of Viterbi's algorithm probabilities; they are none (the maximum keeps one past per state), so
+//! posteriors come from sums here and the sequence from maxima. Refuses: to know what is observed.
 
 use super::Belief;
 use crate::id::GoalId;
@@ -64,12 +64,12 @@ impl Chain {
             .map(|to| emit(to) * (0..n).map(|from| self.probability[from] * step(from, to)).sum::<f64>())
             .collect();
         normalise(&mut next);
-        let (mut best, mut before) = (vec![0.0; n], Vec::with_capacity(n));
+        let (mut best, mut before) = (Vec::with_capacity(n), Vec::with_capacity(n));
         for to in 0..n {
             let via = (0..n).map(|from| (self.best[from] + step(from, to).max(1e-12).ln(), from));
             let (score, from) =
                 via.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).expect("a chain has states");
-            best[to] = score + emit(to).ln();
+            best.push(score + emit(to).ln());
             before.push((self.states[to], self.states[from]));
         }
         let highest = best.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -2,8 +2,8 @@
 //!
 //! Main type: [`Detour`]. A goal loses probability with every metre of detour that it would mean; between updates the
 //! person may change its mind at a rate per time, not per message. The idea that people minimise the way that is left
-//! is that of the published method; likelihood and rates follow Ziebart et al. 2009 and Fisac et al. 2018. What is added
-//! here is *elsewhere*: a person who makes more than half a metre of detour a metre for every goal is bound for none.
+//! is that of the published method; likelihood and rates follow Ziebart et al. 2009 and Fisac et al. 2018. What is
+//! added here is *elsewhere*: who makes more than half a metre of detour a metre for every goal is bound for none.
 //! Refuses: an undecided state; an undecided posterior is flat, and its entropy says so.
 
 use super::Belief;

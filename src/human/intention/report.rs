@@ -62,9 +62,10 @@ impl Belief {
     }
 }
 
-/// The goals that chapter 4 reports to the planner: the end of the person's own path as long as it is nearly as probable
-/// as the best, else all that are not much less probable than chance (Petković 2021, section 4.3.2, for g + 1 states).
-/// The printed threshold 0.25 g would be one for four goals, and no other goal would ever be reported; 0.25/g is meant.
+/// The goals that chapter 4 reports to the planner: the end of the person's own path as long as it is nearly as
+/// probable as the best, else all that are not much less probable than chance (Petković 2021, section 4.3.2, for g + 1
+/// states). The printed threshold 0.25 g would be one for four goals, and no other goal would ever be reported; 0.25/g
+/// is meant.
 pub fn reported_goals(belief: &Belief, path_end: GoalId) -> Vec<GoalId> {
     let g = belief.goals.len().saturating_sub(1).max(1) as f64;
     let best = belief.goals.iter().map(|x| x.1).fold(0.0, f64::max);
