@@ -2,7 +2,9 @@
 //!
 //! Main types: [`Crowd`], [`Person`], [`Mode`]. Refuses: to decide; the judging phase does.
 
+use super::mind::Mind;
 use super::people::{Guidance, Reaction};
+use super::published::Procedure;
 use crate::aware::{Meter, Regions, nodes_in};
 use crate::geometry::Point;
 use crate::human::{Follower, Track};
@@ -12,6 +14,7 @@ use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use crate::warehouse::walkway::Walkways;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// How a worker's walk stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -79,7 +82,10 @@ pub(super) struct Yielding {
 /// All that is kept in mind about people.
 #[derive(Debug)]
 pub(super) struct Crowd {
-    pub walkways: Walkways,
+    pub walkways: Arc<Walkways>,
+    pub mind: Mind,
+    /// The published reaction, where that is what the fleet is to use.
+    pub procedure: Procedure,
     pub regions: Regions,
     pub people: IdVec<WorkerId, Person>,
     /// What people mean for the search, in this step.
@@ -95,8 +101,11 @@ pub(super) struct Crowd {
 
 impl Crowd {
     pub fn new(warehouse: &Warehouse, regions: Regions) -> Crowd {
+        let walkways = Arc::new(Walkways::of(warehouse));
         Crowd {
-            walkways: Walkways::of(warehouse),
+            mind: Mind::new(warehouse, walkways.clone()),
+            procedure: Procedure::default(),
+            walkways,
             regions,
             people: IdVec::new(),
             conditions: Conditions::none(warehouse),
@@ -128,5 +137,11 @@ impl Person {
         self.plan = Some(Plan { follower: Follower::new(points), assignment, stay, made: now });
         self.version += 1;
         self.there_since = None;
+    }
+
+    /// The rest of the path, from where the worker is.
+    pub fn rest_of_path(&self, at: Point) -> Option<Vec<Point>> {
+        let plan = self.plan.as_ref()?;
+        Some(std::iter::once(at).chain(plan.follower.ahead().iter().copied()).collect())
     }
 }

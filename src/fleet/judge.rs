@@ -4,7 +4,7 @@
 //! Refuses: to plan for robots, and to trust a sighting that cannot be true.
 
 use super::Fleet;
-use super::crowd::{Mode, Person};
+use super::crowd::Mode;
 use super::fact::Fact;
 use super::io::Command;
 use super::people::{AssignmentState, Encounter, Reaction};
@@ -53,6 +53,8 @@ impl Fleet {
         for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
             self.watch(worker, now);
         }
+        self.infer(now);
+        self.follow_procedure(now);
         self.set_conditions(now);
         self.limit_robots(now);
         self.meet(now);
@@ -109,7 +111,7 @@ impl Fleet {
     }
 
     /// The assignment that a worker is at, or is to begin.
-    fn next_assignment(&self, worker: WorkerId) -> Option<AssignmentId> {
+    pub(super) fn next_assignment(&self, worker: WorkerId) -> Option<AssignmentId> {
         let own = self.ledger.assignments.iter().filter(|(_, a)| a.worker == worker);
         own.map(|(id, _)| *id).next()
     }
@@ -301,23 +303,14 @@ impl Fleet {
             if self.settings.arm == Arm::Giveway || place.presence == Presence::Lost {
                 effects.presence(&mut conditions, worker, &place);
                 let band = Band::around(place.velocity.norm());
-                effects.forecast(&mut conditions, worker, &self.hypotheses(worker, &place, now), band);
-            } else if let Some(path) = assigned(person, place.at) {
+                effects.forecast(&mut conditions, worker, &self.hypotheses(worker, &place), band);
+            } else if let Some(path) = person.rest_of_path(place.at) {
+                let stay = person.plan.as_ref().map(|p| p.stay);
+                let path = Hypothesis { probability: 1.0, path, stay };
                 effects.plan(&mut conditions, worker, &path, Band::ANY);
             }
         }
         self.crowd.conditions = conditions;
-    }
-
-    /// Where a worker may be going, with paths.
-    fn hypotheses(&self, worker: WorkerId, place: &Whereabouts, _now: Time) -> Vec<Hypothesis> {
-        let person = &self.crowd.people[worker];
-        match assigned(person, place.at) {
-            Some(path) => vec![path],
-            None => {
-                vec![Hypothesis { probability: 1.0, path: vec![place.at], stay: Some(Span::from_secs(1)) }]
-            }
-        }
     }
 
     /// Tells every robot how fast it may be near people. This leaves at once.
@@ -439,11 +432,4 @@ impl Fleet {
             }));
         }
     }
-}
-
-/// The rest of the assigned path, from where the worker is.
-fn assigned(person: &Person, at: Point) -> Option<Hypothesis> {
-    let plan = person.plan.as_ref()?;
-    let path = std::iter::once(at).chain(plan.follower.ahead().iter().copied()).collect();
-    Some(Hypothesis { probability: 1.0, path, stay: Some(plan.stay) })
 }

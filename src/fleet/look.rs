@@ -6,7 +6,8 @@ use super::fact::{Act, Purpose, Task};
 use super::people::{ClosureView, Presence, WorkerView};
 use super::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
 use super::{Fleet, Job, JobState};
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
+use crate::human::Belief;
 use crate::id::{JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::route::Cause;
 use crate::time::Time;
@@ -131,6 +132,7 @@ impl Fleet {
         let person = self.crowd.people.get(worker);
         let sigma = place.map_or(0.0, |w| w.sigma_m);
         let regions = &self.crowd.regions;
+        let belief = self.crowd.mind.belief(worker).unwrap_or_default();
         let guidance = place.map(|w| self.guidance(worker, &w, now)).unwrap_or_default();
         WorkerView {
             name: name.to_owned(),
@@ -145,11 +147,18 @@ impl Fleet {
                 regions.slow_radius_m(false, sigma),
             ],
             guidance,
-            goals: Vec::new(),
-            undecided: 1.0,
-            elsewhere: 0.0,
+            goals: self.goals_view(&belief),
+            undecided: belief.undecided,
+            elsewhere: belief.elsewhere,
             feed: person.map(|p| p.track.counts()).unwrap_or_default(),
         }
+    }
+
+    fn goals_view(&self, belief: &Belief) -> Vec<(Point, f64)> {
+        let place = |g| self.crowd.mind.distances.place(g);
+        let mut goals: Vec<_> = belief.goals.iter().filter_map(|(g, p)| Some((place(*g)?, *p))).collect();
+        goals.sort_by(|a, b| b.1.total_cmp(&a.1));
+        goals
     }
 
     fn closure_views(&self) -> Vec<ClosureView> {

@@ -19,8 +19,10 @@ mod judge;
 pub mod ledger;
 mod look;
 mod matching;
+mod mind;
 pub mod people;
 mod plan;
+mod published;
 pub mod scene;
 mod settle;
 mod staff;
@@ -39,6 +41,7 @@ pub use people::{
 pub use view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
 
 use crate::aware::{Arm, Regions};
+use crate::human::Method;
 use crate::route::{Kinematics, Planner, Rules};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
@@ -66,6 +69,8 @@ pub struct Settings {
     pub waiting_max: usize,
     /// How the fleet deals with people.
     pub arm: Arm,
+    /// How our own arm recognises intentions.
+    pub method: Method,
     /// Robots pass through one another: only for the bound on throughput.
     pub ghosts: bool,
     /// Reads any clock in nanoseconds, to tell how long searches take. Nothing is ever decided by it.
@@ -83,6 +88,7 @@ impl Default for Settings {
             battery_enough: 0.5,
             waiting_max: 100_000,
             arm: Arm::default(),
+            method: Method::Detour,
             ghosts: false,
             stopwatch: || 0,
         }

@@ -1,8 +1,8 @@
 //! Fourth phase: who needs a route? One search each, within a budget of expansions per step.
 //!
-//! Main type: [`Needs`] (who waits for a route since when). A new route replaces the old one only when it is complete
-//! up to a place where the robot may stay for ever; else the old one stands (DESIGN §5, invariant a). Refuses: to let
-//! the time of day decide how much is planned.
+//! Main type: [`Needs`] (who waits for a route since when). A new route replaces the old one only when it is
+//! complete up to a place where the robot may stay for ever; else the old one stands (DESIGN §5, invariant
+//! a). Refuses: to let the time of day decide how much is planned.
 
 use super::fact::{Act, Booking, Fact, Stop, Task};
 use super::job::{JobKind, JobState};
@@ -67,6 +67,7 @@ impl Fleet {
                 bound[station] += 1;
             }
         }
+        self.plan_interrupted(now, &mut budget);
         self.give_way(now, &mut budget);
         self.improve(now, budget);
     }
@@ -151,8 +152,8 @@ impl Fleet {
         bound
     }
 
-    /// A loaded robot sets off to a station only if the queue has a place for it: whatever happens at the station,
-    /// nobody who is on the way there has to wait outside.
+    /// A loaded robot sets off to a station only if the queue has a place for it: whatever happens at the
+    /// station, nobody who is on the way there has to wait outside.
     pub(super) fn station_has_room(&self, robot: RobotId, bound: &IdVec<StationId, usize>) -> bool {
         let Some(station) = self.station_of(robot) else { return true };
         self.settings.ghosts || bound[station] <= self.warehouse().stations[station].queue.len()
@@ -280,9 +281,9 @@ impl Fleet {
         stages
     }
 
-    /// Robots that wait for others look for a better way now and then: that is how the order on a resource is changed
-    /// where keeping it would hand one robot's delay on to the fleet. The new windows fit into what everybody holds,
-    /// so the order of all stays free of cycles.
+    /// Robots that wait for others look for a better way now and then: that is how the order on a resource is
+    /// changed where keeping it would hand one robot's delay on to the fleet. The new windows fit into what
+    /// everybody holds, so the order of all stays free of cycles.
     fn improve(&mut self, now: Time, mut budget: u32) {
         for robot in ledger::all(&self.ledger.robots) {
             if budget == 0 {
@@ -316,8 +317,8 @@ impl Fleet {
         }
     }
 
-    /// Looks for a route that avoids somebody; takes it where it is earlier than what is left of the old one after the
-    /// wait. Gives the expansions spent.
+    /// Looks for a route that avoids somebody; takes it where it is earlier than what is left of the old one
+    /// after the wait. Gives the expansions spent.
     pub(super) fn reroute(&mut self, robot: RobotId, worker: WorkerId, now: Time) -> u32 {
         let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return 0 };
         let planned = self.expected(robot, stop.serial, now);
@@ -327,7 +328,28 @@ impl Fleet {
                 let spent = route.expansions;
                 if reached(&route) + WORTH < planned {
                     self.commit(robot, route);
+                    self.ledger.counts.replans += 1;
                     self.gives_way(robot, worker, Reaction::Rerouted, now);
+                }
+                spent
+            }
+            Err(_) => self.settings.expansions_per_plan / 4,
+        }
+    }
+
+    /// Plans an interrupted robot anew; the old route stands where the new one is no earlier. Gives the
+    /// expansions spent.
+    pub(super) fn plan_again(&mut self, robot: RobotId, now: Time) -> u32 {
+        let stop = self.ledger.robots[robot].stops.first().copied();
+        let Some(stop) = stop.filter(|s| s.serial >= self.ledger.chain(robot).granted()) else { return 0 };
+        let planned = self.expected(robot, stop.serial, now);
+        let stages = self.stages_left(robot);
+        self.ledger.counts.replans += 1;
+        match self.search(robot, &stages, now) {
+            Ok(route) => {
+                let spent = route.expansions;
+                if reached(&route) < planned {
+                    self.commit(robot, route);
                 }
                 spent
             }

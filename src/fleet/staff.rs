@@ -95,6 +95,7 @@ impl Fleet {
         if self.ledger.workers.get(worker).is_none() {
             return Err(Refusal::UnknownWorker(worker));
         }
+        self.crowd.mind.forget(worker);
         let version = self.crowd.person(worker).version;
         *self.crowd.person(worker) = Person { version, ..Person::default() };
         Ok(Reply::Done { token })

@@ -214,21 +214,30 @@ const PLACES: usize = 60;
 const TRIES: usize = 3;
 
 impl Fleet {
+    /// Whether a robot is fit to leave the place where it stands.
+    pub(super) fn can_leave(&self, robot: RobotId) -> bool {
+        let chain = self.ledger.chain(robot);
+        chain.first() + 1 == chain.granted() && !self.ledger.robots[robot].failed
+    }
+
+    /// Sends a robot off a worker's path. Whether there was a way.
+    pub(super) fn leaves(&mut self, robot: RobotId, worker: WorkerId, now: Time) -> bool {
+        let places = self.places_out_of_the_way(robot, worker, now);
+        let left = places.into_iter().take(TRIES).any(|place| self.detour(robot, place, now));
+        if left {
+            self.ledger.counts.replans += 1;
+            self.gives_way(robot, worker, Reaction::Rerouted, now);
+        }
+        left
+    }
+
     /// Drives out of a worker's way to the nearest place where nobody is expected, and on with the task from
     /// there.
     fn evade(&mut self, robot: RobotId, worker: WorkerId, now: Time) -> u32 {
-        let mut spent = 0;
-        for place in self.places_out_of_the_way(robot, worker, now).into_iter().take(TRIES) {
-            spent += self.settings.expansions_per_plan / 4;
-            if self.detour(robot, place, now) {
-                self.gives_way(robot, worker, Reaction::Rerouted, now);
-                return spent;
-            }
-        }
-        if self.insert(robot, now) {
+        if !self.leaves(robot, worker, now) && self.insert(robot, now) {
             self.gives_way(robot, worker, Reaction::Rerouted, now);
         }
-        spent + self.settings.expansions_per_plan
+        self.settings.expansions_per_plan
     }
 
     /// Nodes near a robot without conditions, nearest first over lanes that it may drive, not nearer to the

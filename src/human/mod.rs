@@ -12,6 +12,7 @@ mod forecast;
 pub mod intention;
 mod sighting;
 mod track;
+mod way;
 
 pub use deviation::{Conduct, Follower, NODE_M};
 pub use distance::{Distances, Vantage};
@@ -20,3 +21,4 @@ pub use forecast::{Band, Hypothesis, Passage, passages};
 pub use intention::{Belief, Intention, Method};
 pub use sighting::{Quality, Sighting};
 pub use track::{FeedCounts, Presence, STALE, Taken, Track, WALK_MPS, Whereabouts};
+pub use way::{common_prefix, straight_on, towards_goal};

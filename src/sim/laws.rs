@@ -109,8 +109,9 @@ impl Laws {
         if self.steps.is_multiple_of(AUDIT_EVERY) {
             fleet.ledger().timeline.assert_sound();
             let mut folded = self.shadow.clone();
-            (folded.counts.plans, folded.counts.plan_failures) =
-                (fleet.ledger().counts.plans, fleet.ledger().counts.plan_failures);
+            let (own, folding) = (&fleet.ledger().counts, &mut folded.counts);
+            (folding.plans, folding.plan_failures, folding.replans) =
+                (own.plans, own.plan_failures, own.replans);
             if folded != *fleet.ledger() {
                 self.break_law(now, Violation::Fold);
             }
