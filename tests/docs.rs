@@ -74,21 +74,40 @@ fn every_key_of_maps_and_scenarios_has_its_words() {
     }
     let example: serde_json::Value = serde_json::from_str(&read("docs/small-scenario.json")).expect("JSON");
     let scenarios = read("docs/scenarios.md");
+    let inner =
+        |value: &serde_json::Value| value.as_object().into_iter().flat_map(|o| o.keys()).cloned().collect();
     for (key, value) in example.as_object().expect("an object") {
-        let inner = value.as_object().into_iter().flat_map(|o| o.keys());
-        for key in std::iter::once(key).chain(inner) {
-            let words = [format!("\n| `{key}` |"), format!("\n| `{{\"{key}\": ")];
+        let mut keys: Vec<String> = inner(value);
+        keys.push(key.clone());
+        for place in [
+            "/workers/deviations",
+            "/workers/sensor",
+            "/workers/personas",
+            "/workers/deviations/causes/rates",
+        ] {
+            keys.extend::<Vec<String>>(example.pointer(place).map(inner).expect("the example has it"));
+        }
+        for key in keys {
+            let words = [
+                format!("\n| `{key}` |"),
+                format!("\n| `{{\"{key}\": "),
+                format!("\n| `{key}`, `"),
+                format!("`, `{key}` |"),
+            ];
             assert!(words.iter().any(|w| scenarios.contains(w)), "docs/scenarios.md says nothing of `{key}`");
         }
     }
     // A key that does not exist is refused with the list of all that do: the example has them all.
-    for place in ["", "fleet", "faults"] {
+    let within = ["", "/deviations", "/deviations/causes/rates", "/sensor", "/personas"];
+    let workers = within.map(|place| format!("/workers{place}"));
+    let places = ["", "/fleet", "/faults"].into_iter().chain(workers.iter().map(String::as_str));
+    for place in places {
         let mut broken = example.clone();
-        let object = if place.is_empty() { &mut broken } else { &mut broken[place] };
+        let object = broken.pointer_mut(place).expect("the example has it");
         let known: Vec<String> = object.as_object().expect("an object").keys().cloned().collect();
         object["no-such-key"] = 1.into();
         let error = Scenario::parse(&broken.to_string()).expect_err("refused").to_string();
-        let list = error.split("expected one of").nth(1).unwrap_or_else(|| panic!("{error}"));
+        let list = error.split("expected ").nth(1).unwrap_or_else(|| panic!("{error}"));
         for word in list.split('`').skip(1).step_by(2) {
             assert!(known.iter().any(|k| k == word), "docs/small-scenario.json leaves out {place} {word}");
         }

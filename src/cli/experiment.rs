@@ -2,6 +2,7 @@
 //!
 //! Main type: [`Experiment`]. Refuses: to print a figure that depends on chance without its seed.
 
+use super::people::{Detection, Table};
 use super::write;
 use crate::experiment::stories::{self, Tale};
 use crate::human::Method;
@@ -15,6 +16,11 @@ use std::process::ExitCode;
 pub enum Experiment {
     /// Guess where a person is going, in one of three stories.
     Story(Story),
+    /// Robots and people together, by four ways of giving way (Petković 2021, table 4.1).
+    #[command(name = "table-4-1")]
+    Table(Table),
+    /// How soon and how surely the fleet notices that people leave their path.
+    Detection(Detection),
 }
 
 /// The stories.
@@ -64,6 +70,8 @@ impl Experiment {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         match self {
             Experiment::Story(story) => story.run(),
+            Experiment::Table(table) => table.run(),
+            Experiment::Detection(detection) => detection.run(),
         }
     }
 }

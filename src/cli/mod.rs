@@ -6,6 +6,7 @@
 mod bench;
 mod experiment;
 mod map;
+mod people;
 mod recording;
 mod replay;
 mod serve;

@@ -143,6 +143,7 @@ fn simulate(setup: &Setup, seed: u64, ghosts: bool, record: Option<&Path>) -> an
 
 fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) -> Value {
     let deliveries = o.counts.robot_deliveries;
+    let met = &o.people.figures;
     json!({
         "scenario": setup.scenario.name,
         "seed": seed,
@@ -154,10 +155,14 @@ fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) 
         "human_deliveries": o.counts.human_deliveries,
         "throughput_bound": bound,
         "throughput_bound_ratio": bound.map(|b| deliveries as f64 / b.max(1) as f64),
-        "encounters": o.counts.encounters,
-        "worker_minutes": 0.0,
-        "interruptions": 0,
-        "deviations": 0,
+        "encounters": met.meetings.len(),
+        "encounters_recorded": o.counts.encounters,
+        "closest_m": met.meetings.iter().map(|m| m.closest_m).reduce(f64::min),
+        "contacts": met.contacts,
+        "worker_minutes": met.worker_time.as_secs_f64() / 60.0,
+        "interruptions": o.counts.interruptions,
+        "deviations": o.counts.deviations,
+        "replans": o.counts.replans,
         "plan_us": quantiles(&o.plan_ns),
         "plan_failures": o.counts.plan_failures,
         "step_us": quantiles(&o.step_ns),

@@ -78,6 +78,7 @@ impl Drive {
             if !step.urgent.is_empty() {
                 self.world.command(self.clock.now(), step.urgent);
             }
+            self.world.tell(self.clock.now(), step.guidance);
             let after = self.journal.record(now, step.facts);
             self.outbox.put(after, step.commands, step.replies);
         }

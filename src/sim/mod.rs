@@ -7,6 +7,7 @@
 
 mod crew;
 mod customers;
+pub mod detection;
 mod digest;
 pub mod encounter;
 mod guard;
@@ -26,7 +27,7 @@ mod world;
 pub use customers::OrderLine;
 pub use digest::Digest;
 pub use laws::Violation;
-pub use run::{Outcome, Simulation};
+pub use run::{Outcome, People, Simulation};
 pub use scenario::{Demand, Faults, Scenario, ScenarioError};
 pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, Sensor, Source, Workers};
 pub use world::{World, starting_places};

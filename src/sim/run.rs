@@ -4,7 +4,9 @@
 //! whoever runs it passes in, and decide nothing.
 
 use super::customers::OrderLine;
+use super::detection::{Score, Watch};
 use super::digest::Digest;
+use super::encounter::Figures;
 use super::laws::Laws;
 use super::scenario::Scenario;
 use super::world::World;
@@ -28,6 +30,7 @@ pub struct Simulation {
     plan_ns: Vec<u64>,
     step_ns: Vec<u64>,
     trace: Digest,
+    watch: Watch,
 }
 
 /// What came out.
@@ -47,6 +50,19 @@ pub struct Outcome {
     pub broken: Vec<String>,
     /// A digest of all facts: same build, same seed, same digest.
     pub trace_hash: u64,
+    /// What became of people, measured where they truly were.
+    pub people: People,
+}
+
+/// What became of people.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct People {
+    /// Meetings with robots, contacts, time on the floor.
+    pub figures: Figures,
+    /// Assignments that they truly completed.
+    pub completed: u64,
+    /// How well the fleet knew what they did.
+    pub score: Score,
 }
 
 impl Simulation {
@@ -74,6 +90,7 @@ impl Simulation {
             plan_ns: Vec::new(),
             step_ns: Vec::new(),
             trace: Digest::default(),
+            watch: Watch::default(),
         }
     }
 
@@ -98,6 +115,8 @@ impl Simulation {
             self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
         }
         self.trace.add(&step.facts);
+        self.watch.note(self.now, &step.facts, &step.guidance);
+        self.watch.look(self.now, &self.fleet);
         self.world.command(self.now, step.urgent.clone());
         self.world.command(self.now, step.commands.clone());
         self.world.tell(self.now, step.guidance.clone());
@@ -114,6 +133,7 @@ impl Simulation {
     pub fn outcome(mut self) -> Outcome {
         self.plan_ns.sort_unstable();
         self.step_ns.sort_unstable();
+        let people = self.people();
         Outcome {
             simulated: self.now - Time::ZERO,
             counts: self.fleet.view(self.now).counts,
@@ -122,6 +142,16 @@ impl Simulation {
             law_violations: self.laws.count,
             broken: self.laws.broken.iter().map(|(t, v)| format!("{t}: {v}")).collect(),
             trace_hash: self.trace.value(),
+            people,
+        }
+    }
+
+    fn people(&self) -> People {
+        let logs = self.world.walkers().map(|(id, w)| (id, w.log()));
+        People {
+            figures: self.world.figures().clone(),
+            completed: self.world.completed(),
+            score: self.watch.score(logs, self.now),
         }
     }
 }

@@ -1,0 +1,209 @@
+//! Robots and people together, by four ways of giving way: Table 4.1 of Petković 2021 with our own arm beside it.
+//!
+//! Main types: [`Setup`], [`Row`], [`Column`]. Every arm meets the same seeds, and what comes to people's minds does not
+//! depend on the arm. Refuses: threads and files; whoever calls runs [`Setup::run`] as often, and on as many cores, as
+//! it likes.
+
+use super::statistics::{Paired, Summary};
+use crate::aware::Arm;
+use crate::route::Kinematics;
+use crate::sim::detection::Score;
+use crate::sim::{Causes, Demand, Deviations, Faults, Outcome, Scenario, Sensor, Simulation, Workers};
+use crate::time::Span;
+use crate::warehouse::Warehouse;
+use std::sync::Arc;
+
+/// When workers come in, seconds (Petković 2021, figure 4.8).
+const ENTER_S: f64 = 250.0;
+/// When they deviate, seconds (the same).
+const DEVIATE_S: [f64; 6] = [300.0, 320.0, 420.0, 450.0, 500.0, 625.0];
+
+/// One experiment, to be run with many seeds.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The hall.
+    pub warehouse: Arc<Warehouse>,
+    /// Robots in it.
+    pub robots: usize,
+    /// People in it.
+    pub workers: usize,
+    /// How long, seconds.
+    pub seconds: f64,
+    /// How people are seen.
+    pub sensor: Sensor,
+}
+
+/// What one run came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Racks served at stations.
+    pub robot_deliveries: f64,
+    /// Assignments that workers truly completed.
+    pub human_deliveries: f64,
+    /// Meetings of moving robots with workers, per minute of workers on the floor.
+    pub encounters_per_worker_minute: f64,
+    /// Robots that had to stop or to go elsewhere because of a worker, per true deviation.
+    pub interruptions_per_deviation: f64,
+    /// Routes planned anew because of workers.
+    pub replans: f64,
+    /// How well deviations were noticed.
+    pub score: Score,
+    /// Broken laws, in words.
+    pub broken: Vec<String>,
+    /// How many there were.
+    pub law_violations: u64,
+}
+
+/// What is read off a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// Racks served.
+    RobotDeliveries,
+    /// Assignments completed.
+    HumanDeliveries,
+    /// Both.
+    TotalDeliveries,
+    /// Meetings per minute of workers on the floor.
+    EncountersPerWorkerMinute,
+    /// Interrupted robots per deviation.
+    InterruptionsPerDeviation,
+    /// Routes planned anew because of workers.
+    Replans,
+}
+
+impl Column {
+    /// All of them, in the order of the table.
+    pub const ALL: [Column; 6] = [
+        Column::RobotDeliveries,
+        Column::HumanDeliveries,
+        Column::TotalDeliveries,
+        Column::EncountersPerWorkerMinute,
+        Column::InterruptionsPerDeviation,
+        Column::Replans,
+    ];
+
+    /// The word for it in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Column::RobotDeliveries => "robot_deliveries",
+            Column::HumanDeliveries => "human_deliveries",
+            Column::TotalDeliveries => "total_deliveries",
+            Column::EncountersPerWorkerMinute => "encounters_per_worker_minute",
+            Column::InterruptionsPerDeviation => "interruptions_per_deviation",
+            Column::Replans => "replans",
+        }
+    }
+
+    /// This column of a run.
+    pub fn of(self, row: &Row) -> f64 {
+        match self {
+            Column::RobotDeliveries => row.robot_deliveries,
+            Column::HumanDeliveries => row.human_deliveries,
+            Column::TotalDeliveries => row.robot_deliveries + row.human_deliveries,
+            Column::EncountersPerWorkerMinute => row.encounters_per_worker_minute,
+            Column::InterruptionsPerDeviation => row.interruptions_per_deviation,
+            Column::Replans => row.replans,
+        }
+    }
+
+    /// This column of many runs.
+    pub fn summary(self, rows: &[Row]) -> Summary {
+        Summary::of(&rows.iter().map(|r| self.of(r)).collect::<Vec<_>>())
+    }
+
+    /// Differences of this column between two arms, seed by seed.
+    pub fn paired(self, ours: &[Row], theirs: &[Row]) -> Paired {
+        let all = |rows: &[Row]| rows.iter().map(|r| self.of(r)).collect::<Vec<_>>();
+        Paired::of(&all(ours), &all(theirs))
+    }
+}
+
+impl Setup {
+    /// The scenario of one run.
+    pub fn scenario(&self, arm: Arm, seed: u64) -> Scenario {
+        let deviations = Deviations { at_s: DEVIATE_S.to_vec(), causes: Causes::All };
+        let workers = Workers {
+            count: self.workers,
+            enter_s: ENTER_S,
+            deviations,
+            sensor: self.sensor,
+            ..Workers::default()
+        };
+        Scenario {
+            name: format!("table-4-1 {} {}", arm.word(), self.workers),
+            map: String::new(),
+            robots: self.robots,
+            duration: Span::from_secs_f64(self.seconds),
+            period: Span::from_millis(100),
+            seed,
+            demand: Demand::Backlog(self.robots),
+            faults: Faults::default(),
+            kinematics: Kinematics::default(),
+            workers,
+            arm,
+        }
+    }
+
+    /// One run.
+    pub fn run(&self, arm: Arm, seed: u64) -> Row {
+        let scenario = self.scenario(arm, seed);
+        let mut sim = Simulation::new(self.warehouse.clone(), &scenario, &[], seed, false, || 0);
+        while !sim.is_over() {
+            sim.step();
+        }
+        Row::of(&sim.outcome())
+    }
+}
+
+impl Row {
+    fn of(outcome: &Outcome) -> Row {
+        let Outcome { counts, people, .. } = outcome;
+        let minutes = people.figures.worker_time.as_secs_f64() / 60.0;
+        let per = |n: u64, of: f64| if of > 0.0 { n as f64 / of } else { 0.0 };
+        Row {
+            robot_deliveries: counts.robot_deliveries as f64,
+            human_deliveries: people.completed as f64,
+            encounters_per_worker_minute: per(people.figures.meetings.len() as u64, minutes),
+            interruptions_per_deviation: per(counts.interruptions, people.score.deviations() as f64),
+            replans: counts.replans as f64,
+            score: people.score.clone(),
+            broken: outcome.broken.clone(),
+            law_violations: outcome.law_violations,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::warehouse::thesis;
+
+    fn setup() -> Setup {
+        let warehouse = Arc::new(thesis());
+        Setup { warehouse, robots: 8, workers: 1, seconds: 340.0, sensor: Sensor::default() }
+    }
+
+    #[test]
+    fn a_run_of_one_seed_is_the_same_twice_and_has_people_in_it() {
+        let row = setup().run(Arm::Giveway, 3);
+        assert_eq!(row, setup().run(Arm::Giveway, 3));
+        assert!(row.score.hours > 85.0 / 3600.0 && row.score.deviations() > 0, "{:?}", row.score);
+        assert_eq!(row.law_violations, 0, "{:?}", row.broken);
+    }
+
+    #[test]
+    fn what_workers_set_out_for_does_not_depend_on_the_arm() {
+        let deviations = |arm| {
+            let scenario = setup().scenario(arm, 5);
+            let mut sim = Simulation::new(setup().warehouse, &scenario, &[], 5, false, || 0);
+            while !sim.is_over() {
+                sim.step();
+            }
+            let logs = sim.world.walkers().map(|(_, w)| w.log().segments().to_vec());
+            let scripted = logs.flatten().filter(|s| s.cause == crate::sim::walker::Cause::Scripted);
+            scripted.map(|s| s.from).collect::<Vec<_>>()
+        };
+        assert_eq!(deviations(Arm::Nhir), deviations(Arm::Giveway));
+        assert_eq!(deviations(Arm::Nhir).len(), 2);
+    }
+}
