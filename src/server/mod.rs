@@ -11,6 +11,7 @@ mod inbox;
 mod journal;
 mod measure;
 mod outbox;
+mod past;
 mod records;
 mod show;
 

@@ -1,21 +1,18 @@
 //! A recording on the screen: the same pages and feeds, with the fleet of then.
 //!
-//! Main type: [`Show`]. Jobs are kept in memory; requests are refused, since the past takes none. Refuses: a database.
+//! Main type: [`Show`]. Lists are kept in memory; requests are refused, since the past takes none. Refuses: a database.
 
-use super::{clock::Clock, listen, measure::Measure};
+use super::{clock::Clock, listen, measure::Measure, past::Past};
 use crate::api::Api;
 use crate::api::auth::Gate;
 use crate::api::live::Live;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, JobFilter, JobRecord, Later, Moment, Records};
-use crate::fleet::{Fact, Job, JobState};
-use crate::id::JobId;
+use crate::api::port::{Alarms, Moment};
 use crate::sim::replay::{Player, Turn};
 use crate::time::{Span, Time};
 use anyhow::Context;
-use std::collections::BTreeMap;
 use std::net::SocketAddr;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
@@ -136,53 +133,5 @@ impl Screen {
             self.live.publish(&moment, &self.alarms.list(), 0.0);
             tokio::time::sleep(Duration::from_secs(1)).await;
         }
-    }
-}
-
-/// The jobs of then.
-#[derive(Default)]
-struct Past(Mutex<BTreeMap<JobId, JobRecord>>);
-
-impl Past {
-    fn add(&self, facts: &[Fact]) {
-        let mut jobs = self.0.lock().expect("nobody panics with this lock");
-        for fact in facts {
-            match fact {
-                Fact::Accepted { job: id, request, at } => {
-                    let job = Job { request: request.clone(), state: JobState::Waiting, accepted: *at };
-                    jobs.insert(*id, JobRecord { id: *id, job, robot: None, updated: *at });
-                }
-                Fact::Progressed { job, state, at } => {
-                    if let Some(record) = jobs.get_mut(job) {
-                        record.job.state = *state;
-                        record.robot = state.robot().or(record.robot);
-                        record.updated = *at;
-                    }
-                }
-                _ => {}
-            }
-        }
-    }
-}
-
-impl Records for Past {
-    fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRecord>, String>> {
-        let found = self.0.lock().expect("nobody panics with this lock").get(&id).cloned();
-        Box::pin(async move { Ok(found) })
-    }
-
-    fn jobs(&self, filter: JobFilter) -> Later<'_, Result<Vec<JobRecord>, String>> {
-        let jobs = self.0.lock().expect("nobody panics with this lock");
-        let before = filter.before.unwrap_or(JobId(u64::MAX));
-        let wanted = |r: &&JobRecord| filter.state.is_none_or(|s| r.job.state.word() == s);
-        let found: Vec<JobRecord> = jobs
-            .range(..before)
-            .rev()
-            .map(|(_, r)| r)
-            .filter(wanted)
-            .take(filter.limit as usize)
-            .cloned()
-            .collect();
-        Box::pin(async move { Ok(found) })
     }
 }
