@@ -1,7 +1,8 @@
-//! The server's face: HTTP under `/v1`, the live feed, metrics, the API's own description, the page.
+//! The server's face: HTTP under `/v1`, the live feed, the feeds of headsets, metrics, the API's own description, the
+//! page.
 //!
 //! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from whoever runs it;
-//! [`live`] is the feed. Reads look at the latest published picture or at durable jobs; writes put a request
+//! [`live`] is the feed of the floor, [`feed`] those of people. Reads look at the latest published picture or at durable jobs; writes put a request
 //! onto the desk and answer when its facts are durable. Refuses: to decide anything about robots, and to know
 //! store or server.
 
@@ -9,10 +10,14 @@ pub mod auth;
 pub mod dto;
 pub mod error;
 mod extract;
+pub mod feed;
 mod http;
 pub mod live;
+pub mod massrobotics;
 pub mod metrics;
+pub mod people;
 pub mod port;
+mod refusal;
 mod ws;
 
 pub use http::router;
@@ -20,7 +25,7 @@ pub use http::router;
 use crate::fleet::Reply;
 use crate::warehouse::Warehouse;
 use error::Problem;
-use port::{Alarms, Ask, Moment, Records, What};
+use port::{Alarms, Ask, Moment, Now, Records, What};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{mpsc, oneshot, watch};
@@ -43,6 +48,12 @@ pub struct Api {
     pub alarms: Arc<Alarms>,
     /// The live feed.
     pub live: Arc<live::Live>,
+    /// Feeds of headsets and tags.
+    pub feeds: Arc<feed::hub::Feeds>,
+    /// Frames and workers of MassRobotics reports.
+    pub interop: Arc<massrobotics::Interop>,
+    /// The clock.
+    pub now: Now,
     /// Figures.
     pub metrics: Arc<metrics::Metrics>,
     /// Who may ask.
@@ -74,7 +85,7 @@ impl Api {
             }
             Err(_) => {
                 let detail = "not durable after ten seconds: whether it was accepted will be known later. \
-                              Try again with the same Idempotency-Key, which never makes a second job.";
+                              Try again with the same Idempotency-Key, which never makes a second one.";
                 Err(Problem::unavailable(detail, 5))
             }
         }

@@ -19,7 +19,9 @@ pub use clock::Clock;
 pub use config::{Config, Flags};
 pub use show::Show;
 
+use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
+use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment};
 use crate::api::{Api, auth::Gate, router};
@@ -110,7 +112,15 @@ impl Server {
         let fleet = Fleet::restore(map.clone(), settings, loaded.facts);
         let world = World::new(map, &scenario, &lines, scenario.seed, &fleet, clock.now());
         let (stop, stopping) = watch::channel(false);
-        let parts = Parts { fleet, world, clock, period: scenario.period, next: loaded.next, gate };
+        let parts = Parts {
+            fleet,
+            world,
+            clock,
+            period: scenario.period,
+            next: loaded.next,
+            gate,
+            interop: config.massrobotics.clone(),
+        };
         let work = tokio::spawn(work(parts, store.clone(), listener, stopping));
         Ok(Server { address, summary, store, stop, work })
     }
@@ -156,6 +166,7 @@ struct Parts {
     period: Span,
     next: i64,
     gate: Gate,
+    interop: Interop,
 }
 
 /// Runs everything until told to stop, or until something cannot go on; then takes it down in order.
@@ -165,11 +176,14 @@ async fn work(
     listener: TcpListener,
     mut stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
-    let Parts { fleet, world, clock, period, next, gate } = parts;
+    let Parts { fleet, world, clock, period, next, gate, interop } = parts;
     let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
     let (desk, requests) = mpsc::channel(inbox::DESK);
+    let (feeds, heard) = Feeds::new();
+    feeds.know(&fleet.ledger().workers);
+    let feeds = Arc::new(feeds);
     let first = Moment { view: fleet.view(clock.now()), ..Moment::default() };
     let (moments, picture) = watch::channel(Arc::new(first));
     let map = fleet.warehouse().clone();
@@ -179,16 +193,17 @@ async fn work(
         world,
         clock: clock.clone(),
         period,
-        inbox: inbox::Inbox::new(requests),
+        inbox: inbox::Inbox::new(requests, heard),
         outbox: outbox::Outbox::default(),
         journal,
         measure: measure::Measure::default(),
         metrics: metrics.clone(),
+        feeds: feeds.clone(),
         moments,
     };
     let (closing, closes) = watch::channel(false);
     let (halt, halted) = watch::channel(false);
-    let mut feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock));
+    let mut feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
     let mut writer = tokio::spawn(writer.run());
     let mut thread = spawn_loop(drive, halted)?;
     let api = Api {
@@ -198,6 +213,9 @@ async fn work(
         desk,
         alarms,
         live,
+        feeds,
+        interop: Arc::new(interop),
+        now: Arc::new(move || clock.now()),
         metrics,
         gate: Arc::new(gate),
         closing: closes.clone(),

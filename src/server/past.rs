@@ -3,7 +3,8 @@
 //! Main type: [`Past`]. Refuses: a database.
 
 use crate::api::port::{
-    AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, JobFilter, JobRecord, Later, Records,
+    AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, JobFilter, JobRecord, Later,
+    Records,
 };
 use crate::fleet::{Assignment, AssignmentState, Fact, Job, JobState};
 use crate::id::{AssignmentId, JobId};

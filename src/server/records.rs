@@ -3,7 +3,8 @@
 //! Main type: [`Shelf`]. Refuses: to write.
 
 use crate::api::port::{
-    AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, JobFilter, JobRecord, Later, Records,
+    AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, JobFilter, JobRecord, Later,
+    Records,
 };
 use crate::id::{AssignmentId, JobId};
 use crate::store::{AssignmentQuery, AssignmentRow, EncounterQuery, JobQuery, JobRow, Store, StoreError};

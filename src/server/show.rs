@@ -5,7 +5,9 @@
 use super::{clock::Clock, listen, measure::Measure, past::Past};
 use crate::api::Api;
 use crate::api::auth::Gate;
+use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
+use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment};
 use crate::sim::replay::{Player, Turn};
@@ -42,7 +44,11 @@ impl Show {
         let map = player.fleet.warehouse().clone();
         let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
         let (moments, picture) = watch::channel(Arc::new(Moment::default()));
-        let live = Arc::new(Live::new(map.clone(), Clock::start(None).now().0.unsigned_abs()));
+        let clock = Clock::start(None);
+        let live = Arc::new(Live::new(map.clone(), clock.now().0.unsigned_abs()));
+        // Poses of today change nothing in the past: nobody takes them.
+        let (feeds, _) = Feeds::new();
+        let feeds = Arc::new(feeds);
         let past = Arc::new(Past::default());
         let (desk, _) = mpsc::channel(1);
         let (closing, closes) = watch::channel(false);
@@ -53,12 +59,15 @@ impl Show {
             desk,
             alarms: alarms.clone(),
             live: live.clone(),
+            feeds: feeds.clone(),
+            interop: Arc::new(Interop::default()),
+            now: Arc::new(move || clock.now()),
             metrics,
             gate: Arc::new(Gate::default()),
             closing: closes.clone(),
         };
         let http = tokio::spawn(listen(listener, api, closes));
-        let screen = Screen { live, alarms, moments, past, measure: Measure::default(), speed };
+        let screen = Screen { live, feeds, alarms, moments, past, measure: Measure::default(), speed };
         let play = Some(tokio::spawn(screen.play(player)));
         Ok(Show { address, http, play, _closing: closing })
     }
@@ -84,6 +93,7 @@ impl Show {
 /// What a recording is shown on.
 struct Screen {
     live: Arc<Live>,
+    feeds: Arc<Feeds>,
     alarms: Arc<Alarms>,
     moments: watch::Sender<Arc<Moment>>,
     past: Arc<Past>,
@@ -118,6 +128,8 @@ impl Screen {
 
     fn publish(&mut self, player: &Player, now: Time) {
         let view = player.fleet.view(now);
+        self.feeds.know(&player.fleet.ledger().workers);
+        self.feeds.refresh(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let moment = Arc::new(Moment { view, time_s: now.as_secs_f64(), measured });
         self.live.publish(&moment, &self.alarms.list(), 0.0);

@@ -101,7 +101,9 @@ impl Misfit {
             Misfit::TooMany(_) => "send the 32 nearest",
             Misfit::Absurd(_) => "touch this mark again",
             Misfit::TooClose(_) => "touch marks that are at least 1 m apart, better 10 m",
-            Misfit::Scale(_) => "check that each mark has the right name, and that the device counts in metres",
+            Misfit::Scale(_) => {
+                "check that each mark has the right name, and that the device counts in metres"
+            }
             Misfit::Residual { .. } => "check the name of that mark, and touch it again",
             Misfit::Ambiguous => "touch a fourth mark",
         }
@@ -124,9 +126,14 @@ struct Fit {
 impl Alignment {
     /// A device that knows the map's frame itself.
     pub fn identity() -> Alignment {
+        Alignment::exact(0.0, Vector::zeros())
+    }
+
+    /// A frame whose place on the map is set up by hand.
+    pub fn exact(theta: f64, shift: Vector) -> Alignment {
         Alignment {
-            theta: 0.0,
-            shift: Vector::zeros(),
+            theta,
+            shift,
             rms_m: 0.0,
             heading_error: 0.0,
             dropped: Vec::new(),

@@ -313,9 +313,10 @@ fn senses(alignment: &Alignment, said: &PoseSaid) -> Senses {
     let hand = |joints: &Vec<[f64; 4]>| -> Option<Hand> {
         if joints.len() > MOST_JOINTS { None } else { joints.iter().map(joint).collect() }
     };
-    let hands = said.hands.as_ref().map_or([None, None], |h| {
-        [h.l.as_ref().and_then(hand), h.r.as_ref().and_then(hand)]
-    });
+    let hands = said
+        .hands
+        .as_ref()
+        .map_or([None, None], |h| [h.l.as_ref().and_then(hand), h.r.as_ref().and_then(hand)]);
     let battery = said.battery.filter(|b| (0.0..=1.0).contains(b));
     Senses { gaze, hands, battery }
 }
@@ -358,7 +359,8 @@ mod tests {
         let mut intake = intake(Frame::Device);
         assert_eq!(intake.take(&pose(1), NOW), Err(Fault::NotAligned));
         let quarter = std::f64::consts::FRAC_PI_2;
-        let mark = Pair { device: Vector::zeros(), map: Point::new(10.0, 5.0), weight: 1.0, turn: Some(quarter) };
+        let mark =
+            Pair { device: Vector::zeros(), map: Point::new(10.0, 5.0), weight: 1.0, turn: Some(quarter) };
         intake.align(&[mark]).unwrap();
         assert_eq!(intake.take(&pose(1), NOW), Err(Fault::OldEpoch));
         let taken = intake.take(&PoseSaid { epoch: 2, ..pose(1) }, NOW).unwrap();
@@ -367,7 +369,10 @@ mod tests {
         assert!((s.heading.unwrap().abs() - std::f64::consts::PI).abs() < 1e-9, "{s:?}");
         assert_eq!((s.worker, s.epoch, s.seq), (WorkerId(3), 2, 1));
         assert!((s.seen - NOW).0.abs() <= 2000, "{:?}", s.seen - NOW);
-        assert!(s.accuracy_m > 0.12 && s.accuracy_m < 0.15, "3.6 m off a mark whose turn is known to 2 degrees");
+        assert!(
+            s.accuracy_m > 0.12 && s.accuracy_m < 0.15,
+            "3.6 m off a mark whose turn is known to 2 degrees"
+        );
         assert_eq!(intake.take(&PoseSaid { epoch: 3, ..pose(2) }, NOW), Err(Fault::UnknownEpoch));
     }
 

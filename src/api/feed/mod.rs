@@ -18,4 +18,4 @@ pub mod wire;
 mod tests;
 
 /// No hall is larger: coordinates beyond are mistakes, metres.
-const FAR_M: f64 = 10_000.0;
+pub(super) const FAR_M: f64 = 10_000.0;

@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn rays_are_turned_like_the_frame() {
-        let quarter = Alignment { theta: FRAC_PI_2, ..Alignment::identity() };
+        let quarter = Alignment::exact(FRAC_PI_2, Vector::zeros());
         let dir = direction(&quarter, [0.0, 0.0, -2.0]).unwrap();
         assert!((Vector3::from(dir) - Vector3::new(-1.0, 0.0, 0.0)).norm() < 1e-9, "{dir:?}");
         assert_eq!(direction(&quarter, [0.0; 3]), None);

@@ -12,13 +12,19 @@ const PERMIT: Span = Span(1_000_000 / 66);
 const MOST: i64 = 4;
 
 /// Thins what comes too fast.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Thinner<T> {
     /// When the bucket was last empty; permits gather from there.
     empty: Option<Time>,
     waiting: Option<T>,
     /// How many were left out.
     pub thinned: u64,
+}
+
+impl<T> Default for Thinner<T> {
+    fn default() -> Thinner<T> {
+        Thinner { empty: None, waiting: None, thinned: 0 }
+    }
 }
 
 impl<T> Thinner<T> {

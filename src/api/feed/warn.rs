@@ -34,8 +34,7 @@ mod tests {
     #[test]
     fn a_flood_of_faults_is_told_in_drops() {
         let mut warnings = Warnings::default();
-        let told: Vec<u64> =
-            (0..6000).filter_map(|ms| warnings.note("absurd", 1, Time(ms * 1000))).collect();
+        let told: Vec<u64> = (0..6000).filter_map(|ms| warnings.note("absurd", 1, Time(ms * 1000))).collect();
         assert_eq!(told, [1, 2000, 2000]);
         assert_eq!(warnings.note("future", 3, Time(1)), Some(3), "another kind is told at once");
     }
