@@ -41,7 +41,7 @@ async fn a_reader_gets_a_snapshot_then_patches_and_resumes_where_it_was() {
     let snapshot = next(&mut socket).await.unwrap();
     assert_eq!(snapshot["type"], "snapshot");
     assert_eq!(snapshot["racks"].as_array().unwrap().len(), map().racks.len());
-    for key in ["robots", "stations", "alarms"] {
+    for key in ["robots", "stations", "workers", "closures", "alarms"] {
         assert!(snapshot[key].is_array(), "{key} of {snapshot}");
     }
     for key in ["waiting", "active", "done", "cancelled", "failed"] {

@@ -5,7 +5,10 @@
 #![cfg(feature = "edge")]
 
 mod api;
+mod feed;
 mod helper;
 mod live;
+mod load;
+mod people;
 mod recovery;
 mod store;
