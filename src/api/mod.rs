@@ -1,10 +1,10 @@
 //! The server's face: HTTP under `/v1`, the live feed, the feeds of headsets, metrics, the API's own description, the
 //! page.
 //!
-//! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from whoever runs it;
-//! [`live`] is the feed of the floor, [`feed`] those of people. Reads look at the latest published picture or at durable jobs; writes put a request
-//! onto the desk and answer when its facts are durable. Refuses: to decide anything about robots, and to know
-//! store or server.
+//! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from whoever runs it; [`live`] is the
+//! feed of the floor, [`feed`] those of people. Reads look at the latest published picture or at durable lists; writes
+//! put a request onto the desk and answer when its facts are durable. Refuses: to decide anything about robots, and to
+//! know store or server.
 
 pub mod auth;
 pub mod dto;

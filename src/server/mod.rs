@@ -19,7 +19,7 @@ pub use clock::Clock;
 pub use config::{Config, Flags};
 pub use show::Show;
 
-use crate::api::feed::hub::Feeds;
+use crate::api::feed::hub::{Feeds, Heard};
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
@@ -112,15 +112,11 @@ impl Server {
         let fleet = Fleet::restore(map.clone(), settings, loaded.facts);
         let world = World::new(map, &scenario, &lines, scenario.seed, &fleet, clock.now());
         let (stop, stopping) = watch::channel(false);
-        let parts = Parts {
-            fleet,
-            world,
-            clock,
-            period: scenario.period,
-            next: loaded.next,
-            gate,
-            interop: config.massrobotics.clone(),
-        };
+        let (feeds, heard) = Feeds::new();
+        feeds.know(&fleet.ledger().workers);
+        let (period, next, feeds) = (scenario.period, loaded.next, Arc::new(feeds));
+        let interop = config.massrobotics.clone();
+        let parts = Parts { fleet, world, clock, period, next, gate, interop, feeds, heard };
         let work = tokio::spawn(work(parts, store.clone(), listener, stopping));
         Ok(Server { address, summary, store, stop, work })
     }
@@ -167,6 +163,8 @@ struct Parts {
     next: i64,
     gate: Gate,
     interop: Interop,
+    feeds: Arc<Feeds>,
+    heard: mpsc::Receiver<Heard>,
 }
 
 /// Runs everything until told to stop, or until something cannot go on; then takes it down in order.
@@ -176,14 +174,11 @@ async fn work(
     listener: TcpListener,
     mut stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
-    let Parts { fleet, world, clock, period, next, gate, interop } = parts;
+    let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard } = parts;
     let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
     let (desk, requests) = mpsc::channel(inbox::DESK);
-    let (feeds, heard) = Feeds::new();
-    feeds.know(&fleet.ledger().workers);
-    let feeds = Arc::new(feeds);
     let first = Moment { view: fleet.view(clock.now()), ..Moment::default() };
     let (moments, picture) = watch::channel(Arc::new(first));
     let map = fleet.warehouse().clone();
@@ -201,8 +196,7 @@ async fn work(
         feeds: feeds.clone(),
         moments,
     };
-    let (closing, closes) = watch::channel(false);
-    let (halt, halted) = watch::channel(false);
+    let ((closing, closes), (halt, halted)) = (watch::channel(false), watch::channel(false));
     let mut feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
     let mut writer = tokio::spawn(writer.run());
     let mut thread = spawn_loop(drive, halted)?;

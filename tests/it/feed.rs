@@ -131,7 +131,10 @@ async fn marks_that_do_not_fit_are_refused_with_what_to_do_and_good_ones_begin_a
     let at = server.address();
     hire(at, "anna").await;
     let mut headset = Headset::connect(at, "w1", "device").await;
-    let pose = |epoch: u64, t: f64| json!({"type": "pose", "epoch": epoch, "seq": 1, "t": t, "pos": [0, 1.6, 0], "quat": [0, 0, 0, 1]});
+    let pose = |epoch: u64, t: f64| {
+        let (pos, quat) = ([0.0, 1.6, 0.0], [0, 0, 0, 1]);
+        json!({"type": "pose", "epoch": epoch, "seq": 1, "t": t, "pos": pos, "quat": quat})
+    };
     headset.say(pose(1, headset.clock_ms())).await;
     assert_eq!(headset.next("warning").await["code"], "not-aligned");
     let anchor = |x: f64, z: f64, map: [f64; 2]| json!({"device": [x, 0, z], "map": map});

@@ -69,6 +69,24 @@ async fn a_reader_gets_a_snapshot_then_patches_and_resumes_where_it_was() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn gaze_and_hands_come_to_those_who_ask() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    crate::feed::hire(at, "anna").await;
+    let mut asks = connect(at, "?senses=true", "").await.unwrap();
+    let mut others = connect(at, "", "").await.unwrap();
+    assert_eq!(next(&mut asks).await.unwrap()["type"], "snapshot");
+    let senses = next(&mut asks).await.unwrap();
+    assert_eq!((senses["type"].as_str(), senses["workers"][0]["id"].as_str()), (Some("senses"), Some("w1")));
+    assert!(senses["workers"][0]["hands"]["l"].is_null() && senses["workers"][0].get("gaze").is_some());
+    assert_eq!(next(&mut asks).await.unwrap()["type"], "patch");
+    assert_eq!(next(&mut others).await.unwrap()["type"], "snapshot");
+    assert_eq!(next(&mut others).await.unwrap()["type"], "patch");
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn the_feed_ends_in_order_when_the_server_goes_down() {
     let folder = Folder::new();
     let server = start(&folder).await;

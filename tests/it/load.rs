@@ -5,6 +5,7 @@ use crate::feed::{Headset, hire};
 use crate::helper::{Folder, config, get};
 use giveway::server::{Floor, Server};
 use giveway::sim::Scenario;
+use giveway::time::Span;
 use giveway::warehouse::formats;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -14,6 +15,8 @@ use tokio::time::{Instant, MissedTickBehavior, interval};
 
 const WORKERS: usize = 20;
 const ROBOTS: usize = 200;
+/// Length of a turn of the loop, which poses wait for.
+const PERIOD_MS: i64 = 50;
 
 /// How long it takes, without the first seconds.
 fn seconds() -> u64 {
@@ -83,6 +86,7 @@ async fn twenty_headsets_at_60_hz_beside_200_robots() {
     let (map, _) =
         formats::import(&read(&format!("scenarios/{}", scenario.map)), &Default::default()).unwrap();
     scenario.robots = ROBOTS;
+    scenario.period = Span::from_millis(PERIOD_MS);
     let (low, high) = map.bounds();
     let folder = Folder::new();
     let floor = Floor { scenario, map: Arc::new(map), lines: Vec::new() };
@@ -107,14 +111,17 @@ async fn twenty_headsets_at_60_hz_beside_200_robots() {
         seen.turns.into_iter().for_each(|(state, ms)| all.turns.entry(state).or_default().extend(ms));
     }
     let rate = all.sent as f64 / WORKERS as f64 / (seconds() + 5) as f64;
-    println!("{WORKERS} headsets, {ROBOTS} robots, {rate:.1} poses a second each, for {} s", seconds());
+    println!(
+        "{WORKERS} headsets, {ROBOTS} robots, turns of {PERIOD_MS} ms, {rate:.1} poses a second each, for {} s",
+        seconds()
+    );
     println!("from the newest pose that was taken into account to guidance received:");
     told("every guidance", all.ages);
     for (state, ms) in all.turns {
         told(&format!("the first of \"{state}\""), ms);
     }
     let metrics = get(at, "/metrics").await.text;
-    let told = ["giveway_pose", "giveway_step_seconds_sum", "giveway_step_seconds_count"];
-    metrics.lines().filter(|l| told.iter().any(|t| l.starts_with(t))).for_each(|l| println!("{l}"));
+    let figure = |l: &&str| l.starts_with("giveway_pose") || l.starts_with("giveway_step_seconds");
+    metrics.lines().filter(figure).filter(|l| !l.contains("_bucket")).for_each(|l| println!("{l}"));
     server.stop().await.unwrap();
 }

@@ -180,11 +180,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pose_needs_little_and_takes_what_it_does_not_know() {
+    fn messages_are_read_as_docs_show_them_and_with_keys_of_tomorrow() {
         let text = r#"{"type":"pose","epoch":1,"seq":2,"t":3.5,"pos":[1,2,3],"colour":"red"}"#;
         let Said::Pose(pose) = serde_json::from_str(text).unwrap() else { panic!("{text}") };
         assert_eq!((pose.quality, pose.quat, pose.pos), (QualitySaid::Tracked, None, Some([1.0, 2.0, 3.0])));
         assert_eq!(serde_json::from_str::<Said>(r#"{"type":"reset"}"#).unwrap(), Said::Reset);
+        let texts = include_str!("../../../docs/headset.md").split("```json").skip(1);
+        let texts = texts.filter_map(|rest| rest.split("```").next());
+        let shown: Vec<serde_json::Value> = texts
+            .flat_map(|text| serde_json::Deserializer::from_str(text).into_iter())
+            .map(|value| value.expect("docs/headset.md shows JSON"))
+            .collect();
+        let ours = ["hello", "pong", "anchors", "pose"];
+        let said = shown.iter().filter(|m| ours.iter().any(|t| m["type"] == *t));
+        let read: Vec<Said> = said.map(|m| serde_json::from_value(m.clone()).expect("as shown")).collect();
+        assert_eq!(read.len(), 4, "docs/headset.md shows each");
         for bad in [r#"{"type":"jump"}"#, "{}", r#"{"type":"pose","epoch":-1}"#] {
             assert!(serde_json::from_str::<Said>(bad).is_err(), "{bad}");
         }
