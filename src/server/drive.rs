@@ -99,11 +99,11 @@ impl Drive {
         urgent: Vec<(RobotId, Command)>,
         guidance: Vec<(WorkerId, Guidance)>,
     ) {
-        self.feeds.tell(now, guidance);
         let stops = urgent.iter().any(|(_, c)| matches!(c, Command::Limit(Some(limit)) if *limit <= 0.0));
         if !urgent.is_empty() {
             self.world.command(self.clock.now(), urgent);
         }
+        self.feeds.tell(now, guidance);
         if let Some(heard) = heard.filter(|_| stops) {
             let took = self.clock.now() - heard;
             self.metrics.pose_to_robot_stop.observe(took.as_secs_f64());

@@ -40,7 +40,8 @@ pub struct Intake {
     alignment: Option<Alignment>,
     epoch: u32,
     last_seq: Option<u64>,
-    /// Where the head faced last, in the device's frame.
+    /// Where the device was last, and where the head faced, in the device's frame.
+    stood: Option<Vector>,
     faced: Option<f64>,
     /// Where the last stride ended, in the device's frame.
     strode: Option<Vector>,
@@ -121,7 +122,9 @@ impl Fault {
             Fault::NotAligned => "the frame of the device is not known: send anchors",
             Fault::OldEpoch => "the pose belongs to an alignment of before: use the epoch of the last answer",
             Fault::UnknownEpoch => "this epoch was never given out: use the epoch of the last answer",
-            Fault::NoPosition => "a pose needs pos, or at in the frame of the map",
+            Fault::NoPosition => {
+                "a pose needs pos, or at in the frame of the map; one that is lost needs one before it"
+            }
             Fault::Absurd => "numbers that cannot be: positions in metres, accuracy from 0 to 100 m",
             Fault::Quaternion => "quat is x, y, z, w of length 1",
             Fault::Future => "the pose lies in the future: t is the moment on the clock that answers pings",
@@ -142,6 +145,7 @@ impl Intake {
             alignment: (frame == Frame::Map).then(Alignment::identity),
             epoch: 1,
             last_seq: None,
+            stood: None,
             faced: None,
             strode: None,
             walked_m: 0.0,
@@ -177,7 +181,8 @@ impl Intake {
 
     fn begin_epoch(&mut self) {
         self.epoch += 1;
-        (self.last_seq, self.faced, self.strode, self.walked_m) = (None, None, None, 0.0);
+        (self.last_seq, self.stood, self.faced) = (None, None, None);
+        (self.strode, self.walked_m) = (None, 0.0);
         self.clock.resync();
     }
 
@@ -214,7 +219,7 @@ impl Intake {
         if fault.is_none() && said.quality == QualitySaid::Tracked {
             self.stride(device);
         }
-        self.faced = faced;
+        (self.stood, self.faced) = (Some(device), faced);
         let quality = quality(said.quality);
         let (worker, epoch, seq) = (self.worker, self.epoch, said.seq);
         let sighting = Sighting { worker, seen, epoch, seq, at, heading, accuracy_m, quality };
@@ -226,6 +231,8 @@ impl Intake {
         let (device, given) = match (said.pos, said.at, self.frame) {
             (Some(pos), _, _) => (plan(pos), None),
             (None, Some([x, y]), Frame::Map) => (Vector::new(x, y), said.heading),
+            // Who is lost says so, and need not make a place up.
+            _ if said.quality == QualitySaid::Lost => (self.stood.ok_or(Fault::NoPosition)?, self.faced),
             _ => return Err(Fault::NoPosition),
         };
         if !(device.x.abs() <= FAR_M && device.y.abs() <= FAR_M && given.unwrap_or(0.0).abs() <= 1e3) {
@@ -418,6 +425,17 @@ mod tests {
         assert!((s.accuracy_m - 0.03).abs() < 0.001, "{s:?}");
         let facing = PoseSaid { heading: Some(1.0), seq: 2, ..tag };
         assert_eq!(intake.take(&facing, NOW).unwrap().sighting.heading, Some(1.0));
+    }
+
+    #[test]
+    fn who_is_lost_need_not_make_a_place_up() {
+        let mut intake = intake(Frame::Map);
+        let lost =
+            |seq| PoseSaid { pos: None, quat: None, quality: QualitySaid::Lost, accuracy: None, ..pose(seq) };
+        assert_eq!(intake.take(&lost(1), NOW), Err(Fault::NoPosition), "nobody has been anywhere yet");
+        let before = intake.take(&pose(2), NOW).unwrap().sighting;
+        let s = intake.take(&lost(3), NOW).unwrap().sighting;
+        assert_eq!((s.at, s.heading, s.quality), (before.at, before.heading, Quality::Lost));
     }
 
     #[test]

@@ -109,7 +109,9 @@ struct Session<'a> {
 
 /// Serves one client until it leaves, stalls, is replaced, or the server goes down.
 async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
-    let end = match greeting(&mut socket).await {
+    let late = "no hello within ten seconds: the first message is hello, with versions";
+    let greeted = timeout(GREETING, greeting(&mut socket)).await;
+    let end = match greeted.unwrap_or_else(|_| Err(End::Bye(close_code::POLICY, late.into()))) {
         Ok(hello) => {
             let Some(seat) = api.feeds.sit(worker) else { return };
             let now = (api.now)();
@@ -134,7 +136,6 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
             };
             let end = session.run(&hello).await.err();
             api.feeds.leave(worker, &session.seat);
-            api.metrics.poses_thinned.inc_by(session.thinner.thinned);
             socket = session.socket;
             end
         }
@@ -157,9 +158,8 @@ fn short(reason: &str) -> &str {
 /// The first message, in a version that both speak.
 async fn greeting(socket: &mut WebSocket) -> Result<HelloSaid, End> {
     let policy = |reason: &str| End::Bye(close_code::POLICY, reason.into());
-    let late = || policy("no hello within ten seconds: the first message is hello, with versions");
     let message = loop {
-        match timeout(GREETING, socket.recv()).await.map_err(|_| late())? {
+        match socket.recv().await {
             Some(Ok(Message::Text(text))) => break text,
             Some(Ok(Message::Ping(_) | Message::Pong(_))) => {}
             Some(Ok(Message::Binary(_))) => return Err(policy("messages are JSON texts")),
@@ -361,6 +361,7 @@ impl Session<'_> {
     async fn guide(&mut self, due: bool) -> Result<(), End> {
         let Told { at, guidance: told, counts } = self.seat.told.borrow_and_update().clone();
         let key = GuidanceKey::of(told.as_ref());
+        self.api.metrics.poses_thinned.inc_by(std::mem::take(&mut self.thinner.thinned));
         let changed = self.sent != Some(key);
         let now = (self.api.now)();
         if !changed && !due && now - self.sent_at < REFRESH {
