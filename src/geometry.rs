@@ -74,6 +74,13 @@ impl Segment {
         d.y.atan2(d.x)
     }
 
+    /// Distance of a point from the nearest one of the piece, metres.
+    pub fn distance_to(&self, p: Point) -> f64 {
+        let along = self.b - self.a;
+        let u = ((p - self.a).dot(&along) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
+        (p - (self.a + along * u)).norm()
+    }
+
     /// The length, metres.
     pub fn length(&self) -> f64 {
         (self.b - self.a).norm()

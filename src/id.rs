@@ -55,6 +55,10 @@ dense! {
     StationId "s";
     /// A worker.
     WorkerId "w";
+    /// A node of the walkways: a point on the middle line of the free floor.
+    WalkNodeId "f";
+    /// An edge of the walkways.
+    WalkEdgeId "e";
 }
 
 macro_rules! counted {
@@ -78,6 +82,8 @@ counted! {
     AssignmentId "as";
     /// An area that robots keep out of, numbered in the order of marking, starting at 1.
     ClosureId "cl";
+    /// A place where a person may be going: goals come and go, so these are numbers and no positions.
+    GoalId "g";
 }
 
 /// A vector indexed by one kind of dense id.
@@ -89,8 +95,8 @@ pub struct IdVec<I, T> {
 
 impl<I: Dense, T> IdVec<I, T> {
     /// An empty vector.
-    pub fn new() -> Self {
-        Vec::new().into()
+    pub const fn new() -> Self {
+        IdVec { items: Vec::new(), kind: PhantomData }
     }
 
     /// `n` copies of `item`.

@@ -8,7 +8,7 @@
 //!
 //! ```text
 //!   time  id  geometry  →  warehouse  →  timeline  →  route  ┐
-//!                                           human (to come)  ├→  aware (to come)  →  fleet
+//!                                           human            ├→  aware (to come)  →  fleet
 //!   pure: no clock, no I/O, no chance, no hash order ────────┘                         │
 //!  ════════════════════════════════════════════════════════════════════════════════════╪══ the line
 //!   pure too:   sim (a floor in memory)  →  experiment (tables that others can repeat) │
@@ -30,8 +30,9 @@
 //! - [`timeline`]: who holds which resource when, and in which order. Makes [`timeline::Reserved`], the proof that
 //!   something is held.
 //! - [`route`]: the one search, over free windows.
-//! - `human/` and `aware/`: to come. People as beliefs, and what they mean for robots: prices and closures for the
-//!   search, regions for speeds. There will be no second planner.
+//! - [`human`]: people as beliefs. How far it is to their goals, and which goals are theirs.
+//! - `aware/`: to come. What people mean for robots: prices and closures for the search, regions for speeds. There will
+//!   be no second planner.
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
 //! - [`sim`]: robots with inertia, radios that lose, customers; laws; recordings; the driver without a server. Pure.
 //! - [`experiment`]: benchmark floors and published tables, driven by the same search. Pure.
@@ -159,6 +160,7 @@
 
 #[cfg(feature = "edge")]
 pub mod api;
+pub mod aware;
 #[cfg(feature = "edge")]
 pub mod cli;
 pub mod experiment;

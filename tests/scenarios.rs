@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Each scenario with the seconds for which it is run here.
-const RUNS: [(&str, i64); 7] = [
+const RUNS: [(&str, i64); 9] = [
     ("lab", 300),
     ("thesis-20", 300),
     ("thesis-faults", 3600),
@@ -17,6 +17,8 @@ const RUNS: [(&str, i64); 7] = [
     ("kiva-100", 60),
     ("orders", 60),
     ("kiva-800", 70),
+    ("people-1", 300),
+    ("people-3", 300),
 ];
 
 fn folder() -> PathBuf {
@@ -105,6 +107,16 @@ fn a_hundred_and_fifty_robots_under_orders_keep_their_laws() {
 #[test]
 fn eight_hundred_robots_keep_their_laws() {
     holds("kiva-800");
+}
+
+#[test]
+fn robots_and_one_worker_keep_their_laws() {
+    holds("people-1");
+}
+
+#[test]
+fn robots_and_three_workers_keep_their_laws() {
+    holds("people-3");
 }
 
 #[test]

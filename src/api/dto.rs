@@ -5,7 +5,7 @@
 
 use super::people::{closure_name, worker_name};
 use super::port::JobRecord;
-use crate::fleet::{Counts, Doing, JobFailure, JobKind, JobState, RackAt, RobotState, View, Why};
+use crate::fleet::{Counts, Doing, JobFailure, JobKind, JobState, JobWhy, RackAt, RobotState, View, Why};
 use crate::id::{Dense, JobId, NodeId, RobotId};
 use crate::time::Time;
 use crate::timeline::Holder;
@@ -123,6 +123,7 @@ pub struct JobDto {
     /// waiting, assigned, carrying, picking, done, cancelled or failed.
     pub state: &'static str,
     /// Why it failed, or what it waits for.
+    #[schema(example = "waiting for j16 to be over")]
     pub why: Option<String>,
     /// When it was accepted, RFC 3339.
     pub created: String,
@@ -226,10 +227,34 @@ impl Names<'_> {
             deadline: request.deadline.map(time_text),
             after: request.after.iter().map(|j| job_name(*j)).collect(),
             state: record.job.state.word(),
-            why: why_of_job(record.job.state),
+            why: self.why_of_job(record),
             created: time_text(record.job.accepted),
             updated: time_text(record.updated),
         }
+    }
+
+    fn why_of_job(&self, record: &JobRecord) -> Option<String> {
+        if let JobState::Failed(why) = record.job.state {
+            return Some(why_failed(why));
+        }
+        let rack = |r| self.map.racks.get(r).map_or_else(|| format!("{r:?}"), |rack| rack.name.clone());
+        Some(match self.view.why_job(record.id, &record.job)? {
+            JobWhy::After(job) => format!("waiting for {} to be over", job_name(job)),
+            JobWhy::RackBusy(k, r, Some(job)) => {
+                format!("waiting for rack {}, which {} moves for {}", rack(k), self.robot(r), job_name(job))
+            }
+            JobWhy::RackBusy(k, r, None) => {
+                format!("waiting for rack {}, which {} brings back to storage", rack(k), self.robot(r))
+            }
+            JobWhy::RobotBusy(r, Some(job)) => {
+                format!("waiting for {}, which works on {}", self.robot(r), job_name(job))
+            }
+            JobWhy::RobotBusy(r, None) => {
+                format!("waiting for {}, which is on its way somewhere", self.robot(r))
+            }
+            JobWhy::NoRobot => "no robot is free".into(),
+            JobWhy::Robot(r, why) => format!("{}: {}", self.robot(r), self.why(why)),
+        })
     }
 
     fn why(&self, why: Why) -> String {
@@ -242,6 +267,10 @@ impl Names<'_> {
             }
             Why::GivesWay(w) => format!("giving way to worker {}", worker_name(w)),
             Why::Closed(c) => format!("the way leads into closed area {}", closure_name(c)),
+            Why::QueueFull(s) => match self.map.stations.get(s) {
+                Some(station) => format!("the queue of station {} is full", station.name),
+                None => "the queue of its station is full".into(),
+            },
             Why::NoRoute => "no route found yet; trying again".into(),
             Why::Failed => "cannot drive".into(),
             Why::Silent => "not heard of".into(),
@@ -294,15 +323,12 @@ fn doing_word(d: Doing) -> &'static str {
     }
 }
 
-fn why_of_job(state: JobState) -> Option<String> {
-    match state {
-        JobState::Failed(JobFailure::Predecessor(job)) => {
-            Some(format!("{}, which had to be over first, was cancelled or failed", job_name(job)))
+fn why_failed(why: JobFailure) -> String {
+    match why {
+        JobFailure::Predecessor(job) => {
+            format!("{}, which had to be over first, was cancelled or failed", job_name(job))
         }
-        JobState::Failed(JobFailure::Unreachable) => {
-            Some("no way leads there, even on an empty floor".into())
-        }
-        _ => None,
+        JobFailure::Unreachable => "no way leads there, even on an empty floor".into(),
     }
 }
 

@@ -42,8 +42,8 @@ pub struct Api {
     pub moments: watch::Receiver<Arc<Moment>>,
     /// Durable jobs.
     pub records: Arc<dyn Records>,
-    /// Takes requests.
-    pub desk: mpsc::Sender<Ask>,
+    /// Takes requests; absent where a recording is shown, since the past takes none.
+    pub desk: Option<mpsc::Sender<Ask>>,
     /// What stands.
     pub alarms: Arc<Alarms>,
     /// The live feed.
@@ -68,10 +68,19 @@ impl Api {
         self.moments.borrow().clone()
     }
 
+    /// Where requests go; a recording takes none, nor poses.
+    fn desk(&self) -> Result<&mpsc::Sender<Ask>, Problem> {
+        self.desk.as_ref().ok_or_else(|| {
+            let detail = "a recording is shown here, and nothing in it can be changed: ask a running server";
+            Problem::conflict("recording", "This is a recording", detail)
+        })
+    }
+
     /// Asks the fleet and waits until its answer is durable.
     async fn ask(&self, what: What) -> Result<Reply, Problem> {
+        let desk = self.desk()?;
         let (reply, answer) = oneshot::channel();
-        self.desk.try_send(Ask { what, reply }).map_err(|_| {
+        desk.try_send(Ask { what, reply }).map_err(|_| {
             let cause = self.alarms.list().into_iter().map(|a| a.text).collect::<Vec<_>>().join("; ");
             let cause = if cause.is_empty() { "too many requests are waiting".into() } else { cause };
             Problem::unavailable(format!("nothing was accepted: {cause}. Try again soon."), 1)

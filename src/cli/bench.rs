@@ -6,9 +6,9 @@ use super::sim::quantiles;
 use super::{progress, read, read_map, stopwatch};
 use crate::experiment::grid::Grid;
 use crate::experiment::lifelong::{self, Setup};
-use crate::experiment::planning;
+use crate::experiment::{distances, planning};
 use crate::fleet::Settings;
-use crate::warehouse::room_for;
+use crate::warehouse::{room_for, thesis};
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::json;
 use std::path::PathBuf;
@@ -22,6 +22,8 @@ pub enum Bench {
     Lifelong(Lifelong),
     /// How long one route takes to plan while all other robots hold theirs.
     Plan(Plan),
+    /// How long distances to goals take to repair when one edge is cut or restored.
+    Distances(Distances),
 }
 
 /// Pebble rules, with or without turns.
@@ -85,6 +87,55 @@ pub struct Plan {
     json: bool,
 }
 
+/// Arguments of `bench distances`.
+#[derive(Args)]
+pub struct Distances {
+    /// How many edges to cut and to restore, one after the other.
+    #[arg(long, default_value_t = 2000)]
+    changes: usize,
+    /// Seed of the choice of edges.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Distances {
+    fn run(self) -> anyhow::Result<ExitCode> {
+        anyhow::ensure!(self.changes > 0, "--changes must be at least 1");
+        let map = thesis();
+        let setups = [
+            distances::Setup::of_map(&map, false),
+            distances::Setup::of_map(&map, true),
+            distances::Setup::grid(100),
+        ];
+        let command = format!("giveway bench distances --changes {} --seed {}", self.changes, self.seed);
+        let mut rows = Vec::new();
+        for setup in &setups {
+            let out = distances::run(setup, self.changes, self.seed, stopwatch);
+            rows.push(json!({
+                "graph": setup.name, "nodes": out.nodes, "edges": out.edges, "goals": out.goals,
+                "repair_us": quantiles(&out.repair_ns), "anew_us": quantiles(&out.anew_ns),
+            }));
+        }
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&json!({"command": command, "graphs": rows}))?);
+        } else {
+            println!("{command}");
+            for row in &rows {
+                println!(
+                    "{}: {} nodes, {} edges, {} goals",
+                    row["graph"], row["nodes"], row["edges"], row["goals"]
+                );
+                println!("  repaired, microseconds {}", row["repair_us"]);
+                println!("  anew, microseconds     {}", row["anew_us"]);
+            }
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
 impl Plan {
     fn run(self) -> anyhow::Result<ExitCode> {
         let warehouse = read_map(&self.map)?;
@@ -129,6 +180,7 @@ impl Bench {
         match self {
             Bench::Lifelong(arguments) => arguments.run(),
             Bench::Plan(arguments) => arguments.run(),
+            Bench::Distances(arguments) => arguments.run(),
         }
     }
 }

@@ -4,6 +4,7 @@
 //! codes: 0 done, 1 the work failed or a law was broken, 2 wrong arguments.
 
 mod bench;
+mod experiment;
 mod map;
 mod recording;
 mod replay;
@@ -41,6 +42,9 @@ enum Command {
     /// Measure planning on this machine.
     #[command(subcommand)]
     Bench(bench::Bench),
+    /// Run published experiments again.
+    #[command(subcommand)]
+    Experiment(experiment::Experiment),
 }
 
 /// Parses arguments, runs the command, prints what went wrong with all its causes.
@@ -52,6 +56,7 @@ pub fn run() -> ExitCode {
         Some(Command::Replay(replay)) => replay.run(),
         Some(Command::Serve(serve)) => serve.run(),
         Some(Command::Bench(bench)) => bench.run(),
+        Some(Command::Experiment(experiment)) => experiment.run(),
         None => arguments.serve.run(),
     };
     result.unwrap_or_else(|error| {

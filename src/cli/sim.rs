@@ -147,7 +147,7 @@ fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) 
         "scenario": setup.scenario.name,
         "seed": seed,
         "robots": setup.scenario.robots,
-        "workers": 0,
+        "workers": setup.scenario.workers.count,
         "sim_seconds": o.simulated.as_secs_f64(),
         "wall_seconds": wall,
         "robot_deliveries": deliveries,

@@ -6,7 +6,7 @@
 
 use super::grid::Grid;
 use crate::id::{NodeId, RobotId};
-use crate::route::{Ask, Planner, Route, Rules, Stage};
+use crate::route::{Ask, NO_PEOPLE, Planner, Route, Rules, Stage};
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Timeline, Visit};
 
@@ -188,7 +188,15 @@ impl Run<'_> {
         let stages = [stage(goal), stage(robot.home)];
         let here = self.timeline.chain(robot.holder)?.visits().next()?.clone();
         let heading = self.heading(i);
-        let ask = Ask { from: &here, heading, ready: now, stages: &stages, budget: self.setup.budget };
+        let ask = Ask {
+            from: &here,
+            heading,
+            ready: now,
+            stages: &stages,
+            budget: self.setup.budget,
+            conditions: &NO_PEOPLE,
+            away: &[],
+        };
         let planner = &mut self.planner;
         let found = self.timeline.without(&[robot.holder], |others| planner.plan(&ask, others));
         self.out.plans += 1;

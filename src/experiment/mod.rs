@@ -1,9 +1,13 @@
-//! Measurements that others can repeat: published tables and benchmark floors.
+//! Measurements that others can repeat: published tables, stories and benchmark floors.
 //!
 //! Main modules: [`grid`] (benchmark floors as text), [`lifelong`] (goals reached per step under pebble rules),
-//! [`planning`] (one route among many). Refuses:
-//! to read files or clocks; whoever calls passes texts in and takes figures out.
+//! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions recognised),
+//! [`plot`] (charts). Refuses: to read files or clocks; whoever calls passes texts in and takes figures out.
 
+mod dice;
+pub mod distances;
 pub mod grid;
 pub mod lifelong;
 pub mod planning;
+pub mod plot;
+pub mod stories;

@@ -6,7 +6,7 @@
 //! clock itself; the caller passes a stopwatch in.
 
 use crate::id::{Dense, NodeId, RobotId, StationId};
-use crate::route::{Ask, Kinematics, NoRoute, Planner, Route, Rules, Stage};
+use crate::route::{Ask, Kinematics, NO_PEOPLE, NoRoute, Planner, Route, Rules, Stage};
 use crate::sim::starting_places;
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Timeline, Visit};
@@ -148,7 +148,15 @@ impl Crowd {
     fn search(&mut self, robot: usize, stages: &[Stage]) -> Result<Route, NoRoute> {
         let holder = Holder::Robot(RobotId::at(robot));
         let first: Visit = self.timeline.chain(holder).and_then(|c| c.get(0)).expect("placed").clone();
-        let ask = Ask { from: &first, heading: 0.0, ready: self.ready[robot], stages, budget: self.budget };
+        let ask = Ask {
+            from: &first,
+            heading: 0.0,
+            ready: self.ready[robot],
+            stages,
+            budget: self.budget,
+            conditions: &NO_PEOPLE,
+            away: &[],
+        };
         let planner = &mut self.planner;
         self.timeline.without(&[holder], |others| planner.plan(&ask, others))
     }

@@ -31,7 +31,7 @@ impl Fleet {
                     };
                     self.out.replies.push(reply);
                 }
-                Input::Sighted(s) if s.worker.ix() < self.ledger.workers.len() => {}
+                Input::Sighted(s) if s.worker.ix() < self.ledger.workers.len() => self.sight(&s, now),
                 Input::Sighted(s) => tracing::warn!(worker = ?s.worker, "sighting of an unknown worker"),
                 request => self.absorb_request(request, now),
             }

@@ -18,6 +18,8 @@ const ROBOTS: usize = 64;
 /// What one step of priority is worth, what a second of waiting is worth, milliseconds.
 const PRIORITY_MS: i64 = 120_000;
 const AGE_SHARE: i64 = 4;
+/// A deadline counts from this long before it.
+const NEAR: Span = Span::from_secs(600);
 /// What it costs that the station has as many racks under way as places, per rack beyond.
 const CROWD_MS: i64 = 8_000;
 /// Below this, an idle robot that nobody needs goes to charge.
@@ -35,7 +37,7 @@ impl Fleet {
     }
 
     /// Robots with nothing to do that could do something.
-    fn idle_robots(&self, now: Time) -> Vec<RobotId> {
+    pub(super) fn idle_robots(&self, now: Time) -> Vec<RobotId> {
         let idle = |r: &RobotId| {
             let record = &self.ledger.robots[*r];
             record.task == Task::Idle && !record.failed && self.scene.fit(*r, now).is_some()
@@ -43,7 +45,7 @@ impl Fleet {
         ledger::all(&self.ledger.robots).filter(idle).collect()
     }
 
-    fn is_charged(&self, robot: RobotId) -> bool {
+    pub(super) fn is_charged(&self, robot: RobotId) -> bool {
         let battery = self.scene.robot(robot).map_or(0.0, |t| t.battery);
         let s = &self.settings;
         battery >= if self.at_charger(robot) { s.battery_enough } else { s.battery_low }
@@ -93,19 +95,20 @@ impl Fleet {
         let jobs = self.candidates(now);
         let (few, mut left) =
             (robots[..robots.len().min(ROBOTS)].to_vec(), robots[robots.len().min(ROBOTS)..].to_vec());
-        let crowds: Vec<i64> = jobs.iter().map(|(id, _, _)| self.crowd(*id)).collect();
+        let worth: Vec<i64> =
+            jobs.iter().map(|(id, _, _, urgency_ms)| self.crowd(*id) - urgency_ms).collect();
         let cost: Vec<Vec<i64>> = (few.iter())
             .map(|r| {
                 let known = jobs
                     .iter()
-                    .zip(&crowds)
-                    .map(|((id, rack, node), c)| self.cost(*r, *id, *rack, *node, now) + c);
+                    .zip(&worth)
+                    .map(|((_, _, node, _), w)| self.way_ms(*r, *node).map_or(NEVER, |way| way + w));
                 known.chain(std::iter::repeat_n(NEVER, few.len())).collect()
             })
             .collect();
         for (robot, column) in few.into_iter().zip(least_cost(&cost)) {
             match column.and_then(|c| jobs.get(c)) {
-                Some(&(job, rack, node)) => {
+                Some(&(job, rack, node, _)) => {
                     self.record(Fact::Progressed { job, state: JobState::Assigned { robot }, at: now });
                     self.record(Fact::Tasked { robot, task: Task::Fetch { job, rack, node } });
                 }
@@ -115,8 +118,8 @@ impl Fleet {
         left
     }
 
-    /// Waiting jobs whose rack stands in storage and is nobody's, most urgent first; one per rack.
-    fn candidates(&self, now: Time) -> Vec<(JobId, RackId, NodeId)> {
+    /// Waiting jobs whose rack stands in storage and is nobody's, with their urgency, most urgent first; one per rack.
+    fn candidates(&self, now: Time) -> Vec<(JobId, RackId, NodeId, i64)> {
         let mut seen: BTreeSet<RackId> = (self.ledger.robots.iter())
             .filter_map(|r| match r.task {
                 Task::Fetch { rack, .. } => Some(rack),
@@ -124,14 +127,21 @@ impl Fleet {
             })
             .collect();
         let waiting = self.ledger.jobs.iter().filter(|(_, j)| j.state == JobState::Waiting);
-        let mut ranked: Vec<(i64, JobId)> = waiting.map(|(id, j)| (-urgency_ms(j, now), *id)).collect();
+        let waiting: Vec<(JobId, &Job)> = waiting.map(|(id, j)| (*id, j)).collect();
+        let mut oldest = [now; 10];
+        for (_, job) in waiting.iter().filter(|(_, j)| !self.is_blocked(&j.request.after)) {
+            let first = &mut oldest[usize::from(job.request.priority)];
+            *first = job.accepted.min(*first);
+        }
+        let urgency = |j: &Job| urgency_ms(j, now, oldest[usize::from(j.request.priority)]);
+        let mut ranked: Vec<(i64, JobId)> = waiting.iter().map(|(id, j)| (-urgency(j), *id)).collect();
         ranked.sort_unstable();
         let mut found = Vec::new();
-        for (_, id) in ranked {
+        for (urgency, id) in ranked {
             let Some(rack) = self.ledger.jobs[&id].request.kind.rack() else { continue };
             let RackAt::Stored(node) = self.ledger.racks[rack] else { continue };
             if self.is_ready(id) && seen.insert(rack) {
-                found.push((id, rack, node));
+                found.push((id, rack, node, -urgency));
                 if found.len() == JOBS {
                     break;
                 }
@@ -140,15 +150,14 @@ impl Fleet {
         found
     }
 
-    /// What it costs that this robot does this job: its way to the rack, less the urgency, milliseconds.
-    fn cost(&self, robot: RobotId, job: JobId, _rack: RackId, node: NodeId, now: Time) -> i64 {
-        let here = self.ledger.node_of(robot);
+    /// How long the robot's way to a rack takes, milliseconds; nothing if somebody else stands there for ever.
+    fn way_ms(&self, robot: RobotId, node: NodeId) -> Option<i64> {
         if self.ledger.resident(node).is_some_and(|r| r != robot) {
-            return NEVER;
+            return None;
         }
         let at = |n: NodeId| self.warehouse().nodes[n].at;
-        let way = along_axes(at(here), at(node)) / self.settings.kinematics.speed_mps * 1000.0;
-        way as i64 - urgency_ms(&self.ledger.jobs[&job], now)
+        let here = self.ledger.node_of(robot);
+        Some((along_axes(at(here), at(node)) / self.settings.kinematics.speed_mps * 1000.0) as i64)
     }
 
     /// What it costs that many racks are on their way to the job's station already.
@@ -181,13 +190,14 @@ impl Fleet {
     }
 }
 
-/// Priority, nearness of the deadline and age, milliseconds.
-fn urgency_ms(job: &Job, now: Time) -> i64 {
-    let age = (now - job.accepted).0 / 1000;
-    let deadline = job.request.deadline.map_or(0, |d| {
-        let left = (d - now).max(Span::from_secs(-3600)).0 / 1000;
-        (600_000 - left).clamp(0, 1_200_000) / 4
-    });
+/// Priority, nearness of the deadline and age, milliseconds. A job whose deadline is near stands in line as if it
+/// were the `oldest` of its priority, and the nearer the deadline, the farther before it: however long others have
+/// waited, they can wait a little longer, and the deadline cannot.
+fn urgency_ms(job: &Job, now: Time, oldest: Time) -> i64 {
+    let left = job.request.deadline.map_or(Span::MAX, |d| (d - now).max(Span::from_secs(-3600)));
+    let since = if Span::ZERO < left && left < NEAR { oldest } else { job.accepted };
+    let age = (now - since).0 / 1000;
+    let deadline = (NEAR.0.saturating_sub(left.0) / 1000).clamp(0, 1_200_000) / 4;
     i64::from(job.request.priority) * PRIORITY_MS + age / AGE_SHARE + deadline
 }
 

@@ -23,7 +23,7 @@ impl Fleet {
             if self.ledger.robots[robot].failed || self.scene.fit(robot, now).is_none() {
                 continue;
             }
-            let granted = self.extend_grant(robot, now);
+            let granted = !self.crowd.procedure.holds(robot) && self.extend_grant(robot, now);
             if granted || self.must_repeat(robot, now) {
                 self.send(robot, now);
             }
@@ -56,6 +56,7 @@ impl Fleet {
         !undone
             && visit.enter <= now + EARLY
             && self.ledger.timeline.waits_for(Holder::Robot(robot), serial).is_none()
+            && self.grant_waits_for(robot, visit, now).is_none()
     }
 
     /// Distance from the visit before to this one, metres.

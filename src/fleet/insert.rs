@@ -98,8 +98,9 @@ impl Fleet {
             stages = SmallVec::from_elem(super::plan::stay_at(goal), 1);
         }
         let ready = now.max(from.arrive) + self.settings.period;
-        let ask =
-            Ask { from: &from, heading, ready, stages: &stages, budget: self.settings.expansions_per_plan };
+        let (budget, away) = (self.settings.expansions_per_plan, self.away(robot, now));
+        let (stages, conditions) = (&stages, &self.crowd.conditions);
+        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away: &away };
         self.ledger.counts.plans += 1;
         self.planner.plan(&ask, timeline).ok()
     }

@@ -6,7 +6,7 @@
 
 use super::fact::{Act, Booking, Fact, Stop, Task};
 use super::job::{Job, JobKind, JobState};
-use super::people::{Assignment, AssignmentRequest, AssignmentState, Closure, Reaction};
+use super::people::{Assignment, AssignmentRequest, AssignmentState, Closure};
 use super::view::{Counts, RackAt};
 use crate::id::{AssignmentId, ClosureId, Dense, IdVec, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
@@ -162,10 +162,7 @@ impl Ledger {
             }
             Fact::Encountered(_) => self.counts.encounters += 1,
             Fact::Deviated { .. } => self.counts.deviations += 1,
-            Fact::Interrupted { reaction, .. } => {
-                self.counts.interruptions += 1;
-                self.counts.replans += u64::from(*reaction == Reaction::Rerouted);
-            }
+            Fact::Interrupted { .. } => self.counts.interruptions += 1,
         }
     }
 

@@ -3,14 +3,17 @@
 //! Main function: [`Fleet::view`]. Refuses: to change anything.
 
 use super::fact::{Act, Purpose, Task};
-use super::people::ClosureView;
+use super::people::{ClosureView, Presence, WorkerView};
 use super::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
-use super::{Fleet, JobState};
-use crate::geometry::Pose;
-use crate::id::{NodeId, RobotId, StationId};
+use super::{Fleet, Job, JobState};
+use crate::geometry::{Point, Pose};
+use crate::human::Belief;
+use crate::id::{JobId, NodeId, RobotId, StationId, WorkerId};
+use crate::route::Cause;
 use crate::time::Time;
 use crate::timeline::Holder;
 use crate::warehouse::NodeKind;
+use std::collections::BTreeMap;
 
 impl Fleet {
     /// Everything that outsiders may see.
@@ -21,7 +24,16 @@ impl Fleet {
         let active = self.ledger.jobs.len() as u64 - waiting;
         let counts = Counts { waiting, active, ..self.ledger.counts };
         let racks = self.ledger.racks.iter().copied().collect();
-        View { now, robots, racks, stations, workers: Vec::new(), closures: self.closure_views(), counts }
+        let (workers, closures) = (self.worker_views(now), self.closure_views());
+        let free = self.idle_robots(now).into_iter().filter(|r| self.is_charged(*r)).count();
+        View { now, robots, racks, stations, workers, closures, blocked: self.blocked(), free, counts }
+    }
+
+    /// Waiting jobs that come after others, each with the first one that is not over yet.
+    fn blocked(&self) -> BTreeMap<JobId, JobId> {
+        let first = |j: &Job| j.request.after.iter().copied().find(|a| self.ledger.jobs.contains_key(a));
+        let waiting = self.ledger.jobs.iter().filter(|(_, j)| j.state == JobState::Waiting);
+        waiting.filter_map(|(id, j)| Some((*id, first(j)?))).collect()
     }
 
     fn robot_view(&self, r: RobotId, now: Time) -> RobotView {
@@ -90,13 +102,63 @@ impl Fleet {
         if self.scene.fit(r, now).is_none() {
             return Some(Why::Silent);
         }
+        if let Some(station) = self.station_of(r)
+            && self.lacks_route(r)
+            && !self.station_has_room(r, &self.bound_for_stations())
+        {
+            return Some(Why::QueueFull(station));
+        }
         if self.lacks_route(r) && self.needs.failed_before(r) {
             return Some(Why::NoRoute);
         }
         let chain = self.ledger.chain(r);
         let at_end = chain.first() + 1 == chain.granted();
+        let held = chain.get(chain.granted()).filter(|v| at_end && v.enter <= now);
+        match held.and_then(|v| self.grant_waits_for(r, v, now)) {
+            Some(Cause::Worker(w)) => return Some(Why::GivesWay(w)),
+            Some(Cause::Closure(c)) => return Some(Why::Closed(c)),
+            None => {}
+        }
         let (resource, holder) = self.ledger.timeline.waits_for(Holder::Robot(r), chain.granted())?;
         at_end.then_some(Why::WaitsFor(resource, holder))
+    }
+
+    fn worker_views(&self, now: Time) -> Vec<WorkerView> {
+        self.ledger.workers.pairs().map(|(w, name)| self.worker_view(w, name, now)).collect()
+    }
+
+    fn worker_view(&self, worker: WorkerId, name: &str, now: Time) -> WorkerView {
+        let place = self.whereabouts(worker, now);
+        let person = self.crowd.people.get(worker);
+        let sigma = place.map_or(0.0, |w| w.sigma_m);
+        let regions = &self.crowd.regions;
+        let belief = self.crowd.mind.belief(worker).unwrap_or_default();
+        let guidance = place.map(|w| self.guidance(worker, &w, now)).unwrap_or_default();
+        WorkerView {
+            name: name.to_owned(),
+            presence: place.map_or(Presence::Absent, |w| w.presence),
+            pose: place.map(|w| Pose { at: w.at, heading: w.heading.unwrap_or(0.0) }),
+            seen: person.and_then(|p| p.track.newest()).map(|s| s.seen),
+            speed_mps: place.map_or(0.0, |w| w.velocity.norm()),
+            accuracy_m: place.map_or(0.0, |w| w.sigma_m + w.reach_m),
+            regions_m: [
+                regions.stop_radius_m(false, sigma),
+                regions.still_radius_m(false, sigma),
+                regions.slow_radius_m(false, sigma),
+            ],
+            guidance,
+            goals: self.goals_view(&belief),
+            undecided: belief.undecided,
+            elsewhere: belief.elsewhere,
+            feed: person.map(|p| p.track.counts()).unwrap_or_default(),
+        }
+    }
+
+    fn goals_view(&self, belief: &Belief) -> Vec<(Point, f64)> {
+        let place = |g| self.crowd.mind.distances.place(g);
+        let mut goals: Vec<_> = belief.goals.iter().filter_map(|(g, p)| Some((place(*g)?, *p))).collect();
+        goals.sort_by(|a, b| b.1.total_cmp(&a.1));
+        goals
     }
 
     fn closure_views(&self) -> Vec<ClosureView> {

@@ -7,22 +7,28 @@
 
 mod absorb;
 mod assign;
+mod crowd;
 mod cut;
 pub mod fact;
 mod grant;
+mod guide;
 mod insert;
 pub mod io;
 pub mod job;
+mod judge;
 pub mod ledger;
 mod look;
 mod matching;
+mod mind;
 pub mod people;
 mod plan;
+mod published;
 pub mod scene;
 mod settle;
 mod staff;
 mod storage;
 pub mod view;
+mod yielding;
 
 pub use fact::{Act, Booking, Fact, Purpose, Stop, Task};
 pub use io::{Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
@@ -32,11 +38,14 @@ pub use people::{
     Assignment, AssignmentRequest, AssignmentState, Closure, ClosureView, Encounter, FeedCounts, Guidance,
     GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
 };
-pub use view::{Counts, Doing, RackAt, RobotState, RobotView, StationView, View, Why};
+pub use view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
 
+use crate::aware::{Arm, Regions};
+use crate::human::Method;
 use crate::route::{Kinematics, Planner, Rules};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
+use crowd::Crowd;
 use plan::Needs;
 use scene::Scene;
 use std::sync::Arc;
@@ -58,6 +67,10 @@ pub struct Settings {
     pub battery_enough: f64,
     /// How many jobs may wait.
     pub waiting_max: usize,
+    /// How the fleet deals with people.
+    pub arm: Arm,
+    /// How our own arm recognises intentions.
+    pub method: Method,
     /// Robots pass through one another: only for the bound on throughput.
     pub ghosts: bool,
     /// Reads any clock in nanoseconds, to tell how long searches take. Nothing is ever decided by it.
@@ -69,11 +82,13 @@ impl Default for Settings {
         Settings {
             kinematics: Kinematics::default(),
             period: Span::from_millis(50),
-            expansions_per_plan: 2_200,
+            expansions_per_plan: 2_000,
             expansions_per_step: 30_000,
             battery_low: 0.3,
             battery_enough: 0.5,
             waiting_max: 100_000,
+            arm: Arm::default(),
+            method: Method::Detour,
             ghosts: false,
             stopwatch: || 0,
         }
@@ -88,6 +103,7 @@ pub struct Fleet {
     planner: Planner,
     needs: Needs,
     demand: storage::Demand,
+    crowd: Crowd,
     plan_times: Vec<u64>,
     out: Step,
 }
@@ -96,7 +112,10 @@ impl Fleet {
     /// An empty fleet in a building.
     pub fn new(warehouse: Arc<Warehouse>, settings: Settings) -> Fleet {
         let clearance = settings.kinematics.clearance;
+        let period_s = settings.period.as_secs_f64();
+        let regions = Regions::new(settings.kinematics, warehouse.footprint_m, period_s);
         Fleet {
+            crowd: Crowd::new(&warehouse, regions),
             ledger: Ledger::new(warehouse.clone(), clearance, settings.ghosts),
             scene: Scene::default(),
             planner: Planner::new(warehouse.clone(), Rules::Drive(settings.kinematics)),
@@ -128,6 +147,7 @@ impl Fleet {
     /// Takes all inputs in, then decides once from what is known now.
     pub fn step(&mut self, now: Time, inputs: Vec<Input>) -> Step {
         self.absorb(now, inputs);
+        self.judge(now);
         self.settle(now);
         self.assign(now);
         self.plan(now);

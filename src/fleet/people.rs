@@ -1,7 +1,9 @@
 //! People on the floor as the fleet deals with them: what they are to do, what they are told, whom they met.
 //!
-//! Main types: [`Assignment`], [`Closure`], [`Guidance`], [`Encounter`], [`WorkerView`]. Refuses: beliefs about people
-//! (the `human` module) and decisions about robots (the step).
+//! Main types: [`Assignment`], [`Closure`], [`Guidance`], [`Encounter`], [`WorkerView`]. Refuses: beliefs
+//! about people (the `human` module) and decisions about robots (the step).
+
+pub use crate::human::{FeedCounts, Presence};
 
 use crate::geometry::{Point, Pose, Spot};
 use crate::id::{AssignmentId, ClosureId, NodeId, RobotId, WorkerId};
@@ -78,7 +80,7 @@ pub struct Closure {
 }
 
 /// What a worker is told.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Guidance {
     /// How things stand.
     pub state: GuidanceState,
@@ -208,45 +210,6 @@ pub struct Encounter {
     pub reaction: Reaction,
     /// How long the robot stood because of it.
     pub delay: Span,
-}
-
-/// How well a worker's place is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum Presence {
-    /// Not on the floor.
-    #[default]
-    Absent,
-    /// Seen lately.
-    Tracked,
-    /// Not seen for a moment; the region around the last place grows.
-    Stale,
-    /// Not seen for long: robots stand in all that could be reached, until somebody sees or clears it.
-    Lost,
-}
-
-impl Presence {
-    /// The word for it on the wire.
-    pub fn word(self) -> &'static str {
-        match self {
-            Presence::Absent => "absent",
-            Presence::Tracked => "tracked",
-            Presence::Stale => "stale",
-            Presence::Lost => "lost",
-        }
-    }
-}
-
-/// How many sightings a source sent, and what became of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Hash)]
-pub struct FeedCounts {
-    /// Taken in.
-    pub taken: u64,
-    /// Older than the newest, or seen already.
-    pub late: u64,
-    /// Too far from where the worker can be.
-    pub jumps: u64,
-    /// Cannot be true: off the map, in the future, not a number.
-    pub absurd: u64,
 }
 
 /// One worker, as outsiders see it.

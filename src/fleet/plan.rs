@@ -1,14 +1,15 @@
 //! Fourth phase: who needs a route? One search each, within a budget of expansions per step.
 //!
-//! Main type: [`Needs`] (who waits for a route since when). A new route replaces the old one only when it is complete
-//! up to a place where the robot may stay for ever; else the old one stands (DESIGN §5, invariant a). Refuses: to let
-//! the time of day decide how much is planned.
+//! Main type: [`Needs`] (who waits for a route since when). A new route replaces the old one only when it is
+//! complete up to a place where the robot may stay for ever; else the old one stands (DESIGN §5, invariant
+//! a). Refuses: to let the time of day decide how much is planned.
 
 use super::fact::{Act, Booking, Fact, Stop, Task};
 use super::job::{JobKind, JobState};
+use super::people::Reaction;
 use super::{Fleet, ledger};
 use crate::geometry::Segment;
-use crate::id::{IdVec, NodeId, RobotId, StationId};
+use crate::id::{IdVec, NodeId, RobotId, StationId, WorkerId};
 use crate::route::{Ask, NoRoute, Route, Stage};
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Visit};
@@ -66,6 +67,8 @@ impl Fleet {
                 bound[station] += 1;
             }
         }
+        self.plan_interrupted(now, &mut budget);
+        self.give_way(now, &mut budget);
         self.improve(now, budget);
     }
 
@@ -128,13 +131,13 @@ impl Fleet {
     }
 
     /// The station that a robot carries its rack to.
-    fn station_of(&self, robot: RobotId) -> Option<StationId> {
+    pub(super) fn station_of(&self, robot: RobotId) -> Option<StationId> {
         let Task::Deliver { station, .. } = self.ledger.robots[robot].task else { return None };
         self.warehouse().nodes[station].kind.reserved_for()
     }
 
     /// For each station, how many robots are on their way to it or stand at it.
-    fn bound_for_stations(&self) -> IdVec<StationId, usize> {
+    pub(super) fn bound_for_stations(&self) -> IdVec<StationId, usize> {
         let mut bound = IdVec::filled(0, self.warehouse().stations.len());
         for robot in self.ledger.robots.ids() {
             let standing = match self.warehouse().nodes[self.ledger.node_of(robot)].kind {
@@ -149,9 +152,9 @@ impl Fleet {
         bound
     }
 
-    /// A loaded robot sets off to a station only if the queue has a place for it: whatever happens at the station,
-    /// nobody who is on the way there has to wait outside.
-    fn station_has_room(&self, robot: RobotId, bound: &IdVec<StationId, usize>) -> bool {
+    /// A loaded robot sets off to a station only if the queue has a place for it: whatever happens at the
+    /// station, nobody who is on the way there has to wait outside.
+    pub(super) fn station_has_room(&self, robot: RobotId, bound: &IdVec<StationId, usize>) -> bool {
         let Some(station) = self.station_of(robot) else { return true };
         self.settings.ghosts || bound[station] <= self.warehouse().stations[station].queue.len()
     }
@@ -224,7 +227,9 @@ impl Fleet {
         let holder = Holder::Robot(robot);
         let (from, heading) = self.grant_end(robot);
         let ready = now.max(from.arrive) + self.settings.period;
-        let ask = Ask { from: &from, heading, ready, stages, budget: self.settings.expansions_per_plan };
+        let (budget, away) = (self.settings.expansions_per_plan, self.away(robot, now));
+        let conditions = &self.crowd.conditions;
+        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away: &away };
         let (planner, timeline) = (&mut self.planner, &mut self.ledger.timeline);
         let start = (self.settings.stopwatch)();
         let found = timeline.without(&[holder], |others| planner.plan(&ask, others));
@@ -276,9 +281,9 @@ impl Fleet {
         stages
     }
 
-    /// Robots that wait for others look for a better way now and then: that is how the order on a resource is changed
-    /// where keeping it would hand one robot's delay on to the fleet. The new windows fit into what everybody holds,
-    /// so the order of all stays free of cycles.
+    /// Robots that wait for others look for a better way now and then: that is how the order on a resource is
+    /// changed where keeping it would hand one robot's delay on to the fleet. The new windows fit into what
+    /// everybody holds, so the order of all stays free of cycles.
     fn improve(&mut self, now: Time, mut budget: u32) {
         for robot in ledger::all(&self.ledger.robots) {
             if budget == 0 {
@@ -312,6 +317,80 @@ impl Fleet {
         }
     }
 
+    /// Looks for a route that avoids somebody; takes it where it is earlier than what is left of the old one
+    /// after the wait. Gives the expansions spent.
+    pub(super) fn reroute(&mut self, robot: RobotId, worker: WorkerId, now: Time) -> u32 {
+        let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return 0 };
+        let planned = self.expected(robot, stop.serial, now);
+        let stages = self.stages_left(robot);
+        match self.search(robot, &stages, now) {
+            Ok(route) => {
+                let spent = route.expansions;
+                if reached(&route) + WORTH < planned {
+                    self.commit(robot, route);
+                    self.ledger.counts.replans += 1;
+                    self.gives_way(robot, worker, Reaction::Rerouted, now);
+                }
+                spent
+            }
+            Err(_) => self.settings.expansions_per_plan / 4,
+        }
+    }
+
+    /// Plans an interrupted robot anew; the old route stands where the new one is no earlier. Gives the
+    /// expansions spent.
+    pub(super) fn plan_again(&mut self, robot: RobotId, now: Time) -> u32 {
+        let stop = self.ledger.robots[robot].stops.first().copied();
+        let Some(stop) = stop.filter(|s| s.serial >= self.ledger.chain(robot).granted()) else { return 0 };
+        let planned = self.expected(robot, stop.serial, now);
+        let stages = self.stages_left(robot);
+        self.ledger.counts.replans += 1;
+        match self.search(robot, &stages, now) {
+            Ok(route) => {
+                let spent = route.expansions;
+                if reached(&route) < planned {
+                    self.commit(robot, route);
+                }
+                spent
+            }
+            Err(_) => self.settings.expansions_per_plan / 4,
+        }
+    }
+
+    /// When a robot reaches a visit if it waits for everybody on its way.
+    fn expected(&self, robot: RobotId, serial: u64, now: Time) -> Time {
+        let chain = self.ledger.chain(robot);
+        let planned = chain.get(serial).map_or(now, |v| v.arrive);
+        let late = match self.waits_until(robot, now) {
+            Some(until) => {
+                let next = chain.get(chain.granted()).map_or(now, |v| v.enter.max(now));
+                (until - next).max(Span::ZERO)
+            }
+            None => Span::ZERO,
+        };
+        // Nobody knows how long people stay; as long again as so far is the best guess.
+        let waited = self.crowd.yielding.get(&robot).map_or(Span::ZERO, |y| now - y.since);
+        planned + late.max(waited)
+    }
+
+    /// A way to a place aside first, then on with the task. Whether it was found and taken.
+    pub(super) fn detour(&mut self, robot: RobotId, place: NodeId, now: Time) -> bool {
+        let rest = self.stages_left(robot);
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let mut stages: SmallVec<[Stage; 4]> = smallvec![Stage { goal: place, loaded, stay: Span::ZERO }];
+        if rest.is_empty() {
+            stages.push(stay_at(self.ledger.chain(robot).last().expect("it stands somewhere").node));
+        }
+        stages.extend(rest.iter().copied());
+        let Ok(mut route) = self.search(robot, &stages, now) else { return false };
+        route.stops.remove(0);
+        if rest.is_empty() {
+            route.stops.clear();
+        }
+        self.commit(robot, route);
+        true
+    }
+
     /// Whether the robot stands at the end of what it was granted because somebody else comes first.
     fn is_held_up(&self, robot: RobotId, now: Time) -> bool {
         let chain = self.ledger.chain(robot);
@@ -324,8 +403,12 @@ impl Fleet {
     /// Whether nothing that the job waits for is still to be done.
     pub(super) fn is_ready(&self, job: crate::id::JobId) -> bool {
         let record = &self.ledger.jobs[&job];
-        record.state == JobState::Waiting
-            && !record.request.after.iter().any(|a| self.ledger.jobs.contains_key(a))
+        record.state == JobState::Waiting && !self.is_blocked(&record.request.after)
+    }
+
+    /// Whether one of these jobs is not over yet.
+    pub(super) fn is_blocked(&self, after: &[crate::id::JobId]) -> bool {
+        after.iter().any(|a| self.ledger.jobs.contains_key(a))
     }
 }
 

@@ -3,6 +3,7 @@
 //! Refuses: to plan for anybody; what is asked for becomes a fact or a refusal.
 
 use super::Fleet;
+use super::crowd::Person;
 use super::fact::Fact;
 use super::io::{Input, Refusal, Reply};
 use super::people::{AssignmentRequest, AssignmentState, Closure};
@@ -58,10 +59,11 @@ impl Fleet {
 
     /// Whether a worker can get near a node on foot.
     fn check_walkable(&self, place: NodeId) -> Result<(), Refusal> {
-        if self.warehouse().nodes.get(place).is_none() {
-            return Err(Refusal::UnknownPlace);
+        let Some(node) = self.warehouse().nodes.get(place) else { return Err(Refusal::UnknownPlace) };
+        match self.crowd.walkways.on_floor(node.at) {
+            Some(_) => Ok(()),
+            None => Err(Refusal::OutOfReach(place)),
         }
-        Ok(())
     }
 
     fn take_back(&mut self, token: u64, id: AssignmentId, now: Time) -> Result<Reply, Refusal> {
@@ -93,6 +95,9 @@ impl Fleet {
         if self.ledger.workers.get(worker).is_none() {
             return Err(Refusal::UnknownWorker(worker));
         }
+        self.crowd.mind.forget(worker);
+        let version = self.crowd.person(worker).version;
+        *self.crowd.person(worker) = Person { version, ..Person::default() };
         Ok(Reply::Done { token })
     }
 }

@@ -4,13 +4,15 @@ mod cancel;
 mod failure;
 mod jobs;
 mod messages;
+mod people;
 mod restart;
 mod stuck;
+mod why;
 
 use super::*;
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};
 use crate::sim::laws::Laws;
-use crate::sim::{Demand, Faults, Scenario, World};
+use crate::sim::{Demand, Faults, Scenario, Workers, World};
 use crate::warehouse::NodeKind;
 use crate::warehouse::{lab, thesis};
 
@@ -34,6 +36,8 @@ fn scenario(robots: usize) -> Scenario {
         demand: Demand::None,
         faults: Faults::default(),
         kinematics: Kinematics::default(),
+        workers: Workers::default(),
+        arm: Arm::default(),
     }
 }
 
@@ -72,6 +76,7 @@ impl Floor {
         let step = self.fleet.step(self.now, inputs);
         self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
         assert_eq!(self.laws.broken, [], "laws hold");
+        self.world.command(self.now, step.urgent.clone());
         self.world.command(self.now, step.commands.clone());
         self.facts.extend(step.facts.iter().cloned());
         self.now += self.fleet.settings().period;

@@ -1,14 +1,16 @@
 //! The read model: everything that outsiders see of the fleet, as one immutable value.
 //!
-//! Main types: [`View`], [`RobotView`], [`Why`]. Made on demand by [`super::Fleet::view`], since a simulation of
-//! an hour needs none of the 72 000 it could have. Refuses: to be an input of any decision.
+//! Main types: [`View`], [`RobotView`], [`Why`], [`JobWhy`]. Made on demand by [`super::Fleet::view`], since
+//! a simulation of an hour needs none of the 72 000 it could have. Refuses: to be an input of any decision.
 
 use super::fact::Task;
+use super::job::{Job, JobState};
 use super::people::{ClosureView, WorkerView};
 use crate::geometry::Pose;
-use crate::id::{ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, WorkerId};
+use crate::id::{ClosureId, Dense, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use crate::timeline::Holder;
+use std::collections::BTreeMap;
 
 /// The fleet at one moment.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -25,6 +27,10 @@ pub struct View {
     pub workers: Vec<WorkerView>,
     /// Areas that robots keep out of.
     pub closures: Vec<ClosureView>,
+    /// Waiting jobs that come after others, each with one that is not over yet.
+    pub blocked: BTreeMap<JobId, JobId>,
+    /// How many robots could take a job now.
+    pub free: usize,
     /// Sums.
     pub counts: Counts,
 }
@@ -135,12 +141,65 @@ pub enum Why {
     GivesWay(WorkerId),
     /// The way leads into an area that robots keep out of.
     Closed(ClosureId),
+    /// The queue of the station it is to go to has no place.
+    QueueFull(StationId),
     /// No route was found yet; it tries again.
     NoRoute,
     /// It cannot drive.
     Failed,
     /// It has not been heard of.
     Silent,
+}
+
+/// Why a job does not go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum JobWhy {
+    /// Another job must be over first.
+    After(JobId),
+    /// Its rack is on a robot, or a robot is on its way to it, for another job or back to storage.
+    RackBusy(RackId, RobotId, Option<JobId>),
+    /// The robot that the customer named has something else to do.
+    RobotBusy(RobotId, Option<JobId>),
+    /// No robot is free.
+    NoRobot,
+    /// The robot at work on it does not go on.
+    Robot(RobotId, Why),
+}
+
+impl View {
+    /// Why a job does not go on, if it does not.
+    pub fn why_job(&self, id: JobId, job: &Job) -> Option<JobWhy> {
+        if let Some(robot) = job.state.robot() {
+            return Some(JobWhy::Robot(robot, self.robots.get(robot.ix())?.why?));
+        }
+        if job.state != JobState::Waiting {
+            return None;
+        }
+        if let Some(first) = self.blocked.get(&id) {
+            return Some(JobWhy::After(*first));
+        }
+        if let Some(named) = job.request.kind.robot() {
+            let robot = self.robots.get(named.ix())?;
+            return match robot.why {
+                Some(why @ (Why::Failed | Why::Silent)) => Some(JobWhy::Robot(named, why)),
+                _ => (robot.task != Task::Idle).then_some(JobWhy::RobotBusy(named, robot.job)),
+            };
+        }
+        let rack_busy = job.request.kind.rack().and_then(|rack| {
+            let robot = self.robot_at_work_on(rack)?;
+            Some(JobWhy::RackBusy(rack, robot, self.robots.get(robot.ix())?.job))
+        });
+        rack_busy.or((self.free == 0).then_some(JobWhy::NoRobot))
+    }
+
+    /// The robot that carries a rack, or is on its way to it.
+    fn robot_at_work_on(&self, rack: RackId) -> Option<RobotId> {
+        if let Some(RackAt::On(robot)) = self.racks.get(rack.ix()) {
+            return Some(*robot);
+        }
+        let fetches = |r: &RobotView| matches!(r.task, Task::Fetch { rack: fetched, .. } if fetched == rack);
+        self.robots.iter().position(fetches).map(RobotId::at)
+    }
 }
 
 /// Sums over the fleet's life.

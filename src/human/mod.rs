@@ -1,7 +1,24 @@
 //! People as beliefs: where they are, whether they keep to their path, where they are going.
 //!
-//! Main types: [`Sighting`] (what a source says). Refuses: to know robots' routes, and to decide anything.
+//! Main types: [`Sighting`] (what a source says), [`Track`] (where a worker is), [`Follower`] (progress along the
+//! assigned path), [`Distances`] (from anywhere to each goal, repaired as robots block the way), [`Intention`] (where a
+//! person is going, with what probability), [`Hypothesis`] and [`Passage`] (where a person will be, and when).
+//! Refuses: to know robots' routes, and to decide anything; those who know both people and routes are in `aware`.
 
+mod deviation;
+pub mod distance;
+mod field;
+mod forecast;
+pub mod intention;
 mod sighting;
+mod track;
+mod way;
 
+pub use deviation::{Conduct, Follower, NODE_M};
+pub use distance::{Distances, Vantage};
+pub use field::{Field, Graph};
+pub use forecast::{Band, Hypothesis, Passage, passages};
+pub use intention::{Belief, Intention, Method};
 pub use sighting::{Quality, Sighting};
+pub use track::{FeedCounts, Presence, STALE, Taken, Track, WALK_MPS, Whereabouts};
+pub use way::{common_prefix, straight_on, towards_goal};

@@ -26,7 +26,8 @@ pub struct Sighting {
     pub worker: WorkerId,
     /// When this was so, in the server's time.
     pub seen: Time,
-    /// The alignment of the source's frame. Within one epoch a displacement is a movement; across epochs it is not.
+    /// The alignment of the source's frame. Within one epoch a displacement is a movement; across epochs it
+    /// is not.
     pub epoch: u32,
     /// Number of the message within its epoch.
     pub seq: u64,

@@ -29,6 +29,10 @@ pub(super) struct Label {
     pub stage: u8,
     /// When the first goal was reached; zero before that.
     pub first: i64,
+    /// How long the drive to here took, microseconds.
+    pub span: i64,
+    /// What the way to here costs beyond its time, microseconds.
+    pub price: i64,
     pub dominated: bool,
     /// The label before, or [`NONE`].
     pub parent: u32,
@@ -50,12 +54,32 @@ impl Label {
         parent: u32,
         arc: Option<ArcId>,
     ) -> Label {
-        Label { lo, hi, node, gap, slot, gait, stage, parent, arc, first: 0, dominated: false, next: NONE }
+        Label {
+            lo,
+            hi,
+            node,
+            gap,
+            slot,
+            gait,
+            stage,
+            parent,
+            arc,
+            first: 0,
+            span: 0,
+            price: 0,
+            dominated: false,
+            next: NONE,
+        }
     }
 
     /// The same label with the time at which the first goal was reached.
     pub fn with_first(self, first: i64) -> Label {
         Label { first, ..self }
+    }
+
+    /// The same label with what the way to it took and cost.
+    pub fn with_way(self, span: i64, price: i64) -> Label {
+        Label { span, price, ..self }
     }
 
     fn key(&self) -> u64 {
@@ -112,8 +136,9 @@ impl Labels {
         let (mut i, mut head, mut link) = (head, head, NONE);
         let mut rolling = 0;
         while i != NONE {
-            let known = self.arena[i as usize];
-            if dominates(&known, &label) {
+            let known = &self.arena[i as usize];
+            let after = known.next;
+            if dominates(known, &label) {
                 return None;
             }
             if known.gait == label.gait && known.gait == Gait::Rolling && known.slot == label.slot {
@@ -122,17 +147,17 @@ impl Labels {
                     return None;
                 }
             }
-            if dominates(&label, &known) {
+            if dominates(&label, known) {
                 self.arena[i as usize].dominated = true;
                 // Nobody looks at it again: take it out of the list.
                 match link {
-                    NONE => head = known.next,
-                    l => self.arena[l as usize].next = known.next,
+                    NONE => head = after,
+                    l => self.arena[l as usize].next = after,
                 }
             } else {
                 link = i;
             }
-            i = known.next;
+            i = after;
         }
         let index = self.arena.len() as u32;
         self.arena.push(Label { next: head, ..label });

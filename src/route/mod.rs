@@ -9,12 +9,14 @@
 //! intervals of arrival, so that a robot may wait in order to arrive at speed; lower bounds lifted to the next free
 //! window of each goal, so that a busy station does not flood the search.
 
+mod conditions;
 mod estimate;
 mod label;
 pub mod motion;
 mod search;
 mod trace;
 
+pub use conditions::{Away, Cause, Condition, Conditions, Effect, NO_PEOPLE};
 pub use estimate::{Estimates, Table};
 pub use motion::{Gait, Kinematics, Pace, Rules};
 
@@ -48,6 +50,10 @@ pub struct Ask<'a> {
     pub stages: &'a [Stage],
     /// How many labels may be expanded. A route found within the first half is the earliest one.
     pub budget: u32,
+    /// What people mean for it.
+    pub conditions: &'a Conditions,
+    /// Workers from whom the robot goes away, being too near already.
+    pub away: &'a [Away],
 }
 
 /// A route: what to hold, in order.

@@ -1,10 +1,13 @@
 //! Best-first search over free windows.
 //!
-//! Main function: [`plan`]. A label is (node, gap, arrival heading, gait, stage) with the earliest arrival and, while
-//! rolling, the latest one too: a robot may delay the start of its run, but cannot wait while it rolls. Earlier
-//! arrival dominates while standing (heading differences paid by turning); while rolling, the wider interval does.
-//! The objective is lexicographic: earliest at the first goal, then earliest at the last. A second leg that must wait
-//! thus never sends the search back to the first one. Refuses: any other objective.
+//! Main function: [`plan`]. A label is (node, gap, arrival heading, gait, stage) with the earliest arrival
+//! and, while rolling, the latest one too: a robot may delay the start of its run, but cannot wait while it
+//! rolls. Earlier arrival dominates while standing (heading differences paid by turning); while rolling, the
+//! wider interval does. The objective is lexicographic: earliest at the first goal, then earliest at the
+//! last. A second leg that must wait thus never sends the search back to the first one. Refuses: any other
+//! objective.
+
+mod care;
 
 use super::estimate::{Estimates, Table, may_drive};
 use super::label::{Label, Labels, NONE, OWN_HEADING};
@@ -15,6 +18,7 @@ use crate::id::{ArcId, NodeId};
 use crate::time::{Span, Time};
 use crate::timeline::{Gap, Timeline};
 use crate::warehouse::{Warehouse, Way};
+use smallvec::SmallVec;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::sync::Arc;
@@ -26,8 +30,8 @@ pub(super) struct Scratch {
     open: Open,
 }
 
-/// Lower bounds of the arrivals at the first and at the last goal; among equals the label nearest to the goals first:
-/// where all must wait for the same window, the search walks straight up to it.
+/// Lower bounds of the arrivals at the first and at the last goal; among equals the label nearest to the
+/// goals first: where all must wait for the same window, the search walks straight up to it.
 type Open = BinaryHeap<Reverse<(i64, i64, i64, u32)>>;
 
 /// What one search looks at.
@@ -41,8 +45,9 @@ struct Search<'a> {
     goals: Vec<GoalWindows>,
     /// Lower bound from each goal to the next.
     between: Vec<i64>,
-    /// See [`Pace::start_cost`], without and with a rack.
+    /// See [`Pace::start_cost`] and [`Pace::lead`], without and with a rack.
     start_cost: [i64; 2],
+    lead: [i64; 2],
     /// Whether half of the budget is spent.
     hurried: bool,
 }
@@ -62,13 +67,14 @@ impl GoalWindows {
 }
 
 /// A way from a label to the next node, before windows are looked at.
+#[derive(Clone)]
 struct Hop {
     arc: ArcId,
     way: Way,
-    to: Gait,
+    /// How it may end, and how long it takes then.
+    ends: SmallVec<[(Gait, i64); 2]>,
     /// Departures possible as far as the label is concerned.
     depart: (i64, i64),
-    span: i64,
     /// The next node must be held this long before departure.
     lead: i64,
 }
@@ -86,6 +92,7 @@ pub(super) fn plan(
     let pace = estimates.pace().clone();
     let goals = goal_windows(&warehouse, &pace, timeline, ask)?;
     let start_cost = [false, true].map(|loaded| pace.start_cost(loaded).0);
+    let lead = [false, true].map(|loaded| pace.lead(loaded).0);
     let mut search = Search {
         warehouse: &warehouse,
         pace: &pace,
@@ -96,6 +103,7 @@ pub(super) fn plan(
         goals,
         between,
         start_cost,
+        lead,
         hurried: false,
     };
     let Scratch { labels, open } = scratch;
@@ -122,9 +130,9 @@ fn bounds_between(
         .collect()
 }
 
-/// The arrivals at each goal that its free windows allow. Where robots hold the next node while they drive, nobody
-/// arrives sooner after a hold ends than the last lane takes, and nobody leaves faster than the first one does:
-/// without this, every search to a busy station would try all ways of arriving in those seconds.
+/// The arrivals at each goal that its free windows allow. Where robots hold the next node while they drive,
+/// nobody arrives sooner after a hold ends than the last lane takes, and nobody leaves faster than the first
+/// one does: without this, every search to a busy station would try all ways of arriving in those seconds.
 fn goal_windows(
     warehouse: &Warehouse,
     pace: &Pace,
@@ -139,8 +147,8 @@ fn goal_windows(
             if before == stage.goal { Span::ZERO } else { pace.fastest_in(stage.goal, stage.loaded) },
             pace.fastest_out(stage.goal, loaded_after) + pace.clearance(),
         );
-        let gaps = timeline.gaps(warehouse.node_resource(stage.goal), ask.ready);
-        let fits = gaps.filter_map(|g| match (i == last, g.end.is_forever()) {
+        let gaps = care::open_gaps(warehouse, timeline, ask, stage.goal, ask.ready);
+        let fits = gaps.into_iter().filter_map(|g| match (i == last, g.end.is_forever()) {
             (true, false) => None,
             (_, true) => Some(((g.start + way_in).0, i64::MAX)),
             _ => Some(((g.start + way_in).0, (g.end - stage.stay - way_out).0)),
@@ -197,8 +205,10 @@ impl Search<'_> {
     /// may not be the earliest one, but a robot that drives is better than one that asks again.
     fn hurry(&mut self, labels: &Labels, open: &mut Open) {
         self.hurried = true;
-        let labels =
-            open.drain().map(|Reverse((_, _, left, i))| (labels.get(i).lo, left, i)).collect::<Vec<_>>();
+        let labels = open
+            .drain()
+            .map(|Reverse((_, _, left, i))| (labels.get(i).lo + labels.get(i).price, left, i))
+            .collect::<Vec<_>>();
         open.extend(labels.into_iter().map(|(lo, left, i)| Reverse((lo + HASTE * left, 0, left, i))));
     }
 
@@ -210,24 +220,26 @@ impl Search<'_> {
             let first = if label.stage == 0 { label.lo } else { label.first };
             let next =
                 Label::new(times, label.node, label.gap, label.slot, Gait::Standing, stage, index, None);
-            self.push(labels, open, next.with_first(first));
+            self.push(labels, open, next.with_first(first).with_way(0, label.price));
         }
     }
 
     fn expand(&self, labels: &mut Labels, open: &mut Open, index: u32, label: Label) {
         let stage = self.ask.stages[usize::from(label.stage)];
+        let conditions = self.ask.conditions;
         for (arc, way) in self.warehouse.ways(label.node) {
             if !may_drive(self.warehouse, label.node, &way, stage.loaded, stage.goal) {
                 continue;
             }
             let Some(depart) = self.departures(&label, arc) else { continue };
-            for to in [Gait::Standing, Gait::Rolling] {
-                if to == Gait::Rolling && !self.pace.rolls_on(arc) {
-                    continue;
-                }
-                let span = self.pace.drive(arc, stage.loaded, label.gait, to).0;
-                let lead = if label.gait == Gait::Rolling { self.pace.lead(stage.loaded).0 } else { 0 };
-                let hop = Hop { arc, way, to, depart, span, lead };
+            let lead = if label.gait == Gait::Rolling { self.lead[usize::from(stage.loaded)] } else { 0 };
+            let ends = [Gait::Standing, Gait::Rolling].into_iter();
+            let ends = ends.filter(|&to| to == Gait::Standing || self.pace.rolls_on(arc));
+            let ends = ends.map(|to| (to, self.pace.drive(arc, stage.loaded, label.gait, to).0));
+            let hop = Hop { arc, way, ends: ends.collect(), depart, lead };
+            if conditions.is_touched(label.node) || conditions.is_touched(way.to) {
+                self.enter_with_care(labels, open, index, &label, &hop);
+            } else {
                 self.enter_gaps(labels, open, index, &label, &hop);
             }
         }
@@ -281,31 +293,47 @@ impl Search<'_> {
         gap: Gap,
         lane_gap: Gap,
     ) {
-        let times = if self.pace.holds_while_driving() {
-            self.arrivals_overlapping(label, hop, gap, lane_gap)
-        } else {
-            self.arrivals_instant(label, hop, node, gap)
-        };
-        let Some((lo, hi)) = times else { return };
-        let hi = if hop.to == Gait::Standing { gap.end.0 } else { hi };
-        let slot = hop.way.slot;
-        let next = Label::new((lo, hi), node, gap, slot, hop.to, label.stage, index, Some(hop.arc));
-        self.push(labels, open, next.with_first(label.first));
+        for &(to, span) in &hop.ends {
+            let times = if self.pace.holds_while_driving() {
+                self.arrivals_overlapping(label, hop, span, gap, lane_gap)
+            } else {
+                self.arrivals_instant(label, hop, span, node, gap)
+            };
+            let Some((lo, hi)) = times else { continue };
+            let hi = if to == Gait::Standing { gap.end.0 } else { hi };
+            let slot = hop.way.slot;
+            let next = Label::new((lo, hi), node, gap, slot, to, label.stage, index, Some(hop.arc));
+            self.push(labels, open, next.with_first(label.first).with_way(span, label.price));
+        }
     }
 
     /// Arrivals where both nodes are held while driving between them.
-    fn arrivals_overlapping(&self, label: &Label, hop: &Hop, gap: Gap, lane_gap: Gap) -> Option<(i64, i64)> {
+    fn arrivals_overlapping(
+        &self,
+        label: &Label,
+        hop: &Hop,
+        span: i64,
+        gap: Gap,
+        lane_gap: Gap,
+    ) -> Option<(i64, i64)> {
         let clear = self.pace.clearance();
         let latest_arrival = (label.gap.end - clear).min(lane_gap.end - clear).min(gap.end - Span(1)).0;
         let begin = gap.start.max(lane_gap.start).0;
-        let lo = hop.depart.0.max(begin + hop.lead) + hop.span;
-        let hi = hop.depart.1.saturating_add(hop.span).min(latest_arrival);
+        let lo = hop.depart.0.max(begin + hop.lead) + span;
+        let hi = hop.depart.1.saturating_add(span).min(latest_arrival);
         (lo <= hi).then_some((lo, hi))
     }
 
     /// Arrivals where nodes change hands in an instant; two robots must not change places.
-    fn arrivals_instant(&self, label: &Label, hop: &Hop, node: NodeId, gap: Gap) -> Option<(i64, i64)> {
-        let lo = (hop.depart.0 + hop.span).max(gap.start.0);
+    fn arrivals_instant(
+        &self,
+        label: &Label,
+        hop: &Hop,
+        span: i64,
+        node: NodeId,
+        gap: Gap,
+    ) -> Option<(i64, i64)> {
+        let lo = (hop.depart.0 + span).max(gap.start.0);
         let hi = label.gap.end.min(gap.end - Span(1)).0;
         if lo > hi {
             return None;
@@ -324,7 +352,8 @@ impl Search<'_> {
     fn push(&self, labels: &mut Labels, open: &mut Open, label: Label) {
         let Some((first, last, left)) = self.bound(&label) else { return };
         if let Some(index) = labels.add(label, |a, b| self.dominates(a, b)) {
-            let key = if self.hurried { (label.lo + HASTE * left, 0) } else { (first, last) };
+            let (first, last) = (first + label.price, last + label.price);
+            let key = if self.hurried { (label.lo + label.price + HASTE * left, 0) } else { (first, last) };
             open.push(Reverse((key.0, key.1, left, index)));
         }
     }
@@ -357,7 +386,7 @@ impl Search<'_> {
     }
 
     fn dominates(&self, a: &Label, b: &Label) -> bool {
-        if a.lo > b.lo || a.first > b.first {
+        if a.lo > b.lo || a.first > b.first || a.price > b.price {
             return false;
         }
         if a.gait != b.gait {

@@ -25,7 +25,7 @@ pub(super) fn route(
     warehouse: &Warehouse,
     expansions: u32,
 ) -> Route {
-    let moments = moments(labels, goal, ask, pace);
+    let moments = moments(labels, goal);
     let stay = (ask.ready - ask.from.arrive).max(Span::ZERO);
     let kept = Visit { depart: Time::MAX, leave: Time::MAX, stay, ..ask.from.clone() };
     let mut visits = vec![kept];
@@ -49,17 +49,14 @@ pub(super) fn route(
 }
 
 /// Labels from start to goal with the times that came true.
-fn moments(labels: &Labels, goal: u32, ask: &Ask<'_>, pace: &Pace) -> Vec<Moment> {
+fn moments(labels: &Labels, goal: u32) -> Vec<Moment> {
     let last = *labels.get(goal);
     let mut moments = vec![Moment { label: last, arrive: Time(last.lo) }];
     let mut index = last.parent;
     while index != NONE {
         let (parent, child) = (*labels.get(index), moments.last().expect("starts with the goal"));
         let arrive = match (parent.gait, child.label.arc) {
-            (Gait::Rolling, Some(arc)) => {
-                let loaded = ask.stages[usize::from(parent.stage)].loaded;
-                child.arrive - pace.drive(arc, loaded, Gait::Rolling, child.label.gait)
-            }
+            (Gait::Rolling, Some(_)) => child.arrive - Span(child.label.span),
             _ => Time(parent.lo),
         };
         moments.push(Moment { label: parent, arrive });
@@ -79,7 +76,7 @@ fn drive(
     warehouse: &Warehouse,
 ) {
     let here = visits.last_mut().expect("starts with the kept visit");
-    let depart = to.arrive - pace.drive(arc, loaded, from.label.gait, to.label.gait);
+    let depart = to.arrive - Span(to.label.span);
     if from.label.gait == Gait::Standing {
         let turn = match from.label.slot {
             OWN_HEADING => pace.turn_between(own_heading, warehouse.arcs[arc].heading),

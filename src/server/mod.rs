@@ -204,7 +204,7 @@ async fn work(
         map,
         moments: picture,
         records: Arc::new(records::Shelf(store.clone())),
-        desk,
+        desk: Some(desk),
         alarms,
         live,
         feeds,

@@ -17,7 +17,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
-use tokio::sync::{mpsc, watch};
+use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
 /// How often the picture is published, in recorded time at normal speed.
@@ -50,13 +50,12 @@ impl Show {
         let (feeds, _) = Feeds::new();
         let feeds = Arc::new(feeds);
         let past = Arc::new(Past::default());
-        let (desk, _) = mpsc::channel(1);
         let (closing, closes) = watch::channel(false);
         let api = Api {
             map,
             moments: picture,
             records: past.clone(),
-            desk,
+            desk: None,
             alarms: alarms.clone(),
             live: live.clone(),
             feeds: feeds.clone(),

@@ -31,6 +31,8 @@ pub enum Violation {
     JobLost(JobId),
     /// A job was done twice.
     DoneTwice(JobId),
+    /// A robot drove into a worker and did not brake.
+    RunOver(RobotId, usize),
     /// The ledger is not the fold of the facts.
     Fold,
 }
@@ -45,6 +47,9 @@ impl fmt::Display for Violation {
             }
             Violation::JobLost(j) => write!(f, "job {j:?} was lost"),
             Violation::DoneTwice(j) => write!(f, "job {j:?} was done twice"),
+            Violation::RunOver(r, w) => {
+                write!(f, "robot {} drove into worker {} and did not brake", r.0 + 1, w + 1)
+            }
             Violation::Fold => write!(f, "the ledger is not the fold of its facts"),
         }
     }
@@ -57,6 +62,7 @@ pub struct Laws {
     over: BTreeSet<JobId>,
     accepted: u64,
     progress: BTreeMap<RobotId, (u64, Option<u64>, Time)>,
+    run_over: usize,
     steps: u64,
     reach_m: f64,
     /// What was broken, and when; the first hundred.
@@ -73,6 +79,7 @@ impl Laws {
             over: BTreeSet::new(),
             accepted: fleet.ledger().next_job - 1,
             progress: BTreeMap::new(),
+            run_over: 0,
             steps: 0,
             reach_m: fleet.warehouse().footprint_m - SLACK_M,
             broken: Vec::new(),
@@ -92,6 +99,7 @@ impl Laws {
     pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet, facts: &[Fact]) {
         self.steps += 1;
         self.check_places(now, world);
+        self.check_people(now, world);
         self.check_grants(now, world, fleet);
         self.check_jobs(now, facts, fleet);
         self.check_progress(now, fleet);
@@ -101,8 +109,9 @@ impl Laws {
         if self.steps.is_multiple_of(AUDIT_EVERY) {
             fleet.ledger().timeline.assert_sound();
             let mut folded = self.shadow.clone();
-            (folded.counts.plans, folded.counts.plan_failures) =
-                (fleet.ledger().counts.plans, fleet.ledger().counts.plan_failures);
+            let (own, folding) = (&fleet.ledger().counts, &mut folded.counts);
+            (folding.plans, folding.plan_failures, folding.replans) =
+                (own.plans, own.plan_failures, own.replans);
             if folded != *fleet.ledger() {
                 self.break_law(now, Violation::Fold);
             }
@@ -135,6 +144,14 @@ impl Laws {
 
     fn cell(&self, p: Point) -> (i64, i64) {
         ((p.x / self.reach_m).floor() as i64, (p.y / self.reach_m).floor() as i64)
+    }
+
+    /// No robot drives on into a worker.
+    fn check_people(&mut self, now: Time, world: &World) {
+        let all = world.run_over();
+        let new: Vec<(RobotId, usize)> = all[self.run_over..].to_vec();
+        self.run_over = all.len();
+        new.into_iter().for_each(|(r, w)| self.break_law(now, Violation::RunOver(r, w)));
     }
 
     fn check_grants(&mut self, now: Time, world: &World, fleet: &Fleet) {

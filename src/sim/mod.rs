@@ -1,11 +1,15 @@
-//! A floor that exists only in memory: robots with inertia, links that lose and delay, customers that order.
+//! A floor that exists only in memory: robots with inertia, people with minds of their own, links that lose and
+//! delay, customers that order.
 //!
 //! Main types: [`Scenario`] (what to simulate), [`World`] (turns commands into inputs), [`Simulation`] (the driver that
 //! steps world and fleet and checks the [`laws`]). Pure and deterministic: same build, same seed, same bytes. Refuses:
 //! to show the fleet anything that a real floor would not.
 
+mod crew;
 mod customers;
 mod digest;
+pub mod encounter;
+mod guard;
 pub mod laws;
 mod link;
 mod random;
@@ -14,6 +18,9 @@ pub mod replay;
 mod robot;
 pub mod run;
 mod scenario;
+mod sensor;
+pub mod walker;
+mod workforce;
 mod world;
 
 pub use customers::OrderLine;
@@ -21,4 +28,5 @@ pub use digest::Digest;
 pub use laws::Violation;
 pub use run::{Outcome, Simulation};
 pub use scenario::{Demand, Faults, Scenario, ScenarioError};
+pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, Sensor, Source, Workers};
 pub use world::{World, starting_places};

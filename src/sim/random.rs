@@ -33,8 +33,38 @@ impl Stream {
         probability > 0.0 && self.unit() < probability
     }
 
+    /// The same, but always takes a number off the stream.
+    pub fn happens_of(&mut self, probability: f64) -> bool {
+        self.unit() < probability
+    }
+
     /// Time to the next event of a Poisson process, in the unit of `mean`.
     pub fn exponential(&mut self, mean: f64) -> f64 {
         -mean * (1.0 - self.unit()).ln()
+    }
+
+    /// Uniform between two numbers.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// Normal with mean 0 and standard deviation 1 (Box and Muller 1958). Always takes two numbers off the stream.
+    pub fn normal(&mut self) -> f64 {
+        let (u, v) = (1.0 - self.unit(), self.unit());
+        (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normal_numbers_have_their_mean_and_deviation() {
+        let mut stream = Stream::new(1, 99, 0);
+        let drawn: Vec<f64> = (0..20_000).map(|_| stream.normal()).collect();
+        let mean = drawn.iter().sum::<f64>() / 20_000.0;
+        let variance = drawn.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 20_000.0;
+        assert!(mean.abs() < 0.03 && (variance - 1.0).abs() < 0.05, "{mean} {variance}");
     }
 }

@@ -3,8 +3,9 @@
 //! Main type: [`Body`]. Between two calls it integrates in steps of at most 20 ms. It never drives beyond what it was
 //! told, and it can always stop before the end of it. Refuses: to know where others are.
 
+use super::guard::Guard;
 use crate::fleet::{Act, Command, Telemetry, Waypoint};
-use crate::geometry::{Point, Pose, Segment, turn_between, wrap_angle};
+use crate::geometry::{Point, Pose, Segment, Vector, turn_between, wrap_angle};
 use crate::id::{NodeId, RackId, RobotId};
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
@@ -53,6 +54,8 @@ pub(super) struct Body {
     acting: Option<(u64, Act, Option<Time>)>,
     path: VecDeque<Target>,
     kinematics: Kinematics,
+    /// Its own scanner stopped it; see `guard`.
+    guard: Guard,
 }
 
 impl Body {
@@ -72,6 +75,7 @@ impl Body {
             acting: None,
             path: VecDeque::new(),
             kinematics,
+            guard: Guard::default(),
         }
     }
 
@@ -127,6 +131,24 @@ impl Body {
         }
     }
 
+    /// Its scanner looks for people: someone before it stops it, whatever the fleet says.
+    pub fn scan(&mut self, now: Time, half_m: f64, people: &[Point]) {
+        let ahead = self.path.front().map(|t| t.at - self.pose.at).and_then(|d| d.try_normalize(THERE_M));
+        self.guard.look(now, self.pose.at, ahead, self.speed_mps, self.accel(), half_m, people);
+    }
+
+    /// Whether its own scanner keeps it from driving.
+    pub fn is_guarded(&self) -> bool {
+        self.guard.stops()
+    }
+
+    /// How it moves, metres per second in the map's frame.
+    pub fn velocity(&self) -> Vector {
+        let ahead = self.path.front().map(|t| t.at - self.pose.at).and_then(|d| d.try_normalize(THERE_M));
+        let along = Vector::new(self.pose.heading.cos(), self.pose.heading.sin());
+        ahead.unwrap_or(along) * self.speed_mps
+    }
+
     /// Lives from `from` to `to`. `charging` says whether the node it stands on is a charger.
     pub fn advance(&mut self, from: Time, to: Time, charging: bool) {
         let seconds = (to - from).as_secs_f64();
@@ -168,6 +190,7 @@ impl Body {
             return;
         }
         match self.limit_mps {
+            _ if self.guard.stops() => self.coast(dt),
             Some(0.0) => self.coast(dt),
             limit => self.drive(dt, next.limit_mps.min(limit.unwrap_or(f64::INFINITY))),
         }

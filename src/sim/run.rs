@@ -100,6 +100,7 @@ impl Simulation {
         self.trace.add(&step.facts);
         self.world.command(self.now, step.urgent.clone());
         self.world.command(self.now, step.commands.clone());
+        self.world.tell(self.now, step.guidance.clone());
         self.now += self.period;
         (inputs, step)
     }

@@ -3,6 +3,8 @@
 //! Main type: [`Scenario`]. Takes text; whoever reads the file resolves the paths in it. Refuses: unknown keys and
 //! numbers that cannot be.
 
+use super::workforce::Workers;
+use crate::aware::Arm;
 use crate::route::Kinematics;
 use crate::time::Span;
 use serde::Deserialize;
@@ -28,6 +30,10 @@ pub struct Scenario {
     pub faults: Faults,
     /// The robots' figures.
     pub kinematics: Kinematics,
+    /// The people on the floor.
+    pub workers: Workers,
+    /// How the fleet gives way to people.
+    pub arm: Arm,
 }
 
 /// Where jobs come from.
@@ -114,6 +120,32 @@ struct File {
     faults: Faults,
     #[serde(default)]
     fleet: Fleet,
+    #[serde(default)]
+    workers: Workers,
+    #[serde(default)]
+    arm: ArmWord,
+}
+
+/// [`Arm`] as files name it.
+#[derive(Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum ArmWord {
+    Nhir,
+    Shir,
+    Phir,
+    #[default]
+    Giveway,
+}
+
+impl From<ArmWord> for Arm {
+    fn from(word: ArmWord) -> Arm {
+        match word {
+            ArmWord::Nhir => Arm::Nhir,
+            ArmWord::Shir => Arm::Shir,
+            ArmWord::Phir => Arm::Phir,
+            ArmWord::Giveway => Arm::Giveway,
+        }
+    }
 }
 
 #[derive(Default, Deserialize)]
@@ -167,6 +199,7 @@ impl Scenario {
         check("faults.message_delay_ms", f.message_delay_ms as f64, 0.0..=2000.0, "from 0 to 2000")?;
         check("faults.failures_per_hour", f.failures_per_hour, 0.0..=1000.0, "from 0 to 1000")?;
         check("faults.repair_s", f.repair_s, 1.0..=1e6, "from 1 to 1000000")?;
+        file.workers.check()?;
         Ok(Scenario {
             name: file.name,
             map: file.map,
@@ -177,12 +210,15 @@ impl Scenario {
             demand: file.jobs,
             faults: file.faults,
             kinematics: file.fleet.kinematics()?,
+            workers: file.workers,
+            arm: file.arm.into(),
         })
     }
 
     /// The settings of the core for this scenario.
     pub fn settings(&self) -> crate::fleet::Settings {
-        crate::fleet::Settings { kinematics: self.kinematics, period: self.period, ..Default::default() }
+        let Scenario { kinematics, period, arm, .. } = *self;
+        crate::fleet::Settings { kinematics, period, arm, ..Default::default() }
     }
 }
 
@@ -210,7 +246,7 @@ impl Fleet {
     }
 }
 
-fn check(
+pub(super) fn check(
     key: &'static str,
     found: f64,
     range: std::ops::RangeInclusive<f64>,

@@ -2,17 +2,24 @@
 //!
 //! Main type: [`World`]. Refuses: to let the fleet see anything but telemetry and orders.
 
+use super::crew::{Crew, Presence};
 use super::customers::{Customers, OrderLine};
+use super::encounter::{Figures, Meter, Person};
 use super::link::Link;
 use super::random::Stream;
 use super::robot::Body;
 use super::scenario::{Faults, Scenario};
-use crate::fleet::{Command, Fleet, Input, Telemetry};
-use crate::id::{Dense, NodeId, RobotId};
+use super::walker::{RobotNear, Walker};
+use crate::fleet::{Command, Fleet, Guidance, Input, Telemetry};
+use crate::geometry::Point;
+use crate::id::{Dense, NodeId, RobotId, WorkerId};
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
 use std::sync::Arc;
+
+/// Robots and people live side by side in steps of this length at most.
+const TICK: Span = Span::from_millis(20);
 
 /// A robot with its radio.
 #[derive(Debug)]
@@ -32,6 +39,8 @@ pub struct World {
     seed: u64,
     robots: Vec<Robot>,
     customers: Customers,
+    crew: Option<Crew>,
+    meter: Meter,
     joining: Vec<(String, NodeId)>,
     now: Time,
 }
@@ -52,8 +61,12 @@ impl World {
         let joining = joining.map(|(i, n)| (format!("robot-{}", i + 1), n)).collect();
         let customers = Customers::new(scenario.demand.clone(), lines, &warehouse, seed);
         let (kinematics, faults) = (scenario.kinematics, scenario.faults);
+        // The bound on throughput is without people.
+        let crew = if fleet.settings().ghosts { None } else { Crew::new(&warehouse, scenario, seed, now) };
+        let meter = Meter::new(scenario.workers.encounter_m);
+        let robots = vec![];
         let mut world =
-            World { warehouse, kinematics, faults, seed, robots: vec![], customers, joining, now };
+            World { warehouse, kinematics, faults, seed, robots, customers, crew, meter, joining, now };
         world.meet(fleet);
         world
     }
@@ -69,17 +82,83 @@ impl World {
                 robot.body.obey(&order, &self.warehouse);
             }
             robot.break_down(&self.faults, from, now);
-            let charging = self.warehouse.nodes[robot.body.node].kind == NodeKind::Charger;
-            if now > from {
-                robot.body.advance(from, now, charging);
-            }
+        }
+        self.live(from, now);
+        for robot in &mut self.robots {
             robot.reports.send(now, robot.body.report(now));
             while let Some(report) = robot.reports.receive(now) {
                 inputs.push(Input::Telemetry(report));
             }
         }
         self.now = now;
+        if let Some(crew) = &mut self.crew {
+            inputs.extend(crew.say(now, fleet));
+        }
         inputs
+    }
+
+    /// Robots and people move. Without people each robot goes alone, which is the same and quicker.
+    fn live(&mut self, from: Time, to: Time) {
+        if to <= from {
+            return;
+        }
+        let ticks = if self.crew.is_some() { ((to - from).0 + TICK.0 - 1) / TICK.0 } else { 1 };
+        let at = |i: i64| from + Span((to - from).0 * i / ticks);
+        for i in 0..ticks {
+            for robot in &mut self.robots {
+                let charging = self.warehouse.nodes[robot.body.node].kind == NodeKind::Charger;
+                robot.body.advance(at(i), at(i + 1), charging);
+            }
+            self.people(at(i), at(i + 1));
+        }
+    }
+
+    /// People walk, robots look out for them, and both are measured.
+    fn people(&mut self, from: Time, to: Time) {
+        let Some(crew) = &mut self.crew else { return };
+        let near = |r: &Robot| RobotNear { at: r.body.pose.at, velocity: r.body.velocity() };
+        let robots: Vec<RobotNear> = self.robots.iter().map(near).collect();
+        crew.tick(to, (to - from).as_secs_f64(), &robots);
+        let people: Vec<Presence> = crew.present(to).collect();
+        let places: Vec<Point> = people.iter().map(|p| p.pose.at).collect();
+        let half_m = self.warehouse.footprint_m / 2.0;
+        self.meter.pass_time(people.len(), to - from);
+        for (robot, near) in self.robots.iter_mut().zip(&robots) {
+            robot.body.scan(to, half_m, &places);
+            let (id, speed, brakes) = (robot.body.id, robot.body.speed_mps, robot.body.is_guarded());
+            for p in &people {
+                let person = Person { worker: p.worker, at: p.pose.at, speed_mps: p.speed_mps };
+                self.meter.look(to, id, near, &person);
+                self.meter.touch(id, p.worker, near.gap(p.pose.at, half_m) <= 0.0, speed, brakes);
+            }
+        }
+    }
+
+    /// Hands over guidance to workers.
+    pub fn tell(&mut self, now: Time, guidance: Vec<(WorkerId, Guidance)>) {
+        if let Some(crew) = &mut self.crew {
+            guidance.into_iter().for_each(|(worker, g)| crew.tell(now, worker, g));
+        }
+    }
+
+    /// Meetings of robots and people so far, measured where both truly are.
+    pub fn figures(&self) -> &Figures {
+        &self.meter.figures
+    }
+
+    /// Robots that drove on into a worker, with the number of the worker: for the laws.
+    pub fn run_over(&self) -> &[(RobotId, usize)] {
+        &self.meter.run_over
+    }
+
+    /// Workers that have been on the floor, with the truth about them.
+    pub fn walkers(&self) -> impl Iterator<Item = (WorkerId, &Walker)> {
+        self.crew.iter().flat_map(|c| c.walkers())
+    }
+
+    /// Assignments that workers have truly completed.
+    pub fn completed(&self) -> u64 {
+        self.crew.as_ref().map_or(0, Crew::completed)
     }
 
     /// Hands over orders to robots.

@@ -4,6 +4,7 @@
 
 use super::check::{self, Findings};
 use super::conflict;
+use super::near::Near;
 use super::{Arc, Lane, Node, NodeKind, Rack, Station, Users, Warehouse, Way};
 use crate::geometry::{Point, Segment, turn_between};
 use crate::id::{Dense, IdVec, NodeId, StationId};
@@ -101,9 +102,14 @@ impl Draft {
     /// # Errors
     /// All problems found, each with its place and remedy.
     pub fn build(self) -> Result<Warehouse, Findings> {
-        check::names_and_numbers(&self)?;
+        if let Err(mut findings) = check::names_and_numbers(&self) {
+            if let Some((rest, doubts)) = check::without_bad_parts(&self) {
+                findings.also(check::well_formed(&rest.assemble(), &doubts));
+            }
+            return Err(findings);
+        }
         let warehouse = self.assemble();
-        check::well_formed(&warehouse)?;
+        check::well_formed(&warehouse, &check::Doubts::default())?;
         Ok(warehouse)
     }
 
@@ -146,6 +152,7 @@ impl Draft {
             name: self.name,
             footprint_m: self.footprint_m,
             conflicts: conflict::between(&nodes, &lanes, self.footprint_m),
+            near: Near::new(nodes.iter().map(|n| n.at).collect()),
             nodes,
             lanes,
             arcs: IdVec::new(),

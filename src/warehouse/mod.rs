@@ -9,9 +9,11 @@ mod check;
 mod conflict;
 pub mod formats;
 mod generate;
+mod near;
 mod sketch;
 mod summary;
 mod svg;
+pub mod walkway;
 
 pub use build::{Draft, DraftLane, DraftNode, DraftStation};
 pub use check::{Finding, Findings, room_for};
@@ -199,6 +201,7 @@ pub struct Warehouse {
     kinds: IdVec<NodeId, NodeKind>,
     headings: IdVec<NodeId, SmallVec<[f64; 4]>>,
     conflicts: IdVec<ResourceId, SmallVec<[ResourceId; 2]>>,
+    near: near::Near,
 }
 
 impl Warehouse {
@@ -289,6 +292,11 @@ impl Warehouse {
     /// Nodes of one kind.
     pub fn nodes_where(&self, keep: impl Fn(NodeKind) -> bool) -> Vec<NodeId> {
         self.nodes.pairs().filter(|(_, n)| keep(n.kind)).map(|(i, _)| i).collect()
+    }
+
+    /// The nodes no farther than `radius` (metres) from a point, by id.
+    pub fn nodes_within(&self, at: Point, radius: f64) -> Vec<NodeId> {
+        self.near.within(at, radius).into_iter().map(|(i, _)| NodeId::at(i)).collect()
     }
 
     /// The smallest rectangle around all nodes, as `(low corner, high corner)`.

@@ -3,6 +3,7 @@
 //! Main function: [`to_svg`]. Names are drawn where there are few nodes; stations always have theirs.
 //! Refuses: robots and people; a drawing shows the building only.
 
+use super::walkway::Walkways;
 use super::{Lane, Node, NodeKind, Summary, Users, Warehouse, summary};
 use crate::geometry::Point;
 use crate::id::NodeId;
@@ -31,13 +32,15 @@ text{font-family:'Inter','Helvetica Neue',Arial,'DejaVu Sans',sans-serif;fill:#2
 .lane{fill:none;stroke:#c2cad5}.under{fill:none;stroke:#b4c7bd;stroke-dasharray:2 3}
 .foot{fill:none;stroke:#b79ae0;stroke-dasharray:1 4;stroke-linecap:round}
 .arrow{fill:none;stroke:#7d8898;stroke-linecap:round;stroke-linejoin:round}
+.walk{fill:none;stroke:#b26ad1;stroke-opacity:.55;stroke-linecap:round;stroke-linejoin:round}
 .node{fill:#aab4c1}.scale{fill:none;stroke:#273142;stroke-width:1.5}";
 
 /// Draws the map as a standalone SVG document.
 pub fn to_svg(w: &Warehouse) -> String {
     let s = summary(w);
     let c = Canvas::around(w);
-    let entries = legend_entries(w, &s);
+    let walks = Walkways::of(w);
+    let entries = legend_entries(w, &s, !walks.edges().is_empty());
     let columns = ((c.width - 2.0 * MARGIN) / ENTRY.0).floor().max(1.0) as usize;
     let height = c.legend_top() + entries.len().div_ceil(columns) as f64 * ENTRY.1 + MARGIN * 0.6;
     let mut out = format!(
@@ -51,6 +54,7 @@ pub fn to_svg(w: &Warehouse) -> String {
     title(&mut out, &c, &s);
     outlines(&mut out, &c, w);
     lanes(&mut out, &c, w);
+    walkways(&mut out, &c, &walks);
     places(&mut out, &c, w);
     names(&mut out, &c, w);
     legend(&mut out, &c, &entries, columns);
@@ -189,6 +193,23 @@ fn lanes(out: &mut String, c: &Canvas, w: &Warehouse) {
     out.push_str("</g>\n");
 }
 
+/// The middle lines of the floor on which people walk.
+fn walkways(out: &mut String, c: &Canvas, walks: &Walkways) {
+    put!(out, "<path class=\"walk\" stroke-width=\"{:.2}\" d=\"", (c.scale * 0.04).clamp(0.6, 2.0));
+    let mut pen = None;
+    for e in walks.edges().ids() {
+        let (edge, s) = (&walks.edges()[e], walks.segment(e));
+        if pen != Some(edge.a) {
+            let (x, y) = c.px(s.a);
+            put!(out, "M{x:.1} {y:.1}");
+        }
+        let (x, y) = c.px(s.b);
+        put!(out, "L{x:.1} {y:.1}");
+        pen = Some(edge.b);
+    }
+    out.push_str("\"/>\n");
+}
+
 /// A chevron in the middle of a one-way lane.
 fn arrow(out: &mut String, c: &Canvas, w: &Warehouse, lane: &Lane) {
     let ((ax, ay), (bx, by)) = (c.px(w.nodes[lane.a].at), c.px(w.nodes[lane.b].at));
@@ -266,7 +287,7 @@ enum Mark {
     Lane(&'static str, bool),
 }
 
-fn legend_entries(w: &Warehouse, s: &Summary) -> Vec<(Mark, String)> {
+fn legend_entries(w: &Warehouse, s: &Summary, walks: bool) -> Vec<(Mark, String)> {
     let count = |fits: &dyn Fn(&Lane) -> bool| w.lanes.iter().filter(|l| fits(l)).count();
     let under = count(&|l| !l.users.loaded && l.users.unloaded);
     let foot = count(&|l| l.users == Users::PEOPLE);
@@ -288,7 +309,9 @@ fn legend_entries(w: &Warehouse, s: &Summary) -> Vec<(Mark, String)> {
         (Mark::Lane("foot", false), "people only", foot),
     ];
     let shown = entries.into_iter().filter(|(_, _, count)| *count > 0);
-    shown.map(|(mark, what, count)| (mark, format!("{what} · {count}"))).collect()
+    let counted = shown.map(|(mark, what, count)| (mark, format!("{what} · {count}")));
+    let walks = walks.then(|| (Mark::Lane("walk", false), "walkways".to_string()));
+    counted.chain(walks).collect()
 }
 
 fn legend(out: &mut String, c: &Canvas, entries: &[(Mark, String)], columns: usize) {

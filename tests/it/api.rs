@@ -32,6 +32,17 @@ async fn a_job_is_accepted_listed_and_cancelled() {
     follower["after"] = json!([id]);
     let follower = post(at, None, &follower).await.unwrap().json();
     assert_eq!(follower["after"], json!([id]));
+    let path = format!("/v1/jobs/{}", follower["id"].as_str().unwrap());
+    let why = format!("waiting for {id} to be over");
+    let mut told = Value::Null;
+    for _ in 0..100 {
+        told = get(at, &path).await.json()["why"].take();
+        if told == *why {
+            break;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+    }
+    assert_eq!(told, *why, "said by the next picture");
     let gone =
         send(at, "DELETE", &format!("/v1/jobs/{}", follower["id"].as_str().unwrap()), &[], "").await.unwrap();
     assert_eq!(gone.status, 200, "{gone:?}");

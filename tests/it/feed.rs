@@ -282,7 +282,6 @@ async fn wait_for(at: SocketAddr, headset: &mut Headset, what: &str, is_so: impl
 }
 
 #[tokio::test(flavor = "multi_thread")]
-#[ignore = "needs the judge phase"]
 async fn poses_that_came_in_show_where_the_worker_is() {
     let folder = Folder::new();
     let server = start(&folder).await;
@@ -301,7 +300,6 @@ async fn poses_that_came_in_show_where_the_worker_is() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-#[ignore = "needs the judge phase"]
 async fn repeated_and_late_poses_are_counted_once_and_change_nothing() {
     let folder = Folder::new();
     let server = start(&folder).await;
@@ -318,7 +316,6 @@ async fn repeated_and_late_poses_are_counted_once_and_change_nothing() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-#[ignore = "needs the judge phase"]
 async fn a_pose_that_jumps_across_the_hall_is_counted_and_told() {
     let folder = Folder::new();
     let server = start(&folder).await;
@@ -340,7 +337,6 @@ async fn a_pose_that_jumps_across_the_hall_is_counted_and_told() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-#[ignore = "needs the judge phase"]
 async fn a_worker_with_an_assignment_gets_a_path_and_is_done_at_its_end() {
     let folder = Folder::new();
     let server = start(&folder).await;

@@ -78,7 +78,7 @@ fn told(what: &str, mut ms: Vec<f64>) {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-#[ignore = "a measurement; stops need the judge phase"]
+#[ignore = "a measurement"]
 async fn twenty_headsets_at_60_hz_beside_200_robots() {
     let root = env!("CARGO_MANIFEST_DIR");
     let read = |path: &str| std::fs::read_to_string(format!("{root}/{path}")).unwrap();

@@ -5,6 +5,7 @@
 #![cfg(feature = "edge")]
 
 mod api;
+mod command;
 mod feed;
 mod helper;
 mod live;

@@ -65,6 +65,7 @@ pub async fn feed(
     Segment(id): Segment,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Problem> {
+    api.desk()?;
     let worker = parse_worker(&api, &id)?;
     let upgrade = upgrade.map_err(|e| {
         let detail = format!("this is a WebSocket: connect with ws:// or wss:// ({})", e.body_text());

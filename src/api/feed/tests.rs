@@ -68,7 +68,7 @@ impl Stage {
             map: map.clone(),
             moments: picture,
             records: Arc::new(Nothing),
-            desk: mpsc::channel(1).0,
+            desk: Some(mpsc::channel(1).0),
             alarms: Arc::new(Alarms::default()),
             live: Arc::new(Live::new(map, 1)),
             feeds: feeds.clone(),

@@ -179,7 +179,7 @@ pub async fn submit(
     responses(
     (status = 200, description = "It is cancelled, or will be as soon as its rack is back", body = JobDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "It was over already", body = Problem,
+    (status = 409, description = "It was over already, or is part of a recording", body = Problem,
      content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn cancel(State(api): State<Api>, Segment(id): Segment) -> Result<Json<JobDto>, Problem> {

@@ -24,8 +24,8 @@ use utoipa::ToSchema;
 /// The most positions at once.
 const MOST: usize = 500;
 
-/// Clocks of tags may be ahead by so much.
-const AHEAD: Span = Span::from_millis(500);
+/// Clocks of tags may be ahead by so much; the fleet takes no more for true.
+const AHEAD: Span = Span::from_millis(150);
 
 /// What is older than this is of no use to anybody.
 const OLDEST: Span = Span::from_secs(10);
@@ -120,6 +120,7 @@ pub async fn many(State(api): State<Api>, Body(new): Body<NewPositions>) -> Resu
 
 /// Hands a report on.
 pub fn report(api: &Api, sighting: Sighting, now: Time) -> Result<(), Problem> {
+    api.desk()?;
     let worker = worker_name(sighting.worker);
     api.feeds.report(sighting, now).map_err(|why| match why {
         Untaken::Unknown => Problem::unknown("worker", format!("{worker} does not exist")),

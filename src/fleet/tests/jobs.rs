@@ -54,6 +54,47 @@ fn an_urgent_job_overtakes_those_that_waited_before() {
     }
 }
 
+/// One robot has `picks` long picks to do, of high priority, while three jobs wait; during the last pick comes a job
+/// that is due `due` seconds later.
+fn with_a_deadline(picks: u32, due: i64) -> (Floor, Vec<JobId>, JobId, Time) {
+    let mut floor = Floor::lab(1);
+    let long = |rack| {
+        let pick = Some(Span::from_secs(500));
+        let kind = JobKind::Deliver { rack: RackId(rack), station: StationId(0), pick };
+        JobRequest { priority: 9, ..request(kind) }
+    };
+    let before: Vec<JobId> = (0..picks).map(|rack| floor.submit(long(rack))).collect();
+    let old = [4, 5, 6].map(|rack| floor.submit(request(deliver(rack)))).to_vec();
+    let nearly = |f: &Floor| before.iter().all(|j| f.is(*j, "picking") || f.state(*j).is_none());
+    floor.until(2_000, "the last long pick", nearly);
+    floor.run(450);
+    let deadline = floor.now + Span::from_secs(due);
+    let urgent = floor.submit(JobRequest { deadline: Some(deadline), ..request(deliver(11)) });
+    floor.until_over(2_000);
+    (floor, old, urgent, deadline)
+}
+
+#[test]
+fn a_job_with_a_near_deadline_overtakes_older_ones_and_makes_it() {
+    for picks in [1, 3] {
+        let (floor, old, urgent, deadline) = with_a_deadline(picks, 240);
+        for job in old {
+            let (first, then) = (floor.when(urgent, "assigned"), floor.when(job, "assigned"));
+            assert!(first < then, "after {picks} picks: {job:?}");
+        }
+        assert!(floor.when(urgent, "done") <= deadline, "after {picks} picks");
+    }
+}
+
+#[test]
+fn a_deadline_that_is_far_away_overtakes_nobody() {
+    let (floor, old, urgent, deadline) = with_a_deadline(3, 3_600);
+    for job in old {
+        assert!(floor.when(urgent, "assigned") > floor.when(job, "assigned"), "{job:?}");
+    }
+    assert!(floor.when(urgent, "done") <= deadline);
+}
+
 #[test]
 fn a_job_after_another_starts_only_when_that_is_over() {
     let mut floor = Floor::lab(2);

@@ -1,7 +1,7 @@
 //! Never stuck, exhaustively: every interleaving of grants and moves of three robots on tiny floors, with delays.
 
 use crate::id::{Dense, NodeId, RobotId};
-use crate::route::{Ask, Kinematics, Planner, Rules, Stage};
+use crate::route::{Ask, Kinematics, NO_PEOPLE, Planner, Rules, Stage};
 use crate::time::{Span, Time};
 use crate::timeline::{Chain, Holder, Timeline, Visit};
 use crate::warehouse::{Warehouse, sketch};
@@ -32,7 +32,15 @@ fn plan(planner: &mut Planner, ways: &[(NodeId, NodeId)], order: &[usize]) -> Op
             others.reserve(holder(later), vec![waits]).ok()?;
         }
         let (from, stage) = (stand(ways[i].0), Stage { goal: ways[i].1, loaded: false, stay: Span::ZERO });
-        let ask = Ask { from: &from, heading: 0.0, ready: Time::ZERO, stages: &[stage], budget: 100_000 };
+        let ask = Ask {
+            from: &from,
+            heading: 0.0,
+            ready: Time::ZERO,
+            stages: &[stage],
+            budget: 100_000,
+            conditions: &NO_PEOPLE,
+            away: &[],
+        };
         let route = planner.plan(&ask, &others).ok()?;
         let visits = std::iter::once(route.kept).chain(route.visits).collect();
         timeline.reserve(holder(i), visits).ok()?;

@@ -1,8 +1,9 @@
 //! Names and numbers of a draft: unknown, doubled, absurd.
 //!
-//! Main function: [`names_and_numbers`]. Refuses: to look at ways through the building, which need ids.
+//! Main functions: [`names_and_numbers`], [`without_bad_parts`]. Refuses: to look at ways through the building, which
+//! need ids.
 
-use super::Findings;
+use super::{Doubts, Findings};
 use crate::geometry::Point;
 use crate::warehouse::build::{Draft, DraftLane};
 use std::collections::{BTreeMap, BTreeSet};
@@ -35,7 +36,7 @@ pub(in crate::warehouse) fn names_and_numbers(draft: &Draft) -> Result<(), Findi
         return found.into_result();
     }
     let f = draft.footprint_m;
-    if !(f.is_finite() && f > 0.0 && f <= FOOTPRINT_MAX_M) {
+    if !is_footprint(f) {
         let remedy = format!("give the side of a robot with its rack, above 0 and up to {FOOTPRINT_MAX_M} m");
         found.add("footprint_m", format!("{f} m"), remedy);
     }
@@ -65,6 +66,10 @@ fn nodes<'a>(draft: &'a Draft, found: &mut Findings) -> BTreeMap<&'a str, Point>
     at
 }
 
+fn is_footprint(f: f64) -> bool {
+    f.is_finite() && f > 0.0 && f <= FOOTPRINT_MAX_M
+}
+
 fn is_far(p: Point) -> bool {
     [p.x, p.y].iter().any(|v| !v.is_finite() || v.abs() > FAR_M)
 }
@@ -80,31 +85,46 @@ fn lanes(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findings) {
     let mut ways: BTreeSet<(&str, &str)> = BTreeSet::new();
     let mut arrivals: BTreeMap<&str, usize> = BTreeMap::new();
     for lane in &draft.lanes {
-        let place = format!("lane {}–{}", lane.from, lane.to);
-        lane_numbers(lane, &place, found);
-        match (at.get(lane.from.as_str()), at.get(lane.to.as_str())) {
-            (Some(&a), Some(&b)) if lane.from != lane.to => lane_length(lane, &place, (b - a).norm(), found),
-            (Some(_), Some(_)) => found.add(&place, "it ends where it starts", "remove it"),
-            (a, b) => {
-                let unknown = [(a, &lane.from), (b, &lane.to)];
-                for (_, name) in unknown.iter().filter(|(node, _)| node.is_none()) {
-                    found.add(&place, format!("there is no node {name}"), "add the node or mend the name");
-                }
-            }
-        }
-        let (from, to) = (lane.from.as_str(), lane.to.as_str());
-        let directions = [(from, to), (to, from)];
-        for way in &directions[..if lane.both { 2 } else { 1 }] {
-            *arrivals.entry(way.1).or_default() += 1;
-            if !ways.insert(*way) && from != to {
-                let problem = format!("a second lane from {} to {}", way.0, way.1);
-                found.add(&place, problem, "keep one of them");
-            }
+        one_lane(lane, at, &mut ways, found);
+        *arrivals.entry(lane.to.as_str()).or_default() += 1;
+        if lane.both {
+            *arrivals.entry(lane.from.as_str()).or_default() += 1;
         }
     }
     for (name, count) in arrivals.into_iter().filter(|(_, count)| *count > ARRIVALS_MAX) {
         let problem = format!("{count} lanes end here");
         found.add(format!("node {name}"), problem, format!("keep to {ARRIVALS_MAX}"));
+    }
+}
+
+/// Checks a lane by itself and against the `ways` of those before it.
+fn one_lane<'a>(
+    lane: &'a DraftLane,
+    at: &BTreeMap<&str, Point>,
+    ways: &mut BTreeSet<(&'a str, &'a str)>,
+    found: &mut Findings,
+) {
+    let place = format!("lane {}–{}", lane.from, lane.to);
+    lane_numbers(lane, &place, found);
+    match (at.get(lane.from.as_str()), at.get(lane.to.as_str())) {
+        // Absurd positions are reported with their nodes.
+        (Some(&a), Some(&b)) if is_far(a) || is_far(b) => {}
+        (Some(&a), Some(&b)) if lane.from != lane.to => lane_length(lane, &place, (b - a).norm(), found),
+        (Some(_), Some(_)) => found.add(&place, "it ends where it starts", "remove it"),
+        (a, b) => {
+            let unknown = [(a, &lane.from), (b, &lane.to)];
+            for (_, name) in unknown.iter().filter(|(node, _)| node.is_none()) {
+                found.add(&place, format!("there is no node {name}"), "add the node or mend the name");
+            }
+        }
+    }
+    let (from, to) = (lane.from.as_str(), lane.to.as_str());
+    let directions = [(from, to), (to, from)];
+    for way in &directions[..if lane.both { 2 } else { 1 }] {
+        if !ways.insert(*way) && from != to {
+            let problem = format!("a second lane from {} to {}", way.0, way.1);
+            found.add(&place, problem, "keep one of them");
+        }
     }
 }
 
@@ -209,4 +229,71 @@ fn outlines(draft: &Draft, found: &mut Findings) {
             }
         }
     }
+}
+
+/// What is left of a bad draft without its bad parts, and which places that leaves in doubt: enough to look for
+/// problems of the floor too. Nothing if there are no nodes, or far too many.
+pub(in crate::warehouse) fn without_bad_parts(draft: &Draft) -> Option<(Draft, Doubts)> {
+    if draft.nodes.is_empty() || draft.nodes.len() > NODES_MAX {
+        return None;
+    }
+    let (mut rest, mut doubts) = (draft.clone(), Doubts::default());
+    if !is_footprint(rest.footprint_m) {
+        // Nothing overlaps: what is in whose way can only be told with a footprint.
+        rest.footprint_m = 0.0;
+    }
+    let mut at: BTreeMap<&str, Point> = BTreeMap::new();
+    rest.nodes.clear();
+    for node in &draft.nodes {
+        if !is_far(node.at) && !at.contains_key(node.name.as_str()) {
+            at.insert(&node.name, node.at);
+            rest.nodes.push(node.clone());
+        } else {
+            doubts.places.insert(node.name.clone());
+        }
+    }
+    let mut ways = BTreeSet::new();
+    rest.lanes.clear();
+    for lane in &draft.lanes {
+        let mut wrong = Findings::default();
+        one_lane(lane, &at, &mut ways, &mut wrong);
+        if wrong.0.is_empty() {
+            rest.lanes.push(lane.clone());
+        } else {
+            doubts.places.extend([lane.from.clone(), lane.to.clone()]);
+        }
+    }
+    keep_good_roles(&mut rest, &at, &mut doubts);
+    // The floor is the same with and without racks.
+    rest.racks.clear();
+    Some((rest, doubts))
+}
+
+/// Drops roles of unknown nodes, and all but the first of each node; a station goes as a whole.
+fn keep_good_roles(rest: &mut Draft, at: &BTreeMap<&str, Point>, doubts: &mut Doubts) {
+    let mut taken: BTreeSet<String> = BTreeSet::new();
+    let mut is_good = |name: &String| at.contains_key(name.as_str()) && taken.insert(name.clone());
+    let Doubts { places, stays } = doubts;
+    for (list, lasting) in [
+        (&mut rest.storage, true),
+        (&mut rest.chargers, true),
+        (&mut rest.parking, true),
+        (&mut rest.exits, false),
+    ] {
+        let (good, bad) = std::mem::take(list).into_iter().partition(|name| is_good(name));
+        *list = good;
+        *stays |= lasting && !Vec::is_empty(&bad);
+        places.extend(bad);
+    }
+    rest.stations.retain(|s| {
+        let line = || std::iter::once(&s.node).chain(&s.queue);
+        let mut good = true;
+        for name in line() {
+            good &= is_good(name);
+        }
+        if !good {
+            places.extend(line().cloned());
+        }
+        good
+    });
 }

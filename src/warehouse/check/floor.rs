@@ -10,9 +10,11 @@
 //! - whoever stands at a lasting place, a station or in a queue blocks no node, and the lanes that he blocks
 //!   are taken away before all of this is asked.
 //!
+//! Where bad parts of a draft were left out, the places in doubt count as joined to the main floor.
+//!
 //! Main function: [`well_formed`]. Refuses: to count on luck, i.e. on somebody moving out of the way.
 
-use super::{Findings, list};
+use super::{Doubts, Findings, list};
 use crate::id::{Dense, IdVec, LaneId, NodeId};
 use crate::warehouse::{Arc, NodeKind, Station, Warehouse};
 use petgraph::algo::kosaraju_scc;
@@ -28,19 +30,20 @@ type Incoming = IdVec<NodeId, SmallVec<[Arc; 4]>>;
 type Blocked = IdVec<LaneId, Option<NodeId>>;
 
 /// Everything that must hold so that no robot is ever stuck for want of a way or of a place to stay.
-pub(in crate::warehouse) fn well_formed(w: &Warehouse) -> Result<(), Findings> {
+pub(in crate::warehouse) fn well_formed(w: &Warehouse, doubts: &Doubts) -> Result<(), Findings> {
     let mut found = Findings::default();
-    if !w.nodes.iter().any(|n| n.kind.is_lasting()) {
+    if !w.nodes.iter().any(|n| n.kind.is_lasting()) && !doubts.stays {
         let problem = "no storage, charging or parking place where a robot could stay for ever";
         found.add(format!("map {}", w.name), problem, "add parking places beside the lanes");
     }
-    let blocked = standing(w, &mut found);
-    without_lanes(w, &mut found);
+    let doubtful: Set = w.nodes.iter().map(|n| doubts.places.contains(&n.name)).collect();
+    let blocked = standing(w, &doubtful, &mut found);
+    without_lanes(w, &doubtful, &mut found);
     let incoming = incoming(w);
-    let [loaded, unloaded] = [true, false].map(|loaded| Floor::of(w, loaded, &blocked, &incoming));
+    let [loaded, unloaded] = [true, false].map(|loaded| Floor::of(w, loaded, &doubtful, &blocked, &incoming));
     loaded.cut_off(&mut found);
     unloaded.cut_off(&mut found);
-    for (n, node) in w.nodes.pairs() {
+    for (n, node) in w.nodes.pairs().filter(|(n, _)| !doubtful[*n]) {
         match node.kind {
             NodeKind::Storage => {
                 loaded.lasting(n, &mut found);
@@ -50,7 +53,8 @@ pub(in crate::warehouse) fn well_formed(w: &Warehouse) -> Result<(), Findings> {
             _ => {}
         }
     }
-    for station in w.stations.iter() {
+    let is_sure = |s: &&Station| !std::iter::once(&s.node).chain(&s.queue).any(|n| doubtful[*n]);
+    for station in w.stations.iter().filter(is_sure) {
         loaded.station(station, &mut found);
     }
     found.into_result()
@@ -61,11 +65,12 @@ fn is_open(kind: NodeKind) -> bool {
 }
 
 /// Reports nodes that are blocked by somebody who stands elsewhere; returns who blocks which lane.
-fn standing(w: &Warehouse, found: &mut Findings) -> Blocked {
+fn standing(w: &Warehouse, doubtful: &Set, found: &mut Findings) -> Blocked {
     let mut blocked = Blocked::filled(None, w.lanes.len());
-    for n in w.nodes_where(|kind| !is_open(kind)) {
+    for n in w.nodes_where(|kind| !is_open(kind)).into_iter().filter(|n| !doubtful[*n]) {
         for &other in w.conflicts(w.node_resource(n)) {
             let o = match w.resource(other) {
+                Ok(o) if doubtful[o] => continue,
                 Ok(o) => o,
                 Err(lane) => {
                     blocked[lane] = Some(n);
@@ -85,8 +90,8 @@ fn standing(w: &Warehouse, found: &mut Findings) -> Blocked {
     blocked
 }
 
-fn without_lanes(w: &Warehouse, found: &mut Findings) {
-    let mut touched: Set = IdVec::filled(false, w.nodes.len());
+fn without_lanes(w: &Warehouse, doubtful: &Set, found: &mut Findings) {
+    let mut touched = doubtful.clone();
     for lane in w.lanes.iter() {
         touched[lane.a] = true;
         touched[lane.b] = true;
@@ -122,9 +127,15 @@ struct Floor<'a> {
 }
 
 impl<'a> Floor<'a> {
-    fn of(w: &'a Warehouse, loaded: bool, blocked: &'a Blocked, incoming: &'a Incoming) -> Self {
+    fn of(
+        w: &'a Warehouse,
+        loaded: bool,
+        doubtful: &Set,
+        blocked: &'a Blocked,
+        incoming: &'a Incoming,
+    ) -> Self {
         let usable = |a: &&Arc| a.users.allows(loaded) && blocked[a.lane].is_none();
-        let open = |n: NodeId| is_open(w.nodes[n].kind);
+        let open = |n: NodeId| is_open(w.nodes[n].kind) || doubtful[n];
         let mut graph: DiGraph<(), ()> = DiGraph::new();
         for _ in w.nodes.ids() {
             graph.add_node(());
@@ -139,6 +150,8 @@ impl<'a> Floor<'a> {
         let is_station = |n: NodeId| matches!(w.nodes[n].kind, NodeKind::Station(_));
         let exits =
             (w.arcs.iter().filter(usable)).filter(|a| is_station(a.from) && open(a.to)).map(|a| index(a.to));
+        let unknown = doubtful.pairs().filter(|(_, d)| **d).map(|(n, _)| index(n));
+        let main: Vec<NodeIndex> = main.into_iter().chain(unknown).collect();
         let reached = spread(main.iter().copied(), Dfs::empty(&graph), |dfs| dfs.next(&graph));
         let back = spread(main.iter().copied(), Dfs::empty(&graph), |dfs| dfs.next(Reversed(&graph)));
         let after = spread(exits, Dfs::empty(&graph), |dfs| dfs.next(&graph));

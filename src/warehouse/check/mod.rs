@@ -9,10 +9,11 @@ mod floor;
 #[cfg(test)]
 mod tests;
 
-pub(super) use draft::names_and_numbers;
+pub(super) use draft::{names_and_numbers, without_bad_parts};
 pub(super) use floor::well_formed;
 
 use super::Warehouse;
+use std::collections::BTreeSet;
 use std::fmt;
 
 /// One thing that is wrong with a map.
@@ -30,7 +31,22 @@ pub struct Finding {
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Findings(pub Vec<Finding>);
 
+/// What is not known of a floor that was built without the bad parts of its draft. Nothing is reported that the
+/// missing parts could explain: one mistake, one finding.
+#[derive(Debug, Default)]
+pub(super) struct Doubts {
+    /// Names of places at which something was left out; the missing parts may join them to anything.
+    places: BTreeSet<String>,
+    /// Whether places to stay were left out.
+    stays: bool,
+}
+
 impl Findings {
+    /// Adds what another check found.
+    pub(super) fn also(&mut self, other: Result<(), Findings>) {
+        self.0.extend(other.err().into_iter().flat_map(|more| more.0));
+    }
+
     fn add(&mut self, place: impl Into<String>, problem: impl Into<String>, remedy: impl Into<String>) {
         self.0.push(Finding { place: place.into(), problem: problem.into(), remedy: remedy.into() });
     }

@@ -51,6 +51,66 @@ fn all_problems_are_told_at_once() {
     assert_eq!(draft.build().expect_err("three problems").0.len(), 3);
 }
 
+/// Fails unless the findings are exactly these, each given by the beginning of what it reads like.
+fn all_findings(draft: Draft, beginnings: &[&str]) {
+    let all = draft.build().expect_err("a bad map is refused").to_string();
+    let lines: Vec<&str> = all.lines().collect();
+    assert_eq!(lines.len(), beginnings.len(), "not as many as expected in:\n{all}");
+    for (line, beginning) in lines.iter().zip(beginnings) {
+        assert!(line.starts_with(beginning), "no \"{beginning}\" in:\n{all}");
+    }
+}
+
+#[test]
+fn a_wrong_name_does_not_hide_what_is_wrong_with_the_floor() {
+    let mut draft = good();
+    draft.lanes.push(DraftLane::one_way("0,1", "nowhere", Users::ALL));
+    draft.nodes.push(node("island", 9.0, 9.0));
+    draft.nodes.push(node("end", 4.0, 1.0));
+    draft.lanes.push(DraftLane::one_way("3,1", "end", Users::ALL));
+    all_findings(
+        draft.clone(),
+        &[
+            "lane 0,1–nowhere: there is no node nowhere",
+            "nodes island: no lane touches them",
+            "nodes end: loaded robots cannot get from there",
+            "nodes end: unloaded robots cannot get from there",
+        ],
+    );
+    draft.footprint_m = -1.0;
+    assert_eq!(draft.build().expect_err("five problems").0.len(), 5, "nor does a wrong footprint");
+}
+
+/// Two halves of a floor that only the lane from `2,1` to `3,1` joins.
+fn two_halves() -> Draft {
+    let halves = sketch("RR...RR\n.......\nP.1.2.C");
+    without(without(halves, "2,2", "3,2"), "2,0", "3,0")
+}
+
+#[test]
+fn what_merely_follows_from_a_bad_part_is_not_listed() {
+    two_halves().build().expect("nothing is wrong with it");
+    let mut draft = two_halves();
+    lane(&mut draft, "2,1", "3,1").to = "3,1x".into();
+    all_findings(draft, &["lane 2,1–3,1x: there is no node 3,1x"]);
+    let mut draft = two_halves();
+    lane(&mut draft, "2,1", "3,1").length_m = Some(0.1);
+    all_findings(draft, &["lane 2,1–3,1: 0.1 m is shorter"]);
+    let mut draft = two_halves();
+    draft.nodes.iter_mut().find(|n| n.name == "3,1").expect("it is drawn").at.x = f64::NAN;
+    all_findings(draft, &["node 3,1: it stands at (NaN, 1)"]);
+    let mut draft = two_halves();
+    draft.parking.push("3,1".into());
+    draft.exits.push("3,1".into());
+    all_findings(draft, &["node 3,1: listed in parking and in exits"]);
+    let mut draft = sketch("..\n..");
+    draft.chargers.push("0,O".into());
+    all_findings(draft, &["chargers: there is no node 0,O"]);
+    let mut draft = with_queue();
+    draft.stations[0].queue[0] = "q0".into();
+    all_findings(draft, &["the queue of station W: there is no node q0"]);
+}
+
 #[test]
 fn a_map_without_nodes_is_refused() {
     refused(Draft { footprint_m: 0.9, ..Draft::default() }, &["nodes: there are none"]);
@@ -314,5 +374,17 @@ proptest! {
         if let Err(findings) = draft.build() {
             prop_assert!(!findings.0.is_empty());
         }
+    }
+
+    #[test]
+    fn bad_lanes_of_a_good_map_are_all_that_is_listed(
+        bad in prop::collection::btree_set(0usize..18, 1..18),
+    ) {
+        let mut draft = with_queue();
+        for &i in &bad {
+            draft.lanes[i].length_m = Some(0.0);
+        }
+        let findings = draft.build().expect_err("no lane is that short");
+        prop_assert_eq!(findings.0.len(), bad.len(), "{}", findings);
     }
 }

@@ -1,0 +1,216 @@
+//! From beliefs about people to conditions for the search.
+//!
+//! Main type: [`Effects`]. Where a person is, nothing comes or goes, and around that everything is slower;
+//! where a person will almost surely walk within seconds, nobody may be; where a person may walk, being there
+//! costs, in proportion to the probability. Refuses: to look at robots.
+
+use super::regions::{BODY_M, Regions};
+use crate::geometry::{Point, Segment};
+use crate::human::{Band, Hypothesis, Whereabouts, passages};
+use crate::id::{ClosureId, NodeId, WorkerId};
+use crate::route::{Cause, Condition, Conditions, Effect};
+use crate::time::{Span, Time, Window};
+use crate::warehouse::Warehouse;
+use std::collections::BTreeMap;
+
+/// Probability from which a place is closed instead of dear.
+const SURE: f64 = 0.5;
+/// Probability below which a place is neither.
+const NEGLIGIBLE: f64 = 0.05;
+/// What being surely in somebody's way costs, seconds.
+const IN_THE_WAY_S: f64 = 8.0;
+/// How far ahead a place is closed, and how far it is dear.
+const HARD: Span = Span::from_secs(6);
+const SOFT: Span = Span::from_secs(15);
+/// Conditions around a present worker hold this long; they are made anew every step.
+const NOW: Span = Span::from_millis(900);
+/// Room between a person on a path and a robot, metres.
+const GAP_M: f64 = 0.1;
+
+/// What conditions are made with.
+#[derive(Debug)]
+pub struct Effects<'a> {
+    /// The building.
+    pub warehouse: &'a Warehouse,
+    /// Radii and speeds.
+    pub regions: &'a Regions,
+    /// The time now.
+    pub now: Time,
+}
+
+impl Effects<'_> {
+    /// Half of a robot and a person side by side, metres.
+    fn beside_m(&self) -> f64 {
+        self.warehouse.footprint_m / 2.0 + BODY_M + GAP_M
+    }
+
+    /// Regions 2 and 3 around a worker where the worker is.
+    pub fn presence(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts) {
+        let cause = Cause::Worker(worker);
+        let window = Window::new(self.now, self.now + NOW);
+        let still = self.regions.still_radius_m(true, w.sigma_m) + w.reach_m;
+        let slow = self.regions.slow_radius_m(true, w.sigma_m) + w.reach_m;
+        for node in self.warehouse.nodes_within(w.at, slow) {
+            let distance = (self.warehouse.nodes[node].at - w.at).norm();
+            let effect = if distance <= still {
+                Effect::Still
+            } else {
+                Effect::Slow(self.regions.limits_mps(distance - w.reach_m, w.sigma_m))
+            };
+            conditions.add(node, Condition { window, effect, cause });
+        }
+    }
+
+    /// Places that a worker will take, by probability: ours.
+    pub fn forecast(&self, conditions: &mut Conditions, worker: WorkerId, paths: &[Hypothesis], band: Band) {
+        let mut found: BTreeMap<NodeId, (f64, usize, Window)> = BTreeMap::new();
+        for (i, h) in paths.iter().enumerate().filter(|(_, h)| h.probability >= NEGLIGIBLE / 4.0) {
+            passages(i, h, band, self.now, SOFT, |p| {
+                for node in self.warehouse.nodes_within(p.at, self.beside_m()) {
+                    let entry = found.entry(node).or_insert((0.0, usize::MAX, p.window));
+                    if entry.1 != i {
+                        (entry.0, entry.1) = (entry.0 + h.probability, i);
+                    }
+                    entry.2 = hull(entry.2, p.window);
+                }
+            });
+        }
+        let cause = Cause::Worker(worker);
+        for (node, (probability, _, window)) in found {
+            let effect = match probability {
+                p if p >= SURE && window.start() <= self.now + HARD => Effect::Closed,
+                p if p >= NEGLIGIBLE => Effect::Price(Span::from_secs_f64(IN_THE_WAY_S * p.min(1.0))),
+                _ => continue,
+            };
+            conditions.add(node, Condition { window, effect, cause });
+        }
+    }
+
+    /// A worker's whole plan with regions 2 and 3 around it: as published (Petković 2021, sections 4.2.3 and
+    /// 4.3.3).
+    pub fn plan(&self, conditions: &mut Conditions, worker: WorkerId, path: &Hypothesis, band: Band) {
+        let cause = Cause::Worker(worker);
+        let still = self.regions.still_radius_m(true, 0.0);
+        let slow = self.regions.slow_radius_m(true, 0.0);
+        passages(0, path, band, self.now, Span::from_secs(120), |p| {
+            for node in self.warehouse.nodes_within(p.at, slow) {
+                let distance = (self.warehouse.nodes[node].at - p.at).norm();
+                let effect = match distance {
+                    d if d <= self.beside_m() => Effect::Closed,
+                    d if d <= still => Effect::Still,
+                    d => Effect::Slow(self.regions.limits_mps(d, 0.0)),
+                };
+                conditions.add(node, Condition { window: p.window, effect, cause });
+            }
+        });
+    }
+
+    /// An area that somebody marked.
+    pub fn area(&self, conditions: &mut Conditions, closure: ClosureId, nodes: &[NodeId], window: Window) {
+        if window.end() <= self.now {
+            return;
+        }
+        let condition = Condition { window, effect: Effect::Closed, cause: Cause::Closure(closure) };
+        nodes.iter().for_each(|n| conditions.add(*n, condition));
+    }
+}
+
+fn hull(a: Window, b: Window) -> Window {
+    Window::new(a.start().min(b.start()), a.end().max(b.end()))
+}
+
+/// Nodes on which a robot would reach into an outline.
+pub fn nodes_in(warehouse: &Warehouse, outline: &[Point]) -> Vec<NodeId> {
+    let half = warehouse.footprint_m / 2.0;
+    let inside = |at: Point| is_inside(outline, at) || distance_to(outline, at) < half;
+    warehouse.nodes.pairs().filter(|(_, n)| inside(n.at)).map(|(id, _)| id).collect()
+}
+
+/// Even-odd rule.
+fn is_inside(outline: &[Point], p: Point) -> bool {
+    let edges = outline.iter().zip(outline.iter().cycle().skip(1));
+    let crossings = edges
+        .filter(|(a, b)| (a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x);
+    crossings.count() % 2 == 1
+}
+
+fn distance_to(outline: &[Point], p: Point) -> f64 {
+    let edges = outline.iter().zip(outline.iter().cycle().skip(1));
+    let distances = edges.map(|(a, b)| Segment { a: *a, b: *b }.distance_to(p));
+    distances.fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Vector;
+    use crate::human::Presence;
+    use crate::route::Kinematics;
+    use crate::warehouse::thesis;
+
+    fn hall() -> (Warehouse, Regions) {
+        let w = thesis();
+        let r = Regions::new(Kinematics::default(), w.footprint_m, 0.1);
+        (w, r)
+    }
+
+    fn standing(at: Point) -> Whereabouts {
+        let presence = Presence::Tracked;
+        Whereabouts { at, sigma_m: 0.02, reach_m: 0.0, velocity: Vector::zeros(), heading: None, presence }
+    }
+
+    #[test]
+    fn around_a_worker_nothing_comes_or_goes_and_beyond_it_is_slow() {
+        let (warehouse, regions) = hall();
+        let effects = Effects { warehouse: &warehouse, regions: &regions, now: Time::ZERO };
+        let mut conditions = Conditions::none(&warehouse);
+        let node = warehouse.nodes.ids().next().unwrap();
+        let at = warehouse.nodes[node].at;
+        effects.presence(&mut conditions, WorkerId(0), &standing(at));
+        assert!(matches!(conditions.of(node)[0].effect, Effect::Still));
+        let still = regions.still_radius_m(true, 0.02);
+        for (n, it) in warehouse.nodes.pairs() {
+            let distance = (it.at - at).norm();
+            let is_still = conditions.of(n).iter().any(|c| c.effect == Effect::Still);
+            assert_eq!(is_still, distance <= still, "{} m", distance);
+        }
+    }
+
+    #[test]
+    fn the_surer_a_way_the_harder_its_conditions() {
+        let (warehouse, regions) = hall();
+        let effects = Effects { warehouse: &warehouse, regions: &regions, now: Time::ZERO };
+        let at = |i: usize| warehouse.nodes.iter().nth(i).unwrap().at;
+        for (p, closed) in [(0.9, true), (0.3, false)] {
+            let mut conditions = Conditions::none(&warehouse);
+            let path = Hypothesis { probability: p, path: vec![at(0), at(1)], stay: None };
+            effects.forecast(&mut conditions, WorkerId(0), &[path], Band::ANY);
+            let first = warehouse.nodes.ids().next().unwrap();
+            assert_eq!(matches!(conditions.of(first)[0].effect, Effect::Closed), closed);
+        }
+    }
+
+    #[test]
+    fn hypotheses_that_share_a_place_add_up() {
+        let (warehouse, regions) = hall();
+        let effects = Effects { warehouse: &warehouse, regions: &regions, now: Time::ZERO };
+        let at = |i: usize| warehouse.nodes.iter().nth(i).unwrap().at;
+        let h = |to: usize| Hypothesis { probability: 0.4, path: vec![at(0), at(to)], stay: None };
+        let mut conditions = Conditions::none(&warehouse);
+        effects.forecast(&mut conditions, WorkerId(0), &[h(1), h(1)], Band::ANY);
+        let first = warehouse.nodes.ids().next().unwrap();
+        assert!(matches!(conditions.of(first)[0].effect, Effect::Closed), "0.4 and 0.4 make sure");
+    }
+
+    #[test]
+    fn an_area_takes_all_nodes_whose_robots_would_reach_into_it() {
+        let (warehouse, _) = hall();
+        let node = warehouse.nodes.ids().next().unwrap();
+        let p = warehouse.nodes[node].at;
+        let corner = |x: f64, y: f64| Point::new(p.x + x, p.y + y);
+        let small = [corner(0.3, 0.3), corner(0.4, 0.3), corner(0.4, 0.4)];
+        assert_eq!(nodes_in(&warehouse, &small), vec![node]);
+        let far = [corner(-9.0, -9.0), corner(-8.0, -9.0), corner(-8.0, -8.0)];
+        assert!(nodes_in(&warehouse, &far).is_empty());
+    }
+}

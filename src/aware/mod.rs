@@ -1,0 +1,47 @@
+//! What people mean for robots: regions, closures, prices. The only place where `human` and `route` meet.
+//!
+//! Main types: [`Arm`] (which method decides), [`Regions`] (radii and speeds), [`Effects`] (beliefs to
+//! conditions), [`Meter`] (encounters). Refuses: to plan, and to command anybody.
+
+mod effects;
+mod encounter;
+mod regions;
+
+pub use effects::{Effects, nodes_in};
+pub use encounter::{Meeting, Meter, Near};
+pub use regions::{BODY_M, CREEP_MPS, Regions, SLOW_MPS};
+
+/// How the fleet deals with people: ours, and three to compare it with (Petković 2021, section 4.4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum Arm {
+    /// No prediction: replans when a worker who left the path is within region 1 of a robot.
+    Nhir,
+    /// Predicts that a worker who left the path goes straight on.
+    Shir,
+    /// Predicts by the published intention recognition, and reacts by the published procedure.
+    Phir,
+    /// Predicts occupancies with probabilities, and makes only those robots give way that would meet the
+    /// worker.
+    #[default]
+    Giveway,
+}
+
+impl Arm {
+    /// All of them.
+    pub const ALL: [Arm; 4] = [Arm::Nhir, Arm::Shir, Arm::Phir, Arm::Giveway];
+
+    /// Its name in files and tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Arm::Nhir => "nhir",
+            Arm::Shir => "shir",
+            Arm::Phir => "phir",
+            Arm::Giveway => "giveway",
+        }
+    }
+
+    /// The arm of that name.
+    pub fn named(name: &str) -> Option<Arm> {
+        Arm::ALL.into_iter().find(|a| a.word() == name)
+    }
+}

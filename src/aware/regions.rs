@@ -1,0 +1,148 @@
+//! How near a robot may come to a person, and how fast.
+//!
+//! Main type: [`Regions`]. The separation distance is that of ISO/TS 15066, 5.5.4: what the person walks
+//! while the robot reacts and brakes, what the robot drives meanwhile, and the uncertainty of both places.
+//! Region 1 is where a slow robot must stand, region 2 where the slow speed would be too fast, region 3 where
+//! full speed would. A person is always taken to walk at 1.6 m/s (ISO 13855): predictions add caution and
+//! never take any away. Refuses: to be a safety function; robots' own scanners and brakes are.
+
+use crate::route::Kinematics;
+
+/// Walking speed that is always assumed, metres per second.
+const WALK_MPS: f64 = 1.6;
+/// Radius of a standing person, metres.
+pub const BODY_M: f64 = 0.25;
+/// Uncertainty of a robot's place, metres.
+const ROBOT_M: f64 = 0.1;
+/// Speed of robots near people, metres per second.
+pub const SLOW_MPS: f64 = 0.5;
+/// Speed of a robot that drives out of region 1.
+pub const CREEP_MPS: f64 = 0.3;
+
+/// Radii and speeds for one kind of robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Regions {
+    kinematics: Kinematics,
+    half_m: f64,
+    /// From a pose being so to the robot's brakes: age, control period, radio, controller; seconds.
+    reaction_s: f64,
+}
+
+impl Regions {
+    /// For robots of this kind, `footprint_m` wide, in a fleet that decides every `period_s`.
+    pub fn new(kinematics: Kinematics, footprint_m: f64, period_s: f64) -> Regions {
+        let reaction_s = 0.1 + 2.0 * period_s + kinematics.reaction.as_secs_f64();
+        Regions { kinematics, half_m: footprint_m / 2.0, reaction_s }
+    }
+
+    /// Way from deciding to standing, metres.
+    fn stop_m(&self, v: f64, loaded: bool) -> f64 {
+        v * self.reaction_s + self.kinematics.braking_m(v, loaded)
+    }
+
+    /// The separation distance at speed `v`, metres. `sigma_m` is one standard deviation of the person's place.
+    pub fn separation_m(&self, v: f64, loaded: bool, sigma_m: f64) -> f64 {
+        let braking_s = v / self.kinematics.accel_mps2(loaded);
+        WALK_MPS * (self.reaction_s + braking_s) + self.stop_m(v, loaded) + 2.0 * sigma_m + ROBOT_M
+    }
+
+    /// Region 1: a robot stops. Between the centres, metres, for robots that are slow as they should be near
+    /// people.
+    pub fn stop_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
+        self.stop_radius_at_m(SLOW_MPS, loaded, sigma_m)
+    }
+
+    /// Region 1 of a robot that drives at `v`: if it is faster than it should be, it must brake earlier.
+    pub fn stop_radius_at_m(&self, v: f64, loaded: bool, sigma_m: f64) -> f64 {
+        BODY_M + self.half_m + self.stop_m(v.max(SLOW_MPS), loaded) + 2.0 * sigma_m
+    }
+
+    /// Region 2: no robot comes or goes.
+    pub fn still_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
+        let wide = self.separation_m(SLOW_MPS, loaded, sigma_m);
+        wide.max(self.stop_radius_m(loaded, sigma_m))
+    }
+
+    /// Region 3: robots are slower than they could be.
+    pub fn slow_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
+        self.separation_m(self.kinematics.top_mps(loaded), loaded, sigma_m)
+    }
+
+    /// The speed at which the separation distance is just kept, never below [`SLOW_MPS`], metres per second.
+    /// Nothing where any speed is slow enough.
+    pub fn limit_mps(&self, distance_m: f64, loaded: bool, sigma_m: f64) -> Option<f64> {
+        let (top, a) = (self.kinematics.top_mps(loaded), self.kinematics.accel_mps2(loaded));
+        // v²/2a + v·(T + walk/a) + walk·T + doubt = distance
+        let b = self.reaction_s + WALK_MPS / a;
+        let left = distance_m - WALK_MPS * self.reaction_s - 2.0 * sigma_m - ROBOT_M;
+        let v = if left <= 0.0 { 0.0 } else { a * ((b * b + 2.0 * left / a).sqrt() - b) };
+        (v < top).then(|| quantised(v).clamp(SLOW_MPS.min(top), top))
+    }
+
+    /// [`Regions::limit_mps`] without and with a rack, infinite where there is none.
+    pub fn limits_mps(&self, distance_m: f64, sigma_m: f64) -> [f64; 2] {
+        [false, true].map(|l| self.limit_mps(distance_m, l, sigma_m).unwrap_or(f64::INFINITY))
+    }
+}
+
+/// Limits come in steps, so that they do not change with every centimetre.
+fn quantised(v: f64) -> f64 {
+    (v * 4.0).floor() / 4.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn regions(accel: f64) -> Regions {
+        let k = Kinematics {
+            accel_unloaded_mps2: accel,
+            accel_loaded_mps2: accel,
+            reaction: crate::time::Span::from_millis(100),
+            ..Kinematics::default()
+        };
+        Regions::new(k, 0.9, 0.1)
+    }
+
+    #[test]
+    fn separation_distances_are_those_of_the_published_table() {
+        // T = 0.4 s; the table has 0.15 m of uncertainty, of which 0.1 m are the robot's.
+        let sigma = 0.025;
+        for (v, a, d) in
+            [(0.3, 0.5, 1.96), (0.5, 1.0, 1.92), (1.0, 0.5, 5.39), (1.5, 1.0, 4.92), (2.0, 2.0, 4.19)]
+        {
+            let found = regions(a).separation_m(v, false, sigma);
+            assert!((found - d).abs() < 0.006, "{v} m/s, {a} m/s²: {found}, not {d}");
+        }
+    }
+
+    #[test]
+    fn regions_lie_within_one_another() {
+        for loaded in [false, true] {
+            let r = Regions::new(Kinematics::default(), 0.9, 0.1);
+            let (one, two, three) = (
+                r.stop_radius_m(loaded, 0.02),
+                r.still_radius_m(loaded, 0.02),
+                r.slow_radius_m(loaded, 0.02),
+            );
+            assert!(one < two && two < three, "{one} {two} {three}");
+        }
+    }
+
+    #[test]
+    fn the_limit_keeps_the_separation_distance() {
+        let r = regions(0.5);
+        for d in [3.0, 4.0, 5.0, 6.0, 8.0] {
+            let v = r.limit_mps(d, true, 0.02).unwrap();
+            assert!(v == SLOW_MPS || r.separation_m(v, true, 0.02) <= d, "{v} at {d}");
+        }
+        assert_eq!(r.limit_mps(20.0, true, 0.02), None);
+    }
+
+    #[test]
+    fn a_worse_pose_widens_every_region() {
+        let r = Regions::new(Kinematics::default(), 0.9, 0.1);
+        assert!(r.stop_radius_m(false, 0.3) > r.stop_radius_m(false, 0.02) + 0.5);
+        assert!(r.slow_radius_m(false, 0.3) > r.slow_radius_m(false, 0.02) + 0.5);
+    }
+}

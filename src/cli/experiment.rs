@@ -1,0 +1,126 @@
+//! `giveway experiment`: published experiments again.
+//!
+//! Main type: [`Experiment`]. Refuses: to print a figure that depends on chance without its seed.
+
+use super::write;
+use crate::experiment::stories::{self, Tale};
+use crate::human::Method;
+use clap::{Args, Subcommand, ValueEnum};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Which experiment.
+#[derive(Subcommand)]
+pub enum Experiment {
+    /// Guess where a person is going, in one of three stories.
+    Story(Story),
+}
+
+/// The stories.
+#[derive(Clone, Copy, ValueEnum)]
+enum TaleArgument {
+    /// Three goals on tiles, a change of mind, a dead end.
+    Grid,
+    /// The laboratory; a robot closes the way.
+    Lab,
+    /// A large hall with 24 robots; a goal is added.
+    Hall,
+}
+
+/// The recognisers.
+#[derive(Clone, Copy, ValueEnum)]
+enum MethodArgument {
+    /// Petković 2021, chapter 3: goals, undecided, elsewhere.
+    Chapter3,
+    /// Petković 2021, chapter 4: goals only.
+    Chapter4,
+    /// Ours: metres of detour.
+    Detour,
+}
+
+/// Arguments of `experiment story`.
+#[derive(Args)]
+pub struct Story {
+    /// Which story.
+    #[arg(value_enum)]
+    tale: TaleArgument,
+    /// Which recogniser; the story on tiles has its own.
+    #[arg(long, value_enum, default_value = "chapter3")]
+    method: MethodArgument,
+    /// Seed of the robots in the hall.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print JSON: all beliefs over time.
+    #[arg(long)]
+    json: bool,
+    /// Draw probabilities over time into this SVG file.
+    #[arg(long)]
+    svg: Option<PathBuf>,
+}
+
+impl Experiment {
+    /// Runs it.
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        match self {
+            Experiment::Story(story) => story.run(),
+        }
+    }
+}
+
+impl Story {
+    fn run(self) -> anyhow::Result<ExitCode> {
+        let tale = match self.tale {
+            TaleArgument::Grid => Tale::Grid,
+            TaleArgument::Lab => Tale::Lab,
+            TaleArgument::Hall => Tale::Hall,
+        };
+        let method = match self.method {
+            MethodArgument::Chapter3 => Method::Chapter3,
+            MethodArgument::Chapter4 => Method::Chapter4,
+            MethodArgument::Detour => Method::Detour,
+        };
+        let story = tale.tell(method, self.seed);
+        if let Some(path) = &self.svg {
+            write(Some(path), &story.chart().to_svg())?;
+        }
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&report(&story))?);
+        } else {
+            table(&story);
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn report(story: &stories::Story) -> Value {
+    let name = |id: u64| story.goals[id as usize].0;
+    let goals = |b: &crate::human::Belief| {
+        b.goals.iter().map(|(g, p)| (name(g.0).to_string(), json!(p))).collect::<serde_json::Map<_, _>>()
+    };
+    let beliefs: Vec<Value> = (story.beliefs.iter())
+        .map(|(t, b)| json!({"at": t, "goals": goals(b), "undecided": b.undecided, "elsewhere": b.elsewhere}))
+        .collect();
+    let events: Vec<Value> = story.events.iter().map(|e| json!({"at": e.at, "what": e.what})).collect();
+    json!({"title": story.title, "method": story.subtitle, "unit": story.unit, "events": events, "beliefs": beliefs})
+}
+
+/// The belief at each event and at the end.
+fn table(story: &stories::Story) {
+    println!("{}\n{}\n", story.title, story.subtitle);
+    let names: Vec<&str> = story.goals.iter().map(|g| g.0.split(' ').next().unwrap_or(g.0)).collect();
+    let names: Vec<String> = match names.iter().all(|n| *n == names[0]) {
+        true => (1..=names.len()).map(|i| format!("{} {i}", names[0])).collect(),
+        false => names.iter().map(|n| n.to_string()).collect(),
+    };
+    let heads: String = names.iter().map(|n| format!("{n:>8}")).collect();
+    println!("{:>8}{heads}  undecided  elsewhere", story.unit);
+    let end = story.beliefs.last().map_or(0.0, |b| b.0);
+    let rows = story.events.iter().map(|e| (e.at, e.what.as_str())).chain([(end, "the end")]);
+    for (at, what) in rows {
+        let belief = story.at(at);
+        let cells: String =
+            (0..names.len() as u64).map(|g| format!("{:8.2}", belief.of(crate::id::GoalId(g)))).collect();
+        println!("{at:8.1}{cells}{:11.2}{:11.2}  {what}", belief.undecided, belief.elsewhere);
+    }
+}

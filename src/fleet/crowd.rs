@@ -1,0 +1,147 @@
+//! What the fleet believes and keeps in mind about people, from step to step. Lost at a restart and seen again.
+//!
+//! Main types: [`Crowd`], [`Person`], [`Mode`]. Refuses: to decide; the judging phase does.
+
+use super::mind::Mind;
+use super::people::{Guidance, Reaction};
+use super::published::Procedure;
+use crate::aware::{Meter, Regions, nodes_in};
+use crate::geometry::Point;
+use crate::human::{Follower, Track};
+use crate::id::{AssignmentId, ClosureId, IdVec, NodeId, RobotId, WorkerId};
+use crate::route::Conditions;
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
+use crate::warehouse::walkway::Walkways;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// How a worker's walk stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub(super) enum Mode {
+    /// Nothing to do.
+    #[default]
+    Idle,
+    /// On the path.
+    Following,
+    /// Off the path since then. A new path may be shown already.
+    Deviating {
+        /// Since when.
+        since: Time,
+    },
+    /// Shown a new path, because the old one is blocked.
+    Redirected,
+    /// Told to stop, since then.
+    Stopped {
+        /// Since when.
+        since: Time,
+    },
+}
+
+/// The path that a worker was given.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    /// How far along it the worker is.
+    pub follower: Follower,
+    /// What it is for; nothing for a path that only leads out of the way.
+    pub assignment: Option<AssignmentId>,
+    /// How long the worker stays at its end.
+    pub stay: Span,
+    /// When it was made.
+    pub made: Time,
+}
+
+/// One worker.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Person {
+    pub track: Track,
+    /// Whether something was seen of the worker in this step.
+    pub fresh: bool,
+    /// Whether the worker was put somewhere else without a walk.
+    pub relocated: bool,
+    pub plan: Option<Plan>,
+    pub mode: Mode,
+    /// Counts up with every new path.
+    pub version: u64,
+    /// Since when the worker has been at the place of the assignment.
+    pub there_since: Option<Time>,
+    /// Since when a robot has been standing on the path just ahead.
+    pub blocked_since: Option<(RobotId, Time)>,
+    /// What was told last, and when.
+    pub told: Option<(Guidance, Time)>,
+}
+
+/// A robot that stops or goes elsewhere because of somebody.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Yielding {
+    pub worker: WorkerId,
+    pub reaction: Reaction,
+    pub since: Time,
+}
+
+/// All that is kept in mind about people.
+#[derive(Debug)]
+pub(super) struct Crowd {
+    pub walkways: Arc<Walkways>,
+    pub mind: Mind,
+    /// The published reaction, where that is what the fleet is to use.
+    pub procedure: Procedure,
+    pub regions: Regions,
+    pub people: IdVec<WorkerId, Person>,
+    /// What people mean for the search, in this step.
+    pub conditions: Conditions,
+    pub meter: Meter,
+    pub yielding: BTreeMap<RobotId, Yielding>,
+    /// When each robot was told its limit last, and which.
+    pub limits: BTreeMap<RobotId, (Option<f64>, Time)>,
+    /// When each robot last looked for another route because of somebody.
+    pub rerouted: BTreeMap<RobotId, Time>,
+    areas: BTreeMap<ClosureId, Vec<NodeId>>,
+}
+
+impl Crowd {
+    pub fn new(warehouse: &Warehouse, regions: Regions) -> Crowd {
+        let walkways = Arc::new(Walkways::of(warehouse));
+        Crowd {
+            mind: Mind::new(warehouse, walkways.clone()),
+            procedure: Procedure::default(),
+            walkways,
+            regions,
+            people: IdVec::new(),
+            conditions: Conditions::none(warehouse),
+            meter: Meter::default(),
+            yielding: BTreeMap::new(),
+            limits: BTreeMap::new(),
+            rerouted: BTreeMap::new(),
+            areas: BTreeMap::new(),
+        }
+    }
+
+    /// The record of a worker.
+    pub fn person(&mut self, worker: WorkerId) -> &mut Person {
+        while self.people.get(worker).is_none() {
+            self.people.push(Person::default());
+        }
+        &mut self.people[worker]
+    }
+
+    /// The nodes of a closed area, looked up once.
+    pub fn nodes_of(&mut self, id: ClosureId, outline: &[Point], warehouse: &Warehouse) -> &[NodeId] {
+        self.areas.entry(id).or_insert_with(|| nodes_in(warehouse, outline))
+    }
+}
+
+impl Person {
+    /// Gives the worker a path.
+    pub fn give(&mut self, points: Vec<Point>, assignment: Option<AssignmentId>, stay: Span, now: Time) {
+        self.plan = Some(Plan { follower: Follower::new(points), assignment, stay, made: now });
+        self.version += 1;
+        self.there_since = None;
+    }
+
+    /// The rest of the path, from where the worker is.
+    pub fn rest_of_path(&self, at: Point) -> Option<Vec<Point>> {
+        let plan = self.plan.as_ref()?;
+        Some(std::iter::once(at).chain(plan.follower.ahead().iter().copied()).collect())
+    }
+}

@@ -1,0 +1,205 @@
+//! The published reaction to a worker who left the path (Petković 2021, algorithm 6 and section 4.3.3), for
+//! comparison.
+//!
+//! Main type: [`Procedure`]. All robots are interrupted; when they stand, the worker gets the common
+//! beginning of the predicted paths if robots leave it free, else another way to its end, else robots are
+//! asked to leave it, else the worker is told to stop. Then all robots are planned anew. Read with its
+//! errata: the common segment is a prefix, and the most probable path stands in where paths share a single
+//! node. Refuses: to be used by our own method.
+
+use super::Fleet;
+use super::crowd::Mode;
+use super::mind::goal_of;
+use super::people::Reaction;
+use crate::aware::{Arm, BODY_M, Effects};
+use crate::geometry::{Point, Segment};
+use crate::human::intention::reported_goals;
+use crate::human::{Band, Hypothesis, Presence, common_prefix, straight_on, towards_goal};
+use crate::id::{Dense, RobotId, WorkerId};
+use crate::time::{Span, Time};
+use std::collections::BTreeSet;
+
+/// Whoever has not come to rest after this long is taken as it is.
+const REST: Span = Span::from_secs(6);
+/// A worker who was told to stop is tried again after this long.
+const AGAIN: Span = Span::from_secs(5);
+/// How far a path is predicted, metres.
+const FAR_M: f64 = 30.0;
+const STRAIGHT_M: f64 = 10.0;
+
+/// The procedure in progress.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Procedure {
+    /// For whom robots stand, and since when.
+    running: Option<(WorkerId, Time)>,
+    /// Workers who left their path meanwhile.
+    queue: BTreeSet<WorkerId>,
+    /// Robots that are planned anew after it.
+    again: BTreeSet<RobotId>,
+}
+
+impl Procedure {
+    /// Whether a robot gets no further grants.
+    pub fn holds(&self, robot: RobotId) -> bool {
+        self.running.is_some() || self.again.contains(&robot)
+    }
+}
+
+impl Fleet {
+    /// Starts, and carries on with, the published procedure.
+    pub(super) fn follow_procedure(&mut self, now: Time) {
+        if self.settings.arm == Arm::Giveway {
+            return;
+        }
+        for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
+            if self.calls_for_procedure(worker, now) {
+                self.crowd.procedure.queue.insert(worker);
+            }
+        }
+        if self.crowd.procedure.running.is_none()
+            && let Some(worker) = self.crowd.procedure.queue.pop_first()
+        {
+            self.interrupt_all(worker, now);
+        }
+        let Some((worker, since)) = self.crowd.procedure.running else { return };
+        let all_stand =
+            self.ledger.robots.ids().all(|r| {
+                self.ledger.robots[r].failed || self.scene.robot(r).is_none_or(|t| t.speed_mps < 0.05)
+            });
+        if all_stand || now - since > REST {
+            self.crowd.procedure.running = None;
+            self.plan_for(worker, now);
+            self.crowd.procedure.again = self.ledger.robots.ids().collect();
+        }
+    }
+
+    fn calls_for_procedure(&self, worker: WorkerId, now: Time) -> bool {
+        let person = &self.crowd.people[worker];
+        let Some(place) = self.whereabouts(worker, now) else { return false };
+        let running = self.crowd.procedure.running.is_some_and(|(w, _)| w == worker);
+        if running || place.presence == Presence::Lost {
+            return false;
+        }
+        match person.mode {
+            Mode::Stopped { since } => now - since >= AGAIN,
+            Mode::Deviating { .. } if self.settings.arm == Arm::Nhir => {
+                // Without a prediction nobody reacts before a robot had to.
+                self.ledger.robots.ids().any(|r| {
+                    let loaded = self.ledger.rack_on(r).is_some();
+                    let radius = self.crowd.regions.stop_radius_m(loaded, 0.0);
+                    (self.place_of(r) - place.at).norm() < radius
+                })
+            }
+            Mode::Deviating { since } => since == now,
+            Mode::Idle | Mode::Following | Mode::Redirected => false,
+        }
+    }
+
+    fn interrupt_all(&mut self, worker: WorkerId, now: Time) {
+        self.crowd.procedure.running = Some((worker, now));
+        for robot in self.ledger.robots.ids().collect::<Vec<_>>() {
+            let drives = self.scene.robot(robot).is_some_and(|t| t.speed_mps > 0.05);
+            let chain = self.ledger.chain(robot);
+            if drives || chain.granted() < chain.end() {
+                self.gives_way(robot, worker, Reaction::Stopped, now);
+            }
+        }
+    }
+
+    /// A path for the worker, once all robots stand.
+    fn plan_for(&mut self, worker: WorkerId, now: Time) {
+        let Some(place) = self.whereabouts(worker, now) else { return };
+        let segment = self.predicted_segment(worker, place.at, now);
+        let Some(end) = segment.last().copied() else { return };
+        let in_the_way = self.robots_on(&segment);
+        if in_the_way.is_empty() {
+            return self.accept(worker, segment, Mode::Following, now);
+        }
+        let mut cut = self.crowd.walkways.no_edges();
+        let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
+        for robot in self.ledger.robots.ids() {
+            self.crowd.walkways.edges_within(self.place_of(robot), reach).into_iter().for_each(|e| {
+                cut.insert(e);
+            });
+        }
+        let other = self.crowd.walkways.path(place.at, end, &cut).map(|w| w.points);
+        if let Some(path) = other.filter(|p| self.robots_on(p).is_empty()) {
+            return self.accept(worker, path, Mode::Redirected, now);
+        }
+        if self.all_can_leave(worker, &segment, &in_the_way, now) {
+            return self.accept(worker, segment, Mode::Following, now);
+        }
+        self.crowd.people[worker].blocked_since = in_the_way.first().map(|r| (*r, now));
+        self.crowd.people[worker].mode = Mode::Stopped { since: now };
+    }
+
+    fn accept(&mut self, worker: WorkerId, path: Vec<Point>, mode: Mode, now: Time) {
+        let person = &mut self.crowd.people[worker];
+        person.give(path, None, Span::ZERO, now);
+        person.mode = mode;
+    }
+
+    /// Robots that stand where a path leads.
+    fn robots_on(&self, path: &[Point]) -> Vec<RobotId> {
+        let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
+        let on = |robot: &RobotId| {
+            let at = self.place_of(*robot);
+            path.windows(2).any(|s| Segment { a: s[0], b: s[1] }.distance_to(at) < reach)
+        };
+        self.ledger.robots.ids().filter(on).collect()
+    }
+
+    /// Evasive moves: every robot on the path gets a route to a place off it, or none of them moves.
+    fn all_can_leave(&mut self, worker: WorkerId, path: &[Point], robots: &[RobotId], now: Time) -> bool {
+        let warehouse = self.warehouse().clone();
+        let mut conditions = std::mem::take(&mut self.crowd.conditions);
+        let effects = Effects { warehouse: &warehouse, regions: &self.crowd.regions, now };
+        let way = Hypothesis { probability: 1.0, path: path.to_vec(), stay: None };
+        effects.plan(&mut conditions, worker, &way, Band::ANY);
+        self.crowd.conditions = conditions;
+        robots.iter().all(|r| self.can_leave(*r)) && robots.iter().all(|r| self.leaves(*r, worker, now))
+    }
+
+    /// The path that is expected of a worker.
+    fn predicted_segment(&self, worker: WorkerId, at: Point, now: Time) -> Vec<Point> {
+        let home = || {
+            let id = self.next_assignment(worker)?;
+            let goal = self.warehouse().nodes[self.ledger.assignments[&id].request.place].at;
+            Some(self.crowd.walkways.path(at, goal, &self.crowd.walkways.no_edges())?.points)
+        };
+        match self.settings.arm {
+            Arm::Shir => {
+                let heading = self.whereabouts(worker, now).and_then(|w| {
+                    (w.velocity.norm() > 0.1).then(|| w.velocity.y.atan2(w.velocity.x)).or(w.heading)
+                });
+                straight_on(&self.crowd.walkways, at, heading.unwrap_or(0.0), STRAIGHT_M)
+            }
+            Arm::Phir => self.most_probable_segment(worker, at).or_else(home).unwrap_or_default(),
+            Arm::Nhir | Arm::Giveway => home().unwrap_or_default(),
+        }
+    }
+
+    fn most_probable_segment(&self, worker: WorkerId, at: Point) -> Option<Vec<Point>> {
+        let mind = &self.crowd.mind;
+        let belief = mind.belief(worker)?;
+        let own = self.next_assignment(worker).map(|id| self.ledger.assignments[&id].request.place);
+        let end = own.map_or(crate::id::GoalId(u64::MAX), goal_of);
+        let path = |goal| towards_goal(&mind.distances, goal, at, FAR_M);
+        let paths: Vec<Vec<Point>> = reported_goals(&belief, end).into_iter().filter_map(path).collect();
+        let prefix = common_prefix(&paths);
+        if prefix.len() > 1 {
+            return Some(prefix);
+        }
+        let best = belief.goals.iter().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
+        path(best.0)
+    }
+
+    /// Plans interrupted robots anew, a few in each step; who finds nothing better goes on as before.
+    pub(super) fn plan_interrupted(&mut self, now: Time, budget: &mut u32) {
+        while *budget > 0 {
+            let Some(robot) = self.crowd.procedure.again.pop_first() else { return };
+            let spent = self.plan_again(robot, now);
+            *budget = budget.saturating_sub(spent);
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! People on the floor: a puppet that walks where it is told, or where it wants, and robots that give way.
+
+use super::*;
+use crate::geometry::Point;
+use crate::human::{Quality, Sighting};
+use crate::id::WorkerId;
+
+const STEP_S: f64 = 0.1;
+
+/// Somebody who walks along points at 1.2 m/s and stops before robots.
+struct Puppet {
+    worker: WorkerId,
+    at: Point,
+    way: Vec<Point>,
+    /// Whether the way is the puppet's own, not the one that it is shown.
+    own: bool,
+    seq: u64,
+    waited_s: f64,
+}
+
+impl Puppet {
+    fn sighting(&mut self, now: Time) -> Input {
+        self.seq += 1;
+        Input::Sighted(Sighting {
+            worker: self.worker,
+            seen: now,
+            epoch: 0,
+            seq: self.seq,
+            at: self.at,
+            heading: None,
+            accuracy_m: 0.02,
+            quality: Quality::Tracked,
+        })
+    }
+
+    fn walk(&mut self, floor: &Floor) {
+        let mut left = 1.2 * STEP_S;
+        while let Some(next) = self.way.first().copied() {
+            let to = next - self.at;
+            if to.norm() < 1e-6 {
+                self.way.remove(0);
+                continue;
+            }
+            let stride = to.norm().min(left);
+            let there = self.at + to * (stride / to.norm());
+            let hits = |p: Point| crate::geometry::axis_distance(p, there) < 0.45 + 0.3;
+            let nearer = |p: Point| (p - there).norm() < (p - self.at).norm();
+            if floor.world.truth().any(|(_, t)| hits(t.pose.at) && nearer(t.pose.at)) {
+                self.waited_s += STEP_S;
+                return;
+            }
+            self.at = there;
+            left -= stride;
+            if left <= 1e-9 {
+                return;
+            }
+        }
+    }
+}
+
+impl Floor {
+    fn hire(&mut self, at: Point) -> Puppet {
+        let reply = self.step(vec![Input::Hire { token: 1, name: "Ana".into() }]).replies.remove(0);
+        let Reply::Hired { worker, .. } = reply else { panic!("not hired: {reply:?}") };
+        Puppet { worker, at, way: vec![], own: false, seq: 0, waited_s: 0.0 }
+    }
+
+    fn assign(&mut self, puppet: &Puppet, place: NodeId, stay_s: i64) -> crate::id::AssignmentId {
+        let (stay, what) = (Span::from_secs(stay_s), "pick".to_owned());
+        let request = AssignmentRequest { place, stay, what, key: None };
+        let input = Input::Assign { token: 2, worker: puppet.worker, request };
+        match self.step(vec![input]).replies.remove(0) {
+            Reply::Assigned { assignment, .. } => assignment,
+            other => panic!("not assigned: {other:?}"),
+        }
+    }
+
+    /// One period in which the puppet is seen, told and walks.
+    fn walk(&mut self, puppet: &mut Puppet) -> Step {
+        let seen = puppet.sighting(self.now);
+        let step = self.step(vec![seen]);
+        let told = step.guidance.iter().rev().find(|(w, _)| *w == puppet.worker);
+        if let Some((_, g)) = told.filter(|_| !puppet.own) {
+            puppet.way = if g.state == GuidanceState::Stop { vec![] } else { g.path.clone() };
+        }
+        puppet.walk(self);
+        // Nobody is run over: a robot that touches somebody stands, or nearly.
+        for (r, t) in self.world.truth() {
+            let touches = crate::geometry::axis_distance(t.pose.at, puppet.at) < 0.45 + 0.2;
+            assert!(!touches || t.speed_mps < 0.3, "{r:?} runs into somebody at {} m/s", t.speed_mps);
+        }
+        step
+    }
+
+    fn point(&self, name: &str) -> Point {
+        self.fleet.warehouse().nodes[self.node(name)].at
+    }
+
+    fn deviations(&self) -> usize {
+        self.facts.iter().filter(|f| matches!(f, Fact::Deviated { .. })).count()
+    }
+}
+
+#[test]
+fn a_worker_who_follows_the_path_does_the_assignment_and_never_deviates() {
+    let mut floor = Floor::lab(2);
+    let mut ana = floor.hire(floor.point("R32"));
+    let place = floor.node("R116");
+    floor.assign(&ana, place, 5);
+    for _ in 0..400 {
+        floor.walk(&mut ana);
+    }
+    assert_eq!(floor.fleet.ledger().counts.human_deliveries, 1);
+    assert_eq!(floor.deviations(), 0);
+}
+
+#[test]
+fn robots_deliver_and_a_worker_works_on_the_same_floor() {
+    let mut floor = Floor::thesis(8);
+    floor.submit_batch(60);
+    let exits = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Aisle);
+    let mut ana = floor.hire(floor.fleet.warehouse().nodes[exits[0]].at);
+    for i in 0..12 {
+        floor.assign(&ana, exits[(i * 37 + 20) % exits.len()], 4);
+    }
+    for _ in 0..6000 {
+        floor.walk(&mut ana);
+    }
+    let counts = floor.fleet.ledger().counts;
+    assert!(counts.human_deliveries >= 10, "{counts:?}, waited {} s", ana.waited_s);
+    assert!(counts.robot_deliveries >= 25, "{counts:?}");
+    assert_eq!(floor.deviations(), 0);
+}
+
+#[test]
+fn whoever_leaves_the_path_is_found_out_within_a_second_and_shown_a_new_one() {
+    let mut floor = Floor::thesis(2);
+    let w = floor.fleet.warehouse().clone();
+    let aisles = w.nodes_where(|k| k == NodeKind::Aisle);
+    let start = aisles[0];
+    let mut ana = floor.hire(w.nodes[start].at);
+    floor.assign(&ana, *aisles.last().unwrap(), 4);
+    for _ in 0..30 {
+        floor.walk(&mut ana);
+    }
+    assert_eq!(floor.deviations(), 0);
+    // Back to where she came from.
+    (ana.own, ana.way) = (true, vec![w.nodes[start].at]);
+    let before = floor.now;
+    while floor.deviations() == 0 {
+        floor.walk(&mut ana);
+        assert!(floor.now - before < Span::from_secs(3), "nobody noticed");
+    }
+    ana.own = false;
+    for _ in 0..400 {
+        floor.walk(&mut ana);
+    }
+    assert_eq!(floor.fleet.ledger().counts.human_deliveries, 1, "the new path leads there, too");
+}
+
+#[test]
+fn a_stop_leaves_in_the_step_in_which_the_pose_arrives() {
+    let mut floor = Floor::thesis(6);
+    floor.submit_batch(20);
+    floor.run(40);
+    let (robot, t) = floor.world.truth().find(|(_, t)| t.speed_mps > 1.0).expect("somebody drives");
+    let ahead = crate::geometry::Vector::new(t.pose.heading.cos(), t.pose.heading.sin());
+    let mut ana = floor.hire(t.pose.at + ahead * 1.4);
+    let seen = ana.sighting(floor.now);
+    let step = floor.step(vec![seen]);
+    let stop = step.urgent.iter().find(|(r, _)| *r == robot);
+    assert_eq!(stop.map(|(_, c)| c.clone()), Some(Command::Limit(Some(0.0))));
+    let told = &step.guidance.iter().find(|(w, _)| *w == ana.worker).unwrap().1;
+    assert_eq!(told.state, GuidanceState::Stop);
+    assert_eq!(told.near[0].robot, robot);
+}
+
+#[test]
+fn robots_keep_out_of_a_closed_area_until_it_is_open_again() {
+    let mut floor = Floor::thesis(4);
+    let w = floor.fleet.warehouse().clone();
+    let (low, high) = w.bounds();
+    let middle = (low.y + high.y) / 2.0;
+    let outline = [
+        (low.x - 1.0, middle),
+        (high.x + 1.0, middle),
+        (high.x + 1.0, middle + 0.1),
+        (low.x - 1.0, middle + 0.1),
+    ];
+    let outline = outline.map(|(x, y)| Point::new(x, y).into()).to_vec();
+    let window = crate::time::Window::new(Time::ZERO, Time(120_000_000));
+    let area = Closure { outline: outline.clone(), window, reason: "a spill".into() };
+    floor.step(vec![Input::Close { token: 3, area }]);
+    floor.submit_batch(10);
+    let inside = |p: Point| (p.y - (middle + 0.05)).abs() < 0.45;
+    let were_inside: Vec<_> =
+        floor.world.truth().filter(|(_, t)| inside(t.pose.at)).map(|(r, _)| r).collect();
+    while floor.now < Time(118_000_000) {
+        floor.step(vec![]);
+        for (r, t) in floor.world.truth() {
+            assert!(!inside(t.pose.at) || were_inside.contains(&r), "{r:?} is in the closed area");
+        }
+    }
+    floor.until_over(900);
+}
+
+#[test]
+fn a_worker_of_whom_nothing_is_heard_stops_robots_in_a_growing_disc_until_cleared() {
+    let mut floor = Floor::thesis(6);
+    floor.submit_batch(40);
+    floor.run(20);
+    let middle = floor.fleet.warehouse().nodes.iter().nth(100).unwrap().at;
+    let mut ana = floor.hire(middle);
+    floor.walk(&mut ana);
+    floor.run(25);
+    let moving = floor.world.truth().filter(|(_, t)| t.speed_mps > 0.0).count();
+    assert_eq!(moving, 0, "after 25 s she may be anywhere");
+    let before = floor.fleet.ledger().counts.robot_deliveries;
+    floor.step(vec![Input::Clear { token: 4, worker: ana.worker }]);
+    floor.run(120);
+    assert!(floor.fleet.ledger().counts.robot_deliveries > before, "they go on");
+}

@@ -1,0 +1,185 @@
+//! Hidden Markov models over goals.
+//!
+//! Main types: [`Chain`] (forward filter and most probable sequence side by side), [`State`]. The published programs call
+//! the scores of Viterbi's algorithm probabilities; they are none (the maximum keeps one past per state), so posteriors
+//! come from sums here and the sequence from maxima. Refuses: to know what is observed.
+
+use super::Belief;
+use crate::id::GoalId;
+use std::collections::VecDeque;
+
+/// No observation makes a state impossible: one odd step must not wipe out a goal for ever.
+const FLOOR: f64 = 1e-6;
+/// So many updates are remembered for the sequence.
+const MEMORY: usize = 512;
+
+/// What a person may be up to (Petković 2021, table 3.1). In the order of the chain's rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum State {
+    /// On the way to this goal.
+    Goal(GoalId),
+    /// On the way to one of several; written G? there.
+    Undecided,
+    /// On the way to none of them, or nowhere; written Gx there.
+    Elsewhere,
+}
+
+/// The chain's present state of belief.
+#[derive(Clone, Debug)]
+pub(super) struct Chain {
+    states: Vec<State>,
+    probability: Vec<f64>,
+    /// Log-probability of the best sequence that ends in each state.
+    best: Vec<f64>,
+    /// For each update each state with the best state before it.
+    past: VecDeque<Vec<(State, State)>>,
+}
+
+impl Chain {
+    /// The chain with these states (sorted) and probabilities.
+    pub fn new(states: Vec<State>, probability: Vec<f64>) -> Chain {
+        let best = probability.iter().map(|p| p.max(FLOOR).ln()).collect();
+        Chain { states, probability, best, past: VecDeque::new() }
+    }
+
+    pub fn states(&self) -> &[State] {
+        &self.states
+    }
+
+    pub fn goals(&self) -> impl Iterator<Item = GoalId> {
+        self.states.iter().filter_map(|s| if let State::Goal(g) = s { Some(*g) } else { None })
+    }
+
+    fn index(&self, state: State) -> Option<usize> {
+        self.states.binary_search(&state).ok()
+    }
+
+    /// One update: `transition(from, to)` and one emission per state. Both need not sum to one.
+    pub fn update(&mut self, transition: impl Fn(State, State) -> f64, emission: &[f64]) {
+        let n = self.states.len();
+        let total: f64 = emission.iter().map(|e| e.max(0.0)).sum();
+        let emit = |i: usize| (emission[i].max(0.0) / total.max(FLOOR)).max(FLOOR);
+        let step = |from: usize, to: usize| transition(self.states[from], self.states[to]);
+        let mut next: Vec<f64> = (0..n)
+            .map(|to| emit(to) * (0..n).map(|from| self.probability[from] * step(from, to)).sum::<f64>())
+            .collect();
+        normalise(&mut next);
+        let (mut best, mut before) = (vec![0.0; n], Vec::with_capacity(n));
+        for to in 0..n {
+            let via = (0..n).map(|from| (self.best[from] + step(from, to).max(1e-12).ln(), from));
+            let (score, from) =
+                via.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).expect("a chain has states");
+            best[to] = score + emit(to).ln();
+            before.push((self.states[to], self.states[from]));
+        }
+        let highest = best.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        best.iter_mut().for_each(|b| *b -= highest);
+        (self.probability, self.best) = (next, best);
+        self.past.push_back(before);
+        if self.past.len() > MEMORY {
+            self.past.pop_front();
+        }
+    }
+
+    /// Adds a goal with a share of the probability: the smallest that any goal has, but not less than 0.1.
+    pub fn add_goal(&mut self, goal: GoalId) {
+        let state = State::Goal(goal);
+        let Err(at) = self.states.binary_search(&state) else { return };
+        let least = self.goals().filter_map(|g| self.index(State::Goal(g))).map(|i| self.probability[i]);
+        let share = least.fold(f64::INFINITY, f64::min);
+        let share = if share.is_finite() { share.max(0.1) } else { 0.1 };
+        self.states.insert(at, state);
+        self.probability.insert(at, share);
+        self.best.insert(at, share.ln());
+        normalise(&mut self.probability);
+    }
+
+    /// Takes a goal out; its probability goes to `heir`, or to all others where that is no state.
+    pub fn remove_goal(&mut self, goal: GoalId, heir: State) {
+        let Some(at) = self.index(State::Goal(goal)) else { return };
+        self.states.remove(at);
+        self.best.remove(at);
+        let share = self.probability.remove(at);
+        if let Some(heir) = self.index(heir) {
+            self.probability[heir] += share;
+        }
+        normalise(&mut self.probability);
+    }
+
+    pub fn belief(&self) -> Belief {
+        let of = |state: State| self.index(state).map_or(0.0, |i| self.probability[i]);
+        Belief {
+            goals: self.goals().map(|g| (g, of(State::Goal(g)))).collect(),
+            undecided: of(State::Undecided),
+            elsewhere: of(State::Elsewhere),
+        }
+    }
+
+    /// The most probable sequence of states (Viterbi), the oldest first, one per update and the start.
+    pub fn sequence(&self) -> Vec<State> {
+        let last = (0..self.states.len()).max_by(|a, b| self.best[*a].total_cmp(&self.best[*b]));
+        let Some(mut state) = last.map(|i| self.states[i]) else { return Vec::new() };
+        let mut out = vec![state];
+        for before in self.past.iter().rev() {
+            // A goal that came later was not known then.
+            let known = before.iter().find(|(to, _)| *to == state);
+            state = known.map_or(State::Undecided, |(_, from)| *from);
+            out.push(state);
+        }
+        out.reverse();
+        out
+    }
+}
+
+fn normalise(p: &mut [f64]) {
+    let total: f64 = p.iter().sum();
+    let n = p.len() as f64;
+    p.iter_mut().for_each(|x| *x = if total > 0.0 { *x / total } else { 1.0 / n });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const A: State = State::Goal(GoalId(1));
+    const B: State = State::Goal(GoalId(2));
+
+    #[test]
+    fn the_filter_and_the_sequence_are_those_of_the_textbook() {
+        // Fever or healthy, in the well-known example: two states, three observations.
+        let mut chain = Chain::new(vec![A, B], vec![0.6, 0.4]);
+        let hold = |from: State, to: State| match (from, to) {
+            (A, A) => 0.7,
+            (A, _) => 0.3,
+            (B, A) => 0.4,
+            _ => 0.6,
+        };
+        // The first observation acts on the prior itself.
+        let still = |from: State, to: State| if from == to { 1.0 } else { 0.0 };
+        chain.update(still, &[0.5, 0.1]);
+        chain.update(hold, &[0.4, 0.3]);
+        chain.update(hold, &[0.1, 0.6]);
+        assert_eq!(chain.sequence()[1..], [A, A, B]);
+        // By hand: .30/.04 → .0904/.0342 → .007696/.028584, to be normalised.
+        let p = chain.belief().goals[0].1;
+        assert!((p - 0.007696 / (0.007696 + 0.028584)).abs() < 1e-9, "{p}");
+    }
+
+    #[test]
+    fn goals_come_with_a_tenth_and_leave_theirs_behind() {
+        let mut chain = Chain::new(vec![A, State::Undecided, State::Elsewhere], vec![0.5, 0.4, 0.1]);
+        chain.add_goal(GoalId(2));
+        let belief = chain.belief();
+        assert!(
+            (belief.goals[1].1 - 0.5 / 1.5).abs() < 1e-12,
+            "the least of the goals has more than a tenth"
+        );
+        chain.remove_goal(GoalId(1), State::Undecided);
+        let belief = chain.belief();
+        assert_eq!(belief.goals.len(), 1);
+        assert!((belief.undecided - 0.9 / 1.5).abs() < 1e-12);
+        assert!((belief.sum() - 1.0).abs() < 1e-12);
+        chain.update(|_, _| 0.25, &[0.0, 0.0, 0.0]);
+        assert!((chain.belief().sum() - 1.0).abs() < 1e-12, "an impossible observation says nothing");
+    }
+}

@@ -1,0 +1,130 @@
+//! Where a person is going, with what probability.
+//!
+//! Main types: [`Intention`] (one person's recogniser; [`Method`] chooses which), [`Belief`] (what it believes),
+//! [`tiles`] (the published static method on small grids). Refuses: to decide anything. A belief is honest only as far
+//! as its goals are known; *elsewhere* is the rest.
+
+mod chain;
+mod detour;
+mod motion;
+mod published;
+mod report;
+pub mod tiles;
+
+#[cfg(test)]
+mod tests;
+
+pub use chain::State;
+pub use report::{Credible, reported_goals};
+
+use super::Distances;
+use crate::geometry::Point;
+use crate::id::GoalId;
+use crate::time::Time;
+use detour::Detour;
+use published::{Chapter, Published};
+
+/// Which recogniser.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Petković 2021, sections 3.3 and 3.4: states for goals, *undecided* and *elsewhere*; nine goals at most.
+    Chapter3,
+    /// Petković 2021, section 4.3.2: states for goals only, among them the end of the person's own path.
+    Chapter4,
+    /// Ours: metres of detour as log-likelihood, changes of mind per time, the worker's task as prior, *elsewhere*.
+    Detour,
+}
+
+/// The method cannot tell so many goals apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("this method has room for {at_most} goals")]
+pub struct TooManyGoals {
+    /// How many it has room for.
+    pub at_most: usize,
+}
+
+/// Probabilities that sum to one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Belief {
+    /// Of each goal, sorted by id.
+    pub goals: Vec<(GoalId, f64)>,
+    /// Of preferring several goals; only chapter 3 has such a state.
+    pub undecided: f64,
+    /// Of going to none of the goals.
+    pub elsewhere: f64,
+}
+
+/// One person's recogniser.
+#[derive(Clone, Debug)]
+pub struct Intention {
+    inner: Inner,
+}
+
+#[derive(Clone, Debug)]
+enum Inner {
+    Published(Published),
+    Detour(Detour),
+}
+
+impl Intention {
+    /// Without goals; nothing was seen yet.
+    pub fn new(method: Method) -> Intention {
+        let inner = match method {
+            Method::Chapter3 => Inner::Published(Published::new(Chapter::Three)),
+            Method::Chapter4 => Inner::Published(Published::new(Chapter::Four)),
+            Method::Detour => Inner::Detour(Detour::default()),
+        };
+        Intention { inner }
+    }
+
+    /// Adds a goal, at any time. `weight` is how much more probable it is than others before anything is seen (the
+    /// worker's own task has more than 1); the published methods have no use for it.
+    pub fn add_goal(&mut self, goal: GoalId, weight: f64) -> Result<(), TooManyGoals> {
+        match &mut self.inner {
+            Inner::Published(p) => p.add_goal(goal),
+            Inner::Detour(d) => {
+                d.add_goal(goal, weight);
+                Ok(())
+            }
+        }
+    }
+
+    /// Forgets a goal; its probability goes to *undecided*, or to *elsewhere* where there is no such state.
+    pub fn remove_goal(&mut self, goal: GoalId) {
+        match &mut self.inner {
+            Inner::Published(p) => p.remove_goal(goal),
+            Inner::Detour(d) => d.remove_goal(goal),
+        }
+    }
+
+    /// Whether there are more goals than the method was found to tell apart well.
+    pub fn is_doubtful(&self) -> bool {
+        matches!(&self.inner, Inner::Published(p) if p.is_doubtful())
+    }
+
+    /// Takes in a pose. Poses may come at any rate; most change nothing until the person has moved on.
+    ///
+    /// Goals must be known to `distances`, too; `heading` is where the person faces, radians, if anybody knows.
+    pub fn observe(&mut self, seen: Time, at: Point, heading: Option<f64>, distances: &Distances) {
+        match &mut self.inner {
+            Inner::Published(p) => p.observe(seen, at, heading, distances),
+            Inner::Detour(d) => d.observe(seen, at, heading, distances),
+        }
+    }
+
+    /// What it believes now.
+    pub fn belief(&self) -> Belief {
+        match &self.inner {
+            Inner::Published(p) => p.belief(),
+            Inner::Detour(d) => d.belief(),
+        }
+    }
+
+    /// The most probable sequence of states up to now, the oldest first; only the published methods keep one.
+    pub fn sequence(&self) -> Vec<State> {
+        match &self.inner {
+            Inner::Published(p) => p.sequence(),
+            Inner::Detour(_) => Vec::new(),
+        }
+    }
+}

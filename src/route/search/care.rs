@@ -1,0 +1,122 @@
+//! The search near people: closed times are no gaps, no move happens while an end of a lane is to be still, driving may
+//! be slower, and being there may cost.
+//!
+//! Main function: `Search::enter_with_care`. Refuses: to be entered where no condition holds; that would cost time.
+
+use super::{FREE, Hop, Label, Labels, Open, Search};
+use crate::id::NodeId;
+use crate::route::Ask;
+use crate::route::conditions::{Condition, Effect, slow_span, still_until};
+use crate::route::motion::{Gait, Rules};
+use crate::time::{Span, Time, Window};
+use crate::timeline::{Gap, Timeline};
+use crate::warehouse::Warehouse;
+use smallvec::{SmallVec, smallvec};
+
+/// The free windows of a node that end after `t`, without the time in which it is closed.
+pub(super) fn open_gaps(
+    warehouse: &Warehouse,
+    timeline: &Timeline,
+    ask: &Ask<'_>,
+    node: NodeId,
+    t: Time,
+) -> SmallVec<[Gap; 4]> {
+    let at = warehouse.nodes[node].at;
+    let conditions = ask.conditions.binding(node, at, ask.away);
+    let mut closed: SmallVec<[Window; 4]> =
+        conditions.filter(|c| c.effect == Effect::Closed).map(|c| c.window).collect();
+    closed.sort_unstable_by_key(|w| w.start());
+    let mut open = SmallVec::new();
+    for gap in timeline.gaps(warehouse.node_resource(node), t) {
+        let (mut start, mut part) = (gap.start, 0);
+        let index = |part: u32| gap.index | part << PARTS_AT;
+        for w in closed.iter().filter(|w| w.start() < gap.end && w.end() > gap.start) {
+            if w.start() > start && w.start() > t {
+                open.push(Gap { start, end: w.start(), index: index(part) });
+            }
+            start = start.max(w.end());
+            part += 1;
+        }
+        if start < gap.end {
+            open.push(Gap { start, end: gap.end, index: index(part) });
+        }
+    }
+    open
+}
+
+/// Parts of a free window are told apart above this bit of its index.
+const PARTS_AT: u32 = 20;
+
+impl Search<'_> {
+    /// `Search::enter_gaps` where people are near either end of the lane.
+    pub(super) fn enter_with_care(
+        &self,
+        labels: &mut Labels,
+        open: &mut Open,
+        index: u32,
+        label: &Label,
+        hop: &Hop,
+    ) {
+        let node = hop.way.to;
+        let latest = hop.depart.1.min(label.gap.end.0);
+        let from = Time(hop.depart.0 - hop.lead);
+        let gaps = open_gaps(self.warehouse, self.timeline, self.ask, node, from);
+        let lane = self.warehouse.lane_resource(hop.way.lane);
+        let lanes: SmallVec<[Gap; 4]> =
+            if hop.way.lane_is_free { smallvec![FREE] } else { self.timeline.gaps(lane, from).collect() };
+        for gap in gaps.into_iter().filter(|g| g.start.0 <= latest) {
+            for &lane_gap in lanes.iter().filter(|g| g.start.0 <= latest) {
+                for &(to, span) in &hop.ends {
+                    let begin = gap.start.max(lane_gap.start).0 + hop.lead;
+                    let Some((care, price)) = self.careful(label, hop, (to, span), begin) else { continue };
+                    let mut dear = *label;
+                    dear.price += price.0;
+                    self.enter(labels, open, index, &dear, &care, node, gap, lane_gap);
+                }
+            }
+        }
+    }
+
+    /// A hop that ends in one gait, as people let it be, and what it costs beyond its time.
+    fn careful(&self, label: &Label, hop: &Hop, (to, span): (Gait, i64), begin: i64) -> Option<(Hop, Span)> {
+        let ends = [label.node, hop.way.to];
+        let depart = Time(hop.depart.0.max(begin));
+        let ramps = u8::from(label.gait == Gait::Standing) + u8::from(to == Gait::Standing);
+        let span =
+            Span(span).max(self.slow(&ends, label, hop, Window::new(depart, depart + Span(span)), ramps));
+        let still = ends.iter().flat_map(|n| self.binding(*n)).filter(|c| c.effect == Effect::Still);
+        let (first, last) = still_until(still.map(|c| c.window), depart, span);
+        let depart = (first.0, hop.depart.1.min(last.0));
+        let care = Hop { ends: smallvec![(to, span.0)], depart, ..hop.clone() };
+        (depart.0 <= depart.1).then(|| (care, self.price(hop.way.to, first + span)))
+    }
+
+    fn binding(&self, node: NodeId) -> impl Iterator<Item = &Condition> + Clone {
+        self.ask.conditions.binding(node, self.warehouse.nodes[node].at, self.ask.away)
+    }
+
+    /// How long the lane takes if either end is where robots go slowly when it is driven; zero where neither is.
+    fn slow(&self, ends: &[NodeId; 2], label: &Label, hop: &Hop, drive: Window, ramps: u8) -> Span {
+        let loaded = self.ask.stages[usize::from(label.stage)].loaded;
+        let limits = ends.iter().flat_map(|n| self.binding(*n)).filter_map(|c| match c.effect {
+            Effect::Slow(limits) if c.window.overlaps(drive) => Some(limits[usize::from(loaded)]),
+            _ => None,
+        });
+        match (limits.min_by(f64::total_cmp), self.pace.rules()) {
+            (Some(limit), Rules::Drive(k)) => {
+                slow_span(k, self.warehouse.arcs[hop.arc].length_m, limit, loaded, ramps)
+            }
+            _ => Span::ZERO,
+        }
+    }
+
+    /// What being at a node about then costs.
+    fn price(&self, node: NodeId, t: Time) -> Span {
+        let stay = Window::new(t, t + Span::from_secs(1));
+        let prices = self.binding(node).filter(|c| c.window.overlaps(stay)).filter_map(|c| match c.effect {
+            Effect::Price(p) => Some(p),
+            _ => None,
+        });
+        prices.max().unwrap_or(Span::ZERO)
+    }
+}

@@ -1,0 +1,331 @@
+//! All simulated workers: they join, get their assignments, come in by a door, are seen, are told, and leave.
+//!
+//! Main type: [`Crew`]. Refuses: to show the fleet anything but what their devices measure and what anybody may ask
+//! for over the API.
+
+use super::customers::FIRST_TOKEN;
+use super::link::Link;
+use super::random::Stream;
+use super::scenario::{Faults, Scenario};
+use super::sensor::Device;
+use super::walker::{Around, Desk, Job, RobotNear, Shown, Walker, ease};
+use super::workforce::{Assignments, Workers};
+use crate::fleet::{Assignment, AssignmentRequest, AssignmentState, Fleet, Guidance, GuidanceState, Input};
+use crate::geometry::{Point, Pose};
+use crate::id::{AssignmentId, NodeId, WorkerId};
+use crate::time::{Span, Time};
+use crate::warehouse::walkway::Walkways;
+use crate::warehouse::{NodeKind, Warehouse};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// Requests for workers carry tokens from here on.
+const WORKER_TOKEN: u64 = FIRST_TOKEN | 1 << 62;
+/// So many assignments of a worker are always open.
+const AHEAD: u64 = 2;
+/// Workers come in one after another, so far apart.
+const APART: Span = Span::from_secs(3);
+/// A robot nearer to a door than this keeps a worker from coming in, metres.
+const DOOR_M: f64 = 1.5;
+/// Guidance that has not come through is sent again after this.
+const AGAIN: Span = Span::from_millis(300);
+
+/// One worker with device and radio.
+#[derive(Debug)]
+struct Member {
+    name: String,
+    id: Option<WorkerId>,
+    enters: Time,
+    leaves: Time,
+    walker: Option<Walker>,
+    device: Option<Device>,
+    tasks: Stream,
+    asked: u64,
+    done: BTreeSet<AssignmentId>,
+    /// What the fleet wants it to be told, how often that changed, and when it was sent last.
+    told: Option<(u64, Guidance)>,
+    sent: Time,
+    heard: u64,
+    radio: Link<(u64, Guidance)>,
+    /// What it may do next, and places that everybody knows.
+    job: Option<Job>,
+    known: Vec<Point>,
+}
+
+/// All simulated workers.
+#[derive(Debug)]
+pub(super) struct Crew {
+    workers: Workers,
+    walkways: Walkways,
+    doors: Vec<Point>,
+    fronts: Vec<NodeId>,
+    half_m: f64,
+    seed: u64,
+    tokens: u64,
+    members: Vec<Member>,
+}
+
+/// A worker as it truly is.
+#[derive(Clone, Copy, Debug)]
+pub struct Presence {
+    /// Its number.
+    pub worker: usize,
+    /// Where, and where the head faces.
+    pub pose: Pose,
+    /// How fast, metres per second.
+    pub speed_mps: f64,
+}
+
+impl Crew {
+    /// The workers of a scenario, all outside; nothing where it has none or the map has no floor for people.
+    pub fn new(warehouse: &Arc<Warehouse>, scenario: &Scenario, seed: u64, now: Time) -> Option<Crew> {
+        let workers = scenario.workers.clone();
+        if workers.count == 0 {
+            return None;
+        }
+        let walkways = Walkways::of(warehouse);
+        let door = |n: &NodeId| walkways.on_floor(warehouse.nodes[*n].at);
+        let mut doors: Vec<Point> =
+            warehouse.nodes_where(|k| k == NodeKind::Exit).iter().filter_map(door).collect();
+        doors.extend(walkways.nodes().iter().next().map(|n| n.at).filter(|_| doors.is_empty()));
+        if doors.is_empty() {
+            return None;
+        }
+        let fronts = fronts(warehouse, &workers.assignments, &walkways);
+        let member = |i: usize| Member::new(i, &workers, &scenario.faults, seed, now);
+        let members = (0..workers.count).map(member).collect();
+        let half_m = warehouse.footprint_m / 2.0;
+        Some(Crew { workers, walkways, doors, fronts, half_m, seed, tokens: 0, members })
+    }
+
+    /// What is asked of the fleet, and what the devices have sent, by `now`.
+    pub fn say(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
+        let mut inputs = Vec::new();
+        for i in 0..self.members.len() {
+            self.join(i, fleet, &mut inputs);
+            self.ask(i, now, fleet, &mut inputs);
+            self.members[i].look_up(fleet, &self.doors, &self.walkways);
+            let member = &mut self.members[i];
+            if let Some(device) = &mut member.device {
+                inputs.extend(device.arrivals(now).into_iter().map(Input::Sighted));
+            }
+            if let (Some(worker), Some(walker)) = (member.id, &member.walker)
+                && walker.is_gone()
+                && member.device.take().is_some()
+            {
+                inputs.push(Input::Clear { token: self.token(), worker });
+            }
+        }
+        inputs
+    }
+
+    fn token(&mut self) -> u64 {
+        self.tokens += 1;
+        WORKER_TOKEN + self.tokens
+    }
+
+    /// A worker whom the fleet does not know joins; the number is known a step later.
+    fn join(&mut self, i: usize, fleet: &Fleet, inputs: &mut Vec<Input>) {
+        if self.members[i].id.is_none() {
+            let name = self.members[i].name.clone();
+            let known = fleet.ledger().workers.pairs().find(|(_, n)| **n == name);
+            self.members[i].id = known.map(|(w, _)| w);
+            if known.is_none() {
+                inputs.push(Input::Hire { token: self.token(), name });
+            }
+        }
+    }
+
+    /// Keeps assignments open for a worker until it leaves.
+    fn ask(&mut self, i: usize, now: Time, fleet: &Fleet, inputs: &mut Vec<Input>) {
+        let Some(worker) = self.members[i].id else { return };
+        let stay_s = match self.workers.assignments {
+            Assignments::Random { stay_s } | Assignments::List { stay_s, .. } => stay_s,
+            Assignments::None => return,
+        };
+        let member = &self.members[i];
+        if now < member.enters || now >= member.leaves || self.fronts.is_empty() {
+            return;
+        }
+        let open = fleet.ledger().assignments.iter();
+        let open = open.filter(|(id, a)| a.worker == worker && !member.done.contains(id)).count() as u64;
+        for _ in open..AHEAD {
+            let member = &mut self.members[i];
+            let at = match self.workers.assignments {
+                Assignments::List { .. } => member.asked as usize % self.fronts.len(),
+                _ => member.tasks.below(self.fronts.len()),
+            };
+            let place = self.fronts[at];
+            member.asked += 1;
+            // A restarted world may have asked for the same before: the key says so.
+            let key = Some(format!("{}/{}/{}", member.name, self.seed, member.asked));
+            let stay = Span::from_secs_f64(stay_s);
+            let request = AssignmentRequest { place, stay, what: "pick".into(), key };
+            inputs.push(Input::Assign { token: self.token(), worker, request });
+        }
+    }
+
+    /// Sends what the fleet says to a worker.
+    pub fn tell(&mut self, now: Time, worker: WorkerId, guidance: Guidance) {
+        if let Some(member) = self.members.iter_mut().find(|m| m.id == Some(worker)) {
+            let number = member.told.as_ref().map_or(1, |(n, _)| n + 1);
+            member.radio.send(now, (number, guidance.clone()));
+            (member.told, member.sent) = (Some((number, guidance)), now);
+        }
+    }
+
+    /// Everybody lives for `dt` seconds, up to `now`.
+    pub fn tick(&mut self, now: Time, dt: f64, robots: &[RobotNear]) {
+        let colleagues: Vec<Vec<Point>> = (0..self.members.len()).map(|i| self.colleagues(i, now)).collect();
+        let around = Around { walkways: &self.walkways, half_m: self.half_m, robots };
+        for (i, member) in self.members.iter_mut().enumerate() {
+            member.listen(now);
+            if member.walker.is_none() {
+                let door = self.doors[i % self.doors.len()];
+                let free = robots.iter().all(|r| (r.at - door).norm() > DOOR_M);
+                if now >= member.enters && now < member.leaves && free && member.id.is_some() {
+                    member.walker = Some(Walker::new(&self.workers, self.seed, i as u64, door, now));
+                    member.device = Some(Device::new(self.workers.sensor, self.seed, i as u64, now));
+                    member.heard = 0;
+                }
+            }
+            let (Some(walker), Some(worker)) = (&mut member.walker, member.id) else { continue };
+            if walker.is_gone() {
+                continue;
+            }
+            if now >= member.leaves {
+                let far = |d: &Point| (d - walker.pose(now).at).norm();
+                let door = self.doors.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b)));
+                walker.send_home(door.expect("checked in `new`"));
+            }
+            let job = member.job.filter(|j| !member.done.contains(&j.id));
+            let desk = Desk { job, known: &member.known, colleagues: &colleagues[i] };
+            walker.tick(now, dt, &around, &desk);
+            member.done.extend(walker.finished.drain(..));
+            if let Some(device) = &mut member.device {
+                device.look(now, worker, walker.pose(now), walker.walked_m());
+            }
+        }
+    }
+
+    fn colleagues(&self, i: usize, now: Time) -> Vec<Point> {
+        self.present(now).filter(|p| p.worker != i).map(|p| p.pose.at).collect()
+    }
+
+    /// Those on the floor, as they truly are.
+    pub fn present(&self, now: Time) -> impl Iterator<Item = Presence> {
+        let walkers = self.members.iter().enumerate().filter_map(|(i, m)| m.walker.as_ref().map(|w| (i, w)));
+        let present = walkers.filter(|(_, w)| !w.is_gone());
+        present.map(move |(worker, w)| Presence { worker, pose: w.pose(now), speed_mps: w.speed_mps() })
+    }
+
+    /// The truth about each worker that has been on the floor: its number in the fleet, and the walker.
+    pub fn walkers(&self) -> impl Iterator<Item = (WorkerId, &Walker)> {
+        self.members.iter().filter_map(|m| m.id.zip(m.walker.as_ref()))
+    }
+
+    /// Assignments that workers have truly completed.
+    pub fn completed(&self) -> u64 {
+        self.members.iter().map(|m| m.done.len() as u64).sum()
+    }
+}
+
+impl Member {
+    fn new(i: usize, workers: &Workers, faults: &Faults, seed: u64, now: Time) -> Member {
+        let who = i as u64;
+        let delay = Span::from_millis(faults.message_delay_ms);
+        let enters = Time::from_secs_f64(workers.enter_s) + APART * i as i64;
+        Member {
+            name: format!("worker-{}", i + 1),
+            id: None,
+            enters,
+            leaves: workers.leave_s.map_or(Time::MAX, Time::from_secs_f64),
+            walker: None,
+            device: None,
+            tasks: Stream::new(seed, 20, who),
+            asked: 0,
+            done: BTreeSet::new(),
+            told: None,
+            sent: now,
+            heard: 0,
+            radio: Link::new(delay, faults.message_loss, Stream::new(seed, 21, who)),
+            job: None,
+            known: Vec::new(),
+        }
+    }
+
+    /// Takes guidance off the radio, and asks for it again where it did not come through.
+    fn listen(&mut self, now: Time) {
+        if let Some((number, _)) = &self.told
+            && *number > self.heard
+            && now - self.sent >= AGAIN
+        {
+            self.sent = now;
+            self.radio.send(now, self.told.clone().expect("just seen"));
+        }
+        while let Some((number, guidance)) = self.radio.receive(now) {
+            if number > self.heard {
+                self.heard = number;
+                if let Some(walker) = &mut self.walker {
+                    walker.hear(now, shown(&guidance));
+                }
+            }
+        }
+    }
+
+    /// Looks up what there is to do, and where.
+    fn look_up(&mut self, fleet: &Fleet, doors: &[Point], walkways: &Walkways) {
+        self.job = self.next_job(fleet, walkways);
+        let Some(worker) = self.id else { return };
+        let mine = fleet.ledger().assignments.values().filter(|a| a.worker == worker);
+        let places = mine.map(|a| fleet.warehouse().nodes[a.request.place].at);
+        self.known = doors.iter().copied().chain(places.filter_map(|p| stand(p, walkways))).collect();
+    }
+
+    /// What it is to do next: what the device shows, or else the first that is not done.
+    fn next_job(&self, fleet: &Fleet, walkways: &Walkways) -> Option<Job> {
+        let worker = self.id?;
+        let all = &fleet.ledger().assignments;
+        let shown = self.told.as_ref().and_then(|(_, g)| g.assignment);
+        let is_open = |id: &AssignmentId, a: &Assignment| {
+            a.worker == worker && !a.state.is_over() && !self.done.contains(id)
+        };
+        let shown = shown.and_then(|id| all.get_key_value(&id)).filter(|(id, a)| is_open(id, a));
+        let at_work = |a: &Assignment| a.state != AssignmentState::Waiting;
+        let first = || all.iter().find(|(id, a)| is_open(id, a) && at_work(a));
+        let any = || all.iter().find(|(id, a)| is_open(id, a));
+        let (id, assignment) = shown.or_else(first).or_else(any)?;
+        let place = fleet.warehouse().nodes[assignment.request.place].at;
+        let at = stand(place, walkways)?;
+        Some(Job { id: *id, at, stay: assignment.request.stay })
+    }
+}
+
+fn shown(g: &Guidance) -> Shown {
+    Shown {
+        version: g.version,
+        path: g.path.clone(),
+        redirected: g.state == GuidanceState::Redirected,
+        stop: g.state == GuidanceState::Stop,
+    }
+}
+
+/// Where somebody stands to reach a place.
+fn stand(place: Point, walkways: &Walkways) -> Option<Point> {
+    walkways.on_floor(place).map(|p| ease(p, walkways))
+}
+
+/// Nodes where there is something to do for people: storage places that can be reached on foot, or those named.
+fn fronts(warehouse: &Warehouse, assignments: &Assignments, walkways: &Walkways) -> Vec<NodeId> {
+    let named = |n: NodeId, places: &[String]| places.contains(&warehouse.nodes[n].name);
+    let all = match assignments {
+        Assignments::None => Vec::new(),
+        Assignments::Random { .. } => warehouse.nodes_where(|k| k == NodeKind::Storage),
+        Assignments::List { places, .. } => {
+            let place = |p: &String| warehouse.nodes.ids().find(|n| named(*n, std::slice::from_ref(p)));
+            places.iter().filter_map(place).collect()
+        }
+    };
+    let reached = |n: &NodeId| walkways.on_floor(warehouse.nodes[*n].at).is_some();
+    all.into_iter().filter(reached).collect()
+}

@@ -1,0 +1,168 @@
+//! When which cause comes up: one Poisson process for each, and the times that the scenario gives.
+//!
+//! Main types: [`Impulse`], [`Impulses`]. Each cause has its own stream and always takes the same number of draws, so
+//! what comes up when depends on the seed alone, whatever the fleet does. Refuses: to know whether the walker heeds it.
+
+use crate::sim::random::Stream;
+use crate::sim::workforce::Deviations;
+use crate::time::{Span, Time};
+
+/// Something that comes to a walker's mind. `pick` in `[0, 1)` chooses the place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impulse {
+    /// What.
+    pub kind: Kind,
+    /// Chooses among the places there are.
+    pub pick: f64,
+    /// How long it takes, or how long to stay there.
+    pub stay: Span,
+}
+
+/// What comes to mind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// To stop for a moment.
+    Pause,
+    /// To look around.
+    Look,
+    /// To go to another known place.
+    Mind,
+    /// To go to a place nobody knows of.
+    Unknown,
+    /// To walk about.
+    Wander,
+    /// To help.
+    Help,
+    /// What the scenario says.
+    Scripted,
+}
+
+impl Kind {
+    /// Shortest and longest stay, seconds.
+    fn stays(self) -> (f64, f64) {
+        match self {
+            Kind::Pause => (3.0, 30.0),
+            Kind::Look => (2.0, 5.0),
+            Kind::Mind => (2.0, 8.0),
+            Kind::Unknown => (5.0, 15.0),
+            Kind::Wander => (10.0, 40.0),
+            Kind::Help => (10.0, 30.0),
+            Kind::Scripted => (3.0, 10.0),
+        }
+    }
+}
+
+#[derive(Debug)]
+struct Clock {
+    kind: Kind,
+    mean_s: f64,
+    next: Time,
+    random: Stream,
+}
+
+/// All that comes to one walker's mind, in time.
+#[derive(Debug)]
+pub struct Impulses {
+    clocks: Vec<Clock>,
+    scripted: Vec<Time>,
+    random: Stream,
+}
+
+/// Purpose of the streams, see [`Stream::new`]; the kinds follow it.
+const PURPOSE: u64 = 40;
+
+impl Impulses {
+    /// Those of worker number `who`, from the start of the run on.
+    pub(in crate::sim) fn new(deviations: &Deviations, seed: u64, who: u64) -> Impulses {
+        let rates = deviations.causes.rates();
+        let kinds = [
+            (Kind::Pause, rates.pause_per_hour),
+            (Kind::Look, rates.look_per_hour),
+            (Kind::Mind, rates.mind_per_hour),
+            (Kind::Unknown, rates.unknown_per_hour),
+            (Kind::Wander, rates.wander_per_hour),
+            (Kind::Help, rates.help_per_hour),
+        ];
+        let clock = |(i, (kind, per_hour)): (usize, (Kind, f64))| {
+            let mean_s = 3600.0 / per_hour;
+            let mut random = Stream::new(seed, PURPOSE + 1 + i as u64, who);
+            let next = Time::from_secs_f64(random.exponential(mean_s));
+            Clock { kind, mean_s, next, random }
+        };
+        let clocks = kinds.into_iter().enumerate().filter(|(_, (_, rate))| *rate > 0.0).map(clock).collect();
+        let mut scripted: Vec<Time> = deviations.at_s.iter().map(|s| Time::from_secs_f64(*s)).collect();
+        scripted.sort_unstable_by(|a, b| b.cmp(a));
+        Impulses { clocks, scripted, random: Stream::new(seed, PURPOSE, who) }
+    }
+
+    /// The next thing that has come up by `now`.
+    pub fn due(&mut self, now: Time) -> Option<Impulse> {
+        if self.scripted.pop_if(|at| *at <= now).is_some() {
+            return Some(impulse(Kind::Scripted, &mut self.random));
+        }
+        let clock = self.clocks.iter_mut().find(|c| c.next <= now)?;
+        let found = impulse(clock.kind, &mut clock.random);
+        clock.next += Span::from_secs_f64(clock.random.exponential(clock.mean_s));
+        Some(found)
+    }
+}
+
+fn impulse(kind: Kind, random: &mut Stream) -> Impulse {
+    let pick = random.unit();
+    let (low, high) = kind.stays();
+    Impulse { kind, pick, stay: Span::from_secs_f64(random.between(low, high)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sim::workforce::{Causes, Rates};
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn over_long_runs_each_cause_comes_up_as_often_as_its_rate_says() {
+        let deviations = Deviations { at_s: vec![5.0, 3.0], causes: Causes::All };
+        let mut impulses = Impulses::new(&deviations, 7, 3);
+        let hours = 400;
+        let mut counts: BTreeMap<Kind, u32> = BTreeMap::new();
+        for second in 0..hours * 3600 {
+            while let Some(i) = impulses.due(Time::from_secs_f64(f64::from(second))) {
+                *counts.entry(i.kind).or_default() += 1;
+                let (low, high) = i.kind.stays();
+                assert!((low..=high).contains(&i.stay.as_secs_f64()) && (0.0..1.0).contains(&i.pick));
+            }
+        }
+        let usual = Rates::USUAL;
+        for (kind, rate) in [
+            (Kind::Pause, usual.pause_per_hour),
+            (Kind::Look, usual.look_per_hour),
+            (Kind::Mind, usual.mind_per_hour),
+            (Kind::Unknown, usual.unknown_per_hour),
+            (Kind::Wander, usual.wander_per_hour),
+            (Kind::Help, usual.help_per_hour),
+        ] {
+            let (found, wanted) = (f64::from(counts[&kind]), rate * f64::from(hours));
+            assert!((found - wanted).abs() < 4.0 * wanted.sqrt(), "{kind:?}: {found}, not {wanted}");
+        }
+        assert_eq!(counts[&Kind::Scripted], 2);
+    }
+
+    #[test]
+    fn one_cause_more_changes_nothing_about_the_others() {
+        let only = |pause, look| {
+            let rates = Rates { pause_per_hour: pause, look_per_hour: look, ..Rates::default() };
+            let mut all = Impulses::new(&Deviations { at_s: vec![], causes: Causes::Rates(rates) }, 1, 0);
+            let mut found = Vec::new();
+            for second in 0..3600 {
+                let now = Time::from_secs_f64(f64::from(second));
+                while let Some(i) = all.due(now) {
+                    found.push((now, i));
+                }
+            }
+            found.retain(|(_, i)| i.kind == Kind::Pause);
+            found
+        };
+        assert_eq!(only(30.0, 0.0), only(30.0, 200.0));
+        assert!(!only(30.0, 0.0).is_empty());
+    }
+}

@@ -1,0 +1,211 @@
+//! How a walker gets along a route: gait, corners, and what it cannot walk through.
+//!
+//! Main types: [`Legs`], [`Around`], [`RobotNear`]. Walls are never walked through; a robot is stopped before, and
+//! nobody steps in front of a moving one that it minds. Refuses: to know where the route comes from.
+
+use crate::geometry::{Point, Vector, wrap_angle};
+use crate::time::Time;
+use crate::warehouse::walkway::Walkways;
+use nalgebra::Rotation2;
+use std::collections::VecDeque;
+
+/// Radius of a body, metres.
+pub const BODY_M: f64 = 0.25;
+/// A walker stops so far before a robot, metres.
+const STAND_OFF_M: f64 = 0.05;
+/// A walker keeps the middle of its body so far from walls where there is room, metres.
+const WALL_M: f64 = 0.3;
+/// A walker takes so much room beside its body for a moving robot, metres.
+const SIDE_M: f64 = 0.1;
+/// A walker stops before a robot that drives towards it when it would be there after so many seconds.
+const COMES_S: f64 = 1.2;
+/// Nearer than this is there, metres.
+const THERE_M: f64 = 0.05;
+/// How fast a walker changes its speed, metres per second squared.
+const ACCEL_MPS2: f64 = 2.0;
+/// How fast it turns, radians per second.
+const TURN_RADPS: f64 = 4.0;
+/// Sway of the trunk to either side, metres: a few centimetres at the frequency of strides.
+pub const SWAY_M: f64 = 0.03;
+const SWAY_HZ: f64 = 0.9;
+/// Directions that are tried in turn where the straight one is taken, radians.
+const TRIES: [f64; 7] = [0.0, 0.5, -0.5, 1.0, -1.0, 1.4, -1.4];
+
+/// A robot as walkers see it.
+#[derive(Clone, Copy, Debug)]
+pub struct RobotNear {
+    /// Its centre.
+    pub at: Point,
+    /// How it moves, metres per second.
+    pub velocity: Vector,
+}
+
+/// What is around a walker.
+#[derive(Clone, Copy, Debug)]
+pub struct Around<'a> {
+    /// The floor.
+    pub walkways: &'a Walkways,
+    /// Half the side of a robot's square, metres.
+    pub half_m: f64,
+    /// Robots, wherever they are.
+    pub robots: &'a [RobotNear],
+}
+
+impl RobotNear {
+    /// Metres between a body and the robot's square; negative where they overlap.
+    pub fn gap(&self, p: Point, half_m: f64) -> f64 {
+        let d = p - self.at;
+        let out = Vector::new((d.x.abs() - half_m).max(0.0), (d.y.abs() - half_m).max(0.0));
+        out.norm() - BODY_M
+    }
+
+    /// Whether a body at `p` is in the way of the robot within the next `seconds`. Standing robots have no way.
+    pub fn sweeps(&self, p: Point, half_m: f64, seconds: f64) -> bool {
+        let speed = self.velocity.norm();
+        if speed < 0.05 {
+            return false;
+        }
+        let way = self.velocity / speed;
+        let d = p - self.at;
+        // Half of the square's extent along the way, and across it: the square keeps to the map's axes.
+        let reach = half_m * (way.x.abs() + way.y.abs()) + BODY_M;
+        let along = d.dot(&way);
+        along > 0.0 && along < reach + speed * seconds && d.perp(&way).abs() < reach + SIDE_M
+    }
+}
+
+/// The place itself, or one close to it where a body has room.
+pub fn ease(p: Point, walkways: &Walkways) -> Point {
+    let Some((node, _)) = walkways.nearest(p).filter(|_| walkways.clearance_m(p) < WALL_M) else { return p };
+    let to = walkways.nodes()[node].at - p;
+    let steps = (to.norm() / THERE_M).ceil().max(1.0);
+    let points = (0..=steps as u32).map(|i| p + to * (f64::from(i) / steps));
+    let mut roomy = points.filter(|q| walkways.clearance_m(*q) >= WALL_M);
+    roomy.next().unwrap_or(p + to)
+}
+
+/// Whether a body has room all along a straight line.
+fn roomy(a: Point, b: Point, walkways: &Walkways) -> bool {
+    let steps = ((b - a).norm() / 0.1).ceil().max(1.0) as u32;
+    (0..=steps).all(|i| walkways.clearance_m(a + (b - a) * (f64::from(i) / f64::from(steps))) >= WALL_M)
+}
+
+/// What keeps a walker from a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Taken {
+    Wall,
+    Robot,
+}
+
+/// Position and gait.
+#[derive(Clone, Debug)]
+pub struct Legs {
+    /// Where the walker is, without its sway.
+    pub at: Point,
+    /// Where it walks to, radians.
+    pub heading: f64,
+    /// How fast, metres per second.
+    pub speed_mps: f64,
+    /// Points ahead.
+    pub route: VecDeque<Point>,
+    /// Metres walked so far.
+    pub walked_m: f64,
+    /// Whether a robot keeps it from going on.
+    pub blocked: bool,
+    cut_m: f64,
+    phase: f64,
+}
+
+impl Legs {
+    /// Standing somewhere.
+    pub fn new(at: Point, cut_m: f64, phase: f64) -> Legs {
+        let route = VecDeque::new();
+        Legs { at, heading: 0.0, speed_mps: 0.0, route, walked_m: 0.0, blocked: false, cut_m, phase }
+    }
+
+    /// Sets off along these points.
+    pub fn set_off(&mut self, points: impl IntoIterator<Item = Point>, walkways: &Walkways) {
+        self.route = points.into_iter().map(|p| ease(p, walkways)).collect();
+    }
+
+    /// Where the trunk is: it sways while walking.
+    pub fn trunk(&self, now: Time) -> Point {
+        let swing = (std::f64::consts::TAU * SWAY_HZ * now.as_secs_f64() + self.phase).sin();
+        let side = Vector::new(-self.heading.sin(), self.heading.cos());
+        self.at + side * (SWAY_M * swing * (self.speed_mps / 0.8).min(1.0))
+    }
+
+    /// Walks for `dt` seconds at up to `wanted` metres per second, minding robots for `foresight` seconds ahead.
+    pub fn walk(&mut self, dt: f64, wanted: f64, foresight: f64, around: &Around<'_>) {
+        self.blocked = false;
+        self.pass_corners(around.walkways);
+        let Some(&aim) = self.route.front() else {
+            self.speed_mps = 0.0;
+            return;
+        };
+        let way = aim - self.at;
+        let off = wrap_angle(way.y.atan2(way.x) - self.heading);
+        self.heading = wrap_angle(self.heading + off.clamp(-TURN_RADPS * dt, TURN_RADPS * dt));
+        let wanted = wanted * off.cos().max(0.25);
+        self.speed_mps += (wanted - self.speed_mps).clamp(-ACCEL_MPS2 * dt, ACCEL_MPS2 * dt);
+        let length = (self.speed_mps * dt).min(way.norm());
+        if length <= 0.0 {
+            return;
+        }
+        let step = way.normalize() * length;
+        for turn in TRIES {
+            let to = self.at + Rotation2::new(turn) * step;
+            match self.taken(to, foresight, around) {
+                None => {
+                    self.walked_m += length;
+                    self.at = to;
+                    return;
+                }
+                Some(what) => self.blocked |= turn == 0.0 && what == Taken::Robot,
+            }
+        }
+        self.speed_mps = 0.0;
+        if !self.blocked {
+            self.leave_wall(around.walkways);
+        }
+    }
+
+    /// Walls on all sides of the way: back to the middle of the aisle first.
+    fn leave_wall(&mut self, walkways: &Walkways) {
+        let near = walkways.near(self.at, 1.0).into_iter().filter(|(_, far)| *far > 2.0 * THERE_M);
+        let node = near.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+        if let Some((n, _)) = node {
+            self.route.push_front(walkways.nodes()[n].at);
+        }
+    }
+
+    /// Drops points that are reached, and corners that can be cut.
+    fn pass_corners(&mut self, walkways: &Walkways) {
+        while let Some(&next) = self.route.front() {
+            let far = (next - self.at).norm();
+            let cut =
+                self.route.get(1).is_some_and(|then| far < self.cut_m && roomy(self.at, *then, walkways));
+            if !cut && far >= THERE_M {
+                break;
+            }
+            self.route.pop_front();
+        }
+    }
+
+    fn taken(&self, to: Point, foresight: f64, around: &Around<'_>) -> Option<Taken> {
+        let Around { walkways, half_m, robots } = *around;
+        let room = walkways.clearance_m(to);
+        if !walkways.is_free(to) || (room < WALL_M && room < walkways.clearance_m(self.at)) {
+            return Some(Taken::Wall);
+        }
+        let taken = robots.iter().any(|r| {
+            let gap = r.gap(to, half_m);
+            // Nobody walks on towards a robot that cannot stop in time.
+            let comes = if r.sweeps(to, half_m, 3.0) { COMES_S * r.velocity.norm() } else { 0.0 };
+            let nearer = gap < STAND_OFF_M + comes && gap <= r.gap(self.at, half_m);
+            let steps_in = || r.sweeps(to, half_m, foresight) && !r.sweeps(self.at, half_m, foresight);
+            nearer || steps_in()
+        });
+        taken.then_some(Taken::Robot)
+    }
+}

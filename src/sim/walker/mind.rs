@@ -1,0 +1,393 @@
+//! What a walker decides: what it takes notice of, where it goes, when it gives up waiting.
+//!
+//! Refuses: to move anybody; it sets the route and the wanted speed, the legs do the rest.
+
+use super::cause::Cause;
+use super::impulse::{Impulse, Kind};
+use super::legs::{Around, BODY_M, RobotNear};
+use super::persona::Persona;
+use super::{Aside, Desk, Doing, Job, Shown, Walker};
+use crate::geometry::{Point, Segment};
+use crate::id::{Dense, WalkNodeId};
+use crate::time::{Span, Time};
+use crate::warehouse::walkway::{EdgeSet, WalkPath, Walkways};
+
+/// So near to the place of a job the walker can work, metres.
+const AT_WORK_M: f64 = 0.6;
+/// The end of a shown path counts as the place of the job up to this distance, metres.
+const PATH_ENDS_M: f64 = 1.5;
+/// A walker that is shown nothing goes its own way after this.
+const OWN_WAY: Span = Span::from_secs(10);
+/// A robot nearer than this, and coming, is taken notice of, metres.
+const NEAR_M: f64 = 3.0;
+/// For so long after a reaction, robots are nothing new.
+const CALM: Span = Span::from_secs(10);
+/// A walkway nearer than this is the one on which the walker stands, metres.
+const HERE_M: f64 = 0.3;
+/// A way is looked along so far, in steps of so much, metres.
+const LOOK_M: f64 = 3.0;
+const STEP_M: f64 = 0.2;
+/// Whoever has got so far is not kept by the same robot any more, metres.
+const GOT_AWAY_M: f64 = 0.5;
+/// Robots this near are in the way of a detour, metres.
+const IN_SIGHT_M: f64 = 6.0;
+/// Places that nobody knows of are so far from those that everybody knows, metres.
+const UNKNOWN_M: f64 = 1.5;
+
+impl Walker {
+    /// What the device shows, what comes to mind, what robots do.
+    pub(super) fn notice(&mut self, now: Time, around: &Around<'_>, desk: &Desk<'_>) {
+        while let Some((_, shown)) = self.news.pop_front_if(|(due, _)| *due <= now) {
+            self.heed(shown, around.walkways);
+        }
+        while let Some(impulse) = self.impulses.due(now) {
+            self.follow(impulse, now, around, desk);
+        }
+        self.mind_robots(now, around);
+    }
+
+    /// Takes what is shown in. Another way to work is followed, or it is not. Whoever has an errand keeps to it, but
+    /// takes a way that leads there.
+    fn heed(&mut self, shown: Shown, walkways: &Walkways) {
+        let new = self.shown.as_ref().is_none_or(|s| s.version != shown.version);
+        if new && shown.redirected {
+            let ignores = self.heeds.happens_of(self.ignore);
+            self.ignored = ignores.then_some(shown.version);
+            match self.doing {
+                Doing::Errand { goal, until: None, .. } if !ignores => {
+                    if shown.path.last().is_some_and(|end| (end - goal).norm() < PATH_ENDS_M) {
+                        self.legs.set_off(join(self.legs.at, &shown.path, walkways), walkways);
+                    }
+                }
+                Doing::Wander(_) if !ignores => self.doing = Doing::Duty,
+                _ => {}
+            }
+        } else if new {
+            self.ignored = None;
+        }
+        self.shown = Some(shown);
+    }
+
+    /// Only who walks to work has time for ideas; what the scenario says is always done.
+    fn follow(&mut self, impulse: Impulse, now: Time, around: &Around<'_>, desk: &Desk<'_>) {
+        let Impulse { kind, pick, stay } = impulse;
+        let walks = self.doing == Doing::Duty && !self.legs.route.is_empty();
+        let leaves = matches!(self.doing, Doing::Leave(_) | Doing::Gone);
+        if leaves || !(walks || kind == Kind::Scripted) {
+            return;
+        }
+        let errand = |cause, goal| Doing::Errand { cause, goal, stay, until: None };
+        let known = || desk.known.get((pick * desk.known.len() as f64) as usize).copied();
+        let unknown = || somewhere(around.walkways, desk.known, pick);
+        let doing = match kind {
+            Kind::Pause => {
+                self.pause_until = now + stay;
+                return;
+            }
+            Kind::Look => {
+                self.look_until = now + stay;
+                return;
+            }
+            Kind::Mind => known().map(|goal| errand(Cause::ChangeOfMind, goal)),
+            Kind::Unknown => unknown().map(|goal| errand(Cause::UnknownGoal, goal)),
+            Kind::Help => {
+                let colleague = desk.colleagues.get((pick * desk.colleagues.len() as f64) as usize).copied();
+                colleague.or_else(unknown).map(|goal| errand(Cause::Help, goal))
+            }
+            Kind::Scripted => unknown().map(|goal| errand(Cause::Scripted, goal)),
+            Kind::Wander => Some(Doing::Wander(now + stay)),
+        };
+        if let Some(doing) = doing {
+            (self.doing, self.detour, self.aside) = (doing, false, None);
+            self.legs.route.clear();
+        }
+    }
+
+    /// A robot that comes nearer is taken as the persona does, once in a while.
+    fn mind_robots(&mut self, now: Time, around: &Around<'_>) {
+        let here = self.legs.at;
+        let comes = |r: &&RobotNear| {
+            let d = here - r.at;
+            d.norm() < NEAR_M && r.sweeps(here, around.half_m, 10.0)
+        };
+        let Some(robot) = around.robots.iter().find(comes) else {
+            if now < self.reacts_until && self.traits.persona == Persona::Freezes {
+                self.reacts_until = now;
+            }
+            return;
+        };
+        if now < self.calm_until || matches!(self.doing, Doing::Work(..) | Doing::Gone) {
+            return;
+        }
+        self.calm_until = now + CALM;
+        let seconds = if self.traits.persona == Persona::Freezes { 8 } else { 3 };
+        match self.traits.persona {
+            Persona::CutsThrough => return,
+            Persona::Yields => {
+                let goal = beside(here, robot, around);
+                self.aside = goal.map(|goal| Aside { goal, stay: Span::from_secs(3), until: None });
+                if goal.is_some() {
+                    self.legs.route.clear();
+                }
+            }
+            Persona::Hurries | Persona::Freezes => {}
+        }
+        self.reacts_until = now + Span::from_secs(seconds);
+    }
+
+    /// Speed that it wants, metres per second.
+    pub(super) fn wanted_mps(&self, now: Time) -> f64 {
+        let usual = self.traits.speed_mps;
+        let told_to_stand = self.shown.as_ref().is_some_and(|s| s.stop);
+        let reacts = now < self.reacts_until;
+        let stands = match self.traits.persona {
+            Persona::Freezes => reacts,
+            Persona::Yields => reacts && self.aside.is_none(),
+            Persona::Hurries | Persona::CutsThrough => false,
+        };
+        if told_to_stand || stands || now < self.pause_until {
+            return 0.0;
+        }
+        match self.doing {
+            Doing::Errand { cause: Cause::Help, .. } => 1.5 * usual,
+            _ if reacts && self.traits.persona == Persona::Hurries => 1.3 * usual,
+            _ => usual,
+        }
+    }
+
+    /// Sets the route where there is none, and goes on to what comes next.
+    pub(super) fn decide(&mut self, now: Time, around: &Around<'_>, desk: &Desk<'_>) {
+        if let Some(aside) = self.aside {
+            return self.step_aside(aside, now, around);
+        }
+        let arrived = self.legs.route.is_empty();
+        self.detour &= !arrived;
+        match self.doing {
+            Doing::Duty => self.do_duty(now, around, desk),
+            Doing::Work(id, until) if until <= now => {
+                self.finished.push(id);
+                self.doing = Doing::Duty;
+                self.idle_since = now;
+            }
+            Doing::Work(..) | Doing::Gone => {}
+            Doing::Errand { until: Some(until), .. } if until <= now => self.back_to_duty(now),
+            Doing::Errand { until: Some(_), .. } => {}
+            Doing::Errand { cause, goal, stay, until: None } => {
+                if arrived && !self.go(goal, around, None) {
+                    self.back_to_duty(now);
+                } else if self.legs.route.is_empty() {
+                    self.doing = Doing::Errand { cause, goal, stay, until: Some(now + stay) };
+                }
+            }
+            Doing::Wander(until) if until <= now => self.back_to_duty(now),
+            Doing::Wander(_) if arrived => self.stroll(around.walkways),
+            Doing::Wander(_) => {}
+            Doing::Leave(door) => {
+                if arrived && !self.go(door, around, None) || (self.legs.at - door).norm() < 0.3 {
+                    self.doing = Doing::Gone;
+                }
+            }
+        }
+    }
+
+    fn back_to_duty(&mut self, now: Time) {
+        (self.doing, self.followed, self.idle_since) = (Doing::Duty, None, now);
+        self.legs.route.clear();
+    }
+
+    fn do_duty(&mut self, now: Time, around: &Around<'_>, desk: &Desk<'_>) {
+        let shown = self.shown.as_ref().filter(|s| !s.path.is_empty());
+        let version = shown.map(|s| s.version);
+        let fresh = version.is_some() && version != self.followed && version != self.ignored;
+        if let Some(shown) = shown.filter(|_| fresh) {
+            let points = join(self.legs.at, &shown.path, around.walkways);
+            self.legs.set_off(points, around.walkways);
+            (self.followed, self.detour) = (version, false);
+        }
+        if !self.legs.route.is_empty() {
+            self.idle_since = now;
+            return;
+        }
+        self.ignored = self.ignored.filter(|_| self.followed.is_none());
+        let Some(job) = desk.job else { return };
+        let end = shown.filter(|_| version == self.followed).and_then(|s| s.path.last());
+        let at_end =
+            end.is_some_and(|e| (e - job.at).norm() < PATH_ENDS_M && (e - self.legs.at).norm() < AT_WORK_M);
+        if at_end || (job.at - self.legs.at).norm() < AT_WORK_M {
+            self.doing = Doing::Work(job.id, now + job.stay);
+        } else if self.shown.is_none() || now - self.idle_since > OWN_WAY {
+            self.go_to_work(job, around);
+        }
+    }
+
+    fn go_to_work(&mut self, job: Job, around: &Around<'_>) {
+        self.go(job.at, around, None);
+    }
+
+    /// Sets the route to a place, around what is cut; whether there is one.
+    fn go(&mut self, goal: Point, around: &Around<'_>, cut: Option<&EdgeSet>) -> bool {
+        if (goal - self.legs.at).norm() < 0.1 {
+            self.legs.route.clear();
+            return true;
+        }
+        let none = around.walkways.no_edges();
+        match around.walkways.path(self.legs.at, goal, cut.unwrap_or(&none)) {
+            Some(path) => {
+                self.legs.set_off(path.points.into_iter().skip(1), around.walkways);
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// The next place of a walk without a goal.
+    fn stroll(&mut self, walkways: &Walkways) {
+        let Some((here, _)) = walkways.nearest(self.legs.at) else { return };
+        let links = walkways.links(here);
+        let Some((_, next)) = links.get(self.strolls.below(links.len().max(1))) else { return };
+        self.legs.route.extend([walkways.nodes()[here].at, walkways.nodes()[*next].at]);
+    }
+
+    fn step_aside(&mut self, aside: Aside, now: Time, around: &Around<'_>) {
+        let over = match aside.until {
+            Some(until) => until <= now,
+            None if (aside.goal - self.legs.at).norm() < 0.15 || !self.legs.route.is_empty() => false,
+            None => !self.go(aside.goal, around, None),
+        };
+        if over {
+            self.aside = None;
+            self.followed = None;
+            self.idle_since = now;
+            self.legs.route.clear();
+        } else if aside.until.is_none() && self.legs.route.is_empty() {
+            self.aside = Some(Aside { until: Some(now + aside.stay), ..aside });
+        }
+    }
+
+    /// A robot in the way: after some time the walker takes another way, or goes back and tries again.
+    pub(super) fn give_up_waiting(&mut self, now: Time, around: &Around<'_>, desk: &Desk<'_>) {
+        let here = self.legs.at;
+        // Whoever shuffles to and fro before a robot has not got away from it.
+        self.blocked_since = self.blocked_since.filter(|(_, at)| (here - at).norm() < GOT_AWAY_M);
+        if !self.legs.blocked {
+            return;
+        }
+        let (since, _) = *self.blocked_since.get_or_insert((now, here));
+        if now - since < self.traits.patience {
+            return;
+        }
+        self.blocked_since = None;
+        let cut = cut_by_robots(self.legs.at, around);
+        let target = match self.doing {
+            Doing::Errand { goal, .. } => Some(goal),
+            Doing::Leave(door) => Some(door),
+            _ => self.legs.route.back().copied().or(desk.job.map(|j| j.at)),
+        };
+        if self.aside.is_none()
+            && target.is_some_and(|goal| self.go(goal, around, Some(&cut)))
+            && is_clear(self.legs.at, self.legs.route.iter().copied(), around)
+        {
+            self.detour = true;
+            return;
+        }
+        let Some(goal) = back_off(self.legs.at, around, &cut) else { return };
+        self.legs.set_off(goal.1, around.walkways);
+        self.aside = Some(Aside { goal: goal.0, stay: Span::from_secs(4), until: None });
+    }
+}
+
+/// The way from a place onto a path and along it.
+fn join(at: Point, path: &[Point], walkways: &Walkways) -> Vec<Point> {
+    let nearest = |s: &[Point]| {
+        let piece = Segment { a: s[0], b: s[s.len() - 1] };
+        let d = piece.b - piece.a;
+        let u = if d.norm_squared() > 0.0 { (at - piece.a).dot(&d) / d.norm_squared() } else { 0.0 };
+        piece.point(u.clamp(0.0, 1.0))
+    };
+    let pieces: Vec<Point> =
+        if path.len() == 1 { path.to_vec() } else { path.windows(2).map(nearest).collect() };
+    let far = |i: &usize| (pieces[*i] - at).norm();
+    let Some(i) = (0..pieces.len()).min_by(|a, b| far(a).total_cmp(&far(b))) else { return Vec::new() };
+    let mut points = Vec::new();
+    if !walkways.sees(at, pieces[i]) || far(&i) > 2.5 {
+        let own = walkways.path(at, pieces[i], &walkways.no_edges());
+        points.extend(own.into_iter().flat_map(|p| p.points.into_iter().skip(1)));
+    }
+    points.push(pieces[i]);
+    points.extend(&path[(i + 1).min(path.len())..]);
+    points
+}
+
+/// Walkways that robots nearby stand or drive on, but not the one on which the walker stands: it may go back on that.
+fn cut_by_robots(at: Point, around: &Around<'_>) -> EdgeSet {
+    let mut cut = around.walkways.no_edges();
+    for r in around.robots.iter().filter(|r| (r.at - at).norm() < IN_SIGHT_M) {
+        for e in around.walkways.edges_within(r.at, around.half_m + BODY_M) {
+            if around.walkways.segment(e).distance_to(at) > HERE_M {
+                cut.insert(e);
+            }
+        }
+    }
+    cut
+}
+
+/// Whether no robot is in the way of the next steps.
+fn is_clear(at: Point, route: impl Iterator<Item = Point>, around: &Around<'_>) -> bool {
+    let mut from = at;
+    let mut far = 0.0;
+    for to in route {
+        let steps = ((to - from).norm() / STEP_M).ceil().max(1.0);
+        for i in 1..=steps as u32 {
+            let p = from + (to - from) * (f64::from(i) / steps);
+            let taken = |r: &RobotNear| {
+                let gap = r.gap(p, around.half_m);
+                gap < 0.0 && gap < r.gap(at, around.half_m)
+            };
+            if around.robots.iter().any(taken) {
+                return false;
+            }
+        }
+        far += (to - from).norm();
+        from = to;
+        if far > LOOK_M {
+            break;
+        }
+    }
+    true
+}
+
+/// The place farthest from all robots nearby that can be walked to, with the way there.
+fn back_off(at: Point, around: &Around<'_>, cut: &EdgeSet) -> Option<(Point, Vec<Point>)> {
+    let walkways = around.walkways;
+    let robots = around.robots.iter().filter(|r| (r.at - at).norm() < IN_SIGHT_M);
+    let robots: Vec<&RobotNear> = robots.collect();
+    let room = |p: Point| robots.iter().map(|r| r.gap(p, around.half_m)).fold(IN_SIGHT_M, f64::min);
+    let here = room(at);
+    let places = walkways.nodes().iter().map(|n| n.at);
+    let mut places: Vec<Point> = places.filter(|p| (p - at).norm() < IN_SIGHT_M).collect();
+    places.retain(|p| room(*p) > here + 0.2);
+    places.sort_by(|a, b| room(*b).total_cmp(&room(*a)));
+    let ways = places.into_iter().filter_map(|p| walkways.path(at, p, cut).map(|way| (p, way)));
+    let is_good =
+        |way: &WalkPath| way.length_m < 2.0 * IN_SIGHT_M && is_clear(at, way.points.iter().copied(), around);
+    let mut ways = ways.filter(|(_, way)| is_good(way));
+    ways.next().map(|(p, way)| (p, way.points.into_iter().skip(1).collect()))
+}
+
+/// A place nearby that is out of a robot's way.
+fn beside(at: Point, robot: &RobotNear, around: &Around<'_>) -> Option<Point> {
+    let clear = |p: Point| !robot.sweeps(p, around.half_m, 10.0) && robot.gap(p, around.half_m) > 0.2;
+    let near =
+        around.walkways.near(at, 2.5).into_iter().filter(|(n, _)| clear(around.walkways.nodes()[*n].at));
+    let best = near.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+    best.map(|(n, _)| around.walkways.nodes()[n].at)
+}
+
+/// A place on the walkways that is none of those that everybody knows.
+pub(in crate::sim) fn somewhere(walkways: &Walkways, known: &[Point], pick: f64) -> Option<Point> {
+    let count = walkways.nodes().len();
+    let first = (pick * count as f64) as usize;
+    let places = (0..count).map(|i| walkways.nodes()[WalkNodeId::at((first + i) % count)].at);
+    let mut places = places.filter(|p| known.iter().all(|k| (k - p).norm() > UNKNOWN_M));
+    places.next()
+}

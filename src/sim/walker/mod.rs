@@ -1,0 +1,229 @@
+//! A simulated worker: walks where the device shows, works, and now and then does something else.
+//!
+//! Main types: [`Walker`], [`Shown`] (what the device shows), [`Desk`] (what it knows of its work), [`Cause`] and
+//! [`Segment`] (the truth about it). Legs, character and impulses are files of their own; this one joins them.
+//! Refuses: to walk through racks, through holes that lifted racks leave, or through robots; to tell the fleet why.
+
+mod cause;
+mod impulse;
+mod legs;
+mod mind;
+mod persona;
+
+#[cfg(test)]
+mod tests;
+
+pub use cause::{Cause, Log, Segment};
+pub use legs::{Around, BODY_M, RobotNear, ease};
+pub use persona::{Persona, Traits};
+
+use super::random::Stream;
+use super::workforce::Workers;
+use crate::geometry::{Point, Pose};
+use crate::id::AssignmentId;
+use crate::time::{Span, Time};
+use impulse::Impulses;
+use legs::Legs;
+use std::collections::VecDeque;
+
+/// Something to do at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Job {
+    /// Its number.
+    pub id: AssignmentId,
+    /// Where one stands for it.
+    pub at: Point,
+    /// How long it takes.
+    pub stay: Span,
+}
+
+/// What the device shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// Counts up with every new path.
+    pub version: u64,
+    /// Where to walk; empty where nothing is shown.
+    pub path: Vec<Point>,
+    /// Whether it says that this is another way than before.
+    pub redirected: bool,
+    /// Whether it says to stand.
+    pub stop: bool,
+}
+
+/// What a walker knows of its work and of the hall.
+#[derive(Clone, Debug)]
+pub struct Desk<'a> {
+    /// What is to be done next.
+    pub job: Option<Job>,
+    /// Places that everybody knows, the fleet too.
+    pub known: &'a [Point],
+    /// Where colleagues are.
+    pub colleagues: &'a [Point],
+}
+
+/// What a walker is at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Doing {
+    /// Follows what is shown, or its own way to work; or waits for either.
+    Duty,
+    /// Works until then.
+    Work(AssignmentId, Time),
+    /// Goes somewhere else, and stays there.
+    Errand { cause: Cause, goal: Point, stay: Span, until: Option<Time> },
+    /// Walks about until then.
+    Wander(Time),
+    /// Goes to a door for good.
+    Leave(Point),
+    /// Is off the floor.
+    Gone,
+}
+
+/// A step aside, until when once it is there.
+#[derive(Clone, Copy, Debug)]
+struct Aside {
+    goal: Point,
+    stay: Span,
+    until: Option<Time>,
+}
+
+/// One worker on the floor.
+#[derive(Debug)]
+pub struct Walker {
+    /// Who it is.
+    pub traits: Traits,
+    /// Jobs that it has finished, in order; whoever reads takes them.
+    pub finished: Vec<AssignmentId>,
+    legs: Legs,
+    doing: Doing,
+    impulses: Impulses,
+    heeds: Stream,
+    strolls: Stream,
+    ignore: f64,
+    /// What the device shows, and what will be noticed when.
+    shown: Option<Shown>,
+    news: VecDeque<(Time, Shown)>,
+    /// The version of the path that is on the route, and the one that it would not follow.
+    followed: Option<u64>,
+    ignored: Option<u64>,
+    idle_since: Time,
+    pause_until: Time,
+    look_until: Time,
+    reacts_until: Time,
+    calm_until: Time,
+    blocked_since: Option<(Time, Point)>,
+    detour: bool,
+    aside: Option<Aside>,
+    log: Log,
+}
+
+impl Walker {
+    /// Worker number `who` of the scenario, coming in at a door.
+    pub(super) fn new(workers: &Workers, seed: u64, who: u64, at: Point, now: Time) -> Walker {
+        let traits = Traits::draw(&workers.personas, Stream::new(seed, 30, who));
+        let mut impulses = Impulses::new(&workers.deviations, seed, who);
+        // What came up before it came in is forgotten.
+        while impulses.due(now).is_some() {}
+        Walker {
+            finished: Vec::new(),
+            legs: Legs::new(at, traits.cut_m, traits.phase),
+            doing: Doing::Duty,
+            impulses,
+            heeds: Stream::new(seed, 31, who),
+            strolls: Stream::new(seed, 32, who),
+            ignore: workers.deviations.causes.rates().ignore,
+            shown: None,
+            news: VecDeque::new(),
+            followed: None,
+            ignored: None,
+            idle_since: now,
+            pause_until: now,
+            look_until: now,
+            reacts_until: now,
+            calm_until: now,
+            blocked_since: None,
+            detour: false,
+            aside: None,
+            log: Log::default(),
+            traits,
+        }
+    }
+
+    /// Takes what the device shows from now on; it is noticed after the walker's reaction time.
+    pub fn hear(&mut self, now: Time, shown: Shown) {
+        self.news.push_back((now + self.traits.reaction, shown));
+    }
+
+    /// Sends it to a door for good.
+    pub fn send_home(&mut self, door: Point) {
+        if !matches!(self.doing, Doing::Leave(_) | Doing::Gone) {
+            self.doing = Doing::Leave(door);
+            self.legs.route.clear();
+        }
+    }
+
+    /// Whether it is off the floor.
+    pub fn is_gone(&self) -> bool {
+        self.doing == Doing::Gone
+    }
+
+    /// Lives for `dt` seconds, up to `now`.
+    pub fn tick(&mut self, now: Time, dt: f64, around: &Around<'_>, desk: &Desk<'_>) {
+        self.notice(now, around, desk);
+        self.decide(now, around, desk);
+        let foresight = self.traits.foresight_s();
+        self.legs.walk(dt, self.wanted_mps(now), foresight, around);
+        self.give_up_waiting(now, around, desk);
+        let (cause, goal) = self.cause(now, desk);
+        self.log.note(now, cause, goal);
+        if self.is_gone() {
+            self.log.close(now);
+        }
+    }
+
+    /// Where it truly is, and where its head faces.
+    pub fn pose(&self, now: Time) -> Pose {
+        Pose { at: self.legs.trunk(now), heading: self.legs.heading + self.head_turn(now) }
+    }
+
+    /// How fast it truly walks, metres per second.
+    pub fn speed_mps(&self) -> f64 {
+        self.legs.speed_mps
+    }
+
+    /// Metres walked so far.
+    pub fn walked_m(&self) -> f64 {
+        self.legs.walked_m
+    }
+
+    /// The truth about it so far.
+    pub fn log(&self) -> &Log {
+        &self.log
+    }
+
+    /// The head against the body, radians: up to 60° while looking around, a little while standing with the phone.
+    fn head_turn(&self, now: Time) -> f64 {
+        let swing = (1.5 * now.as_secs_f64() + self.traits.phase).sin();
+        match () {
+            () if now < self.look_until => swing * std::f64::consts::FRAC_PI_3,
+            () if now < self.pause_until => 0.15 * swing,
+            () => 0.0,
+        }
+    }
+
+    fn cause(&self, now: Time, desk: &Desk<'_>) -> (Cause, Option<Point>) {
+        let duty = desk.job.map(|j| j.at);
+        let on_way = if self.detour || self.aside.is_some() { Some(Cause::Detour) } else { None };
+        match self.doing {
+            Doing::Errand { cause, goal, .. } => (cause, Some(goal)),
+            Doing::Wander(_) => (Cause::Wander, None),
+            Doing::Leave(door) => (on_way.unwrap_or(Cause::OnPath), Some(door)),
+            Doing::Gone | Doing::Work(..) => (Cause::OnPath, duty),
+            Doing::Duty if on_way.is_some() => (Cause::Detour, duty),
+            Doing::Duty if self.ignored.is_some() => (Cause::IgnoresGuidance, duty),
+            Doing::Duty if now < self.reacts_until => (Cause::Reaction(self.traits.persona), duty),
+            Doing::Duty if now < self.pause_until => (Cause::Pause, duty),
+            Doing::Duty if now < self.look_until => (Cause::LookAround, duty),
+            Doing::Duty => (Cause::OnPath, duty),
+        }
+    }
+}

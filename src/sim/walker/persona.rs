@@ -1,0 +1,67 @@
+//! Who a walker is: how fast, how patient, and how it takes robots.
+//!
+//! Main types: [`Traits`], [`Persona`] (after the personas of HuNavSim, Pérez-Higueras et al. 2023). Refuses: to
+//! change after it was drawn.
+
+use crate::sim::random::Stream;
+use crate::sim::workforce::Personas;
+use crate::time::Span;
+
+/// How a walker takes a robot that comes nearer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Persona {
+    /// It steps aside, or stops.
+    Yields,
+    /// It walks faster by three tenths.
+    Hurries,
+    /// It stands until the robot stands, or is away.
+    Freezes,
+    /// It takes no notice.
+    CutsThrough,
+}
+
+/// What is drawn once for a walker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Traits {
+    /// How it takes robots.
+    pub persona: Persona,
+    /// Usual speed, metres per second: normal with mean 1.2 and deviation 0.2.
+    pub speed_mps: f64,
+    /// From what it is told to what it does.
+    pub reaction: Span,
+    /// How long it waits behind a robot before it tries another way.
+    pub patience: Span,
+    /// How far before a corner it turns, metres.
+    pub cut_m: f64,
+    /// Where in its stride it starts, radians.
+    pub phase: f64,
+}
+
+/// Slowest and fastest usual speed, metres per second.
+pub const SPEEDS: (f64, f64) = (0.8, 1.6);
+
+impl Traits {
+    /// Draws them.
+    pub(in crate::sim) fn draw(mix: &Personas, mut random: Stream) -> Traits {
+        let share = random.unit();
+        let persona = match share {
+            s if s < mix.yields => Persona::Yields,
+            s if s < mix.yields + mix.hurries => Persona::Hurries,
+            s if s < mix.yields + mix.hurries + mix.freezes => Persona::Freezes,
+            _ => Persona::CutsThrough,
+        };
+        Traits {
+            persona,
+            speed_mps: (1.2 + 0.2 * random.normal()).clamp(SPEEDS.0, SPEEDS.1),
+            reaction: Span::from_secs_f64(random.between(0.5, 1.5)),
+            patience: Span::from_secs_f64(random.between(3.0, 8.0)),
+            cut_m: random.between(0.1, 0.5),
+            phase: random.between(0.0, std::f64::consts::TAU),
+        }
+    }
+
+    /// How far ahead in time it minds where a robot is going, seconds.
+    pub fn foresight_s(&self) -> f64 {
+        if self.persona == Persona::CutsThrough { 0.4 } else { 1.5 }
+    }
+}

@@ -1,0 +1,309 @@
+//! The part of a scenario that is about people: how many, what they are to do, what they do instead, how they are seen.
+//!
+//! Main types: [`Workers`], [`Assignments`], [`Deviations`], [`Rates`], [`Sensor`], [`Personas`]. Refuses: numbers
+//! that cannot be, and to simulate anybody.
+
+use super::scenario::{ScenarioError, check};
+use serde::Deserialize;
+
+/// The people of a scenario.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Workers {
+    /// How many.
+    pub count: usize,
+    /// When the first of them comes in by a door, seconds; the others follow, three seconds apart.
+    pub enter_s: f64,
+    /// When they go to a door and leave, seconds; nothing for never.
+    pub leave_s: Option<f64>,
+    /// What they are to do.
+    pub assignments: Assignments,
+    /// What they do instead.
+    pub deviations: Deviations,
+    /// How they are seen.
+    pub sensor: Sensor,
+    /// How they take robots, in shares of all workers.
+    pub personas: Personas,
+    /// Radius within which a moving robot counts as met, metres.
+    pub encounter_m: f64,
+}
+
+/// What workers are to do.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Assignments {
+    /// Nothing but what comes from outside.
+    None,
+    /// One rack after another, at random.
+    Random {
+        /// How long each takes, seconds.
+        stay_s: f64,
+    },
+    /// These places in turn, from the start again when done.
+    List {
+        /// Names of nodes.
+        places: Vec<String>,
+        /// How long each takes, seconds.
+        stay_s: f64,
+    },
+}
+
+/// What workers do instead of what they are to do.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Deviations {
+    /// When every worker sets off to a place that the fleet does not know of, seconds.
+    pub at_s: Vec<f64>,
+    /// Other reasons.
+    pub causes: Causes,
+}
+
+/// Which reasons there are to deviate, besides robots in the way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Causes {
+    /// None.
+    #[default]
+    None,
+    /// All, as often as [`Rates::USUAL`] says.
+    All,
+    /// These.
+    Rates(Rates),
+}
+
+/// How often each thing happens to a worker who walks to work.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Rates {
+    /// Stops for a moment, the phone perhaps, per hour.
+    pub pause_per_hour: f64,
+    /// Looks around while walking.
+    pub look_per_hour: f64,
+    /// Turns to another place that the fleet knows of.
+    pub mind_per_hour: f64,
+    /// Goes to a place that the fleet does not know of.
+    pub unknown_per_hour: f64,
+    /// Walks about without any goal.
+    pub wander_per_hour: f64,
+    /// Runs to help a colleague, or to something that fell.
+    pub help_per_hour: f64,
+    /// Probability that a new path is not followed.
+    pub ignore: f64,
+}
+
+impl Rates {
+    /// What simulated workers do unless told otherwise: a proposal, there are no published rates.
+    pub const USUAL: Rates = Rates {
+        pause_per_hour: 30.0,
+        look_per_hour: 60.0,
+        mind_per_hour: 40.0,
+        unknown_per_hour: 12.0,
+        wander_per_hour: 6.0,
+        help_per_hour: 6.0,
+        ignore: 0.1,
+    };
+}
+
+impl Causes {
+    /// As rates.
+    pub fn rates(self) -> Rates {
+        match self {
+            Causes::None => Rates::default(),
+            Causes::All => Rates::USUAL,
+            Causes::Rates(rates) => rates,
+        }
+    }
+}
+
+/// What a worker carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// A headset: good positions that drift, a heading.
+    Headset,
+    /// A tag on the body: positions only, noisy ones.
+    Tag,
+}
+
+/// How workers are seen. The usual values are those of a source without faults.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Sensor {
+    /// What they carry.
+    pub source: Source,
+    /// Poses per second; where absent 20 of a headset, 5 of a tag.
+    pub rate_hz: Option<f64>,
+    /// One standard deviation of each pose, metres; where absent 0.02 of a headset, 0.25 of a tag.
+    pub sigma_m: Option<f64>,
+    /// One standard deviation of the head's direction, degrees.
+    pub yaw_sigma_deg: f64,
+    /// Age of a pose when it comes in, milliseconds.
+    pub delay_ms: f64,
+    /// Up to so much more, at random: poses overtake each other.
+    pub jitter_ms: f64,
+    /// Share of poses that get lost.
+    pub loss: f64,
+    /// Share of poses that come twice.
+    pub repeat: f64,
+    /// Error gained per metre walked since the last anchor, metres.
+    pub drift: f64,
+    /// Metres walked from one anchor to the next.
+    pub anchor_m: f64,
+    /// Anchors are turned by up to so much, either way, degrees.
+    pub anchor_deg: f64,
+    /// How often a position is off by one to three metres for a moment, per hour.
+    pub jumps_per_hour: f64,
+    /// How often the device loses itself and starts a new frame, per hour.
+    pub resets_per_hour: f64,
+    /// How often it says nothing for a while, per hour.
+    pub silences_per_hour: f64,
+    /// How long then, seconds.
+    pub silence_s: f64,
+}
+
+impl Default for Sensor {
+    fn default() -> Sensor {
+        Sensor {
+            source: Source::Headset,
+            rate_hz: None,
+            sigma_m: None,
+            yaw_sigma_deg: 2.0,
+            delay_ms: 60.0,
+            jitter_ms: 0.0,
+            loss: 0.0,
+            repeat: 0.0,
+            drift: 0.0,
+            anchor_m: 30.0,
+            anchor_deg: 0.0,
+            jumps_per_hour: 0.0,
+            resets_per_hour: 0.0,
+            silences_per_hour: 0.0,
+            silence_s: 3.0,
+        }
+    }
+}
+
+impl Sensor {
+    /// The same source with every fault there is.
+    pub fn faulty(self) -> Sensor {
+        let tag = self.source == Source::Tag;
+        Sensor {
+            jitter_ms: 120.0,
+            loss: 0.05,
+            repeat: 0.02,
+            drift: if tag { 0.0 } else { 0.01 },
+            anchor_deg: if tag { 0.0 } else { 5.0 },
+            jumps_per_hour: if tag { 60.0 } else { 6.0 },
+            resets_per_hour: if tag { 0.0 } else { 6.0 },
+            silences_per_hour: 12.0,
+            ..self
+        }
+    }
+
+    /// Poses per second.
+    pub fn rate(&self) -> f64 {
+        self.rate_hz.unwrap_or(if self.source == Source::Tag { 5.0 } else { 20.0 })
+    }
+
+    /// One standard deviation of a position, metres.
+    pub fn sigma(&self) -> f64 {
+        self.sigma_m.unwrap_or(if self.source == Source::Tag { 0.25 } else { 0.02 })
+    }
+}
+
+/// How workers take robots, in shares of all workers.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Personas {
+    /// Step aside, or stop.
+    pub yields: f64,
+    /// Walk faster.
+    pub hurries: f64,
+    /// Stand until the robot stands, or is away.
+    pub freezes: f64,
+    /// Take no notice.
+    pub cuts_through: f64,
+}
+
+impl Default for Personas {
+    fn default() -> Personas {
+        Personas { yields: 0.4, hurries: 0.2, freezes: 0.2, cuts_through: 0.2 }
+    }
+}
+
+impl Default for Workers {
+    fn default() -> Workers {
+        Workers {
+            count: 0,
+            enter_s: 0.0,
+            leave_s: None,
+            assignments: Assignments::Random { stay_s: 15.0 },
+            deviations: Deviations::default(),
+            sensor: Sensor::default(),
+            personas: Personas::default(),
+            encounter_m: 1.5,
+        }
+    }
+}
+
+impl Workers {
+    /// Refuses numbers that cannot be.
+    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+        let times = 0.0..=1e7;
+        check("workers.count", self.count as f64, 0.0..=200.0, "from 0 to 200")?;
+        check("workers.enter_s", self.enter_s, times.clone(), "from 0 to 10000000")?;
+        check("workers.leave_s", self.leave_s.unwrap_or(0.0), times.clone(), "from 0 to 10000000")?;
+        check("workers.encounter_m", self.encounter_m, 0.1..=20.0, "from 0.1 to 20")?;
+        if let Assignments::Random { stay_s } | Assignments::List { stay_s, .. } = self.assignments {
+            check("workers.assignments.stay_s", stay_s, 0.0..=1e5, "from 0 to 100000")?;
+        }
+        for at in &self.deviations.at_s {
+            check("workers.deviations.at_s", *at, times.clone(), "from 0 to 10000000")?;
+        }
+        let p = self.personas;
+        let shares = [p.yields, p.hurries, p.freezes, p.cuts_through];
+        for share in shares {
+            check("workers.personas", share, 0.0..=1.0, "shares from 0 to 1")?;
+        }
+        check("workers.personas", shares.iter().sum(), 0.999..=1.001, "shares that add up to 1")?;
+        self.deviations.causes.rates().check()?;
+        self.sensor.check()
+    }
+}
+
+impl Rates {
+    fn check(&self) -> Result<(), ScenarioError> {
+        let rates = [
+            self.pause_per_hour,
+            self.look_per_hour,
+            self.mind_per_hour,
+            self.unknown_per_hour,
+            self.wander_per_hour,
+            self.help_per_hour,
+        ];
+        for rate in rates {
+            check("workers.deviations.causes.rates", rate, 0.0..=3600.0, "from 0 to 3600 an hour")?;
+        }
+        check("workers.deviations.causes.rates.ignore", self.ignore, 0.0..=1.0, "from 0 to 1")
+    }
+}
+
+impl Sensor {
+    fn check(&self) -> Result<(), ScenarioError> {
+        let rare = 0.0..=3600.0;
+        check("workers.sensor.rate_hz", self.rate(), 0.5..=50.0, "from 0.5 to 50")?;
+        check("workers.sensor.sigma_m", self.sigma(), 0.0..=5.0, "from 0 to 5")?;
+        check("workers.sensor.yaw_sigma_deg", self.yaw_sigma_deg, 0.0..=180.0, "from 0 to 180")?;
+        check("workers.sensor.delay_ms", self.delay_ms, 0.0..=5000.0, "from 0 to 5000")?;
+        check("workers.sensor.jitter_ms", self.jitter_ms, 0.0..=5000.0, "from 0 to 5000")?;
+        check("workers.sensor.loss", self.loss, 0.0..=1.0, "from 0 to 1")?;
+        check("workers.sensor.repeat", self.repeat, 0.0..=1.0, "from 0 to 1")?;
+        check("workers.sensor.drift", self.drift, 0.0..=1.0, "from 0 to 1")?;
+        check("workers.sensor.anchor_m", self.anchor_m, 1.0..=1e6, "from 1 to 1000000")?;
+        check("workers.sensor.anchor_deg", self.anchor_deg, 0.0..=180.0, "from 0 to 180")?;
+        check("workers.sensor.jumps_per_hour", self.jumps_per_hour, rare.clone(), "from 0 to 3600")?;
+        check("workers.sensor.resets_per_hour", self.resets_per_hour, rare.clone(), "from 0 to 3600")?;
+        check("workers.sensor.silences_per_hour", self.silences_per_hour, rare, "from 0 to 3600")?;
+        check("workers.sensor.silence_s", self.silence_s, 0.0..=3600.0, "from 0 to 3600")
+    }
+}

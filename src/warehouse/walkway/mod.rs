@@ -1,0 +1,257 @@
+//! Where people walk: the free floor and its middle lines.
+//!
+//! The middle lines are the generalised Voronoi diagram of the free floor, made into a graph: crossings, corners and
+//! points between, no farther apart than the robots' nodes usually are (Petković 2021, section 3.3, uses such a
+//! diagram of the floor plan; section 4.3.2 a network at the pitch of the road nodes). Main type: [`Walkways`], made
+//! once per building; [`EdgeSet`] holds which edges are cut at present. Refuses: robots, goals, anything that
+//! moves, and holes that lifted racks leave.
+
+mod floor;
+mod path;
+mod thin;
+mod trace;
+
+#[cfg(test)]
+mod tests;
+
+pub use path::WalkPath;
+
+use super::near::Near;
+use super::{NodeKind, Warehouse};
+use crate::geometry::{Point, Segment};
+use crate::id::{Dense, IdVec, NodeId, WalkEdgeId, WalkNodeId};
+use floor::Floor;
+use std::collections::BTreeSet;
+
+/// No edge is longer, metres.
+pub(super) const PITCH_M: f64 = 1.0;
+/// A straight way that comes so near to the middle of a cut edge, and goes on, is cut too. Metres.
+const CUT_REACH_M: f64 = 0.5;
+/// A person whose pose is so far off the floor is taken to be on its nearest free cell, metres.
+const OFF_FLOOR_M: f64 = 1.0;
+
+/// A point on a middle line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WalkNode {
+    /// Where, metres.
+    pub at: Point,
+    /// Distance to the nearest thing in the way, metres.
+    pub clearance_m: f64,
+}
+
+/// A straight piece of a middle line, walked either way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WalkEdge {
+    /// One end.
+    pub a: WalkNodeId,
+    /// The other end.
+    pub b: WalkNodeId,
+    /// Length, metres.
+    pub length_m: f64,
+    /// Least distance to things in the way, metres.
+    pub clearance_m: f64,
+}
+
+impl WalkEdge {
+    /// The end that is not `n`.
+    pub fn beyond(&self, n: WalkNodeId) -> WalkNodeId {
+        if n == self.a { self.b } else { self.a }
+    }
+}
+
+/// The free floor of a building and its middle lines.
+#[derive(Clone, Debug)]
+pub struct Walkways {
+    floor: Floor,
+    nodes: IdVec<WalkNodeId, WalkNode>,
+    edges: IdVec<WalkEdgeId, WalkEdge>,
+    /// Where the links of each node begin in `links`, and the end of the last.
+    start: Vec<u32>,
+    links: Vec<(WalkEdgeId, WalkNodeId)>,
+    near_nodes: Near,
+    near_edges: Near,
+}
+
+impl Walkways {
+    /// The walkways of a building: inside its outlines, outside of its obstacles and of all places of racks.
+    /// Where the map has no outlines, the rectangle around its aisles takes their place.
+    pub fn of(w: &Warehouse) -> Walkways {
+        let floor = Floor::of(w);
+        let keep: BTreeSet<usize> = places(w).into_iter().filter_map(|p| floor.cell(p)).collect();
+        let skeleton = thin::skeleton(&floor, &keep);
+        let (nodes, edges) = trace::graph(&floor, &skeleton, &keep);
+        Walkways::new(floor, nodes, edges)
+    }
+
+    fn new(floor: Floor, nodes: IdVec<WalkNodeId, WalkNode>, edges: IdVec<WalkEdgeId, WalkEdge>) -> Walkways {
+        let mut links: Vec<(WalkNodeId, WalkEdgeId, WalkNodeId)> =
+            edges.pairs().flat_map(|(e, edge)| [(edge.a, e, edge.b), (edge.b, e, edge.a)]).collect();
+        links.sort_unstable();
+        let mut start = vec![0; nodes.len() + 1];
+        links.iter().for_each(|(from, ..)| start[from.ix() + 1] += 1);
+        for n in 0..nodes.len() {
+            start[n + 1] += start[n];
+        }
+        let near_nodes = Near::new(nodes.iter().map(|n| n.at).collect());
+        let middle = |e: &WalkEdge| nalgebra::center(&nodes[e.a].at, &nodes[e.b].at);
+        let near_edges = Near::new(edges.iter().map(middle).collect());
+        let links = links.into_iter().map(|(_, e, to)| (e, to)).collect();
+        Walkways { floor, nodes, edges, start, links, near_nodes, near_edges }
+    }
+
+    /// All nodes.
+    pub fn nodes(&self) -> &IdVec<WalkNodeId, WalkNode> {
+        &self.nodes
+    }
+
+    /// All edges.
+    pub fn edges(&self) -> &IdVec<WalkEdgeId, WalkEdge> {
+        &self.edges
+    }
+
+    /// The edges at a node with the nodes at their other ends, in the order of the edges.
+    pub fn links(&self, n: WalkNodeId) -> &[(WalkEdgeId, WalkNodeId)] {
+        &self.links[self.start[n.ix()] as usize..self.start[n.ix() + 1] as usize]
+    }
+
+    /// The straight piece that an edge is.
+    pub fn segment(&self, e: WalkEdgeId) -> Segment {
+        let edge = &self.edges[e];
+        Segment { a: self.nodes[edge.a].at, b: self.nodes[edge.b].at }
+    }
+
+    /// No set of edges, of the right size.
+    pub fn no_edges(&self) -> EdgeSet {
+        EdgeSet { words: vec![0; self.edges.len().div_ceil(64)] }
+    }
+
+    /// Side of a cell of the floor's raster, metres.
+    pub fn cell_m(&self) -> f64 {
+        self.floor.cell_m
+    }
+
+    /// Whether the point is on free floor.
+    pub fn is_free(&self, p: Point) -> bool {
+        self.floor.is_free(p)
+    }
+
+    /// Metres from a point to the nearest thing in the way; zero off the floor.
+    pub fn clearance_m(&self, p: Point) -> f64 {
+        self.floor.cell(p).map_or(0.0, |i| self.floor.clearance_m(i))
+    }
+
+    /// Whether the straight line between two points runs over free floor only.
+    pub fn sees(&self, a: Point, b: Point) -> bool {
+        self.floor.sees(a, b)
+    }
+
+    /// Whether one can walk straight from `a` to `b`: it is free floor, and leads past no cut edge.
+    pub fn sees_past(&self, a: Point, b: Point, cut: &EdgeSet) -> bool {
+        self.sees(a, b) && !self.leads_past(a, b, cut)
+    }
+
+    /// The point, or the nearest one on free floor where it is off it by less than a metre.
+    pub fn on_floor(&self, p: Point) -> Option<Point> {
+        self.floor.nearest_free(p, OFF_FLOOR_M)
+    }
+
+    /// The nodes in sight of `p` no farther than `radius` (metres), by id, with their distances in metres.
+    pub fn near(&self, p: Point, radius: f64) -> Vec<(WalkNodeId, f64)> {
+        let all = self.near_nodes.within(p, radius).into_iter();
+        let all = all.map(|(i, distance)| (WalkNodeId::at(i), distance));
+        all.filter(|(n, _)| self.sees(p, self.nodes[*n].at)).collect()
+    }
+
+    /// The node nearest to `p` as the crow flies; nothing where the map has no walkways.
+    pub fn nearest(&self, p: Point) -> Option<(WalkNodeId, f64)> {
+        self.near_nodes.nearest(p).map(|(i, distance)| (WalkNodeId::at(i), distance))
+    }
+
+    /// The edges that come nearer to `p` than `radius` (metres), by id: what a robot of that radius blocks.
+    pub fn edges_within(&self, p: Point, radius: f64) -> Vec<WalkEdgeId> {
+        let close = self.near_edges.within(p, radius + PITCH_M / 2.0).into_iter();
+        let close = close.map(|(i, _)| WalkEdgeId::at(i));
+        close.filter(|e| distance_to(p, self.segment(*e)).0 < radius).collect()
+    }
+
+    /// Whether the straight way from `a` to `b` goes past a robot: it approaches the middle of a cut edge and
+    /// leaves it behind. A way that ends before it, or starts there and leads away, does not.
+    fn leads_past(&self, a: Point, b: Point, cut: &EdgeSet) -> bool {
+        if cut.is_empty() {
+            return false;
+        }
+        let way = Segment { a, b };
+        let reach = way.length() / 2.0 + CUT_REACH_M;
+        self.near_edges.within(way.point(0.5), reach).into_iter().any(|(i, _)| {
+            let e = WalkEdgeId::at(i);
+            let (away, u) = distance_to(self.segment(e).point(0.5), way);
+            cut.contains(e) && away < CUT_REACH_M && u > 0.0 && u < 1.0
+        })
+    }
+}
+
+/// The places to which walkways lead even where these are dead ends: doors, stations, and ends of aisles.
+fn places(w: &Warehouse) -> Vec<Point> {
+    let is_aisle = |n: NodeId| matches!(w.kind(n), NodeKind::Aisle | NodeKind::Exit);
+    let mut beside = vec![BTreeSet::new(); w.nodes.len()];
+    for lane in w.lanes.iter().filter(|l| l.users.people && is_aisle(l.a) && is_aisle(l.b)) {
+        beside[lane.a.ix()].insert(lane.b);
+        beside[lane.b.ix()].insert(lane.a);
+    }
+    let kept = |n: &NodeId| match w.kind(*n) {
+        NodeKind::Exit | NodeKind::Station(_) => true,
+        NodeKind::Aisle => beside[n.ix()].len() == 1,
+        _ => false,
+    };
+    w.nodes.ids().filter(kept).map(|n| w.nodes[n].at).collect()
+}
+
+/// The distance of a point to a straight piece, and where along the piece (0 to 1) it is nearest.
+fn distance_to(p: Point, s: Segment) -> (f64, f64) {
+    let d = s.b - s.a;
+    let u = if d.norm_squared() > 0.0 { ((p - s.a).dot(&d) / d.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
+    ((p - s.point(u)).norm(), u)
+}
+
+/// A set of edges, one bit each.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EdgeSet {
+    words: Vec<u64>,
+}
+
+impl EdgeSet {
+    /// Adds an edge; whether it was not there before.
+    pub fn insert(&mut self, e: WalkEdgeId) -> bool {
+        let (word, bit) = (&mut self.words[e.ix() / 64], 1 << (e.ix() % 64));
+        let new = *word & bit == 0;
+        *word |= bit;
+        new
+    }
+
+    /// Takes an edge out; whether it was there.
+    pub fn remove(&mut self, e: WalkEdgeId) -> bool {
+        let (word, bit) = (&mut self.words[e.ix() / 64], 1 << (e.ix() % 64));
+        let there = *word & bit != 0;
+        *word &= !bit;
+        there
+    }
+
+    /// Whether an edge is in it.
+    pub fn contains(&self, e: WalkEdgeId) -> bool {
+        self.words[e.ix() / 64] >> (e.ix() % 64) & 1 == 1
+    }
+
+    /// Whether none is.
+    pub fn is_empty(&self) -> bool {
+        self.words.iter().all(|w| *w == 0)
+    }
+
+    /// All of them, in order.
+    pub fn iter(&self) -> impl Iterator<Item = WalkEdgeId> {
+        let bits = |w: u64| (0..64).filter(move |b| w >> b & 1 == 1);
+        self.words
+            .iter()
+            .enumerate()
+            .flat_map(move |(i, w)| bits(*w).map(move |b| WalkEdgeId::at(i * 64 + b)))
+    }
+}

@@ -1,0 +1,100 @@
+//! The shortest way on foot between two points.
+//!
+//! Main type: [`WalkPath`]. Refuses: to know who walks it, and when.
+
+use super::{EdgeSet, Walkways};
+use crate::geometry::Point;
+use crate::id::{Dense, WalkNodeId};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Where a way may leave the floor for the graph and come back, metres; farther where nothing is so near.
+const REACH_M: f64 = 2.5;
+
+/// A way over the walkways.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WalkPath {
+    /// Nodes on the way; none where both ends see each other.
+    pub nodes: Vec<WalkNodeId>,
+    /// All points, ends included.
+    pub points: Vec<Point>,
+    /// Length, metres.
+    pub length_m: f64,
+}
+
+/// A node with the length of the way to it; the nearest first, then the lowest id.
+#[derive(PartialEq)]
+struct Label(f64, WalkNodeId);
+
+impl Eq for Label {}
+
+impl PartialOrd for Label {
+    fn partial_cmp(&self, other: &Label) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Label {
+    fn cmp(&self, other: &Label) -> Ordering {
+        other.0.total_cmp(&self.0).then(other.1.cmp(&self.1))
+    }
+}
+
+impl Walkways {
+    /// The nodes that one can walk to straight from `p`, with their distances in metres: those within a few
+    /// metres, or farther where there are none.
+    pub fn doorsteps(&self, p: Point, cut: &EdgeSet) -> Vec<(WalkNodeId, f64)> {
+        let Some(p) = self.on_floor(p) else { return Vec::new() };
+        for radius in [REACH_M, 4.0 * REACH_M] {
+            let mut found = self.near(p, radius);
+            found.retain(|(n, _)| !self.leads_past(p, self.nodes[*n].at, cut));
+            if !found.is_empty() {
+                return found;
+            }
+        }
+        Vec::new()
+    }
+
+    /// The shortest way from one point to another without the cut edges; nothing where there is none.
+    pub fn path(&self, from: Point, to: Point, cut: &EdgeSet) -> Option<WalkPath> {
+        let (start, goal) = (self.on_floor(from)?, self.on_floor(to)?);
+        if (goal - start).norm() <= REACH_M && self.sees_past(start, goal, cut) {
+            let length_m = (goal - start).norm();
+            return Some(WalkPath { nodes: Vec::new(), points: vec![from, to], length_m });
+        }
+        let last: Vec<(WalkNodeId, f64)> = self.doorsteps(to, cut);
+        let mut length = vec![f64::INFINITY; self.nodes.len()];
+        let mut before: Vec<Option<WalkNodeId>> = vec![None; self.nodes.len()];
+        let mut queue = BinaryHeap::new();
+        for (n, distance) in self.doorsteps(from, cut) {
+            length[n.ix()] = distance;
+            queue.push(Label(distance, n));
+        }
+        let mut best: Option<Label> = None;
+        while let Some(Label(so_far, n)) = queue.pop() {
+            if best.as_ref().is_some_and(|b| b.0 <= so_far) {
+                break;
+            }
+            if so_far > length[n.ix()] {
+                continue;
+            }
+            if let Ok(k) = last.binary_search_by_key(&n, |(n, _)| *n) {
+                let whole = Label(so_far + last[k].1, n);
+                best = best.into_iter().chain([whole]).max();
+            }
+            for &(e, next) in self.links(n).iter().filter(|(e, _)| !cut.contains(*e)) {
+                let there = so_far + self.edges[e].length_m;
+                if there < length[next.ix()] {
+                    (length[next.ix()], before[next.ix()]) = (there, Some(n));
+                    queue.push(Label(there, next));
+                }
+            }
+        }
+        let Label(length_m, end) = best?;
+        let mut nodes: Vec<WalkNodeId> = std::iter::successors(Some(end), |n| before[n.ix()]).collect();
+        nodes.reverse();
+        let middle = nodes.iter().map(|n| self.nodes[*n].at);
+        let points = std::iter::once(from).chain(middle).chain([to]).collect();
+        Some(WalkPath { nodes, points, length_m })
+    }
+}

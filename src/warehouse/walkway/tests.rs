@@ -1,0 +1,196 @@
+//! Walkways of the shipped maps and of small drawings.
+
+use super::*;
+use crate::warehouse::{kiva, lab, sketch, thesis};
+
+fn p(x: f64, y: f64) -> Point {
+    Point::new(x, y)
+}
+
+fn drawn(drawing: &str) -> Walkways {
+    Walkways::of(&sketch(drawing).build().expect("well-formed"))
+}
+
+/// Directions from a node to the cells in its way that are about as near as the nearest.
+fn walls(walks: &Walkways, at: Point) -> Vec<f64> {
+    let (cell, clear) = (walks.cell_m(), walks.clearance_m(at));
+    let reach = clear + 2.1 * cell;
+    let span = (reach / cell).ceil() as i64;
+    let cells = (-span..=span).flat_map(|y| (-span..=span).map(move |x| (x as f64 * cell, y as f64 * cell)));
+    let walls = cells.filter(|(x, y)| x.hypot(*y) <= reach && !walks.is_free(p(at.x + x, at.y + y)));
+    walls.map(|(x, y)| y.atan2(x)).collect()
+}
+
+#[test]
+fn every_point_of_a_middle_line_is_as_far_from_one_wall_as_from_another() {
+    for w in [lab(), thesis(), kiva()] {
+        let walks = Walkways::of(&w);
+        let kept = places(&w);
+        for node in walks.nodes().iter() {
+            // Where a line is kept up to a door or the end of an aisle, it leaves the middle.
+            if kept.iter().any(|k| (k - node.at).norm() < 1.5) {
+                continue;
+            }
+            let walls = walls(&walks, node.at);
+            let widest =
+                walls.iter().flat_map(|a| walls.iter().map(|b| crate::geometry::turn_between(*a, *b)));
+            let widest = widest.fold(0.0, f64::max);
+            assert!(widest > 1.0, "{}: only one wall is near {:?}", w.name, node);
+        }
+    }
+}
+
+#[test]
+fn no_edge_is_longer_than_a_metre_and_all_run_over_free_floor() {
+    for w in [lab(), thesis(), kiva()] {
+        let walks = Walkways::of(&w);
+        for e in walks.edges().ids() {
+            let (edge, s) = (&walks.edges()[e], walks.segment(e));
+            assert!(edge.length_m <= PITCH_M + 1e-9 && edge.a != edge.b, "{edge:?}");
+            assert!(walks.sees(s.a, s.b) && edge.clearance_m >= 0.3, "{}: {edge:?} {s:?}", w.name);
+        }
+    }
+}
+
+#[test]
+fn every_aisle_and_every_door_of_the_shipped_maps_is_reached_from_every_other() {
+    for w in [lab(), thesis(), kiva()] {
+        let (walks, none) = (Walkways::of(&w), Walkways::of(&w).no_edges());
+        let people = w.nodes_where(|k| matches!(k, NodeKind::Aisle | NodeKind::Exit));
+        let on_floor: Vec<NodeId> = people.into_iter().filter(|n| walks.is_free(w.nodes[*n].at)).collect();
+        assert!(on_floor.len() > w.nodes.len() / 3, "{}: {} on the floor", w.name, on_floor.len());
+        let mut seen = vec![false; walks.nodes().len()];
+        let mut todo = vec![WalkNodeId(0)];
+        while let Some(n) = todo.pop() {
+            if !std::mem::replace(&mut seen[n.ix()], true) {
+                todo.extend(walks.links(n).iter().map(|(_, to)| *to));
+            }
+        }
+        assert!(seen.iter().all(|s| *s), "{}: the walkways are in parts", w.name);
+        for n in on_floor {
+            let steps = walks.doorsteps(w.nodes[n].at, &none);
+            assert!(!steps.is_empty(), "{}: no way from {}", w.name, w.nodes[n].name);
+        }
+        for station in w.stations.iter() {
+            let away = walks.nearest(w.nodes[station.node].at).expect("walkways").1;
+            // Most stations are beyond the floor, at the ends of bays for robots.
+            let most = if walks.is_free(w.nodes[station.node].at) { 0.1 } else { 6.0 };
+            assert!(away < most, "{}: the station {} is {away} m away", w.name, station.name);
+        }
+    }
+}
+
+#[test]
+fn the_aisles_of_the_hall_have_their_middle_lines_where_the_robots_nodes_are() {
+    let w = thesis();
+    let walks = Walkways::of(&w);
+    for name in ["G3-3", "G6-10", "G3-7", "G6-7"] {
+        let n = w.node_named(name).expect(name);
+        let away = walks.nearest(w.nodes[n].at).expect("walkways").1;
+        assert!(away < 0.25, "{name}: the nearest node is {away} m away");
+    }
+    let count = walks.nodes().len();
+    assert!((100..250).contains(&count), "{count} nodes for 132 places of the floor");
+}
+
+#[test]
+fn walkways_are_the_same_each_time() {
+    let (one, other) = (Walkways::of(&kiva()), Walkways::of(&kiva()));
+    assert_eq!((&one.nodes, &one.edges), (&other.nodes, &other.edges));
+}
+
+#[test]
+fn without_outlines_the_rectangle_around_the_aisles_is_the_floor() {
+    let walks = drawn(".....\n.RRR.\n.RRR.\n.....\nC...P");
+    assert!(walks.is_free(p(0.0, 0.0)) && walks.is_free(p(4.4, 4.4)));
+    assert!(!walks.is_free(p(2.0, 2.0)) && !walks.is_free(p(4.6, 0.0)) && !walks.is_free(p(9.0, 9.0)));
+    // Nobody walks through the slits between racks.
+    assert!(!walks.is_free(p(1.5, 2.5)) && !walks.sees(p(1.5, 1.0), p(1.5, 4.0)));
+    assert!(walks.sees(p(0.0, 0.0), p(4.0, 0.0)) && !walks.sees(p(0.0, 0.0), p(2.0, 4.0)));
+}
+
+#[test]
+fn a_dead_end_keeps_its_line_only_where_it_leads_to_an_aisle() {
+    let walks = drawn(".....\n.RRRR\n.....\n.RRRR\n.....\nCP");
+    let in_aisle = walks.nearest(p(4.0, 3.0)).expect("walkways").1;
+    assert!(in_aisle < 0.2, "the aisle's end is {in_aisle} m from its line");
+    let corner = walks.nearest(p(-0.4, 5.4)).expect("walkways").1;
+    assert!(corner > 0.3, "no line into a corner");
+}
+
+#[test]
+fn a_robot_in_an_aisle_cuts_the_way_through_and_it_goes_round_the_block() {
+    let w = thesis();
+    let walks = Walkways::of(&w);
+    let mut cut = walks.no_edges();
+    let (from, to) = (p(3.0, 1.0), p(3.0, 6.0));
+    let straight = walks.path(from, to, &cut).expect("a way");
+    assert!((straight.length_m - 5.0).abs() < 0.2, "{}", straight.length_m);
+    for e in walks.edges_within(p(3.0, 3.0), 1.0) {
+        assert!(cut.insert(e) && !cut.insert(e) && cut.contains(e));
+    }
+    assert_eq!(cut.iter().collect::<Vec<_>>(), walks.edges_within(p(3.0, 3.0), 1.0));
+    let round = walks.path(from, to, &cut).expect("a way round");
+    assert!((13.0..15.1).contains(&round.length_m), "{}", round.length_m);
+    // One may walk up to the robot, but not past it, though its far side is in sight.
+    assert!(walks.sees_past(from, p(3.0, 1.5), &cut) && !walks.sees_past(from, p(3.0, 4.5), &cut));
+    assert!(walks.sees_past(p(3.0, 1.4), p(3.0, 0.5), &cut), "and away from it");
+    assert!(walks.doorsteps(from, &cut).iter().all(|(n, _)| walks.nodes()[*n].at.y < 2.6));
+    for e in cut.clone().iter() {
+        assert!(cut.remove(e));
+    }
+    assert!(cut.is_empty());
+    assert_eq!(walks.path(from, to, &cut), Some(straight));
+}
+
+#[test]
+fn there_is_no_way_off_the_floor_and_none_for_the_enclosed() {
+    let w = lab();
+    let walks = Walkways::of(&w);
+    let mut cut = walks.no_edges();
+    assert!(walks.path(p(0.0, 0.0), p(40.0, 0.0), &cut).is_none());
+    walks.edges().ids().for_each(|e| assert!(cut.insert(e)));
+    assert!(walks.path(p(6.0, 0.0), p(0.0, 4.0), &cut).is_none());
+}
+
+#[test]
+fn sight_is_mutual() {
+    let walks = Walkways::of(&lab());
+    let points: Vec<Point> =
+        (0..60).map(|i| p(f64::from(i % 10) * 0.7, f64::from(i / 10) * 0.83 - 0.3)).collect();
+    for a in &points {
+        for b in &points {
+            assert_eq!(walks.sees(*a, *b), walks.sees(*b, *a), "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn the_shortest_way_is_no_longer_than_any_other_through_the_graph() {
+    let walks = Walkways::of(&lab());
+    let none = walks.no_edges();
+    let n = walks.nodes().len();
+    let mut all = vec![vec![f64::INFINITY; n]; n];
+    (0..n).for_each(|i| all[i][i] = 0.0);
+    for e in walks.edges().iter() {
+        let shorter = all[e.a.ix()][e.b.ix()].min(e.length_m);
+        (all[e.a.ix()][e.b.ix()], all[e.b.ix()][e.a.ix()]) = (shorter, shorter);
+    }
+    for k in 0..n {
+        for i in 0..n {
+            for j in 0..n {
+                all[i][j] = all[i][j].min(all[i][k] + all[k][j]);
+            }
+        }
+    }
+    for i in (0..n).step_by(3) {
+        for j in (0..n).step_by(5) {
+            let (from, to) = (walks.nodes()[WalkNodeId::at(i)].at, walks.nodes()[WalkNodeId::at(j)].at);
+            let found = walks.path(from, to, &none).expect("connected");
+            assert!(found.length_m <= all[i][j] + 1e-9, "{from} {to}");
+            assert!(found.length_m >= (to - from).norm() - 1e-9);
+            let along: f64 = found.points.windows(2).map(|s| (s[1] - s[0]).norm()).sum();
+            assert!((along - found.length_m).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The program itself, called like from a shell: exit codes, and what it prints where.
+
+use crate::helper::{Folder, delivery, get, map, post, send};
+use giveway::warehouse::formats;
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+
+/// Runs the program to its end.
+fn giveway(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_giveway")).args(arguments).output().unwrap()
+}
+
+fn json_of(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {output:?}"))
+}
+
+/// Two minutes of the lab on file, and the report of the run.
+fn record(folder: &Folder, name: &str) -> (PathBuf, Value) {
+    let path = folder.path().join(name);
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/lab.json");
+    let file = path.to_str().unwrap();
+    let run = ["sim", scenario, "--seed", "3", "--duration", "120", "--no-bound", "--json", "--record", file];
+    let ran = giveway(&run);
+    assert!(ran.status.success(), "{ran:?}");
+    (path, json_of(&ran))
+}
+
+/// The program, showing a recording until the test is over.
+struct Shown(Child);
+
+impl Shown {
+    fn start(recording: &str) -> (Shown, SocketAddr) {
+        let arguments = ["replay", recording, "--listen", "127.0.0.1:0", "--speed", "1000"];
+        let program = Command::new(env!("CARGO_BIN_EXE_giveway"))
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn();
+        let mut shown = Shown(program.unwrap());
+        let mut line = String::new();
+        BufReader::new(shown.0.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let address = line.trim().rsplit_once("http://").map(|(_, at)| at.trim_end_matches('/'));
+        (shown, address.and_then(|at| at.parse().ok()).unwrap_or_else(|| panic!("no address in {line:?}")))
+    }
+}
+
+impl Drop for Shown {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn a_recording_steps_through_the_same_and_a_changed_one_is_found_out() {
+    let folder = Folder::new();
+    let (path, report) = record(&folder, "lab.jsonl");
+    let check = ["replay", path.to_str().unwrap(), "--check", "--json"];
+    let checked = giveway(&check);
+    assert!(checked.status.success(), "{checked:?}");
+    assert_eq!(json_of(&checked)["trace_hash"], report["trace_hash"]);
+    assert_eq!(json_of(&checked)["same_as_recorded"], true);
+
+    let text = std::fs::read_to_string(&path).unwrap();
+    let hash = report["trace_hash"].as_str().unwrap();
+    assert!(text.contains(hash), "the digest is in the recording");
+    std::fs::write(&path, text.replace(hash, "0123456789abcdef")).unwrap();
+    let checked = giveway(&check);
+    assert_eq!(checked.status.code(), Some(1), "{checked:?}");
+    assert_eq!(json_of(&checked)["same_as_recorded"], false);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_recording_is_shown_and_takes_no_requests() {
+    let folder = Folder::new();
+    let (path, _) = record(&folder, "lab.jsonl.gz");
+    let (_shown, at) = Shown::start(path.to_str().unwrap());
+    let page = get(at, "/").await;
+    assert!(page.status == 200 && page.text.contains("<html"), "{page:?}");
+    for path in ["/v1/map", "/v1/robots", "/v1/racks", "/v1/stations", "/v1/jobs", "/metrics"] {
+        assert_eq!(get(at, path).await.status, 200, "{path}");
+    }
+    let refused = [
+        post(at, None, &delivery(0)).await.unwrap(),
+        send(at, "DELETE", "/v1/jobs/j1", &[], "").await.unwrap(),
+    ];
+    for answer in refused {
+        let problem = answer.problem(409);
+        assert_eq!(problem["type"], json!("/problems/recording"));
+        assert!(problem["detail"].as_str().unwrap().contains("a recording is shown here"), "{problem}");
+    }
+}
+
+#[test]
+fn map_check_lists_wrong_names_and_a_wrong_floor_at_once() {
+    let folder = Folder::new();
+    let path = folder.path().join("bad.json");
+    let mut bad: serde_json::Value = serde_json::from_str(&formats::json::write(&map())).unwrap();
+    let lane = serde_json::json!({"from": bad["nodes"][0]["id"], "to": "nowhere"});
+    bad["lanes"].as_array_mut().unwrap().push(lane);
+    bad["nodes"].as_array_mut().unwrap().push(serde_json::json!({"id": "island", "x": 90, "y": 90}));
+    std::fs::write(&path, bad.to_string()).unwrap();
+    let checked = giveway(&["map", "check", path.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&checked.stderr);
+    assert_eq!(checked.status.code(), Some(1), "{said}");
+    let findings: Vec<&str> = said.lines().skip(1).collect();
+    assert_eq!(findings.len(), 2, "{said}");
+    assert!(findings[0].ends_with("there is no node nowhere; add the node or mend the name"), "{said}");
+    assert_eq!(findings[1], "nodes island: no lane touches them; add lanes or remove them");
+}
