@@ -316,23 +316,22 @@ async fn repeated_and_late_poses_are_counted_once_and_change_nothing() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_pose_that_jumps_across_the_hall_is_counted_and_told() {
+async fn poses_across_the_hall_and_outside_of_it_are_counted_and_told() {
     let folder = Folder::new();
     let server = start(&folder).await;
     let at = server.address();
     hire(at, "anna").await;
     let mut headset = Headset::connect(at, "w1", "map").await;
     for _ in 0..5 {
-        headset.stand(2.0, 2.0).await;
+        headset.stand(0.5, 0.5).await;
         tokio::time::sleep(Duration::from_millis(50)).await;
     }
-    headset.stand(12.0, 2.0).await;
-    loop {
-        let warning = headset.next("warning").await;
-        if warning["code"] == "jump" {
-            break;
-        }
-    }
+    headset.stand(5.5, 4.5).await;
+    assert_eq!(headset.next("warning").await["code"], "jump");
+    headset.stand(55.0, 4.5).await;
+    assert_eq!(headset.next("warning").await["code"], "impossible");
+    let worker = get(at, "/v1/workers/w1").await.json();
+    assert_eq!((worker["feed"]["jumps"].clone(), worker["feed"]["absurd"].clone()), (json!(1), json!(1)));
     server.stop().await.unwrap();
 }
 
