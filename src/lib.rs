@@ -36,8 +36,9 @@
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
 //! - [`sim`]: robots with inertia, radios that lose, customers; laws; recordings; the driver without a server. Pure.
 //! - [`experiment`]: benchmark floors and published tables, driven by the same search. Pure.
-//! - `store`: the journal of facts and the list of jobs, in SQLite.
-//! - `api`: HTTP under `/v1`, the live feed, metrics, OpenAPI; wire types are its own.
+//! - `store`: the journal of facts and the lists of jobs, assignments and encounters, in SQLite.
+//! - `api`: HTTP under `/v1`, the live feed, metrics, OpenAPI; wire types are its own. `api/feed` takes the poses of
+//!   headsets: frames, clocks and thinning are pure there, and guidance goes out past all queues.
 //! - `vda5050/`: to come. Real robots instead of simulated ones, behind the same [`fleet::Command`] and
 //!   [`fleet::Telemetry`].
 //! - `server`: settings, the only clock, the loop, what waits for the journal.

@@ -15,6 +15,9 @@ const AROUND: [&str; 2] = ["sim", "experiment"];
 /// The outside world: behind the cargo feature `edge`.
 const EDGE: [&str; 5] = ["store", "api", "vda5050", "server", "cli"];
 
+/// Files of `src/api/feed` that are numbers in, numbers out, though they stand at the edge.
+const PURE_FEED: [&str; 6] = ["align", "clock", "intake", "pose", "thin", "warn"];
+
 const FILE_LINES: usize = 600;
 const FUNCTION_LINES: usize = 70;
 const WIDTH: usize = 120;
@@ -98,7 +101,7 @@ fn check(path: &str, text: &str) -> Vec<Violation> {
     }
     let code = without_tests(&tokens);
     check_layers(&parts, &code, &mut add);
-    if is_pure(top) {
+    if is_pure(top) || matches!(parts[..], ["api", "feed", file] if PURE_FEED.contains(&file)) {
         check_purity(path, &code, &mut add);
     }
     found.sort_by_key(|v| v.line);

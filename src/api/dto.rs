@@ -3,6 +3,7 @@
 //! Main types: [`RobotDto`], [`RackDto`], [`StationDto`], [`JobDto`], [`Page`], and [`Names`], which makes
 //! them. Ids on the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
 
+use super::people::{closure_name, worker_name};
 use super::port::JobRecord;
 use crate::fleet::{Counts, Doing, JobFailure, JobKind, JobState, JobWhy, RackAt, RobotState, View, Why};
 use crate::id::{Dense, JobId, NodeId, RobotId};
@@ -145,7 +146,8 @@ impl Names<'_> {
         self.view.robots.get(r.ix()).map_or_else(|| format!("{r:?}"), |robot| robot.name.clone())
     }
 
-    fn node(&self, n: NodeId) -> String {
+    /// A node's name.
+    pub fn node(&self, n: NodeId) -> String {
         self.map.nodes.get(n).map_or_else(|| format!("{n:?}"), |node| node.name.clone())
     }
 
@@ -261,10 +263,10 @@ impl Names<'_> {
                 format!("waiting for {}, held by {}", self.map.resource_name(resource), self.robot(r))
             }
             Why::WaitsFor(resource, Holder::Worker(w)) => {
-                format!("waiting for {}, held by worker {w:?}", self.map.resource_name(resource))
+                format!("waiting for {}, held by worker {}", self.map.resource_name(resource), worker_name(w))
             }
-            Why::GivesWay(w) => format!("giving way to worker {}", w.0 + 1),
-            Why::Closed(c) => format!("the way leads into closed area c{}", c.0),
+            Why::GivesWay(w) => format!("giving way to worker {}", worker_name(w)),
+            Why::Closed(c) => format!("the way leads into closed area {}", closure_name(c)),
             Why::QueueFull(s) => match self.map.stations.get(s) {
                 Some(station) => format!("the queue of station {} is full", station.name),
                 None => "the queue of its station is full".into(),

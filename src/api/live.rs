@@ -29,6 +29,8 @@ struct Frame {
     robots: Vec<Item>,
     racks: Vec<Item>,
     stations: Vec<Item>,
+    workers: Vec<Item>,
+    closures: Value,
     jobs: Value,
     counters: Value,
     alarms: Value,
@@ -118,10 +120,13 @@ impl Frame {
             robots: items(names.robots()),
             racks: items(names.racks()),
             stations: items(names.stations()),
+            workers: items(names.workers()),
+            closures: plain(names.closures()),
             jobs: plain(JobCountsDto::from(counts)),
             counters: json!({
                 "robot_deliveries": counts.robot_deliveries, "human_deliveries": counts.human_deliveries,
                 "deliveries_per_hour": m.deliveries_per_hour.round(), "encounters": counts.encounters,
+                "deviations": counts.deviations, "interruptions": counts.interruptions, "replans": counts.replans,
                 "plan_us_p50": m.plan_us_p50, "plan_us_p99": m.plan_us_p99, "step_us_p99": m.step_us_p99,
             }),
             alarms: alarms
@@ -139,6 +144,7 @@ impl Frame {
         json!({
             "type": "snapshot", "version": version, "time_s": self.time_s, "simulated": true,
             "robots": self.robots, "racks": self.racks, "stations": self.stations,
+            "workers": self.workers, "closures": self.closures,
             "jobs": self.jobs, "counters": self.counters, "alarms": self.alarms,
         })
     }
@@ -166,10 +172,12 @@ fn patch(old: &Frame, new: &Frame, base: u64) -> Value {
     out.insert("robots".into(), changes(&old.robots, &new.robots));
     out.insert("racks".into(), changes(&old.racks, &new.racks));
     out.insert("stations".into(), changes(&old.stations, &new.stations));
+    out.insert("workers".into(), changes(&old.workers, &new.workers));
     for (key, old, new) in [
         ("jobs", &old.jobs, &new.jobs),
         ("counters", &old.counters, &new.counters),
         ("alarms", &old.alarms, &new.alarms),
+        ("closures", &old.closures, &new.closures),
     ] {
         if old != new {
             out.insert(key.into(), new.clone());
@@ -232,7 +240,7 @@ mod tests {
             return;
         }
         assert_eq!(message["base"], mirror["version"], "patches follow one another");
-        for list in ["robots", "racks", "stations"] {
+        for list in ["robots", "racks", "stations", "workers"] {
             for change in message[list].as_array().unwrap() {
                 let known = mirror[list].as_array_mut().unwrap();
                 match known.iter_mut().find(|k| k["id"] == change["id"]) {
@@ -241,7 +249,7 @@ mod tests {
                 }
             }
         }
-        for key in ["jobs", "counters", "alarms", "version", "time_s"] {
+        for key in ["jobs", "counters", "alarms", "closures", "version", "time_s"] {
             if !message[key].is_null() {
                 mirror[key] = message[key].clone();
             }

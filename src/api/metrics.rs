@@ -5,6 +5,7 @@
 
 use super::dto::{JobCountsDto, state_word};
 use super::port::Moment;
+use crate::fleet::{FeedCounts, Presence};
 use prometheus_client::encoding::EncodeLabelSet;
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::counter::Counter;
@@ -32,6 +33,13 @@ pub struct StateLabel {
     pub state: String,
 }
 
+/// Why something was refused.
+#[derive(Clone, Debug, Hash, PartialEq, Eq, EncodeLabelSet)]
+pub struct ReasonLabel {
+    /// Its word.
+    pub reason: &'static str,
+}
+
 /// All figures.
 #[derive(Debug)]
 pub struct Metrics {
@@ -48,6 +56,17 @@ pub struct Metrics {
     pub journal_errors: Counter,
     /// Open live feeds.
     pub live_clients: Gauge,
+    /// Open feeds of headsets.
+    pub feeds: Gauge,
+    /// Poses that came over feeds, as far as they were looked at.
+    pub poses_received: Counter,
+    /// Poses left out since they came faster than sixty a second.
+    pub poses_thinned: Counter,
+    poses_refused: Family<ReasonLabel, Counter>,
+    /// From a pose that came in to the stop that a worker is sent because of it, seconds.
+    pub pose_to_stop: Histogram,
+    /// From a pose that came in to the stop that a robot is sent in the step that took it, seconds.
+    pub pose_to_robot_stop: Histogram,
     /// HTTP requests.
     pub http: Family<HttpLabels, Counter>,
     jobs: Family<StateLabel, Gauge>,
@@ -55,6 +74,11 @@ pub struct Metrics {
     robot_deliveries: Gauge,
     human_deliveries: Gauge,
     encounters: Gauge,
+    deviations: Gauge,
+    interruptions: Gauge,
+    replans: Gauge,
+    poses: Family<StateLabel, Gauge>,
+    workers: Family<StateLabel, Gauge>,
     plans: Gauge,
     plan_failures: Gauge,
     deliveries_per_hour: Gauge<f64, AtomicU64>,
@@ -72,17 +96,29 @@ impl Default for Metrics {
             journal_pending: Gauge::default(),
             journal_errors: Counter::default(),
             live_clients: Gauge::default(),
+            feeds: Gauge::default(),
+            poses_received: Counter::default(),
+            poses_thinned: Counter::default(),
+            poses_refused: Family::default(),
+            pose_to_stop: Histogram::new(seconds),
+            pose_to_robot_stop: Histogram::new(seconds),
             http: Family::default(),
             jobs: Family::default(),
             robots: Family::default(),
             robot_deliveries: Gauge::default(),
             human_deliveries: Gauge::default(),
             encounters: Gauge::default(),
+            deviations: Gauge::default(),
+            interruptions: Gauge::default(),
+            replans: Gauge::default(),
+            poses: Family::default(),
+            workers: Family::default(),
             plans: Gauge::default(),
             plan_failures: Gauge::default(),
             deliveries_per_hour: Gauge::default(),
         };
         m.register();
+        m.register_people();
         m
     }
 }
@@ -102,10 +138,53 @@ impl Metrics {
         r.register("robots", "Robots by state", self.robots.clone());
         r.register("robot_deliveries", "Racks served at stations", self.robot_deliveries.clone());
         r.register("human_deliveries", "Assignments completed by workers", self.human_deliveries.clone());
-        r.register("encounters", "Encounters of robots and workers", self.encounters.clone());
         r.register("plans", "Routes planned", self.plans.clone());
         r.register("plan_failures", "Searches that found no route", self.plan_failures.clone());
         r.register("deliveries_per_hour", "Racks served per hour, lately", self.deliveries_per_hour.clone());
+    }
+
+    fn register_people(&mut self) {
+        let r = &mut self.registry;
+        r.register("encounters", "Encounters of robots and workers", self.encounters.clone());
+        r.register("deviations", "How often a worker left the path", self.deviations.clone());
+        let stopped = "Robots that had to stop or change their route because of a worker";
+        r.register("interruptions", stopped, self.interruptions.clone());
+        r.register("replans", "Routes planned anew because of workers", self.replans.clone());
+        r.register("feed_clients", "Open feeds of headsets", self.feeds.clone());
+        r.register("workers", "Workers by presence", self.workers.clone());
+        r.register("poses", "Poses by what the fleet made of them", self.poses.clone());
+        r.register("poses_received", "Poses that came over feeds", self.poses_received.clone());
+        let thinned = "Poses left out since they came faster than 60 a second";
+        r.register("poses_thinned", thinned, self.poses_thinned.clone());
+        r.register("poses_refused", "Poses refused before the fleet saw them", self.poses_refused.clone());
+        let to_worker = "From a pose received to the stop sent to the worker";
+        r.register_with_unit("pose_to_stop", to_worker, Unit::Seconds, self.pose_to_stop.clone());
+        let to_robot = "From a pose received to a stop sent to a robot in the same step";
+        r.register_with_unit("pose_to_robot_stop", to_robot, Unit::Seconds, self.pose_to_robot_stop.clone());
+    }
+
+    /// Counts a pose that is refused before the fleet sees it.
+    pub fn refused(&self, reason: &'static str) {
+        self.poses_refused.get_or_create(&ReasonLabel { reason }).inc();
+    }
+
+    fn look_at_people(&self, moment: &Moment) {
+        let counts = moment.view.counts;
+        let workers = &moment.view.workers;
+        let label = |state: &str| StateLabel { state: state.into() };
+        self.encounters.set(counts.encounters.cast_signed());
+        self.deviations.set(counts.deviations.cast_signed());
+        self.interruptions.set(counts.interruptions.cast_signed());
+        self.replans.set(counts.replans.cast_signed());
+        for presence in [Presence::Absent, Presence::Tracked, Presence::Stale, Presence::Lost] {
+            let n = workers.iter().filter(|w| w.presence == presence).count();
+            self.workers.get_or_create(&label(presence.word())).set(n as i64);
+        }
+        let sum = |of: fn(FeedCounts) -> u64| workers.iter().map(|w| of(w.feed)).sum::<u64>().cast_signed();
+        self.poses.get_or_create(&label("taken")).set(sum(|f| f.taken));
+        self.poses.get_or_create(&label("late")).set(sum(|f| f.late));
+        self.poses.get_or_create(&label("jumps")).set(sum(|f| f.jumps));
+        self.poses.get_or_create(&label("absurd")).set(sum(|f| f.absurd));
     }
 
     /// All figures as text, those of the fleet as of `moment`.
@@ -129,7 +208,7 @@ impl Metrics {
         }
         self.robot_deliveries.set(counts.robot_deliveries.cast_signed());
         self.human_deliveries.set(counts.human_deliveries.cast_signed());
-        self.encounters.set(counts.encounters.cast_signed());
+        self.look_at_people(moment);
         self.plans.set(counts.plans.cast_signed());
         self.plan_failures.set(counts.plan_failures.cast_signed());
         self.deliveries_per_hour.set(moment.measured.deliveries_per_hour);

@@ -1,18 +1,23 @@
-//! The server's face: HTTP under `/v1`, the live feed, metrics, the API's own description, the page.
+//! The server's face: HTTP under `/v1`, the live feed, the feeds of headsets, metrics, the API's own description, the
+//! page.
 //!
-//! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from whoever runs it;
-//! [`live`] is the feed. Reads look at the latest published picture or at durable jobs; writes put a request
-//! onto the desk and answer when its facts are durable. Refuses: to decide anything about robots, and to know
-//! store or server.
+//! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from whoever runs it; [`live`] is the
+//! feed of the floor, [`feed`] those of people. Reads look at the latest published picture or at durable lists; writes
+//! put a request onto the desk and answer when its facts are durable. Refuses: to decide anything about robots, and to
+//! know store or server.
 
 pub mod auth;
 pub mod dto;
 pub mod error;
 mod extract;
+pub mod feed;
 mod http;
 pub mod live;
+pub mod massrobotics;
 pub mod metrics;
+pub mod people;
 pub mod port;
+mod refusal;
 mod ws;
 
 pub use http::router;
@@ -20,7 +25,7 @@ pub use http::router;
 use crate::fleet::Reply;
 use crate::warehouse::Warehouse;
 use error::Problem;
-use port::{Alarms, Ask, Moment, Records, What};
+use port::{Alarms, Ask, Moment, Now, Records, What};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{mpsc, oneshot, watch};
@@ -43,6 +48,12 @@ pub struct Api {
     pub alarms: Arc<Alarms>,
     /// The live feed.
     pub live: Arc<live::Live>,
+    /// Feeds of headsets and tags.
+    pub feeds: Arc<feed::hub::Feeds>,
+    /// Frames and workers of MassRobotics reports.
+    pub interop: Arc<massrobotics::Interop>,
+    /// The clock.
+    pub now: Now,
     /// Figures.
     pub metrics: Arc<metrics::Metrics>,
     /// Who may ask.
@@ -57,12 +68,17 @@ impl Api {
         self.moments.borrow().clone()
     }
 
+    /// Where requests go; a recording takes none, nor poses.
+    fn desk(&self) -> Result<&mpsc::Sender<Ask>, Problem> {
+        self.desk.as_ref().ok_or_else(|| {
+            let detail = "a recording is shown here, and nothing in it can be changed: ask a running server";
+            Problem::conflict("recording", "This is a recording", detail)
+        })
+    }
+
     /// Asks the fleet and waits until its answer is durable.
     async fn ask(&self, what: What) -> Result<Reply, Problem> {
-        let Some(desk) = &self.desk else {
-            let detail = "a recording is shown here, and nothing in it can be changed: ask a running server";
-            return Err(Problem::conflict("recording", "This is a recording", detail));
-        };
+        let desk = self.desk()?;
         let (reply, answer) = oneshot::channel();
         desk.try_send(Ask { what, reply }).map_err(|_| {
             let cause = self.alarms.list().into_iter().map(|a| a.text).collect::<Vec<_>>().join("; ");
@@ -78,7 +94,7 @@ impl Api {
             }
             Err(_) => {
                 let detail = "not durable after ten seconds: whether it was accepted will be known later. \
-                              Try again with the same Idempotency-Key, which never makes a second job.";
+                              Try again with the same Idempotency-Key, which never makes a second one.";
                 Err(Problem::unavailable(detail, 5))
             }
         }

@@ -1,15 +1,15 @@
-//! What the API needs from whoever runs it: jobs to read, a desk for requests, alarms, and the fleet's
-//! picture.
+//! What the API needs from whoever runs it: durable lists to read, a desk for requests, alarms, a clock, and the
+//! fleet's picture.
 //!
-//! Main types: [`Records`], [`JobRecord`], [`JobFilter`], [`Ask`], [`Alarms`], [`Moment`]. Refuses: to know
-//! who answers.
+//! Main types: [`Records`], [`JobRecord`], [`AssignmentRecord`], [`EncounterRecord`], [`Ask`], [`Alarms`],
+//! [`Moment`], [`Now`]. Refuses: to know who answers.
 
-use crate::fleet::{Job, JobRequest, Reply, View};
-use crate::id::{JobId, RobotId};
+use crate::fleet::{Assignment, AssignmentRequest, Closure, Encounter, Job, JobRequest, Reply, View};
+use crate::id::{AssignmentId, ClosureId, JobId, RobotId, WorkerId};
 use crate::time::Time;
 use std::collections::BTreeMap;
 use std::pin::Pin;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use tokio::sync::oneshot;
 
 /// An answer that comes later.
@@ -39,12 +39,71 @@ pub struct JobFilter {
     pub limit: u32,
 }
 
-/// Durable jobs. Errors are texts for people: what happened and what to do.
+/// An assignment as it is listed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AssignmentRecord {
+    /// Its number.
+    pub id: AssignmentId,
+    /// What it is and how far it has come.
+    pub assignment: Assignment,
+    /// When its state changed last.
+    pub updated: Time,
+}
+
+/// Which assignments to list, newest first.
+#[derive(Clone, Debug, Default)]
+pub struct AssignmentFilter {
+    /// Only those of this worker.
+    pub worker: Option<WorkerId>,
+    /// Only those in this state, by its word.
+    pub state: Option<&'static str>,
+    /// Only those older than this one.
+    pub before: Option<AssignmentId>,
+    /// How many at most.
+    pub limit: u32,
+}
+
+/// An encounter as it is listed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EncounterRecord {
+    /// Its number, growing.
+    pub seq: i64,
+    /// What happened.
+    pub encounter: Encounter,
+}
+
+/// Which encounters to list, newest first.
+#[derive(Clone, Debug, Default)]
+pub struct EncounterFilter {
+    /// Only those that began at this time or later.
+    pub from: Option<Time>,
+    /// Only those that began before this time.
+    pub to: Option<Time>,
+    /// Only those of this worker.
+    pub worker: Option<WorkerId>,
+    /// Only those of this robot.
+    pub robot: Option<RobotId>,
+    /// Only those recorded before this one.
+    pub before: Option<i64>,
+    /// How many at most.
+    pub limit: u32,
+}
+
+/// Reads the clock of whoever runs the API.
+pub type Now = Arc<dyn Fn() -> Time + Send + Sync>;
+
+/// Durable lists. Errors are texts for people: what happened and what to do.
 pub trait Records: Send + Sync {
     /// One job.
     fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRecord>, String>>;
     /// Some jobs, newest first.
     fn jobs(&self, filter: JobFilter) -> Later<'_, Result<Vec<JobRecord>, String>>;
+    /// One assignment.
+    fn assignment(&self, id: AssignmentId) -> Later<'_, Result<Option<AssignmentRecord>, String>>;
+    /// Some assignments, newest first.
+    fn assignments(&self, filter: AssignmentFilter) -> Later<'_, Result<Vec<AssignmentRecord>, String>>;
+    /// Some encounters, newest first.
+    fn encounters(&self, filter: EncounterFilter) -> Later<'_, Result<Vec<EncounterRecord>, String>>;
 }
 
 /// A request to the fleet.
@@ -63,6 +122,18 @@ pub enum What {
     Submit(JobRequest),
     /// The end of one.
     Cancel(JobId),
+    /// A worker to be known, by name.
+    Hire(String),
+    /// That nobody is where this worker was lost.
+    Clear(WorkerId),
+    /// Something for a worker to do.
+    Assign(WorkerId, AssignmentRequest),
+    /// The end of it.
+    Unassign(AssignmentId),
+    /// An area to keep out of.
+    Close(Closure),
+    /// The end of that.
+    Reopen(ClosureId),
 }
 
 /// The fleet at one moment, with what the loop measured.

@@ -5,13 +5,17 @@
 use super::Api;
 use super::error::Problem;
 use super::extract::Params;
+use super::feed::hub::Carried;
 use super::live::LAGGING;
+use super::people::{SensesDto, worker_name};
+use crate::id::{Dense, WorkerId};
 use axum::extract::State;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
-use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
+use axum::extract::ws::{CloseFrame, Message, Utf8Bytes, WebSocket, WebSocketUpgrade, close_code};
 use axum::http::StatusCode;
 use axum::response::Response;
 use serde::Deserialize;
+use serde_json::json;
 use std::time::Duration;
 use tokio::time::{MissedTickBehavior, interval, timeout};
 use utoipa::IntoParams;
@@ -36,11 +40,14 @@ pub struct LiveParams {
     /// The version that the reader has: it gets patches from there on if they are still kept, else a
     /// snapshot.
     since: Option<u64>,
+    /// Whether to send gaze, hands and charge of workers, too: after each patch a message `senses`.
+    senses: Option<bool>,
 }
 
 /// The live feed: JSON texts, first `{"type": "snapshot", "version", …}`, then `{"type": "patch", "base",
 /// "version", …}` ten times a second. A patch names only items and keys that changed; one whose base is not
-/// the reader's version means: connect again. Offer the protocol `giveway`, and `bearer.TOKEN` where a token
+/// the reader's version means: connect again. With `senses=true` there are messages `{"type": "senses", "workers":
+/// [{"id", "gaze", "hands", "battery"}]}` besides. Offer the protocol `giveway`, and `bearer.TOKEN` where a token
 /// is needed.
 #[utoipa::path(get, path = "/v1/live", tag = "floor", params(LiveParams), responses(
     (status = 101, description = "The feed begins"),
@@ -66,21 +73,23 @@ pub async fn live(
     let upgrade = upgrade.protocols(["giveway"]).max_message_size(4096).max_write_buffer_size(64 << 20);
     Ok(upgrade.on_upgrade(move |socket| async move {
         api.metrics.live_clients.inc();
-        serve(&api, socket, p.since).await;
+        serve(&api, socket, &p).await;
         api.metrics.live_clients.dec();
     }))
 }
 
 /// Serves one reader until it leaves, stalls, or the server goes down.
-async fn serve(api: &Api, mut socket: WebSocket, since: Option<u64>) {
+async fn serve(api: &Api, mut socket: WebSocket, p: &LiveParams) {
     let mut newest = api.live.subscribe();
     let mut closing = api.closing.clone();
     let mut ping = interval(PING);
     ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let mut silent = 0;
-    let (mut texts, mut version) = api.live.after(since, api.live.kept());
+    let (mut texts, mut version) = api.live.after(p.since, api.live.kept());
     loop {
-        for text in texts.drain(..) {
+        let news = !texts.is_empty();
+        let senses = (news && p.senses == Some(true)).then(|| senses(api));
+        for text in texts.drain(..).chain(senses) {
             if !send(&mut socket, Message::Text(text)).await {
                 return;
             }
@@ -110,6 +119,18 @@ async fn serve(api: &Api, mut socket: WebSocket, since: Option<u64>) {
             }
         }
     }
+}
+
+/// What headsets say besides where they are.
+fn senses(api: &Api) -> Utf8Bytes {
+    let carried = api.feeds.all_carried();
+    let worker = |(i, c): (usize, &Carried)| {
+        let mut item = json!(SensesDto::from(c));
+        item["id"] = worker_name(WorkerId::at(i)).into();
+        item
+    };
+    let workers: Vec<_> = carried.iter().enumerate().map(worker).collect();
+    json!({"type": "senses", "workers": workers}).to_string().into()
 }
 
 /// Whether the message left in time.

@@ -5,6 +5,7 @@
 //! and settings that it does not know.
 
 use crate::api::auth::Gate;
+use crate::api::massrobotics::Interop;
 use anyhow::{Context, bail, ensure};
 use figment::Figment;
 use figment::providers::{Format, Serialized, Toml};
@@ -57,6 +58,9 @@ pub struct Config {
     pub token: Option<String>,
     /// A file with tokens.
     pub tokens: Option<PathBuf>,
+    /// Frames and workers of MassRobotics reports; in the settings file only.
+    #[serde(default)]
+    pub massrobotics: Interop,
 }
 
 impl Default for Config {
@@ -67,6 +71,7 @@ impl Default for Config {
             database: "giveway.sqlite".into(),
             token: None,
             tokens: None,
+            massrobotics: Interop::default(),
         }
     }
 }

@@ -1,17 +1,20 @@
 //! The loop: one thread owns the fleet and the floor, and turns twenty times a second.
 //!
-//! Main type: [`Drive`]. Missed ticks are skipped, not caught up. Orders and answers leave when the journal
-//! has the facts behind them; where it has none of them for long, the fleet stands and the floor goes on.
-//! Refuses: locks, waiting for the database, and decisions of its own.
+//! Main type: [`Drive`]. Missed ticks are skipped, not caught up. Stops, and what workers are told, leave in the turn
+//! that decided them. Orders and answers leave when the journal has the facts behind them; where it has none of them
+//! for long, the fleet stands and the floor goes on. Refuses: locks, waiting for the database, and decisions of its
+//! own.
 
 use super::clock::Clock;
 use super::inbox::Inbox;
 use super::journal::Journal;
 use super::measure::Measure;
 use super::outbox::Outbox;
+use crate::api::feed::hub::Feeds;
 use crate::api::metrics::Metrics;
 use crate::api::port::Moment;
-use crate::fleet::Fleet;
+use crate::fleet::{Command, Fleet, Guidance};
+use crate::id::{RobotId, WorkerId};
 use crate::sim::World;
 use crate::time::{Span, Time};
 use std::sync::Arc;
@@ -43,6 +46,8 @@ pub struct Drive {
     pub measure: Measure,
     /// Figures for Prometheus.
     pub metrics: Arc<Metrics>,
+    /// Gets guidance.
+    pub feeds: Arc<Feeds>,
     /// Gets the picture.
     pub moments: watch::Sender<Arc<Moment>>,
 }
@@ -69,16 +74,14 @@ impl Drive {
         let now = self.clock.now();
         let mut inputs = self.inbox.drain(self.journal.is_failing());
         inputs.extend(self.world.advance(now, &self.fleet));
+        let heard = self.inbox.look(&mut inputs);
         if self.journal.is_full() {
             self.inbox.keep(inputs);
         } else {
             let began = self.clock.now();
             let step = self.fleet.step(now, inputs);
             self.note(self.clock.now() - began, step.facts.len());
-            if !step.urgent.is_empty() {
-                self.world.command(self.clock.now(), step.urgent);
-            }
-            self.world.tell(self.clock.now(), step.guidance);
+            self.hurry(now, heard, step.urgent, step.guidance);
             let after = self.journal.record(now, step.facts);
             self.outbox.put(after, step.commands, step.replies);
         }
@@ -86,6 +89,27 @@ impl Drive {
             *published = now;
             self.publish(now);
         }
+    }
+
+    /// Lets stops, and what workers are told, go at once.
+    fn hurry(
+        &mut self,
+        now: Time,
+        heard: Option<Time>,
+        urgent: Vec<(RobotId, Command)>,
+        guidance: Vec<(WorkerId, Guidance)>,
+    ) {
+        let stops = urgent.iter().any(|(_, c)| matches!(c, Command::Limit(Some(limit)) if *limit <= 0.0));
+        if !urgent.is_empty() {
+            self.world.command(self.clock.now(), urgent);
+        }
+        self.world.tell(self.clock.now(), guidance.clone());
+        self.feeds.tell(now, guidance);
+        if let Some(heard) = heard.filter(|_| stops) {
+            let took = self.clock.now() - heard;
+            self.metrics.pose_to_robot_stop.observe(took.as_secs_f64());
+        }
+        self.feeds.know(&self.fleet.ledger().workers);
     }
 
     /// Lets go what is durable.
@@ -107,6 +131,7 @@ impl Drive {
 
     fn publish(&mut self, now: Time) {
         let view = self.fleet.view(now);
+        self.feeds.refresh(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let time_s = (now - self.clock.started()).as_secs_f64();
         self.moments.send_replace(Arc::new(Moment { view, time_s, measured }));

@@ -1,10 +1,12 @@
-//! Requests on their way into a step, and whom to answer.
+//! Requests and sightings on their way into a step, and whom to answer.
 //!
 //! Main type: [`Inbox`]. Refuses: requests while the journal does not take facts, and tokens that the
 //! simulated customers could use.
 
+use crate::api::feed::hub::Heard;
 use crate::api::port::{Ask, What};
 use crate::fleet::{Input, Reply};
+use crate::time::Time;
 use std::collections::BTreeMap;
 use tokio::sync::{mpsc, oneshot};
 
@@ -21,15 +23,16 @@ const OURS: u64 = 1 << 63;
 #[derive(Debug)]
 pub struct Inbox {
     desk: mpsc::Receiver<Ask>,
+    heard: mpsc::Receiver<Heard>,
     waiting: BTreeMap<u64, oneshot::Sender<Reply>>,
     kept: Vec<Input>,
     next: u64,
 }
 
 impl Inbox {
-    /// An inbox that is filled from a desk.
-    pub fn new(desk: mpsc::Receiver<Ask>) -> Inbox {
-        Inbox { desk, waiting: BTreeMap::new(), kept: Vec::new(), next: OURS }
+    /// An inbox that is filled from a desk and from feeds.
+    pub fn new(desk: mpsc::Receiver<Ask>, heard: mpsc::Receiver<Heard>) -> Inbox {
+        Inbox { desk, heard, waiting: BTreeMap::new(), kept: Vec::new(), next: OURS }
     }
 
     /// Everything that waits. While `refusing`, those who ask now are told so instead.
@@ -46,14 +49,32 @@ impl Inbox {
             inputs.push(match ask.what {
                 What::Submit(request) => Input::Submit { token, request },
                 What::Cancel(job) => Input::Cancel { token, job },
+                What::Hire(name) => Input::Hire { token, name },
+                What::Clear(worker) => Input::Clear { token, worker },
+                What::Assign(worker, request) => Input::Assign { token, worker, request },
+                What::Unassign(assignment) => Input::Unassign { token, assignment },
+                What::Close(area) => Input::Close { token, area },
+                What::Reopen(closure) => Input::Reopen { token, closure },
             });
         }
         inputs
     }
 
+    /// Takes all sightings that wait, whatever the journal does: stopping waits for nothing. When the first of them
+    /// was received.
+    pub fn look(&mut self, inputs: &mut Vec<Input>) -> Option<Time> {
+        let mut first = None;
+        while let Ok(heard) = self.heard.try_recv() {
+            first = Some(first.map_or(heard.received, |t: Time| t.min(heard.received)));
+            inputs.push(Input::Sighted(heard.sighting));
+        }
+        first
+    }
+
     /// Keeps inputs for a later step. Observations are not kept: they will be seen again.
     pub fn keep(&mut self, inputs: Vec<Input>) {
-        self.kept.extend(inputs.into_iter().filter(|i| !matches!(i, Input::Telemetry(_))));
+        self.kept
+            .extend(inputs.into_iter().filter(|i| !matches!(i, Input::Telemetry(_) | Input::Sighted(_))));
         if self.kept.len() > MOST_KEPT {
             tracing::warn!(
                 dropped = self.kept.len() - MOST_KEPT,

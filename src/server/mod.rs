@@ -11,6 +11,7 @@ mod inbox;
 mod journal;
 mod measure;
 mod outbox;
+mod past;
 mod records;
 mod show;
 
@@ -18,7 +19,9 @@ pub use clock::Clock;
 pub use config::{Config, Flags};
 pub use show::Show;
 
+use crate::api::feed::hub::{Feeds, Heard};
 use crate::api::live::Live;
+use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment};
 use crate::api::{Api, auth::Gate, router};
@@ -109,7 +112,11 @@ impl Server {
         let fleet = Fleet::restore(map.clone(), settings, loaded.facts);
         let world = World::new(map, &scenario, &lines, scenario.seed, &fleet, clock.now());
         let (stop, stopping) = watch::channel(false);
-        let parts = Parts { fleet, world, clock, period: scenario.period, next: loaded.next, gate };
+        let (feeds, heard) = Feeds::new();
+        feeds.know(&fleet.ledger().workers);
+        let (period, next, feeds) = (scenario.period, loaded.next, Arc::new(feeds));
+        let interop = config.massrobotics.clone();
+        let parts = Parts { fleet, world, clock, period, next, gate, interop, feeds, heard };
         let work = tokio::spawn(work(parts, store.clone(), listener, stopping));
         Ok(Server { address, summary, store, stop, work })
     }
@@ -155,6 +162,9 @@ struct Parts {
     period: Span,
     next: i64,
     gate: Gate,
+    interop: Interop,
+    feeds: Arc<Feeds>,
+    heard: mpsc::Receiver<Heard>,
 }
 
 /// Runs everything until told to stop, or until something cannot go on; then takes it down in order.
@@ -164,7 +174,7 @@ async fn work(
     listener: TcpListener,
     mut stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
-    let Parts { fleet, world, clock, period, next, gate } = parts;
+    let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard } = parts;
     let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
@@ -178,16 +188,16 @@ async fn work(
         world,
         clock: clock.clone(),
         period,
-        inbox: inbox::Inbox::new(requests),
+        inbox: inbox::Inbox::new(requests, heard),
         outbox: outbox::Outbox::default(),
         journal,
         measure: measure::Measure::default(),
         metrics: metrics.clone(),
+        feeds: feeds.clone(),
         moments,
     };
-    let (closing, closes) = watch::channel(false);
-    let (halt, halted) = watch::channel(false);
-    let mut feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock));
+    let ((closing, closes), (halt, halted)) = (watch::channel(false), watch::channel(false));
+    let mut feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
     let mut writer = tokio::spawn(writer.run());
     let mut thread = spawn_loop(drive, halted)?;
     let api = Api {
@@ -197,6 +207,9 @@ async fn work(
         desk: Some(desk),
         alarms,
         live,
+        feeds,
+        interop: Arc::new(interop),
+        now: Arc::new(move || clock.now()),
         metrics,
         gate: Arc::new(gate),
         closing: closes.clone(),

@@ -2,12 +2,15 @@
 //!
 //! Main type: [`Shelf`]. Refuses: to write.
 
-use crate::api::port::{JobFilter, JobRecord, Later, Records};
-use crate::id::JobId;
-use crate::store::{JobQuery, JobRow, Store, StoreError};
+use crate::api::port::{
+    AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, JobFilter, JobRecord, Later,
+    Records,
+};
+use crate::id::{AssignmentId, JobId};
+use crate::store::{AssignmentQuery, AssignmentRow, EncounterQuery, JobQuery, JobRow, Store, StoreError};
 use std::sync::Arc;
 
-/// Durable jobs, to be read.
+/// Durable lists, to be read.
 pub struct Shelf(pub Arc<Store>);
 
 impl Records for Shelf {
@@ -25,6 +28,37 @@ impl Records for Shelf {
             Ok(rows.into_iter().map(JobRecord::from).collect())
         })
     }
+
+    fn assignment(&self, id: AssignmentId) -> Later<'_, Result<Option<AssignmentRecord>, String>> {
+        Box::pin(async move {
+            let row = self.0.assignment(id).await.map_err(told)?;
+            Ok(row.map(AssignmentRecord::from))
+        })
+    }
+
+    fn assignments(&self, f: AssignmentFilter) -> Later<'_, Result<Vec<AssignmentRecord>, String>> {
+        Box::pin(async move {
+            let query =
+                AssignmentQuery { worker: f.worker, state: f.state, before: f.before, limit: f.limit };
+            let rows = self.0.assignments(&query).await.map_err(told)?;
+            Ok(rows.into_iter().map(AssignmentRecord::from).collect())
+        })
+    }
+
+    fn encounters(&self, f: EncounterFilter) -> Later<'_, Result<Vec<EncounterRecord>, String>> {
+        Box::pin(async move {
+            let EncounterFilter { from, to, worker, robot, before, limit } = f;
+            let query = EncounterQuery { from, to, worker, robot, before, limit };
+            let rows = self.0.encounters(&query).await.map_err(told)?;
+            Ok(rows.into_iter().map(|r| EncounterRecord { seq: r.seq, encounter: r.encounter }).collect())
+        })
+    }
+}
+
+impl From<AssignmentRow> for AssignmentRecord {
+    fn from(row: AssignmentRow) -> AssignmentRecord {
+        AssignmentRecord { id: row.id, assignment: row.assignment, updated: row.updated }
+    }
 }
 
 impl From<JobRow> for JobRecord {
@@ -33,8 +67,8 @@ impl From<JobRow> for JobRecord {
     }
 }
 
-/// Logs the failure here, once; the customer learns that it is the database.
+/// Logs the failure here, once; whoever asked learns that it is the database.
 fn told(e: StoreError) -> String {
-    tracing::error!("jobs cannot be read: {e}");
+    tracing::error!("a list cannot be read: {e}");
     "the database does not answer; the server's log says why".into()
 }

@@ -1,21 +1,20 @@
 //! A recording on the screen: the same pages and feeds, with the fleet of then.
 //!
-//! Main type: [`Show`]. Jobs are kept in memory; requests are refused, since the past takes none. Refuses: a database.
+//! Main type: [`Show`]. Lists are kept in memory; requests are refused, since the past takes none. Refuses: a database.
 
-use super::{clock::Clock, listen, measure::Measure};
+use super::{clock::Clock, listen, measure::Measure, past::Past};
 use crate::api::Api;
 use crate::api::auth::Gate;
+use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
+use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, JobFilter, JobRecord, Later, Moment, Records};
-use crate::fleet::{Fact, Job, JobState};
-use crate::id::JobId;
+use crate::api::port::{Alarms, Moment};
 use crate::sim::replay::{Player, Turn};
 use crate::time::{Span, Time};
 use anyhow::Context;
-use std::collections::BTreeMap;
 use std::net::SocketAddr;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::watch;
@@ -45,7 +44,11 @@ impl Show {
         let map = player.fleet.warehouse().clone();
         let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
         let (moments, picture) = watch::channel(Arc::new(Moment::default()));
-        let live = Arc::new(Live::new(map.clone(), Clock::start(None).now().0.unsigned_abs()));
+        let clock = Clock::start(None);
+        let live = Arc::new(Live::new(map.clone(), clock.now().0.unsigned_abs()));
+        // Poses of today change nothing in the past: nobody takes them.
+        let (feeds, _) = Feeds::new();
+        let feeds = Arc::new(feeds);
         let past = Arc::new(Past::default());
         let (closing, closes) = watch::channel(false);
         let api = Api {
@@ -55,12 +58,15 @@ impl Show {
             desk: None,
             alarms: alarms.clone(),
             live: live.clone(),
+            feeds: feeds.clone(),
+            interop: Arc::new(Interop::default()),
+            now: Arc::new(move || clock.now()),
             metrics,
             gate: Arc::new(Gate::default()),
             closing: closes.clone(),
         };
         let http = tokio::spawn(listen(listener, api, closes));
-        let screen = Screen { live, alarms, moments, past, measure: Measure::default(), speed };
+        let screen = Screen { live, feeds, alarms, moments, past, measure: Measure::default(), speed };
         let play = Some(tokio::spawn(screen.play(player)));
         Ok(Show { address, http, play, _closing: closing })
     }
@@ -86,6 +92,7 @@ impl Show {
 /// What a recording is shown on.
 struct Screen {
     live: Arc<Live>,
+    feeds: Arc<Feeds>,
     alarms: Arc<Alarms>,
     moments: watch::Sender<Arc<Moment>>,
     past: Arc<Past>,
@@ -120,6 +127,8 @@ impl Screen {
 
     fn publish(&mut self, player: &Player, now: Time) {
         let view = player.fleet.view(now);
+        self.feeds.know(&player.fleet.ledger().workers);
+        self.feeds.refresh(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let moment = Arc::new(Moment { view, time_s: now.as_secs_f64(), measured });
         self.live.publish(&moment, &self.alarms.list(), 0.0);
@@ -135,53 +144,5 @@ impl Screen {
             self.live.publish(&moment, &self.alarms.list(), 0.0);
             tokio::time::sleep(Duration::from_secs(1)).await;
         }
-    }
-}
-
-/// The jobs of then.
-#[derive(Default)]
-struct Past(Mutex<BTreeMap<JobId, JobRecord>>);
-
-impl Past {
-    fn add(&self, facts: &[Fact]) {
-        let mut jobs = self.0.lock().expect("nobody panics with this lock");
-        for fact in facts {
-            match fact {
-                Fact::Accepted { job: id, request, at } => {
-                    let job = Job { request: request.clone(), state: JobState::Waiting, accepted: *at };
-                    jobs.insert(*id, JobRecord { id: *id, job, robot: None, updated: *at });
-                }
-                Fact::Progressed { job, state, at } => {
-                    if let Some(record) = jobs.get_mut(job) {
-                        record.job.state = *state;
-                        record.robot = state.robot().or(record.robot);
-                        record.updated = *at;
-                    }
-                }
-                _ => {}
-            }
-        }
-    }
-}
-
-impl Records for Past {
-    fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRecord>, String>> {
-        let found = self.0.lock().expect("nobody panics with this lock").get(&id).cloned();
-        Box::pin(async move { Ok(found) })
-    }
-
-    fn jobs(&self, filter: JobFilter) -> Later<'_, Result<Vec<JobRecord>, String>> {
-        let jobs = self.0.lock().expect("nobody panics with this lock");
-        let before = filter.before.unwrap_or(JobId(u64::MAX));
-        let wanted = |r: &&JobRecord| filter.state.is_none_or(|s| r.job.state.word() == s);
-        let found: Vec<JobRecord> = jobs
-            .range(..before)
-            .rev()
-            .map(|(_, r)| r)
-            .filter(wanted)
-            .take(filter.limit as usize)
-            .cloned()
-            .collect();
-        Box::pin(async move { Ok(found) })
     }
 }

@@ -71,6 +71,16 @@ pub enum StoreError {
         /// What is wrong.
         why: String,
     },
+    /// Another row cannot be read.
+    #[error("{list} {id} in the database is damaged ({why}): restore the database from a backup")]
+    Row {
+        /// What it is.
+        list: &'static str,
+        /// Its number.
+        id: i64,
+        /// What is wrong.
+        why: String,
+    },
     /// Somebody else wrote into the journal.
     #[error(
         "the journal ends with fact {found}, not with {expected}: another program wrote into it; restart \

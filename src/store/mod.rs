@@ -1,20 +1,23 @@
-//! The journal of facts and the list of jobs, in SQLite.
+//! The journal of facts and the lists of jobs, assignments and encounters, in SQLite.
 //!
-//! Main types: [`Store`] (open, load, append, lists), [`Entry`], [`Loaded`], [`JobRow`], [`StoreError`];
+//! Main types: [`Store`] (open, load, append, lists), [`Entry`], [`Loaded`], [`JobRow`],
+//! [`AssignmentRow`], [`EncounterRow`], [`StoreError`];
 //! [`record`] is the wire form. This module is the seam behind which PostgreSQL follows: statements are
 //! constants with `$1`, and nobody outside sees a row. What is guaranteed: an [`Store::append`] that returned
-//! `Ok` survives loss of power; the journal and the list of jobs never differ; a batch that is appended again
+//! `Ok` survives loss of power; the journal and the lists never differ; a batch that is appended again
 //! after an unclear failure is written once. Refuses: observations, a second process on the same file, a map
 //! other than the one that the facts speak of.
 
 mod error;
 mod jobs;
+mod people;
 mod people_record;
 pub mod record;
 mod seal;
 
 pub use error::StoreError;
 pub use jobs::{JobQuery, JobRow};
+pub use people::{AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow};
 pub use seal::seal;
 
 use crate::fleet::Fact;
@@ -129,7 +132,7 @@ impl Store {
         Ok(out)
     }
 
-    /// Writes facts and what they mean for the list of jobs, all or none. `next` is the number of the first
+    /// Writes facts and what they mean for the lists, all or none. `next` is the number of the first
     /// one: where the journal has them already, since an earlier try succeeded unnoticed, nothing is written.
     ///
     /// # Errors Where the database does not take them. Then nothing was written, and it may be tried again
@@ -182,6 +185,7 @@ async fn write(connection: &mut SqliteConnection, next: i64, entries: &[Entry]) 
             .execute(&mut *connection)
             .await?;
         jobs::project(&mut *connection, &entry.fact).await?;
+        people::project(&mut *connection, seq, &entry.fact).await?;
     }
     sqlx::query(COMMIT).execute(&mut *connection).await?;
     Ok(())
@@ -202,8 +206,12 @@ fn lock(path: &Path) -> Result<File, StoreError> {
 }
 
 fn migrator() -> Migrator {
-    let sql = include_str!("../../migrations/sqlite/0001_journal.sql").into_sql_str();
-    Migrator::with_migrations(vec![Migration::new(1, "journal".into(), MigrationType::Simple, sql, false)])
+    let first = include_str!("../../migrations/sqlite/0001_journal.sql").into_sql_str();
+    let second = include_str!("../../migrations/sqlite/0002_people.sql").into_sql_str();
+    Migrator::with_migrations(vec![
+        Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
+        Migration::new(2, "people".into(), MigrationType::Simple, second, false),
+    ])
 }
 
 /// Seals a new database with the map, and refuses another map later.

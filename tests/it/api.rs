@@ -186,9 +186,28 @@ async fn every_route_is_described() {
     let server = start(&folder).await;
     let document = get(server.address(), "/openapi.json").await.json();
     let paths: Vec<_> = document["paths"].as_object().unwrap().keys().cloned().collect();
-    for path in
-        ["/v1/health", "/v1/map", "/v1/racks", "/v1/stations", "/v1/robots", "/v1/jobs", "/v1/jobs/{id}"]
-    {
+    for path in [
+        "/v1/health",
+        "/v1/map",
+        "/v1/racks",
+        "/v1/stations",
+        "/v1/robots",
+        "/v1/jobs",
+        "/v1/jobs/{id}",
+        "/v1/workers",
+        "/v1/workers/{id}",
+        "/v1/workers/{id}/feed",
+        "/v1/workers/{id}/clear",
+        "/v1/workers/{id}/position",
+        "/v1/workers/{id}/assignments",
+        "/v1/assignments",
+        "/v1/assignments/{id}",
+        "/v1/closures",
+        "/v1/closures/{id}",
+        "/v1/encounters",
+        "/v1/positions",
+        "/v1/massrobotics",
+    ] {
         assert!(paths.iter().any(|p| p == path), "{path} is not among {paths:?}");
     }
     assert!(document["info"]["description"].as_str().unwrap().contains("no safety function"));

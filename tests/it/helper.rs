@@ -48,6 +48,7 @@ pub fn config(folder: &Folder) -> Config {
         database: folder.database(),
         token: None,
         tokens: None,
+        massrobotics: Default::default(),
     }
 }
 

@@ -41,7 +41,7 @@ async fn a_reader_gets_a_snapshot_then_patches_and_resumes_where_it_was() {
     let snapshot = next(&mut socket).await.unwrap();
     assert_eq!(snapshot["type"], "snapshot");
     assert_eq!(snapshot["racks"].as_array().unwrap().len(), map().racks.len());
-    for key in ["robots", "stations", "alarms"] {
+    for key in ["robots", "stations", "workers", "closures", "alarms"] {
         assert!(snapshot[key].is_array(), "{key} of {snapshot}");
     }
     for key in ["waiting", "active", "done", "cancelled", "failed"] {
@@ -65,6 +65,24 @@ async fn a_reader_gets_a_snapshot_then_patches_and_resumes_where_it_was() {
     assert_eq!((patch["type"].as_str(), patch["base"].as_u64()), (Some("patch"), Some(version)));
     let mut stranger = connect(at, "?since=3", "").await.unwrap();
     assert_eq!(next(&mut stranger).await.unwrap()["type"], "snapshot");
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn gaze_and_hands_come_to_those_who_ask() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    crate::feed::hire(at, "anna").await;
+    let mut asks = connect(at, "?senses=true", "").await.unwrap();
+    let mut others = connect(at, "", "").await.unwrap();
+    assert_eq!(next(&mut asks).await.unwrap()["type"], "snapshot");
+    let senses = next(&mut asks).await.unwrap();
+    assert_eq!((senses["type"].as_str(), senses["workers"][0]["id"].as_str()), (Some("senses"), Some("w1")));
+    assert!(senses["workers"][0]["hands"]["l"].is_null() && senses["workers"][0].get("gaze").is_some());
+    assert_eq!(next(&mut asks).await.unwrap()["type"], "patch");
+    assert_eq!(next(&mut others).await.unwrap()["type"], "snapshot");
+    assert_eq!(next(&mut others).await.unwrap()["type"], "patch");
     server.stop().await.unwrap();
 }
 

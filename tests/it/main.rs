@@ -6,7 +6,10 @@
 
 mod api;
 mod command;
+mod feed;
 mod helper;
 mod live;
+mod load;
+mod people;
 mod recovery;
 mod store;

@@ -1,10 +1,14 @@
 //! The store: what goes in comes out, once; and a server whose database is locked or full.
 
 use crate::helper::{Folder, all_jobs, delivery, get, map, post, start};
-use giveway::fleet::{Act, Booking, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, Stop, Task};
-use giveway::id::{JobId, NodeId, RackId, ResourceId, RobotId, StationId};
-use giveway::store::{Entry, JobQuery, Store, StoreError, record};
-use giveway::time::{Span, Time};
+use giveway::fleet::{
+    Act, AssignmentRequest, AssignmentState, Booking, Closure, Encounter, Fact, JobFailure, JobKind,
+    JobRequest, JobState, Purpose, Reaction, Stop, Task,
+};
+use giveway::geometry::Spot;
+use giveway::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
+use giveway::store::{AssignmentQuery, EncounterQuery, Entry, JobQuery, Store, StoreError, record};
+use giveway::time::{Span, Time, Window};
 use giveway::timeline::Visit;
 use sqlx::Connection;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
@@ -92,12 +96,94 @@ fn every_fact() -> Vec<Fact> {
         facts.push(Fact::Accepted { job: JobId(i as u64 + 1), request, at });
     }
     facts.extend(states.map(|state| Fact::Progressed { job, state, at }));
+    facts.extend(facts_about_people(at));
     facts.extend(tasks.map(|task| Fact::Tasked { robot, task }));
     facts.extend(moves.map(|purpose| {
         let task = Task::Move { job: Some(job), goal: node, stay: NodeId(5), purpose };
         Fact::Tasked { robot, task }
     }));
     facts
+}
+
+fn facts_about_people(at: Time) -> Vec<Fact> {
+    let (worker, robot, closure) = (WorkerId(1), RobotId(2), ClosureId(4));
+    let corner = |x_mm, y_mm| Spot { x_mm, y_mm };
+    let outline = vec![corner(0, 0), corner(-1000, 0), corner(0, 2500)];
+    let area = Closure { outline, window: Window::from(at), reason: "öl".into() };
+    let request =
+        AssignmentRequest { place: NodeId(5), stay: Span(9), what: "count".into(), key: Some("k".into()) };
+    let met = |reaction| {
+        Fact::Encountered(Encounter {
+            worker,
+            robot,
+            began: at,
+            ended: at + Span(7),
+            at: corner(-5, 5),
+            radius_mm: 1400,
+            closest_mm: 800,
+            robot_mmps: 500,
+            worker_mmps: 1200,
+            reaction,
+            delay: Span(3),
+        })
+    };
+    let mut facts = vec![
+        Fact::Hired { worker, name: "anna".into(), at },
+        Fact::Closed { closure, area },
+        Fact::Reopened { closure, at },
+        Fact::Deviated { worker, at },
+    ];
+    for (i, state) in ASSIGNMENT_STATES.into_iter().enumerate() {
+        let assignment = AssignmentId(i as u64 + 1);
+        facts.push(Fact::Assigned { assignment, worker, request: request.clone(), at });
+        facts.push(Fact::Advanced { assignment, state, at: at + Span(1) });
+    }
+    facts.extend(REACTIONS.map(met));
+    facts.extend(REACTIONS.map(|reaction| Fact::Interrupted { robot, worker, reaction, at }));
+    facts
+}
+
+const ASSIGNMENT_STATES: [AssignmentState; 5] = [
+    AssignmentState::Waiting,
+    AssignmentState::Walking,
+    AssignmentState::Working,
+    AssignmentState::Done,
+    AssignmentState::Cancelled,
+];
+
+const REACTIONS: [Reaction; 5] =
+    [Reaction::Kept, Reaction::Slowed, Reaction::Held, Reaction::Rerouted, Reaction::Stopped];
+
+#[tokio::test]
+async fn lists_about_people_follow_the_facts() {
+    let folder = Folder::new();
+    let store = Store::open(&folder.database(), &map()).await.unwrap();
+    let at = Time(1_800_000_000_000_000);
+    let facts = facts_about_people(at);
+    store.append(1, &entries(facts.clone())).await.unwrap();
+    store.append(1, &entries(facts.clone())).await.unwrap();
+    let all = AssignmentQuery { limit: 10, ..AssignmentQuery::default() };
+    let rows = store.assignments(&all).await.unwrap();
+    let states: Vec<_> = rows.iter().rev().map(|row| row.assignment.state).collect();
+    assert_eq!(states, ASSIGNMENT_STATES);
+    let Fact::Assigned { request, worker, .. } = &facts[4] else { panic!("the first assignment") };
+    let first = store.assignment(AssignmentId(1)).await.unwrap().unwrap();
+    assert_eq!((&first.assignment.request, first.assignment.worker), (request, *worker));
+    assert_eq!((first.assignment.accepted, first.updated), (at, at + Span(1)));
+    let others = AssignmentQuery { worker: Some(WorkerId(9)), ..all.clone() };
+    assert_eq!(store.assignments(&others).await.unwrap(), []);
+    let done = AssignmentQuery { state: Some("done"), ..all };
+    assert_eq!(store.assignments(&done).await.unwrap()[0].id, AssignmentId(4));
+
+    let all = EncounterQuery { limit: 10, ..EncounterQuery::default() };
+    let rows = store.encounters(&all).await.unwrap();
+    let met: Vec<_> = rows.iter().rev().map(|row| Fact::Encountered(row.encounter.clone())).collect();
+    let expected: Vec<_> = facts.iter().filter(|f| matches!(f, Fact::Encountered(_))).cloned().collect();
+    assert_eq!(met, expected, "each once");
+    let later = EncounterQuery { from: Some(at + Span(1)), ..all.clone() };
+    assert_eq!(store.encounters(&later).await.unwrap(), []);
+    let before = EncounterQuery { before: Some(rows[2].seq), ..all };
+    assert_eq!(store.encounters(&before).await.unwrap(), rows[3..]);
 }
 
 fn entries(facts: Vec<Fact>) -> Vec<Entry> {

@@ -10,7 +10,8 @@ use crate::api::dto::{JOB_STATES, JobDto, Names, Page, job_name, parse_job_name,
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Body, Key, Params, Segment};
 use crate::api::port::{JobFilter, JobRecord, Moment, What};
-use crate::fleet::{JobKind, JobRequest, Refusal, Reply};
+use crate::api::refusal::refused;
+use crate::fleet::{JobKind, JobRequest, Reply};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
@@ -342,40 +343,5 @@ impl NewJob {
             }
             _ => Err(Problem::invalid(r.errors)),
         }
-    }
-}
-
-/// What the fleet's refusal means on the wire.
-fn refused(map: &Warehouse, why: Refusal) -> Problem {
-    let field = |field: &str, detail: String| Problem::invalid(vec![FieldError::new(field, detail)]);
-    let node = |n: NodeId| map.nodes.get(n).map_or_else(|| format!("{n:?}"), |node| node.name.clone());
-    match why {
-        Refusal::UnknownJob(job) => Problem::unknown("job", format!("{} does not exist", job_name(job))),
-        Refusal::JobIsOver(job) => {
-            let detail =
-                format!("{} was over already; GET /v1/jobs/{} says how", job_name(job), job_name(job));
-            Problem::conflict("job-is-over", "The job is over", detail)
-        }
-        Refusal::UnknownPredecessor(job) => field("after", format!("{} does not exist", job_name(job))),
-        Refusal::UnknownPlace => {
-            Problem::invalid(vec![FieldError::new("kind", "no such rack, station, node or robot")])
-        }
-        Refusal::NotStorage(n) => {
-            field("node", format!("{} is no storage node; racks go onto those only", node(n)))
-        }
-        Refusal::StorageTaken(n) => {
-            let detail = format!("{} has a rack, or is promised to one: choose another node", node(n));
-            Problem::conflict("storage-taken", "The storage node is taken", detail)
-        }
-        Refusal::Priority(p) => field("priority", format!("{p} is not between 0 and 9")),
-        Refusal::TooMany(n) => Problem::unavailable(
-            format!("{n} jobs are waiting, which is the limit: try again when some are done"),
-            10,
-        ),
-        Refusal::UnknownWorker(_)
-        | Refusal::UnknownAssignment(_)
-        | Refusal::UnknownClosure(_)
-        | Refusal::OutOfReach(_)
-        | Refusal::EmptyArea => Problem::internal(),
     }
 }

@@ -69,7 +69,8 @@ pub fn checked_limit(limit: Option<u32>, usual: u32) -> Result<u32, Problem> {
     }
 }
 
-fn page<T>(all: Vec<T>, p: &Paging) -> Result<Json<Page<T>>, Problem> {
+/// One page of a list.
+pub fn page<T>(all: Vec<T>, p: &Paging) -> Result<Json<Page<T>>, Problem> {
     let limit = checked_limit(p.limit, 100)? as usize;
     let start = match p.cursor.as_deref().map(str::parse::<usize>) {
         None => 0,

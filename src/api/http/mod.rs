@@ -3,13 +3,20 @@
 //! Main function: [`router`]. Every route under `/v1` is registered together with its description, so that
 //! `/openapi.json` cannot forget one. Refuses: answers that are no problem+json where something went wrong.
 
+mod assignments;
+mod closures;
+mod encounters;
 mod health;
 mod jobs;
 mod lists;
 mod map;
 mod page;
+mod positions;
+mod reports;
+mod workers;
 
 use super::error::Problem;
+use super::feed::session;
 use super::metrics::HttpLabels;
 use super::{Api, ws};
 use axum::Router;
@@ -30,9 +37,10 @@ use utoipa_axum::routes;
     title = "Giveway",
     description = "A warehouse fleet manager in which robots give way to people. Giveway is an \
     efficiency layer and no safety function: detection, braking and emergency stop are the robots' own. \
-    Ids are the names of the map; jobs are \"j17\". Errors are application/problem+json (RFC 9457) and say \
+    Ids are the names of the map; jobs are \"j17\", workers \"w1\", \
+    assignments \"a3\", closed areas \"c2\". Errors are application/problem+json (RFC 9457) and say \
     what to do. A job is acknowledged only when it is durable: an answer 201 survives loss of power. The live \
-    feed is a WebSocket at /v1/live."
+    feed is a WebSocket at /v1/live, headsets talk to /v1/workers/{id}/feed."
 ))]
 struct Description;
 
@@ -46,6 +54,19 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(lists::robots))
         .routes(routes!(jobs::list, jobs::submit))
         .routes(routes!(jobs::get, jobs::cancel))
+        .routes(routes!(workers::list, workers::hire))
+        .routes(routes!(workers::get))
+        .routes(routes!(workers::clear))
+        .routes(routes!(session::feed))
+        .routes(routes!(positions::one))
+        .routes(routes!(positions::many))
+        .routes(routes!(reports::post, reports::stream))
+        .routes(routes!(assignments::of_worker, assignments::assign))
+        .routes(routes!(assignments::all))
+        .routes(routes!(assignments::get, assignments::cancel))
+        .routes(routes!(closures::list, closures::close))
+        .routes(routes!(closures::get, closures::reopen))
+        .routes(routes!(encounters::list))
         .routes(routes!(ws::live))
         .routes(routes!(health::metrics))
         .split_for_parts();

@@ -1,0 +1,426 @@
+//! Frame alignment: where a device's own frame lies in the map, from points that both know.
+//!
+//! Main types: [`Alignment`], [`Pair`], [`Misfit`]. A rotation about the vertical and a shift, no scale: the
+//! least-squares fit of Arun, Huang and Blostein 1987 ("Least-squares fitting of two 3-D point sets") in the plane,
+//! where the singular value decomposition is one arc tangent. Pure. Refuses: pairs that no rigid movement brings
+//! together, and to guess which of two stories is true.
+
+use crate::geometry::{Point, Vector, wrap_angle};
+use nalgebra::Rotation2;
+
+/// One standard deviation of touching a mark, metres. Fits that look better than that are not believed.
+const TOUCH_M: f64 = 0.03;
+
+/// Lengths in device and map may differ by this share.
+const SCALE_TOLERANCE: f64 = 0.03;
+
+/// A fit whose marks are further off than this, root of the mean square, is refused; metres.
+pub const RMS_MAX_M: f64 = 0.15;
+
+/// Marks must be at least so far apart, metres.
+pub const BASELINE_MIN_M: f64 = 1.0;
+
+/// How well the direction of a single mark is known: two degrees.
+const YAW_ERROR: f64 = 0.035;
+
+/// How far devices drift, as a share of the way walked since the marks were seen. Headsets with inside-out tracking
+/// are usually within 0.5 to 1 %.
+const DRIFT: f64 = 0.0075;
+
+/// The most pairs that are looked at.
+pub const MOST_PAIRS: usize = 32;
+
+/// A point of the floor that device and map both know.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// In the device's floor plan, metres.
+    pub device: Vector,
+    /// On the map, metres.
+    pub map: Point,
+    /// How much it counts; 1 is usual.
+    pub weight: f64,
+    /// How far the device's frame is turned, as this mark alone has it: its direction on the map less its direction
+    /// in the device's frame, radians.
+    pub turn: Option<f64>,
+}
+
+/// Where a device's frame lies in the map: `p = R(theta) a + shift`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alignment {
+    /// How far the frame is turned, radians.
+    pub theta: f64,
+    /// Where its origin is.
+    pub shift: Vector,
+    /// How far the marks are off, root of the mean square, metres.
+    pub rms_m: f64,
+    /// One standard deviation of `theta`, radians: √2 σ / baseline for two marks.
+    pub heading_error: f64,
+    /// Pairs that were left out, by position in the list.
+    pub dropped: Vec<usize>,
+    /// The middle of the marks, and one standard deviation of it, metres.
+    centre: Point,
+    centre_sigma_m: f64,
+}
+
+/// Why pairs make no alignment.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Misfit {
+    /// Nothing to go by.
+    #[error("there is one mark and no direction, or none at all")]
+    TooFew,
+    /// More than anybody touches.
+    #[error("{0} marks are too many")]
+    TooMany(usize),
+    /// A number that cannot be.
+    #[error("mark {0} has numbers that cannot be")]
+    Absurd(usize),
+    /// Marks too close to tell a direction.
+    #[error("the marks are only {0:.2} m apart")]
+    TooClose(f64),
+    /// Distances differ.
+    #[error("distances in the device are {0:.3} times those on the map")]
+    Scale(f64),
+    /// The marks do not lie as on the map.
+    #[error("the marks are {rms_m:.2} m off, number {worst} the most")]
+    Residual {
+        /// Root of the mean square, metres.
+        rms_m: f64,
+        /// The one that is off the most, from 0.
+        worst: usize,
+    },
+    /// One of three is wrong, and it is not certain which.
+    #[error("one of the marks is wrong, and the others do not say which")]
+    Ambiguous,
+}
+
+impl Misfit {
+    /// What the person who wears the device can do.
+    pub fn remedy(self) -> &'static str {
+        match self {
+            Misfit::TooFew => "touch two marks, or give one mark with its direction",
+            Misfit::TooMany(_) => "send the 32 nearest",
+            Misfit::Absurd(_) => "touch this mark again",
+            Misfit::TooClose(_) => "touch marks that are at least 1 m apart, better 10 m",
+            Misfit::Scale(_) => {
+                "check that each mark has the right name, and that the device counts in metres"
+            }
+            Misfit::Residual { .. } => "check the name of that mark, and touch it again",
+            Misfit::Ambiguous => "touch a fourth mark",
+        }
+    }
+}
+
+/// A fit of some of the pairs, good or not.
+struct Fit {
+    theta: f64,
+    shift: Vector,
+    centre: Point,
+    rms_m: f64,
+    sigma_m: f64,
+    /// Root of the sum of squared distances from the middle, metres.
+    spread_m: f64,
+    scale: f64,
+    worst: usize,
+}
+
+impl Alignment {
+    /// A device that knows the map's frame itself.
+    pub fn identity() -> Alignment {
+        Alignment::exact(0.0, Vector::zeros())
+    }
+
+    /// A frame whose place on the map is set up by hand.
+    pub fn exact(theta: f64, shift: Vector) -> Alignment {
+        Alignment {
+            theta,
+            shift,
+            rms_m: 0.0,
+            heading_error: 0.0,
+            dropped: Vec::new(),
+            centre: Point::origin(),
+            centre_sigma_m: 0.0,
+        }
+    }
+
+    /// The rigid movement that brings device and map together best. With three pairs or more the worst are left out,
+    /// up to a third of them, where that is what it takes.
+    ///
+    /// # Errors
+    /// Where no such movement is good enough.
+    pub fn fit(pairs: &[Pair]) -> Result<Alignment, Misfit> {
+        check(pairs)?;
+        if let [only] = pairs {
+            return single(only);
+        }
+        let mut kept: Vec<usize> = (0..pairs.len()).collect();
+        let misfit = match judge(pairs, &kept) {
+            Ok(fit) => return Ok(fit),
+            Err(misfit) => misfit,
+        };
+        for _ in 0..pairs.len() / 3 {
+            let fewer: Vec<Vec<usize>> = kept.iter().map(|gone| without(&kept, *gone)).collect();
+            if kept.len() == 3 {
+                return one_of_three(pairs, &fewer, misfit);
+            }
+            let off = |some: &Vec<usize>| solve(pairs, some).rms_m;
+            kept = fewer.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).expect("there are pairs");
+            if let Ok(fit) = judge(pairs, &kept) {
+                return Ok(fit);
+            }
+        }
+        Err(misfit)
+    }
+
+    /// A point of the device's floor plan on the map.
+    pub fn point(&self, a: Vector) -> Point {
+        Point::from(Rotation2::new(self.theta) * a + self.shift)
+    }
+
+    /// A direction of the device's floor plan on the map.
+    pub fn heading(&self, phi: f64) -> f64 {
+        wrap_angle(phi + self.theta)
+    }
+
+    /// What the alignment adds to the uncertainty of a place on the map, one standard deviation, metres: the marks,
+    /// the turn times the distance from them, and drift over the way walked since.
+    pub fn sigma_m(&self, at: Point, walked_m: f64) -> f64 {
+        let turned = self.heading_error * (at - self.centre).norm();
+        let drifted = if self.heading_error == 0.0 { 0.0 } else { DRIFT * walked_m };
+        (self.centre_sigma_m.powi(2) + turned.powi(2) + drifted.powi(2)).sqrt()
+    }
+}
+
+fn check(pairs: &[Pair]) -> Result<(), Misfit> {
+    let sound = |p: &Pair| {
+        let numbers = [p.device.x, p.device.y, p.map.x, p.map.y, p.turn.unwrap_or(0.0)];
+        numbers.iter().all(|n| n.abs() <= super::FAR_M) && p.weight > 0.0 && p.weight <= 1000.0
+    };
+    match pairs {
+        [] => Err(Misfit::TooFew),
+        _ if pairs.len() > MOST_PAIRS => Err(Misfit::TooMany(pairs.len())),
+        _ => pairs.iter().position(|p| !sound(p)).map_or(Ok(()), |i| Err(Misfit::Absurd(i))),
+    }
+}
+
+fn single(pair: &Pair) -> Result<Alignment, Misfit> {
+    let theta = wrap_angle(pair.turn.ok_or(Misfit::TooFew)?);
+    Ok(Alignment {
+        theta,
+        shift: pair.map.coords - Rotation2::new(theta) * pair.device,
+        rms_m: 0.0,
+        heading_error: YAW_ERROR,
+        dropped: Vec::new(),
+        centre: pair.map,
+        centre_sigma_m: TOUCH_M,
+    })
+}
+
+fn without(kept: &[usize], gone: usize) -> Vec<usize> {
+    kept.iter().copied().filter(|i| *i != gone).collect()
+}
+
+/// Any two marks whose distance is right fit perfectly. So one of three is left out only where the other choices
+/// are no story at all, or tell the same.
+fn one_of_three(pairs: &[Pair], fewer: &[Vec<usize>], misfit: Misfit) -> Result<Alignment, Misfit> {
+    let mut stories = fewer.iter().filter_map(|some| judge(pairs, some).ok());
+    let Some(first) = stories.next() else { return Err(misfit) };
+    let same = |other: &Alignment| {
+        pairs.iter().all(|p| (first.point(p.device) - other.point(p.device)).norm() < RMS_MAX_M)
+    };
+    if stories.all(|other| same(&other)) { Ok(first) } else { Err(Misfit::Ambiguous) }
+}
+
+/// The fit of some pairs, if it is good enough.
+fn judge(pairs: &[Pair], some: &[usize]) -> Result<Alignment, Misfit> {
+    let distance = |i: usize, j: usize| (pairs[i].device - pairs[j].device).norm();
+    let all = some.iter().flat_map(|i| some.iter().map(move |j| distance(*i, *j)));
+    let baseline_m = all.fold(0.0, f64::max);
+    if baseline_m < BASELINE_MIN_M {
+        return Err(Misfit::TooClose(baseline_m));
+    }
+    let fit = solve(pairs, some);
+    if fit.rms_m > RMS_MAX_M {
+        return Err(Misfit::Residual { rms_m: fit.rms_m, worst: fit.worst });
+    }
+    if (fit.scale - 1.0).abs() > SCALE_TOLERANCE {
+        return Err(Misfit::Scale(fit.scale));
+    }
+    Ok(Alignment {
+        theta: fit.theta,
+        shift: fit.shift,
+        rms_m: fit.rms_m,
+        heading_error: fit.sigma_m / fit.spread_m,
+        dropped: (0..pairs.len()).filter(|i| !some.contains(i)).collect(),
+        centre: fit.centre,
+        centre_sigma_m: fit.sigma_m / (some.len() as f64).sqrt(),
+    })
+}
+
+fn solve(pairs: &[Pair], some: &[usize]) -> Fit {
+    let chosen = || some.iter().map(|i| (*i, &pairs[*i]));
+    let total: f64 = chosen().map(|(_, p)| p.weight).sum();
+    let mean = |of: &dyn Fn(&Pair) -> Vector| -> Vector {
+        chosen().map(|(_, p)| of(p) * p.weight).sum::<Vector>() / total
+    };
+    let (a_mean, b_mean) = (mean(&|p| p.device), mean(&|p| p.map.coords));
+    let (mut sine, mut cosine, mut a_square, mut b_square) = (0.0, 0.0, 0.0, 0.0);
+    for (_, p) in chosen() {
+        let (a, b) = (p.device - a_mean, p.map.coords - b_mean);
+        sine += p.weight * a.perp(&b);
+        cosine += p.weight * a.dot(&b);
+        a_square += p.weight * a.norm_squared();
+        b_square += p.weight * b.norm_squared();
+    }
+    let theta = sine.atan2(cosine);
+    let turn = Rotation2::new(theta);
+    let shift = b_mean - turn * a_mean;
+    let off = |p: &Pair| (turn * p.device + shift - p.map.coords).norm_squared();
+    let mean_square = chosen().map(|(_, p)| p.weight * off(p)).sum::<f64>() / total;
+    let n = some.len() as f64;
+    let worst = chosen().max_by(|(_, p), (_, q)| off(p).total_cmp(&off(q))).map_or(0, |(i, _)| i);
+    Fit {
+        theta,
+        shift,
+        centre: Point::from(b_mean),
+        rms_m: mean_square.sqrt(),
+        // Two numbers per mark, three of them used up by the fit.
+        sigma_m: (mean_square * n / (2.0 * n - 3.0)).sqrt().max(TOUCH_M),
+        spread_m: (a_square * n / total).sqrt(),
+        scale: (a_square / b_square).sqrt(),
+        worst,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Marks as a device sees them whose frame is turned and shifted.
+    fn seen(theta: f64, shift: Vector, marks: &[(f64, f64)]) -> Vec<Pair> {
+        let back = Rotation2::new(-theta);
+        let pair = |m: &(f64, f64)| {
+            let map = Point::new(m.0, m.1);
+            Pair { device: back * (map.coords - shift), map, weight: 1.0, turn: None }
+        };
+        marks.iter().map(pair).collect()
+    }
+
+    const HALL: [(f64, f64); 4] = [(1.0, 1.0), (19.0, 2.0), (18.0, 14.0), (2.0, 15.0)];
+
+    proptest! {
+        #[test]
+        fn any_rigid_movement_is_found_again(
+            theta in -3.1f64..3.1, x in -500.0f64..500.0, y in -500.0f64..500.0,
+            marks in prop::collection::vec((-50.0f64..50.0, -50.0f64..50.0), 2..8),
+        ) {
+            let pairs = seen(theta, Vector::new(x, y), &marks);
+            let fit = Alignment::fit(&pairs);
+            let apart = marks.iter().any(|m| (m.0 - marks[0].0).hypot(m.1 - marks[0].1) > 1.1);
+            prop_assume!(apart);
+            let fit = fit.unwrap();
+            prop_assert!(wrap_angle(fit.theta - theta).abs() < 1e-6);
+            prop_assert!((fit.shift - Vector::new(x, y)).norm() < 1e-3 && fit.dropped.is_empty());
+            for p in &pairs {
+                prop_assert!((fit.point(p.device) - p.map).norm() < 1e-6);
+            }
+        }
+
+        #[test]
+        fn noise_of_a_hand_stays_within_the_stated_error(
+            theta in -3.1f64..3.1, noise in prop::collection::vec((-0.04f64..0.04, -0.04f64..0.04), 4),
+        ) {
+            let mut pairs = seen(theta, Vector::new(3.0, -7.0), &HALL);
+            for (p, n) in pairs.iter_mut().zip(&noise) {
+                p.device += Vector::new(n.0, n.1);
+            }
+            let fit = Alignment::fit(&pairs).unwrap();
+            prop_assert!(wrap_angle(fit.theta - theta).abs() < 3.0 * fit.heading_error);
+            let far = Point::new(60.0, 40.0);
+            let device = Rotation2::new(-theta) * (far.coords - Vector::new(3.0, -7.0));
+            prop_assert!((fit.point(device) - far).norm() < 3.0 * fit.sigma_m(far, 0.0));
+        }
+
+        #[test]
+        fn one_wrong_mark_of_four_is_left_out(
+            theta in -3.1f64..3.1, which in 0usize..4, x in 1.0f64..9.0, y in -9.0f64..9.0,
+        ) {
+            let mut pairs = seen(theta, Vector::new(3.0, -7.0), &HALL);
+            pairs[which].map += Vector::new(x, y);
+            let fit = Alignment::fit(&pairs).unwrap();
+            prop_assert_eq!(&fit.dropped, &vec![which]);
+            prop_assert!(wrap_angle(fit.theta - theta).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn two_marks_say_how_well_the_direction_is_known() {
+        let near = Alignment::fit(&seen(0.3, Vector::zeros(), &[(0.0, 0.0), (2.0, 0.0)])).unwrap();
+        let far = Alignment::fit(&seen(0.3, Vector::zeros(), &[(0.0, 0.0), (20.0, 0.0)])).unwrap();
+        let expected = std::f64::consts::SQRT_2 * TOUCH_M / 2.0;
+        assert!((near.heading_error - expected).abs() < 1e-9, "1.2 degrees");
+        assert!((far.heading_error - expected / 10.0).abs() < 1e-9);
+        let there = Point::new(21.0, 0.0);
+        assert!(near.sigma_m(there, 0.0) > 0.4 && near.sigma_m(there, 0.0) < 0.45);
+        assert!(near.sigma_m(there, 100.0) > 0.75, "it grows with the way walked");
+        assert_eq!(Alignment::identity().sigma_m(there, 100.0), 0.0);
+    }
+
+    #[test]
+    fn one_mark_with_its_direction_is_enough_and_one_without_is_not() {
+        let mut pairs = seen(1.0, Vector::new(5.0, 6.0), &[(2.0, 3.0)]);
+        assert_eq!(Alignment::fit(&pairs), Err(Misfit::TooFew));
+        pairs[0].turn = Some(1.0);
+        let fit = Alignment::fit(&pairs).unwrap();
+        assert!((fit.shift - Vector::new(5.0, 6.0)).norm() < 1e-9);
+        assert!((fit.heading(0.5) - 1.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_wrong_one_of_three_is_left_out_only_where_it_is_certain_which() {
+        let marks = [(0.0, 0.0), (10.0, 0.0), (0.0, 10.0)];
+        let mut pairs = seen(0.4, Vector::new(1.0, 2.0), &marks);
+        pairs[2].map += Vector::new(1.0, 3.0);
+        let fit = Alignment::fit(&pairs).unwrap();
+        assert_eq!(fit.dropped, [2]);
+        // Turned about the first mark, the third fits together with the first, with another turn.
+        let mut pairs = seen(0.4, Vector::new(1.0, 2.0), &marks);
+        pairs[2].map = Point::new(10.0 * 0.3f64.sin(), 10.0 * 0.3f64.cos());
+        assert_eq!(Alignment::fit(&pairs), Err(Misfit::Ambiguous));
+    }
+
+    #[test]
+    fn what_is_no_rigid_movement_is_refused_with_the_reason() {
+        let mut feet = seen(0.0, Vector::zeros(), &HALL[..2]);
+        feet.iter_mut().for_each(|p| p.device *= 1.04);
+        assert!(matches!(Alignment::fit(&feet), Err(Misfit::Residual { .. } | Misfit::Scale(_))));
+        let mut short = seen(0.0, Vector::zeros(), &[(0.0, 0.0), (2.0, 0.0)]);
+        short[1].device *= 1.05;
+        assert!(matches!(Alignment::fit(&short), Err(Misfit::Scale(s)) if (s - 1.05).abs() < 1e-9));
+        let swapped = |mut pairs: Vec<Pair>| {
+            (pairs[0].map, pairs[1].map) = (pairs[1].map, pairs[0].map);
+            Alignment::fit(&pairs)
+        };
+        assert!(matches!(swapped(seen(0.0, Vector::zeros(), &HALL)), Err(Misfit::Residual { .. })));
+        let close = seen(0.0, Vector::zeros(), &[(0.0, 0.0), (0.5, 0.0)]);
+        assert_eq!(Alignment::fit(&close), Err(Misfit::TooClose(0.5)));
+        assert_eq!(Alignment::fit(&[]), Err(Misfit::TooFew));
+        assert_eq!(Alignment::fit(&seen(0.0, Vector::zeros(), &[(0.0, 9.0); 33])), Err(Misfit::TooMany(33)));
+        let mut absurd = seen(0.0, Vector::zeros(), &HALL);
+        absurd[3].device.x = f64::NAN;
+        assert_eq!(Alignment::fit(&absurd), Err(Misfit::Absurd(3)));
+    }
+
+    #[test]
+    fn heavier_marks_pull_more() {
+        let mut pairs = seen(0.0, Vector::zeros(), &[(0.0, 0.0), (10.0, 0.0), (0.0, 10.0)]);
+        pairs[0].map.x += 0.1;
+        let off = |pairs: &[Pair]| {
+            let fit = Alignment::fit(pairs).unwrap();
+            (fit.point(pairs[0].device) - pairs[0].map).norm()
+        };
+        let even = off(&pairs);
+        pairs[0].weight = 10.0;
+        assert!(off(&pairs) < even / 2.0);
+    }
+}

@@ -1,0 +1,313 @@
+//! Where poses of all sources and guidance for all workers meet.
+//!
+//! Main types: [`Feeds`], [`Seat`] (one connection's place), [`Heard`], [`Told`]. A worker has one source at a time:
+//! a new connection takes the place of an old one, and reports of tags count while no headset talks. A change of
+//! source is a change of frame, so it begins an epoch. Guidance is the newest or none: nobody queues here. Refuses:
+//! to know what is right for a worker.
+
+use super::intake::Senses;
+use crate::fleet::{FeedCounts, Guidance, View};
+use crate::human::Sighting;
+use crate::id::{Dense, IdVec, WorkerId};
+use crate::time::{Span, Time};
+use std::sync::{Mutex, MutexGuard};
+use tokio::sync::{mpsc, watch};
+
+/// So many poses may wait for the next turn of the loop: a thousand workers at sixty a second, for a turn that
+/// takes four times as long as it should.
+pub const WAITING: usize = 12_000;
+
+/// Reports of tags count when a headset has been silent for so long.
+const HEADSET_SILENT: Span = Span::from_secs(3);
+
+/// A sighting, with the time at which it was received.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heard {
+    /// When.
+    pub received: Time,
+    /// What.
+    pub sighting: Sighting,
+}
+
+/// What a worker is to be told.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Told {
+    /// The step that decided it.
+    pub at: Time,
+    /// Nothing where the fleet has nothing to say.
+    pub guidance: Option<Guidance>,
+    /// What became of the worker's poses.
+    pub counts: FeedCounts,
+}
+
+/// What is carried through of a worker, and how the feed is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Carried {
+    /// Gaze, hands, battery.
+    pub senses: Senses,
+    /// When a pose came last.
+    pub received: Option<Time>,
+    /// Whether a headset is connected.
+    pub connected: bool,
+    /// The version of the guidance that the headset showed last.
+    pub acknowledged: Option<u64>,
+}
+
+/// One connection's place.
+#[derive(Debug)]
+pub struct Seat {
+    /// Its number: a later connection has a larger one.
+    pub number: u64,
+    /// The number of whoever has the place now.
+    pub taken: watch::Receiver<u64>,
+    /// The newest guidance.
+    pub told: watch::Receiver<Told>,
+}
+
+/// Why a report is not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Untaken {
+    /// There is no such worker.
+    Unknown,
+    /// A headset says where the worker is, and it knows better.
+    Headset,
+    /// Too much is waiting.
+    Full,
+}
+
+/// Which source the last sighting came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Source {
+    Nobody,
+    /// A connection, in one of its epochs.
+    Feed(u64, u32),
+    Reports,
+}
+
+#[derive(Debug)]
+struct Slot {
+    name: String,
+    source: Source,
+    epoch: u32,
+    reports: u64,
+    taken: watch::Sender<u64>,
+    told: watch::Sender<Told>,
+    carried: Carried,
+}
+
+/// All feeds.
+#[derive(Debug)]
+pub struct Feeds {
+    inbox: mpsc::Sender<Heard>,
+    slots: Mutex<IdVec<WorkerId, Slot>>,
+}
+
+impl Feeds {
+    /// Feeds without workers, and the end from which sightings are taken.
+    pub fn new() -> (Feeds, mpsc::Receiver<Heard>) {
+        let (inbox, heard) = mpsc::channel(WAITING);
+        (Feeds { inbox, slots: Mutex::default() }, heard)
+    }
+
+    /// Makes workers known, by number.
+    pub fn know(&self, names: &IdVec<WorkerId, String>) {
+        let mut slots = self.slots();
+        for name in names.iter().skip(slots.len()) {
+            let (taken, told) = (watch::Sender::new(0), watch::Sender::new(Told::default()));
+            let (name, carried) = (name.clone(), Carried::default());
+            slots.push(Slot { name, source: Source::Nobody, epoch: 0, reports: 0, taken, told, carried });
+        }
+    }
+
+    /// All workers' names, by number.
+    pub fn names(&self) -> Vec<String> {
+        self.slots().iter().map(|s| s.name.clone()).collect()
+    }
+
+    /// A worker's name.
+    pub fn name(&self, worker: WorkerId) -> Option<String> {
+        self.slots().get(worker).map(|s| s.name.clone())
+    }
+
+    /// The worker with this name.
+    pub fn named(&self, name: &str) -> Option<WorkerId> {
+        self.slots().pairs().find(|(_, s)| s.name == name).map(|(w, _)| w)
+    }
+
+    /// Gives a new connection the worker's place; whoever had it finds out.
+    pub fn sit(&self, worker: WorkerId) -> Option<Seat> {
+        let mut slots = self.slots();
+        let slot = slots.get(worker)?;
+        let number = *slot.taken.borrow() + 1;
+        let slot = &mut slots[worker];
+        slot.taken.send_replace(number);
+        (slot.carried.connected, slot.carried.acknowledged) = (true, None);
+        Some(Seat { number, taken: slot.taken.subscribe(), told: slot.told.subscribe() })
+    }
+
+    /// The connection is gone.
+    pub fn leave(&self, worker: WorkerId, seat: &Seat) {
+        let mut slots = self.slots();
+        let slot = &mut slots[worker];
+        if *slot.taken.borrow() == seat.number {
+            slot.carried.connected = false;
+        }
+    }
+
+    /// Hands a pose of a connection on. Whether there was room.
+    pub fn hand(&self, seat: &Seat, mut sighting: Sighting, senses: Senses, received: Time) -> bool {
+        let mut slots = self.slots();
+        let slot = &mut slots[sighting.worker];
+        slot.switch(Source::Feed(seat.number, sighting.epoch));
+        sighting.epoch = slot.epoch;
+        (slot.carried.senses, slot.carried.received) = (senses, Some(received));
+        drop(slots);
+        self.inbox.try_send(Heard { received, sighting }).is_ok()
+    }
+
+    /// Takes a report of a tag, whose epoch and number are of no importance.
+    ///
+    /// # Errors
+    /// Why it is not taken.
+    pub fn report(&self, mut sighting: Sighting, received: Time) -> Result<(), Untaken> {
+        let mut slots = self.slots();
+        if slots.get(sighting.worker).is_none() {
+            return Err(Untaken::Unknown);
+        }
+        let slot = &mut slots[sighting.worker];
+        let lately = slot.carried.received.is_some_and(|t| received - t < HEADSET_SILENT);
+        if matches!(slot.source, Source::Feed(..)) && lately {
+            return Err(Untaken::Headset);
+        }
+        slot.switch(Source::Reports);
+        slot.reports += 1;
+        (sighting.epoch, sighting.seq) = (slot.epoch, slot.reports);
+        (slot.carried.senses, slot.carried.received) = (Senses::default(), Some(received));
+        drop(slots);
+        self.inbox.try_send(Heard { received, sighting }).map_err(|_| Untaken::Full)
+    }
+
+    /// The headset shows the guidance of this version.
+    pub fn acknowledge(&self, worker: WorkerId, version: u64) {
+        self.slots()[worker].carried.acknowledged = Some(version);
+    }
+
+    /// What is carried through of a worker.
+    pub fn carried(&self, worker: WorkerId) -> Option<Carried> {
+        self.slots().get(worker).map(|s| s.carried.clone())
+    }
+
+    /// What is carried through of all workers, by number.
+    pub fn all_carried(&self) -> Vec<Carried> {
+        self.slots().iter().map(|s| s.carried.clone()).collect()
+    }
+
+    /// What a step decided, at once.
+    pub fn tell(&self, at: Time, guidance: Vec<(WorkerId, Guidance)>) {
+        let slots = self.slots();
+        for (worker, guidance) in guidance {
+            let Some(slot) = slots.get(worker) else { continue };
+            slot.told.send_modify(|told| (told.at, told.guidance) = (at, Some(guidance)));
+        }
+    }
+
+    /// How things stand by the newest picture.
+    pub fn refresh(&self, view: &View) {
+        for (worker, slot) in self.slots().pairs() {
+            let seen = view.workers.get(worker.ix());
+            let told = Told {
+                at: view.now,
+                guidance: seen.map(|w| w.guidance.clone()),
+                counts: seen.map(|w| w.feed).unwrap_or_default(),
+            };
+            slot.told.send_replace(told);
+        }
+    }
+
+    fn slots(&self) -> MutexGuard<'_, IdVec<WorkerId, Slot>> {
+        self.slots.lock().expect("nobody panics with this lock")
+    }
+}
+
+impl Slot {
+    /// Begins an epoch where the source is another one than before.
+    fn switch(&mut self, source: Source) {
+        if self.source != source {
+            (self.source, self.epoch) = (source, self.epoch + 1);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+    use crate::human::Quality;
+
+    const ANNA: WorkerId = WorkerId(0);
+
+    fn sighting(epoch: u32, seq: u64) -> Sighting {
+        Sighting {
+            worker: ANNA,
+            seen: Time(0),
+            epoch,
+            seq,
+            at: Point::origin(),
+            heading: None,
+            accuracy_m: 0.1,
+            quality: Quality::Tracked,
+        }
+    }
+
+    fn feeds() -> (Feeds, mpsc::Receiver<Heard>) {
+        let (feeds, heard) = Feeds::new();
+        feeds.know(&IdVec::from(vec!["anna".to_owned()]));
+        (feeds, heard)
+    }
+
+    fn epochs(heard: &mut mpsc::Receiver<Heard>) -> Vec<u32> {
+        std::iter::from_fn(|| heard.try_recv().ok()).map(|h| h.sighting.epoch).collect()
+    }
+
+    #[test]
+    fn every_change_of_source_or_alignment_begins_an_epoch_and_none_comes_back() {
+        let (feeds, mut heard) = feeds();
+        let hand = |seat: &Seat, epoch, ms: i64| {
+            assert!(feeds.hand(seat, sighting(epoch, 1), Senses::default(), Time(ms * 1000)));
+        };
+        let first = feeds.sit(ANNA).unwrap();
+        hand(&first, 1, 0);
+        hand(&first, 1, 1);
+        hand(&first, 2, 2);
+        let second = feeds.sit(ANNA).unwrap();
+        hand(&second, 1, 3);
+        feeds.report(sighting(9, 9), Time(4_000_000)).unwrap();
+        feeds.report(sighting(9, 9), Time(4_100_000)).unwrap();
+        hand(&second, 1, 4200);
+        assert_eq!(epochs(&mut heard), [1, 1, 2, 3, 4, 4, 5]);
+    }
+
+    #[test]
+    fn a_tag_is_silent_while_a_headset_talks() {
+        let (feeds, _heard) = feeds();
+        feeds.report(sighting(0, 0), Time(0)).unwrap();
+        let seat = feeds.sit(ANNA).unwrap();
+        feeds.hand(&seat, sighting(1, 1), Senses::default(), Time(1_000_000));
+        assert_eq!(feeds.report(sighting(0, 0), Time(2_000_000)), Err(Untaken::Headset));
+        assert_eq!(feeds.report(sighting(0, 0), Time(4_000_000)), Ok(()));
+        let nobody = Sighting { worker: WorkerId(7), ..sighting(0, 0) };
+        assert_eq!(feeds.report(nobody, Time(0)), Err(Untaken::Unknown));
+    }
+
+    #[test]
+    fn a_new_connection_takes_the_place_and_the_old_one_does_not_take_it_away() {
+        let (feeds, _heard) = feeds();
+        let first = feeds.sit(ANNA).unwrap();
+        let second = feeds.sit(ANNA).unwrap();
+        assert_eq!((*first.taken.borrow(), first.number, second.number), (2, 1, 2));
+        feeds.leave(ANNA, &first);
+        assert!(feeds.carried(ANNA).unwrap().connected);
+        feeds.leave(ANNA, &second);
+        assert!(!feeds.carried(ANNA).unwrap().connected);
+    }
+}

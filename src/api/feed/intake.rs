@@ -1,0 +1,499 @@
+//! From a message to a sighting: frame, clock, numbers.
+//!
+//! Main types: [`Intake`] (what a connection knows), [`Taken`], [`Fault`]. Pure. What cannot be read into a place
+//! and a time stops here, with a reason; what can, goes on, late and repeated ones too: the core judges and counts
+//! those. Refuses: to decide whether somebody can be where a pose says.
+
+use super::FAR_M;
+use super::align::{Alignment, Misfit, Pair};
+use super::clock::ClockSync;
+use super::pose::{self, Gaze, Hand, facing, plan, rotation};
+use super::wire::{AnchorSaid, Frame, PoseSaid, QualitySaid};
+use crate::geometry::{Point, Vector};
+use crate::human::{Quality, Sighting};
+use crate::id::WorkerId;
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
+
+/// Headsets predict poses for the moment at which they show them; this far ahead, beyond the error of the clock.
+const AHEAD: Span = Span::from_millis(100);
+
+/// What is older than this is of no use to anybody.
+const OLDEST: Span = Span::from_secs(10);
+
+/// People walk this fast where nothing better is known, metres per second (ISO 13855: 1.6).
+const WALKING_MPS: f64 = 1.6;
+
+/// Movements shorter than this are sway, not way; metres.
+const STRIDE_M: f64 = 0.25;
+
+/// The most joints of a hand.
+const MOST_JOINTS: usize = 32;
+
+/// What a connection knows.
+#[derive(Clone, Debug)]
+pub struct Intake {
+    worker: WorkerId,
+    frame: Frame,
+    /// The device's clock.
+    pub clock: ClockSync,
+    alignment: Option<Alignment>,
+    epoch: u32,
+    last_seq: Option<u64>,
+    /// Where the device was last, and where the head faced, in the device's frame.
+    stood: Option<Vector>,
+    faced: Option<f64>,
+    /// Where the last stride ended, in the device's frame.
+    strode: Option<Vector>,
+    walked_m: f64,
+}
+
+/// A pose that was understood.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Taken {
+    /// What the core gets.
+    pub sighting: Sighting,
+    /// What is carried through.
+    pub senses: Senses,
+    /// What the client should know all the same.
+    pub fault: Option<Fault>,
+}
+
+/// What decides nothing and is carried through to those who ask.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Senses {
+    /// Where somebody looks.
+    pub gaze: Option<Gaze>,
+    /// Joints of the left and the right hand.
+    pub hands: [Option<Hand>; 2],
+    /// Charge of the device, 0 to 1.
+    pub battery: Option<f64>,
+}
+
+/// What is wrong with a pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Fault {
+    /// The device's clock is not known yet.
+    NoClock,
+    /// The device's frame is not known yet.
+    NotAligned,
+    /// It belongs to an alignment of before.
+    OldEpoch,
+    /// It belongs to an alignment that there never was.
+    UnknownEpoch,
+    /// It says nowhere where.
+    NoPosition,
+    /// Numbers that cannot be.
+    Absurd,
+    /// The quaternion is no rotation.
+    Quaternion,
+    /// It was seen in the future.
+    Future,
+    /// It was seen long ago.
+    TooOld,
+    /// Its number came already.
+    Repeated,
+    /// A later number came already.
+    Reordered,
+}
+
+impl Fault {
+    /// The word for it on the wire.
+    pub fn word(self) -> &'static str {
+        match self {
+            Fault::NoClock => "no-clock",
+            Fault::NotAligned => "not-aligned",
+            Fault::OldEpoch => "old-epoch",
+            Fault::UnknownEpoch => "unknown-epoch",
+            Fault::NoPosition => "no-position",
+            Fault::Absurd => "absurd",
+            Fault::Quaternion => "quaternion",
+            Fault::Future => "future",
+            Fault::TooOld => "too-old",
+            Fault::Repeated => "repeated",
+            Fault::Reordered => "reordered",
+        }
+    }
+
+    /// What happened and what to do.
+    pub fn text(self) -> &'static str {
+        match self {
+            Fault::NoClock => "poses are taken once the first ping is answered: answer pings with a pong",
+            Fault::NotAligned => "the frame of the device is not known: send anchors",
+            Fault::OldEpoch => "the pose belongs to an alignment of before: use the epoch of the last answer",
+            Fault::UnknownEpoch => "this epoch was never given out: use the epoch of the last answer",
+            Fault::NoPosition => {
+                "a pose needs pos, or at in the frame of the map; one that is lost needs one before it"
+            }
+            Fault::Absurd => "numbers that cannot be: positions in metres, accuracy from 0 to 100 m",
+            Fault::Quaternion => "quat is x, y, z, w of length 1",
+            Fault::Future => "the pose lies in the future: t is the moment on the clock that answers pings",
+            Fault::TooOld => "the pose is more than ten seconds old: send the newest, drop what waited",
+            Fault::Repeated => "this seq came already: count up within an epoch",
+            Fault::Reordered => "a later seq came already: only the newest counts",
+        }
+    }
+}
+
+impl Intake {
+    /// A new connection; poses in the frame of the map need no alignment.
+    pub fn new(worker: WorkerId, frame: Frame) -> Intake {
+        Intake {
+            worker,
+            frame,
+            clock: ClockSync::default(),
+            alignment: (frame == Frame::Map).then(Alignment::identity),
+            epoch: 1,
+            last_seq: None,
+            stood: None,
+            faced: None,
+            strode: None,
+            walked_m: 0.0,
+        }
+    }
+
+    /// The epoch of poses from now on.
+    pub fn epoch(&self) -> u32 {
+        self.epoch
+    }
+
+    /// The alignment in use.
+    pub fn alignment(&self) -> Option<&Alignment> {
+        self.alignment.as_ref()
+    }
+
+    /// Aligns the device's frame anew; poses of the old epoch count no more. Where the marks do not fit, the old
+    /// alignment stands.
+    ///
+    /// # Errors
+    /// Why the marks do not fit.
+    pub fn align(&mut self, pairs: &[Pair]) -> Result<&Alignment, Misfit> {
+        let alignment = Alignment::fit(pairs)?;
+        self.begin_epoch();
+        Ok(self.alignment.insert(alignment))
+    }
+
+    /// The device's origin jumped.
+    pub fn reset(&mut self) {
+        self.alignment = (self.frame == Frame::Map).then(Alignment::identity);
+        self.begin_epoch();
+    }
+
+    fn begin_epoch(&mut self) {
+        self.epoch += 1;
+        (self.last_seq, self.stood, self.faced) = (None, None, None);
+        (self.strode, self.walked_m) = (None, 0.0);
+        self.clock.resync();
+    }
+
+    /// Reads a pose.
+    ///
+    /// # Errors
+    /// Why it cannot be understood. It is not passed on then.
+    pub fn take(&mut self, said: &PoseSaid, now: Time) -> Result<Taken, Fault> {
+        match said.epoch.cmp(&self.epoch) {
+            std::cmp::Ordering::Less => return Err(Fault::OldEpoch),
+            std::cmp::Ordering::Greater => return Err(Fault::UnknownEpoch),
+            std::cmp::Ordering::Equal => {}
+        }
+        let accuracy_m = said.accuracy.unwrap_or(usual_accuracy_m(said.quality));
+        if !(0.0..=100.0).contains(&accuracy_m) || !said.t.is_finite() {
+            return Err(Fault::Absurd);
+        }
+        let (device, faced) = self.place(said)?;
+        let alignment = self.alignment.as_ref().ok_or(Fault::NotAligned)?;
+        let (at, heading) = (alignment.point(device), faced.map(|phi| alignment.heading(phi)));
+        let seen = self.clock.when(said.t, now).ok_or(Fault::NoClock)?;
+        let error = self.clock.error(now).unwrap_or(Span::ZERO);
+        if seen > now + AHEAD + error {
+            return Err(Fault::Future);
+        }
+        if now - seen > OLDEST {
+            return Err(Fault::TooOld);
+        }
+        let sigma_m = alignment.sigma_m(at, self.walked_m);
+        let late_m = WALKING_MPS * error.as_secs_f64();
+        let accuracy_m = (accuracy_m.powi(2) + sigma_m.powi(2) + late_m.powi(2)).sqrt();
+        let senses = senses(alignment, said);
+        let fault = self.count(said.seq);
+        if fault.is_none() && said.quality == QualitySaid::Tracked {
+            self.stride(device);
+        }
+        (self.stood, self.faced) = (Some(device), faced);
+        let quality = quality(said.quality);
+        let (worker, epoch, seq) = (self.worker, self.epoch, said.seq);
+        let sighting = Sighting { worker, seen, epoch, seq, at, heading, accuracy_m, quality };
+        Ok(Taken { sighting, senses, fault })
+    }
+
+    /// Where a pose is in the device's floor plan, and where the head faces.
+    fn place(&self, said: &PoseSaid) -> Result<(Vector, Option<f64>), Fault> {
+        let (device, given) = match (said.pos, said.at, self.frame) {
+            (Some(pos), _, _) => (plan(pos), None),
+            (None, Some([x, y]), Frame::Map) => (Vector::new(x, y), said.heading),
+            // Who is lost says so, and need not make a place up.
+            _ if said.quality == QualitySaid::Lost => (self.stood.ok_or(Fault::NoPosition)?, self.faced),
+            _ => return Err(Fault::NoPosition),
+        };
+        if !(device.x.abs() <= FAR_M && device.y.abs() <= FAR_M && given.unwrap_or(0.0).abs() <= 1e3) {
+            return Err(Fault::Absurd);
+        }
+        let faced = match said.quat {
+            None => given,
+            // Who looks straight up or down faces where they faced before.
+            Some(quat) => facing(rotation(quat).ok_or(Fault::Quaternion)?).or(self.faced),
+        };
+        Ok((device, faced))
+    }
+
+    /// Whether the number of a pose is new.
+    fn count(&mut self, seq: u64) -> Option<Fault> {
+        let fault = match self.last_seq {
+            Some(last) if seq == last => Some(Fault::Repeated),
+            Some(last) if seq < last => Some(Fault::Reordered),
+            _ => None,
+        };
+        self.last_seq = self.last_seq.max(Some(seq));
+        fault
+    }
+
+    fn stride(&mut self, device: Vector) {
+        let length = self.strode.map_or(STRIDE_M, |from| (device - from).norm());
+        if length >= STRIDE_M {
+            self.walked_m += if self.strode.is_some() { length } else { 0.0 };
+            self.strode = Some(device);
+        }
+    }
+}
+
+/// Pairs from marks; nodes of the map by name.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn pairs(said: &[AnchorSaid], map: &Warehouse) -> Result<Vec<Pair>, String> {
+    let pair = |(i, a): (usize, &AnchorSaid)| {
+        let node = |name: &String| {
+            let node = map.node_named(name).map(|n| map.nodes[n].at);
+            node.ok_or_else(|| format!("pairs[{i}]: there is no node \"{name}\"; GET /v1/map lists them"))
+        };
+        let at = match (a.map, &a.mark) {
+            (Some([x, y]), None) => Point::new(x, y),
+            (None, Some(name)) => node(name)?,
+            _ => return Err(format!("pairs[{i}]: give map [x, y], or mark, the name of a node")),
+        };
+        let no_rotation = || format!("pairs[{i}]: {}", Fault::Quaternion.text());
+        let turned = a.quat.map(|q| rotation(q).ok_or_else(no_rotation)).transpose()?;
+        let turn = turned.and_then(facing).zip(a.heading).map(|(phi, heading)| heading - phi);
+        Ok(Pair { device: plan(a.device), map: at, weight: a.weight.unwrap_or(1.0), turn })
+    };
+    said.iter().enumerate().map(pair).collect()
+}
+
+fn usual_accuracy_m(quality: QualitySaid) -> f64 {
+    match quality {
+        QualitySaid::Tracked => 0.05,
+        QualitySaid::Emulated => 0.5,
+        QualitySaid::Lost => 2.0,
+    }
+}
+
+fn quality(said: QualitySaid) -> Quality {
+    match said {
+        QualitySaid::Tracked => Quality::Tracked,
+        QualitySaid::Emulated => Quality::Emulated,
+        QualitySaid::Lost => Quality::Lost,
+    }
+}
+
+/// What is carried through, in the axes of the map. Parts that cannot be are left out.
+fn senses(alignment: &Alignment, said: &PoseSaid) -> Senses {
+    let near = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= FAR_M);
+    let gaze = said.gaze.filter(|g| near(&g.origin)).and_then(|g| {
+        let dir = pose::direction(alignment, g.dir)?;
+        Some(Gaze { kind: g.kind.word(), origin: pose::place(alignment, g.origin), dir })
+    });
+    let joint = |&[x, y, z, radius]: &[f64; 4]| {
+        let sound = near(&[x, y, z]) && (0.0..1.0).contains(&radius);
+        let [x, y, z] = pose::place(alignment, [x, y, z]);
+        sound.then_some([x, y, z, radius])
+    };
+    let hand = |joints: &Vec<[f64; 4]>| -> Option<Hand> {
+        if joints.len() > MOST_JOINTS { None } else { joints.iter().map(joint).collect() }
+    };
+    let hands = said
+        .hands
+        .as_ref()
+        .map_or([None, None], |h| [h.l.as_ref().and_then(hand), h.r.as_ref().and_then(hand)]);
+    let battery = said.battery.filter(|b| (0.0..=1.0).contains(b));
+    Senses { gaze, hands, battery }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::clock::Exchange;
+    use super::*;
+
+    const NOW: Time = Time(1_800_000_000_000_000);
+
+    /// A device whose clock reads 1000 ms at `NOW`.
+    fn intake(frame: Frame) -> Intake {
+        let mut intake = Intake::new(WorkerId(3), frame);
+        let (asked, heard) = (NOW - Span::from_millis(4), NOW);
+        let e = Exchange { asked, got_ms: 998.0, answered_ms: 998.0, heard };
+        intake.clock.take(e);
+        intake
+    }
+
+    fn pose(seq: u64) -> PoseSaid {
+        PoseSaid {
+            epoch: 1,
+            seq,
+            t: 1000.0,
+            pos: Some([2.0, 1.6, -3.0]),
+            quat: Some([0.0, 0.0, 0.0, 1.0]),
+            at: None,
+            heading: None,
+            accuracy: Some(0.03),
+            quality: QualitySaid::Tracked,
+            gaze: None,
+            hands: None,
+            battery: None,
+        }
+    }
+
+    #[test]
+    fn a_pose_becomes_a_sighting_on_the_map() {
+        let mut intake = intake(Frame::Device);
+        assert_eq!(intake.take(&pose(1), NOW), Err(Fault::NotAligned));
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let mark =
+            Pair { device: Vector::zeros(), map: Point::new(10.0, 5.0), weight: 1.0, turn: Some(quarter) };
+        intake.align(&[mark]).unwrap();
+        assert_eq!(intake.take(&pose(1), NOW), Err(Fault::OldEpoch));
+        let taken = intake.take(&PoseSaid { epoch: 2, ..pose(1) }, NOW).unwrap();
+        let s = taken.sighting;
+        assert!((s.at - Point::new(7.0, 7.0)).norm() < 1e-9, "{s:?}");
+        assert!((s.heading.unwrap().abs() - std::f64::consts::PI).abs() < 1e-9, "{s:?}");
+        assert_eq!((s.worker, s.epoch, s.seq), (WorkerId(3), 2, 1));
+        assert!((s.seen - NOW).0.abs() <= 2000, "{:?}", s.seen - NOW);
+        assert!(
+            s.accuracy_m > 0.12 && s.accuracy_m < 0.15,
+            "3.6 m off a mark whose turn is known to 2 degrees"
+        );
+        assert_eq!(intake.take(&PoseSaid { epoch: 3, ..pose(2) }, NOW), Err(Fault::UnknownEpoch));
+    }
+
+    #[test]
+    fn late_and_repeated_poses_go_on_and_are_told() {
+        let mut intake = intake(Frame::Map);
+        let fault = |intake: &mut Intake, seq| intake.take(&pose(seq), NOW).unwrap().fault;
+        assert_eq!(fault(&mut intake, 5), None);
+        assert_eq!(fault(&mut intake, 5), Some(Fault::Repeated));
+        assert_eq!(fault(&mut intake, 4), Some(Fault::Reordered));
+        assert_eq!(fault(&mut intake, 9), None, "gaps are no fault");
+    }
+
+    #[test]
+    fn what_cannot_be_a_place_or_a_time_stops_here() {
+        let mut intake = intake(Frame::Map);
+        let bad = [
+            (PoseSaid { pos: None, ..pose(1) }, Fault::NoPosition),
+            (PoseSaid { pos: Some([1e9, 0.0, 0.0]), ..pose(1) }, Fault::Absurd),
+            (PoseSaid { pos: Some([f64::NAN, 0.0, 0.0]), ..pose(1) }, Fault::Absurd),
+            (PoseSaid { accuracy: Some(-1.0), ..pose(1) }, Fault::Absurd),
+            (PoseSaid { accuracy: Some(f64::NAN), ..pose(1) }, Fault::Absurd),
+            (PoseSaid { t: f64::INFINITY, ..pose(1) }, Fault::Absurd),
+            (PoseSaid { quat: Some([0.0; 4]), ..pose(1) }, Fault::Quaternion),
+            (PoseSaid { t: 1150.0, ..pose(1) }, Fault::Future),
+            (PoseSaid { t: 1e300, ..pose(1) }, Fault::Future),
+            (PoseSaid { t: -10_000.0, ..pose(1) }, Fault::TooOld),
+        ];
+        for (said, fault) in bad {
+            assert_eq!(intake.take(&said, NOW), Err(fault), "{said:?}");
+        }
+        assert!(intake.take(&PoseSaid { t: 1050.0, ..pose(1) }, NOW).is_ok(), "headsets predict");
+        let deaf = &mut Intake::new(WorkerId(3), Frame::Map);
+        assert_eq!(deaf.take(&pose(1), NOW), Err(Fault::NoClock));
+    }
+
+    #[test]
+    fn a_tag_in_the_frame_of_the_map_needs_neither_quaternion_nor_marks() {
+        let mut intake = intake(Frame::Map);
+        let tag = PoseSaid { pos: None, quat: None, at: Some([4.0, 5.0]), ..pose(1) };
+        let s = intake.take(&tag, NOW).unwrap().sighting;
+        assert_eq!((s.at, s.heading), (Point::new(4.0, 5.0), None));
+        assert!((s.accuracy_m - 0.03).abs() < 0.001, "{s:?}");
+        let facing = PoseSaid { heading: Some(1.0), seq: 2, ..tag };
+        assert_eq!(intake.take(&facing, NOW).unwrap().sighting.heading, Some(1.0));
+    }
+
+    #[test]
+    fn who_is_lost_need_not_make_a_place_up() {
+        let mut intake = intake(Frame::Map);
+        let lost =
+            |seq| PoseSaid { pos: None, quat: None, quality: QualitySaid::Lost, accuracy: None, ..pose(seq) };
+        assert_eq!(intake.take(&lost(1), NOW), Err(Fault::NoPosition), "nobody has been anywhere yet");
+        let before = intake.take(&pose(2), NOW).unwrap().sighting;
+        let s = intake.take(&lost(3), NOW).unwrap().sighting;
+        assert_eq!((s.at, s.heading, s.quality), (before.at, before.heading, Quality::Lost));
+    }
+
+    #[test]
+    fn looking_at_the_floor_keeps_the_heading() {
+        let mut intake = intake(Frame::Map);
+        let before = intake.take(&pose(1), NOW).unwrap().sighting.heading;
+        let down = PoseSaid { quat: Some([-(0.5f64.sqrt()), 0.0, 0.0, 0.5f64.sqrt()]), ..pose(2) };
+        assert_eq!(intake.take(&down, NOW).unwrap().sighting.heading, before);
+        assert!(before.is_some());
+    }
+
+    #[test]
+    fn the_uncertainty_grows_with_the_way_and_not_with_sway() {
+        let mut intake = intake(Frame::Device);
+        let marks = [(0.0, 0.0), (10.0, 0.0)];
+        let pair = |(x, y): (f64, f64)| Pair {
+            device: Vector::new(x, y),
+            map: Point::new(x, y),
+            weight: 1.0,
+            turn: None,
+        };
+        intake.align(&marks.map(pair)).unwrap();
+        let (mut seq, mut at) = (0, 0.0);
+        let mut stand = |intake: &mut Intake, x: f64| {
+            seq += 1;
+            let said = PoseSaid { epoch: 2, pos: Some([x, 1.6, 0.0]), ..pose(seq) };
+            at = intake.take(&said, NOW).unwrap().sighting.accuracy_m;
+            at
+        };
+        let first = stand(&mut intake, 5.0);
+        for i in 0..1000 {
+            stand(&mut intake, 5.0 + 0.05 * f64::from(i % 2));
+        }
+        assert_eq!(stand(&mut intake, 5.0), first, "swaying is no walking");
+        for i in 0..100 {
+            stand(&mut intake, 5.0 + f64::from(i % 2));
+        }
+        let walked = stand(&mut intake, 5.0);
+        assert!(walked > 0.7 && walked < 0.8, "100 m at 0.75 %: {walked}");
+    }
+
+    #[test]
+    fn marks_are_named_or_measured() {
+        let map = crate::warehouse::formats::json::parse(include_str!("../../../maps/lab.json")).unwrap();
+        let (id, node) = map.nodes.pairs().next().unwrap();
+        let anchor = AnchorSaid {
+            device: [1.0, 0.0, -2.0],
+            quat: None,
+            map: None,
+            mark: Some(node.name.clone()),
+            heading: None,
+            weight: None,
+        };
+        let made = pairs(std::slice::from_ref(&anchor), &map).unwrap();
+        assert_eq!((made[0].map, made[0].device), (map.nodes[id].at, Vector::new(1.0, 2.0)));
+        let unknown = AnchorSaid { mark: Some("nowhere".into()), ..anchor.clone() };
+        assert!(pairs(&[unknown], &map).unwrap_err().contains("nowhere"));
+        let neither = AnchorSaid { mark: None, ..anchor };
+        assert!(pairs(&[neither], &map).unwrap_err().contains("mark"));
+    }
+}

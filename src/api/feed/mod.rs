@@ -1,0 +1,21 @@
+//! Poses of people in, guidance out: the feed of headsets, tags and gateways.
+//!
+//! [`align`], [`clock`], [`pose`], [`thin`], [`intake`] and [`warn`] are pure: numbers in, numbers out. [`wire`] is
+//! what travels, [`hub`] is where poses of all sources and guidance for all workers meet, [`session`] is one
+//! connection. Refuses: to judge where people can be, which the core does, and queues.
+
+pub mod align;
+pub mod clock;
+pub mod hub;
+pub mod intake;
+pub mod pose;
+pub mod session;
+pub mod thin;
+pub mod warn;
+pub mod wire;
+
+#[cfg(test)]
+mod tests;
+
+/// No hall is larger: coordinates beyond are mistakes, metres.
+pub(super) const FAR_M: f64 = 10_000.0;

@@ -1,0 +1,415 @@
+//! One connection of a headset: poses in, guidance out.
+//!
+//! Main function: [`feed`]. Guidance leaves at once when it changed, else four times a second; what could not leave
+//! in time was replaced by newer. Refuses: to wait for a client, and to talk a version that it does not know.
+
+use super::clock::{Exchange, Outcome};
+use super::hub::{Seat, Told};
+use super::intake::{Intake, pairs};
+use super::thin::Thinner;
+use super::warn::Warnings;
+use super::wire::{AnchorSaid, HelloSaid, PoseSaid, Said, VERSIONS};
+use crate::api::error::Problem;
+use crate::api::extract::Segment;
+use crate::api::people::{Beside, GuidanceKey, guidance, parse_worker, worker_name};
+use crate::api::{Api, dto::Names};
+use crate::fleet::GuidanceState;
+use crate::id::WorkerId;
+use crate::time::{Span, Time};
+use axum::extract::State;
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
+use axum::http::StatusCode;
+use axum::response::Response;
+use serde_json::{Value, json};
+use std::collections::VecDeque;
+use std::time::Duration;
+use tokio::time::timeout;
+
+/// How long a message may be: both hands with all joints, twice.
+const MESSAGE: usize = 32 * 1024;
+
+/// How long the first message may take.
+const GREETING: Duration = Duration::from_secs(10);
+
+/// How long one message may take to leave.
+const SEND: Duration = Duration::from_secs(2);
+
+/// Guidance leaves at least this often.
+const REFRESH: Span = Span::from_millis(250);
+
+/// A connection on which nothing came for so long, not even answers to pings, is gone.
+const SILENT: Span = Span::from_secs(30);
+
+/// Messages in a row that cannot be read, after which a client is not one of ours.
+const MOST_UNREADABLE: u32 = 100;
+
+/// Pings whose answers are awaited.
+const MOST_PINGS: usize = 8;
+
+/// So many poses are looked back upon, to say which were taken into account.
+const RECENT: usize = 256;
+
+/// The feed of a worker's headset, phone or gateway: JSON texts. The client says `hello` with the versions it speaks
+/// and gets `welcome`; it answers every `ping` with a `pong`; it sends `anchors` until they are `aligned`, then `pose`
+/// up to 60 times a second. The server sends `guidance` at once when it changed and four times a second else. Offer
+/// the protocol `giveway`, and `bearer.TOKEN` where a token is needed. All messages are shown in docs/headset.md.
+#[utoipa::path(get, path = "/v1/workers/{id}/feed", tag = "people",
+    params(("id" = String, Path, example = "w1")), responses(
+    (status = 101, description = "The feed begins"),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 426, description = "Not a WebSocket", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn feed(
+    State(api): State<Api>,
+    Segment(id): Segment,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+) -> Result<Response, Problem> {
+    api.desk()?;
+    let worker = parse_worker(&api, &id)?;
+    let upgrade = upgrade.map_err(|e| {
+        let detail = format!("this is a WebSocket: connect with ws:// or wss:// ({})", e.body_text());
+        Problem::new(StatusCode::UPGRADE_REQUIRED, "websocket", "A WebSocket is needed", detail)
+    })?;
+    let upgrade = upgrade.protocols(["giveway"]).max_message_size(MESSAGE).max_write_buffer_size(4 << 20);
+    Ok(upgrade.on_upgrade(move |socket| async move {
+        api.metrics.feeds.inc();
+        serve(&api, worker, socket).await;
+        api.metrics.feeds.dec();
+    }))
+}
+
+/// Why a connection ends.
+enum End {
+    /// The client is gone, or does not take what it is sent.
+    Gone,
+    /// The server says goodbye, with a code and a reason.
+    Bye(u16, String),
+}
+
+/// One connection.
+struct Session<'a> {
+    api: &'a Api,
+    worker: WorkerId,
+    socket: WebSocket,
+    seat: Seat,
+    intake: Intake,
+    thinner: Thinner<(Time, Box<PoseSaid>)>,
+    warnings: Warnings,
+    pings: VecDeque<(u64, Time)>,
+    next_ping: u64,
+    /// Poses handed on: when received, epoch, number.
+    handed: VecDeque<(Time, u32, u64)>,
+    heading: Option<f64>,
+    counted: (u64, u64),
+    last_heard: Time,
+    unreadable: u32,
+    sent: Option<GuidanceKey>,
+    sent_at: Time,
+}
+
+/// Serves one client until it leaves, stalls, is replaced, or the server goes down.
+async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
+    let late = "no hello within ten seconds: the first message is hello, with versions";
+    let greeted = timeout(GREETING, greeting(&mut socket)).await;
+    let end = match greeted.unwrap_or_else(|_| Err(End::Bye(close_code::POLICY, late.into()))) {
+        Ok(hello) => {
+            let Some(seat) = api.feeds.sit(worker) else { return };
+            let now = (api.now)();
+            let counts = seat.told.borrow().counts;
+            let mut session = Session {
+                api,
+                worker,
+                socket,
+                seat,
+                intake: Intake::new(worker, hello.frame),
+                thinner: Thinner::default(),
+                warnings: Warnings::default(),
+                pings: VecDeque::new(),
+                next_ping: 1,
+                handed: VecDeque::new(),
+                heading: None,
+                counted: (counts.jumps, counts.absurd),
+                last_heard: now,
+                unreadable: 0,
+                sent: None,
+                sent_at: Time(0),
+            };
+            let end = session.run(&hello).await.err();
+            api.feeds.leave(worker, &session.seat);
+            socket = session.socket;
+            end
+        }
+        Err(end) => Some(end),
+    };
+    if let Some(End::Bye(code, reason)) = end {
+        let text = json!({"type": "error", "text": reason}).to_string();
+        _ = timeout(SEND, socket.send(Message::Text(text.into()))).await;
+        let frame = CloseFrame { code, reason: short(&reason).into() };
+        _ = timeout(SEND, socket.send(Message::Close(Some(frame)))).await;
+    }
+}
+
+/// Reasons in close frames have room for 123 bytes.
+fn short(reason: &str) -> &str {
+    let end = (0..=reason.len().min(120)).rev().find(|i| reason.is_char_boundary(*i));
+    &reason[..end.unwrap_or(0)]
+}
+
+/// The first message, in a version that both speak.
+async fn greeting(socket: &mut WebSocket) -> Result<HelloSaid, End> {
+    let policy = |reason: &str| End::Bye(close_code::POLICY, reason.into());
+    let message = loop {
+        match socket.recv().await {
+            Some(Ok(Message::Text(text))) => break text,
+            Some(Ok(Message::Ping(_) | Message::Pong(_))) => {}
+            Some(Ok(Message::Binary(_))) => return Err(policy("messages are JSON texts")),
+            _ => return Err(End::Gone),
+        }
+    };
+    match serde_json::from_str::<Said>(&message) {
+        Ok(Said::Hello(hello)) if hello.versions.iter().any(|v| VERSIONS.contains(v)) => Ok(hello),
+        Ok(Said::Hello(hello)) => Err(policy(&format!(
+            "this server speaks versions {VERSIONS:?} of the feed, the client only {:?}",
+            &hello.versions[..hello.versions.len().min(8)]
+        ))),
+        Ok(_) => Err(policy("the first message is hello, with the versions that you speak")),
+        Err(e) => Err(policy(&format!("the first message is no hello: {e}"))),
+    }
+}
+
+impl Session<'_> {
+    async fn run(&mut self, hello: &HelloSaid) -> Result<(), End> {
+        let welcome = json!({
+            "type": "welcome", "version": VERSIONS[0], "worker": worker_name(self.worker),
+            "name": self.api.feeds.name(self.worker), "frame": hello.frame.word(),
+            "epoch": self.intake.epoch(), "aligned": self.intake.alignment().is_some(), "rate_hz": 60,
+        });
+        self.send(welcome).await?;
+        let mut closing = self.api.closing.clone();
+        loop {
+            self.ping().await?;
+            let wait = self.wait();
+            tokio::select! {
+                biased;
+                changed = self.seat.told.changed() => {
+                    changed.map_err(|_| End::Gone)?;
+                    self.guide(false).await?;
+                }
+                taken = self.seat.taken.changed() => {
+                    taken.map_err(|_| End::Gone)?;
+                    if *self.seat.taken.borrow() != self.seat.number {
+                        let reason = "another connection took this worker's place";
+                        return Err(End::Bye(close_code::POLICY, reason.into()));
+                    }
+                }
+                () = async { _ = closing.wait_for(|closing| *closing).await.is_ok() } => {
+                    return Err(End::Bye(close_code::AWAY, "the server goes down".into()));
+                }
+                () = tokio::time::sleep(wait) => self.tick().await?,
+                message = self.socket.recv() => self.hear(message).await?,
+            }
+        }
+    }
+
+    /// How long nothing is due.
+    fn wait(&self) -> Duration {
+        let now = (self.api.now)();
+        let dues = [self.intake.clock.due(), self.thinner.due(), Some(self.sent_at + REFRESH)];
+        let first = dues.into_iter().flatten().min().unwrap_or(now);
+        Duration::from_micros((first - now).0.max(0).unsigned_abs())
+    }
+
+    async fn tick(&mut self) -> Result<(), End> {
+        let now = (self.api.now)();
+        if now - self.last_heard > SILENT {
+            return Err(End::Gone);
+        }
+        if let Some((received, pose)) = self.thinner.ready(now) {
+            self.hand(&pose, received).await?;
+        }
+        if now - self.sent_at >= REFRESH { self.guide(true).await } else { Ok(()) }
+    }
+
+    async fn hear(&mut self, message: Option<Result<Message, axum::Error>>) -> Result<(), End> {
+        let now = (self.api.now)();
+        self.last_heard = now;
+        let text = match message {
+            Some(Ok(Message::Text(text))) => text,
+            Some(Ok(Message::Ping(_) | Message::Pong(_))) => return Ok(()),
+            Some(Ok(Message::Binary(_))) => return self.unreadable("messages are JSON texts").await,
+            Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(End::Gone),
+        };
+        let said = match serde_json::from_str::<Said>(&text) {
+            Ok(said) => said,
+            Err(e) => return self.unreadable(&format!("not a message of this feed: {e}")).await,
+        };
+        self.unreadable = 0;
+        match said {
+            Said::Pose(pose) => match self.thinner.offer((now, pose), now) {
+                Some((received, pose)) => self.hand(&pose, received).await,
+                None => Ok(()),
+            },
+            Said::Pong { id, t1, t2 } => self.pong(id, t1, t2, now).await,
+            Said::Anchors { pairs } => self.align(&pairs).await,
+            Said::Reset => {
+                self.intake.reset();
+                let aligned = self.intake.alignment().is_some();
+                self.send(json!({"type": "epoch", "epoch": self.intake.epoch(), "aligned": aligned})).await
+            }
+            Said::Resync => {
+                self.intake.clock.resync();
+                Ok(())
+            }
+            Said::Ack { version } => {
+                self.api.feeds.acknowledge(self.worker, version);
+                Ok(())
+            }
+            Said::Hello(_) => self.warn("hello", 1, "hello is the first message only").await,
+        }
+    }
+
+    /// Reads a pose and hands it on.
+    async fn hand(&mut self, said: &PoseSaid, received: Time) -> Result<(), End> {
+        self.api.metrics.poses_received.inc();
+        let fault = match self.intake.take(said, received) {
+            Ok(taken) => {
+                self.heading = taken.sighting.heading;
+                if self.handed.len() == RECENT {
+                    self.handed.pop_front();
+                }
+                self.handed.push_back((received, said.epoch, said.seq));
+                if !self.api.feeds.hand(&self.seat, taken.sighting, taken.senses, received) {
+                    self.api.metrics.refused("full");
+                }
+                taken.fault
+            }
+            Err(fault) => {
+                self.api.metrics.refused(fault.word());
+                Some(fault)
+            }
+        };
+        match fault {
+            Some(fault) => self.warn(fault.word(), 1, fault.text()).await,
+            None => Ok(()),
+        }
+    }
+
+    async fn unreadable(&mut self, text: &str) -> Result<(), End> {
+        self.unreadable += 1;
+        if self.unreadable > MOST_UNREADABLE {
+            let reason = format!("{MOST_UNREADABLE} messages in a row could not be read");
+            return Err(End::Bye(close_code::POLICY, reason));
+        }
+        self.api.metrics.refused("unreadable");
+        self.warn("unreadable", 1, text).await
+    }
+
+    async fn ping(&mut self) -> Result<(), End> {
+        let now = (self.api.now)();
+        if self.intake.clock.due().is_some_and(|due| due > now) {
+            return Ok(());
+        }
+        if self.pings.len() == MOST_PINGS {
+            self.pings.pop_front();
+        }
+        let id = self.next_ping;
+        self.next_ping += 1;
+        self.intake.clock.pinged(now);
+        self.pings.push_back((id, now));
+        self.send(json!({"type": "ping", "id": id})).await
+    }
+
+    async fn pong(&mut self, id: u64, t1: f64, t2: f64, now: Time) -> Result<(), End> {
+        // Pings get one answer each; others are not ours.
+        let Some(i) = self.pings.iter().position(|(asked, _)| *asked == id) else { return Ok(()) };
+        let Some((_, asked)) = self.pings.remove(i) else { return Ok(()) };
+        match self.intake.clock.take(Exchange { asked, got_ms: t1, answered_ms: t2, heard: now }) {
+            Outcome::Taken => Ok(()),
+            outcome @ (Outcome::First | Outcome::Jumped) => {
+                let error = self.intake.clock.error(now).unwrap_or_default();
+                let jumped = outcome == Outcome::Jumped;
+                let error_ms = error.0 as f64 / 1000.0;
+                self.send(json!({"type": "clock", "error_ms": error_ms, "jumped": jumped})).await
+            }
+            Outcome::Absurd => {
+                let text = "t1 and t2 are milliseconds of one monotonic clock, t1 before t2";
+                self.warn("pong", 1, text).await
+            }
+        }
+    }
+
+    async fn align(&mut self, said: &[AnchorSaid]) -> Result<(), End> {
+        let fit = pairs(said, &self.api.map).map_err(|text| (text, "correct the message"));
+        let fit = fit.and_then(|pairs| match self.intake.align(&pairs) {
+            Ok(alignment) => Ok(alignment.clone()),
+            Err(misfit) => Err((misfit.to_string(), misfit.remedy())),
+        });
+        let answer = match fit {
+            Ok(a) => json!({
+                "type": "aligned", "epoch": self.intake.epoch(), "theta": a.theta, "shift": [a.shift.x, a.shift.y],
+                "rms_m": a.rms_m, "heading_error": a.heading_error, "dropped": a.dropped,
+            }),
+            Err((reason, remedy)) => json!({
+                "type": "refused", "what": "anchors", "reason": reason, "remedy": remedy,
+                "epoch": self.intake.epoch(), "aligned": self.intake.alignment().is_some(),
+            }),
+        };
+        self.send(answer).await
+    }
+
+    /// Sends guidance: at once where it changed, else only where it is time.
+    async fn guide(&mut self, due: bool) -> Result<(), End> {
+        let Told { at, guidance: told, counts } = self.seat.told.borrow_and_update().clone();
+        let key = GuidanceKey::of(told.as_ref());
+        self.api.metrics.poses_thinned.inc_by(std::mem::take(&mut self.thinner.thinned));
+        let changed = self.sent != Some(key);
+        let now = (self.api.now)();
+        if !changed && !due && now - self.sent_at < REFRESH {
+            return Ok(());
+        }
+        let considered = self.handed.iter().rev().find(|(received, ..)| *received <= at).copied();
+        let moment = self.api.moment();
+        let names = Names { map: &self.api.map, view: &moment.view };
+        let pose = considered.map(|(_, epoch, seq)| json!({"epoch": epoch, "seq": seq}));
+        let mut message = guidance(told.as_ref(), Beside { names, heading: self.heading, now });
+        message["pose"] = pose.into();
+        let stopped = key.state == GuidanceState::Stop;
+        let began = self.sent.is_none_or(|sent| sent.state != GuidanceState::Stop);
+        (self.sent, self.sent_at) = (Some(key), now);
+        self.send(message).await?;
+        if let Some((received, ..)) = considered.filter(|_| stopped && began) {
+            let took = (self.api.now)() - received;
+            self.api.metrics.pose_to_stop.observe(took.as_secs_f64());
+        }
+        let (jumps, absurd) = (counts.jumps - self.counted.0.min(counts.jumps), counts.absurd);
+        let absurd = absurd - self.counted.1.min(absurd);
+        self.counted = (counts.jumps, counts.absurd);
+        if jumps > 0 {
+            let text = "the pose is further away than anybody walks: send reset where the origin moved";
+            self.warn("jump", jumps, text).await?;
+        }
+        if absurd > 0 {
+            let text = "nobody can be there: check frame, marks and clock";
+            self.warn("impossible", absurd, text).await?;
+        }
+        Ok(())
+    }
+
+    async fn warn(&mut self, code: &'static str, count: u64, text: &str) -> Result<(), End> {
+        match self.warnings.note(code, count, (self.api.now)()) {
+            Some(count) => {
+                self.send(json!({"type": "warning", "code": code, "count": count, "text": text})).await
+            }
+            None => Ok(()),
+        }
+    }
+
+    async fn send(&mut self, message: Value) -> Result<(), End> {
+        let message = Message::Text(message.to_string().into());
+        match timeout(SEND, self.socket.send(message)).await {
+            Ok(Ok(())) => Ok(()),
+            _ => Err(End::Gone),
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! A connection over a real socket, with the fleet played by the test.
+
+use super::hub::{Feeds, Heard};
+use crate::api::port::{
+    Alarms, AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, JobFilter, JobRecord,
+    Later, Moment, Records,
+};
+use crate::api::{Api, auth::Gate, live::Live, massrobotics::Interop, metrics::Metrics, router};
+use crate::fleet::{Guidance, GuidanceReason, GuidanceState, View};
+use crate::geometry::Point;
+use crate::id::{AssignmentId, IdVec, JobId, WorkerId};
+use crate::time::{Span, Time};
+use futures_util::{SinkExt, StreamExt};
+use serde_json::{Value, json};
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicI64, Ordering};
+use tokio::sync::{mpsc, watch};
+use tokio_tungstenite::tungstenite::Message;
+use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
+
+const ANNA: WorkerId = WorkerId(0);
+
+/// A store without anything.
+struct Nothing;
+
+impl Records for Nothing {
+    fn job(&self, _: JobId) -> Later<'_, Result<Option<JobRecord>, String>> {
+        Box::pin(async { Ok(None) })
+    }
+    fn jobs(&self, _: JobFilter) -> Later<'_, Result<Vec<JobRecord>, String>> {
+        Box::pin(async { Ok(Vec::new()) })
+    }
+    fn assignment(&self, _: AssignmentId) -> Later<'_, Result<Option<AssignmentRecord>, String>> {
+        Box::pin(async { Ok(None) })
+    }
+    fn assignments(&self, _: AssignmentFilter) -> Later<'_, Result<Vec<AssignmentRecord>, String>> {
+        Box::pin(async { Ok(Vec::new()) })
+    }
+    fn encounters(&self, _: EncounterFilter) -> Later<'_, Result<Vec<EncounterRecord>, String>> {
+        Box::pin(async { Ok(Vec::new()) })
+    }
+}
+
+/// A server without a fleet; its clock stands unless the test moves it.
+struct Stage {
+    at: SocketAddr,
+    feeds: Arc<Feeds>,
+    heard: mpsc::Receiver<Heard>,
+    clock: Arc<AtomicI64>,
+    metrics: Arc<Metrics>,
+    _moments: watch::Sender<Arc<Moment>>,
+    _closing: watch::Sender<bool>,
+}
+
+impl Stage {
+    async fn new() -> Stage {
+        let map = crate::warehouse::formats::json::parse(include_str!("../../../maps/lab.json")).unwrap();
+        let map = Arc::new(map);
+        let (feeds, heard) = Feeds::new();
+        feeds.know(&IdVec::from(vec!["anna".to_owned()]));
+        let feeds = Arc::new(feeds);
+        let (moments, picture) = watch::channel(Arc::new(Moment::default()));
+        let (closing, closes) = watch::channel(false);
+        let clock = Arc::new(AtomicI64::new(1_800_000_000_000_000));
+        let (ticks, metrics) = (clock.clone(), Arc::new(Metrics::default()));
+        let api = Api {
+            map: map.clone(),
+            moments: picture,
+            records: Arc::new(Nothing),
+            desk: Some(mpsc::channel(1).0),
+            alarms: Arc::new(Alarms::default()),
+            live: Arc::new(Live::new(map, 1)),
+            feeds: feeds.clone(),
+            interop: Arc::new(Interop::default()),
+            now: Arc::new(move || Time(ticks.fetch_add(1, Ordering::Relaxed))),
+            metrics: metrics.clone(),
+            gate: Arc::new(Gate::default()),
+            closing: closes,
+        };
+        let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let at = listener.local_addr().unwrap();
+        tokio::spawn(async move { axum::serve(listener, router(api).0).await });
+        Stage { at, feeds, heard, clock, metrics, _moments: moments, _closing: closing }
+    }
+
+    fn now(&self) -> Time {
+        Time(self.clock.load(Ordering::Relaxed))
+    }
+
+    async fn connect(&self, frame: &str) -> Client {
+        let (socket, _) = connect_async(format!("ws://{}/v1/workers/w1/feed", self.at)).await.unwrap();
+        let mut client = Client { socket };
+        client.say(json!({"type": "hello", "versions": [1], "frame": frame})).await;
+        client
+    }
+}
+
+struct Client {
+    socket: WebSocketStream<MaybeTlsStream<tokio::net::TcpStream>>,
+}
+
+impl Client {
+    async fn say(&mut self, message: Value) {
+        self.socket.send(Message::Text(message.to_string().into())).await.unwrap();
+    }
+
+    /// The next message of this type; answers pings on the way, its clock reading 5000 ms always.
+    async fn next(&mut self, kind: &str) -> Value {
+        loop {
+            let message = tokio::time::timeout(std::time::Duration::from_secs(5), self.socket.next()).await;
+            let Message::Text(text) = message.expect("a message in time").unwrap().unwrap() else { continue };
+            let message: Value = serde_json::from_str(&text).unwrap();
+            if message["type"] == "ping" {
+                self.say(json!({"type": "pong", "id": message["id"], "t1": 5000.0, "t2": 5000.0})).await;
+            }
+            if message["type"] == kind {
+                return message;
+            }
+        }
+    }
+}
+
+fn told(state: GuidanceState, version: u64) -> Guidance {
+    Guidance {
+        state,
+        reason: Some(GuidanceReason::NoWay),
+        version,
+        path: vec![Point::new(1.0, 2.0)],
+        next: None,
+        eta: None,
+        assignment: None,
+        near: vec![],
+    }
+}
+
+#[tokio::test]
+async fn a_stop_leaves_at_once_and_says_which_pose_it_was_decided_with() {
+    let mut stage = Stage::new().await;
+    let mut anna = stage.connect("map").await;
+    anna.next("clock").await;
+    anna.say(json!({"type": "pose", "epoch": 1, "seq": 7, "t": 5000.0, "at": [3.0, 4.0]})).await;
+    let heard = stage.heard.recv().await.unwrap();
+    assert_eq!((heard.sighting.worker, heard.sighting.at), (ANNA, Point::new(3.0, 4.0)));
+    // The clock stands from here on, so that nothing leaves because it is time.
+    stage.feeds.tell(stage.now(), vec![(ANNA, told(GuidanceState::Stop, 1))]);
+    let stop = loop {
+        let message = anna.next("guidance").await;
+        if message["state"] == "stop" {
+            break message;
+        }
+    };
+    assert_eq!(stop["reason"], "no way to the place is free");
+    assert_eq!(stop["pose"], json!({"epoch": 1, "seq": 7}));
+    let text = stage.metrics.text(&Moment::default());
+    assert!(text.contains("giveway_pose_to_stop_seconds_count 1"), "{text}");
+}
+
+#[tokio::test]
+async fn guidance_that_does_not_change_leaves_four_times_a_second_and_only_the_newest() {
+    let stage = Stage::new().await;
+    let mut anna = stage.connect("map").await;
+    assert_eq!(anna.next("guidance").await["state"], "idle", "nothing to say is said, too");
+    for version in 1..=100 {
+        stage.feeds.tell(stage.now(), vec![(ANNA, told(GuidanceState::Following, version))]);
+    }
+    let first = anna.next("guidance").await["version"].as_u64().unwrap();
+    assert_eq!(first, 100, "of what came between two messages, the newest");
+    stage.feeds.tell(stage.now(), vec![(ANNA, told(GuidanceState::Following, 100))]);
+    stage.feeds.tell(stage.now(), vec![(ANNA, told(GuidanceState::Deviating, 100))]);
+    assert_eq!(anna.next("guidance").await["state"], "deviating", "the one that is the same was left out");
+    stage.clock.fetch_add(Span::from_millis(300).0, Ordering::Relaxed);
+    stage.feeds.refresh(&View { now: stage.now(), ..View::default() });
+    assert_eq!(anna.next("guidance").await["state"], "idle");
+}
+
+#[tokio::test]
+async fn an_acknowledgement_is_kept_for_those_who_ask() {
+    let stage = Stage::new().await;
+    let mut anna = stage.connect("map").await;
+    anna.next("welcome").await;
+    anna.say(json!({"type": "ack", "version": 12})).await;
+    anna.say(json!({"type": "reset"})).await;
+    anna.next("epoch").await;
+    let carried = stage.feeds.carried(ANNA).unwrap();
+    assert_eq!((carried.acknowledged, carried.connected), (Some(12), true));
+}

@@ -1,0 +1,202 @@
+//! What headsets say, as it travels: JSON texts with a `type`.
+//!
+//! Main types: [`Said`], [`PoseSaid`], [`AnchorSaid`]. Unknown keys are ignored, so that newer headsets can talk to
+//! older servers. Refuses: to judge numbers; [`super::intake`] does.
+
+use serde::Deserialize;
+
+/// Versions of the protocol that this server speaks, best first.
+pub const VERSIONS: [u32; 1] = [1];
+
+/// A message of a headset.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Said {
+    /// The first message.
+    Hello(HelloSaid),
+    /// The answer to a `ping`.
+    Pong {
+        /// Of the ping.
+        id: u64,
+        /// When the device got it, milliseconds of its own clock.
+        t1: f64,
+        /// When the device answers.
+        t2: f64,
+    },
+    /// Marks on the floor that the device knows.
+    Anchors {
+        /// One with its direction, or two and more.
+        pairs: Vec<AnchorSaid>,
+    },
+    /// The device's origin jumped: poses up to now mean nothing any more.
+    Reset,
+    /// The device slept, or its page was hidden: its clock may have stood.
+    Resync,
+    /// A pose.
+    Pose(Box<PoseSaid>),
+    /// The guidance of this version is on the screen.
+    Ack {
+        /// Of the guidance.
+        version: u64,
+    },
+}
+
+/// The first message.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct HelloSaid {
+    /// Versions of the protocol that the client speaks.
+    pub versions: Vec<u32>,
+    /// Which frame its poses are in.
+    #[serde(default)]
+    pub frame: Frame,
+}
+
+/// The frame of poses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Frame {
+    /// The device's own, which must be aligned.
+    #[default]
+    Device,
+    /// The map's.
+    Map,
+}
+
+impl Frame {
+    /// The word for it on the wire.
+    pub fn word(self) -> &'static str {
+        match self {
+            Frame::Device => "device",
+            Frame::Map => "map",
+        }
+    }
+}
+
+/// A mark on the floor.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct AnchorSaid {
+    /// Where the device has it: WebXR axes, metres.
+    pub device: [f64; 3],
+    /// Which way it points in the device's frame, as a rotation of "ahead".
+    pub quat: Option<[f64; 4]>,
+    /// Where it is on the map, metres.
+    pub map: Option<[f64; 2]>,
+    /// Or the name of a node that is there.
+    pub mark: Option<String>,
+    /// Which way it points on the map, radians.
+    pub heading: Option<f64>,
+    /// How much it counts.
+    pub weight: Option<f64>,
+}
+
+/// A pose.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct PoseSaid {
+    /// The alignment that it belongs to.
+    pub epoch: u32,
+    /// Counts up within an epoch.
+    pub seq: u64,
+    /// When it was so, milliseconds of the device's clock.
+    pub t: f64,
+    /// WebXR position, metres.
+    pub pos: Option<[f64; 3]>,
+    /// WebXR orientation.
+    pub quat: Option<[f64; 4]>,
+    /// Or, in the map's frame: x and y, metres.
+    pub at: Option<[f64; 2]>,
+    /// And where somebody faces, radians.
+    pub heading: Option<f64>,
+    /// One standard deviation of the position, metres.
+    pub accuracy: Option<f64>,
+    /// How well the device knows it.
+    #[serde(default)]
+    pub quality: QualitySaid,
+    /// Where somebody looks.
+    pub gaze: Option<GazeSaid>,
+    /// Joints of the hands.
+    pub hands: Option<HandsSaid>,
+    /// Charge of the device, 0 to 1.
+    pub battery: Option<f64>,
+}
+
+/// How well a device knows its pose.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum QualitySaid {
+    /// Measured.
+    #[default]
+    Tracked,
+    /// Guessed.
+    Emulated,
+    /// Unknown.
+    Lost,
+}
+
+/// Where somebody looks, in the device's frame.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+pub struct GazeSaid {
+    /// What the ray comes from.
+    pub kind: GazeKind,
+    /// Where it begins, WebXR axes, metres.
+    pub origin: [f64; 3],
+    /// Its direction.
+    pub dir: [f64; 3],
+}
+
+/// What a gaze ray comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GazeKind {
+    /// Straight ahead of the head.
+    Head,
+    /// Measured eyes.
+    Eye,
+    /// A model's estimate.
+    Estimated,
+}
+
+impl GazeKind {
+    /// The word for it on the wire.
+    pub fn word(self) -> &'static str {
+        match self {
+            GazeKind::Head => "head",
+            GazeKind::Eye => "eye",
+            GazeKind::Estimated => "estimated",
+        }
+    }
+}
+
+/// Joints of both hands: x, y, z in WebXR axes and radius, metres; usually 25 of them.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+pub struct HandsSaid {
+    /// Left.
+    pub l: Option<Vec<[f64; 4]>>,
+    /// Right.
+    pub r: Option<Vec<[f64; 4]>>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_are_read_as_docs_show_them_and_with_keys_of_tomorrow() {
+        let text = r#"{"type":"pose","epoch":1,"seq":2,"t":3.5,"pos":[1,2,3],"colour":"red"}"#;
+        let Said::Pose(pose) = serde_json::from_str(text).unwrap() else { panic!("{text}") };
+        assert_eq!((pose.quality, pose.quat, pose.pos), (QualitySaid::Tracked, None, Some([1.0, 2.0, 3.0])));
+        assert_eq!(serde_json::from_str::<Said>(r#"{"type":"reset"}"#).unwrap(), Said::Reset);
+        let texts = include_str!("../../../docs/headset.md").split("```json").skip(1);
+        let texts = texts.filter_map(|rest| rest.split("```").next());
+        let shown: Vec<serde_json::Value> = texts
+            .flat_map(|text| serde_json::Deserializer::from_str(text).into_iter())
+            .map(|value| value.expect("docs/headset.md shows JSON"))
+            .collect();
+        let ours = ["hello", "pong", "anchors", "pose"];
+        let said = shown.iter().filter(|m| ours.iter().any(|t| m["type"] == *t));
+        let read: Vec<Said> = said.map(|m| serde_json::from_value(m.clone()).expect("as shown")).collect();
+        assert_eq!(read.len(), 4, "docs/headset.md shows each");
+        for bad in [r#"{"type":"jump"}"#, "{}", r#"{"type":"pose","epoch":-1}"#] {
+            assert!(serde_json::from_str::<Said>(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! `/v1/workers/{id}/assignments` and `/v1/assignments`: what workers are to do.
+//!
+//! Main type: [`NewAssignment`]. A request is answered when its facts are durable. Refuses: to reorder anybody's
+//! work.
+
+use super::lists::checked_limit;
+use crate::api::Api;
+use crate::api::dto::{Names, Page};
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::{Body, Key, Params, Segment};
+use crate::api::people::{ASSIGNMENT_STATES, AssignmentDto, assignment_name, parse_assignment, parse_worker};
+use crate::api::port::{AssignmentFilter, AssignmentRecord, What};
+use crate::api::refusal::refused;
+use crate::fleet::{AssignmentRequest, Reply};
+use crate::id::{AssignmentId, WorkerId};
+use crate::time::Span;
+use axum::Json;
+use axum::extract::State;
+use axum::http::{HeaderName, StatusCode, header};
+use serde::Deserialize;
+use utoipa::{IntoParams, ToSchema};
+
+/// The longest stay: a shift, seconds.
+const LONGEST_STAY_S: f64 = 8.0 * 3600.0;
+
+/// How long a stay is where nobody says, seconds.
+const USUAL_STAY_S: f64 = 30.0;
+
+/// The longest text.
+const LONGEST_TEXT: usize = 500;
+
+/// Something for a worker to do.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewAssignment {
+    /// Name of the node to go to; at a storage node, the nearest place from which its rack can be reached.
+    #[schema(example = "A12")]
+    place: String,
+    /// How long it takes there, seconds; 30 where absent.
+    #[schema(minimum = 0, maximum = 28800)]
+    stay_s: Option<f64>,
+    /// What, in your words, up to 500 characters.
+    what: Option<String>,
+}
+
+/// Which assignments to list.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct AssignmentParams {
+    /// How many at most, 1 to 500; 50 where absent.
+    limit: Option<u32>,
+    /// Only those in this state: waiting, walking, working, done or cancelled.
+    state: Option<String>,
+    /// `next` of the page before.
+    cursor: Option<String>,
+}
+
+/// A worker's assignments, newest first.
+#[utoipa::path(get, path = "/v1/workers/{id}/assignments", tag = "people",
+    params(("id" = String, Path, example = "w1"), AssignmentParams), responses(
+    (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn of_worker(
+    State(api): State<Api>,
+    Segment(id): Segment,
+    Params(p): Params<AssignmentParams>,
+) -> Result<Json<Page<AssignmentDto>>, Problem> {
+    let worker = parse_worker(&api, &id)?;
+    list(&api, Some(worker), &p).await
+}
+
+/// All assignments, newest first.
+#[utoipa::path(get, path = "/v1/assignments", tag = "people", params(AssignmentParams), responses(
+    (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn all(
+    State(api): State<Api>,
+    Params(p): Params<AssignmentParams>,
+) -> Result<Json<Page<AssignmentDto>>, Problem> {
+    list(&api, None, &p).await
+}
+
+/// One assignment.
+#[utoipa::path(get, path = "/v1/assignments/{id}", tag = "people",
+    params(("id" = String, Path, example = "a3")), responses(
+    (status = 200, description = "The assignment", body = AssignmentDto),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<AssignmentDto>, Problem> {
+    let record = read(&api, parse_id(&id)?).await?;
+    Ok(Json(dto(&api, &record)))
+}
+
+/// Give a worker something to do. It is durable when this answers. With an `Idempotency-Key`, trying again never
+/// makes a second assignment.
+#[utoipa::path(post, path = "/v1/workers/{id}/assignments", tag = "people", request_body = NewAssignment,
+    params(("id" = String, Path, example = "w1"),
+    ("Idempotency-Key" = Option<String>, Header, description = "Your own key, up to 255 characters")),
+    responses(
+    (status = 201, description = "Accepted and durable", body = AssignmentDto, headers(("Location" = String))),
+    (status = 200, description = "Was accepted before under this key", body = AssignmentDto),
+    (status = 400, body = Problem, content_type = "application/problem+json"),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "Not now; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn assign(
+    State(api): State<Api>,
+    Segment(id): Segment,
+    Key(key): Key,
+    Body(new): Body<NewAssignment>,
+) -> Result<(StatusCode, [(HeaderName, String); 1], Json<AssignmentDto>), Problem> {
+    let worker = parse_worker(&api, &id)?;
+    let request = AssignmentRequest { key, ..new.read(&api)? };
+    let (id, new) = match api.ask(What::Assign(worker, request.clone())).await? {
+        Reply::Assigned { assignment, new, .. } => (assignment, new),
+        Reply::Refused { why, .. } => return Err(refused(&api.map, why)),
+        _ => return Err(Problem::internal()),
+    };
+    let record = read(&api, id).await?;
+    if record.assignment.request != request || record.assignment.worker != worker {
+        let detail = format!(
+            "the Idempotency-Key was used for {}, which is another assignment: take a new key for a new one",
+            assignment_name(id)
+        );
+        let status = StatusCode::UNPROCESSABLE_ENTITY;
+        return Err(Problem::new(status, "key-reused", "The key belongs to another assignment", detail));
+    }
+    let status = if new { StatusCode::CREATED } else { StatusCode::OK };
+    let place = format!("/v1/assignments/{}", assignment_name(id));
+    Ok((status, [(header::LOCATION, place)], Json(dto(&api, &record))))
+}
+
+/// Cancel an assignment.
+#[utoipa::path(delete, path = "/v1/assignments/{id}", tag = "people",
+    params(("id" = String, Path, example = "a3")), responses(
+    (status = 200, description = "It is cancelled", body = AssignmentDto),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 409, description = "It was over already", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 503, description = "Not now; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn cancel(State(api): State<Api>, Segment(id): Segment) -> Result<Json<AssignmentDto>, Problem> {
+    let id = parse_id(&id)?;
+    // Whoever asks for one that never was learns that first.
+    read(&api, id).await?;
+    match api.ask(What::Unassign(id)).await? {
+        Reply::Done { .. } => Ok(Json(dto(&api, &read(&api, id).await?))),
+        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
+        _ => Err(Problem::internal()),
+    }
+}
+
+async fn list(
+    api: &Api,
+    worker: Option<WorkerId>,
+    p: &AssignmentParams,
+) -> Result<Json<Page<AssignmentDto>>, Problem> {
+    let limit = checked_limit(p.limit, 50)?;
+    let mut errors = Vec::new();
+    let state = p.state.as_deref().and_then(|word| {
+        let known = ASSIGNMENT_STATES.map(|s| s.word()).into_iter().find(|w| *w == word);
+        if known.is_none() {
+            let words = ASSIGNMENT_STATES.map(|s| s.word()).join(", ");
+            errors.push(FieldError::new("state", format!("\"{word}\" is none of {words}")));
+        }
+        known
+    });
+    let before = p.cursor.as_deref().and_then(|cursor| {
+        let id = parse_assignment(cursor);
+        if id.is_none() {
+            errors.push(FieldError::new("cursor", "take it from `next` of the page before"));
+        }
+        id
+    });
+    if !errors.is_empty() {
+        return Err(Problem::invalid(errors));
+    }
+    let filter = AssignmentFilter { worker, state, before, limit: limit + 1 };
+    let mut rows = api.records.assignments(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let more = rows.len() > limit as usize;
+    rows.truncate(limit as usize);
+    let next = rows.last().filter(|_| more).map(|row| assignment_name(row.id));
+    Ok(Json(Page { items: rows.iter().map(|row| dto(api, row)).collect(), next }))
+}
+
+fn parse_id(text: &str) -> Result<AssignmentId, Problem> {
+    let detail = || format!("\"{text}\" is no assignment; assignments are like a3");
+    parse_assignment(text).ok_or_else(|| Problem::unknown("assignment", detail()))
+}
+
+async fn read(api: &Api, id: AssignmentId) -> Result<AssignmentRecord, Problem> {
+    let record = api.records.assignment(id).await.map_err(|why| Problem::unavailable(why, 2))?;
+    record.ok_or_else(|| Problem::unknown("assignment", format!("{} does not exist", assignment_name(id))))
+}
+
+fn dto(api: &Api, record: &AssignmentRecord) -> AssignmentDto {
+    Names { map: &api.map, view: &api.moment().view }.assignment(record)
+}
+
+impl NewAssignment {
+    fn read(&self, api: &Api) -> Result<AssignmentRequest, Problem> {
+        let mut errors = Vec::new();
+        let place = api.map.node_named(&self.place);
+        if place.is_none() {
+            let detail = format!("there is no node \"{}\"; GET /v1/map lists them", self.place);
+            errors.push(FieldError::new("place", detail));
+        }
+        let stay_s = self.stay_s.unwrap_or(USUAL_STAY_S);
+        if !(0.0..=LONGEST_STAY_S).contains(&stay_s) {
+            errors.push(FieldError::new("stay_s", format!("seconds, 0 to {LONGEST_STAY_S}")));
+        }
+        let what = self.what.clone().unwrap_or_default();
+        if what.chars().count() > LONGEST_TEXT {
+            errors.push(FieldError::new("what", format!("up to {LONGEST_TEXT} characters")));
+        }
+        match place {
+            Some(place) if errors.is_empty() => {
+                Ok(AssignmentRequest { place, stay: Span::from_secs_f64(stay_s), what, key: None })
+            }
+            _ => Err(Problem::invalid(errors)),
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! `/v1/closures`: areas that robots keep out of, marked by hand.
+//!
+//! Main type: [`NewClosure`]. Refuses: areas of nothing, and times that are over.
+
+use super::lists::{Paging, page};
+use crate::api::Api;
+use crate::api::dto::{Names, Page, parse_time};
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::{Body, Params, Segment};
+use crate::api::feed::FAR_M;
+use crate::api::people::{ClosureDto, closure_name, parse_closure};
+use crate::api::port::What;
+use crate::api::refusal::refused;
+use crate::fleet::{Closure, Reply};
+use crate::geometry::{Point, Spot};
+use crate::id::ClosureId;
+use crate::time::{Time, Window};
+use axum::Json;
+use axum::extract::State;
+use axum::http::{HeaderName, StatusCode, header};
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+/// The most corners.
+const MOST_CORNERS: usize = 100;
+
+/// The longest reason.
+const LONGEST_REASON: usize = 500;
+
+/// A node closes so far around itself, metres: less than half the way to any other node.
+const AROUND_NODE_M: f64 = 0.25;
+
+/// The smallest area, square metres.
+const SMALLEST_M2: f64 = 0.01;
+
+/// An area to keep out of: an outline, or nodes.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewClosure {
+    /// Its corners, metres, 3 to 100.
+    outline: Option<Vec<[f64; 2]>>,
+    /// Or names of nodes: the area around all of them, and what lies between. The answer lists all nodes inside.
+    nodes: Option<Vec<String>>,
+    /// From when on, RFC 3339; at once where absent.
+    from: Option<String>,
+    /// Until when; until somebody opens it where absent.
+    #[schema(example = "2027-01-31T12:00:00Z")]
+    until: Option<String>,
+    /// Why, for those who see it.
+    #[schema(example = "oil on the floor")]
+    reason: String,
+}
+
+/// All closed areas.
+#[utoipa::path(get, path = "/v1/closures", tag = "people", params(Paging), responses(
+    (status = 200, description = "Areas in order of marking", body = Page<ClosureDto>),
+    (status = 422, body = Problem, content_type = "application/problem+json")))]
+pub async fn list(
+    State(api): State<Api>,
+    Params(p): Params<Paging>,
+) -> Result<Json<Page<ClosureDto>>, Problem> {
+    let moment = api.moment();
+    page(Names { map: &api.map, view: &moment.view }.closures(), &p)
+}
+
+/// Close an area. It is durable when this answers; robots inside drive out, others stay out.
+#[utoipa::path(post, path = "/v1/closures", tag = "people", request_body = NewClosure, responses(
+    (status = 201, description = "Closed and durable", body = ClosureDto, headers(("Location" = String))),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "Not now; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn close(
+    State(api): State<Api>,
+    Body(new): Body<NewClosure>,
+) -> Result<(StatusCode, [(HeaderName, String); 1], Json<ClosureDto>), Problem> {
+    let area = new.read(&api)?;
+    match api.ask(What::Close(area.clone())).await? {
+        Reply::Closed { closure, .. } => {
+            let moment = api.moment();
+            let dto = Names { map: &api.map, view: &moment.view }.closure(closure, &area);
+            let place = format!("/v1/closures/{}", closure_name(closure));
+            Ok((StatusCode::CREATED, [(header::LOCATION, place)], Json(dto)))
+        }
+        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
+        _ => Err(Problem::internal()),
+    }
+}
+
+/// One closed area.
+#[utoipa::path(get, path = "/v1/closures/{id}", tag = "people",
+    params(("id" = String, Path, example = "c2")), responses(
+    (status = 200, description = "The area", body = ClosureDto),
+    (status = 404, body = Problem, content_type = "application/problem+json")))]
+pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<ClosureDto>, Problem> {
+    let id = parse_id(&id)?;
+    let moment = api.moment();
+    let found = moment.view.closures.iter().find(|c| c.id == id);
+    let detail = || format!("{} is not closed; GET /v1/closures lists what is", closure_name(id));
+    let found = found.ok_or_else(|| Problem::unknown("closure", detail()))?;
+    Ok(Json(Names { map: &api.map, view: &moment.view }.closure(id, &found.closure)))
+}
+
+/// Open an area again.
+#[utoipa::path(delete, path = "/v1/closures/{id}", tag = "people",
+    params(("id" = String, Path, example = "c2")), responses(
+    (status = 204, description = "Open again"),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "Not now; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn reopen(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+    match api.ask(What::Reopen(parse_id(&id)?)).await? {
+        Reply::Done { .. } => Ok(StatusCode::NO_CONTENT),
+        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
+        _ => Err(Problem::internal()),
+    }
+}
+
+fn parse_id(text: &str) -> Result<ClosureId, Problem> {
+    let detail = || format!("\"{text}\" is no closed area; areas are like c2");
+    parse_closure(text).ok_or_else(|| Problem::unknown("closure", detail()))
+}
+
+impl NewClosure {
+    fn read(&self, api: &Api) -> Result<Closure, Problem> {
+        let mut errors = Vec::new();
+        let outline = match (&self.outline, &self.nodes) {
+            (Some(corners), None) => checked_outline(corners, &mut errors),
+            (None, Some(names)) => around(api, names, &mut errors),
+            _ => {
+                errors.push(FieldError::new("outline", "give either outline or nodes"));
+                Vec::new()
+            }
+        };
+        let now = (api.now)();
+        let mut time = |field: &str, text: &Option<String>, usual: Time| {
+            let text = text.as_deref()?;
+            let time = parse_time(text);
+            if time.is_none() {
+                let detail = format!("\"{text}\" is no time like 2027-01-31T12:00:00Z");
+                errors.push(FieldError::new(field, detail));
+            }
+            Some(time.unwrap_or(usual))
+        };
+        let from = time("from", &self.from, now).unwrap_or(now);
+        let until = time("until", &self.until, Time::MAX).unwrap_or(Time::MAX);
+        if until <= from.max(now) {
+            errors.push(FieldError::new("until", "lies before the beginning, or is over already"));
+        }
+        let reason = self.reason.trim();
+        if reason.is_empty() || reason.chars().count() > LONGEST_REASON {
+            let detail = format!("1 to {LONGEST_REASON} characters: those who see the area want to know why");
+            errors.push(FieldError::new("reason", detail));
+        }
+        if !errors.is_empty() {
+            return Err(Problem::invalid(errors));
+        }
+        let outline = outline.into_iter().map(Spot::from).collect();
+        Ok(Closure { outline, window: Window::new(from, until), reason: reason.into() })
+    }
+}
+
+fn checked_outline(corners: &[[f64; 2]], errors: &mut Vec<FieldError>) -> Vec<Point> {
+    let outline: Vec<Point> = corners.iter().map(|c| Point::new(c[0], c[1])).collect();
+    let sound = outline.iter().all(|p| p.x.abs() <= FAR_M && p.y.abs() <= FAR_M);
+    let number = (3..=MOST_CORNERS).contains(&outline.len());
+    if !number || !sound || area_m2(&outline) < SMALLEST_M2 {
+        let detail = format!("3 to {MOST_CORNERS} corners [x, y] in metres, with some area between them");
+        errors.push(FieldError::new("outline", detail));
+    }
+    outline
+}
+
+/// The convex outline of all that is close to some nodes.
+fn around(api: &Api, names: &[String], errors: &mut Vec<FieldError>) -> Vec<Point> {
+    if names.is_empty() || names.len() > MOST_CORNERS {
+        errors.push(FieldError::new("nodes", format!("1 to {MOST_CORNERS} names of nodes")));
+        return Vec::new();
+    }
+    let mut corners = Vec::new();
+    for (i, name) in names.iter().enumerate() {
+        let Some(node) = api.map.node_named(name) else {
+            let detail = format!("there is no node \"{name}\"; GET /v1/map lists them");
+            errors.push(FieldError::new(format!("nodes[{i}]"), detail));
+            continue;
+        };
+        let (at, d) = (api.map.nodes[node].at, AROUND_NODE_M);
+        corners.extend([(-d, -d), (d, -d), (d, d), (-d, d)].map(|(x, y)| Point::new(at.x + x, at.y + y)));
+    }
+    hull(corners)
+}
+
+/// Twice the signed area of the triangle.
+fn turn(a: Point, b: Point, c: Point) -> f64 {
+    (b - a).perp(&(c - a))
+}
+
+/// The convex hull, counter-clockwise (Andrew 1979, monotone chain).
+fn hull(mut points: Vec<Point>) -> Vec<Point> {
+    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let half = |points: &mut dyn Iterator<Item = Point>| {
+        let mut chain: Vec<Point> = Vec::new();
+        for p in points {
+            while chain.len() > 1 && turn(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0 {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let lower = half(&mut points.iter().copied());
+    let upper = half(&mut points.iter().rev().copied());
+    [lower, upper].concat()
+}
+
+fn area_m2(outline: &[Point]) -> f64 {
+    let ring = outline.iter().zip(outline.iter().cycle().skip(1));
+    (ring.map(|(a, b)| a.coords.perp(&b.coords)).sum::<f64>() / 2.0).abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hull_goes_around_all_points_once() {
+        let points = [(0.0, 0.0), (2.0, 0.0), (1.0, 0.5), (2.0, 2.0), (1.0, 0.0), (0.0, 2.0)];
+        let around = hull(points.iter().map(|p| Point::new(p.0, p.1)).collect());
+        assert_eq!(around.len(), 4, "{around:?}");
+        assert!((area_m2(&around) - 4.0).abs() < 1e-9);
+    }
+}

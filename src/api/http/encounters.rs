@@ -1,0 +1,185 @@
+//! `/v1/encounters`: every robot that came into region 1 of a worker, as a list or as a table.
+//!
+//! Main type: [`EncounterParams`]. Refuses: to leave any out.
+
+use super::lists::checked_limit;
+use crate::api::Api;
+use crate::api::dto::{Names, Page, parse_time};
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::Params;
+use crate::api::people::{EncounterDto, parse_worker};
+use crate::api::port::EncounterFilter;
+use crate::id::{Dense, RobotId};
+use crate::time::Time;
+use axum::Json;
+use axum::extract::State;
+use axum::http::{HeaderMap, header};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use utoipa::IntoParams;
+
+/// The longest table.
+const LONGEST_TABLE: u32 = 100_000;
+
+/// Which encounters to list.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct EncounterParams {
+    /// Only those that began at this time or later, RFC 3339.
+    #[param(example = "2027-01-31T06:00:00Z")]
+    from: Option<String>,
+    /// Only those that began before this time.
+    to: Option<String>,
+    /// Only those of this worker.
+    #[param(example = "w1")]
+    worker: Option<String>,
+    /// Only those of this robot.
+    robot: Option<String>,
+    /// How many at most: of a list 1 to 500, 50 where absent; of a table up to 100000, which is usual there.
+    limit: Option<u32>,
+    /// `next` of the page before; of a table, from its `Link` header.
+    cursor: Option<String>,
+    /// `csv` for a table; so does `Accept: text/csv`.
+    format: Option<String>,
+}
+
+/// Encounters, newest first, as JSON or as CSV.
+#[utoipa::path(get, path = "/v1/encounters", tag = "people", params(EncounterParams), responses(
+    (status = 200, description = "Encounters, newest first", content(
+        (Page<EncounterDto> = "application/json"), (String = "text/csv"))),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn list(
+    State(api): State<Api>,
+    headers: HeaderMap,
+    Params(p): Params<EncounterParams>,
+) -> Result<Response, Problem> {
+    let table = wants_table(&headers, &p)?;
+    let limit = match p.limit {
+        Some(n) if table && n > 0 => n.min(LONGEST_TABLE),
+        None if table => LONGEST_TABLE,
+        limit => checked_limit(limit, 50)?,
+    };
+    let filter = EncounterFilter { limit: limit + 1, ..filter(&api, &p)? };
+    let mut rows = api.records.encounters(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let more = rows.len() > limit as usize;
+    rows.truncate(limit as usize);
+    let next = rows.last().filter(|_| more).map(|row| row.seq.to_string());
+    let moment = api.moment();
+    let names = Names { map: &api.map, view: &moment.view };
+    let items: Vec<EncounterDto> = rows.iter().map(|row| names.encounter(row)).collect();
+    if !table {
+        return Ok(Json(Page { items, next }).into_response());
+    }
+    let mut response = ([(header::CONTENT_TYPE, "text/csv; charset=utf-8")], csv(&items)).into_response();
+    if let Some(link) = next.and_then(|next| format!("<?cursor={next}>; rel=\"next\"").parse().ok()) {
+        response.headers_mut().insert(header::LINK, link);
+    }
+    Ok(response)
+}
+
+fn wants_table(headers: &HeaderMap, p: &EncounterParams) -> Result<bool, Problem> {
+    match p.format.as_deref() {
+        Some("csv") => Ok(true),
+        Some("json") => Ok(false),
+        Some(other) => {
+            let detail = format!("\"{other}\" is neither csv nor json");
+            Err(Problem::invalid(vec![FieldError::new("format", detail)]))
+        }
+        None => {
+            let accepted = headers.get(header::ACCEPT).and_then(|v| v.to_str().ok()).unwrap_or("");
+            Ok(accepted.split(',').any(|m| m.split(';').next().unwrap_or("").trim() == "text/csv"))
+        }
+    }
+}
+
+fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterFilter, Problem> {
+    let mut errors = Vec::new();
+    let mut time = |field: &str, text: &Option<String>| -> Option<Time> {
+        let text = text.as_deref()?;
+        let time = parse_time(text);
+        if time.is_none() {
+            let detail = format!("\"{text}\" is no time like 2027-01-31T12:00:00Z");
+            errors.push(FieldError::new(field, detail));
+        }
+        time
+    };
+    let (from, to) = (time("from", &p.from), time("to", &p.to));
+    let worker = p.worker.as_deref().and_then(|text| {
+        let worker = parse_worker(api, text);
+        worker.map_err(|problem| errors.push(FieldError::new("worker", problem.detail))).ok()
+    });
+    let robot = p.robot.as_deref().and_then(|name| {
+        let found = api.moment().view.robots.iter().position(|r| r.name == name);
+        if found.is_none() {
+            let detail = format!("there is no robot \"{name}\"; GET /v1/robots lists them");
+            errors.push(FieldError::new("robot", detail));
+        }
+        found.map(RobotId::at)
+    });
+    let before = p.cursor.as_deref().and_then(|cursor| {
+        let seq = cursor.parse::<i64>().ok();
+        if seq.is_none() {
+            errors.push(FieldError::new("cursor", "take it from `next` of the page before"));
+        }
+        seq
+    });
+    if !errors.is_empty() {
+        return Err(Problem::invalid(errors));
+    }
+    Ok(EncounterFilter { from, to, worker, robot, before, limit: 0 })
+}
+
+/// A table as RFC 4180 has it.
+fn csv(items: &[EncounterDto]) -> String {
+    let mut text = String::from(
+        "id,worker,robot,began,lasted_s,x,y,radius,closest,robot_speed,worker_speed,reaction,delay_s\r\n",
+    );
+    for e in items {
+        let numbers = [e.x, e.y, e.radius, e.closest, e.robot_speed, e.worker_speed].map(|n| n.to_string());
+        let cells = [e.id.to_string(), e.worker.clone(), quoted(&e.robot), e.began.clone()];
+        let cells = cells.join(",");
+        let numbers = numbers.join(",");
+        text += &format!("{cells},{},{numbers},{},{}\r\n", e.lasted_s, e.reaction, e.delay_s);
+    }
+    text
+}
+
+fn quoted(cell: &str) -> String {
+    if cell.contains(['"', ',', '\r', '\n']) {
+        format!("\"{}\"", cell.replace('"', "\"\""))
+    } else {
+        cell.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_has_a_line_for_each_and_quotes_what_it_must() {
+        let e = EncounterDto {
+            id: 7,
+            worker: "w1".into(),
+            robot: "the \"big\", red one".into(),
+            began: "2027-01-31T12:00:00Z".into(),
+            lasted_s: 1.5,
+            x: 1.25,
+            y: -3.0,
+            radius: 1.4,
+            closest: 0.9,
+            robot_speed: 0.5,
+            worker_speed: 1.2,
+            reaction: "stopped",
+            delay_s: 2.0,
+        };
+        let text = csv(&[e]);
+        let lines: Vec<&str> = text.split("\r\n").collect();
+        assert_eq!(lines[0].split(',').count(), 13);
+        let expected =
+            "7,w1,\"the \"\"big\"\", red one\",2027-01-31T12:00:00Z,1.5,1.25,-3,1.4,0.9,0.5,1.2,stopped,2";
+        assert_eq!(lines[1], expected);
+    }
+}

@@ -1,0 +1,175 @@
+//! `/v1/workers/{id}/position` and `/v1/positions`: where tags say that workers are.
+//!
+//! Main types: [`NewPosition`], [`NewPositions`]. A position is an observation: it is taken in or not, and nothing is
+//! written down. Refuses: tags that contradict a headset, times that cannot be.
+
+use crate::api::Api;
+use crate::api::dto::parse_time;
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::{Body, Segment};
+use crate::api::feed::FAR_M;
+use crate::api::feed::hub::Untaken;
+use crate::api::massrobotics::USUAL_ACCURACY_M;
+use crate::api::people::{parse_worker, worker_name};
+use crate::geometry::Point;
+use crate::human::{Quality, Sighting};
+use crate::id::WorkerId;
+use crate::time::{Span, Time};
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// The most positions at once.
+const MOST: usize = 500;
+
+/// Clocks of tags may be ahead by so much; the fleet takes no more for true.
+const AHEAD: Span = Span::from_millis(150);
+
+/// What is older than this is of no use to anybody.
+const OLDEST: Span = Span::from_secs(10);
+
+/// Where a worker is, in the frame of the map.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewPosition {
+    /// Metres.
+    x: f64,
+    /// Metres.
+    y: f64,
+    /// When, RFC 3339; now where absent.
+    at: Option<String>,
+    /// One standard deviation, metres; 0.3 where absent.
+    #[schema(minimum = 0, maximum = 100)]
+    accuracy_m: Option<f64>,
+    /// Where the worker faces, radians, counter-clockwise from the x axis; leave out where the tag does not know.
+    heading: Option<f64>,
+}
+
+/// Where many workers are.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewPositions {
+    /// Up to 500.
+    positions: Vec<WorkerPosition>,
+}
+
+/// Where one of many workers is.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+pub struct WorkerPosition {
+    /// Who.
+    #[schema(example = "w1")]
+    worker: String,
+    /// Where.
+    #[serde(flatten)]
+    position: NewPosition,
+}
+
+/// What became of many positions.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct TakenDto {
+    /// How many were taken in.
+    taken: usize,
+    /// Those that were not, and why.
+    refused: Vec<FieldError>,
+}
+
+/// Say where a worker is.
+#[utoipa::path(post, path = "/v1/workers/{id}/position", tag = "people", request_body = NewPosition,
+    params(("id" = String, Path, example = "w1")), responses(
+    (status = 202, description = "Taken in; the fleet judges it in its next step"),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 409, description = "A headset says where the worker is", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn one(
+    State(api): State<Api>,
+    Segment(id): Segment,
+    Body(new): Body<NewPosition>,
+) -> Result<StatusCode, Problem> {
+    let worker = parse_worker(&api, &id)?;
+    let now = (api.now)();
+    let sighting = new.read(worker, now).map_err(|e| Problem::invalid(vec![e]))?;
+    report(&api, sighting, now)?;
+    Ok(StatusCode::ACCEPTED)
+}
+
+/// Say where many workers are. What is wrong with one position does not keep the others out.
+#[utoipa::path(post, path = "/v1/positions", tag = "people", request_body = NewPositions, responses(
+    (status = 200, description = "How many were taken in, and why others were not", body = TakenDto),
+    (status = 422, body = Problem, content_type = "application/problem+json")))]
+pub async fn many(State(api): State<Api>, Body(new): Body<NewPositions>) -> Result<Json<TakenDto>, Problem> {
+    if new.positions.len() > MOST {
+        let detail = format!("{} positions; at most {MOST} at once", new.positions.len());
+        return Err(Problem::invalid(vec![FieldError::new("positions", detail)]));
+    }
+    let now = (api.now)();
+    let take = |p: &WorkerPosition| -> Result<(), String> {
+        let worker = parse_worker(&api, &p.worker).map_err(|problem| problem.detail)?;
+        let sighting = p.position.read(worker, now).map_err(|e| format!("{}: {}", e.field, e.detail))?;
+        report(&api, sighting, now).map_err(|problem| problem.detail)
+    };
+    let results = new.positions.iter().map(take).enumerate();
+    let refused: Vec<_> = results
+        .filter_map(|(i, result)| Some(FieldError::new(format!("positions[{i}]"), result.err()?)))
+        .collect();
+    Ok(Json(TakenDto { taken: new.positions.len() - refused.len(), refused }))
+}
+
+/// Hands a report on.
+pub fn report(api: &Api, sighting: Sighting, now: Time) -> Result<(), Problem> {
+    api.desk()?;
+    let worker = worker_name(sighting.worker);
+    api.feeds.report(sighting, now).map_err(|why| match why {
+        Untaken::Unknown => Problem::unknown("worker", format!("{worker} does not exist")),
+        Untaken::Headset => {
+            let detail = format!("{worker}'s headset says where the worker is; tags count when it is silent");
+            Problem::conflict("headset", "A headset knows better", detail)
+        }
+        Untaken::Full => {
+            api.metrics.refused("full");
+            Problem::unavailable("too many positions are waiting: send fewer, each newest one only", 1)
+        }
+    })
+}
+
+/// A time that somebody else's clock says, if it can be.
+pub fn checked_time(seen: Time, now: Time) -> Result<Time, String> {
+    if seen > now + AHEAD {
+        let ahead = (seen - now).as_secs_f64();
+        return Err(format!("lies {ahead:.1} s in the future: set the clock by NTP, or leave the time out"));
+    }
+    if now - seen > OLDEST {
+        let behind = (now - seen).as_secs_f64();
+        return Err(format!("is {behind:.0} s old: send the newest only, and set the clock by NTP"));
+    }
+    Ok(seen)
+}
+
+impl NewPosition {
+    fn read(&self, worker: WorkerId, now: Time) -> Result<Sighting, FieldError> {
+        let wrong = |field: &str, detail: String| Err(FieldError::new(field, detail));
+        if !(self.x.abs() <= FAR_M && self.y.abs() <= FAR_M) {
+            return wrong("x", format!("x and y are metres on the map, up to {FAR_M}"));
+        }
+        let accuracy_m = self.accuracy_m.unwrap_or(USUAL_ACCURACY_M);
+        if !(0.0..=100.0).contains(&accuracy_m) {
+            return wrong("accuracy_m", "metres, 0 to 100".into());
+        }
+        if self.heading.is_some_and(|h| h.abs() > 100.0) {
+            return wrong("heading", "radians".into());
+        }
+        let seen = match self.at.as_deref() {
+            None => now,
+            Some(text) => match parse_time(text).map(|t| checked_time(t, now)) {
+                None => return wrong("at", format!("\"{text}\" is no time like 2027-01-31T12:00:00Z")),
+                Some(Err(detail)) => return wrong("at", detail),
+                Some(Ok(seen)) => seen,
+            },
+        };
+        let (at, heading, quality) = (Point::new(self.x, self.y), self.heading, Quality::Tracked);
+        Ok(Sighting { worker, seen, epoch: 0, seq: 0, at, heading, accuracy_m, quality })
+    }
+}

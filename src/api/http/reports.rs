@@ -1,0 +1,109 @@
+//! `/v1/massrobotics`: reports of the MassRobotics standard, over HTTP and over a WebSocket, which is how devices
+//! that follow it send them.
+//!
+//! Main functions: [`post`], [`stream`]. Refuses: to answer reports that are well, since the standard has no answers.
+
+use super::positions::{checked_time, report};
+use crate::api::Api;
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::Body;
+use crate::api::feed::warn::Warnings;
+use crate::api::massrobotics::{Report, Unfit};
+use axum::extract::State;
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::http::StatusCode;
+use axum::response::Response;
+use std::time::Duration;
+use tokio::time::timeout;
+
+/// How long a report may be.
+const MESSAGE: usize = 64 * 1024;
+
+/// A device that says nothing for so long is gone.
+const SILENT: Duration = Duration::from_secs(120);
+
+/// How long an answer may take to leave.
+const SEND: Duration = Duration::from_secs(2);
+
+/// Take an identityReport or a statusReport. Only uuids that are workers are taken: make the worker known with the uuid
+/// as its name, or name it in the settings.
+#[utoipa::path(post, path = "/v1/massrobotics", tag = "people", request_body = Report, responses(
+    (status = 202, description = "Taken in; the fleet judges it in its next step"),
+    (status = 404, description = "No worker is known under this uuid", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 409, description = "A headset says where the worker is", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn post(State(api): State<Api>, Body(said): Body<Report>) -> Result<StatusCode, Problem> {
+    take(&api, &said)?;
+    Ok(StatusCode::ACCEPTED)
+}
+
+/// The same reports as texts of a WebSocket, one after the other. What is refused is answered with the problem, each
+/// kind at most every two seconds.
+#[utoipa::path(get, path = "/v1/massrobotics", tag = "people", responses(
+    (status = 101, description = "Reports may come"),
+    (status = 426, description = "Not a WebSocket", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn stream(
+    State(api): State<Api>,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+) -> Result<Response, Problem> {
+    let upgrade = upgrade.map_err(|e| {
+        let detail = format!("this is a WebSocket, or POST a report ({})", e.body_text());
+        Problem::new(StatusCode::UPGRADE_REQUIRED, "websocket", "A WebSocket is needed", detail)
+    })?;
+    let upgrade = upgrade.protocols(["giveway"]).max_message_size(MESSAGE);
+    Ok(upgrade.on_upgrade(move |socket| async move { serve(&api, socket).await }))
+}
+
+async fn serve(api: &Api, mut socket: WebSocket) {
+    let mut closing = api.closing.clone();
+    let mut warnings = Warnings::default();
+    loop {
+        let message = tokio::select! {
+            message = timeout(SILENT, socket.recv()) => message,
+            () = async { _ = closing.wait_for(|closing| *closing).await.is_ok() } => return,
+        };
+        let text = match message {
+            Ok(Some(Ok(Message::Text(text)))) => text,
+            Ok(Some(Ok(Message::Ping(_) | Message::Pong(_) | Message::Binary(_)))) => continue,
+            _ => return,
+        };
+        let report = serde_json::from_str::<Report>(&text);
+        let report = report.map_err(|e| Problem::malformed(format!("not a report: {e}")));
+        let Err(problem) = report.and_then(|report| take(api, &report)) else { continue };
+        let told = warnings.note(kind_of(problem.status), 1, (api.now)()).is_some();
+        let text = serde_json::to_string(&problem.at("/v1/massrobotics")).expect("problems are plain");
+        if told && !matches!(timeout(SEND, socket.send(Message::Text(text.into()))).await, Ok(Ok(()))) {
+            return;
+        }
+    }
+}
+
+fn kind_of(status: u16) -> &'static str {
+    match status {
+        400 => "malformed",
+        404 => "unknown",
+        409 => "headset",
+        422 => "invalid",
+        _ => "unavailable",
+    }
+}
+
+fn take(api: &Api, said: &Report) -> Result<(), Problem> {
+    let name = api.interop.worker(&said.uuid).unwrap_or(&said.uuid);
+    let worker = api.feeds.named(name).or_else(|| api.feeds.named(&name.to_lowercase()));
+    let worker = worker.ok_or_else(|| {
+        api.metrics.refused("unknown-uuid");
+        Problem::unknown("worker", Unfit::UnknownUuid(said.uuid.clone()).to_string())
+    })?;
+    let unfit = |e: Unfit| Problem::invalid(vec![FieldError::new("report", e.to_string())]);
+    let Some(sighting) = api.interop.sighting(worker, said).map_err(unfit)? else { return Ok(()) };
+    let now = (api.now)();
+    let wrong = |detail| Problem::invalid(vec![FieldError::new("timestamp", detail)]);
+    checked_time(sighting.seen, now).map_err(wrong)?;
+    report(api, sighting, now)
+}

@@ -1,0 +1,115 @@
+//! `/v1/workers`: who is on the floor, and the end of being lost.
+//!
+//! Main type: [`NewWorker`]. Refuses: to forget anybody.
+
+use super::lists::{Paging, page};
+use crate::api::Api;
+use crate::api::dto::{Names, Page};
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::{Body, Params, Segment};
+use crate::api::people::{SensesDto, WorkerDetailDto, WorkerDto, parse_worker, worker_name};
+use crate::api::port::What;
+use crate::api::refusal::refused;
+use crate::fleet::Reply;
+use crate::id::{Dense, WorkerId};
+use axum::Json;
+use axum::extract::State;
+use axum::http::{HeaderName, StatusCode, header};
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+/// The longest name of a worker.
+const LONGEST_NAME: usize = 64;
+
+/// A worker to be known.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewWorker {
+    /// A name of your choice, 1 to 64 characters; better a pseudonym. For MassRobotics reports, the uuid.
+    #[schema(example = "picker-7")]
+    name: String,
+}
+
+/// All workers.
+#[utoipa::path(get, path = "/v1/workers", tag = "people", params(Paging), responses(
+    (status = 200, description = "Workers in order of joining", body = Page<WorkerDto>),
+    (status = 422, body = Problem, content_type = "application/problem+json")))]
+pub async fn list(
+    State(api): State<Api>,
+    Params(p): Params<Paging>,
+) -> Result<Json<Page<WorkerDto>>, Problem> {
+    let names = api.feeds.names().into_iter().enumerate();
+    page(names.map(|(i, name)| worker(&api, WorkerId::at(i), name)).collect(), &p)
+}
+
+/// One worker, with gaze, hands and charge where a headset says them.
+#[utoipa::path(get, path = "/v1/workers/{id}", tag = "people",
+    params(("id" = String, Path, example = "w1")), responses(
+    (status = 200, description = "The worker", body = WorkerDetailDto),
+    (status = 404, body = Problem, content_type = "application/problem+json")))]
+pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<WorkerDetailDto>, Problem> {
+    let id = parse_worker(&api, &id)?;
+    let carried = api.feeds.carried(id).unwrap_or_default();
+    let name = api.feeds.name(id).unwrap_or_default();
+    Ok(Json(WorkerDetailDto {
+        worker: worker(&api, id, name),
+        connected: carried.connected,
+        acknowledged: carried.acknowledged,
+        senses: SensesDto::from(&carried),
+    }))
+}
+
+/// Make a worker known. The same name is the same worker.
+#[utoipa::path(post, path = "/v1/workers", tag = "people", request_body = NewWorker, responses(
+    (status = 201, description = "Known from now on, and durable", body = WorkerDto,
+     headers(("Location" = String))),
+    (status = 200, description = "Was known before", body = WorkerDto),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "Not now; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn hire(
+    State(api): State<Api>,
+    Body(new): Body<NewWorker>,
+) -> Result<(StatusCode, [(HeaderName, String); 1], Json<WorkerDto>), Problem> {
+    let name = new.name.trim();
+    let length = name.chars().count();
+    if !(1..=LONGEST_NAME).contains(&length) || name.chars().any(char::is_control) {
+        let detail = format!("1 to {LONGEST_NAME} characters without line breaks");
+        return Err(Problem::invalid(vec![FieldError::new("name", detail)]));
+    }
+    match api.ask(What::Hire(name.into())).await? {
+        Reply::Hired { worker: id, new, .. } => {
+            let status = if new { StatusCode::CREATED } else { StatusCode::OK };
+            let place = format!("/v1/workers/{}", worker_name(id));
+            Ok((status, [(header::LOCATION, place)], Json(worker(&api, id, name.into()))))
+        }
+        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
+        _ => Err(Problem::internal()),
+    }
+}
+
+/// Vouch that a worker has left the floor, or that nobody is where one was lost. Robots drive there again.
+#[utoipa::path(post, path = "/v1/workers/{id}/clear", tag = "people",
+    params(("id" = String, Path, example = "w1")), responses(
+    (status = 204, description = "Cleared"),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "Not now; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn clear(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+    let id = parse_worker(&api, &id)?;
+    match api.ask(What::Clear(id)).await? {
+        Reply::Done { .. } => Ok(StatusCode::NO_CONTENT),
+        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
+        _ => Err(Problem::internal()),
+    }
+}
+
+/// A worker as the latest picture has it.
+fn worker(api: &Api, id: WorkerId, name: String) -> WorkerDto {
+    let moment = api.moment();
+    let names = Names { map: &api.map, view: &moment.view };
+    match moment.view.workers.get(id.ix()) {
+        Some(seen) => names.worker(id, seen),
+        None => Names::absent_worker(id, name),
+    }
+}

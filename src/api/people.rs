@@ -1,0 +1,513 @@
+//! People as they travel: workers, guidance, assignments, closures, encounters.
+//!
+//! Main types: [`WorkerDto`], [`WorkerDetailDto`], [`AssignmentDto`], [`ClosureDto`], [`EncounterDto`];
+//! [`guidance`] is what a headset gets. Workers are "w1", assignments "a1", closures "c1". Refuses: to add knowledge
+//! of its own, but for the direction of a robot as seen by a worker.
+
+use super::Api;
+use super::dto::{Names, round3, time_text};
+use super::error::Problem;
+use super::feed::hub::Carried;
+use super::port::{AssignmentRecord, EncounterRecord};
+use crate::fleet::{
+    AssignmentState, Closure, Guidance, GuidanceReason, GuidanceState, NearRobot, Reaction, WorkerView,
+};
+use crate::geometry::{Point, inside, wrap_angle};
+use crate::id::{AssignmentId, ClosureId, Dense, WorkerId};
+use crate::time::Time;
+use serde::Serialize;
+use serde_json::{Value, json};
+use utoipa::ToSchema;
+
+/// One worker.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct WorkerDto {
+    /// Its number.
+    #[schema(example = "w1")]
+    pub id: String,
+    /// The name under which the worker was made known.
+    pub name: String,
+    /// absent, tracked, stale or lost.
+    pub presence: &'static str,
+    /// Metres; null where nobody has seen the worker.
+    pub x: Option<f64>,
+    /// Metres.
+    pub y: Option<f64>,
+    /// Radians, counter-clockwise from the x axis.
+    pub heading: Option<f64>,
+    /// When the worker was seen last, RFC 3339.
+    pub seen: Option<String>,
+    /// Metres per second.
+    pub speed: f64,
+    /// One standard deviation of the position, metres, grown with silence.
+    pub accuracy: f64,
+    /// Radii around the worker, metres: robots stop, keep out, go slowly.
+    pub regions: [f64; 3],
+    /// What the worker is told: idle, following, deviating, redirected or stop.
+    pub state: &'static str,
+    /// Why, in words.
+    #[schema(example = "you left the path")]
+    pub reason: Option<String>,
+    /// Counts up with every new path.
+    pub version: u64,
+    /// The path from here on, metres.
+    pub path: Vec<[f64; 2]>,
+    /// When its end is reached at usual speed, RFC 3339.
+    pub eta: Option<String>,
+    /// What the path is for.
+    #[schema(example = "a3")]
+    pub assignment: Option<String>,
+    /// Where the worker may be going, most probable first.
+    pub goals: Vec<GoalDto>,
+    /// Probability that nothing can be said yet.
+    pub undecided: f64,
+    /// Probability of going somewhere else.
+    pub elsewhere: f64,
+    /// What became of the poses.
+    pub feed: FeedDto,
+}
+
+/// A place where a worker may be going.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct GoalDto {
+    /// Metres.
+    pub x: f64,
+    /// Metres.
+    pub y: f64,
+    /// Probability.
+    pub p: f64,
+}
+
+/// What became of a worker's poses.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct FeedDto {
+    /// Taken in.
+    pub taken: u64,
+    /// Older than the newest, or seen already.
+    pub late: u64,
+    /// Too far from where the worker could be.
+    pub jumps: u64,
+    /// Could not be true.
+    pub absurd: u64,
+}
+
+/// One worker, with what the headset says besides.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct WorkerDetailDto {
+    /// As everybody sees it.
+    #[serde(flatten)]
+    pub worker: WorkerDto,
+    /// Whether a headset is connected.
+    pub connected: bool,
+    /// The version of the guidance that the headset showed last.
+    pub acknowledged: Option<u64>,
+    /// Gaze, hands and charge.
+    #[serde(flatten)]
+    pub senses: SensesDto,
+}
+
+/// What a headset says besides where it is. Nothing is decided by it.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct SensesDto {
+    /// Charge of the headset, 0 to 1.
+    pub battery: Option<f64>,
+    /// Where the worker looks.
+    pub gaze: Option<GazeDto>,
+    /// The worker's hands.
+    pub hands: HandsDto,
+}
+
+/// A ray: map x, map y, height.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct GazeDto {
+    /// head, eye or estimated.
+    pub kind: &'static str,
+    /// Where it begins, metres.
+    pub origin: [f64; 3],
+    /// Its direction, of length one.
+    pub dir: [f64; 3],
+}
+
+/// Joints of hands, each map x, map y, height, radius, metres.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct HandsDto {
+    /// Left.
+    pub l: Option<Vec<[f64; 4]>>,
+    /// Right.
+    pub r: Option<Vec<[f64; 4]>>,
+}
+
+/// What a worker is to do.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct AssignmentDto {
+    /// Its number.
+    #[schema(example = "a3")]
+    pub id: String,
+    /// Who.
+    #[schema(example = "w1")]
+    pub worker: String,
+    /// The node to go to.
+    pub place: String,
+    /// How long it takes there, seconds.
+    pub stay_s: f64,
+    /// What, in the customer's words.
+    pub what: String,
+    /// waiting, walking, working, done or cancelled.
+    pub state: &'static str,
+    /// When it was accepted, RFC 3339.
+    pub created: String,
+    /// When its state changed last, RFC 3339.
+    pub updated: String,
+}
+
+/// An area that robots keep out of.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct ClosureDto {
+    /// Its number.
+    #[schema(example = "c2")]
+    pub id: String,
+    /// Its corners, metres.
+    pub outline: Vec<[f64; 2]>,
+    /// Nodes inside, by name.
+    pub nodes: Vec<String>,
+    /// From when on, RFC 3339.
+    pub from: String,
+    /// Until when; null until somebody opens it.
+    pub until: Option<String>,
+    /// Why.
+    pub reason: String,
+}
+
+/// A robot that came into region 1 of a worker.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct EncounterDto {
+    /// Its number, growing.
+    pub id: i64,
+    /// Who.
+    #[schema(example = "w1")]
+    pub worker: String,
+    /// Name of the robot.
+    pub robot: String,
+    /// When it began, RFC 3339.
+    pub began: String,
+    /// How long the robot was in the region, seconds.
+    pub lasted_s: f64,
+    /// Where the worker was, metres.
+    pub x: f64,
+    /// Metres.
+    pub y: f64,
+    /// Radius of region 1 then, metres.
+    pub radius: f64,
+    /// Closest distance between the centres, metres.
+    pub closest: f64,
+    /// Speed of the robot when it came in, metres per second.
+    pub robot_speed: f64,
+    /// Speed of the worker then.
+    pub worker_speed: f64,
+    /// What the fleet did about the robot: kept, slowed, held, rerouted or stopped.
+    pub reaction: &'static str,
+    /// How long the robot stood because of it, seconds.
+    pub delay_s: f64,
+}
+
+/// The words for the states of an assignment, in order of life.
+pub const ASSIGNMENT_STATES: [AssignmentState; 5] = [
+    AssignmentState::Waiting,
+    AssignmentState::Walking,
+    AssignmentState::Working,
+    AssignmentState::Done,
+    AssignmentState::Cancelled,
+];
+
+/// What makes a client be told at once when it changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GuidanceKey {
+    /// How things stand.
+    pub state: GuidanceState,
+    reason: Option<GuidanceReason>,
+    version: u64,
+}
+
+impl GuidanceKey {
+    /// Of some guidance, or of none.
+    pub fn of(guidance: Option<&Guidance>) -> GuidanceKey {
+        let of = |g: &Guidance| GuidanceKey { state: g.state, reason: g.reason, version: g.version };
+        guidance.map_or(GuidanceKey { state: GuidanceState::Idle, reason: None, version: 0 }, of)
+    }
+}
+
+/// What is needed besides guidance to write it down.
+pub struct Beside<'a> {
+    /// Names of robots.
+    pub names: Names<'a>,
+    /// Where the worker faces, radians.
+    pub heading: Option<f64>,
+    /// Now.
+    pub now: Time,
+}
+
+/// Guidance as a headset gets it.
+pub fn guidance(told: Option<&Guidance>, beside: Beside<'_>) -> Value {
+    let Some(g) = told else {
+        return json!({
+            "type": "guidance", "state": GuidanceState::Idle.word(), "reason": null, "version": 0, "path": [],
+            "next": null, "eta_s": null, "assignment": null, "near": [],
+        });
+    };
+    let near = |r: &NearRobot| {
+        json!({
+            "id": beside.names.robot(r.robot), "distance": round3(r.distance_m),
+            "bearing": beside.heading.map(|h| round3(wrap_angle(r.bearing - h))),
+            "bearing_map": round3(r.bearing), "closest_s": r.closest.map(|s| round3(s.as_secs_f64())),
+            "speed": round3(r.speed_mps),
+        })
+    };
+    json!({
+        "type": "guidance", "state": g.state.word(), "reason": g.reason.map(|r| reason(r, beside.names)),
+        "version": g.version, "path": line(&g.path), "next": g.next.map(corner),
+        "eta_s": g.eta.map(|t| round3((t - beside.now).as_secs_f64())),
+        "assignment": g.assignment.map(assignment_name), "near": g.near.iter().map(near).collect::<Vec<_>>(),
+    })
+}
+
+fn reason(reason: GuidanceReason, names: Names<'_>) -> String {
+    match reason {
+        GuidanceReason::LeftPath => "you left the path".into(),
+        GuidanceReason::RobotInTheWay(r) => {
+            format!("{} stands on the path and cannot leave", names.robot(r))
+        }
+        GuidanceReason::NoWay => "no way to the place is free".into(),
+        GuidanceReason::NotTracked => "the headset does not know where it is".into(),
+    }
+}
+
+fn corner(p: Point) -> [f64; 2] {
+    [round3(p.x), round3(p.y)]
+}
+
+fn line(points: &[Point]) -> Vec<[f64; 2]> {
+    points.iter().map(|p| corner(*p)).collect()
+}
+
+impl Names<'_> {
+    /// All workers that the picture has.
+    pub fn workers(&self) -> Vec<WorkerDto> {
+        let workers = self.view.workers.iter().enumerate();
+        workers.map(|(i, w)| self.worker(WorkerId::at(i), w)).collect()
+    }
+
+    /// One worker.
+    pub fn worker(&self, id: WorkerId, w: &WorkerView) -> WorkerDto {
+        let g = &w.guidance;
+        let goal = |(at, p): &(Point, f64)| GoalDto { x: round3(at.x), y: round3(at.y), p: round3(*p) };
+        WorkerDto {
+            id: worker_name(id),
+            name: w.name.clone(),
+            presence: w.presence.word(),
+            x: w.pose.map(|p| round3(p.at.x)),
+            y: w.pose.map(|p| round3(p.at.y)),
+            heading: w.pose.map(|p| round3(p.heading)),
+            seen: w.seen.map(time_text),
+            speed: round3(w.speed_mps),
+            accuracy: round3(w.accuracy_m),
+            regions: w.regions_m.map(round3),
+            state: g.state.word(),
+            reason: g.reason.map(|r| reason(r, *self)),
+            version: g.version,
+            path: line(&g.path),
+            eta: g.eta.map(time_text),
+            assignment: g.assignment.map(assignment_name),
+            goals: w.goals.iter().map(goal).collect(),
+            undecided: round3(w.undecided),
+            elsewhere: round3(w.elsewhere),
+            feed: FeedDto {
+                taken: w.feed.taken,
+                late: w.feed.late,
+                jumps: w.feed.jumps,
+                absurd: w.feed.absurd,
+            },
+        }
+    }
+
+    /// A worker of whom the picture has nothing yet.
+    pub fn absent_worker(id: WorkerId, name: String) -> WorkerDto {
+        WorkerDto {
+            id: worker_name(id),
+            name,
+            presence: crate::fleet::Presence::Absent.word(),
+            x: None,
+            y: None,
+            heading: None,
+            seen: None,
+            speed: 0.0,
+            accuracy: 0.0,
+            regions: [0.0; 3],
+            state: GuidanceState::Idle.word(),
+            reason: None,
+            version: 0,
+            path: Vec::new(),
+            eta: None,
+            assignment: None,
+            goals: Vec::new(),
+            undecided: 1.0,
+            elsewhere: 0.0,
+            feed: FeedDto { taken: 0, late: 0, jumps: 0, absurd: 0 },
+        }
+    }
+
+    /// An assignment.
+    pub fn assignment(&self, record: &AssignmentRecord) -> AssignmentDto {
+        let a = &record.assignment;
+        AssignmentDto {
+            id: assignment_name(record.id),
+            worker: worker_name(a.worker),
+            place: self.node(a.request.place),
+            stay_s: a.request.stay.as_secs_f64(),
+            what: a.request.what.clone(),
+            state: a.state.word(),
+            created: time_text(a.accepted),
+            updated: time_text(record.updated),
+        }
+    }
+
+    /// A closed area.
+    pub fn closure(&self, id: ClosureId, closure: &Closure) -> ClosureDto {
+        let outline: Vec<Point> = closure.outline.iter().map(|s| Point::from(*s)).collect();
+        let nodes = self.map.nodes.iter().filter(|n| inside(&outline, n.at)).map(|n| n.name.clone());
+        let end = closure.window.end();
+        ClosureDto {
+            id: closure_name(id),
+            outline: line(&outline),
+            nodes: nodes.collect(),
+            from: time_text(closure.window.start()),
+            until: (!end.is_forever()).then(|| time_text(end)),
+            reason: closure.reason.clone(),
+        }
+    }
+
+    /// All areas that robots keep out of.
+    pub fn closures(&self) -> Vec<ClosureDto> {
+        self.view.closures.iter().map(|c| self.closure(c.id, &c.closure)).collect()
+    }
+
+    /// An encounter.
+    pub fn encounter(&self, record: &EncounterRecord) -> EncounterDto {
+        let e = &record.encounter;
+        let m = |mm: i64| mm as f64 / 1000.0;
+        EncounterDto {
+            id: record.seq,
+            worker: worker_name(e.worker),
+            robot: self.robot(e.robot),
+            began: time_text(e.began),
+            lasted_s: (e.ended - e.began).as_secs_f64(),
+            x: m(e.at.x_mm),
+            y: m(e.at.y_mm),
+            radius: m(e.radius_mm),
+            closest: m(e.closest_mm),
+            robot_speed: m(e.robot_mmps),
+            worker_speed: m(e.worker_mmps),
+            reaction: Reaction::word(e.reaction),
+            delay_s: e.delay.as_secs_f64(),
+        }
+    }
+}
+
+impl From<&Carried> for SensesDto {
+    fn from(c: &Carried) -> SensesDto {
+        let place = |p: [f64; 3]| p.map(round3);
+        let gaze =
+            c.senses.gaze.map(|g| GazeDto { kind: g.kind, origin: place(g.origin), dir: place(g.dir) });
+        let hand = |i: usize| {
+            c.senses.hands[i].as_ref().map(|joints| joints.iter().map(|j| j.map(round3)).collect())
+        };
+        SensesDto { battery: c.senses.battery, gaze, hands: HandsDto { l: hand(0), r: hand(1) } }
+    }
+}
+
+/// A worker's number on the wire.
+pub fn worker_name(id: WorkerId) -> String {
+    format!("w{}", id.0 + 1)
+}
+
+/// An assignment's number on the wire.
+pub fn assignment_name(id: AssignmentId) -> String {
+    format!("a{}", id.0)
+}
+
+/// A closure's number on the wire.
+pub fn closure_name(id: ClosureId) -> String {
+    format!("c{}", id.0)
+}
+
+/// The number behind a letter, from 1 on.
+fn number(text: &str, letter: char) -> Option<u64> {
+    let digits = text.strip_prefix(letter)?;
+    let plain = digits.bytes().all(|b| b.is_ascii_digit()) && !digits.starts_with('0');
+    if plain { digits.parse().ok() } else { None }
+}
+
+/// A worker that is known.
+pub fn parse_worker(api: &Api, text: &str) -> Result<WorkerId, Problem> {
+    let id = number(text, 'w').and_then(|n| u32::try_from(n - 1).ok()).map(WorkerId);
+    let known = id.filter(|w| api.feeds.name(*w).is_some());
+    known.ok_or_else(|| {
+        Problem::unknown("worker", format!("there is no worker \"{text}\"; GET /v1/workers lists them"))
+    })
+}
+
+/// An assignment's number.
+pub fn parse_assignment(text: &str) -> Option<AssignmentId> {
+    number(text, 'a').map(AssignmentId)
+}
+
+/// A closure's number.
+pub fn parse_closure(text: &str) -> Option<ClosureId> {
+    number(text, 'c').map(ClosureId)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fleet::{RobotView, View};
+    use crate::id::RobotId;
+    use crate::time::Span;
+
+    #[test]
+    fn numbers_behind_letters_are_read_strictly() {
+        assert_eq!(number("w12", 'w'), Some(12));
+        for bad in ["w0", "w", "12", "w-1", "w01", "a1", "w99999999999999999999", "w1 "] {
+            assert_eq!(number(bad, 'w'), None, "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_robot_on_the_left_has_a_positive_bearing() {
+        let map = crate::warehouse::formats::json::parse(include_str!("../../maps/lab.json")).unwrap();
+        let view = View { robots: Vec::<RobotView>::new(), ..View::default() };
+        let near = NearRobot {
+            robot: RobotId(0),
+            distance_m: 2.0,
+            bearing: -3.0,
+            closest: Some(Span::from_millis(1500)),
+            speed_mps: 1.0,
+        };
+        let told = Guidance {
+            state: GuidanceState::Stop,
+            reason: Some(GuidanceReason::NoWay),
+            version: 4,
+            path: vec![],
+            next: None,
+            eta: Some(Time(5_000_000)),
+            assignment: None,
+            near: vec![near],
+        };
+        let beside =
+            |heading| Beside { names: Names { map: &map, view: &view }, heading, now: Time(3_000_000) };
+        let text = guidance(Some(&told), beside(Some(3.0)));
+        let expected = std::f64::consts::TAU - 6.0;
+        assert_eq!(text["near"][0]["bearing"], json!(round3(expected)), "{text}");
+        assert_eq!((text["eta_s"].clone(), text["state"].clone()), (json!(2.0), json!("stop")));
+        assert_eq!(guidance(Some(&told), beside(None))["near"][0]["bearing"], Value::Null);
+        assert_eq!(guidance(None, beside(None))["state"], "idle");
+    }
+}

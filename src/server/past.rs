@@ -1,0 +1,116 @@
+//! The lists of a recording: jobs, assignments and encounters of then, kept in memory.
+//!
+//! Main type: [`Past`]. Refuses: a database.
+
+use crate::api::port::{
+    AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, JobFilter, JobRecord, Later,
+    Records,
+};
+use crate::fleet::{Assignment, AssignmentState, Fact, Job, JobState};
+use crate::id::{AssignmentId, JobId};
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard};
+
+#[derive(Default)]
+struct Lists {
+    jobs: BTreeMap<JobId, JobRecord>,
+    assignments: BTreeMap<AssignmentId, AssignmentRecord>,
+    encounters: Vec<EncounterRecord>,
+}
+
+/// What had happened up to the moment that is shown.
+#[derive(Default)]
+pub struct Past(Mutex<Lists>);
+
+impl Past {
+    /// Takes the facts of a step in.
+    pub fn add(&self, facts: &[Fact]) {
+        let mut lists = self.lists();
+        facts.iter().for_each(|fact| lists.add(fact));
+    }
+
+    fn lists(&self) -> MutexGuard<'_, Lists> {
+        self.0.lock().expect("nobody panics with this lock")
+    }
+}
+
+impl Lists {
+    fn add(&mut self, fact: &Fact) {
+        match fact {
+            Fact::Accepted { job: id, request, at } => {
+                let job = Job { request: request.clone(), state: JobState::Waiting, accepted: *at };
+                self.jobs.insert(*id, JobRecord { id: *id, job, robot: None, updated: *at });
+            }
+            Fact::Progressed { job, state, at } => {
+                if let Some(record) = self.jobs.get_mut(job) {
+                    record.job.state = *state;
+                    record.robot = state.robot().or(record.robot);
+                    record.updated = *at;
+                }
+            }
+            Fact::Assigned { assignment: id, worker, request, at } => {
+                let (request, state) = (request.clone(), AssignmentState::Waiting);
+                let assignment = Assignment { worker: *worker, request, state, accepted: *at };
+                self.assignments.insert(*id, AssignmentRecord { id: *id, assignment, updated: *at });
+            }
+            Fact::Advanced { assignment, state, at } => {
+                if let Some(record) = self.assignments.get_mut(assignment) {
+                    (record.assignment.state, record.updated) = (*state, *at);
+                }
+            }
+            Fact::Encountered(encounter) => {
+                let seq = self.encounters.len() as i64 + 1;
+                self.encounters.push(EncounterRecord { seq, encounter: encounter.clone() });
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Records for Past {
+    fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRecord>, String>> {
+        let found = self.lists().jobs.get(&id).cloned();
+        Box::pin(async move { Ok(found) })
+    }
+
+    fn jobs(&self, filter: JobFilter) -> Later<'_, Result<Vec<JobRecord>, String>> {
+        let before = filter.before.unwrap_or(JobId(u64::MAX));
+        let wanted = |r: &&JobRecord| filter.state.is_none_or(|s| r.job.state.word() == s);
+        let lists = self.lists();
+        let newest_first = lists.jobs.range(..before).rev().map(|(_, r)| r);
+        let found: Vec<_> = newest_first.filter(wanted).take(filter.limit as usize).cloned().collect();
+        Box::pin(async move { Ok(found) })
+    }
+
+    fn assignment(&self, id: AssignmentId) -> Later<'_, Result<Option<AssignmentRecord>, String>> {
+        let found = self.lists().assignments.get(&id).cloned();
+        Box::pin(async move { Ok(found) })
+    }
+
+    fn assignments(&self, f: AssignmentFilter) -> Later<'_, Result<Vec<AssignmentRecord>, String>> {
+        let before = f.before.unwrap_or(AssignmentId(u64::MAX));
+        let wanted = |r: &&AssignmentRecord| {
+            f.worker.is_none_or(|w| r.assignment.worker == w)
+                && f.state.is_none_or(|s| r.assignment.state.word() == s)
+        };
+        let lists = self.lists();
+        let newest_first = lists.assignments.range(..before).rev().map(|(_, r)| r);
+        let found: Vec<_> = newest_first.filter(wanted).take(f.limit as usize).cloned().collect();
+        Box::pin(async move { Ok(found) })
+    }
+
+    fn encounters(&self, f: EncounterFilter) -> Later<'_, Result<Vec<EncounterRecord>, String>> {
+        let wanted = |r: &&EncounterRecord| {
+            let e = &r.encounter;
+            f.before.is_none_or(|seq| r.seq < seq)
+                && f.from.is_none_or(|t| e.began >= t)
+                && f.to.is_none_or(|t| e.began < t)
+                && f.worker.is_none_or(|w| e.worker == w)
+                && f.robot.is_none_or(|robot| e.robot == robot)
+        };
+        let lists = self.lists();
+        let newest_first = lists.encounters.iter().rev();
+        let found: Vec<_> = newest_first.filter(wanted).take(f.limit as usize).cloned().collect();
+        Box::pin(async move { Ok(found) })
+    }
+}

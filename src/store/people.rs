@@ -1,0 +1,198 @@
+//! Lists about people: assignments and encounters, as the facts leave them.
+//!
+//! Main types: [`AssignmentRow`], [`AssignmentQuery`], [`EncounterRow`], [`EncounterQuery`]. Refuses: names, which
+//! others give to ids.
+
+use super::{Store, StoreError};
+use crate::fleet::{Assignment, AssignmentRequest, AssignmentState, Encounter, Fact, Reaction};
+use crate::geometry::Spot;
+use crate::id::{AssignmentId, NodeId, RobotId, WorkerId};
+use crate::time::{Span, Time};
+use sqlx::Row;
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
+
+/// An assignment as the database has it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AssignmentRow {
+    /// Its number.
+    pub id: AssignmentId,
+    /// What it is and how far it has come.
+    pub assignment: Assignment,
+    /// When its state changed last.
+    pub updated: Time,
+}
+
+/// Which assignments to list, newest first.
+#[derive(Clone, Debug, Default)]
+pub struct AssignmentQuery {
+    /// Only those of this worker.
+    pub worker: Option<WorkerId>,
+    /// Only those in this state, by its word.
+    pub state: Option<&'static str>,
+    /// Only those older than this one.
+    pub before: Option<AssignmentId>,
+    /// How many at most.
+    pub limit: u32,
+}
+
+/// An encounter as the database has it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EncounterRow {
+    /// The number of its fact in the journal.
+    pub seq: i64,
+    /// What happened.
+    pub encounter: Encounter,
+}
+
+/// Which encounters to list, newest first.
+#[derive(Clone, Debug, Default)]
+pub struct EncounterQuery {
+    /// Only those that began at this time or later.
+    pub from: Option<Time>,
+    /// Only those that began before this time.
+    pub to: Option<Time>,
+    /// Only those of this worker.
+    pub worker: Option<WorkerId>,
+    /// Only those of this robot.
+    pub robot: Option<RobotId>,
+    /// Only those recorded before this one.
+    pub before: Option<i64>,
+    /// How many at most.
+    pub limit: u32,
+}
+
+const ASSIGN: &str = "INSERT INTO assignments \
+    (id, worker, place, stay, what, key, state, created, updated) \
+    VALUES ($1, $2, $3, $4, $5, $6, 'waiting', $7, $7)";
+const ADVANCE: &str = "UPDATE assignments SET state = $2, updated = $3 WHERE id = $1";
+const MEET: &str = "INSERT INTO encounters (seq, worker, robot, began, ended, x, y, radius, closest, \
+    robot_speed, worker_speed, reaction, delay) \
+    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)";
+const ASSIGNMENT: &str = "SELECT id, worker, place, stay, what, key, state, created, updated \
+    FROM assignments WHERE id = $1";
+const ASSIGNMENTS: &str = "SELECT id, worker, place, stay, what, key, state, created, updated \
+    FROM assignments WHERE id < $1 AND ($2 IS NULL OR worker = $2) AND ($3 IS NULL OR state = $3) \
+    ORDER BY id DESC LIMIT $4";
+const ENCOUNTERS: &str = "SELECT seq, worker, robot, began, ended, x, y, radius, closest, robot_speed, \
+    worker_speed, reaction, delay FROM encounters \
+    WHERE seq < $1 AND began >= $2 AND began < $3 AND ($4 IS NULL OR worker = $4) \
+    AND ($5 IS NULL OR robot = $5) ORDER BY seq DESC LIMIT $6";
+
+impl Store {
+    /// One assignment.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn assignment(&self, id: AssignmentId) -> Result<Option<AssignmentRow>, StoreError> {
+        let Ok(id) = i64::try_from(id.0) else { return Ok(None) };
+        let row = sqlx::query(ASSIGNMENT).bind(id).fetch_optional(&self.readers).await?;
+        row.map(|row| assignment(&row)).transpose()
+    }
+
+    /// Some assignments, newest first.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn assignments(&self, q: &AssignmentQuery) -> Result<Vec<AssignmentRow>, StoreError> {
+        let before = q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX));
+        let query = sqlx::query(ASSIGNMENTS).bind(before).bind(q.worker.map(|w| w.0));
+        let rows = query.bind(q.state).bind(q.limit).fetch_all(&self.readers).await?;
+        rows.iter().map(assignment).collect()
+    }
+
+    /// Some encounters, newest first.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn encounters(&self, q: &EncounterQuery) -> Result<Vec<EncounterRow>, StoreError> {
+        let rows = sqlx::query(ENCOUNTERS)
+            .bind(q.before.unwrap_or(i64::MAX))
+            .bind(q.from.map_or(i64::MIN, |t| t.0))
+            .bind(q.to.map_or(i64::MAX, |t| t.0))
+            .bind(q.worker.map(|w| w.0))
+            .bind(q.robot.map(|r| r.0))
+            .bind(q.limit)
+            .fetch_all(&self.readers)
+            .await?;
+        rows.iter().map(encounter).collect()
+    }
+}
+
+/// Writes what a fact, the one with this number, means for the lists.
+pub(super) async fn project(db: &mut SqliteConnection, seq: i64, fact: &Fact) -> Result<(), sqlx::Error> {
+    let query = match fact {
+        Fact::Assigned { assignment, worker, request, at } => sqlx::query(ASSIGN)
+            .bind(assignment.0.cast_signed())
+            .bind(worker.0)
+            .bind(request.place.0)
+            .bind(request.stay.0)
+            .bind(&request.what)
+            .bind(&request.key)
+            .bind(at.0),
+        Fact::Advanced { assignment, state, at } => {
+            sqlx::query(ADVANCE).bind(assignment.0.cast_signed()).bind(state.word()).bind(at.0)
+        }
+        Fact::Encountered(e) => sqlx::query(MEET)
+            .bind(seq)
+            .bind(e.worker.0)
+            .bind(e.robot.0)
+            .bind(e.began.0)
+            .bind(e.ended.0)
+            .bind(e.at.x_mm)
+            .bind(e.at.y_mm)
+            .bind(e.radius_mm)
+            .bind(e.closest_mm)
+            .bind(e.robot_mmps)
+            .bind(e.worker_mmps)
+            .bind(e.reaction.word())
+            .bind(e.delay.0),
+        _ => return Ok(()),
+    };
+    query.execute(db).await?;
+    Ok(())
+}
+
+fn assignment(row: &SqliteRow) -> Result<AssignmentRow, StoreError> {
+    use AssignmentState::{Cancelled, Done, Waiting, Walking, Working};
+    let id: i64 = row.try_get("id")?;
+    let word: &str = row.try_get("state")?;
+    let state = [Waiting, Walking, Working, Done, Cancelled].into_iter().find(|s| s.word() == word);
+    let state = state.ok_or_else(|| broken("assignment", id, word))?;
+    let request = AssignmentRequest {
+        place: NodeId(row.try_get("place")?),
+        stay: Span(row.try_get("stay")?),
+        what: row.try_get("what")?,
+        key: row.try_get("key")?,
+    };
+    let (worker, accepted) = (WorkerId(row.try_get("worker")?), Time(row.try_get("created")?));
+    Ok(AssignmentRow {
+        id: AssignmentId(id.unsigned_abs()),
+        assignment: Assignment { worker, request, state, accepted },
+        updated: Time(row.try_get("updated")?),
+    })
+}
+
+fn encounter(row: &SqliteRow) -> Result<EncounterRow, StoreError> {
+    use Reaction::{Held, Kept, Rerouted, Slowed, Stopped};
+    let seq: i64 = row.try_get("seq")?;
+    let word: &str = row.try_get("reaction")?;
+    let reaction = [Kept, Slowed, Held, Rerouted, Stopped].into_iter().find(|r| r.word() == word);
+    let encounter = Encounter {
+        worker: WorkerId(row.try_get("worker")?),
+        robot: RobotId(row.try_get("robot")?),
+        began: Time(row.try_get("began")?),
+        ended: Time(row.try_get("ended")?),
+        at: Spot { x_mm: row.try_get("x")?, y_mm: row.try_get("y")? },
+        radius_mm: row.try_get("radius")?,
+        closest_mm: row.try_get("closest")?,
+        robot_mmps: row.try_get("robot_speed")?,
+        worker_mmps: row.try_get("worker_speed")?,
+        reaction: reaction.ok_or_else(|| broken("encounter", seq, word))?,
+        delay: Span(row.try_get("delay")?),
+    };
+    Ok(EncounterRow { seq, encounter })
+}
+
+fn broken(list: &'static str, id: i64, word: &str) -> StoreError {
+    StoreError::Row { list, id, why: format!("\"{word}\" is a word that this Giveway does not know") }
+}

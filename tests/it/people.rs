@@ -1,0 +1,272 @@
+//! People over HTTP: workers, assignments, closed areas, positions of tags, encounters.
+
+use crate::helper::{Answer, Folder, config, floor, get, map, send, start};
+use giveway::server::{Config, Server};
+use serde_json::{Value, json};
+use std::net::SocketAddr;
+
+const JSON: (&str, &str) = ("content-type", "application/json");
+
+async fn post(at: SocketAddr, path: &str, body: &Value) -> Answer {
+    send(at, "POST", path, &[JSON], &body.to_string()).await.unwrap()
+}
+
+async fn delete(at: SocketAddr, path: &str) -> Answer {
+    send(at, "DELETE", path, &[], "").await.unwrap()
+}
+
+async fn hire(at: SocketAddr, name: &str) -> String {
+    post(at, "/v1/workers", &json!({"name": name})).await.json()["id"].as_str().unwrap().to_owned()
+}
+
+/// A place where people can walk: beside a station.
+fn place() -> String {
+    let map = map();
+    map.nodes[map.stations.iter().next().unwrap().node].name.clone()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_worker_is_known_once_and_after_a_restart() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let first = post(at, "/v1/workers", &json!({"name": "picker-7"})).await;
+    assert_eq!((first.status, first.header("location")), (201, Some("/v1/workers/w1")), "{first:?}");
+    let again = post(at, "/v1/workers", &json!({"name": " picker-7 "})).await;
+    assert_eq!((again.status, again.json()["id"].clone()), (200, json!("w1")));
+    assert_eq!(hire(at, "picker-8").await, "w2");
+    for bad in ["", "  ", "line\nbreak", &"x".repeat(65)] {
+        post(at, "/v1/workers", &json!({"name": bad})).await.problem(422);
+    }
+    assert_eq!(delete(at, "/v1/workers/w1").await.problem(405)["status"], 405);
+    server.stop().await.unwrap();
+    let server = start(&folder).await;
+    let at = server.address();
+    let list = get(at, "/v1/workers?limit=1").await.json();
+    assert_eq!((list["items"][0]["name"].clone(), list["next"].clone()), (json!("picker-7"), json!("1")));
+    let worker = get(at, "/v1/workers/w2").await.json();
+    assert_eq!((worker["name"].clone(), worker["connected"].clone()), (json!("picker-8"), json!(false)));
+    for unknown in ["w3", "w0", "picker-7", "w99999999999"] {
+        let problem = get(at, &format!("/v1/workers/{unknown}")).await.problem(404);
+        assert!(problem["detail"].as_str().unwrap().contains("GET /v1/workers"), "{problem}");
+    }
+    assert_eq!(post(at, "/v1/workers/w2/clear", &json!({})).await.status, 204);
+    post(at, "/v1/workers/w9/clear", &json!({})).await.problem(404);
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_assignment_is_durable_made_once_and_cancelled_once() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let worker = hire(at, "anna").await;
+    let path = format!("/v1/workers/{worker}/assignments");
+    let wanted = json!({"place": place(), "stay_s": 12.5, "what": "count K1"});
+    let key = ("idempotency-key", "shift-1-line-1");
+    let first = send(at, "POST", &path, &[JSON, key], &wanted.to_string()).await.unwrap();
+    assert_eq!((first.status, first.header("location")), (201, Some("/v1/assignments/a1")), "{first:?}");
+    let made = first.json();
+    assert_eq!((made["stay_s"].clone(), made["worker"].clone()), (json!(12.5), json!("w1")));
+    let again = send(at, "POST", &path, &[JSON, key], &wanted.to_string()).await.unwrap();
+    assert_eq!((again.status, again.json()["id"].clone()), (200, json!("a1")));
+    let other = json!({"place": place(), "what": "something else"});
+    let problem = send(at, "POST", &path, &[JSON, key], &other.to_string()).await.unwrap().problem(422);
+    assert_eq!(problem["type"], "/problems/key-reused");
+    assert_eq!(post(at, &path, &other).await.json()["id"], "a2");
+    for (bad, field) in [
+        (json!({"place": "nowhere"}), "place"),
+        (json!({"place": place(), "stay_s": -1}), "stay_s"),
+        (json!({"place": place(), "stay_s": 1e9}), "stay_s"),
+        (json!({"place": place(), "what": "x".repeat(501)}), "what"),
+    ] {
+        assert_eq!(post(at, &path, &bad).await.problem(422)["errors"][0]["field"], field);
+    }
+    post(at, "/v1/workers/w7/assignments", &wanted).await.problem(404);
+    server.stop().await.unwrap();
+
+    let server = start(&folder).await;
+    let at = server.address();
+    let listed = get(at, &path).await.json();
+    let ids: Vec<&str> =
+        listed["items"].as_array().unwrap().iter().map(|a| a["id"].as_str().unwrap()).collect();
+    assert_eq!(ids, ["a2", "a1"], "newest first");
+    assert_eq!(get(at, "/v1/assignments?limit=1").await.json()["next"], "a2");
+    assert_eq!(get(at, "/v1/assignments?limit=1&cursor=a2").await.json()["items"][0]["id"], "a1");
+    let gone = delete(at, "/v1/assignments/a2").await;
+    assert_eq!((gone.status, gone.json()["state"].clone()), (200, json!("cancelled")));
+    assert_eq!(delete(at, "/v1/assignments/a2").await.problem(409)["type"], "/problems/assignment-is-over");
+    delete(at, "/v1/assignments/a99").await.problem(404);
+    delete(at, "/v1/assignments/17").await.problem(404);
+    let cancelled = get(at, "/v1/assignments?state=cancelled").await.json();
+    assert_eq!(cancelled["items"].as_array().unwrap().len(), 1);
+    get(at, "/v1/assignments?state=odd").await.problem(422);
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_area_is_closed_and_opened_again() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let square = json!([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
+    let made = post(at, "/v1/closures", &json!({"outline": square, "reason": "oil"})).await;
+    assert_eq!((made.status, made.header("location")), (201, Some("/v1/closures/c1")), "{made:?}");
+    assert_eq!((made.json()["outline"].clone(), made.json()["until"].clone()), (square.clone(), Value::Null));
+    let node = place();
+    let timed = json!({"nodes": [node], "from": "2031-01-01T00:00:00Z", "until": "2031-01-02T00:00:00Z",
+        "reason": "repair"});
+    let timed = post(at, "/v1/closures", &timed).await.json();
+    assert_eq!(
+        (timed["nodes"].clone(), timed["until"].clone()),
+        (json!([node]), json!("2031-01-02T00:00:00Z"))
+    );
+    for (bad, field) in [
+        (json!({"reason": "x"}), "outline"),
+        (json!({"outline": square, "nodes": [node], "reason": "x"}), "outline"),
+        (json!({"outline": [[0, 0], [1, 1]], "reason": "x"}), "outline"),
+        (json!({"outline": [[0, 0], [1, 1], [2, 2]], "reason": "x"}), "outline"),
+        (json!({"outline": [[0, 0], [1e9, 1], [2, 2]], "reason": "x"}), "outline"),
+        (json!({"nodes": ["nowhere"], "reason": "x"}), "nodes[0]"),
+        (json!({"nodes": [], "reason": "x"}), "nodes"),
+        (json!({"outline": square, "reason": " "}), "reason"),
+        (json!({"outline": square, "from": "tomorrow", "reason": "x"}), "from"),
+        (json!({"outline": square, "until": "2020-01-01T00:00:00Z", "reason": "x"}), "until"),
+    ] {
+        assert_eq!(post(at, "/v1/closures", &bad).await.problem(422)["errors"][0]["field"], field, "{bad}");
+    }
+    tokio::time::sleep(std::time::Duration::from_millis(300)).await;
+    let listed = get(at, "/v1/closures").await.json();
+    assert_eq!(listed["items"].as_array().unwrap().len(), 2, "{listed}");
+    assert_eq!(get(at, "/v1/closures/c1").await.json()["reason"], "oil");
+    assert_eq!(delete(at, "/v1/closures/c1").await.status, 204);
+    assert_eq!(delete(at, "/v1/closures/c1").await.problem(404)["type"], "/problems/unknown-closure");
+    delete(at, "/v1/closures/x").await.problem(404);
+    server.stop().await.unwrap();
+    let server = start(&folder).await;
+    let left = get(server.address(), "/v1/closures").await.json();
+    assert_eq!((left["items"].as_array().unwrap().len(), &left["items"][0]["id"]), (1, &json!("c2")));
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn positions_of_tags_are_taken_one_by_one_or_many_at_once() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    hire(at, "anna").await;
+    let path = "/v1/workers/w1/position";
+    assert_eq!(post(at, path, &json!({"x": 1.5, "y": 2})).await.status, 202);
+    assert_eq!(post(at, path, &json!({"x": 1.5, "y": 2, "accuracy_m": 0.2, "heading": 3})).await.status, 202);
+    for (bad, field) in [
+        (json!({"x": 1e9, "y": 0}), "x"),
+        (json!({"x": 1, "y": 0, "accuracy_m": -1}), "accuracy_m"),
+        (json!({"x": 1, "y": 0, "heading": 1e9}), "heading"),
+        (json!({"x": 1, "y": 0, "at": "now"}), "at"),
+        (json!({"x": 1, "y": 0, "at": "2099-01-01T00:00:00Z"}), "at"),
+        (json!({"x": 1, "y": 0, "at": "2020-01-01T00:00:00Z"}), "at"),
+    ] {
+        let problem = post(at, path, &bad).await.problem(422);
+        assert_eq!(problem["errors"][0]["field"], field, "{problem}");
+    }
+    post(at, "/v1/workers/w2/position", &json!({"x": 1, "y": 2})).await.problem(404);
+    let many = json!({"positions": [
+        {"worker": "w1", "x": 1, "y": 2}, {"worker": "w5", "x": 1, "y": 2}, {"worker": "w1", "x": 1e9, "y": 2},
+    ]});
+    let answer = post(at, "/v1/positions", &many).await.json();
+    assert_eq!(
+        (answer["taken"].clone(), answer["refused"][0]["field"].clone()),
+        (json!(1), json!("positions[1]"))
+    );
+    assert_eq!(answer["refused"].as_array().unwrap().len(), 2, "{answer}");
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn massrobotics_reports_are_taken_of_workers_only() {
+    let folder = Folder::new();
+    let uuid = "6948DF80-14BD-4E04-8842-7668D9C001F5";
+    let interop = format!("{{\"workers\": {{\"{}\": \"anna\"}}}}", uuid.to_lowercase());
+    let interop = serde_json::from_str(&interop).unwrap();
+    let server = Server::start(&Config { massrobotics: interop, ..config(&folder) }, floor()).await.unwrap();
+    let at = server.address();
+    let now = format!("{}", jiff::Timestamp::now());
+    let status = |uuid: &str, datum: &str| {
+        json!({"uuid": uuid, "timestamp": now, "operationalState": "navigating", "location": {
+            "x": 0.5, "y": 1, "angle": {"w": 1, "x": 0, "y": 0, "z": 0}, "planarDatum": datum}})
+    };
+    let early = post(at, "/v1/massrobotics", &status(uuid, "d")).await.problem(404);
+    assert!(early["detail"].as_str().unwrap().contains("POST /v1/workers"), "{early}");
+    hire(at, "anna").await;
+    assert_eq!(post(at, "/v1/massrobotics", &status(uuid, "d")).await.status, 202);
+    let identity = json!({"uuid": uuid, "timestamp": now, "manufacturerName": "M", "robotModel": "X"});
+    assert_eq!(post(at, "/v1/massrobotics", &identity).await.status, 202);
+    let other = "00000000-14bd-4e04-8842-7668d9c001f5";
+    post(at, "/v1/massrobotics", &status(other, "d")).await.problem(404);
+    hire(at, other).await;
+    assert_eq!(post(at, "/v1/massrobotics", &status(other, "d")).await.status, 202, "its name is the uuid");
+    let old = json!({"uuid": other, "timestamp": "2012-04-21T18:25:43-05:00", "location": {
+        "x": 0.5, "y": 1, "angle": {"w": 1, "x": 0, "y": 0, "z": 0}, "planarDatum": "d"}});
+    assert_eq!(post(at, "/v1/massrobotics", &old).await.problem(422)["errors"][0]["field"], "timestamp");
+    get(at, "/v1/massrobotics").await.problem(426);
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn encounters_are_listed_filtered_and_exported() {
+    let folder = Folder::new();
+    {
+        use giveway::fleet::{Encounter, Fact, Reaction};
+        use giveway::geometry::Spot;
+        use giveway::id::{RobotId, WorkerId};
+        use giveway::store::{Entry, Store};
+        use giveway::time::{Span, Time};
+        let store = Store::open(&folder.database(), &map()).await.unwrap();
+        let met = |i: i64| Encounter {
+            worker: WorkerId((i % 2) as u32),
+            robot: RobotId(0),
+            began: Time(1_800_000_000_000_000 + i * 60_000_000),
+            ended: Time(1_800_000_000_000_000 + i * 60_000_000 + 1_500_000),
+            at: Spot { x_mm: 1250, y_mm: -500 },
+            radius_mm: 1400,
+            closest_mm: 900 + i,
+            robot_mmps: 500,
+            worker_mmps: 1200,
+            reaction: Reaction::Stopped,
+            delay: Span::from_millis(2500),
+        };
+        let worker = |i: u32, name: &str| Fact::Hired { worker: WorkerId(i), name: name.into(), at: Time(1) };
+        let facts = [worker(0, "anna"), worker(1, "ben")]
+            .into_iter()
+            .chain((0..5).map(|i| Fact::Encountered(met(i))));
+        let entries: Vec<Entry> = facts.map(|fact| Entry { at: Time(1), fact }).collect();
+        store.append(1, &entries).await.unwrap();
+        store.close().await;
+    }
+    let server = start(&folder).await;
+    let at = server.address();
+    let closest = async |query: &str| -> Vec<f64> {
+        let page = get(at, &format!("/v1/encounters{query}")).await.json();
+        page["items"].as_array().unwrap().iter().map(|e| e["closest"].as_f64().unwrap()).collect()
+    };
+    assert_eq!(closest("").await, [0.904, 0.903, 0.902, 0.901, 0.9], "newest first");
+    assert_eq!(closest("?worker=w2").await, [0.903, 0.901]);
+    assert_eq!(closest("?from=2027-01-15T08:02:00Z&to=2027-01-15T08:04:00Z").await, [0.903, 0.902]);
+    let page = get(at, "/v1/encounters?limit=2").await.json();
+    let next = page["next"].as_str().unwrap();
+    assert_eq!(closest(&format!("?limit=2&cursor={next}")).await, [0.902, 0.901]);
+    for bad in ["?from=x", "?worker=w9", "?robot=nobody", "?cursor=x", "?format=xml", "?limit=0"] {
+        get(at, &format!("/v1/encounters{bad}")).await.problem(422);
+    }
+    let table = get(at, "/v1/encounters?format=csv&limit=3").await;
+    assert_eq!(table.header("content-type"), Some("text/csv; charset=utf-8"));
+    assert!(table.header("link").unwrap().contains("rel=\"next\""), "{table:?}");
+    assert_eq!(table.text.lines().count(), 4);
+    let accepted = send(at, "GET", "/v1/encounters", &[("accept", "text/csv")], "").await.unwrap();
+    assert_eq!(accepted.text.lines().count(), 6);
+    let last = accepted.text.lines().last().unwrap();
+    assert!(last.ends_with(",1.5,1.25,-0.5,1.4,0.9,0.5,1.2,stopped,2.5"), "{last}");
+    let text = get(at, "/metrics").await.text;
+    assert!(text.contains("giveway_encounters 5"), "{text}");
+    server.stop().await.unwrap();
+}
