@@ -265,7 +265,12 @@ impl Detection {
             rows.iter().for_each(|r| all.merge(&r.score));
             report.insert((*name).to_owned(), score(&all));
         }
-        let report = json!({"arm": self.arm.arm().word(), "workers": self.workers, "sensors": report, "law_violations": broken});
+        let report = json!({
+            "arm": self.arm.arm().word(),
+            "workers": self.workers,
+            "sensors": report,
+            "law_violations": broken,
+        });
         if self.runs.json {
             println!("{}", serde_json::to_string_pretty(&report)?);
         } else {

@@ -1,8 +1,9 @@
 //! Measurements that others can repeat: published tables, stories and benchmark floors.
 //!
 //! Main modules: [`grid`] (benchmark floors as text), [`lifelong`] (goals reached per step under pebble rules),
-//! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions recognised),
-//! [`plot`] (charts), [`table`] (robots and people by four ways of giving way), [`statistics`]. Refuses: to read files or clocks; whoever calls passes texts in and takes figures out.
+//! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions
+//! recognised), [`plot`] (charts), [`table`] (robots and people by four ways of giving way), [`statistics`].
+//! Refuses: to read files or clocks; whoever calls passes texts in and takes figures out.
 
 mod dice;
 pub mod distances;

@@ -1,8 +1,8 @@
 //! Robots and people together, by four ways of giving way: Table 4.1 of Petković 2021 with our own arm beside it.
 //!
-//! Main types: [`Setup`], [`Row`], [`Column`]. Every arm meets the same seeds, and what comes to people's minds does not
-//! depend on the arm. Refuses: threads and files; whoever calls runs [`Setup::run`] as often, and on as many cores, as
-//! it likes.
+//! Main types: [`Setup`], [`Row`], [`Column`]. Every arm meets the same seeds, and what comes to people's minds
+//! does not depend on the arm. Refuses: threads and files; whoever calls runs [`Setup::run`] as often, and on as
+//! many cores, as it likes.
 
 use super::statistics::{Paired, Summary};
 use crate::aware::Arm;

@@ -197,7 +197,8 @@ mod tests {
 
     #[test]
     fn alarms_are_matched_with_deviations_and_late_ones_with_none() {
-        let shop = Some(Point::new(5.0, 5.0));
+        let there = Point::new(5.0, 5.0);
+        let shop = Some(there);
         let log = [
             segment(0.0, 10.0, Cause::OnPath, None),
             segment(10.0, 20.0, Cause::Scripted, shop),
@@ -208,11 +209,7 @@ mod tests {
         let said = Said {
             off_path: vec![(at(12.5), at(21.0)), (at(25.0), at(26.0))],
             alarms: vec![at(12.5), at(25.0)],
-            goals: vec![
-                (at(11.0), Point::origin()),
-                (at(17.0), Point::new(5.0, 6.0)),
-                (at(19.0), shop.unwrap()),
-            ],
+            goals: vec![(at(11.0), Point::origin()), (at(17.0), Point::new(5.0, 6.0)), (at(19.0), there)],
         };
         let mut score = Score::default();
         score.add(&said, &log, at(60.0));

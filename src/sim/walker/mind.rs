@@ -54,10 +54,8 @@ impl Walker {
             let ignores = self.heeds.happens_of(self.ignore);
             self.ignored = ignores.then_some(shown.version);
             match self.doing {
-                Doing::Errand { goal, until: None, .. } if !ignores => {
-                    if shown.path.last().is_some_and(|end| (end - goal).norm() < PATH_ENDS_M) {
-                        self.legs.set_off(join(self.legs.at, &shown.path, walkways), walkways);
-                    }
+                Doing::Errand { goal, until: None, .. } if !ignores && leads_to(&shown, goal) => {
+                    self.legs.set_off(join(self.legs.at, &shown.path, walkways), walkways);
                 }
                 Doing::Wander(_) if !ignores => self.doing = Doing::Duty,
                 _ => {}
@@ -294,6 +292,11 @@ impl Walker {
         self.legs.set_off(goal.1, around.walkways);
         self.aside = Some(Aside { goal: goal.0, stay: Span::from_secs(4), until: None });
     }
+}
+
+/// Whether a shown path ends at a place.
+fn leads_to(shown: &Shown, goal: Point) -> bool {
+    shown.path.last().is_some_and(|end| (end - goal).norm() < PATH_ENDS_M)
 }
 
 /// The way from a place onto a path and along it.
