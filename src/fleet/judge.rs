@@ -8,7 +8,7 @@ use super::crowd::Mode;
 use super::fact::Fact;
 use super::io::Command;
 use super::people::{AssignmentState, Encounter, Reaction};
-use crate::aware::{Arm, BODY_M, CREEP_MPS, Effects, Near, SLOW_MPS};
+use crate::aware::{Arm, BODY_M, Effects, Near, SLOW_MPS};
 use crate::geometry::{Point, Segment, to_mm};
 use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, Taken, Whereabouts};
 use crate::id::{AssignmentId, Dense, RobotId, WorkerId};
@@ -30,6 +30,10 @@ const REFUGE_M: f64 = 15.0;
 const REFUGE_CLEAR_M: f64 = 2.5;
 /// So many nodes ahead of a robot are what it is about to drive.
 const REFUGE_AHEAD: usize = 6;
+/// Whoever is slower than this stands, more or less, metres per second.
+const STROLL_MPS: f64 = 0.3;
+/// Room beyond region 1 that a robot leaves to somebody who stands, metres.
+const ROOM_M: f64 = 0.3;
 /// Robots are told their limit again after this long, until they say that they know it.
 const INSIST: Span = Span::from_millis(100);
 /// Robots and workers farther apart than this are of no interest to one another, metres.
@@ -386,9 +390,9 @@ impl Fleet {
             let stop = self.crowd.regions.stop_radius_at_m(speed, loaded, w.sigma_m);
             let limit = if distance < stop {
                 let off = w.presence != Presence::Lost && self.drives_away(robot, at, w.at);
-                Some(if off { CREEP_MPS } else { 0.0 })
+                Some(if off && !self.is_caught_up(at, speed, loaded, w) { SLOW_MPS } else { 0.0 })
             } else {
-                self.limit_here(robot, *worker, loaded)
+                self.limit_here(robot, at, *worker, w, loaded)
             };
             if limit.is_some_and(|l| slowest.0.is_none_or(|s| l < s)) {
                 slowest = (limit, Some(*worker));
@@ -398,15 +402,51 @@ impl Fleet {
     }
 
     /// The limit that a worker means where the robot is, and where it drives next.
-    fn limit_here(&self, robot: RobotId, worker: WorkerId, loaded: bool) -> Option<f64> {
+    fn limit_here(
+        &self,
+        robot: RobotId,
+        at: Point,
+        worker: WorkerId,
+        w: &Whereabouts,
+        loaded: bool,
+    ) -> Option<f64> {
         let nodes = self.ledger.chain(robot).visits().take(2).map(|v| v.node);
+        if self.settings.arm == Arm::Giveway && self.drives_away(robot, at, w.at) {
+            // The separation distance counts speed towards the person, and there is none. But who would be caught up
+            // with had better stand when the person comes.
+            let speed = self.scene.robot(robot).map_or(0.0, |t| t.speed_mps);
+            return self.is_caught_up(at, speed, loaded, w).then_some(0.0);
+        }
         let conditions = nodes.flat_map(|n| self.crowd.conditions.of(n));
         let limits = conditions.filter(|c| c.cause == Cause::Worker(worker)).filter_map(|c| match c.effect {
             Effect::Slow(l) => Some(l[usize::from(loaded)]).filter(|l| l.is_finite()),
+            Effect::Still if self.settings.arm == Arm::Giveway => {
+                Some(if self.may_finish(robot, w, loaded) { SLOW_MPS } else { 0.0 })
+            }
             Effect::Still | Effect::Closed => Some(SLOW_MPS),
             Effect::Price(_) => None,
         });
         limits.min_by(f64::total_cmp)
+    }
+
+    /// Whether somebody who comes nearer would get into region 1 of a robot that drives off before it is as fast.
+    fn is_caught_up(&self, at: Point, speed: f64, loaded: bool, w: &Whereabouts) -> bool {
+        let to = at - w.at;
+        let distance = to.norm().max(1e-6);
+        let approach = w.velocity.dot(&to) / distance - speed;
+        let gained = approach.max(0.0).powi(2) / (2.0 * self.settings.kinematics.accel_mps2(loaded));
+        let comes = w.velocity.norm() > STROLL_MPS && approach > 0.0;
+        comes && distance - gained < self.crowd.regions.stop_radius_m(loaded, w.sigma_m)
+    }
+
+    /// Whether a robot within region 2 may drive on to the end of what it was granted: the worker stands, and
+    /// it does not lead into region 1. Else it could not be at rest when the worker comes.
+    fn may_finish(&self, robot: RobotId, w: &Whereabouts, loaded: bool) -> bool {
+        let chain = self.ledger.chain(robot);
+        let clear_m = self.crowd.regions.stop_radius_m(loaded, w.sigma_m) + ROOM_M;
+        let mut ahead = (chain.first() + 1..chain.granted()).filter_map(|s| chain.get(s));
+        let leaves_room = ahead.all(|v| (self.warehouse().nodes[v.node].at - w.at).norm() > clear_m);
+        w.velocity.norm() < STROLL_MPS && leaves_room
     }
 
     /// Whether what a robot was granted next leads away from a place.
@@ -415,7 +455,8 @@ impl Fleet {
         let next = chain.get(chain.first() + 1).filter(|_| chain.first() + 1 < chain.granted());
         next.is_some_and(|v| {
             let there = self.warehouse().nodes[v.node].at;
-            (there - at).dot(&(at - from)) > 0.0
+            let (on, off) = (there - at, at - from);
+            on.dot(&off) > 0.5 * on.norm() * off.norm()
         })
     }
 

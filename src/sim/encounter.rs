@@ -35,7 +35,7 @@ pub struct Meeting {
 /// How two stand to each other.
 #[derive(Clone, Copy, Debug)]
 enum Near {
-    /// Inside, but the robot has not moved nearer: nobody was met yet.
+    /// Inside, but the worker came to a standing robot: nobody was met.
     Quiet,
     /// Inside, and this meeting is on.
     Meets(usize),
@@ -110,7 +110,7 @@ impl Meter {
             }
             Some(Near::Meets(_)) => Some(Near::Out(now)),
             Some(Near::Out(since)) if now - since < REARM => return,
-            Some(Near::Quiet) if inside && !(meets && robot.velocity.dot(&d) > 0.0) => return,
+            Some(Near::Quiet) if inside => return,
             _ if meets => {
                 let (robot_mps, worker_mps) = (speed, person.speed_mps);
                 let began = Meeting {
