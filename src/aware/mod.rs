@@ -11,7 +11,7 @@ mod regions;
 pub use afoot::Afoot;
 pub use effects::{Effects, nodes_in};
 pub use encounter::{Meeting, Meter, Near};
-pub use regions::{BODY_M, CREEP_MPS, Regions, SLOW_MPS};
+pub use regions::{BODY_M, Regions, SLOW_MPS};
 
 /// How the fleet deals with people: ours, and three to compare it with (Petković 2021, section 4.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]

@@ -16,8 +16,6 @@ pub const BODY_M: f64 = 0.25;
 const ROBOT_M: f64 = 0.1;
 /// Speed of robots near people, metres per second.
 pub const SLOW_MPS: f64 = 0.5;
-/// Speed of a robot that drives out of region 1.
-pub const CREEP_MPS: f64 = 0.3;
 
 /// Radii and speeds for one kind of robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +38,12 @@ impl Regions {
         v * self.reaction_s + self.kinematics.braking_m(v, loaded)
     }
 
-    /// The separation distance at speed `v`, metres. `sigma_m` is one standard deviation of the person's place.
+    /// Half of a person and half of a robot: what distances between centres have more than separations, metres.
+    fn bodies_m(&self) -> f64 {
+        BODY_M + self.half_m
+    }
+
+    /// The separation distance at speed `v`, from surface to surface, metres. `sigma_m` is one standard deviation of the person's place.
     pub fn separation_m(&self, v: f64, loaded: bool, sigma_m: f64) -> f64 {
         let braking_s = v / self.kinematics.accel_mps2(loaded);
         WALK_MPS * (self.reaction_s + braking_s) + self.stop_m(v, loaded) + 2.0 * sigma_m + ROBOT_M
@@ -54,18 +57,17 @@ impl Regions {
 
     /// Region 1 of a robot that drives at `v`: if it is faster than it should be, it must brake earlier.
     pub fn stop_radius_at_m(&self, v: f64, loaded: bool, sigma_m: f64) -> f64 {
-        BODY_M + self.half_m + self.stop_m(v.max(SLOW_MPS), loaded) + 2.0 * sigma_m
+        self.bodies_m() + self.stop_m(v.max(SLOW_MPS), loaded) + 2.0 * sigma_m
     }
 
     /// Region 2: no robot comes or goes.
     pub fn still_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
-        let wide = self.separation_m(SLOW_MPS, loaded, sigma_m);
-        wide.max(self.stop_radius_m(loaded, sigma_m))
+        self.bodies_m() + self.separation_m(SLOW_MPS, loaded, sigma_m)
     }
 
     /// Region 3: robots are slower than they could be.
     pub fn slow_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
-        self.separation_m(self.kinematics.top_mps(loaded), loaded, sigma_m)
+        self.bodies_m() + self.separation_m(self.kinematics.top_mps(loaded), loaded, sigma_m)
     }
 
     /// The speed at which the separation distance is just kept, never below [`SLOW_MPS`], metres per second.
@@ -74,7 +76,7 @@ impl Regions {
         let (top, a) = (self.kinematics.top_mps(loaded), self.kinematics.accel_mps2(loaded));
         // v²/2a + v·(T + walk/a) + walk·T + doubt = distance
         let b = self.reaction_s + WALK_MPS / a;
-        let left = distance_m - WALK_MPS * self.reaction_s - 2.0 * sigma_m - ROBOT_M;
+        let left = distance_m - self.bodies_m() - WALK_MPS * self.reaction_s - 2.0 * sigma_m - ROBOT_M;
         let v = if left <= 0.0 { 0.0 } else { a * ((b * b + 2.0 * left / a).sqrt() - b) };
         (v < top).then(|| quantised(v).clamp(SLOW_MPS.min(top), top))
     }
@@ -134,7 +136,8 @@ mod tests {
         let r = regions(0.5);
         for d in [3.0, 4.0, 5.0, 6.0, 8.0] {
             let v = r.limit_mps(d, true, 0.02).unwrap();
-            assert!(v == SLOW_MPS || r.separation_m(v, true, 0.02) <= d, "{v} at {d}");
+            let apart = d - r.bodies_m();
+            assert!(v == SLOW_MPS || r.separation_m(v, true, 0.02) <= apart, "{v} at {d}");
         }
         assert_eq!(r.limit_mps(20.0, true, 0.02), None);
     }
