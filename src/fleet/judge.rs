@@ -206,7 +206,7 @@ impl Fleet {
                 cut.insert(e);
             });
         }
-        let way = self.crowd.walkways.path(place.at, goal, &cut).map(|w| w.points);
+        let way = self.way_past(place.at, goal, &cut);
         let refuge = if way.is_none() { self.refuge(worker, place.at, &cut) } else { None };
         let person = &mut self.crowd.people[worker];
         let plan = person.plan.as_ref().expect("just seen");
@@ -237,7 +237,30 @@ impl Fleet {
             .filter(|(length, p)| *length > 1.0 && wanted.iter().all(|w| (w - p).norm() > REFUGE_CLEAR_M))
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        near.into_iter().take(12).find_map(|(_, p)| Some(walkways.path(at, p, cut)?.points))
+        near.into_iter().take(12).find_map(|(_, p)| self.way_past(at, p, cut))
+    }
+
+    /// A way without the cut walkways for somebody who may stand face to face with a robot: the first steps lead to where
+    /// no robot is, even if the walkway there is cut by the one in front.
+    fn way_past(&self, at: Point, goal: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
+        let walkways = &self.crowd.walkways;
+        if let Some(way) = walkways.path(at, goal, cut) {
+            return Some(way.points);
+        }
+        let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
+        let robots: Vec<Point> = self.ledger.robots.ids().map(|r| self.place_of(r)).collect();
+        let is_clear = |to: Point| {
+            let step = Segment { a: at, b: to };
+            robots.iter().all(|r| step.distance_to(*r) >= reach || (to - r).norm() > (at - r).norm() + 0.3)
+        };
+        let steps = walkways.near(at, 1.8).into_iter().map(|(n, _)| walkways.nodes()[n].at);
+        let ways = steps.filter(|p| is_clear(*p)).filter_map(|p| {
+            let way = walkways.path(p, goal, cut)?;
+            Some((way.length_m + (p - at).norm(), way.points))
+        });
+        let (_, mut points) = ways.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        points.insert(0, at);
+        Some(points)
     }
 
     fn stands_near(&self, robot: RobotId, at: Point) -> bool {
