@@ -1,7 +1,8 @@
 //! How far robots' nodes are from a person on foot: racks are no way through.
 //!
-//! Main type: [`Afoot`]. Separation distances say how far a person walks while a robot comes to rest, so a robot behind a
-//! block of racks is as far as the way round it. Refuses: to shorten region 1, which is as the crow flies.
+//! Main type: [`Afoot`]. Separation distances say how far a person walks while a robot comes to rest, so a
+//! robot behind a block of racks is as far as the way round it. Refuses: to shorten region 1, which is as the
+//! crow flies.
 
 use crate::geometry::Point;
 use crate::id::{IdVec, NodeId, WalkNodeId};
@@ -30,8 +31,8 @@ impl Afoot {
         Afoot { walkways, beside }
     }
 
-    /// The nodes within `radius_m` of a person on foot, with their distances in metres. Nodes that no walkway comes near
-    /// are as far as the crow flies.
+    /// The nodes within `radius_m` of a person on foot, with their distances in metres. Nodes that no walkway
+    /// comes near are as far as the crow flies.
     pub fn nodes_within(&self, warehouse: &Warehouse, from: Point, radius_m: f64) -> Vec<(NodeId, f64)> {
         let on_foot = self.walkways.within(from, radius_m);
         let near = warehouse.nodes_within(from, radius_m).into_iter();

@@ -43,7 +43,8 @@ impl Regions {
         BODY_M + self.half_m
     }
 
-    /// The separation distance at speed `v`, from surface to surface, metres. `sigma_m` is one standard deviation of the person's place.
+    /// The separation distance at speed `v`, from surface to surface, metres. `sigma_m` is one standard
+    /// deviation of the person's place.
     pub fn separation_m(&self, v: f64, loaded: bool, sigma_m: f64) -> f64 {
         let braking_s = v / self.kinematics.accel_mps2(loaded);
         WALK_MPS * (self.reaction_s + braking_s) + self.stop_m(v, loaded) + 2.0 * sigma_m + ROBOT_M

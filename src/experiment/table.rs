@@ -163,7 +163,7 @@ impl Row {
         Row {
             robot_deliveries: counts.robot_deliveries as f64,
             human_deliveries: people.completed as f64,
-            encounters_per_worker_minute: per(people.figures.meetings.len() as u64, minutes),
+            encounters_per_worker_minute: per(people.figures.encounters, minutes),
             interruptions_per_deviation: per(counts.interruptions, people.score.deviations() as f64),
             replans: counts.replans as f64,
             score: people.score.clone(),

@@ -223,8 +223,8 @@ impl Fleet {
         person.mode = Mode::Redirected;
     }
 
-    /// Where robots and a worker wait for one another and neither can pass: a way to the nearest place from which the
-    /// worker leaves to those robots what they are about to drive.
+    /// Where robots and a worker wait for one another and neither can pass: a way to the nearest place from
+    /// which the worker leaves to those robots what they are about to drive.
     fn refuge(&self, worker: WorkerId, at: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
         let waiting = self.crowd.yielding.iter().filter(|(_, y)| y.worker == worker).map(|(r, _)| *r);
         let wanted: Vec<Point> = waiting
@@ -240,8 +240,8 @@ impl Fleet {
         near.into_iter().take(12).find_map(|(_, p)| self.way_past(at, p, cut))
     }
 
-    /// A way without the cut walkways for somebody who may stand face to face with a robot: the first steps lead to where
-    /// no robot is, even if the walkway there is cut by the one in front.
+    /// A way without the cut walkways for somebody who may stand face to face with a robot: the first steps
+    /// lead to where no robot is, even if the walkway there is cut by the one in front.
     fn way_past(&self, at: Point, goal: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
         let walkways = &self.crowd.walkways;
         if let Some(way) = walkways.path(at, goal, cut) {
@@ -435,8 +435,8 @@ impl Fleet {
     ) -> Option<f64> {
         let nodes = self.ledger.chain(robot).visits().take(2).map(|v| v.node);
         if self.settings.arm == Arm::Giveway && self.drives_away(robot, at, w.at) {
-            // The separation distance counts speed towards the person, and there is none. But who would be caught up
-            // with had better stand when the person comes.
+            // The separation distance counts speed towards the person, and there is none. But who would be
+            // caught up with had better stand when the person comes.
             let speed = self.scene.robot(robot).map_or(0.0, |t| t.speed_mps);
             return self.is_caught_up(at, speed, loaded, w).then_some(0.0);
         }
@@ -452,7 +452,8 @@ impl Fleet {
         limits.min_by(f64::total_cmp)
     }
 
-    /// Whether somebody who comes nearer would get into region 1 of a robot that drives off before it is as fast.
+    /// Whether somebody who comes nearer would get into region 1 of a robot that drives off before it is as
+    /// fast.
     fn is_caught_up(&self, at: Point, speed: f64, loaded: bool, w: &Whereabouts) -> bool {
         let to = at - w.at;
         let distance = to.norm().max(1e-6);

@@ -128,10 +128,11 @@ impl World {
             let (id, speed, brakes) = (robot.body.id, robot.body.speed_mps, robot.body.is_guarded());
             for p in &people {
                 let person = Person { worker: p.worker, at: p.pose.at, speed_mps: p.speed_mps };
-                self.meter.look(to, id, near, &person);
+                self.meter.look(id, near, &person);
                 self.meter.touch(id, p.worker, near.gap(p.pose.at, half_m) <= 0.0, speed, brakes);
             }
         }
+        self.meter.settle(to);
     }
 
     /// Hands over guidance to workers.
