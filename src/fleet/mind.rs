@@ -150,6 +150,7 @@ impl Fleet {
                 known.insert(goal);
             }
         }
+        intention.expect_error(seen.accuracy_m);
         intention.observe(seen.seen, seen.at, seen.heading, &mind.distances);
     }
 

@@ -29,6 +29,10 @@ const ELSEWHERE: f64 = 0.05;
 const GATE_M: f64 = 0.25;
 /// … or so many seconds.
 const GATE_S: f64 = 1.0;
+/// A step shorter than so many standard deviations of a position may be none.
+const NOISE: f64 = 4.0;
+/// Whoever makes no such step for so many seconds stands.
+const PAUSE_S: f64 = 3.0;
 
 /// One person's recogniser.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +42,8 @@ pub(super) struct Detour {
     goals: BTreeMap<GoalId, f64>,
     elsewhere: f64,
     last: Option<(Time, Point)>,
+    /// One standard deviation of positions, metres.
+    sigma_m: f64,
 }
 
 impl Detour {
@@ -65,6 +71,10 @@ impl Detour {
         self.normalise();
     }
 
+    pub fn expect_error(&mut self, sigma_m: f64) {
+        self.sigma_m = sigma_m;
+    }
+
     pub fn belief(&self) -> Belief {
         let goals = self.goals.iter().map(|(g, p)| (*g, *p)).collect();
         Belief { goals, undecided: 0.0, elsewhere: self.elsewhere }
@@ -82,6 +92,14 @@ impl Detour {
         };
         let (step, passed) = ((at - from).norm(), (seen - before).as_secs_f64());
         if passed <= 0.0 || (step < GATE_M && passed < GATE_S) {
+            return;
+        }
+        if step < NOISE * self.sigma_m {
+            // As likely the source's error as a step of the person: time passes, and nothing is learnt.
+            if passed >= PAUSE_S {
+                self.last = Some((seen, at));
+                self.forget(passed);
+            }
             return;
         }
         self.last = Some((seen, at));

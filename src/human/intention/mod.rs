@@ -112,6 +112,14 @@ impl Intention {
         }
     }
 
+    /// Says how good positions are, as one standard deviation in metres: steps of that size teach nothing. The published
+    /// methods have no such notion.
+    pub fn expect_error(&mut self, sigma_m: f64) {
+        if let Inner::Detour(d) = &mut self.inner {
+            d.expect_error(sigma_m);
+        }
+    }
+
     /// What it believes now.
     pub fn belief(&self) -> Belief {
         match &self.inner {
