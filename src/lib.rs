@@ -8,7 +8,7 @@
 //!
 //! ```text
 //!   time  id  geometry  →  warehouse  →  timeline  →  route  ┐
-//!                                           human            ├→  aware (to come)  →  fleet
+//!                                           human            ├→  aware            →  fleet
 //!   pure: no clock, no I/O, no chance, no hash order ────────┘                         │
 //!  ════════════════════════════════════════════════════════════════════════════════════╪══ the line
 //!   pure too:   sim (a floor in memory)  →  experiment (tables that others can repeat) │
@@ -30,9 +30,10 @@
 //! - [`timeline`]: who holds which resource when, and in which order. Makes [`timeline::Reserved`], the proof that
 //!   something is held.
 //! - [`route`]: the one search, over free windows.
-//! - [`human`]: people as beliefs. How far it is to their goals, and which goals are theirs.
-//! - `aware/`: to come. What people mean for robots: prices and closures for the search, regions for speeds. There will
-//!   be no second planner.
+//! - [`human`]: people as beliefs. Where they are, whether they keep to their path, which goals are theirs, where they
+//!   will be when. Every kind of bad sighting has one answer (`human/track.rs`).
+//! - [`aware`]: what people mean for robots: conditions on nodes for the search and the grants, regions for speeds,
+//!   encounters. There is no second planner.
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
 //! - [`sim`]: robots with inertia, radios that lose, customers; laws; recordings; the driver without a server. Pure.
 //! - [`experiment`]: benchmark floors and published tables, driven by the same search. Pure.
@@ -51,13 +52,19 @@
 //!
 //! 1. **absorb** (`fleet/absorb.rs`): all inputs are taken in before anything is decided. Telemetry goes to the scene,
 //!    the newest by the time it was *seen* wins. Requests become facts or refusals.
-//! 2. **judge**: comes with people. Beliefs become stops, regions and prices here, before anybody plans.
+//! 2. **judge** (`judge.rs`): people are followed along their paths; who is off the path for long deviates, and is
+//!    shown a way back (`lead.rs`); intentions are updated (`mind.rs`). Beliefs become conditions on nodes: *closed*
+//!    where a person will almost surely walk within seconds, *still* around a person (nobody comes or goes), *slow*
+//!    farther out, *dear* where a person may walk. Limits of speed and stops leave at once (`limit.rs`), and so does
+//!    what workers are told (`guide.rs`). On a floor without people and closures this phase does nothing.
 //! 3. **settle** (`settle.rs`): what has come true? Visits behind a robot are released, a stop that is done leads to
 //!    the next task, a late robot's windows slide and those of all who come after it; a broken one keeps its place.
 //! 4. **assign** (`assign.rs`): waiting jobs and idle robots are matched all together at the least sum of costs. Who is
 //!    left charges or leaves the floor.
 //! 5. **plan** (`plan.rs`): whoever has a task without a route gets a search each, longest waiting first, until the
-//!    step's budget of expansions is spent. A route is committed only when it is complete. Then robots that are held up
+//!    step's budget of expansions is spent. A route is committed only when it is complete. Then robots whose holds a
+//!    worker's windows meet wait, or change their route where they would wait for long, or leave the worker's path
+//!    (`yielding.rs`). Then robots that are held up
 //!    look for a better way.
 //! 6. **grant** (`grant.rs`): each robot may drive as far as it needs to keep its speed, but not past a stop that is
 //!    not done, nor past anybody who was promised a resource first. Grants become commands.
@@ -117,6 +124,11 @@
 //! - *A broken robot* keeps what it was granted without end. Whoever has to pass it, and whoever would have to pass
 //!   those, loses what was not granted yet (`fleet/cut.rs`) and is routed anew.
 //!
+//! *People* are outside of the argument on purpose. A worker holds nothing in the timeline: a grant that would meet a
+//! condition waits, which is a delay like any other, and the order of robots stays as it is. What can be stuck is a robot
+//! and a person who wait for one another; a robot on a person's path leaves it, a person whose path is blocked is led
+//! round, or to a place aside, and is told to stop only where nothing else is left.
+//!
 //! One thing must be true of the floor for (a) to be possible at all: every place can be reached without crossing a
 //! place where somebody may stay for ever. `warehouse/check/floor.rs` refuses maps where that is not so.
 //!
@@ -135,6 +147,12 @@
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
 //! | which maps are refused | `warehouse/check/` |
 //! | where people walk | `warehouse/walkway/` |
+//! | which sightings are believed; what a deviation is | `human/track.rs`; `human/deviation.rs` |
+//! | radii of regions, speeds near people | `aware/regions.rs`; who must stop or may drive off: `fleet/limit.rs` |
+//! | what people mean for the search | `aware/effects.rs`; how it obeys: `route/conditions.rs`, `route/search/care.rs` |
+//! | who waits, who changes the route, who leaves a path | `fleet/yielding.rs`; the published way: `fleet/published.rs` |
+//! | where workers are led, what they are told | `fleet/lead.rs`, `fleet/guide.rs` |
+//! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
 //! | how it is guessed where a person is going | `human/intention/`; stories that test it: `experiment/stories/` |
 //! | a key of scenario files | `sim/scenario.rs`, `docs/scenarios.md` |
 //! | what every simulation must keep | `sim/laws.rs` |
@@ -158,7 +176,13 @@
 //! - *There is a `cli` module beside `main.rs`*, so that commands can use private parts of it and tests can call it.
 //! - *The order on a resource is changed by planning those who wait again*, not by swapping entries: the search finds
 //!   only ways that fit, so no graph has to be checked for cycles.
-//! - *Insertion that moves others* (replanning a small set together) is not built: new routes fit around what is held.
+//! - *Insertion that moves others* (replanning a small set together, `fleet/insert.rs`) is tried after several failed
+//!   searches, and for robots that must leave a worker's path; not for routes that are merely late, where it cost more
+//!   than it gained.
+//! - *Workers hold nothing in the timelines.* Precedence over robots would mean to take holds back, and with them the
+//!   order on which nobody is ever stuck. They enter as conditions, made anew in every step.
+//! - *Regions 2 and 3 are measured on foot*, round the racks, since they say how far a person walks meanwhile; region 1
+//!   is as the crow flies. They are between centres: the separation distance plus half a person and half a robot.
 
 #[cfg(feature = "edge")]
 pub mod api;

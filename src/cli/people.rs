@@ -81,7 +81,7 @@ pub struct Table {
     #[command(flatten)]
     runs: Runs,
     /// Numbers of workers.
-    #[arg(long, value_delimiter = ',', default_values_t = [1, 3])]
+    #[arg(long, value_delimiter = ',', default_values_t = [1, 3, 5])]
     workers: Vec<usize>,
     /// Arms.
     #[arg(long, value_enum, value_delimiter = ',', default_values = ["nhir", "shir", "phir", "giveway"])]
