@@ -77,10 +77,8 @@ impl Fleet {
                 let reason = person.blocked_since.map(|(r, _)| GuidanceReason::RobotInTheWay(r));
                 (GuidanceState::Redirected, reason)
             }
-            Mode::Deviating { .. } if person.version > 0 && person.plan.is_some() => {
-                let shown = person.plan.as_ref().is_some_and(|p| p.follower.progress() == 0);
-                let state = if shown { GuidanceState::Redirected } else { GuidanceState::Deviating };
-                (state, Some(GuidanceReason::LeftPath))
+            Mode::Deviating { since } if person.plan.as_ref().is_some_and(|p| p.made >= since) => {
+                (GuidanceState::Redirected, Some(GuidanceReason::LeftPath))
             }
             Mode::Deviating { .. } => (GuidanceState::Deviating, Some(GuidanceReason::LeftPath)),
             Mode::Stopped { .. } => match person.blocked_since {

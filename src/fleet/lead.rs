@@ -130,6 +130,9 @@ impl Fleet {
             .flat_map(|r| self.ledger.chain(r).visits().take(REFUGE_AHEAD))
             .map(|v| self.warehouse().nodes[v.node].at)
             .collect();
+        if wanted.is_empty() {
+            return None;
+        }
         let walkways = &self.crowd.walkways;
         let mut near: Vec<(f64, Point)> = (walkways.within(at, REFUGE_M).into_iter())
             .map(|(n, length)| (length, walkways.nodes()[n].at))

@@ -1,7 +1,7 @@
 //! How fast each robot may be near people, now; and which robots met whom.
 //!
-//! Limits and stops leave at once, without waiting for the journal: they take nothing from anybody. Refuses: to be a
-//! safety function; robots' own scanners and brakes are.
+//! Limits and stops leave at once, without waiting for the journal: they take nothing from anybody. Refuses:
+//! to be a safety function; robots' own scanners and brakes are.
 
 use super::Fleet;
 use super::fact::Fact;

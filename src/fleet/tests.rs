@@ -5,6 +5,7 @@ mod failure;
 mod jobs;
 mod messages;
 mod people;
+mod published;
 mod restart;
 mod stuck;
 mod why;

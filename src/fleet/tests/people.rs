@@ -8,14 +8,14 @@ use crate::id::WorkerId;
 const STEP_S: f64 = 0.1;
 
 /// Somebody who walks along points at 1.2 m/s and stops before robots.
-struct Puppet {
-    worker: WorkerId,
-    at: Point,
-    way: Vec<Point>,
+pub(super) struct Puppet {
+    pub worker: WorkerId,
+    pub at: Point,
+    pub way: Vec<Point>,
     /// Whether the way is the puppet's own, not the one that it is shown.
-    own: bool,
+    pub own: bool,
     seq: u64,
-    waited_s: f64,
+    pub waited_s: f64,
 }
 
 impl Puppet {
@@ -59,13 +59,13 @@ impl Puppet {
 }
 
 impl Floor {
-    fn hire(&mut self, at: Point) -> Puppet {
+    pub(super) fn hire(&mut self, at: Point) -> Puppet {
         let reply = self.step(vec![Input::Hire { token: 1, name: "Ana".into() }]).replies.remove(0);
         let Reply::Hired { worker, .. } = reply else { panic!("not hired: {reply:?}") };
         Puppet { worker, at, way: vec![], own: false, seq: 0, waited_s: 0.0 }
     }
 
-    fn assign(&mut self, puppet: &Puppet, place: NodeId, stay_s: i64) -> crate::id::AssignmentId {
+    pub(super) fn assign(&mut self, puppet: &Puppet, place: NodeId, stay_s: i64) -> crate::id::AssignmentId {
         let (stay, what) = (Span::from_secs(stay_s), "pick".to_owned());
         let request = AssignmentRequest { place, stay, what, key: None };
         let input = Input::Assign { token: 2, worker: puppet.worker, request };
@@ -76,7 +76,7 @@ impl Floor {
     }
 
     /// One period in which the puppet is seen, told and walks.
-    fn walk(&mut self, puppet: &mut Puppet) -> Step {
+    pub(super) fn walk(&mut self, puppet: &mut Puppet) -> Step {
         let seen = puppet.sighting(self.now);
         let step = self.step(vec![seen]);
         let told = step.guidance.iter().rev().find(|(w, _)| *w == puppet.worker);
@@ -96,7 +96,7 @@ impl Floor {
         self.fleet.warehouse().nodes[self.node(name)].at
     }
 
-    fn deviations(&self) -> usize {
+    pub(super) fn deviations(&self) -> usize {
         self.facts.iter().filter(|f| matches!(f, Fact::Deviated { .. })).count()
     }
 }
