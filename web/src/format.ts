@@ -1,5 +1,5 @@
 // Numbers and words for people: one place, so that the same thing reads the same everywhere.
-import type { Doing, JobKind, JobState, RobotState } from './wire';
+import type { Doing, GuidanceState, JobKind, JobState, Presence, RobotState } from './wire';
 
 const whole = new Intl.NumberFormat('en', { maximumFractionDigits: 0 });
 
@@ -38,6 +38,14 @@ export function timeOfDay(rfc3339: string | null): string {
 
 export const STATE_WORDS: Record<RobotState, string> = {
   idle: 'Idle', busy: 'Busy', free: 'Free', interrupted: 'Interrupted', failed: 'Failed',
+};
+
+export const GUIDANCE_WORDS: Record<GuidanceState, string> = {
+  idle: 'Without a task', following: 'On the path', deviating: 'Off the path', redirected: 'On a new path',
+  stop: 'Told to stop',
+};
+export const PRESENCE_WORDS: Record<Presence, string> = {
+  absent: 'not here', tracked: 'now', stale: 'a moment ago', lost: 'lost',
 };
 
 const DOING_WORDS: Record<Doing, string> = {

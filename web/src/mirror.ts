@@ -1,6 +1,8 @@
 // The page's copy of the floor: a pure reducer over snapshots and patches. Untouched rows keep their
 // identity from one version to the next. It opens no socket and reads no clock.
-import type { Alarm, Changed, Counters, JobCounts, Message, Patch, Rack, Robot, Station } from './wire';
+import type {
+  Alarm, Changed, Closure, Counters, JobCounts, Message, Patch, Rack, Robot, Station, Worker,
+} from './wire';
 
 export interface Table<T> {
   readonly rows: readonly T[];
@@ -14,6 +16,8 @@ export interface Mirror {
   readonly robots: Table<Robot>;
   readonly racks: Table<Rack>;
   readonly stations: Table<Station>;
+  readonly workers: Table<Worker>;
+  readonly closures: readonly Closure[];
   readonly jobs: JobCounts;
   readonly counters: Counters;
   readonly alarms: readonly Alarm[];
@@ -24,7 +28,7 @@ export type Reduced = { kind: 'snapshot' | 'patched'; mirror: Mirror } | { kind:
 const NO_JOBS: JobCounts = { waiting: 0, active: 0, done: 0, cancelled: 0, failed: 0 };
 const NO_COUNTERS: Counters = {
   robot_deliveries: 0, human_deliveries: 0, deliveries_per_hour: 0, encounters: 0,
-  plan_us_p50: 0, plan_us_p99: 0, step_us_p99: 0,
+  deviations: 0, interruptions: 0, plan_us_p50: 0, plan_us_p99: 0, step_us_p99: 0,
 };
 const BLANK_ROBOT: Robot = {
   id: '', x: 0, y: 0, heading: 0, speed: 0, state: 'idle', doing: 'idle', rack: null, job: null,
@@ -32,10 +36,16 @@ const BLANK_ROBOT: Robot = {
 };
 const BLANK_RACK: Rack = { id: '', node: null, robot: null };
 const BLANK_STATION: Station = { id: '', robot: null, queue: [], served: 0 };
+const BLANK_WORKER: Worker = {
+  id: '', name: '', presence: 'absent', x: null, y: null, heading: null, speed: 0, accuracy: 0,
+  regions: [0, 0, 0], state: 'idle', reason: null, path: [], assignment: null, goals: [], undecided: 1,
+  elsewhere: 0,
+};
 
 export const EMPTY: Mirror = {
   version: null, time_s: 0, source: 'unknown',
   robots: tableOf([], BLANK_ROBOT), racks: tableOf([], BLANK_RACK), stations: tableOf([], BLANK_STATION),
+  workers: tableOf([], BLANK_WORKER), closures: [],
   jobs: NO_JOBS, counters: NO_COUNTERS, alarms: [],
 };
 
@@ -53,6 +63,8 @@ export function reduce(mirror: Mirror, message: Message): Reduced {
       robots: tableOf(message.robots, BLANK_ROBOT),
       racks: tableOf(message.racks, BLANK_RACK),
       stations: tableOf(message.stations, BLANK_STATION),
+      workers: tableOf(message.workers, BLANK_WORKER),
+      closures: message.closures ?? [],
       jobs: overlay(NO_JOBS, message.jobs),
       counters: overlay(NO_COUNTERS, message.counters),
       alarms: message.alarms ?? [],
@@ -73,6 +85,8 @@ function patched(old: Mirror, patch: Patch): Mirror {
     robots: merge(old.robots, patch.robots, BLANK_ROBOT),
     racks: merge(old.racks, patch.racks, BLANK_RACK),
     stations: merge(old.stations, patch.stations, BLANK_STATION),
+    workers: merge(old.workers, patch.workers, BLANK_WORKER),
+    closures: patch.closures ?? old.closures,
     jobs: overlay(old.jobs, patch.jobs),
     counters: overlay(old.counters, patch.counters),
     alarms: patch.alarms ?? old.alarms,

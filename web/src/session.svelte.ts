@@ -1,9 +1,10 @@
-// What the whole page shares: map, live link, the mirror as shown in panels, the chosen robot, the lock.
+// What the whole page shares: map, live link, the mirror as shown in panels, who is chosen, the lock.
 // Panels get a new mirror four times a second; the floor gets every one, past the framework.
 import { Api } from './api';
 import { History } from './history';
 import { Link, type LinkState } from './link';
 import { EMPTY, type Mirror } from './mirror';
+import type { Picked } from './picked';
 import type { FloorMap } from './wire';
 
 export type Loaded<T> = { kind: 'loading' } | { kind: 'ready'; value: T } | { kind: 'failed'; why: string };
@@ -21,8 +22,8 @@ export class Session {
   /** Seconds since the server was last heard; null before the first word. */
   age = $state.raw<number | null>(null);
   lock = $state.raw<'open' | 'locked'>('open');
-  chosen = $state.raw<string | null>(null);
-  hovered = $state.raw<string | null>(null);
+  chosen = $state.raw<Picked | null>(null);
+  hovered = $state.raw<Picked | null>(null);
   /** Every mirror as it comes, for the floor. */
   onMirror: (mirror: Mirror, how: 'glide' | 'jump') => void = () => {};
 

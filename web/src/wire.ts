@@ -64,6 +64,43 @@ export interface Station {
   queue: string[];
   served: number;
 }
+export type Presence = 'absent' | 'tracked' | 'stale' | 'lost';
+export type GuidanceState = 'idle' | 'following' | 'deviating' | 'redirected' | 'stop';
+export interface Goal {
+  x: number;
+  y: number;
+  /** Probability. */
+  p: number;
+}
+export interface Worker {
+  id: string;
+  name: string;
+  presence: Presence;
+  /** null while nobody has seen the worker. */
+  x: number | null;
+  y: number | null;
+  heading: number | null;
+  speed: number;
+  /** One standard deviation of the position, metres. */
+  accuracy: number;
+  /** Radii, metres: robots stop, keep out, go slowly. */
+  regions: [stop: number, out: number, slow: number];
+  state: GuidanceState;
+  reason: string | null;
+  /** From here on, metres. */
+  path: Point[];
+  assignment: string | null;
+  /** Most probable first. */
+  goals: Goal[];
+  undecided: number;
+  elsewhere: number;
+}
+/** An area that robots keep out of. */
+export interface Closure {
+  id: string;
+  outline: Point[];
+  reason: string;
+}
 export interface JobCounts {
   waiting: number;
   active: number;
@@ -76,6 +113,8 @@ export interface Counters {
   human_deliveries: number;
   deliveries_per_hour: number;
   encounters: number;
+  deviations: number;
+  interruptions: number;
   plan_us_p50: number;
   plan_us_p99: number;
   step_us_p99: number;
@@ -94,6 +133,8 @@ export interface Snapshot {
   robots: Robot[];
   racks: Rack[];
   stations: Station[];
+  workers: Worker[];
+  closures: Closure[];
   jobs: JobCounts;
   counters: Counters;
   alarms: Alarm[];
@@ -108,6 +149,9 @@ export interface Patch {
   robots?: Changed<Robot>[];
   racks?: Changed<Rack>[];
   stations?: Changed<Station>[];
+  workers?: Changed<Worker>[];
+  /** All of them, as they rarely change. */
+  closures?: Closure[];
   jobs?: Partial<JobCounts>;
   counters?: Partial<Counters>;
   alarms?: Alarm[];

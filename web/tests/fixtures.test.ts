@@ -5,7 +5,7 @@ import { Stage } from '../src/floor/scene';
 import { explain } from '../src/jobform';
 import { EMPTY, reduce } from '../src/mirror';
 import { JOB_KINDS, JOB_STATES, parseMessage, ROBOT_STATES, type FloorMap, type JobPage, type Problem } from '../src/wire';
-import { robot, snapshot } from './samples';
+import { robot, snapshot, worker } from './samples';
 
 const files = import.meta.glob<string>('../fixtures/*.json', { eager: true, query: '?raw', import: 'default' });
 function read(name: string): string {
@@ -35,6 +35,8 @@ describe('what the server writes', () => {
       expect(Object.keys(r)).toEqual(expect.arrayContaining(Object.keys(robot(''))));
       expect(ROBOT_STATES).toContain(r.state);
     }
+    expect(message.workers.length).toBeGreaterThan(0);
+    for (const w of message.workers) expect(Object.keys(w)).toEqual(expect.arrayContaining(Object.keys(worker(''))));
   });
 
   test('a patch fits on the snapshot before it', () => {

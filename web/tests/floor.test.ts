@@ -1,11 +1,13 @@
 // The camera and the scene: arithmetic that a wrong sign would spoil.
 import { describe, expect, test } from 'vitest';
-import { heldBeyond, robotNear, shortTurn, Stage } from '../src/floor/scene';
+import { dashes, personNear } from '../src/floor/people';
+import { heldBeyond, robotNear, Stage } from '../src/floor/scene';
+import { shortTurn } from '../src/floor/turn';
 import { fit, pan, toScreen, toWorld, zoomAt } from '../src/floor/view';
 import { History } from '../src/history';
 import { EMPTY, reduce, type Mirror } from '../src/mirror';
 import type { FloorMap, Robot, Snapshot } from '../src/wire';
-import { robot, snapshot } from './samples';
+import { robot, snapshot, worker } from './samples';
 
 const MAP: FloorMap = {
   name: 'Four', bounds: [0, 0, 40, 20], footprint_m: 0.9,
@@ -107,6 +109,39 @@ describe('the scene', () => {
     stage.take(mirror([robot('r1', { x: 1 }), robot('r2', { x: 2 })]), 0, 'jump');
     expect(robotNear(stage.scene, 1.8, 0, 1)).toBe(1);
     expect(robotNear(stage.scene, 30, 0, 1)).toBe(-1);
+  });
+});
+
+describe('people on the floor', () => {
+  const seen = (more: Partial<Snapshot>): Mirror => mirror([robot('r1')], more);
+
+  test('a person glides to where a patch puts them, and turns the short way', () => {
+    const stage = new Stage(MAP);
+    const one = seen({ workers: [worker('w1', { x: 1, heading: 3 })] });
+    stage.take(one, 0, 'jump');
+    const two = reduce(one, { type: 'patch', base: 1, version: 2, workers: [{ id: 'w1', x: 2, heading: -3 }] });
+    if (two.kind === 'gap') throw new Error('gap');
+    stage.take(two.mirror, 1_000, 'glide');
+    stage.at(1_050);
+    const [person] = stage.scene.people;
+    expect(person!.x).toBeGreaterThan(1);
+    expect(person!.x).toBeLessThan(2);
+    expect(person!.heading).toBeGreaterThan(3);
+  });
+
+  test('whoever is absent or was never seen is not on the floor', () => {
+    const stage = new Stage(MAP);
+    const workers = [worker('w1', { x: null, y: null }), worker('w2', { presence: 'absent' }), worker('w3', { presence: 'lost' })];
+    stage.take(seen({ workers }), 0, 'jump');
+    expect(stage.scene.people.map((p) => p.title)).toEqual(['w3 (lost)']);
+    expect(personNear(stage.scene.people, 0.5, 0, 1)).toBe(0);
+    expect(personNear(stage.scene.people, 5, 0, 1)).toBe(-1);
+  });
+
+  test('dashes run on around a corner and stay on the line', () => {
+    const cut = dashes([[0, 0], [0.5, 0], [0.5, 1]]);
+    expect(cut.map((v) => Math.round(v * 100) / 100)).toEqual([0, 0, 0.35, 0, 0.5, 0.1, 0.5, 0.45, 0.5, 0.7, 0.5, 1]);
+    expect(dashes([[1, 1], [1, 1]])).toEqual([]);
   });
 });
 

@@ -2,7 +2,7 @@
 import { describe, expect, test } from 'vitest';
 import { EMPTY, reduce, row, type Mirror } from '../src/mirror';
 import { parseMessage, type Message, type Patch } from '../src/wire';
-import { robot, snapshot } from './samples';
+import { robot, snapshot, worker } from './samples';
 
 const begun = (): Mirror => mirrorOf(reduce(EMPTY, snapshot({ version: 7, robots: [robot('r1'), robot('r2')] })));
 const patch = (more: object): Patch => ({ type: 'patch', base: 7, version: 8, ...more });
@@ -75,6 +75,40 @@ describe('the mirror', () => {
     expect(two.jobs.waiting).toBe(4);
     expect(two.alarms).toHaveLength(1);
     expect(two.counters).toMatchObject({ encounters: 2, robot_deliveries: 0 });
+  });
+});
+
+describe('people in the mirror', () => {
+  const peopled = (): Mirror => mirrorOf(reduce(EMPTY, snapshot({
+    version: 7, workers: [worker('w1', { state: 'following', path: [[0, 0], [1, 0]] }), worker('w2')],
+  })));
+
+  test('a patch of a worker changes only the keys it carries', () => {
+    const old = peopled();
+    const next = mirrorOf(reduce(old, patch({ workers: [{ id: 'w1', x: 3, presence: 'stale', reason: 'you left the path' }] })));
+    expect(row(next.workers, 'w1')).toMatchObject({ x: 3, presence: 'stale', state: 'following', reason: 'you left the path' });
+    expect(row(next.workers, 'w1')?.path).toBe(row(old.workers, 'w1')?.path);
+    expect(next.workers.rows[1]).toBe(old.workers.rows[1]);
+  });
+
+  test('a worker made known after the snapshot joins with blanks', () => {
+    const next = mirrorOf(reduce(peopled(), patch({ workers: [{ id: 'w3', name: 'Ana' }] })));
+    expect(row(next.workers, 'w3')).toMatchObject({ name: 'Ana', presence: 'absent', x: null, goals: [] });
+  });
+
+  test('closures come all at once, and stay when a patch says nothing of them', () => {
+    const area = { id: 'c1', outline: [], reason: 'spill' };
+    const one = mirrorOf(reduce(peopled(), patch({ closures: [area] })));
+    const two = mirrorOf(reduce(one, { type: 'patch', base: 8, version: 9 }));
+    const three = mirrorOf(reduce(two, { type: 'patch', base: 9, version: 10, closures: [] }));
+    expect(two.closures).toBe(one.closures);
+    expect([one.closures.length, three.closures.length]).toEqual([1, 0]);
+  });
+
+  test('a server that knows no people shows none', () => {
+    const { workers: _, closures: __, ...older } = snapshot();
+    const next = mirrorOf(reduce(EMPTY, older as Message));
+    expect([next.workers.rows, next.closures]).toEqual([[], []]);
   });
 });
 

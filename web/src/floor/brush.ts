@@ -1,10 +1,13 @@
 // One batch of textured rectangles for WebGL: begin, put any number of shapes, end. Shapes are white in
 // the atlas and take their colour when put; particles are kept from one frame to the next.
 import { Particle, ParticleContainer, Rectangle, Texture } from 'pixi.js';
+import { outlinePerson, PERSON_REACH } from './people';
 
 const CELL = 64;
 const PAD = 2;
-const SHAPES = ['disc', 'square', 'frame', 'ring', 'cross'] as const;
+/** Pieces of a thin circle. */
+const ARCS = 64;
+const SHAPES = ['disc', 'square', 'frame', 'ring', 'cross', 'person', 'shadow'] as const;
 export type Shape = (typeof SHAPES)[number];
 export type Atlas = Record<Shape, Texture>;
 
@@ -26,6 +29,8 @@ export function paintAtlas(): Atlas {
       ink.moveTo(4 - half, 4 - half); ink.lineTo(half - 4, half - 4);
       ink.moveTo(half - 4, 4 - half); ink.lineTo(4 - half, half - 4); ink.stroke();
     },
+    person: () => { outlinePerson(ink, half / PERSON_REACH); ink.fill(); },
+    shadow: () => { ink.lineWidth = 5; ink.lineJoin = 'round'; outlinePerson(ink, (half - 3) / PERSON_REACH); ink.stroke(); },
   };
   SHAPES.forEach((shape, i) => {
     ink.setTransform(1, 0, 0, 1, i * CELL + CELL / 2, CELL / 2);
@@ -83,6 +88,14 @@ export class Brush {
   line(x0: number, y0: number, x1: number, y1: number, width: number, ink: number): void {
     const far = Math.hypot(x1 - x0, y1 - y0);
     this.put('square', (x0 + x1) / 2, (y0 + y1) / 2, far + width, width, ink, Math.atan2(y1 - y0, x1 - x0));
+  }
+
+  circle(x: number, y: number, r: number, width: number, ink: number): void {
+    const step = (2 * Math.PI) / ARCS;
+    for (let k = 0; k < ARCS; k++) {
+      const [a, b] = [k * step, (k + 1) * step];
+      this.line(x + r * Math.cos(a), y + r * Math.sin(a), x + r * Math.cos(b), y + r * Math.sin(b), width, ink);
+    }
   }
 
   end(): void {

@@ -1,8 +1,9 @@
 // The canvas 2D painter: a few large paths per frame instead of one drawing call per robot.
 import { ROBOT_STATES } from '../wire';
 import { label } from './ground';
-import { NAMES_FROM, RACK_NAMES_FROM, SIZE, type Frame, type Painter } from './painter';
+import { belowPerson, NAMES_FROM, personRadius, RACK_NAMES_FROM, SIZE, type Frame, type Painter } from './painter';
 import type { Palette } from './palette';
+import { outlinePerson, type Person } from './people';
 import type { Paths, Scene } from './scene';
 import type { View } from './view';
 
@@ -33,7 +34,7 @@ export class Canvas2dPainter implements Painter {
     this.element.height = Math.round(height * density);
   }
 
-  draw({ view, ground, scene, chosen }: Frame): void {
+  draw({ view, ground, scene, chosen, person }: Frame): void {
     const ink = this.#ink;
     const c = this.#palette.of;
     ink.setTransform(this.#density, 0, 0, this.#density, 0, 0);
@@ -60,6 +61,7 @@ export class Canvas2dPainter implements Painter {
     this.#robots(scene, view, hair);
     this.#racks(scene, view, 'carried');
     this.#ticks(scene, view, hair);
+    this.#people(scene, view, person);
     this.#names(scene, view, chosen);
   }
 
@@ -167,6 +169,62 @@ export class Canvas2dPainter implements Painter {
     ink.stroke(low);
   }
 
+  #people({ people }: Scene, view: View, chosen: number): void {
+    const ink = this.#ink;
+    const c = this.#palette.of;
+    const hair = 1 / view.scale;
+    ink.beginPath();
+    for (const p of people) {
+      for (const r of p.regions) {
+        ink.moveTo(p.x + r, p.y);
+        ink.arc(p.x, p.y, r, 0, 2 * Math.PI);
+      }
+    }
+    ink.strokeStyle = c.region;
+    ink.lineWidth = 1.2 * hair;
+    ink.stroke();
+    for (const p of people) {
+      ink.beginPath();
+      for (let k = 0; k < p.ahead.length; k += 4) {
+        ink.moveTo(p.ahead[k]!, p.ahead[k + 1]!);
+        ink.lineTo(p.ahead[k + 2]!, p.ahead[k + 3]!);
+      }
+      ink.strokeStyle = p === people[chosen] ? c.chosen : c.ahead;
+      ink.lineWidth = Math.max(SIZE.ahead, 1.5 * hair);
+      ink.stroke();
+    }
+    for (const p of people) this.#person(p, p === people[chosen], hair);
+  }
+
+  #person(p: Person, chosen: boolean, hair: number): void {
+    const ink = this.#ink;
+    const c = this.#palette.of;
+    const r = personRadius(1 / hair);
+    ink.save();
+    ink.translate(p.x, p.y);
+    if (chosen) {
+      ink.beginPath();
+      ink.arc(0, 0, Math.max(SIZE.chosen, 11 * hair), 0, 2 * Math.PI);
+      ink.strokeStyle = c.chosen;
+      ink.lineWidth = 2 * hair;
+      ink.stroke();
+    }
+    ink.rotate(p.heading);
+    const mark = (radius: number): void => { ink.beginPath(); outlinePerson(ink, radius); };
+    mark(1.25 * r);
+    ink.fillStyle = c.halo;
+    ink.fill();
+    mark(r);
+    ink.fillStyle = c.person;
+    ink.globalAlpha = p.presence === 'tracked' ? 1 : 0.35;
+    if (p.presence !== 'lost') ink.fill();
+    ink.globalAlpha = 1;
+    ink.strokeStyle = c.person;
+    ink.lineWidth = 0.2 * r;
+    if (p.presence !== 'tracked') ink.stroke();
+    ink.restore();
+  }
+
   #names(scene: Scene, view: View, chosen: number): void {
     const ink = this.#ink;
     ink.setTransform(this.#density, 0, 0, this.#density, 0, 0);
@@ -175,6 +233,7 @@ export class Canvas2dPainter implements Painter {
       const py = (view.y - y) * view.scale + view.height / 2;
       label(ink, text, px, py + view.scale * below, 11, this.#palette.of);
     };
+    for (const p of scene.people) if (inSight(view, p.x, p.y)) name(p.title, p.x, p.y, belowPerson(view.scale));
     if (view.scale >= NAMES_FROM) this.#each(scene, view, (i, x, y) => name(scene.ids[i]!, x, y, 0.62));
     else if (chosen >= 0) name(scene.ids[chosen]!, scene.x[chosen]!, scene.y[chosen]!, 0.9);
     if (view.scale < RACK_NAMES_FROM) return;

@@ -1,12 +1,16 @@
 // Draws what does not move (floor, walls, lanes, places) into any 2D context. It is slow on purpose: it
 // runs once per view that comes to rest, and the result is kept as a picture.
-import type { FloorMap, MapNode, Point } from '../wire';
+import type { Closure, FloorMap, MapNode, Point } from '../wire';
 import type { Palette } from './palette';
 import { toScreen, type View } from './view';
 
 type Ink = CanvasRenderingContext2D;
 
-export function drawGround(ink: Ink, map: FloorMap, view: View, palette: Palette): void {
+const HATCH_PX = 8;
+
+export function drawGround(
+  ink: Ink, map: FloorMap, closures: readonly Closure[], view: View, palette: Palette,
+): void {
   const c = palette.of;
   ink.fillStyle = c.void;
   ink.fillRect(0, 0, view.width, view.height);
@@ -16,10 +20,20 @@ export function drawGround(ink: Ink, map: FloorMap, view: View, palette: Palette
   fillShapes(ink, map.obstacles, view, c.wall, c.edge);
   drawLanes(ink, map, view, palette);
   drawPlaces(ink, map, view, palette);
+  drawClosures(ink, closures, view, palette);
   drawStations(ink, map, view, palette);
 }
 
 function fillShapes(ink: Ink, shapes: Point[][], view: View, fill: string, edge: string): void {
+  trace(ink, shapes, view);
+  ink.fillStyle = fill;
+  ink.fill();
+  ink.strokeStyle = edge;
+  ink.lineWidth = 1;
+  ink.stroke();
+}
+
+function trace(ink: Ink, shapes: Point[][], view: View): void {
   ink.beginPath();
   for (const shape of shapes) {
     shape.forEach(([x, y], i) => {
@@ -29,11 +43,32 @@ function fillShapes(ink: Ink, shapes: Point[][], view: View, fill: string, edge:
     });
     ink.closePath();
   }
-  ink.fillStyle = fill;
-  ink.fill();
-  ink.strokeStyle = edge;
-  ink.lineWidth = 1;
-  ink.stroke();
+}
+
+/** Areas that robots keep out of: hatched, so that what lies below stays readable. */
+function drawClosures(ink: Ink, closures: readonly Closure[], view: View, palette: Palette): void {
+  for (const { outline } of closures) {
+    ink.save();
+    trace(ink, [outline], view);
+    ink.strokeStyle = ink.fillStyle = palette.of.closed;
+    ink.lineWidth = 2;
+    ink.stroke();
+    ink.globalAlpha = 0.12;
+    ink.fill();
+    ink.clip();
+    const at = outline.map(([x, y]) => toScreen(view, x, y));
+    const [xs, ys] = [at.map((p) => p[0]), at.map((p) => p[1])];
+    const [left, right, top, foot] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+    ink.beginPath();
+    for (let x = left - (foot - top); x < right; x += HATCH_PX) {
+      ink.moveTo(x, foot);
+      ink.lineTo(x + foot - top, top);
+    }
+    ink.globalAlpha = 0.5;
+    ink.lineWidth = 1;
+    ink.stroke();
+    ink.restore();
+  }
 }
 
 function drawLanes(ink: Ink, map: FloorMap, view: View, palette: Palette): void {

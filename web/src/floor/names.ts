@@ -1,7 +1,7 @@
-// Names of robots and racks for the WebGL painter: each drawn once as a small picture, shown when zoomed in.
+// Names of people, robots and racks for the WebGL painter: each drawn once as a small picture, shown when zoomed in.
 import { Container, Sprite, Texture } from 'pixi.js';
 import { label } from './ground';
-import { NAMES_FROM, RACK_NAMES_FROM } from './painter';
+import { belowPerson, NAMES_FROM, RACK_NAMES_FROM } from './painter';
 import type { Palette } from './palette';
 import type { Scene } from './scene';
 import type { View } from './view';
@@ -23,6 +23,7 @@ export class Names {
   draw(scene: Scene, view: View, chosen: number): void {
     for (const sprite of this.#shown) sprite.visible = false;
     this.#shown.length = 0;
+    for (const p of scene.people) this.#show(p.title, p.x, p.y, view, belowPerson(view.scale));
     if (view.scale >= NAMES_FROM) {
       for (let i = 0; i < scene.robots; i++) this.#show(scene.ids[i]!, scene.x[i]!, scene.y[i]!, view, 0.62);
     } else if (chosen >= 0) {

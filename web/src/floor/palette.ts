@@ -4,6 +4,7 @@ import { ROBOT_STATES } from '../wire';
 const NAMES = [
   'void', 'floor', 'edge', 'wall', 'lane', 'walkway', 'slot', 'queue', 'station', 'charger', 'parking', 'exit',
   'rack', 'rack-edge', 'carried', 'granted', 'held', 'tick', 'label', 'halo', 'chosen', 'low',
+  'person', 'region', 'ahead', 'closed',
 ] as const;
 type Name = (typeof NAMES)[number];
 

@@ -1,7 +1,9 @@
 // Everything that moves, as typed arrays that a painter can draw without asking anyone. `take` turns a
-// mirror into arrays (about ten times a second); `at` moves robots between two patches (every frame).
+// mirror into arrays (about ten times a second); `at` moves them between two patches (every frame).
 import { row, type Mirror } from '../mirror';
 import { ROBOT_STATES, type FloorMap } from '../wire';
+import { People, type Person } from './people';
+import { shortTurn } from './turn';
 
 /** Segments as x0, y0, x1, y1 …; those of robot i are numbers from[i] to from[i + 1]. */
 export interface Paths {
@@ -27,6 +29,7 @@ export interface Scene {
   rackOn: Int32Array;
   granted: Paths;
   held: Paths;
+  people: readonly Person[];
 }
 
 export const LOW_BATTERY = 0.2;
@@ -44,6 +47,7 @@ export class Stage {
   #glide = 100;
   #order: ReadonlyMap<string, number> | null = null;
   #racks: Mirror['racks'] | null = null;
+  #people = new People();
 
   constructor(map: FloorMap) {
     this.#map = map;
@@ -71,11 +75,13 @@ export class Stage {
     if (gap < 1_000) this.#glide += (Math.min(LONGEST_GLIDE_MS, gap * 1.1) - this.#glide) * 0.2;
     this.#tookAt = now;
     if (this.#racks !== mirror.racks) this.#takeRacks(mirror);
+    this.#people.take(mirror.workers.rows, how);
+    s.people = this.#people.list;
     s.granted = this.#paths(rows.map((r) => r.granted));
     s.held = this.#paths(rows.map((r) => heldBeyond(r.granted, r.held)));
   }
 
-  /** Moves the robots to where they are shown at `now`; true while anything is still under way. */
+  /** Moves robots and people to where they are shown at `now`; true while anything is still under way. */
   at(now: number): boolean {
     const s = this.scene;
     const part = Math.min(1, Math.max(0, (now - this.#tookAt) / this.#glide));
@@ -85,6 +91,7 @@ export class Stage {
       s.y[i] = this.#from[k + 1]! + (this.#to[k + 1]! - this.#from[k + 1]!) * part;
       s.heading[i] = this.#from[k + 2]! + shortTurn(this.#from[k + 2]!, this.#to[k + 2]!) * part;
     }
+    this.#people.at(part);
     for (let i = 0; i < s.racks; i++) {
       const robot = s.rackOn[i]!;
       if (robot < 0) continue;
@@ -168,18 +175,12 @@ export function heldBeyond(granted: readonly number[], held: readonly number[]):
   return last === undefined || rest.length === 0 ? rest : [last, ...rest];
 }
 
-export function shortTurn(from: number, to: number): number {
-  const turn = (to - from) % (2 * Math.PI);
-  if (turn > Math.PI) return turn - 2 * Math.PI;
-  return turn < -Math.PI ? turn + 2 * Math.PI : turn;
-}
-
 function blank(): Scene {
   const none = (): Paths => ({ at: new Float32Array(0), from: new Uint32Array(1) });
   return {
     robots: 0, x: new Float32Array(0), y: new Float32Array(0), heading: new Float32Array(0),
     state: new Uint8Array(0), lowBattery: new Uint8Array(0), ids: [],
     racks: 0, rackTurn: 0, rackIds: [], rackX: new Float32Array(0), rackY: new Float32Array(0), rackOn: new Int32Array(0),
-    granted: none(), held: none(),
+    granted: none(), held: none(), people: [],
   };
 }

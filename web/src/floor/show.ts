@@ -1,11 +1,13 @@
 // Runs the floor: owns the camera, the kept picture of the ground and the animation loop. It draws what
 // it is given and knows no panel.
 import type { Mirror } from '../mirror';
-import type { FloorMap } from '../wire';
+import { idOf, type Picked } from '../picked';
+import type { Closure, FloorMap } from '../wire';
 import { drawGround } from './ground';
 import { listen } from './hands';
 import type { Ground, Painter } from './painter';
 import { readPalette, type Palette } from './palette';
+import { personNear } from './people';
 import { robotNear, Stage } from './scene';
 import { fit, pan, toWorld, zoomAt, type View } from './view';
 
@@ -13,8 +15,8 @@ export interface ShowOptions {
   host: HTMLElement;
   map: FloorMap;
   painter(palette: Palette): Promise<Painter>;
-  onHover(robot: string | null): void;
-  onChoose(robot: string | null): void;
+  onHover(picked: Picked | null): void;
+  onChoose(picked: Picked | null): void;
 }
 
 /** The kept picture reaches this far beyond the window, as a share of it, on every side. */
@@ -32,7 +34,8 @@ export class Show {
   #stage: Stage;
   #ground: Ground;
   #version = -1;
-  #chosen: string | null = null;
+  #chosen: Picked | null = null;
+  #closures: readonly Closure[] = [];
   #movedAt = 0;
   #dirty = true;
   #fitted = true;
@@ -61,8 +64,8 @@ export class Show {
       pan: (dx, dy) => this.#pan(dx, dy),
       zoom: (factor, px, py) => this.zoom(factor, px, py),
       fit: () => this.fit(),
-      hover: (at) => options.onHover(at && this.#robotAt(...at)),
-      choose: (at) => options.onChoose(at && this.#robotAt(...at)),
+      hover: (at) => options.onHover(at && this.#pickedAt(...at)),
+      choose: (at) => options.onChoose(at && this.#pickedAt(...at)),
     }, this.#gone.signal);
     this.#observer = new ResizeObserver(() => this.#measure());
     this.#observer.observe(host);
@@ -73,20 +76,26 @@ export class Show {
   take(mirror: Mirror, how: 'glide' | 'jump'): void {
     this.#stage.take(mirror, performance.now(), how);
     this.#version = mirror.version ?? -1;
+    if (this.#closures !== mirror.closures) {
+      this.#closures = mirror.closures;
+      this.#paintGround();
+    }
     this.#dirty = true;
   }
 
-  choose(robot: string | null): void {
-    this.#chosen = robot;
+  choose(picked: Picked | null): void {
+    this.#chosen = picked;
     this.#dirty = true;
   }
 
-  centreOn(robot: string): void {
+  centreOn(picked: Picked): void {
     const { scene } = this.#stage;
-    const i = scene.ids.indexOf(robot);
-    if (i < 0) return;
+    const i = scene.ids.indexOf(idOf('robot', picked) ?? '');
+    const p = scene.people.find((one) => one.id === idOf('worker', picked));
+    const [x, y] = p ? [p.x, p.y] : [scene.x[i] ?? NaN, scene.y[i] ?? NaN];
+    if (Number.isNaN(x)) return;
     this.#fitted = false;
-    this.#move({ ...this.view, x: scene.x[i]!, y: scene.y[i]!, scale: Math.max(this.view.scale, CLOSE_SCALE) });
+    this.#move({ ...this.view, x, y, scale: Math.max(this.view.scale, CLOSE_SCALE) });
   }
 
   fit(): void {
@@ -118,12 +127,15 @@ export class Show {
     if (this.#dirty || under) {
       const began = performance.now();
       const { scene } = this.#stage;
-      const chosen = this.#chosen === null ? -1 : scene.ids.indexOf(this.#chosen);
-      this.#painter.draw({ view: this.view, ground: this.#ground, scene, chosen });
+      const [robot, worker] = [idOf('robot', this.#chosen), idOf('worker', this.#chosen)];
+      const chosen = robot === null ? -1 : scene.ids.indexOf(robot);
+      const person = scene.people.findIndex((p) => p.id === worker);
+      this.#painter.draw({ view: this.view, ground: this.#ground, scene, chosen, person });
       // What is on the screen, for tests and for the curious.
       const { dataset } = this.#painter.element;
       dataset['robots'] = String(scene.robots);
       dataset['racks'] = String(scene.racks);
+      dataset['people'] = String(scene.people.length);
       dataset['version'] = String(this.#version);
       dataset['drawMs'] = (performance.now() - began).toFixed(2);
       this.#dirty = under;
@@ -175,17 +187,20 @@ export class Show {
     const ink = picture.getContext('2d', { alpha: false });
     if (!ink) return;
     ink.scale(picture.width / view.width, picture.height / view.height);
-    drawGround(ink, this.#options.map, view, this.#palette);
+    drawGround(ink, this.#options.map, this.#closures, view, this.#palette);
     this.#ground = { picture, view };
     this.#dirty = true;
   }
 
   #density = (): number => Math.min(DENSEST, window.devicePixelRatio || 1);
 
-  #robotAt(px: number, py: number): string | null {
+  #pickedAt(px: number, py: number): Picked | null {
     const [x, y] = toWorld(this.view, px, py);
     const { scene } = this.#stage;
-    const i = robotNear(scene, x, y, Math.max(0.6, 12 / this.view.scale));
-    return i < 0 ? null : scene.ids[i]!;
+    const reach = Math.max(0.6, 12 / this.view.scale);
+    const person = scene.people[personNear(scene.people, x, y, reach)];
+    if (person) return { kind: 'worker', id: person.id };
+    const i = robotNear(scene, x, y, reach);
+    return i < 0 ? null : { kind: 'robot', id: scene.ids[i]! };
   }
 }

@@ -1,12 +1,13 @@
 // The WebGL painter (pixi.js). It draws what canvas2d.ts draws, layer by layer, and only what changed:
-// racks when one moves, ways when a patch comes, robots every frame.
+// racks when one moves, ways when a patch comes, robots and people every frame.
 import 'pixi.js/unsafe-eval'; // The name is about what it replaces: the page allows no eval.
 import { Container, Sprite, Texture, WebGLRenderer } from 'pixi.js';
 import { ROBOT_STATES } from '../wire';
 import { Brush, inkOf, paintAtlas } from './brush';
 import { Names } from './names';
-import { SIZE, type Frame, type Painter } from './painter';
+import { personRadius, SIZE, type Frame, type Painter } from './painter';
 import type { Palette } from './palette';
+import { PERSON_REACH } from './people';
 import type { Paths, Scene } from './scene';
 
 const INTERRUPTED = ROBOT_STATES.indexOf('interrupted');
@@ -30,6 +31,7 @@ class WebglPainter implements Painter {
   #racks: Brush;
   #ways: Brush;
   #robots: Brush;
+  #people: Brush;
   #names: Names;
   #drawn = { picture: null as HTMLCanvasElement | null, racks: -1, ways: null as Paths | null, scale: 0, chosen: -1 };
 
@@ -41,9 +43,10 @@ class WebglPainter implements Painter {
     this.#racks = new Brush(atlas);
     this.#ways = new Brush(atlas);
     this.#robots = new Brush(atlas);
+    this.#people = new Brush(atlas);
     this.#names = new Names();
     this.#ground.anchor.set(0.5);
-    this.#world.addChild(this.#racks.layer, this.#ways.layer, this.#robots.layer);
+    this.#world.addChild(this.#racks.layer, this.#ways.layer, this.#robots.layer, this.#people.layer);
     this.#root.addChild(this.#ground, this.#world, this.#names.layer);
     this.recolour(palette);
   }
@@ -60,7 +63,7 @@ class WebglPainter implements Painter {
   }
 
   draw(frame: Frame): void {
-    const { view, scene, chosen } = frame;
+    const { view, scene, chosen, person } = frame;
     const drawn = this.#drawn;
     this.#world.position.set(view.width / 2 - view.x * view.scale, view.height / 2 + view.y * view.scale);
     this.#world.scale.set(view.scale, -view.scale);
@@ -69,6 +72,7 @@ class WebglPainter implements Painter {
     if (drawn.racks !== scene.rackTurn || rescaled) this.#drawRacks(scene, view.scale);
     if (drawn.ways !== scene.granted || rescaled || drawn.chosen !== chosen) this.#drawWays(scene, view.scale, chosen);
     this.#drawRobots(scene, view.scale, chosen);
+    this.#drawPeople(scene, view.scale, person);
     this.#names.draw(scene, view, chosen);
     Object.assign(drawn, { racks: scene.rackTurn, ways: scene.granted, scale: view.scale, chosen });
     this.#renderer.render(this.#root);
@@ -163,6 +167,30 @@ class WebglPainter implements Painter {
       brush.put('square', x + 0.35, y + 0.38, 0.3 + hair, 0.16 + hair, halo);
       brush.put('square', x + 0.35, y + 0.38, 0.3, 0.16, low);
     }
+    brush.end();
+  }
+
+  #drawPeople({ people }: Scene, scale: number, chosen: number): void {
+    const c = this.#palette.of;
+    const hair = 1 / scale;
+    const [mark, pale, halo, region, ahead] =
+      [inkOf(c.person), inkOf(c.person, 0.35), inkOf(c.halo), inkOf(c.region), inkOf(c.ahead)];
+    const size = 2 * PERSON_REACH * personRadius(scale);
+    const brush = this.#people;
+    brush.begin();
+    people.forEach((p, i) => {
+      const ink = i === chosen ? inkOf(c.chosen) : ahead;
+      for (const r of p.regions) brush.circle(p.x, p.y, r, 1.2 * hair, region);
+      for (let k = 0; k < p.ahead.length; k += 4) {
+        brush.line(p.ahead[k]!, p.ahead[k + 1]!, p.ahead[k + 2]!, p.ahead[k + 3]!, Math.max(SIZE.ahead, 1.5 * hair), ink);
+      }
+    });
+    people.forEach((p, i) => {
+      if (i === chosen) brush.circle(p.x, p.y, Math.max(SIZE.chosen, 11 * hair), 2 * hair, inkOf(c.chosen));
+      brush.put('person', p.x, p.y, 1.25 * size, 1.25 * size, halo, p.heading);
+      if (p.presence !== 'lost') brush.put('person', p.x, p.y, size, size, p.presence === 'tracked' ? mark : pale, p.heading);
+      if (p.presence !== 'tracked') brush.put('shadow', p.x, p.y, size, size, mark, p.heading);
+    });
     brush.end();
   }
 }
