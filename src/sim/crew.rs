@@ -1,7 +1,7 @@
 //! All simulated workers: they join, get their assignments, come in by a door, are seen, are told, and leave.
 //!
-//! Main type: [`Crew`]. Refuses: to show the fleet anything but what their devices measure and what anybody may ask
-//! for over the API.
+//! Main type: [`Crew`]. Refuses: to show the fleet anything but what their devices measure and what anybody
+//! may ask for over the API.
 
 use super::customers::FIRST_TOKEN;
 use super::link::Link;
@@ -61,6 +61,8 @@ pub(super) struct Crew {
     fronts: Vec<NodeId>,
     half_m: f64,
     seed: u64,
+    /// When the scenario began: its times count from here.
+    start: Time,
     tokens: u64,
     members: Vec<Member>,
 }
@@ -95,7 +97,7 @@ impl Crew {
         let member = |i: usize| Member::new(i, &workers, &scenario.faults, seed, now);
         let members = (0..workers.count).map(member).collect();
         let half_m = warehouse.footprint_m / 2.0;
-        Some(Crew { workers, walkways, doors, fronts, half_m, seed, tokens: 0, members })
+        Some(Crew { workers, walkways, doors, fronts, half_m, seed, start: now, tokens: 0, members })
     }
 
     /// What is asked of the fleet, and what the devices have sent, by `now`.
@@ -184,7 +186,8 @@ impl Crew {
                 let door = self.doors[i % self.doors.len()];
                 let free = robots.iter().all(|r| (r.at - door).norm() > DOOR_M);
                 if now >= member.enters && now < member.leaves && free && member.id.is_some() {
-                    member.walker = Some(Walker::new(&self.workers, self.seed, i as u64, door, now));
+                    member.walker =
+                        Some(Walker::new(&self.workers, self.seed, i as u64, door, self.start, now));
                     member.device = Some(Device::new(self.workers.sensor, self.seed, i as u64, now));
                     member.heard = 0;
                 }
@@ -234,12 +237,12 @@ impl Member {
     fn new(i: usize, workers: &Workers, faults: &Faults, seed: u64, now: Time) -> Member {
         let who = i as u64;
         let delay = Span::from_millis(faults.message_delay_ms);
-        let enters = Time::from_secs_f64(workers.enter_s) + APART * i as i64;
+        let enters = now + Span::from_secs_f64(workers.enter_s) + APART * i as i64;
         Member {
             name: format!("worker-{}", i + 1),
             id: None,
             enters,
-            leaves: workers.leave_s.map_or(Time::MAX, Time::from_secs_f64),
+            leaves: workers.leave_s.map_or(Time::MAX, |s| now + Span::from_secs_f64(s)),
             walker: None,
             device: None,
             tasks: Stream::new(seed, 20, who),

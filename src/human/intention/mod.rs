@@ -1,8 +1,8 @@
 //! Where a person is going, with what probability.
 //!
-//! Main types: [`Intention`] (one person's recogniser; [`Method`] chooses which), [`Belief`] (what it believes),
-//! [`tiles`] (the published static method on small grids). Refuses: to decide anything. A belief is honest only as far
-//! as its goals are known; *elsewhere* is the rest.
+//! Main types: [`Intention`] (one person's recogniser; [`Method`] chooses which), [`Belief`] (what it
+//! believes), [`tiles`] (the published static method on small grids). Refuses: to decide anything. A belief
+//! is honest only as far as its goals are known; *elsewhere* is the rest.
 
 mod chain;
 mod detour;
@@ -31,7 +31,8 @@ pub enum Method {
     Chapter3,
     /// Petković 2021, section 4.3.2: states for goals only, among them the end of the person's own path.
     Chapter4,
-    /// Ours: metres of detour as log-likelihood, changes of mind per time, the worker's task as prior, *elsewhere*.
+    /// Ours: metres of detour as log-likelihood, changes of mind per time, the worker's task as prior,
+    /// *elsewhere*.
     Detour,
 }
 
@@ -77,8 +78,8 @@ impl Intention {
         Intention { inner }
     }
 
-    /// Adds a goal, at any time. `weight` is how much more probable it is than others before anything is seen (the
-    /// worker's own task has more than 1); the published methods have no use for it.
+    /// Adds a goal, at any time. `weight` is how much more probable it is than others before anything is seen
+    /// (the worker's own task has more than 1); the published methods have no use for it.
     pub fn add_goal(&mut self, goal: GoalId, weight: f64) -> Result<(), TooManyGoals> {
         match &mut self.inner {
             Inner::Published(p) => p.add_goal(goal),
@@ -112,8 +113,8 @@ impl Intention {
         }
     }
 
-    /// Says how good positions are, as one standard deviation in metres: steps of that size teach nothing. The published
-    /// methods have no such notion.
+    /// Says how good positions are, as one standard deviation in metres: steps of that size teach nothing.
+    /// The published methods have no such notion.
     pub fn expect_error(&mut self, sigma_m: f64) {
         if let Inner::Detour(d) = &mut self.inner {
             d.expect_error(sigma_m);

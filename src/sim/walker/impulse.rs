@@ -1,7 +1,8 @@
 //! When which cause comes up: one Poisson process for each, and the times that the scenario gives.
 //!
-//! Main types: [`Impulse`], [`Impulses`]. Each cause has its own stream and always takes the same number of draws, so
-//! what comes up when depends on the seed alone, whatever the fleet does. Refuses: to know whether the walker heeds it.
+//! Main types: [`Impulse`], [`Impulses`]. Each cause has its own stream and always takes the same number of
+//! draws, so what comes up when depends on the seed alone, whatever the fleet does. Refuses: to know whether
+//! the walker heeds it.
 
 use crate::sim::random::Stream;
 use crate::sim::workforce::Deviations;
@@ -73,7 +74,7 @@ const PURPOSE: u64 = 40;
 
 impl Impulses {
     /// Those of worker number `who`, from the start of the run on.
-    pub(in crate::sim) fn new(deviations: &Deviations, seed: u64, who: u64) -> Impulses {
+    pub(in crate::sim) fn new(deviations: &Deviations, seed: u64, who: u64, start: Time) -> Impulses {
         let rates = deviations.causes.rates();
         let kinds = [
             (Kind::Pause, rates.pause_per_hour),
@@ -86,11 +87,12 @@ impl Impulses {
         let clock = |(i, (kind, per_hour)): (usize, (Kind, f64))| {
             let mean_s = 3600.0 / per_hour;
             let mut random = Stream::new(seed, PURPOSE + 1 + i as u64, who);
-            let next = Time::from_secs_f64(random.exponential(mean_s));
+            let next = start + Span::from_secs_f64(random.exponential(mean_s));
             Clock { kind, mean_s, next, random }
         };
         let clocks = kinds.into_iter().enumerate().filter(|(_, (_, rate))| *rate > 0.0).map(clock).collect();
-        let mut scripted: Vec<Time> = deviations.at_s.iter().map(|s| Time::from_secs_f64(*s)).collect();
+        let after = |s: &f64| start + Span::from_secs_f64(*s);
+        let mut scripted: Vec<Time> = deviations.at_s.iter().map(after).collect();
         scripted.sort_unstable_by(|a, b| b.cmp(a));
         Impulses { clocks, scripted, random: Stream::new(seed, PURPOSE, who) }
     }
@@ -122,7 +124,7 @@ mod tests {
     #[test]
     fn over_long_runs_each_cause_comes_up_as_often_as_its_rate_says() {
         let deviations = Deviations { at_s: vec![5.0, 3.0], causes: Causes::All };
-        let mut impulses = Impulses::new(&deviations, 7, 3);
+        let mut impulses = Impulses::new(&deviations, 7, 3, Time::ZERO);
         let hours = 400;
         let mut counts: BTreeMap<Kind, u32> = BTreeMap::new();
         for second in 0..hours * 3600 {
@@ -151,7 +153,8 @@ mod tests {
     fn one_cause_more_changes_nothing_about_the_others() {
         let only = |pause, look| {
             let rates = Rates { pause_per_hour: pause, look_per_hour: look, ..Rates::default() };
-            let mut all = Impulses::new(&Deviations { at_s: vec![], causes: Causes::Rates(rates) }, 1, 0);
+            let mut all =
+                Impulses::new(&Deviations { at_s: vec![], causes: Causes::Rates(rates) }, 1, 0, Time::ZERO);
             let mut found = Vec::new();
             for second in 0..3600 {
                 let now = Time::from_secs_f64(f64::from(second));

@@ -1,7 +1,8 @@
 //! How a walker gets along a route: gait, corners, and what it cannot walk through.
 //!
-//! Main types: [`Legs`], [`Around`], [`RobotNear`]. Walls are never walked through; a robot is stopped before, and
-//! nobody steps in front of a moving one that it minds. Refuses: to know where the route comes from.
+//! Main types: [`Legs`], [`Around`], [`RobotNear`]. Walls are never walked through; a robot is stopped
+//! before, and nobody steps in front of a moving one that it minds. Refuses: to know where the route comes
+//! from.
 
 use crate::geometry::{Point, Vector, wrap_angle};
 use crate::time::Time;
@@ -135,7 +136,8 @@ impl Legs {
         self.at + side * (SWAY_M * swing * (self.speed_mps / 0.8).min(1.0))
     }
 
-    /// Walks for `dt` seconds at up to `wanted` metres per second, minding robots for `foresight` seconds ahead.
+    /// Walks for `dt` seconds at up to `wanted` metres per second, minding robots for `foresight` seconds
+    /// ahead.
     pub fn walk(&mut self, dt: f64, wanted: f64, foresight: f64, around: &Around<'_>) {
         self.blocked = false;
         self.pass_corners(around.walkways);

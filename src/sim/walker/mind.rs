@@ -46,8 +46,8 @@ impl Walker {
         self.mind_robots(now, around);
     }
 
-    /// Takes what is shown in. Another way to work is followed, or it is not. Whoever has an errand keeps to it, but
-    /// takes a way that leads there.
+    /// Takes what is shown in. Another way to work is followed, or it is not. Whoever has an errand keeps to
+    /// it, but takes a way that leads there.
     fn heed(&mut self, shown: Shown, walkways: &Walkways) {
         let new = self.shown.as_ref().is_none_or(|s| s.version != shown.version);
         if new && shown.redirected {
@@ -321,7 +321,8 @@ fn join(at: Point, path: &[Point], walkways: &Walkways) -> Vec<Point> {
     points
 }
 
-/// Walkways that robots nearby stand or drive on, but not the one on which the walker stands: it may go back on that.
+/// Walkways that robots nearby stand or drive on, but not the one on which the walker stands: it may go back
+/// on that.
 fn cut_by_robots(at: Point, around: &Around<'_>) -> EdgeSet {
     let mut cut = around.walkways.no_edges();
     for r in around.robots.iter().filter(|r| (r.at - at).norm() < IN_SIGHT_M) {

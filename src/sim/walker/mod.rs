@@ -1,8 +1,9 @@
 //! A simulated worker: walks where the device shows, works, and now and then does something else.
 //!
-//! Main types: [`Walker`], [`Shown`] (what the device shows), [`Desk`] (what it knows of its work), [`Cause`] and
-//! [`Segment`] (the truth about it). Legs, character and impulses are files of their own; this one joins them.
-//! Refuses: to walk through racks, through holes that lifted racks leave, or through robots; to tell the fleet why.
+//! Main types: [`Walker`], [`Shown`] (what the device shows), [`Desk`] (what it knows of its work), [`Cause`]
+//! and [`Segment`] (the truth about it). Legs, character and impulses are files of their own; this one joins
+//! them. Refuses: to walk through racks, through holes that lifted racks leave, or through robots; to tell
+//! the fleet why.
 
 mod cause;
 mod impulse;
@@ -117,10 +118,10 @@ pub struct Walker {
 }
 
 impl Walker {
-    /// Worker number `who` of the scenario, coming in at a door.
-    pub(super) fn new(workers: &Workers, seed: u64, who: u64, at: Point, now: Time) -> Walker {
+    /// Worker number `who` of a scenario that began at `start`, coming in at a door.
+    pub(super) fn new(workers: &Workers, seed: u64, who: u64, at: Point, start: Time, now: Time) -> Walker {
         let traits = Traits::draw(&workers.personas, Stream::new(seed, 30, who));
-        let mut impulses = Impulses::new(&workers.deviations, seed, who);
+        let mut impulses = Impulses::new(&workers.deviations, seed, who, start);
         // What came up before it came in is forgotten.
         while impulses.due(now).is_some() {}
         Walker {
@@ -200,7 +201,8 @@ impl Walker {
         &self.log
     }
 
-    /// The head against the body, radians: up to 60° while looking around, a little while standing with the phone.
+    /// The head against the body, radians: up to 60° while looking around, a little while standing with the
+    /// phone.
     fn head_turn(&self, now: Time) -> f64 {
         let swing = (1.5 * now.as_secs_f64() + self.traits.phase).sin();
         match () {

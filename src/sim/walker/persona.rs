@@ -1,7 +1,7 @@
 //! Who a walker is: how fast, how patient, and how it takes robots.
 //!
-//! Main types: [`Traits`], [`Persona`] (after the personas of HuNavSim, Pérez-Higueras et al. 2023). Refuses: to
-//! change after it was drawn.
+//! Main types: [`Traits`], [`Persona`] (after the personas of HuNavSim, Pérez-Higueras et al. 2023). Refuses:
+//! to change after it was drawn.
 
 use crate::sim::random::Stream;
 use crate::sim::workforce::Personas;

@@ -65,7 +65,7 @@ fn workers(causes: Causes, at_s: &[f64], persona: Persona) -> Workers {
 }
 
 fn walker(hall: &Hall, workers: &Workers, at: &str) -> Walker {
-    Walker::new(workers, 3, 0, hall.place(at), Time::ZERO)
+    Walker::new(workers, 3, 0, hall.place(at), Time::ZERO, Time::ZERO)
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn a_walker_never_enters_a_rack_or_a_pillar_whatever_comes_to_its_mind() {
         .collect();
     for who in 0..3 {
         let workers = workers(Causes::Rates(often), &[100.0], Persona::Yields);
-        let mut w = Walker::new(&workers, 5, who, hall.place("G0-14"), hall.now);
+        let mut w = Walker::new(&workers, 5, who, hall.place("G0-14"), Time::ZERO, hall.now);
         for round in 0..20 {
             hall.work_at(["S7-4", "S1-9", "S11-13", "S2-1"][round % 4]);
             hall.live(&mut w, 60.0, |hall, w| {
