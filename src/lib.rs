@@ -150,8 +150,8 @@
 //! | where people walk | `warehouse/walkway/` |
 //! | which sightings are believed; what a deviation is | `human/track.rs`; `human/deviation.rs` |
 //! | radii of regions, speeds near people | `aware/regions.rs`; who must stop or may drive off: `fleet/limit.rs` |
-//! | what people mean for the search | `aware/effects.rs`; how it obeys: `route/conditions.rs`, `route/search/care.rs` |
-//! | who waits, who changes the route, who leaves a path | `fleet/yielding.rs`; the published way: `fleet/published.rs` |
+//! | what people mean for the search | `aware/effects.rs`; how it obeys: `route/search/care.rs` |
+//! | who waits, goes round, leaves a path | `fleet/yielding.rs`; the published way: `fleet/published.rs` |
 //! | where workers are led, what they are told | `fleet/lead.rs`, `fleet/guide.rs` |
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
 //! | how it is guessed where a person is going | `human/intention/`; stories that test it: `experiment/stories/` |
