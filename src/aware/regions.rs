@@ -6,10 +6,9 @@
 //! full speed would. A person is always taken to walk at 1.6 m/s (ISO 13855): predictions add caution and
 //! never take any away. Refuses: to be a safety function; robots' own scanners and brakes are.
 
+use crate::human::WALK_MPS;
 use crate::route::Kinematics;
 
-/// Walking speed that is always assumed, metres per second.
-const WALK_MPS: f64 = 1.6;
 /// Radius of a standing person, metres.
 pub const BODY_M: f64 = 0.25;
 /// Uncertainty of a robot's place, metres.

@@ -16,7 +16,7 @@ const FRESH: Span = Span::from_millis(300);
 pub const STALE: Span = Span::from_secs(1);
 /// After this much silence the worker is lost.
 pub const LOST: Span = Span::from_secs(3);
-/// Speed at which the disc of a silent worker grows, metres per second (ISO 13855).
+/// Walking speed that is assumed of everybody who might walk, metres per second (ISO 13855).
 pub const WALK_MPS: f64 = 1.6;
 /// Nobody runs faster than this in a warehouse, metres per second.
 const RUN_MPS: f64 = 3.0;

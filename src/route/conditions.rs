@@ -3,7 +3,6 @@
 //! Main types: [`Conditions`], [`Condition`], [`Effect`]. This is the only way in which people enter planning.
 //! Refuses: to know why a condition holds, beyond whose it is.
 
-use super::motion::Kinematics;
 use crate::geometry::Point;
 use crate::id::{ClosureId, Dense, IdVec, NodeId, WorkerId};
 use crate::time::{Span, Time, Window};
@@ -163,18 +162,6 @@ pub(super) fn still_until(
     }
     let latest = windows.filter(|w| w.start() >= from + span).map(|w| w.start() - span).min();
     (from, latest.unwrap_or(Time::MAX))
-}
-
-/// How long a lane takes at a limited speed, between two gaits.
-pub(super) fn slow_span(k: &Kinematics, length_m: f64, limit_mps: f64, loaded: bool, ramps: u8) -> Span {
-    let (v, a) = (k.top_mps(loaded).min(limit_mps), k.accel_mps2(loaded));
-    let ramps = f64::from(ramps);
-    let seconds = if ramps == 2.0 && length_m < v * v / a {
-        2.0 * (length_m / a).sqrt()
-    } else {
-        length_m / v + ramps * v / (2.0 * a)
-    };
-    Span::from_secs_f64(seconds)
 }
 
 #[cfg(test)]

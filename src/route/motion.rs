@@ -250,7 +250,8 @@ fn gait(rolling: bool) -> Gait {
     if rolling { Gait::Rolling } else { Gait::Standing }
 }
 
-fn drive_span(rules: &Rules, length: f64, limit: f64, loaded: bool, from: Gait, to: Gait) -> Span {
+/// From node centre to node centre over a lane with a limit of speed.
+pub(super) fn drive_span(rules: &Rules, length: f64, limit: f64, loaded: bool, from: Gait, to: Gait) -> Span {
     match rules {
         Rules::Pebble { step, .. } => *step,
         Rules::Drive(k) => {

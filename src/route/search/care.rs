@@ -6,8 +6,8 @@
 use super::{FREE, Hop, Label, Labels, Open, Search};
 use crate::id::NodeId;
 use crate::route::Ask;
-use crate::route::conditions::{Condition, Effect, slow_span, still_until};
-use crate::route::motion::{Gait, Rules};
+use crate::route::conditions::{Condition, Effect, still_until};
+use crate::route::motion::{Gait, drive_span};
 use crate::time::{Span, Time, Window};
 use crate::timeline::{Gap, Timeline};
 use crate::warehouse::Warehouse;
@@ -81,9 +81,8 @@ impl Search<'_> {
     fn careful(&self, label: &Label, hop: &Hop, (to, span): (Gait, i64), begin: i64) -> Option<(Hop, Span)> {
         let ends = [label.node, hop.way.to];
         let depart = Time(hop.depart.0.max(begin));
-        let ramps = u8::from(label.gait == Gait::Standing) + u8::from(to == Gait::Standing);
-        let span =
-            Span(span).max(self.slow(&ends, label, hop, Window::new(depart, depart + Span(span)), ramps));
+        let drive = Window::new(depart, depart + Span(span));
+        let span = Span(span).max(self.slow(&ends, label, hop, drive, to));
         let still = ends.iter().flat_map(|n| self.binding(*n)).filter(|c| c.effect == Effect::Still);
         let (first, last) = still_until(still.map(|c| c.window), depart, span);
         let depart = (first.0, hop.depart.1.min(last.0));
@@ -96,18 +95,15 @@ impl Search<'_> {
     }
 
     /// How long the lane takes if either end is where robots go slowly when it is driven; zero where neither is.
-    fn slow(&self, ends: &[NodeId; 2], label: &Label, hop: &Hop, drive: Window, ramps: u8) -> Span {
+    fn slow(&self, ends: &[NodeId; 2], label: &Label, hop: &Hop, drive: Window, to: Gait) -> Span {
         let loaded = self.ask.stages[usize::from(label.stage)].loaded;
         let limits = ends.iter().flat_map(|n| self.binding(*n)).filter_map(|c| match c.effect {
             Effect::Slow(limits) if c.window.overlaps(drive) => Some(limits[usize::from(loaded)]),
             _ => None,
         });
-        match (limits.min_by(f64::total_cmp), self.pace.rules()) {
-            (Some(limit), Rules::Drive(k)) => {
-                slow_span(k, self.warehouse.arcs[hop.arc].length_m, limit, loaded, ramps)
-            }
-            _ => Span::ZERO,
-        }
+        let arc = &self.warehouse.arcs[hop.arc];
+        let limit = limits.min_by(f64::total_cmp).map(|l| l.min(arc.speed_limit_mps));
+        limit.map_or(Span::ZERO, |l| drive_span(self.pace.rules(), arc.length_m, l, loaded, label.gait, to))
     }
 
     /// What being at a node about then costs.
