@@ -1,8 +1,8 @@
 //! Giveway: a warehouse fleet manager in which robots give way to people.
 //!
-//! Giveway is an efficiency layer and no safety function: detection, braking and emergency stop are the
-//! robots' own. This page is the architecture text, the only one. The README gets a stranger to a running
-//! simulation; `docs/` answers one question a page.
+//! Giveway is an efficiency layer and no safety function: detection, braking and emergency stop are the robots' own.
+//! This page is the architecture text, the only one. The README gets a stranger to a running simulation; `docs/`
+//! answers one question a page.
 //!
 //! # The picture
 //!
@@ -17,121 +17,120 @@
 //!               cli (arguments, files, tables)
 //! ```
 //!
-//! Arrows read "is known by". A module names only modules before it; `store`, `api` and `vda5050` know the
-//! core and neither each other nor `sim`; `human` and `route` meet only in `aware`. `tests/walls.rs` enforces
-//! this and the purity, and `cargo test --no-default-features` builds everything pure without one crate of
-//! the outside.
+//! Arrows read "is known by". A module names only modules before it; `store`, `api` and `vda5050` know the core and
+//! neither each other nor `sim`; `human` and `route` meet only in `aware`. `tests/walls.rs` enforces this and the
+//! purity, and `cargo test --no-default-features` builds everything pure without one crate of the outside.
 //!
 //! # The code, in reading order
 //!
-//! - [`time`], [`id`], [`geometry`]: integer microseconds and half-open windows; one newtype per kind of
-//! thing; metres   and radians in the map's frame. - [`warehouse`]: the building. Nodes, lanes, racks,
-//! stations; which of them get in each other's way; checks that   refuse a map on which robots could get
-//! stuck; formats. - [`timeline`]: who holds which resource when, and in which order. Makes
-//! [`timeline::Reserved`], the proof that   something is held. - [`route`]: the one search, over free
-//! windows. - [`human`]: people as beliefs. Where they are, whether they keep to their path, which goals are
-//! theirs, where they   will be when. Every kind of bad sighting has one answer (`human/track.rs`). -
-//! [`aware`]: what people mean for robots: conditions on nodes for the search and the grants, regions for
-//! speeds,   encounters. There is no second planner. - [`fleet`]: the state machine. `fleet/mod.rs` shows one
-//! step on one screen; each phase is a file. - [`sim`]: robots with inertia, radios that lose, customers;
-//! laws; recordings; the driver without a server. Pure. - [`experiment`]: benchmark floors and published
-//! tables, driven by the same search. Pure. - `store`: the journal of facts and the lists of jobs,
-//! assignments and encounters, in SQLite. - `api`: HTTP under `/v1`, the live feed, metrics, OpenAPI; wire
-//! types are its own. `api/feed` takes the poses of   headsets: frames, clocks and thinning are pure there,
-//! and guidance goes out past all queues. - `vda5050/`: to come. Real robots instead of simulated ones,
-//! behind the same [`fleet::Command`] and   [`fleet::Telemetry`]. - `server`: settings, the only clock, the
-//! loop, what waits for the journal. - `cli`: one file per command of the program. `main.rs` calls it and
-//! nothing else.
+//! - [`time`], [`id`], [`geometry`]: integer microseconds and half-open windows; one newtype per kind of thing; metres
+//!   and radians in the map's frame.
+//! - [`warehouse`]: the building. Nodes, lanes, racks, stations; which of them get in each other's way; checks that
+//!   refuse a map on which robots could get stuck; formats.
+//! - [`timeline`]: who holds which resource when, and in which order. Makes [`timeline::Reserved`], the proof that
+//!   something is held.
+//! - [`route`]: the one search, over free windows.
+//! - [`human`]: people as beliefs. Where they are, whether they keep to their path, which goals are theirs, where they
+//!   will be when. Every kind of bad sighting has one answer (`human/track.rs`).
+//! - [`aware`]: what people mean for robots: conditions on nodes for the search and the grants, regions for speeds,
+//!   encounters. There is no second planner.
+//! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
+//! - [`sim`]: robots with inertia, radios that lose, customers; laws; recordings; the driver without a server. Pure.
+//! - [`experiment`]: benchmark floors and published tables, driven by the same search. Pure.
+//! - `store`: the journal of facts and the lists of jobs, assignments and encounters, in SQLite.
+//! - `api`: HTTP under `/v1`, the live feed, metrics, OpenAPI; wire types are its own. `api/feed` takes the poses of
+//!   headsets: frames, clocks and thinning are pure there, and guidance goes out past all queues.
+//! - `vda5050/`: to come. Real robots instead of simulated ones, behind the same [`fleet::Command`] and
+//!   [`fleet::Telemetry`].
+//! - `server`: settings, the only clock, the loop, what waits for the journal.
+//! - `cli`: one file per command of the program. `main.rs` calls it and nothing else.
 //!
 //! # The life of a step
 //!
-//! Everything happens in [`fleet::Fleet::step`]`(now, inputs)`. The server, the simulator and the tests are
-//! three short drivers of it, which differ only in where `now` and the inputs come from and where the results
-//! go.
+//! Everything happens in [`fleet::Fleet::step`]`(now, inputs)`. The server, the simulator and the tests are three short
+//! drivers of it, which differ only in where `now` and the inputs come from and where the results go.
 //!
-//! 1. **absorb** (`fleet/absorb.rs`): all inputs are taken in before anything is decided. Telemetry goes to
-//! the scene,    the newest by the time it was *seen* wins. Requests become facts or refusals. 2. **judge**
-//! (`judge.rs`): people are followed along their paths; who is off the path for long deviates, and is
-//! shown a way back (`lead.rs`); intentions are updated (`mind.rs`). Beliefs become conditions on nodes:
-//! *closed*    where a person will almost surely walk within seconds, *still* around a person (nobody comes
-//! or goes), *slow*    farther out, *dear* where a person may walk. Limits of speed and stops leave at once
-//! (`limit.rs`), and so does    what workers are told (`guide.rs`). On a floor without people and closures
-//! this phase does nothing. 3. **settle** (`settle.rs`): what has come true? Visits behind a robot are
-//! released, a stop that is done leads to    the next task, a late robot's windows slide and those of all who
-//! come after it; a broken one keeps its place. 4. **assign** (`assign.rs`): waiting jobs and idle robots are
-//! matched all together at the least sum of costs. Who is    left charges or leaves the floor. 5. **plan**
-//! (`plan.rs`): whoever has a task without a route gets a search each, longest waiting first, until the
-//! step's budget of expansions is spent. A route is committed only when it is complete. Then robots whose
-//! holds a    worker's windows meet wait, or change their route where they would wait for long, or leave the
-//! worker's path    (`yielding.rs`). Then robots that are held up    look for a better way. 6. **grant**
-//! (`grant.rs`): each robot may drive as far as it needs to keep its speed, but not past a stop that is
-//! not done, nor past anybody who was promised a resource first. Grants become commands.
+//! 1. **absorb** (`fleet/absorb.rs`): all inputs are taken in before anything is decided. Telemetry goes to the scene,
+//!    the newest by the time it was *seen* wins. Requests become facts or refusals.
+//! 2. **judge** (`judge.rs`): people are followed along their paths; who is off the path for long deviates, and is
+//!    shown a way back (`lead.rs`); intentions are updated (`mind.rs`). Beliefs become conditions on nodes: *closed*
+//!    where a person will almost surely walk within seconds, *still* around a person (nobody comes or goes), *slow*
+//!    farther out, *dear* where a person may walk. Limits of speed and stops leave at once (`limit.rs`), and so does
+//!    what workers are told (`guide.rs`). On a floor without people and closures this phase does nothing.
+//! 3. **settle** (`settle.rs`): what has come true? Visits behind a robot are released, a stop that is done leads to
+//!    the next task, a late robot's windows slide and those of all who come after it; a broken one keeps its place.
+//! 4. **assign** (`assign.rs`): waiting jobs and idle robots are matched all together at the least sum of costs. Who is
+//!    left charges or leaves the floor.
+//! 5. **plan** (`plan.rs`): whoever has a task without a route gets a search each, longest waiting first, until the
+//!    step's budget of expansions is spent. A route is committed only when it is complete. Then robots whose holds a
+//!    worker's windows meet wait, or change their route where they would wait for long, or leave the worker's path
+//!    (`yielding.rs`). Then robots that are held up
+//!    look for a better way.
+//! 6. **grant** (`grant.rs`): each robot may drive as far as it needs to keep its speed, but not past a stop that is
+//!    not done, nor past anybody who was promised a resource first. Grants become commands.
 //!
 //! Every change of durable state is a [`fleet::Fact`], recorded by one function and taken in by one other,
-//! [`fleet::Ledger::evolve`], live and on load alike. The step returns facts, commands and replies. The
-//! server writes the facts to the journal and lets commands and replies go when they are durable; if the
-//! database is gone, robots finish what was granted and stand. After a restart the ledger is folded from the
-//! journal and the scene is empty: to the step that is a floor of silent robots, and nothing special.
+//! [`fleet::Ledger::evolve`], live and on load alike. The step returns facts, commands and replies. The server writes
+//! the facts to the journal and lets commands and replies go when they are durable; if the database is gone, robots
+//! finish what was granted and stand. After a restart the ledger is folded from the journal and the scene is empty: to
+//! the step that is a floor of silent robots, and nothing special.
 //!
 //! # What is not there
 //!
-//! - Above the line nothing reads a clock, a file, a socket or the environment, starts a thread or takes a
-//! lock. - No decision depends on how long anything took: searches are bounded by counted expansions. A
-//! stopwatch is passed   in for figures and decides nothing. Same build, same seed, same bytes. - No random
-//! number is drawn outside of `sim/random.rs`; no map with a random order is used above the line. - Nothing
-//! reacts to a message. Decisions look at state, so repeated, late and reordered messages do no harm. - No
-//! code but `Ledger::evolve` changes what was promised; loading facts never plans. - No robot is commanded
-//! without a [`timeline::Reserved`], and nobody but [`timeline::Timeline`] makes one. There is   no
-//! [`warehouse::Warehouse`] that was not validated. - Types of the core are not serialised: `api` and `store`
-//! have wire types of their own. - The [`fleet::View`] is an input to no decision. - No hold is given back
-//! because its time is over. Times are plans; only what a robot reports frees anything.
+//! - Above the line nothing reads a clock, a file, a socket or the environment, starts a thread or takes a lock.
+//! - No decision depends on how long anything took: searches are bounded by counted expansions. A stopwatch is passed
+//!   in for figures and decides nothing. Same build, same seed, same bytes.
+//! - No random number is drawn outside of `sim/random.rs`; no map with a random order is used above the line.
+//! - Nothing reacts to a message. Decisions look at state, so repeated, late and reordered messages do no harm.
+//! - No code but `Ledger::evolve` changes what was promised; loading facts never plans.
+//! - No robot is commanded without a [`timeline::Reserved`], and nobody but [`timeline::Timeline`] makes one. There is
+//!   no [`warehouse::Warehouse`] that was not validated.
+//! - Types of the core are not serialised: `api` and `store` have wire types of their own.
+//! - The [`fleet::View`] is an input to no decision.
+//! - No hold is given back because its time is over. Times are plans; only what a robot reports frees anything.
 //!
 //! # Why nobody is ever stuck
 //!
-//! A *hold* is a visit of one robot on one node (and on the lane that leads there, where that lane needs a
-//! timeline), with a window. Three things are true of every set of holds that the timeline accepts:
+//! A *hold* is a visit of one robot on one node (and on the lane that leads there, where that lane needs a timeline),
+//! with a window. Three things are true of every set of holds that the timeline accepts:
 //!
-//! - (a) A robot's holds go on to a place where it may stay for ever, and the last one has no end. So nothing
-//! is ever   ordered behind a robot's last hold, and a robot that has reached it is in nobody's way. A new
-//! route that does not   get that far is not committed; the old one stands. - (b) Holds of different robots
-//! on one resource, or on two in conflict, do not overlap. So on every resource they   have an order, and
-//! grants follow that order, not the clock. - (c) A robot's hold on a node outlasts, by a strictly positive
-//! clearance, its arrival at the next node.
+//! - (a) A robot's holds go on to a place where it may stay for ever, and the last one has no end. So nothing is ever
+//!   ordered behind a robot's last hold, and a robot that has reached it is in nobody's way. A new route that does not
+//!   get that far is not committed; the old one stands.
+//! - (b) Holds of different robots on one resource, or on two in conflict, do not overlap. So on every resource they
+//!   have an order, and grants follow that order, not the clock.
+//! - (c) A robot's hold on a node outlasts, by a strictly positive clearance, its arrival at the next node.
 //!
-//! Now let robot A wait for a hold `v`, that is, `v` is the next in A's route and somebody is before it in
-//! the order of its resource: B with hold `u`. Then `u` ends before `v` starts (b). B gives `u` back when it
-//! has arrived at its own next hold `u'`, which exists, since `u` has an end (a). And `u'` starts no later
-//! than B arrives there, which is before `u` ends (c). Together:
+//! Now let robot A wait for a hold `v`, that is, `v` is the next in A's route and somebody is before it in the order of
+//! its resource: B with hold `u`. Then `u` ends before `v` starts (b). B gives `u` back when it has arrived at its own
+//! next hold `u'`, which exists, since `u` has an end (a). And `u'` starts no later than B arrives there, which is
+//! before `u` ends (c). Together:
 //!
 //! ```text
 //! start(u')  ≤  arrival at u'  <  end(u)  ≤  start(v)
 //! ```
 //!
-//! The start of each hold is strictly later than the start of the hold that must be granted before it. The
-//! same holds within a route, where visits follow one another. So starts are a potential: what waits for what
-//! has no cycle, and the ungranted hold with the earliest start waits for nobody; its robot gets it as soon
-//! as it is done where it stands. With zero clearance a ring of robots could turn on the spot with all starts
-//! equal: that is what (c) forbids.
+//! The start of each hold is strictly later than the start of the hold that must be granted before it. The same holds
+//! within a route, where visits follow one another. So starts are a potential: what waits for what has no cycle, and
+//! the ungranted hold with the earliest start waits for nobody; its robot gets it as soon as it is done where it
+//! stands. With zero clearance a ring of robots could turn on the spot with all starts equal: that is what (c) forbids.
 //!
-//! The argument looks at a picture of holds, not at how it came about. So it survives all that keeps the
-//! picture:
+//! The argument looks at a picture of holds, not at how it came about. So it survives all that keeps the picture:
 //!
-//! - *Delays* slide windows and keep every order (`timeline/delay.rs`): a follower starts later by what it
-//! must. - *Granting early* moves the start of a hold that nobody is before any more, so no inequality is
-//! lost. - *A better way* (`plan.rs`, `improve`) is searched in the free windows of what all others hold, so
-//! it fits into the   picture, and the order of all stays free of cycles, although the robot may come before
-//! others now. - *A broken robot* keeps what it was granted without end. Whoever has to pass it, and whoever
-//! would have to pass   those, loses what was not granted yet (`fleet/cut.rs`) and is routed anew.
+//! - *Delays* slide windows and keep every order (`timeline/delay.rs`): a follower starts later by what it must.
+//! - *Granting early* moves the start of a hold that nobody is before any more, so no inequality is lost.
+//! - *A better way* (`plan.rs`, `improve`) is searched in the free windows of what all others hold, so it fits into the
+//!   picture, and the order of all stays free of cycles, although the robot may come before others now.
+//! - *A broken robot* keeps what it was granted without end. Whoever has to pass it, and whoever would have to pass
+//!   those, loses what was not granted yet (`fleet/cut.rs`) and is routed anew.
 //!
-//! *People* are outside of the argument on purpose. A worker holds nothing in the timeline: a grant that
-//! would meet a condition waits, which is a delay like any other, and the order of robots stays as it is.
-//! What can be stuck is a robot and a person who wait for one another; a robot on a person's path leaves it,
-//! a person whose path is blocked is led round, or to a place aside, and is told to stop only where nothing
-//! else is left.
+//! *People* are outside of the argument on purpose. A worker holds nothing in the timeline: a grant that would meet
+//! a condition waits, which is a delay like any other, and the order of robots stays as it is. What can be stuck is a
+//! robot and a person who wait for one another; a robot on a person's path leaves it, a person whose path is
+//! blocked is led round, or to a place aside, and is told to stop only where nothing else is left.
 //!
-//! One thing must be true of the floor for (a) to be possible at all: every place can be reached without
-//! crossing a place where somebody may stay for ever. `warehouse/check/floor.rs` refuses maps where that is
-//! not so.
+//! One thing must be true of the floor for (a) to be possible at all: every place can be reached without crossing a
+//! place where somebody may stay for ever. `warehouse/check/floor.rs` refuses maps where that is not so.
 //!
 //! # Where do I change …
 //!
@@ -167,22 +166,23 @@
 //!
 //! # Where this differs from the first design
 //!
-//! - *The view is made on demand* ([`fleet::Fleet::view`]), not by every step: the server wants ten a second,
-//! a   simulated hour none of its 36 000. - *Most lanes have no timeline.* Whoever drives a lane holds both
-//! ends. Where its footprint asks for nothing beyond   them, holding the lane as well would say nothing new
-//! and would double the work. - *Queue places are ordinary nodes*, reserved for robots bound for their
-//! station, planned like all others. Robots   set off only while the station has a place for them. A FIFO
-//! outside of the search would have been a second planner   with a promise of its own, and the argument above
-//! would have had to cover both. - *There is a `cli` module beside `main.rs`*, so that commands can use
-//! private parts of it and tests can call it. - *The order on a resource is changed by planning those who
-//! wait again*, not by swapping entries: the search finds   only ways that fit, so no graph has to be checked
-//! for cycles. - *Insertion that moves others* (replanning a small set together, `fleet/insert.rs`) is tried
-//! after several failed   searches, and for robots that must leave a worker's path; not for routes that are
-//! merely late, where it cost more   than it gained. - *Workers hold nothing in the timelines.* Precedence
-//! over robots would mean to take holds back, and with them the   order on which nobody is ever stuck. They
-//! enter as conditions, made anew in every step. - *Regions 2 and 3 are measured on foot*, round the racks,
-//! since they say how far a person walks meanwhile; region 1   is as the crow flies. They are between
-//! centres: the separation distance plus half a person and half a robot.
+//! - *The view is made on demand* ([`fleet::Fleet::view`]), not by every step: the server wants ten a second, a
+//!   simulated hour none of its 36 000.
+//! - *Most lanes have no timeline.* Whoever drives a lane holds both ends. Where its footprint asks for nothing beyond
+//!   them, holding the lane as well would say nothing new and would double the work.
+//! - *Queue places are ordinary nodes*, reserved for robots bound for their station, planned like all others. Robots
+//!   set off only while the station has a place for them. A FIFO outside of the search would have been a second planner
+//!   with a promise of its own, and the argument above would have had to cover both.
+//! - *There is a `cli` module beside `main.rs`*, so that commands can use private parts of it and tests can call it.
+//! - *The order on a resource is changed by planning those who wait again*, not by swapping entries: the search finds
+//!   only ways that fit, so no graph has to be checked for cycles.
+//! - *Insertion that moves others* (replanning a small set together, `fleet/insert.rs`) is tried after several failed
+//!   searches, and for robots that must leave a worker's path; not for routes that are merely late, where it cost more
+//!   than it gained.
+//! - *Workers hold nothing in the timelines.* Precedence over robots would mean to take holds back, and with them the
+//!   order on which nobody is ever stuck. They enter as conditions, made anew in every step.
+//! - *Regions 2 and 3 are measured on foot*, round the racks, since they say how far a person walks meanwhile; region 1
+//!   is as the crow flies. They are between centres: the separation distance plus half a person and half a robot.
 
 #[cfg(feature = "edge")]
 pub mod api;
