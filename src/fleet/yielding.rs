@@ -82,6 +82,8 @@ impl Fleet {
     /// long.
     pub(super) fn give_way(&mut self, now: Time, budget: &mut u32) {
         if self.crowd.conditions.is_empty() {
+            // Nobody to give way to: what was noted of earlier waiting says nothing about the next one.
+            self.crowd.yielding.clear();
             return;
         }
         for robot in super::ledger::all(&self.ledger.robots) {
