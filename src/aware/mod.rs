@@ -4,11 +4,13 @@
 //! conditions), [`Meter`] (encounters). Refuses: to plan, and to command anybody.
 
 mod afoot;
+mod collision;
 mod effects;
 mod encounter;
 mod regions;
 
 pub use afoot::Afoot;
+pub use collision::{Swept, THRESHOLD, collision};
 pub use effects::{Effects, nodes_in};
 pub use encounter::{Meeting, Meter, Near};
 pub use regions::{BODY_M, Regions, SLOW_MPS};

@@ -3,6 +3,7 @@
 //! Main type: [`Experiment`]. Refuses: to print a figure that depends on chance without its seed.
 
 use super::people::{Detection, Table};
+use super::recorded::{Forecast, Purpose};
 use super::write;
 use crate::experiment::stories::{self, Tale};
 use crate::human::Method;
@@ -21,6 +22,10 @@ pub enum Experiment {
     Table(Table),
     /// How soon and how surely the fleet notices that people leave their path.
     Detection(Detection),
+    /// Where recorded people will be within five seconds: errors, regions, calibration.
+    Forecast(Forecast),
+    /// Where recorded people are going: the right goal along the way, calibration.
+    Intention(Purpose),
 }
 
 /// The stories.
@@ -72,6 +77,8 @@ impl Experiment {
             Experiment::Story(story) => story.run(),
             Experiment::Table(table) => table.run(),
             Experiment::Detection(detection) => detection.run(),
+            Experiment::Forecast(forecast) => forecast.run(),
+            Experiment::Intention(purpose) => purpose.run(),
         }
     }
 }

@@ -5,8 +5,10 @@
 
 mod bench;
 mod experiment;
+mod learn;
 mod map;
 mod people;
+mod recorded;
 mod recording;
 mod replay;
 mod serve;
@@ -43,6 +45,8 @@ enum Command {
     /// Measure planning on this machine.
     #[command(subcommand)]
     Bench(bench::Bench),
+    /// Learn about people from recorded tracks; the server and simulations use what was learned.
+    Learn(learn::Learn),
     /// Run published experiments again.
     #[command(subcommand)]
     Experiment(experiment::Experiment),
@@ -57,6 +61,7 @@ pub fn run() -> ExitCode {
         Some(Command::Replay(replay)) => replay.run(),
         Some(Command::Serve(serve)) => serve.run(),
         Some(Command::Bench(bench)) => bench.run(),
+        Some(Command::Learn(learn)) => learn.run(),
         Some(Command::Experiment(experiment)) => experiment.run(),
         None => arguments.serve.run(),
     };

@@ -8,9 +8,11 @@
 mod dice;
 pub mod distances;
 pub mod grid;
+pub mod learning;
 pub mod lifelong;
 pub mod planning;
 pub mod plot;
+pub mod recorded;
 pub mod statistics;
 pub mod stories;
 pub mod table;

@@ -43,7 +43,7 @@ pub(super) struct Mind {
 
 impl Mind {
     pub fn new(warehouse: &Warehouse, walkways: Arc<Walkways>) -> Mind {
-        let mut distances = Distances::over(walkways);
+        let mut distances = Distances::over(walkways.clone());
         let (low, high) = warehouse.bounds();
         let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
         let corners = corners.map(|(x, y)| Point::new(x, y));
@@ -51,8 +51,8 @@ impl Mind {
         let places = corners.into_iter().chain(doors.map(|n| warehouse.nodes[n].at));
         let mut fixed: Vec<GoalId> = Vec::new();
         for (i, place) in places.enumerate() {
-            let Some((node, _)) = distances.walkways().nearest(place) else { continue };
-            let at = distances.walkways().nodes()[node].at;
+            let Some((node, _)) = walkways.nearest(place) else { continue };
+            let at = walkways.nodes()[node].at;
             if distances.goals().all(|(_, g)| (g - at).norm() > 1.0) {
                 distances.add_goal(GoalId(i as u64), at);
                 fixed.push(GoalId(i as u64));
@@ -103,7 +103,7 @@ impl Fleet {
         }
         for (goal, node) in wanted.into_iter().filter(|(g, _)| !known.contains(g)) {
             let at = self.ledger.warehouse().nodes[node].at;
-            let at = mind.distances.walkways().on_floor(at).unwrap_or(at);
+            let at = self.crowd.walkways.on_floor(at).unwrap_or(at);
             mind.distances.add_goal(goal, at);
         }
     }
@@ -138,7 +138,7 @@ impl Fleet {
         if person.relocated {
             mind.intentions.remove(&worker);
         }
-        let fresh = || (Intention::new(method), BTreeSet::new());
+        let fresh = || (Intention::new(method, &self.settings.model), BTreeSet::new());
         let (intention, known) = mind.intentions.entry(worker).or_insert_with(fresh);
         for goal in known.iter().filter(|g| !goals.contains_key(g)) {
             intention.remove_goal(*goal);

@@ -43,7 +43,7 @@ pub use people::{
 pub use view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
 
 use crate::aware::{Arm, Regions};
-use crate::human::Method;
+use crate::human::{Method, Model};
 use crate::route::{Kinematics, Planner, Rules};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
@@ -73,6 +73,8 @@ pub struct Settings {
     pub arm: Arm,
     /// How our own arm recognises intentions.
     pub method: Method,
+    /// What was learned about people.
+    pub model: Arc<Model>,
     /// Robots pass through one another: only for the bound on throughput.
     pub ghosts: bool,
     /// Reads any clock in nanoseconds, to tell how long searches take. Nothing is ever decided by it.
@@ -91,6 +93,7 @@ impl Default for Settings {
             waiting_max: 100_000,
             arm: Arm::default(),
             method: Method::Detour,
+            model: Model::builtin(),
             ghosts: false,
             stopwatch: || 0,
         }

@@ -21,7 +21,8 @@ const AROUND_GOAL_M: f64 = 11.0;
 /// Distances to all goals.
 #[derive(Clone, Debug)]
 pub struct Distances {
-    walkways: Arc<Walkways>,
+    /// Nothing in the open, where one walks straight anywhere.
+    walkways: Option<Arc<Walkways>>,
     graph: Graph,
     cut: EdgeSet,
     goals: BTreeMap<GoalId, Goal>,
@@ -39,12 +40,18 @@ impl Distances {
         let edges: Vec<(usize, usize, f64)> =
             walkways.edges().iter().map(|e| (e.a.ix(), e.b.ix(), e.length_m)).collect();
         let graph = Graph::new(walkways.nodes().len(), &edges);
-        Distances { cut: walkways.no_edges(), walkways, graph, goals: BTreeMap::new() }
+        Distances { cut: walkways.no_edges(), walkways: Some(walkways), graph, goals: BTreeMap::new() }
     }
 
-    /// The walkways beneath.
-    pub fn walkways(&self) -> &Walkways {
-        &self.walkways
+    /// A floor without walls: everything is as far as the crow flies. For recordings without a map.
+    pub fn in_the_open() -> Distances {
+        let graph = Graph::new(0, &[]);
+        Distances { cut: EdgeSet::default(), walkways: None, graph, goals: BTreeMap::new() }
+    }
+
+    /// The walkways beneath; nothing in the open.
+    pub fn walkways(&self) -> Option<&Walkways> {
+        self.walkways.as_deref()
     }
 
     /// The edges that are cut now.
@@ -79,12 +86,13 @@ impl Distances {
             return;
         }
         let differs = |e: &WalkEdgeId| cut.contains(*e) != self.cut.contains(*e);
-        let changed: Vec<WalkEdgeId> = self.walkways.edges().ids().filter(differs).collect();
+        let Some(walkways) = self.walkways.clone() else { return };
+        let changed: Vec<WalkEdgeId> = walkways.edges().ids().filter(differs).collect();
         self.cut.clone_from(cut);
         let numbers: Vec<usize> = changed.iter().map(|e| e.ix()).collect();
         let mut goals = std::mem::take(&mut self.goals);
         for goal in goals.values_mut() {
-            let near = |e: &WalkEdgeId| (self.walkways.segment(*e).a - goal.at).norm() < AROUND_GOAL_M;
+            let near = |e: &WalkEdgeId| (walkways.segment(*e).a - goal.at).norm() < AROUND_GOAL_M;
             let seeds = changed.iter().any(near).then(|| self.seeds(goal.at));
             let open = |e: usize| !cut.contains(WalkEdgeId::at(e));
             goal.field.repair(&self.graph, &numbers, seeds.as_deref(), open);
@@ -93,7 +101,8 @@ impl Distances {
     }
 
     fn seeds(&self, at: Point) -> Vec<(usize, f64)> {
-        self.walkways.doorsteps(at, &self.cut).into_iter().map(|(n, m)| (n.ix(), m)).collect()
+        let Some(walkways) = &self.walkways else { return Vec::new() };
+        walkways.doorsteps(at, &self.cut).into_iter().map(|(n, m)| (n.ix(), m)).collect()
     }
 
     /// Metres from a node of the walkways to a goal; nothing where the goal is unknown or no way leads to it.
@@ -103,8 +112,9 @@ impl Distances {
 
     /// What one place sees of the walkways: ask it for several goals.
     pub fn from(&self, at: Point) -> Vantage<'_> {
-        let at = self.walkways.on_floor(at).unwrap_or(at);
-        Vantage { all: self, at, steps: self.walkways.doorsteps(at, &self.cut) }
+        let Some(walkways) = &self.walkways else { return Vantage { all: self, at, steps: Vec::new() } };
+        let at = walkways.on_floor(at).unwrap_or(at);
+        Vantage { all: self, at, steps: walkways.doorsteps(at, &self.cut) }
     }
 
     /// Metres from a point to a goal; nothing where no way leads there.
@@ -136,15 +146,18 @@ impl Vantage<'_> {
     fn straight(&self, goal: GoalId) -> Option<(Point, f64)> {
         let to = self.all.place(goal)?;
         let away = (to - self.at).norm();
-        (away <= STRAIGHT_M && self.all.walkways.sees_past(self.at, to, &self.all.cut)).then_some((to, away))
+        let Some(walkways) = &self.all.walkways else { return Some((to, away)) };
+        (away <= STRAIGHT_M && walkways.sees_past(self.at, to, &self.all.cut)).then_some((to, away))
     }
 
     /// Ways over each node in sight: the node's place, its distance, metres in all.
     fn ways(&self, goal: GoalId) -> impl Iterator<Item = (Point, f64, f64)> {
-        let nodes = self.all.walkways.nodes();
-        self.steps
+        let nodes = self
+            .all
+            .walkways
             .iter()
-            .filter_map(move |(n, away)| Some((nodes[*n].at, *away, away + self.all.from_node(*n, goal)?)))
+            .flat_map(|w| self.steps.iter().map(move |(n, away)| (w.nodes()[*n].at, *n, *away)));
+        nodes.filter_map(move |(at, n, away)| Some((at, away, away + self.all.from_node(n, goal)?)))
     }
 
     /// Metres to a goal: straight, or the shortest way over a node in sight (the leg to the node counts, which
@@ -200,14 +213,23 @@ mod tests {
     }
 
     #[test]
+    fn in_the_open_one_walks_straight() {
+        let mut all = Distances::in_the_open();
+        all.add_goal(G, p(3.0, 4.0));
+        assert_eq!(all.to_goal(G, p(0.0, 0.0)), Some(5.0));
+        assert_eq!(all.towards(G, p(3.0, 0.0)), Some(std::f64::consts::FRAC_PI_2));
+        assert_eq!(all.to_goal(GoalId(1), p(0.0, 0.0)), None);
+    }
+
+    #[test]
     fn a_robot_before_the_goal_makes_the_way_longer_and_two_make_it_unreachable() {
         let w = lab();
         let mut all = Distances::over(Arc::new(Walkways::of(&w)));
         all.add_goal(G, p(4.0, 4.0));
-        let (from, mut cut) = (p(6.0, 1.0), all.walkways().no_edges());
+        let (from, mut cut) = (p(6.0, 1.0), all.walkways().unwrap().no_edges());
         let before = all.to_goal(G, from).expect("a way");
         let block = |all: &Distances, at: Point, cut: &mut EdgeSet| {
-            all.walkways().edges_within(at, 0.7).into_iter().for_each(|e| assert!(cut.insert(e)));
+            all.walkways().unwrap().edges_within(at, 0.7).into_iter().for_each(|e| assert!(cut.insert(e)));
         };
         block(&all, p(6.0, 3.0), &mut cut);
         all.set_cut(&cut);
@@ -217,7 +239,7 @@ mod tests {
         block(&all, p(0.0, 2.0), &mut cut);
         all.set_cut(&cut);
         assert_eq!((all.to_goal(G, from), all.towards(G, from)), (None, None));
-        all.set_cut(&all.walkways().no_edges());
+        all.set_cut(&all.walkways().unwrap().no_edges());
         assert_eq!(all.to_goal(G, from), Some(before));
         all.remove_goal(G);
         assert_eq!(all.to_goal(G, from), None);

@@ -13,8 +13,8 @@ const SAME_M: f64 = 0.3;
 /// The shortest way from a point to a goal, as far as `length_m`, down the goal's distances; nothing where
 /// there is none.
 pub fn towards_goal(distances: &Distances, goal: GoalId, at: Point, length_m: f64) -> Option<Vec<Point>> {
-    let walkways = distances.walkways();
     let end = distances.place(goal)?;
+    let Some(walkways) = distances.walkways() else { return Some(vec![at, end]) };
     if (end - at).norm() < 2.5 && walkways.sees_past(at, end, distances.cut()) {
         return Some(vec![at, end]);
     }

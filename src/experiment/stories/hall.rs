@@ -9,7 +9,7 @@
 use super::super::dice::Dice;
 use super::{Event, Story, name};
 use crate::geometry::{Point, Pose, Segment};
-use crate::human::{Distances, Intention, Method};
+use crate::human::{Distances, Intention, Method, Model};
 use crate::id::{GoalId, NodeId};
 use crate::time::Time;
 use crate::warehouse::walkway::Walkways;
@@ -109,13 +109,15 @@ impl Person {
     /// Walks for a tick; whether it sets off on a new errand.
     fn walk(&mut self, all: &Distances) -> bool {
         let Some((x, y, _)) = ERRANDS.get(self.errand) else { return false };
-        let mut near = all.walkways().no_edges();
+        let mut near = all.walkways().expect("a hall has walkways").no_edges();
         for e in all.cut().iter() {
-            if (all.walkways().segment(e).point(0.5) - self.pose.at).norm() < NEAR_M {
+            if (all.walkways().expect("a hall has walkways").segment(e).point(0.5) - self.pose.at).norm()
+                < NEAR_M
+            {
                 near.insert(e);
             }
         }
-        let way = all.walkways().path(self.pose.at, Point::new(*x, *y), &near);
+        let way = all.walkways().expect("a hall has walkways").path(self.pose.at, Point::new(*x, *y), &near);
         let mut left = PACE_MPS / RATE;
         for next in way.iter().flat_map(|w| &w.points[1..]) {
             let leg = Segment { a: self.pose.at, b: *next };
@@ -138,7 +140,7 @@ impl Person {
 pub(super) fn tell(method: Method, seed: u64) -> Story {
     let w = hall();
     let mut all = Distances::over(Arc::new(Walkways::of(&w)));
-    let mut recogniser = Intention::new(method);
+    let mut recogniser = Intention::new(method, &Model::builtin());
     for (i, (.., x, y)) in GOALS.iter().enumerate() {
         all.add_goal(GoalId(i as u64), Point::new(*x, *y));
         if i as u64 != BROWN {
@@ -181,9 +183,9 @@ pub(super) fn tell(method: Method, seed: u64) -> Story {
 
 /// Robots close what is beneath them.
 fn block(all: &mut Distances, robots: &[Point]) {
-    let mut cut = all.walkways().no_edges();
+    let mut cut = all.walkways().expect("a hall has walkways").no_edges();
     for at in robots {
-        for e in all.walkways().edges_within(*at, ROBOT_M) {
+        for e in all.walkways().expect("a hall has walkways").edges_within(*at, ROBOT_M) {
             cut.insert(e);
         }
     }

@@ -7,7 +7,7 @@
 use super::actor::{Act, Actor};
 use super::{Event, Story, name};
 use crate::geometry::Point;
-use crate::human::{Distances, Intention, Method};
+use crate::human::{Distances, Intention, Method, Model};
 use crate::id::GoalId;
 use crate::time::Time;
 use crate::warehouse::walkway::Walkways;
@@ -63,7 +63,7 @@ fn place(w: &Warehouse, node: &str) -> Point {
 pub(super) fn tell(method: Method) -> Story {
     let w = lab();
     let mut all = Distances::over(Arc::new(Walkways::of(&w)));
-    let mut recogniser = Intention::new(method);
+    let mut recogniser = Intention::new(method, &Model::builtin());
     for (i, (goal, _)) in GOALS.iter().enumerate() {
         all.add_goal(GoalId(i as u64), place(&w, goal));
         recogniser.add_goal(GoalId(i as u64), 1.0).expect("three goals");
@@ -72,9 +72,9 @@ pub(super) fn tell(method: Method) -> Story {
     let (mut beliefs, mut closed) = (Vec::new(), None);
     for tick in 0..=(person.end() * RATE) as i64 {
         let t = tick as f64 / RATE;
-        let mut cut = all.walkways().no_edges();
+        let mut cut = all.walkways().expect("a hall has walkways").no_edges();
         for at in [standing, robot.pose(t).at] {
-            for e in all.walkways().edges_within(at, ROBOT_M) {
+            for e in all.walkways().expect("a hall has walkways").edges_within(at, ROBOT_M) {
                 if cut.insert(e) && at != standing && closed.is_none() {
                     closed = Some(t);
                 }

@@ -1,73 +1,147 @@
 //! Our recogniser: whoever walks to a goal makes no detours on the way.
 //!
-//! Main type: [`Detour`]. A goal loses probability with every metre of detour that it would mean; between updates the
-//! person may change its mind at a rate per time, not per message. The idea that people minimise the way that is left
-//! is that of the published method; likelihood and rates follow Ziebart et al. 2009 and Fisac et al. 2018. What is
-//! added here is *elsewhere*: who makes more than half a metre of detour a metre for every goal is bound for none.
-//! Refuses: an undecided state; an undecided posterior is flat, and its entropy says so.
+//! Main types: [`Detour`], [`PurposeModel`] (its figures, learned from recorded people). Every step of some length is as
+//! likely as a direction under von Mises: the metres of detour that it means for a goal, times how resolute the person
+//! is. Resoluteness is inferred beside the goal, so that somebody who strolls is not taken to be sure of anything
+//! (Fisac et al. 2018; Yin et al. 2025); whoever goes *elsewhere* walks in any direction alike. Minds change at a rate
+//! per time, and steps are counted by metres, so the rate of poses means nothing. Refuses: an undecided state; an
+//! undecided posterior is flat, and its entropy says so.
 
 use super::Belief;
 use crate::geometry::{Point, turn_between};
 use crate::human::Distances;
+use crate::human::motion::{Fix, Motion, MotionModel, Use};
 use crate::id::GoalId;
-use crate::time::Time;
+use crate::time::{Span, Time};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-/// Loss of log-probability per metre of detour.
-const BETA_PER_M: f64 = 4.0;
-/// Gain of log-probability per 0.4 s for facing the way to the goal, at a metre a second.
-const KAPPA: f64 = 0.6;
-/// To keep one's mind for 0.4 s.
-const STAY: f64 = 0.97;
-/// The interval of [`KAPPA`] and [`STAY`], seconds.
-const BEAT_S: f64 = 0.4;
-/// Who is bound elsewhere walks as if every goal lay 60° beside the way: half a metre of detour a metre.
-const ASIDE: f64 = 0.5;
-/// Prior probability of elsewhere.
-const ELSEWHERE: f64 = 0.05;
-/// An update every so many metres …
-const GATE_M: f64 = 0.25;
-/// … or so many seconds.
-const GATE_S: f64 = 1.0;
-/// A step shorter than so many standard deviations of a position may be none.
-const NOISE: f64 = 4.0;
-/// Whoever makes no such step for so many seconds stands.
-const PAUSE_S: f64 = 3.0;
+/// Degrees of resoluteness that are told apart.
+const DEGREES: usize = 4;
+/// A step is taken in after so many metres …
+const STEP_M: f64 = 0.4;
+/// … and a pause after so many seconds.
+const PAUSE: Span = Span::from_secs(1);
+/// Steps shorter than so many standard deviations of a position may be none.
+const NOISE: f64 = 3.0;
+/// Whoever is this near to a goal has arrived, metres.
+const THERE_M: f64 = 1.0;
+/// Goals this near to a learned place are that place, metres.
+const PLACE_M: f64 = 1.0;
+/// How often people change how resolute they are, per second.
+const TEMPER_PER_S: f64 = 0.02;
+
+/// Figures of the recogniser.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PurposeModel {
+    /// Degrees of resoluteness: loss of log-probability per metre of detour.
+    pub betas_per_m: [f64; DEGREES],
+    /// How probable each degree is.
+    pub beta_shares: [f64; DEGREES],
+    /// How often people change their mind on the way, per second.
+    pub changes_per_s: f64,
+    /// How much the course of the moment says: concentration of directions at a metre a second.
+    pub kappa: f64,
+    /// Share of people who go to no known goal.
+    pub elsewhere: f64,
+    /// How long people stay at a goal, seconds.
+    pub dwell_s: f64,
+    /// Places of which more is known.
+    pub places: Vec<Place>,
+}
+
+/// What is known of people at one place.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Place {
+    /// Where, metres.
+    pub x_m: f64,
+    /// Where, metres.
+    pub y_m: f64,
+    /// How long people stay, seconds.
+    pub dwell_s: f64,
+    /// Where they go next: shares of all places, in their order.
+    pub next: Vec<f64>,
+}
+
+impl Default for PurposeModel {
+    fn default() -> PurposeModel {
+        PurposeModel {
+            betas_per_m: [1.0, 3.0, 8.0, 20.0],
+            beta_shares: [0.25, 0.25, 0.25, 0.25],
+            changes_per_s: 0.05,
+            kappa: 2.0,
+            elsewhere: 0.05,
+            dwell_s: 5.0,
+            places: Vec::new(),
+        }
+    }
+}
 
 /// One person's recogniser.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Detour {
+    model: Arc<PurposeModel>,
     /// Goals with their prior weights.
     weights: BTreeMap<GoalId, f64>,
-    goals: BTreeMap<GoalId, f64>,
+    /// Joint probabilities of goals and degrees.
+    goals: BTreeMap<GoalId, [f64; DEGREES]>,
     elsewhere: f64,
+    /// What the course of the moment says for each goal, as a factor.
+    course: BTreeMap<GoalId, f64>,
+    /// Place and time of the last step that was taken in.
     last: Option<(Time, Point)>,
+    /// The goal that was visited last.
+    visited: Option<GoalId>,
+    motion: Motion,
     /// One standard deviation of positions, metres.
     sigma_m: f64,
 }
 
 impl Detour {
-    pub fn add_goal(&mut self, goal: GoalId, weight: f64) {
-        if self.weights.insert(goal, weight.max(1e-6)).is_none() {
-            self.goals.insert(goal, 0.0);
+    pub fn new(model: Arc<PurposeModel>, motion: MotionModel) -> Detour {
+        let elsewhere = model.elsewhere;
+        Detour {
+            model,
+            weights: BTreeMap::new(),
+            goals: BTreeMap::new(),
+            elsewhere,
+            course: BTreeMap::new(),
+            last: None,
+            visited: None,
+            motion: Motion::new(motion),
+            sigma_m: 0.02,
         }
-        let fresh = self.last.is_none();
-        let prior = self.prior();
-        if fresh {
-            (self.goals, self.elsewhere) = (prior, ELSEWHERE);
+    }
+
+    pub fn add_goal(&mut self, goal: GoalId, weight: f64) {
+        self.weights.insert(goal, weight.max(1e-6));
+        let total: f64 = self.weights.values().sum();
+        if self.last.is_none() {
+            self.goals = self.weights.iter().map(|(g, w)| (*g, self.spread(w / total))).collect();
+            self.elsewhere = self.model.elsewhere;
+            let known = 1.0 - self.model.elsewhere;
+            self.goals.values_mut().flatten().for_each(|p| *p *= known);
         } else {
             // A new goal takes its prior share from all others.
-            let share = prior[&goal];
-            self.goals.values_mut().for_each(|p| *p *= 1.0 - share);
+            let share = self.weights[&goal] / total * (1.0 - self.model.elsewhere);
+            self.goals.values_mut().flatten().for_each(|p| *p *= 1.0 - share);
             self.elsewhere *= 1.0 - share;
-            self.goals.insert(goal, share);
+            self.goals.insert(goal, self.spread(share));
         }
         self.normalise();
     }
 
+    fn spread(&self, share: f64) -> [f64; DEGREES] {
+        self.model.beta_shares.map(|b| b * share)
+    }
+
     pub fn remove_goal(&mut self, goal: GoalId) {
         self.weights.remove(&goal);
-        self.elsewhere += self.goals.remove(&goal).unwrap_or(0.0);
+        self.course.remove(&goal);
+        self.elsewhere += self.goals.remove(&goal).map_or(0.0, |p| p.iter().sum());
         self.normalise();
     }
 
@@ -76,83 +150,160 @@ impl Detour {
     }
 
     pub fn belief(&self) -> Belief {
-        let goals = self.goals.iter().map(|(g, p)| (*g, *p)).collect();
-        Belief { goals, undecided: 0.0, elsewhere: self.elsewhere }
+        let factor = |g: &GoalId| self.course.get(g).copied().unwrap_or(1.0);
+        let mut goals: Vec<(GoalId, f64)> =
+            self.goals.iter().map(|(g, p)| (*g, p.iter().sum::<f64>() * factor(g))).collect();
+        let total = goals.iter().map(|g| g.1).sum::<f64>() + self.elsewhere;
+        goals.iter_mut().for_each(|g| g.1 /= total);
+        Belief { goals, undecided: 0.0, elsewhere: self.elsewhere / total }
     }
 
-    fn prior(&self) -> BTreeMap<GoalId, f64> {
-        let total: f64 = self.weights.values().sum();
-        self.weights.iter().map(|(g, w)| (*g, w / total * (1.0 - ELSEWHERE))).collect()
-    }
-
-    pub fn observe(&mut self, seen: Time, at: Point, heading: Option<f64>, distances: &Distances) {
+    pub fn observe(&mut self, seen: Time, at: Point, distances: &Distances) {
+        match self.motion.see(Fix { seen, at, sigma_m: self.sigma_m }) {
+            Use::Late | Use::Doubted => return,
+            Use::Restarted => self.last = None,
+            Use::Taken => {}
+        }
+        let now = self.motion.ahead(seen).expect("a fix was just taken in");
+        let here = distances.from(now.at);
         let Some((before, from)) = self.last else {
-            self.last = Some((seen, at));
+            self.last = Some((seen, now.at));
+            self.visit(now.at, distances);
             return;
         };
-        let (step, passed) = ((at - from).norm(), (seen - before).as_secs_f64());
-        if passed <= 0.0 || (step < GATE_M && passed < GATE_S) {
-            return;
+        let (step, passed) = ((now.at - from).norm(), seen - before);
+        if step >= STEP_M.max(NOISE * self.sigma_m) {
+            self.last = Some((seen, now.at));
+            self.change_minds(passed);
+            let start = distances.from(from);
+            self.weigh(step, |goal| Some((start.to_goal(goal)?, here.to_goal(goal)?)));
+            self.visit(now.at, distances);
+            self.normalise();
+        } else if passed >= PAUSE {
+            // Whoever stands goes nowhere: time passes, and the place from which the next step counts stays.
+            self.last = Some((seen, from));
+            self.change_minds(passed);
+            self.normalise();
         }
-        if step < NOISE * self.sigma_m {
-            // As likely the source's error as a step of the person: time passes, and nothing is learnt.
-            if passed >= PAUSE_S {
-                self.last = Some((seen, at));
-                self.forget(passed);
+        self.look(now.velocity.norm(), now.velocity.y.atan2(now.velocity.x), |goal| here.towards(goal));
+    }
+
+    /// Notes a visit: from there people go on to somewhere else.
+    fn visit(&mut self, at: Point, distances: &Distances) {
+        let there = |g: &&GoalId| distances.place(**g).is_some_and(|p| (p - at).norm() <= THERE_M);
+        if let Some(goal) = self.weights.keys().find(there).copied() {
+            self.visited = Some(goal);
+            self.weights_from(goal, distances);
+        }
+    }
+
+    /// Where people go next from a goal, if that was learned; by the goals' own weights otherwise.
+    fn weights_from(&mut self, from: GoalId, distances: &Distances) {
+        let place_of = |g: GoalId| {
+            let at = distances.place(g)?;
+            let off = |p: &Place| (Point::new(p.x_m, p.y_m) - at).norm();
+            self.model.places.iter().position(|p| off(p) <= PLACE_M)
+        };
+        let Some(origin) = place_of(from) else { return };
+        let shares = &self.model.places[origin].next;
+        let next: Vec<(GoalId, f64)> =
+            (self.weights.keys()).filter_map(|g| Some((*g, shares.get(place_of(*g)?)?.max(1e-6)))).collect();
+        // Only where every goal is a known place do shares compare.
+        if next.len() == self.weights.len() {
+            self.weights.extend(next);
+        }
+    }
+
+    /// Minds change with time: to the prior, and from a goal that was reached to another one.
+    fn change_minds(&mut self, passed: Span) {
+        let dt = passed.as_secs_f64();
+        let (keeps, same) = ((-self.model.changes_per_s * dt).exp(), (-TEMPER_PER_S * dt).exp());
+        let rests = (-dt / self.model.dwell_s).exp();
+        let total: f64 = self.weights.values().sum();
+        let known = 1.0 - self.model.elsewhere;
+        let mut free = self.elsewhere * (1.0 - keeps);
+        self.elsewhere *= keeps;
+        for (goal, p) in &mut self.goals {
+            let sum: f64 = p.iter().sum();
+            let kept = keeps * if self.visited == Some(*goal) { rests } else { 1.0 };
+            for (q, share) in p.iter_mut().zip(self.model.beta_shares) {
+                *q = kept * (same * *q + (1.0 - same) * share * sum);
             }
-            return;
+            free += (1.0 - kept) * sum;
         }
-        self.last = Some((seen, at));
-        self.forget(passed);
-        self.weigh(step, passed, distances, [from, at], heading);
-        self.normalise();
+        self.elsewhere += free * self.model.elsewhere;
+        for (goal, p) in &mut self.goals {
+            let share = free * known * self.weights[goal] / total;
+            p.iter_mut().zip(self.model.beta_shares).for_each(|(q, b)| *q += share * b);
+        }
     }
 
-    /// Minds change: with time all belief goes back to the prior.
-    fn forget(&mut self, passed: f64) {
-        let stay = STAY.powf(passed / BEAT_S);
-        let prior = self.prior();
+    /// A step of `step` metres; `ways` says how far each goal was before and is now.
+    fn weigh(&mut self, step: f64, ways: impl Fn(GoalId) -> Option<(f64, f64)>) {
         for (goal, p) in &mut self.goals {
-            *p = stay * *p + (1.0 - stay) * prior[goal];
+            // Nobody can say how far it is: neither for nor against.
+            let Some((then, now)) = ways(*goal) else { continue };
+            let detour = (step + now - then).clamp(0.0, 2.0 * step);
+            for (q, beta) in p.iter_mut().zip(self.model.betas_per_m) {
+                *q *= (-beta * detour).exp() / bessel0e(beta * step);
+            }
         }
-        self.elsewhere = stay * self.elsewhere + (1.0 - stay) * ELSEWHERE;
     }
 
-    /// Both ends of the step are measured on the floor as it is now, so that a robot that closes a way between two
-    /// looks is no detour of the person's.
-    fn weigh(
-        &mut self,
-        step: f64,
-        passed: f64,
-        distances: &Distances,
-        ends: [Point; 2],
-        heading: Option<f64>,
-    ) {
-        let [from, to] = ends.map(|p| distances.from(p));
-        let pace = (step / passed).min(1.0);
-        let facing_weight = heading.map_or(0.0, |_| KAPPA * pace * (passed / BEAT_S).min(1.0));
-        let nowhere = -BETA_PER_M * step * ASIDE + facing_weight * ASIDE;
-        for (goal, p) in &mut self.goals {
-            let detour = match (from.to_goal(*goal), to.to_goal(*goal)) {
-                (Some(then), Some(now)) => (step + now - then).clamp(0.0, 2.0 * step),
-                // Nobody can say how far it is: neither for nor against more than walking beside it.
-                _ => step,
-            };
-            let facing = heading.and_then(|h| Some(turn_between(h, to.towards(*goal)?).cos()));
-            *p *= (-BETA_PER_M * detour + facing_weight * facing.unwrap_or(0.0)).exp();
+    /// What the course of the moment says.
+    fn look(&mut self, speed: f64, course: f64, towards: impl Fn(GoalId) -> Option<f64>) {
+        let kappa = self.model.kappa * speed.min(1.0);
+        self.course.clear();
+        for goal in self.goals.keys() {
+            if let Some(direction) = towards(*goal) {
+                let cos = turn_between(course, direction).cos();
+                self.course.insert(*goal, (kappa * (cos - 1.0)).exp() / bessel0e(kappa));
+            }
         }
-        self.elsewhere *= nowhere.exp();
     }
 
     fn normalise(&mut self) {
-        let total: f64 = self.goals.values().sum::<f64>() + self.elsewhere;
-        if total > 0.0 {
-            self.goals.values_mut().for_each(|p| *p /= total);
-            self.elsewhere /= total;
-        } else {
-            // All weights have sunk below what numbers can hold: start anew.
-            (self.goals, self.elsewhere) =
-                (self.prior(), if self.goals.is_empty() { 1.0 } else { ELSEWHERE });
+        let total: f64 = self.goals.values().flatten().sum::<f64>() + self.elsewhere;
+        assert!(total > 0.0 && total.is_finite(), "beliefs have a sum: {total}");
+        self.goals.values_mut().flatten().for_each(|p| *p = (*p / total).max(1e-12));
+        self.elsewhere = (self.elsewhere / total).max(1e-12);
+    }
+}
+
+/// exp(−x) I₀(x) for x ≥ 0: the normaliser of von Mises (Abramowitz and Stegun, 9.8.1 and 9.8.2).
+fn bessel0e(x: f64) -> f64 {
+    const SMALL: [f64; 7] =
+        [1.0, 3.515_622_9, 3.089_942_4, 1.206_749_2, 0.265_973_2, 0.036_076_8, 0.004_581_3];
+    const LARGE: [f64; 9] = [
+        0.398_942_28,
+        0.013_285_92,
+        0.002_253_19,
+        -0.001_575_65,
+        0.009_162_81,
+        -0.020_577_06,
+        0.026_355_37,
+        -0.016_476_33,
+        0.003_923_77,
+    ];
+    let series = |c: &[f64], t: f64| c.iter().rev().fold(0.0, |sum, k| sum * t + k);
+    if x < 3.75 {
+        series(&SMALL, (x / 3.75).powi(2)) * (-x).exp()
+    } else {
+        series(&LARGE, 3.75 / x) / x.sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_under_von_mises_sum_to_one() {
+        for x in [0.0, 0.3, 2.0, 3.7, 3.8, 9.0, 40.0] {
+            let cells = 20_000;
+            let angle = |i: i32| std::f64::consts::TAU * f64::from(i) / f64::from(cells);
+            let sum: f64 = (0..cells).map(|i| (x * (angle(i).cos() - 1.0)).exp()).sum();
+            assert!((sum / f64::from(cells) / bessel0e(x) - 1.0).abs() < 1e-6, "{x}");
         }
     }
 }

@@ -15,9 +15,10 @@ pub mod tiles;
 mod tests;
 
 pub use chain::State;
+pub use detour::{Place, PurposeModel};
 pub use report::{Credible, reported_goals};
 
-use super::Distances;
+use super::{Distances, Model};
 use crate::geometry::Point;
 use crate::id::GoalId;
 use crate::time::Time;
@@ -68,12 +69,12 @@ enum Inner {
 }
 
 impl Intention {
-    /// Without goals; nothing was seen yet.
-    pub fn new(method: Method) -> Intention {
+    /// Without goals; nothing was seen yet. The published methods have figures of their own.
+    pub fn new(method: Method, model: &Model) -> Intention {
         let inner = match method {
             Method::Chapter3 => Inner::Published(Published::new(Chapter::Three)),
             Method::Chapter4 => Inner::Published(Published::new(Chapter::Four)),
-            Method::Detour => Inner::Detour(Detour::default()),
+            Method::Detour => Inner::Detour(Detour::new(model.purpose.clone(), model.motion)),
         };
         Intention { inner }
     }
@@ -105,11 +106,12 @@ impl Intention {
 
     /// Takes in a pose. Poses may come at any rate; most change nothing until the person has moved on.
     ///
-    /// Goals must be known to `distances`, too; `heading` is where the person faces, radians, if anybody knows.
+    /// Goals must be known to `distances`, too; `heading` is where the person faces, radians, if anybody knows. Chapter 3
+    /// reads it; ours reads the course that is walked, because heads look aside.
     pub fn observe(&mut self, seen: Time, at: Point, heading: Option<f64>, distances: &Distances) {
         match &mut self.inner {
             Inner::Published(p) => p.observe(seen, at, heading, distances),
-            Inner::Detour(d) => d.observe(seen, at, heading, distances),
+            Inner::Detour(d) => d.observe(seen, at, distances),
         }
     }
 

@@ -38,7 +38,8 @@ pub(super) fn validate(
     let reached = Association::at(distances, to);
     let walked = (to - from).norm();
     let mut alternatives: Vec<Vec<Option<f64>>> = Vec::new();
-    for point in around(from, walked).into_iter().filter(|p| distances.walkways().is_free(*p)) {
+    let is_free = |p: &Point| distances.walkways().is_none_or(|w| w.is_free(*p));
+    for point in around(from, walked).into_iter().filter(is_free) {
         let association = Association::at(distances, point);
         match heading {
             None => alternatives.push(association.distances(distances, goals, None)),
@@ -75,20 +76,29 @@ fn around(from: Point, walked: f64) -> Vec<Point> {
 /// The nodes in sight of a place: weight by distance, and bearing (eq. 3.11).
 struct Association {
     nodes: Vec<(crate::id::WalkNodeId, f64, f64)>,
+    /// Of a place in the open, where goals themselves are in sight.
+    open: Option<Point>,
 }
 
 impl Association {
     fn at(distances: &Distances, p: Point) -> Association {
-        let nodes = distances.walkways().nodes();
+        let Some(walkways) = distances.walkways() else {
+            return Association { nodes: Vec::new(), open: Some(p) };
+        };
+        let nodes = walkways.nodes();
         let seen = distances.from(p);
         let weigh = |away: f64| (-away * away / (2.0 * SIGMA_M * SIGMA_M)).exp();
         let bearing = |at: Point| Segment { a: p, b: at }.heading();
         let steps = seen.steps().iter();
-        Association { nodes: steps.map(|(n, away)| (*n, weigh(*away), bearing(nodes[*n].at))).collect() }
+        let nodes = steps.map(|(n, away)| (*n, weigh(*away), bearing(nodes[*n].at))).collect();
+        Association { nodes, open: None }
     }
 
     /// The modulated distances of eq. 3.14, weights normalised over the nodes from which the goal can be reached.
     fn distances(&self, distances: &Distances, goals: &[GoalId], heading: Option<f64>) -> Vec<Option<f64>> {
+        if let Some(at) = self.open {
+            return goals.iter().map(|g| distances.to_goal(*g, at)).collect();
+        }
         // Eq. 3.12.
         let facing = |bearing: f64| match heading {
             Some(h) => (PI - turn_between(h, bearing)) / (PI * PI) + BEHIND,

@@ -20,7 +20,7 @@ fn floor(w: &Warehouse, goals: &[Point]) -> Distances {
 }
 
 fn recogniser(method: Method, goals: usize) -> Intention {
-    let mut person = Intention::new(method);
+    let mut person = Intention::new(method, &Model::builtin());
     (0..goals).for_each(|g| person.add_goal(GoalId(g as u64), 1.0).expect("room"));
     person
 }
@@ -80,9 +80,9 @@ fn a_turn_on_the_spot_counts_by_where_it_ends() {
 #[test]
 fn a_goal_that_is_closed_off_is_not_approached_and_makes_no_nonsense() {
     let mut all = floor(&lab(), &[p(4.0, 4.0)]);
-    let mut cut = all.walkways().no_edges();
+    let mut cut = all.walkways().expect("a floor").no_edges();
     for at in [p(5.0, 4.0), p(3.0, 4.0)] {
-        for e in all.walkways().edges_within(at, 0.6) {
+        for e in all.walkways().expect("a floor").edges_within(at, 0.6) {
             cut.insert(e);
         }
     }
@@ -103,7 +103,7 @@ fn beliefs_sum_to_one_and_the_goal_that_is_walked_to_wins() {
     let all = floor(&thesis(), &goals);
     for method in METHODS {
         for (i, goal) in goals.iter().enumerate() {
-            let way = all.walkways().path(p(6.0, 7.0), *goal, all.cut()).expect("a way");
+            let way = all.walkways().expect("a floor").path(p(6.0, 7.0), *goal, all.cut()).expect("a way");
             let mut person = recogniser(method, goals.len());
             let beliefs = walk(&mut person, &way.points, Span::from_millis(100), &all);
             for belief in &beliefs {
@@ -155,7 +155,7 @@ fn noise_of_a_standing_person_decides_nothing() {
 
 #[test]
 fn the_workers_own_task_is_believed_first() {
-    let mut person = Intention::new(Method::Detour);
+    let mut person = Intention::new(Method::Detour, &Model::builtin());
     person.add_goal(GoalId(0), 1.0).expect("room");
     person.add_goal(GoalId(1), 8.0).expect("room");
     assert!(person.belief().of(GoalId(1)) > 0.8);
@@ -182,7 +182,7 @@ fn goals_come_and_go_while_a_person_walks() {
 
 #[test]
 fn chapter_three_has_room_for_nine_goals_and_doubts_more_than_five() {
-    let mut person = Intention::new(Method::Chapter3);
+    let mut person = Intention::new(Method::Chapter3, &Model::builtin());
     for g in 0..9 {
         assert_eq!(person.is_doubtful(), g > 5);
         person.add_goal(GoalId(g), 1.0).expect("room for nine");

@@ -220,7 +220,7 @@ fn distance_to(p: Point, s: Segment) -> (f64, f64) {
 }
 
 /// A set of edges, one bit each.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EdgeSet {
     words: Vec<u64>,
 }

@@ -1,0 +1,114 @@
+//! `giveway learn`: figures about people from recorded tracks.
+//!
+//! Main types: [`Learn`], [`Tracks`]. Refuses: to guess the format of a file that looks like none.
+
+use super::{read, write};
+use crate::experiment::learning::{Lesson, learn};
+use crate::experiment::recorded::{Format, Recording, goals};
+use crate::geometry::Point;
+use crate::human::Model;
+use anyhow::Context;
+use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// Formats of recorded tracks.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum FormatArgument {
+    /// ETH and UCY: frame, person, x, y.
+    Eth,
+    /// THÖR-MAGNI: a table of tracklets.
+    Magni,
+    /// THÖR: seconds, person, x, y, speed, heading.
+    Thor,
+}
+
+impl FormatArgument {
+    fn format(self) -> Format {
+        match self {
+            FormatArgument::Eth => Format::Eth,
+            FormatArgument::Magni => Format::Magni,
+            FormatArgument::Thor => Format::Thor,
+        }
+    }
+}
+
+/// Reads recorded tracks, in the format named or guessed from the first line.
+pub fn read_tracks(path: &Path, format: Option<FormatArgument>) -> anyhow::Result<Recording> {
+    let text = read(path)?;
+    let format = format.map(FormatArgument::format).or_else(|| Format::guess(&text));
+    let format = format.with_context(|| {
+        format!("cannot tell the format of {}: name it with --format eth, magni or thor", path.display())
+    })?;
+    Recording::parse(&text, format).with_context(|| format!("{} is refused", path.display()))
+}
+
+/// Reads goals: lines of name, x, y or of x, y.
+pub fn read_goals(path: Option<&Path>) -> anyhow::Result<Vec<(String, Point)>> {
+    path.map_or(Ok(Vec::new()), |p| goals(&read(p)?).with_context(|| format!("{} is refused", p.display())))
+}
+
+/// Reads a model; the built-in one where none is named.
+pub fn read_model(path: Option<&Path>) -> anyhow::Result<Arc<Model>> {
+    path.map_or_else(
+        || Ok(Model::builtin()),
+        |p| {
+            let model = Model::parse(&read(p)?).with_context(|| format!("{} is refused", p.display()))?;
+            Ok(Arc::new(model))
+        },
+    )
+}
+
+/// Arguments of `learn`.
+#[derive(Args)]
+pub struct Learn {
+    /// Files of recorded tracks.
+    #[arg(required = true)]
+    tracks: Vec<PathBuf>,
+    /// How the files are written; told by their first lines where absent.
+    #[arg(long, value_enum)]
+    format: Option<FormatArgument>,
+    /// Places where people go (CSV of name, x, y in metres), in the recordings named by --goals-of.
+    #[arg(long)]
+    goals: Option<PathBuf>,
+    /// Which of the recordings have those goals; all of them where absent.
+    #[arg(long, value_name = "TRACKS")]
+    goals_of: Vec<PathBuf>,
+    /// Leave out what holds in one building only: where people go next from each place.
+    #[arg(long)]
+    general: bool,
+    /// Where to write what was learned.
+    #[arg(long)]
+    out: PathBuf,
+    /// A model to start from; the built-in one where absent.
+    #[arg(long)]
+    from: Option<PathBuf>,
+}
+
+impl Learn {
+    /// Learns and writes the model.
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        let start = read_model(self.from.as_deref())?;
+        let places: Vec<Point> = read_goals(self.goals.as_deref())?.into_iter().map(|g| g.1).collect();
+        for named in &self.goals_of {
+            let is_known = self.tracks.contains(named);
+            anyhow::ensure!(is_known, "--goals-of {} is none of the tracks", named.display());
+        }
+        let lessons = self.tracks.iter().map(|path| {
+            let has_goals = self.goals_of.is_empty() || self.goals_of.contains(path);
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let goals = if has_goals { places.clone() } else { Vec::new() };
+            Ok(Lesson { name, recording: read_tracks(path, self.format)?, goals })
+        });
+        let lessons = lessons.collect::<anyhow::Result<Vec<Lesson>>>()?;
+        let mut model = learn(&lessons, &start, |what| eprintln!("learning {what}"));
+        if self.general {
+            Arc::make_mut(&mut model.purpose).places.clear();
+        }
+        write(Some(&self.out), &model.to_json())?;
+        println!("learned from {}", model.learned_from.join(", "));
+        println!("written to {}", self.out.display());
+        Ok(ExitCode::SUCCESS)
+    }
+}

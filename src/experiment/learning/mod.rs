@@ -1,0 +1,102 @@
+//! Learning about people from recorded tracks.
+//!
+//! Main types: [`Lesson`] (a recording with its goals), main function: [`learn`]. Refuses: to read files.
+
+mod motion;
+mod purpose;
+pub mod shapes;
+
+pub use motion::fit as fit_motion;
+
+use crate::experiment::recorded::{Ground, OBSERVED, Recording, STEPS, Seen, Subject, all};
+use crate::geometry::Point;
+use crate::human::outlook::Shapes;
+use crate::human::{Method, Model};
+use shapes::Item;
+use std::sync::Arc;
+
+/// How good the positions of recordings are taken to be: standard deviation, metres. What they are worse, they sway.
+pub const RECORDED_M: f64 = 0.005;
+/// Groups of people, each of which is left out once.
+const FOLDS: usize = 5;
+/// At most so many stretches of a recording are learned from.
+const STRETCHES: usize = 2500;
+
+/// A recording to learn from.
+#[derive(Clone, Debug)]
+pub struct Lesson {
+    /// What it is called.
+    pub name: String,
+    /// The walks.
+    pub recording: Recording,
+    /// Where people go, if that is known.
+    pub goals: Vec<Point>,
+}
+
+/// Learns from recordings, starting from what is known.
+pub fn learn(lessons: &[Lesson], start: &Model, mut tell: impl FnMut(&str)) -> Model {
+    let mut model = start.clone();
+    model.learned_from =
+        lessons.iter().map(|l| format!("{} ({} walks)", l.name, l.recording.walks.len())).collect();
+    tell("ways of moving");
+    model.motion = motion::fit(lessons, start.motion);
+    if lessons.iter().any(|l| !l.goals.is_empty()) {
+        tell("goals");
+        model.purpose = Arc::new(purpose::fit(lessons, &model));
+        tell("forecasts with goals");
+        model.bound = forecasts(lessons, &model, true);
+    }
+    tell("forecasts without goals");
+    model.free = forecasts(lessons, &model, false);
+    model
+}
+
+/// Figures of forecasts, with or without goals.
+fn forecasts(lessons: &[Lesson], model: &Model, with_goals: bool) -> Shapes {
+    let old = if with_goals { &model.bound } else { &model.free };
+    let items = items(lessons, model, old.blend_s, with_goals);
+    let mut found = shapes::fit(&items, old.blend_s, |_| false);
+    shapes::calibrate(&mut found, &items, FOLDS);
+    found
+}
+
+/// Predictions at every horizon for all stretches, with or without goals.
+fn items(lessons: &[Lesson], model: &Model, blend_s: f64, with_goals: bool) -> Vec<Item> {
+    let mut items = Vec::new();
+    let mut people = 0;
+    for lesson in lessons.iter().filter(|l| !with_goals || !l.goals.is_empty()) {
+        let ground = Ground::new(if with_goals { &lesson.goals } else { &[] });
+        let stretches = all(&lesson.recording);
+        let every = stretches.len().div_ceil(STRETCHES).max(1);
+        for s in stretches.iter().step_by(every) {
+            let person = people + person_of(&lesson.recording, s.walk);
+            let seen = &lesson.recording.walks[s.walk].seen[s.first..s.first + STEPS];
+            predict(
+                &mut items,
+                seen,
+                person,
+                Subject::new(&ground, model, Method::Detour, RECORDED_M),
+                blend_s,
+            );
+        }
+        people += lesson.recording.walks.len();
+    }
+    items
+}
+
+/// The number of the first walk of the same person.
+fn person_of(recording: &Recording, walk: usize) -> usize {
+    let name = &recording.walks[walk].person;
+    recording.walks.iter().position(|w| w.person == *name).unwrap_or(walk)
+}
+
+fn predict(items: &mut Vec<Item>, seen: &[Seen], person: usize, mut subject: Subject<'_>, blend_s: f64) {
+    let (observed, later) = seen.split_at(OBSERVED);
+    observed.iter().for_each(|p| subject.see(p.t, p.at));
+    subject.outlook(|outlook| {
+        for (horizon, p) in later.iter().enumerate() {
+            let guesses = outlook.guesses(p.t, blend_s).expect("eight samples were seen");
+            items.push(Item { guesses, truth: p.at, horizon, person });
+        }
+    });
+}

@@ -1,0 +1,15 @@
+//! Recorded people: what predictors are learned from and judged by.
+//!
+//! Main types: [`Recording`] (walks of a file), [`Stretch`] and [`Trip`] (what is scored). Refuses: to read files.
+
+mod degrade;
+pub mod forecasting;
+pub mod purposes;
+mod subject;
+mod tracks;
+mod windows;
+
+pub use degrade::Degrade;
+pub use subject::{Ground, Subject};
+pub use tracks::{Format, Recording, STEP_S, Seen, TrackError, Walk, goals};
+pub use windows::{OBSERVED, PREDICTED, STEPS, Stretch, Trip, VISIT_M, all, scored, trips, visits};

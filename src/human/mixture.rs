@@ -1,0 +1,210 @@
+//! A probability over places, as a sum of Gaussians.
+//!
+//! Main types: [`Part`], [`Mixture`]. Regions are those of highest density, so a region of several parts is several
+//! islands and never the rack between them. Refuses: to know when, and of whom.
+
+use crate::geometry::{Point, Vector};
+use nalgebra::Matrix2;
+use std::f64::consts::TAU;
+
+/// One Gaussian.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Its share of the whole.
+    pub weight: f64,
+    /// Mean, metres.
+    pub mean: Point,
+    /// Covariance, m².
+    pub cov: Matrix2<f64>,
+}
+
+impl Part {
+    /// Density at a place, per m², weighted.
+    fn density(&self, at: Point) -> f64 {
+        let (a, b, c) = (self.cov[(0, 0)], self.cov[(0, 1)], self.cov[(1, 1)]);
+        let determinant = (a * c - b * b).max(1e-18);
+        let d: Vector = at - self.mean;
+        let square = (c * d.x * d.x - 2.0 * b * d.x * d.y + a * d.y * d.y) / determinant;
+        self.weight * (-0.5 * square).exp() / (TAU * determinant.sqrt())
+    }
+
+    /// A square root of the covariance: lower triangular.
+    fn root(&self) -> [f64; 3] {
+        let a = self.cov[(0, 0)].max(1e-12).sqrt();
+        let b = self.cov[(0, 1)] / a;
+        [a, b, (self.cov[(1, 1)] - b * b).max(1e-12).sqrt()]
+    }
+}
+
+impl Part {
+    /// The share of this part, taken alone, in a rectangle along the axes: along x by quadrature, along y exactly.
+    fn share_within(&self, low: Point, high: Point) -> f64 {
+        let [a, b, c] = self.root();
+        // In numbers of standard deviations of x; what is farther out than five of them is nothing.
+        let from = ((low.x - self.mean.x) / a).clamp(-5.0, 5.0);
+        let to = ((high.x - self.mean.x) / a).clamp(-5.0, 5.0);
+        let (half, middle) = ((to - from) / 2.0, (to + from) / 2.0);
+        let at = |u: f64| {
+            let y = |edge: f64| normal_below((edge - self.mean.y - b * u) / c);
+            (-0.5 * u * u).exp() * (y(high.y) - y(low.y))
+        };
+        let sum: f64 =
+            LEGENDRE.iter().map(|(x, w)| w * (at(middle - half * x) + at(middle + half * x))).sum();
+        (sum * half / TAU.sqrt()).clamp(0.0, 1.0)
+    }
+}
+
+/// Nodes and weights of Gauss and Legendre's quadrature with twelve nodes, one of each pair.
+const LEGENDRE: [(f64, f64); 6] = [
+    (0.125_233_408_511_468_9, 0.249_147_045_813_402_8),
+    (0.367_831_498_998_180_2, 0.233_492_536_538_354_8),
+    (0.587_317_954_286_617_5, 0.203_167_426_723_065_9),
+    (0.769_902_674_194_304_7, 0.160_078_328_543_346_2),
+    (0.904_117_256_370_474_9, 0.106_939_325_995_318_4),
+    (0.981_560_634_246_719_3, 0.047_175_336_386_511_8),
+];
+
+/// The probability that a standard normal number is below `x` (Abramowitz and Stegun, 26.2.17; to 1e-7).
+fn normal_below(x: f64) -> f64 {
+    const C: [f64; 5] = [0.319_381_530, -0.356_563_782, 1.781_477_937, -1.821_255_978, 1.330_274_429];
+    let t = 1.0 / (1.0 + 0.231_641_9 * x.abs());
+    let tail = C.iter().rev().fold(0.0, |sum, c| (sum + c) * t) * (-0.5 * x * x).exp() / TAU.sqrt();
+    if x < 0.0 { tail } else { 1.0 - tail }
+}
+
+/// Gaussians whose weights sum to one.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Mixture {
+    /// Its parts.
+    pub parts: Vec<Part>,
+}
+
+/// Places per part by which probabilities of regions are counted.
+const SAMPLES: usize = 64;
+
+impl Mixture {
+    /// The mean place; nothing where there are no parts.
+    pub fn mean(&self) -> Option<Point> {
+        let total: f64 = self.parts.iter().map(|p| p.weight).sum();
+        let sum: Vector = self.parts.iter().map(|p| p.mean.coords * p.weight).sum();
+        (total > 0.0).then(|| Point::from(sum / total))
+    }
+
+    /// Density at a place, per m².
+    pub fn density(&self, at: Point) -> f64 {
+        self.parts.iter().map(|p| p.density(at)).sum()
+    }
+
+    /// The probability of the smallest region of highest density that holds a place: 0 at the highest peak, near 1 far
+    /// out. The stated 95 % region holds the place if this is at most 0.95.
+    pub fn level(&self, at: Point) -> f64 {
+        let here = self.density(at);
+        self.samples().filter(|(p, _)| self.density(*p) > here).map(|(_, w)| w).sum::<f64>().min(1.0)
+    }
+
+    /// Area of the smallest region with so much probability, m² (importance sampling over its own density).
+    pub fn area(&self, level: f64) -> f64 {
+        let mut all: Vec<(f64, f64)> = self.samples().map(|(p, w)| (self.density(p), w)).collect();
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let (mut mass, mut area) = (0.0, 0.0);
+        for (density, weight) in all {
+            if mass >= level || density <= 0.0 {
+                break;
+            }
+            mass += weight;
+            area += weight / density;
+        }
+        area
+    }
+
+    /// Places spread like the probability itself, with weights: always the same ones, so results repeat.
+    fn samples(&self) -> impl Iterator<Item = (Point, f64)> + '_ {
+        self.parts.iter().filter(|p| p.weight > 0.0).flat_map(|part| {
+            let [a, b, c] = part.root();
+            (0..SAMPLES).map(move |k| {
+                let (u, v) = normal(k);
+                let at = Point::new(part.mean.x + a * u, part.mean.y + b * u + c * v);
+                (at, part.weight / SAMPLES as f64)
+            })
+        })
+    }
+
+    /// The probability of being in a rectangle along the axes, of each part (not weighted).
+    pub fn shares_within<'a>(&'a self, low: Point, high: Point) -> impl Iterator<Item = f64> + 'a {
+        self.parts.iter().map(move |p| p.share_within(low, high))
+    }
+
+    /// The probability of being in a rectangle along the axes.
+    pub fn within(&self, low: Point, high: Point) -> f64 {
+        self.parts.iter().map(|p| p.weight * p.share_within(low, high)).sum()
+    }
+
+    /// The same with all parts blown up about their means: `scale` multiplies standard deviations.
+    #[must_use]
+    pub fn scaled(mut self, scale: f64) -> Mixture {
+        self.parts.iter_mut().for_each(|p| p.cov *= scale * scale);
+        self
+    }
+}
+
+/// The k-th of [`SAMPLES`] places spread evenly under a round Gaussian: rings of equal probability, turned by the
+/// golden angle (Vogel 1979).
+fn normal(k: usize) -> (f64, f64) {
+    let share = (k as f64 + 0.5) / SAMPLES as f64;
+    let radius = (-2.0 * (1.0 - share).ln()).sqrt();
+    let angle = k as f64 * 2.399_963_229_728_653;
+    (radius * angle.cos(), radius * angle.sin())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn round(weight: f64, x: f64, sigma: f64) -> Part {
+        Part { weight, mean: Point::new(x, 0.0), cov: Matrix2::identity() * sigma * sigma }
+    }
+
+    #[test]
+    fn the_region_of_one_gaussian_is_its_ellipse() {
+        let one = Mixture { parts: vec![round(1.0, 0.0, 0.5)] };
+        for level in [0.5, 0.9, 0.95] {
+            // Of a round Gaussian, the share within r is 1 − exp(−r²/2σ²).
+            let r = 0.5 * (-2.0 * f64::ln(1.0 - level)).sqrt();
+            assert!((one.level(Point::new(0.0, r)) - level).abs() < 0.02, "{level}");
+            assert!((one.area(level) / (std::f64::consts::PI * r * r) - 1.0).abs() < 0.15, "{level}");
+        }
+    }
+
+    #[test]
+    fn the_share_in_a_rectangle_is_the_sum_of_its_cells() {
+        let skew = Part { weight: 1.0, mean: Point::new(0.4, -0.2), cov: Matrix2::new(0.5, 0.3, 0.3, 0.4) };
+        let m = Mixture { parts: vec![skew] };
+        let (low, high) = (Point::new(-0.3, -0.5), Point::new(0.9, 0.1));
+        let step = 0.01;
+        let cells = (0..120).flat_map(|i| (0..60).map(move |j| (i as f64 + 0.5, j as f64 + 0.5)));
+        let cell =
+            |(i, j): (f64, f64)| m.density(Point::new(low.x + i * step, low.y + j * step)) * step * step;
+        let sum: f64 = cells.map(cell).sum();
+        assert!((m.within(low, high) - sum).abs() < 1e-3, "{} and {sum}", m.within(low, high));
+        let all = m.within(Point::new(-9.0, -9.0), Point::new(9.0, 9.0));
+        assert!((all - 1.0).abs() < 1e-5, "{all}");
+        assert!(m.within(Point::new(20.0, 20.0), Point::new(21.0, 21.0)) < 1e-12);
+    }
+
+    #[test]
+    fn between_two_ways_nobody_is() {
+        let two = Mixture { parts: vec![round(0.5, -3.0, 0.4), round(0.5, 3.0, 0.4)] };
+        assert!(two.level(Point::new(0.0, 0.0)) > 0.99 && two.level(Point::new(3.0, 0.0)) < 0.05);
+        assert!(two.mean().unwrap().x.abs() < 1e-9);
+    }
+
+    #[test]
+    fn density_integrates_to_one() {
+        let skew = Part { weight: 0.3, mean: Point::new(1.0, 1.0), cov: Matrix2::new(0.5, 0.3, 0.3, 0.4) };
+        let m = Mixture { parts: vec![round(0.7, 0.0, 0.6), skew] };
+        let cells =
+            (-60..60).flat_map(|i| (-60..60).map(move |j| Point::new(0.1 * i as f64, 0.1 * j as f64)));
+        let sum: f64 = cells.map(|p| m.density(p) * 0.01).sum();
+        assert!((sum - 1.0).abs() < 1e-3, "{sum}");
+    }
+}

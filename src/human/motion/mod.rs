@@ -1,0 +1,285 @@
+//! How somebody moves just now: three ways of moving at once, each with its probability.
+//!
+//! Main types: [`Motion`] (interacting multiple models: Blom and Bar-Shalom 1988), [`MotionModel`] (its figures, learned
+//! from recorded people), [`Fix`] (a measured place), [`Ahead`]. Time is continuous: any rate of fixes, and gaps, mean
+//! the same motion; silence makes the Gaussian grow. Refuses: goals and walls.
+
+mod mode;
+
+use crate::geometry::{Point, Vector};
+use crate::time::{Span, Time};
+use mode::{Mat5, Mode, State, Vec5};
+use nalgebra::{Matrix2, Matrix5x2};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::{LN_2, TAU};
+
+/// Figures of the filter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MotionModel {
+    /// How often people change their way of moving, per second.
+    pub changes_per_s: f64,
+    /// How probable standing, straight and turning are after a change.
+    pub shares: [f64; 3],
+    /// How much each way of moving is pushed about: power spectral density of acceleration, m²/s³.
+    pub accel_psd: [f64; 3],
+    /// In this time a stop takes off all but 1/e of the speed, seconds.
+    pub halt_s: f64,
+    /// In this time a turn loses half of its rate, seconds.
+    pub straighten_s: f64,
+    /// Standard deviation of turn rates, radians per second.
+    pub turn_rps: f64,
+    /// How far the head or tag sways about the way that is walked: standard deviation, metres.
+    pub sway_m: f64,
+}
+
+impl Default for MotionModel {
+    fn default() -> MotionModel {
+        MotionModel {
+            changes_per_s: 0.6,
+            shares: [0.2, 0.6, 0.2],
+            accel_psd: [0.05, 0.15, 0.4],
+            halt_s: 0.5,
+            straighten_s: 0.4,
+            turn_rps: 1.0,
+            sway_m: 0.03,
+        }
+    }
+}
+
+impl MotionModel {
+    fn straighten_per_s(&self) -> f64 {
+        LN_2 / self.straighten_s
+    }
+
+    fn turn_variance(&self) -> f64 {
+        self.turn_rps * self.turn_rps
+    }
+
+    /// What is wrong with the figures, if anything.
+    pub fn fault(&self) -> Option<&'static str> {
+        let positive = [self.changes_per_s, self.halt_s, self.straighten_s, self.turn_rps];
+        let shares: f64 = self.shares.iter().sum();
+        if positive.iter().any(|v| !(1e-4..=1e4).contains(v)) {
+            return Some("changes_per_s, halt_s, straighten_s and turn_rps must be positive");
+        }
+        if self.shares.iter().any(|s| !(1e-6..=1.0).contains(s)) || (shares - 1.0).abs() > 1e-6 {
+            return Some("shares must be positive and sum to one");
+        }
+        if self.accel_psd.iter().any(|q| !(1e-6..=1e4).contains(q)) || !(0.0..=1.0).contains(&self.sway_m) {
+            return Some("accel_psd must be positive, sway_m from 0 to 1");
+        }
+        None
+    }
+}
+
+/// A measured place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    /// When it was so.
+    pub seen: Time,
+    /// Where, metres.
+    pub at: Point,
+    /// One standard deviation along each axis, metres.
+    pub sigma_m: f64,
+}
+
+/// What became of a fix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// It was taken in.
+    Taken,
+    /// It is not newer than the newest.
+    Late,
+    /// It is too far from where anybody expected it.
+    Doubted,
+    /// Several in a row were too far: the filter starts anew here.
+    Restarted,
+}
+
+/// Where somebody is expected at some moment, as one Gaussian.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ahead {
+    /// Mean place, metres.
+    pub at: Point,
+    /// Covariance of the place, m².
+    pub cov: Matrix2<f64>,
+    /// Mean velocity, metres per second.
+    pub velocity: Vector,
+    /// Probabilities of standing, straight and turning.
+    pub modes: [f64; 3],
+}
+
+/// Squared Mahalanobis distance beyond which a fix is doubted (one in two million true ones).
+const GATE: f64 = 29.0;
+/// So many doubted fixes in a row are right, and the filter is wrong.
+const DOUBTS: u32 = 2;
+/// Speeds before anything is known: standard deviation along each axis, metres per second.
+const SPEED_MPS: f64 = 0.9;
+/// Nothing is predicted over a longer gap: seconds.
+const GAP_S: f64 = 30.0;
+
+/// The filter of one person.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    model: MotionModel,
+    seen: Option<Time>,
+    states: [State; 3],
+    chances: [f64; 3],
+    doubts: u32,
+    /// Sum of the logarithms of how likely each fix was (density per m²), and how many fixes.
+    likelihood: (f64, u32),
+}
+
+impl Motion {
+    /// Nothing was seen yet.
+    pub fn new(model: MotionModel) -> Motion {
+        let nothing = State { mean: Vec5::zeros(), cov: Mat5::identity() };
+        let (states, chances) = ([nothing; 3], model.shares);
+        Motion { model, seen: None, states, chances, doubts: 0, likelihood: (0.0, 0) }
+    }
+
+    /// When the newest fix was so.
+    pub fn seen(&self) -> Option<Time> {
+        self.seen
+    }
+
+    /// How likely all fixes were, as a sum of logarithms (density per m²), and how many they were.
+    pub fn likelihood(&self) -> (f64, u32) {
+        self.likelihood
+    }
+
+    /// Takes a fix in.
+    pub fn see(&mut self, fix: Fix) -> Use {
+        let Some(before) = self.seen else {
+            self.start(fix);
+            return Use::Taken;
+        };
+        if fix.seen <= before {
+            return Use::Late;
+        }
+        let dt = (fix.seen - before).as_secs_f64();
+        if dt > GAP_S {
+            self.start(fix);
+            return Use::Restarted;
+        }
+        let (states, prior) = self.mixed(dt);
+        let predicted: Vec<State> =
+            (Mode::ALL.iter().zip(&states)).map(|(mode, s)| mode.predict(&self.model, s, dt, true)).collect();
+        let variance = fix.sigma_m * fix.sigma_m + self.model.sway_m * self.model.sway_m;
+        let surprises: Vec<Surprise> = predicted.iter().map(|s| Surprise::of(s, fix.at, variance)).collect();
+        if surprises.iter().all(|s| s.mahalanobis2 > GATE) {
+            self.doubts += 1;
+            if self.doubts < DOUBTS {
+                return Use::Doubted;
+            }
+            self.start(fix);
+            return Use::Restarted;
+        }
+        self.doubts = 0;
+        self.seen = Some(fix.seen);
+        let best = surprises.iter().map(|s| s.log_density).fold(f64::NEG_INFINITY, f64::max);
+        let mut total = 0.0;
+        for i in 0..3 {
+            self.states[i] = surprises[i].update(&predicted[i]);
+            self.chances[i] = prior[i] * (surprises[i].log_density - best).exp() + 1e-12;
+            total += self.chances[i];
+        }
+        self.chances.iter_mut().for_each(|c| *c /= total);
+        self.likelihood = (self.likelihood.0 + best + total.ln(), self.likelihood.1 + 1);
+        Use::Taken
+    }
+
+    fn start(&mut self, fix: Fix) {
+        let place = fix.sigma_m * fix.sigma_m + self.model.sway_m * self.model.sway_m;
+        let speed = SPEED_MPS * SPEED_MPS;
+        let spread = Vec5::new(place, place, speed, speed, self.model.turn_variance());
+        let mean = Vec5::new(fix.at.x, fix.at.y, 0.0, 0.0, 0.0);
+        self.states = [State { mean, cov: Mat5::from_diagonal(&spread) }; 3];
+        (self.chances, self.doubts, self.seen) = (self.model.shares, 0, Some(fix.seen));
+    }
+
+    /// The states with which each mode starts a step of `dt` seconds, and how probable the modes are then. A change
+    /// leads to any mode, so two steps are one of twice the length.
+    fn mixed(&self, dt: f64) -> ([State; 3], [f64; 3]) {
+        let kept = (-self.model.changes_per_s * dt).exp();
+        let mut prior = [0.0; 3];
+        let states = std::array::from_fn(|to| {
+            let share = (1.0 - kept) * self.model.shares[to];
+            let from: [f64; 3] =
+                std::array::from_fn(|i| self.chances[i] * (share + if i == to { kept } else { 0.0 }));
+            prior[to] = from.iter().sum();
+            blend(&self.states, &from.map(|w| w / prior[to]))
+        });
+        (states, prior)
+    }
+
+    /// Where the person is expected at some moment, `noisy` or as if nobody changed anything after the newest fix.
+    fn at(&self, t: Time, noisy: bool) -> Option<(State, [f64; 3])> {
+        let seen = self.seen?;
+        let dt = (t - seen).max(Span::ZERO).as_secs_f64();
+        if dt == 0.0 {
+            return Some((blend(&self.states, &self.chances), self.chances));
+        }
+        let moved: [State; 3] =
+            std::array::from_fn(|i| Mode::ALL[i].predict(&self.model, &self.states[i], dt, noisy));
+        Some((blend(&moved, &self.chances), self.chances))
+    }
+
+    /// Where the person is expected at some moment, the newest fix or later; nothing before the first fix.
+    pub fn ahead(&self, t: Time) -> Option<Ahead> {
+        self.at(t, true).map(|(s, modes)| ahead(&s, modes))
+    }
+
+    /// The same, but with the doubt about where the person is and moves now only, and none about what it will do.
+    pub fn carried(&self, t: Time) -> Option<Ahead> {
+        self.at(t, false).map(|(s, modes)| ahead(&s, modes))
+    }
+}
+
+fn ahead(s: &State, modes: [f64; 3]) -> Ahead {
+    Ahead {
+        at: Point::new(s.mean[0], s.mean[1]),
+        cov: s.cov.fixed_view::<2, 2>(0, 0).into_owned(),
+        velocity: Vector::new(s.mean[2], s.mean[3]),
+        modes,
+    }
+}
+
+/// One Gaussian with the mean and covariance of several.
+fn blend(states: &[State; 3], weights: &[f64; 3]) -> State {
+    let mut mean = Vec5::zeros();
+    states.iter().zip(weights).for_each(|(s, w)| mean += s.mean * *w);
+    let mut cov = Mat5::zeros();
+    for (s, w) in states.iter().zip(weights) {
+        let off = s.mean - mean;
+        cov += (s.cov + off * off.transpose()) * *w;
+    }
+    State { mean, cov }
+}
+
+/// A fix against what was predicted.
+struct Surprise {
+    gain: Matrix5x2<f64>,
+    spread: Matrix2<f64>,
+    innovation: Vector,
+    mahalanobis2: f64,
+    log_density: f64,
+}
+
+impl Surprise {
+    fn of(s: &State, at: Point, variance: f64) -> Surprise {
+        let spread = s.cov.fixed_view::<2, 2>(0, 0).into_owned() + Matrix2::identity() * variance;
+        let inverse = spread.try_inverse().expect("a covariance with a fix's own variance has an inverse");
+        let innovation = Vector::new(at.x - s.mean[0], at.y - s.mean[1]);
+        let mahalanobis2 = innovation.dot(&(inverse * innovation));
+        let log_density = -0.5 * mahalanobis2 - 0.5 * spread.determinant().ln() - TAU.ln();
+        let gain = s.cov.fixed_view::<5, 2>(0, 0) * inverse;
+        Surprise { gain, spread, innovation, mahalanobis2, log_density }
+    }
+
+    fn update(&self, s: &State) -> State {
+        let cov = s.cov - self.gain * self.spread * self.gain.transpose();
+        State { mean: s.mean + self.gain * self.innovation, cov: (cov + cov.transpose()) / 2.0 }
+    }
+}
