@@ -42,6 +42,7 @@ impl Fleet {
             self.watch(worker, now);
         }
         self.infer(now);
+        self.close_areas(now);
         self.follow_procedure(now);
         self.set_conditions(now);
         self.limit_robots(now);
@@ -83,6 +84,8 @@ impl Fleet {
         let conduct = plan.follower.observe(place.at, place.sigma_m);
         match (conduct, person.mode) {
             (Conduct::Deviating, Mode::Deviating { .. }) => self.show_the_way_back(worker, place.at, now),
+            // Told to stop off the path: the procedure tries again by itself.
+            (Conduct::Deviating, Mode::Stopped { .. }) if self.settings.arm != Arm::Giveway => {}
             (Conduct::Deviating, _) => self.leaves_path(worker, place.at, now),
             (Conduct::Outside, _) => {}
             (Conduct::OnPath, Mode::Deviating { .. }) => {
@@ -110,8 +113,8 @@ impl Fleet {
         self.scene.robot(robot).map_or(node, |t| t.pose.at)
     }
 
-    /// What people mean for the search.
-    fn set_conditions(&mut self, now: Time) {
+    /// Areas that robots keep out of.
+    fn close_areas(&mut self, now: Time) {
         let warehouse = self.warehouse().clone();
         let closures: Vec<_> = self.ledger.closures.iter().map(|(id, c)| (*id, c.clone())).collect();
         let mut conditions = std::mem::take(&mut self.crowd.conditions);
@@ -126,6 +129,13 @@ impl Fleet {
             };
             effects.area(&mut conditions, id, &nodes, closure.window);
         }
+        self.crowd.conditions = conditions;
+    }
+
+    /// What people mean for the search.
+    fn set_conditions(&mut self, now: Time) {
+        let warehouse = self.warehouse().clone();
+        let mut conditions = std::mem::take(&mut self.crowd.conditions);
         let effects =
             Effects { warehouse: &warehouse, regions: &self.crowd.regions, afoot: &self.crowd.afoot, now };
         for (worker, place) in self.present(now) {
