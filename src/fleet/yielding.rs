@@ -31,8 +31,8 @@ const STOPPING: Span = Span::from_secs(8);
 pub(super) enum Decision {
     /// They do not meet.
     Keep,
-    /// It waits until then before it enters the zone.
-    Wait(WorkerId, Time),
+    /// It waits before it enters the zone, as its grants do by themselves.
+    Wait,
     /// It looks for another route.
     Change(WorkerId),
 }
@@ -156,7 +156,7 @@ impl Fleet {
             return Decision::Keep;
         };
         let waited = self.crowd.yielding.get(&robot).map_or(Span::ZERO, |y| now - y.since);
-        if end - enter + waited > PATIENCE { Decision::Change(worker) } else { Decision::Wait(worker, end) }
+        if end - enter + waited > PATIENCE { Decision::Change(worker) } else { Decision::Wait }
     }
 
     /// Until when the robot would have to wait for others than robots.
