@@ -36,7 +36,7 @@ impl Fleet {
     pub(super) fn judge(&mut self, now: Time) {
         self.crowd.conditions.clear();
         if self.crowd.people.is_empty() && self.ledger.closures.is_empty() {
-            return;
+            return self.limit_robots(now);
         }
         for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
             self.watch(worker, now);
@@ -119,8 +119,7 @@ impl Fleet {
         let closures: Vec<_> = self.ledger.closures.iter().map(|(id, c)| (*id, c.clone())).collect();
         let mut conditions = std::mem::take(&mut self.crowd.conditions);
         for (id, closure) in closures {
-            let outline: Vec<Point> = closure.outline.iter().map(|s| Point::from(*s)).collect();
-            let nodes = self.crowd.nodes_of(id, &outline, &warehouse).to_vec();
+            let nodes = self.crowd.nodes_of(id, &closure, &warehouse).to_vec();
             let effects = Effects {
                 warehouse: &warehouse,
                 regions: &self.crowd.regions,
