@@ -13,7 +13,7 @@ use crate::fleet::{
     AssignmentState, Closure, Guidance, GuidanceReason, GuidanceState, NearRobot, Reaction, WorkerView,
 };
 use crate::geometry::{Point, inside, wrap_angle};
-use crate::id::{AssignmentId, ClosureId, Dense, WorkerId};
+use crate::id::{AssignmentId, ClosureId, Dense, NodeId, WorkerId};
 use crate::time::Time;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -373,7 +373,12 @@ impl Names<'_> {
     /// A closed area.
     pub fn closure(&self, id: ClosureId, closure: &Closure) -> ClosureDto {
         let outline: Vec<Point> = closure.outline.iter().map(|s| Point::from(*s)).collect();
-        let nodes = self.map.nodes.iter().filter(|n| inside(&outline, n.at)).map(|n| n.name.clone());
+        let is_closed = |id: NodeId, at: Point| match closure.nodes.as_slice() {
+            [] => inside(&outline, at),
+            named => named.contains(&id),
+        };
+        let closed = self.map.nodes.pairs().filter(|(id, n)| is_closed(*id, n.at));
+        let nodes = closed.map(|(_, n)| n.name.clone());
         let end = closure.window.end();
         ClosureDto {
             id: closure_name(id),

@@ -3,7 +3,7 @@
 //! Main types: [`Crowd`], [`Person`], [`Mode`]. Refuses: to decide; the judging phase does.
 
 use super::mind::Mind;
-use super::people::{Guidance, Reaction};
+use super::people::{Closure, Guidance, Reaction};
 use super::published::Procedure;
 use crate::aware::{Afoot, Meter, Regions, nodes_in};
 use crate::geometry::Point;
@@ -128,8 +128,11 @@ impl Crowd {
     }
 
     /// The nodes of a closed area, looked up once.
-    pub fn nodes_of(&mut self, id: ClosureId, outline: &[Point], warehouse: &Warehouse) -> &[NodeId] {
-        self.areas.entry(id).or_insert_with(|| nodes_in(warehouse, outline))
+    pub fn nodes_of(&mut self, id: ClosureId, area: &Closure, warehouse: &Warehouse) -> &[NodeId] {
+        self.areas.entry(id).or_insert_with(|| {
+            let outline: Vec<Point> = area.outline.iter().map(|s| Point::from(*s)).collect();
+            if area.nodes.is_empty() { nodes_in(warehouse, &outline) } else { area.nodes.clone() }
+        })
     }
 }
 

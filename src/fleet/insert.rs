@@ -5,8 +5,8 @@
 
 use super::Fleet;
 use super::fact::Fact;
-use crate::id::RobotId;
-use crate::route::{Ask, Route};
+use crate::id::{NodeId, RobotId};
+use crate::route::{Ask, Away, Route, Stage};
 use crate::time::Time;
 use crate::timeline::{Holder, Timeline};
 use smallvec::SmallVec;
@@ -91,16 +91,40 @@ impl Fleet {
     /// A route for the rest of a robot's task on some other timeline, from which its own has been withdrawn.
     fn search_on(&mut self, timeline: &Timeline, robot: RobotId, now: Time) -> Option<Route> {
         let mut stages = self.stages_left(robot);
-        let (from, heading) = self.grant_end(robot);
         if stages.is_empty() {
             // It has nothing to do: any place to stay will do.
             let goal = self.any_stay(robot)?;
             stages = SmallVec::from_elem(super::plan::stay_at(goal), 1);
         }
+        let away = self.away(robot, now);
+        self.search_stages_on(timeline, robot, &stages, &away, now)
+    }
+
+    /// A way to a place aside first, then on with the task, on some other timeline likewise.
+    pub(super) fn way_aside(
+        &mut self,
+        timeline: &Timeline,
+        robot: RobotId,
+        (place, away): (NodeId, &[Away]),
+        now: Time,
+    ) -> Option<Route> {
+        let stages = self.stages_aside(robot, place);
+        let route = self.search_stages_on(timeline, robot, &stages, away, now)?;
+        Some(self.with_own_stops(robot, route))
+    }
+
+    fn search_stages_on(
+        &mut self,
+        timeline: &Timeline,
+        robot: RobotId,
+        stages: &[Stage],
+        away: &[Away],
+        now: Time,
+    ) -> Option<Route> {
+        let (from, heading) = self.grant_end(robot);
         let ready = now.max(from.arrive) + self.settings.period;
-        let (budget, away) = (self.settings.expansions_per_plan, self.away(robot, now));
-        let (stages, conditions) = (&stages, &self.crowd.conditions);
-        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away: &away };
+        let (budget, conditions) = (self.settings.expansions_per_plan, &self.crowd.conditions);
+        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away };
         self.ledger.counts.plans += 1;
         self.planner.plan(&ask, timeline).ok()
     }

@@ -36,12 +36,13 @@ impl Fleet {
     pub(super) fn judge(&mut self, now: Time) {
         self.crowd.conditions.clear();
         if self.crowd.people.is_empty() && self.ledger.closures.is_empty() {
-            return;
+            return self.limit_robots(now);
         }
         for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
             self.watch(worker, now);
         }
         self.infer(now);
+        self.close_areas(now);
         self.follow_procedure(now);
         self.set_conditions(now);
         self.limit_robots(now);
@@ -83,6 +84,8 @@ impl Fleet {
         let conduct = plan.follower.observe(place.at, place.sigma_m);
         match (conduct, person.mode) {
             (Conduct::Deviating, Mode::Deviating { .. }) => self.show_the_way_back(worker, place.at, now),
+            // Told to stop off the path: the procedure tries again by itself.
+            (Conduct::Deviating, Mode::Stopped { .. }) if self.settings.arm != Arm::Giveway => {}
             (Conduct::Deviating, _) => self.leaves_path(worker, place.at, now),
             (Conduct::Outside, _) => {}
             (Conduct::OnPath, Mode::Deviating { .. }) => {
@@ -110,14 +113,13 @@ impl Fleet {
         self.scene.robot(robot).map_or(node, |t| t.pose.at)
     }
 
-    /// What people mean for the search.
-    fn set_conditions(&mut self, now: Time) {
+    /// Areas that robots keep out of.
+    fn close_areas(&mut self, now: Time) {
         let warehouse = self.warehouse().clone();
         let closures: Vec<_> = self.ledger.closures.iter().map(|(id, c)| (*id, c.clone())).collect();
         let mut conditions = std::mem::take(&mut self.crowd.conditions);
         for (id, closure) in closures {
-            let outline: Vec<Point> = closure.outline.iter().map(|s| Point::from(*s)).collect();
-            let nodes = self.crowd.nodes_of(id, &outline, &warehouse).to_vec();
+            let nodes = self.crowd.nodes_of(id, &closure, &warehouse).to_vec();
             let effects = Effects {
                 warehouse: &warehouse,
                 regions: &self.crowd.regions,
@@ -126,6 +128,13 @@ impl Fleet {
             };
             effects.area(&mut conditions, id, &nodes, closure.window);
         }
+        self.crowd.conditions = conditions;
+    }
+
+    /// What people mean for the search.
+    fn set_conditions(&mut self, now: Time) {
+        let warehouse = self.warehouse().clone();
+        let mut conditions = std::mem::take(&mut self.crowd.conditions);
         let effects =
             Effects { warehouse: &warehouse, regions: &self.crowd.regions, afoot: &self.crowd.afoot, now };
         for (worker, place) in self.present(now) {

@@ -24,7 +24,7 @@ const INSIST: Span = Span::from_millis(100);
 const FAR_M: f64 = 12.0;
 
 impl Fleet {
-    /// Tells every robot how fast it may be near people. This leaves at once.
+    /// Tells every robot how fast it may be near people, where it does not know yet. This leaves at once.
     pub(super) fn limit_robots(&mut self, now: Time) {
         let present = self.present(now);
         for robot in self.ledger.robots.ids().collect::<Vec<_>>() {
@@ -34,9 +34,10 @@ impl Fleet {
                 self.gives_way(robot, because.expect("a stop has a cause"), Reaction::Stopped, now);
             }
             let told = self.crowd.limits.get(&robot).copied();
-            let same = told.is_some_and(|(l, _)| l == limit) || (told.is_none() && limit.is_none());
+            let same = told.map_or(limit.is_none(), |(l, _)| l == limit);
             let known = seen.limit_mps == limit;
-            if same && (known || told.is_none_or(|(_, at)| now - at < INSIST)) {
+            // A limit that nobody here set is older than a restart, or the server's own while the journal was full.
+            if same && (known || told.is_some_and(|(_, at)| now - at < INSIST)) {
                 continue;
             }
             self.crowd.limits.insert(robot, (limit, now));

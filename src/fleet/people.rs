@@ -71,8 +71,10 @@ pub struct Assignment {
 /// An area that robots keep out of, marked by hand.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Closure {
-    /// Its outline.
+    /// Its outline; where nodes are named, only to be shown.
     pub outline: Vec<Spot>,
+    /// Exactly the nodes that are closed; where empty, all that robots would reach into the outline from.
+    pub nodes: Vec<NodeId>,
     /// When.
     pub window: Window,
     /// Why, in the supervisor's words.

@@ -378,20 +378,32 @@ impl Fleet {
 
     /// A way to a place aside first, then on with the task. Whether it was found and taken.
     pub(super) fn detour(&mut self, robot: RobotId, place: NodeId, now: Time) -> bool {
+        let stages = self.stages_aside(robot, place);
+        let Ok(route) = self.search(robot, &stages, now) else { return false };
+        let route = self.with_own_stops(robot, route);
+        self.commit(robot, route);
+        true
+    }
+
+    /// The legs to a place aside, and of the rest of the task from there.
+    pub(super) fn stages_aside(&self, robot: RobotId, place: NodeId) -> SmallVec<[Stage; 4]> {
         let rest = self.stages_left(robot);
         let loaded = self.ledger.rack_on(robot).is_some();
-        let mut stages: SmallVec<[Stage; 4]> = smallvec![Stage { goal: place, loaded, stay: Span::ZERO }];
+        let mut stages = smallvec![Stage { goal: place, loaded, stay: Span::ZERO }];
         if rest.is_empty() {
             stages.push(stay_at(self.ledger.chain(robot).last().expect("it stands somewhere").node));
         }
-        stages.extend(rest.iter().copied());
-        let Ok(mut route) = self.search(robot, &stages, now) else { return false };
+        stages.extend(rest);
+        stages
+    }
+
+    /// A route over [`Fleet::stages_aside`] with the stops of the task alone: nothing is done at the place.
+    pub(super) fn with_own_stops(&self, robot: RobotId, mut route: Route) -> Route {
         route.stops.remove(0);
-        if rest.is_empty() {
+        if self.stages_left(robot).is_empty() {
             route.stops.clear();
         }
-        self.commit(robot, route);
-        true
+        route
     }
 
     /// Whether the robot stands at the end of what it was granted because somebody else comes first.

@@ -9,14 +9,18 @@
 
 use super::Fleet;
 use super::crowd::Mode;
+use super::fact::Fact;
 use super::mind::goal_of;
 use super::people::Reaction;
+use super::yielding::TRIES;
 use crate::aware::{Arm, BODY_M, Effects};
 use crate::geometry::{Point, Segment};
 use crate::human::intention::reported_goals;
 use crate::human::{Band, Hypothesis, Presence, common_prefix, straight_on, towards_goal};
-use crate::id::{Dense, RobotId, WorkerId};
+use crate::id::{Dense, NodeId, RobotId, WorkerId};
+use crate::route::{Cause, Effect, Route};
 use crate::time::{Span, Time};
+use crate::timeline::{Holder, Visit};
 use std::collections::BTreeSet;
 
 /// Whoever has not come to rest after this long is taken as it is.
@@ -62,15 +66,21 @@ impl Fleet {
             self.interrupt_all(worker, now);
         }
         let Some((worker, since)) = self.crowd.procedure.running else { return };
-        let all_stand =
-            self.ledger.robots.ids().all(|r| {
-                self.ledger.robots[r].failed || self.scene.robot(r).is_none_or(|t| t.speed_mps < 0.05)
-            });
+        let all_stand = self.ledger.robots.ids().all(|r| self.is_at_rest(r));
         if all_stand || now - since > REST {
             self.crowd.procedure.running = None;
-            self.plan_for(worker, now);
             self.crowd.procedure.again = self.ledger.robots.ids().collect();
+            self.plan_for(worker, now);
         }
+    }
+
+    /// Whether a robot will not move any more without a grant, or while somebody is near.
+    fn is_at_rest(&self, robot: RobotId) -> bool {
+        let Some(seen) = self.scene.robot(robot) else { return true };
+        let chain = self.ledger.chain(robot);
+        let held = self.crowd.limits.get(&robot).is_some_and(|(limit, _)| *limit == Some(0.0));
+        let stays = held || chain.first() + 1 == chain.granted();
+        self.ledger.robots[robot].failed || seen.speed_mps < 0.05 && stays
     }
 
     fn calls_for_procedure(&self, worker: WorkerId, now: Time) -> bool {
@@ -126,7 +136,7 @@ impl Fleet {
         if let Some(path) = other.filter(|p| self.robots_on(p).is_empty()) {
             return self.accept(worker, path, Mode::Redirected, now);
         }
-        if self.all_can_leave(worker, &segment, &in_the_way, now) {
+        if self.all_leave(worker, &segment, &in_the_way, now) {
             return self.accept(worker, segment, Mode::Following, now);
         }
         self.crowd.people[worker].blocked_since = in_the_way.first().map(|r| (*r, now));
@@ -149,16 +159,70 @@ impl Fleet {
         self.ledger.robots.ids().filter(on).collect()
     }
 
-    /// Evasive moves: every robot on the path gets a route to a place off it, or none of them moves.
-    fn all_can_leave(&mut self, worker: WorkerId, path: &[Point], robots: &[RobotId], now: Time) -> bool {
+    /// Evasive moves: every robot on the path gets a route to a place off it, in time, or none of them moves.
+    fn all_leave(&mut self, worker: WorkerId, path: &[Point], robots: &[RobotId], now: Time) -> bool {
+        let before = self.crowd.conditions.clone();
         let warehouse = self.warehouse().clone();
-        let mut conditions = std::mem::take(&mut self.crowd.conditions);
         let effects =
             Effects { warehouse: &warehouse, regions: &self.crowd.regions, afoot: &self.crowd.afoot, now };
         let way = Hypothesis { probability: 1.0, path: path.to_vec(), stay: None };
-        effects.plan(&mut conditions, worker, &way, Band::ANY);
-        self.crowd.conditions = conditions;
-        robots.iter().all(|r| self.can_leave(*r)) && robots.iter().all(|r| self.leaves(*r, worker, now))
+        effects.plan(&mut self.crowd.conditions, worker, &way, Band::ANY);
+        let routes = self.evasions(worker, robots, now);
+        self.crowd.conditions = before;
+        let Some(routes) = routes else { return false };
+        let bookings = routes.into_iter().map(|(r, route)| self.booking(r, route)).collect();
+        self.record(Fact::Routed { bookings });
+        for robot in robots {
+            // It has just been planned; whatever else is earlier may lead back onto the path.
+            self.crowd.procedure.again.remove(robot);
+            self.ledger.counts.replans += 1;
+            self.gives_way(*robot, worker, Reaction::Rerouted, now);
+        }
+        true
+    }
+
+    /// Routes off the path for all of these robots, each planned around those before it.
+    fn evasions(&mut self, worker: WorkerId, robots: &[RobotId], now: Time) -> Option<Vec<(RobotId, Route)>> {
+        let stands = |r: &RobotId| {
+            let chain = self.ledger.chain(*r);
+            chain.first() + 1 == chain.granted() && !self.ledger.robots[*r].failed
+        };
+        if !robots.iter().all(stands) {
+            return None;
+        }
+        let mut scratch = self.ledger.timeline.clone();
+        for robot in robots {
+            scratch.withdraw(Holder::Robot(*robot), self.ledger.chain(*robot).granted() - 1);
+        }
+        let mut routes = Vec::new();
+        for &robot in robots {
+            // Where it stands is where nobody may be: any way off that comes no nearer is better.
+            let mut away = self.away(robot, now);
+            if away.iter().all(|a| a.worker != worker) {
+                away.extend(self.away_from(self.ledger.node_of(robot), worker, now));
+            }
+            let mut places = self.places_out_of_the_way(robot, worker, now).into_iter().take(TRIES);
+            let route = places.find_map(|place| {
+                let route = self.way_aside(&scratch, robot, (place, &away), now)?;
+                self.leaves_in_time(&route, place, worker).then_some(route)
+            })?;
+            let visits = std::iter::once(&route.kept).chain(&route.visits).cloned().collect();
+            scratch.extend(Holder::Robot(robot), visits).ok()?;
+            routes.push((robot, route));
+        }
+        Some(routes)
+    }
+
+    /// Whether a robot is off the path before a slow walker would be through: later, the worker would wait for
+    /// the robot and the robot for the worker.
+    fn leaves_in_time(&self, route: &Route, place: NodeId, worker: WorkerId) -> bool {
+        let gone = |visit: &Visit| {
+            let conditions = self.crowd.conditions.of(visit.node).iter();
+            let mut closed =
+                conditions.filter(|c| c.effect == Effect::Closed && c.cause == Cause::Worker(worker));
+            closed.all(|c| visit.leave <= c.window.end())
+        };
+        std::iter::once(&route.kept).chain(&route.visits).take_while(|v| v.node != place).all(gone)
     }
 
     /// The path that is expected of a worker.

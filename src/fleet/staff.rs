@@ -78,6 +78,9 @@ impl Fleet {
         if area.outline.len() < 3 || area.window.start() >= area.window.end() {
             return Err(Refusal::EmptyArea);
         }
+        if area.nodes.iter().any(|n| self.warehouse().nodes.get(*n).is_none()) {
+            return Err(Refusal::UnknownPlace);
+        }
         let closure = ClosureId(self.ledger.next_closure);
         self.record(Fact::Closed { closure, area });
         Ok(Reply::Closed { token, closure })

@@ -31,8 +31,8 @@ const STOPPING: Span = Span::from_secs(8);
 pub(super) enum Decision {
     /// They do not meet.
     Keep,
-    /// It waits until then before it enters the zone.
-    Wait(WorkerId, Time),
+    /// It waits before it enters the zone, as its grants do by themselves.
+    Wait,
     /// It looks for another route.
     Change(WorkerId),
 }
@@ -49,12 +49,15 @@ impl Fleet {
             if !binds || away.iter().any(|a| a.worker == worker) {
                 continue;
             }
-            if let Some(w) = self.whereabouts(worker, now) {
-                let distance_m = (self.at(node) - w.at).norm();
-                away.push(Away { worker, at: w.at, distance_m });
-            }
+            away.extend(self.away_from(node, worker, now));
         }
         away
+    }
+
+    /// Leave to go from a node wherever it is not nearer to a worker.
+    pub(super) fn away_from(&self, node: NodeId, worker: WorkerId, now: Time) -> Option<Away> {
+        let w = self.whereabouts(worker, now)?;
+        Some(Away { worker, at: w.at, distance_m: (self.at(node) - w.at).norm() })
     }
 
     fn at(&self, node: NodeId) -> Point {
@@ -153,7 +156,7 @@ impl Fleet {
             return Decision::Keep;
         };
         let waited = self.crowd.yielding.get(&robot).map_or(Span::ZERO, |y| now - y.since);
-        if end - enter + waited > PATIENCE { Decision::Change(worker) } else { Decision::Wait(worker, end) }
+        if end - enter + waited > PATIENCE { Decision::Change(worker) } else { Decision::Wait }
     }
 
     /// Until when the robot would have to wait for others than robots.
@@ -213,15 +216,9 @@ impl Fleet {
 /// Nodes to look at for a place out of the way.
 const PLACES: usize = 60;
 /// Searches for one.
-const TRIES: usize = 3;
+pub(super) const TRIES: usize = 3;
 
 impl Fleet {
-    /// Whether a robot is fit to leave the place where it stands.
-    pub(super) fn can_leave(&self, robot: RobotId) -> bool {
-        let chain = self.ledger.chain(robot);
-        chain.first() + 1 == chain.granted() && !self.ledger.robots[robot].failed
-    }
-
     /// Sends a robot off a worker's path. Whether there was a way.
     pub(super) fn leaves(&mut self, robot: RobotId, worker: WorkerId, now: Time) -> bool {
         let places = self.places_out_of_the_way(robot, worker, now);
@@ -244,7 +241,7 @@ impl Fleet {
 
     /// Nodes near a robot without conditions, nearest first over lanes that it may drive, not nearer to the
     /// worker.
-    fn places_out_of_the_way(&self, robot: RobotId, worker: WorkerId, now: Time) -> Vec<NodeId> {
+    pub(super) fn places_out_of_the_way(&self, robot: RobotId, worker: WorkerId, now: Time) -> Vec<NodeId> {
         let Some(w) = self.whereabouts(worker, now) else { return Vec::new() };
         let loaded = self.ledger.rack_on(robot).is_some();
         let start = self.ledger.node_of(robot);

@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Drive`]. Missed ticks are skipped, not caught up. Stops, and what workers are told, leave in the turn
 //! that decided them. Orders and answers leave when the journal has the facts behind them; where it has none of them
-//! for long, the fleet stands and the floor goes on. Refuses: locks, waiting for the database, and decisions of its
+//! for so long that no more may wait, every robot is told to stand and the floor goes on. Refuses: locks, waiting for the database, and decisions of its
 //! own.
 
 use super::clock::Clock;
@@ -12,8 +12,8 @@ use super::measure::Measure;
 use super::outbox::Outbox;
 use crate::api::feed::hub::Feeds;
 use crate::api::metrics::Metrics;
-use crate::api::port::Moment;
-use crate::fleet::{Command, Fleet, Guidance};
+use crate::api::port::{Alarms, Moment};
+use crate::fleet::{Command, Fleet, Guidance, Input};
 use crate::id::{RobotId, WorkerId};
 use crate::sim::World;
 use crate::time::{Span, Time};
@@ -25,6 +25,9 @@ use tokio::time::{MissedTickBehavior, interval};
 /// How often the picture is published; a little less than a tenth of a second, so that a tick does not just
 /// miss it.
 const PUBLISH: Span = Span::from_millis(95);
+
+/// The alarm that stands while all robots have to.
+const ALARM: &str = "halt";
 
 /// Everything that the loop owns.
 pub struct Drive {
@@ -48,6 +51,10 @@ pub struct Drive {
     pub metrics: Arc<Metrics>,
     /// Gets guidance.
     pub feeds: Arc<Feeds>,
+    /// What stands.
+    pub alarms: Arc<Alarms>,
+    /// Whether all robots were told to stand, since nothing can be decided.
+    pub halted: bool,
     /// Gets the picture.
     pub moments: watch::Sender<Arc<Moment>>,
 }
@@ -72,12 +79,15 @@ impl Drive {
     /// One step: absorb, decide, record; publish where it is time.
     fn turn(&mut self, published: &mut Time) {
         let now = self.clock.now();
+        self.metrics.poses_thinned.inc_by(self.feeds.pass(now));
         let mut inputs = self.inbox.drain(self.journal.is_failing());
         inputs.extend(self.world.advance(now, &self.fleet));
         let heard = self.inbox.look(&mut inputs);
         if self.journal.is_full() {
+            self.halt(now, &inputs);
             self.inbox.keep(inputs);
         } else {
+            self.resume();
             let began = self.clock.now();
             let step = self.fleet.step(now, inputs);
             self.note(self.clock.now() - began, step.facts.len());
@@ -88,6 +98,35 @@ impl Drive {
         if now - *published >= PUBLISH {
             *published = now;
             self.publish(now);
+        }
+    }
+
+    /// Tells all robots to stand, until they say that they do. A decision changes what is promised and must be
+    /// recorded, so there is none, while robots would finish what was granted and people walk on.
+    fn halt(&mut self, now: Time, inputs: &[Input]) {
+        let robots: Vec<RobotId> = if self.halted {
+            let drives = |i: &Input| match i {
+                Input::Telemetry(t) if t.limit_mps != Some(0.0) => Some(t.robot),
+                _ => None,
+            };
+            inputs.iter().filter_map(drives).collect()
+        } else {
+            let text =
+                "the journal is full: all robots were told to stand until the database takes facts again.";
+            self.alarms.raise(ALARM, text.into(), now);
+            tracing::error!("{text}");
+            self.halted = true;
+            self.fleet.ledger().robots.ids().collect()
+        };
+        let stops = robots.into_iter().map(|r| (r, Command::Limit(Some(0.0)))).collect();
+        self.world.command(self.clock.now(), stops);
+    }
+
+    /// The journal takes facts: the step that follows lifts the limits, which it did not set.
+    fn resume(&mut self) {
+        if std::mem::take(&mut self.halted) {
+            self.alarms.clear(ALARM);
+            tracing::info!("the journal has room again: robots go on");
         }
     }
 
@@ -135,5 +174,86 @@ impl Drive {
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let time_s = (now - self.clock.started()).as_secs_f64();
         self.moments.send_replace(Arc::new(Moment { view, time_s, measured }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fleet::Fact;
+    use crate::server::{inbox, journal, outbox};
+    use crate::sim::Scenario;
+    use crate::store::Store;
+    use crate::warehouse::lab;
+    use tokio::sync::mpsc;
+
+    const SCENARIO: &str = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 2, "jobs": "none"}"#;
+
+    /// A loop whose journal is written only when the test lets the writer run.
+    async fn drive(
+        folder: &std::path::Path,
+    ) -> (Drive, journal::Writer, mpsc::Sender<crate::api::port::Ask>) {
+        let (map, scenario) = (Arc::new(lab()), Scenario::parse(SCENARIO).unwrap());
+        let store = Arc::new(Store::open(&folder.join("t.sqlite"), &map).await.unwrap());
+        let (clock, alarms) = (Arc::new(Clock::start(None)), Arc::new(Alarms::default()));
+        let metrics = Arc::new(Metrics::default());
+        let (journal, writer) = journal::journal(store, 1, clock.clone(), alarms.clone(), metrics.clone());
+        let fleet = Fleet::new(map.clone(), scenario.settings());
+        let world = World::new(map, &scenario, &[], 1, &fleet, clock.now());
+        let ((feeds, heard), (desk, asks)) = (Feeds::new(), mpsc::channel(8));
+        let (measure, outbox, feeds) = (Measure::default(), outbox::Outbox::default(), Arc::new(feeds));
+        let (inbox, moments) = (inbox::Inbox::new(asks, heard), watch::Sender::new(Arc::default()));
+        let (period, halted) = (scenario.period, false);
+        let drive = Drive {
+            fleet,
+            world,
+            clock,
+            period,
+            inbox,
+            outbox,
+            journal,
+            measure,
+            metrics,
+            feeds,
+            alarms,
+            halted,
+            moments,
+        };
+        (drive, writer, desk)
+    }
+
+    /// Turns until all robots have this limit.
+    async fn until(drive: &mut Drive, limit: Option<f64>) {
+        let mut published = drive.clock.now();
+        for _ in 0..100 {
+            drive.turn(&mut published);
+            tokio::time::sleep(Duration::from_millis(10)).await;
+            let mut robots = drive.world.truth();
+            if robots.next().is_some() && drive.world.truth().all(|(_, t)| t.limit_mps == limit) {
+                return;
+            }
+        }
+        panic!("no limit of {limit:?}: {:?}", drive.world.truth().collect::<Vec<_>>());
+    }
+
+    #[tokio::test]
+    async fn while_the_journal_is_full_all_robots_are_told_to_stand_and_go_on_when_it_is_back() {
+        let folder = std::env::temp_dir().join(format!("giveway-drive-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (mut drive, writer, _desk) = drive(&folder).await;
+        until(&mut drive, None).await;
+        let fact = |i: u32| Fact::Deviated { worker: WorkerId(i), at: Time(1) };
+        drive.journal.record(Time(1), (0..20_000).map(fact).collect());
+        assert!(drive.journal.is_full());
+        until(&mut drive, Some(0.0)).await;
+        assert!(drive.alarms.list().iter().any(|a| a.id == ALARM));
+        let writer = tokio::spawn(writer.run());
+        while drive.journal.is_full() {
+            drive.journal.confirmed().await;
+        }
+        until(&mut drive, None).await;
+        assert!(!drive.alarms.list().iter().any(|a| a.id == ALARM));
+        writer.abort();
+        let _ = std::fs::remove_dir_all(&folder);
     }
 }

@@ -194,6 +194,8 @@ async fn work(
         measure: measure::Measure::default(),
         metrics: metrics.clone(),
         feeds: feeds.clone(),
+        alarms: alarms.clone(),
+        halted: false,
         moments,
     };
     let ((closing, closes), (halt, halted)) = (watch::channel(false), watch::channel(false));

@@ -86,6 +86,8 @@ enum Other {
     Close {
         token: u64,
         outline: Vec<(i64, i64)>,
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        nodes: Vec<u32>,
         from: i64,
         until: i64,
         reason: String,
@@ -200,6 +202,7 @@ fn asked(input: &Input) -> Other {
         Input::Close { token, area } => Other::Close {
             token: *token,
             outline: area.outline.iter().map(|p| (p.x_mm, p.y_mm)).collect(),
+            nodes: area.nodes.iter().map(|n| n.0).collect(),
             from: area.window.start().0,
             until: area.window.end().0,
             reason: area.reason.clone(),
@@ -324,10 +327,11 @@ fn other(o: Other) -> Input {
             Input::Assign { token, worker: WorkerId(worker), request }
         }
         Other::Unassign(token, assignment) => Input::Unassign { token, assignment: AssignmentId(assignment) },
-        Other::Close { token, outline, from, until, reason } => {
+        Other::Close { token, outline, nodes, from, until, reason } => {
             let outline = outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect();
+            let nodes = nodes.into_iter().map(NodeId).collect();
             let window = Window::new(Time(from), Time(until));
-            Input::Close { token, area: Closure { outline, window, reason } }
+            Input::Close { token, area: Closure { outline, nodes, window, reason } }
         }
         Other::Reopen(token, closure) => Input::Reopen { token, closure: ClosureId(closure) },
         Other::Submit { token, kind, priority, deadline, after, key } => {

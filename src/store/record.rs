@@ -15,6 +15,11 @@ use crate::timeline::Visit;
 use serde::{Deserialize, Serialize};
 
 /// The version that this program writes. It reads all versions up to it.
+///
+/// It goes up when a record of an earlier version would be read with another meaning, or when a program that is out
+/// there would misread a new one. Kinds of facts and optional fields were added since the first record was written
+/// (people, encounters, `nodes` of a closure), and it stays 1: journals without them read as before, and no program
+/// that does not know them was ever released. From the first release on, each such addition makes a new version.
 pub const VERSION: i64 = 1;
 
 /// Why a record cannot be read.
@@ -58,26 +63,98 @@ struct BookingRecord(u32, u64, VisitRecord, Vec<VisitRecord>, Vec<(u64, ActRecor
 #[derive(Serialize, Deserialize)]
 #[serde(tag = "fact", rename_all = "snake_case")]
 enum Record {
-    Enlisted { robot: u32, name: String, node: u32, at: i64 },
-    Accepted { job: u64, request: RequestRecord, at: i64 },
-    Progressed { job: u64, state: StateRecord, at: i64 },
-    Tasked { robot: u32, task: TaskRecord },
-    Routed { bookings: Vec<BookingRecord> },
-    Granted { robot: u32, serial: u64, at: i64 },
-    Passed { robot: u32, serial: u64 },
-    Acted { robot: u32, serial: u64 },
-    Delayed { robot: u32, serial: u64, depart: i64 },
-    Cut { robots: Vec<u32> },
-    Failed { robot: u32, at: i64 },
-    Repaired { robot: u32, at: i64 },
-    Hired { worker: u32, name: String, at: i64 },
-    Assigned { assignment: u64, worker: u32, request: AssignmentRecord, at: i64 },
-    Advanced { assignment: u64, state: AssignmentStateRecord, at: i64 },
-    Closed { closure: u64, outline: Vec<(i64, i64)>, from: i64, until: i64, reason: String },
-    Reopened { closure: u64, at: i64 },
+    Enlisted {
+        robot: u32,
+        name: String,
+        node: u32,
+        at: i64,
+    },
+    Accepted {
+        job: u64,
+        request: RequestRecord,
+        at: i64,
+    },
+    Progressed {
+        job: u64,
+        state: StateRecord,
+        at: i64,
+    },
+    Tasked {
+        robot: u32,
+        task: TaskRecord,
+    },
+    Routed {
+        bookings: Vec<BookingRecord>,
+    },
+    Granted {
+        robot: u32,
+        serial: u64,
+        at: i64,
+    },
+    Passed {
+        robot: u32,
+        serial: u64,
+    },
+    Acted {
+        robot: u32,
+        serial: u64,
+    },
+    Delayed {
+        robot: u32,
+        serial: u64,
+        depart: i64,
+    },
+    Cut {
+        robots: Vec<u32>,
+    },
+    Failed {
+        robot: u32,
+        at: i64,
+    },
+    Repaired {
+        robot: u32,
+        at: i64,
+    },
+    Hired {
+        worker: u32,
+        name: String,
+        at: i64,
+    },
+    Assigned {
+        assignment: u64,
+        worker: u32,
+        request: AssignmentRecord,
+        at: i64,
+    },
+    Advanced {
+        assignment: u64,
+        state: AssignmentStateRecord,
+        at: i64,
+    },
+    Closed {
+        closure: u64,
+        outline: Vec<(i64, i64)>,
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        nodes: Vec<u32>,
+        from: i64,
+        until: i64,
+        reason: String,
+    },
+    Reopened {
+        closure: u64,
+        at: i64,
+    },
     Encountered(EncounterRecord),
-    Deviated { worker: u32, at: i64 },
-    Interrupted { robot: u32, worker: u32, reaction: ReactionRecord, at: i64 },
+    Deviated {
+        worker: u32,
+        at: i64,
+    },
+    Interrupted {
+        robot: u32,
+        worker: u32,
+        reaction: ReactionRecord,
+        at: i64,
+    },
 }
 
 #[derive(Serialize, Deserialize)]
@@ -239,10 +316,11 @@ impl From<Record> for Fact {
             Record::Advanced { assignment, state, at } => {
                 Fact::Advanced { assignment: AssignmentId(assignment), state: state.into(), at: Time(at) }
             }
-            Record::Closed { closure, outline, from, until, reason } => {
+            Record::Closed { closure, outline, nodes, from, until, reason } => {
+                let nodes = nodes.into_iter().map(NodeId).collect();
                 let outline = outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect();
                 let window = Window::new(Time(from), Time(until));
-                Fact::Closed { closure: ClosureId(closure), area: Closure { outline, window, reason } }
+                Fact::Closed { closure: ClosureId(closure), area: Closure { outline, nodes, window, reason } }
             }
             Record::Reopened { closure, at } => Fact::Reopened { closure: ClosureId(closure), at: Time(at) },
             Record::Encountered(encounter) => Fact::Encountered(encounter.into()),
@@ -261,6 +339,7 @@ fn closed(closure: ClosureId, area: &Closure) -> Record {
     Record::Closed {
         closure: closure.0,
         outline: area.outline.iter().map(|p| (p.x_mm, p.y_mm)).collect(),
+        nodes: area.nodes.iter().map(|n| n.0).collect(),
         from: area.window.start().0,
         until: area.window.end().0,
         reason: area.reason.clone(),

@@ -121,6 +121,10 @@ async fn an_area_is_closed_and_opened_again() {
         (timed["nodes"].clone(), timed["until"].clone()),
         (json!([node]), json!("2031-01-02T00:00:00Z"))
     );
+    // R30, R31 and R32 are in a row: what lies between two named nodes stays open.
+    let apart = post(at, "/v1/closures", &json!({"nodes": ["R30", "R32"], "reason": "posts"})).await.json();
+    assert_eq!(apart["nodes"], json!(["R32", "R30"]));
+    delete(at, &format!("/v1/closures/{}", apart["id"].as_str().unwrap())).await;
     for (bad, field) in [
         (json!({"reason": "x"}), "outline"),
         (json!({"outline": square, "nodes": [node], "reason": "x"}), "outline"),

@@ -6,6 +6,7 @@
 //! to know what is right for a worker.
 
 use super::intake::Senses;
+use super::thin::Thinner;
 use crate::fleet::{FeedCounts, Guidance, View};
 use crate::human::Sighting;
 use crate::id::{Dense, IdVec, WorkerId};
@@ -90,6 +91,8 @@ struct Slot {
     source: Source,
     epoch: u32,
     reports: u64,
+    /// Reports that come too fast; the newest waits.
+    thinner: Thinner<Heard>,
     taken: watch::Sender<u64>,
     told: watch::Sender<Told>,
     carried: Carried,
@@ -115,7 +118,8 @@ impl Feeds {
         for name in names.iter().skip(slots.len()) {
             let (taken, told) = (watch::Sender::new(0), watch::Sender::new(Told::default()));
             let (name, carried) = (name.clone(), Carried::default());
-            slots.push(Slot { name, source: Source::Nobody, epoch: 0, reports: 0, taken, told, carried });
+            let (source, thinner) = (Source::Nobody, Thinner::default());
+            slots.push(Slot { name, source, epoch: 0, reports: 0, thinner, taken, told, carried });
         }
     }
 
@@ -165,7 +169,8 @@ impl Feeds {
         self.inbox.try_send(Heard { received, sighting }).is_ok()
     }
 
-    /// Takes a report of a tag, whose epoch and number are of no importance.
+    /// Takes a report of a tag, whose epoch and number are of no importance. What comes faster than sixty times a
+    /// second is thinned, the newest wins.
     ///
     /// # Errors
     /// Why it is not taken.
@@ -183,8 +188,22 @@ impl Feeds {
         slot.reports += 1;
         (sighting.epoch, sighting.seq) = (slot.epoch, slot.reports);
         (slot.carried.senses, slot.carried.received) = (Senses::default(), Some(received));
+        let passes = slot.thinner.offer(Heard { received, sighting }, received);
         drop(slots);
-        self.inbox.try_send(Heard { received, sighting }).map_err(|_| Untaken::Full)
+        passes.map_or(Ok(()), |heard| self.inbox.try_send(heard).map_err(|_| Untaken::Full))
+    }
+
+    /// Hands on reports that had to wait and may pass now. How many were left out since the last call.
+    pub fn pass(&self, now: Time) -> u64 {
+        let mut left_out = 0;
+        for slot in self.slots().iter_mut() {
+            left_out += std::mem::take(&mut slot.thinner.thinned);
+            if let Some(heard) = slot.thinner.ready(now) {
+                // Where there is no room, the next one says so to whoever sends it.
+                let _ = self.inbox.try_send(heard);
+            }
+        }
+        left_out
     }
 
     /// The headset shows the guidance of this version.
@@ -234,6 +253,8 @@ impl Slot {
     fn switch(&mut self, source: Source) {
         if self.source != source {
             (self.source, self.epoch) = (source, self.epoch + 1);
+            // What waits is of the old source.
+            self.thinner.forget();
         }
     }
 }
@@ -297,6 +318,26 @@ mod tests {
         assert_eq!(feeds.report(sighting(0, 0), Time(4_000_000)), Ok(()));
         let nobody = Sighting { worker: WorkerId(7), ..sighting(0, 0) };
         assert_eq!(feeds.report(nobody, Time(0)), Err(Untaken::Unknown));
+    }
+
+    #[test]
+    fn reports_that_come_too_fast_are_thinned_for_each_worker_and_the_newest_passes() {
+        let (feeds, mut heard) = Feeds::new();
+        feeds.know(&IdVec::from(vec!["anna".to_owned(), "ben".to_owned()]));
+        let mut left_out = 0;
+        for ms in 0..1000 {
+            feeds.report(sighting(0, 0), Time(ms * 1000)).unwrap();
+            left_out += feeds.pass(Time(ms * 1000));
+        }
+        feeds.report(Sighting { worker: WorkerId(1), ..sighting(0, 0) }, Time(999_000)).unwrap();
+        left_out += feeds.pass(Time(1_100_000));
+        let all: Vec<Heard> = std::iter::from_fn(|| heard.try_recv().ok()).collect();
+        let of = |w: u32| all.iter().filter(|h| h.sighting.worker == WorkerId(w)).collect::<Vec<&Heard>>();
+        let (annas, bens) = (of(0), of(1));
+        assert_eq!(bens.len(), 1, "another worker's report passes at once");
+        assert!((60..=72).contains(&annas.len()), "{}", annas.len());
+        assert_eq!(annas.last().unwrap().sighting.seq, 1000, "the newest");
+        assert_eq!(left_out + annas.len() as u64, 1000);
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::fleet::{Closure, Reply};
 use crate::geometry::{Point, Spot};
-use crate::id::ClosureId;
+use crate::id::{ClosureId, NodeId};
 use crate::time::{Time, Window};
 use axum::Json;
 use axum::extract::State;
@@ -27,7 +27,7 @@ const MOST_CORNERS: usize = 100;
 /// The longest reason.
 const LONGEST_REASON: usize = 500;
 
-/// A node closes so far around itself, metres: less than half the way to any other node.
+/// The outline goes around nodes at this distance, metres.
 const AROUND_NODE_M: f64 = 0.25;
 
 /// The smallest area, square metres.
@@ -39,7 +39,7 @@ const SMALLEST_M2: f64 = 0.01;
 pub struct NewClosure {
     /// Its corners, metres, 3 to 100.
     outline: Option<Vec<[f64; 2]>>,
-    /// Or names of nodes: the area around all of them, and what lies between. The answer lists all nodes inside.
+    /// Or names of nodes, 1 to 100: these are closed and no others. The outline of the answer goes around all of them.
     nodes: Option<Vec<String>>,
     /// From when on, RFC 3339; at once where absent.
     from: Option<String>,
@@ -123,9 +123,13 @@ fn parse_id(text: &str) -> Result<ClosureId, Problem> {
 impl NewClosure {
     fn read(&self, api: &Api) -> Result<Closure, Problem> {
         let mut errors = Vec::new();
+        let mut nodes = Vec::new();
         let outline = match (&self.outline, &self.nodes) {
             (Some(corners), None) => checked_outline(corners, &mut errors),
-            (None, Some(names)) => around(api, names, &mut errors),
+            (None, Some(names)) => {
+                nodes = named(api, names, &mut errors);
+                around(api, &nodes)
+            }
             _ => {
                 errors.push(FieldError::new("outline", "give either outline or nodes"));
                 Vec::new()
@@ -155,7 +159,7 @@ impl NewClosure {
             return Err(Problem::invalid(errors));
         }
         let outline = outline.into_iter().map(Spot::from).collect();
-        Ok(Closure { outline, window: Window::new(from, until), reason: reason.into() })
+        Ok(Closure { outline, nodes, window: Window::new(from, until), reason: reason.into() })
     }
 }
 
@@ -170,23 +174,33 @@ fn checked_outline(corners: &[[f64; 2]], errors: &mut Vec<FieldError>) -> Vec<Po
     outline
 }
 
-/// The convex outline of all that is close to some nodes.
-fn around(api: &Api, names: &[String], errors: &mut Vec<FieldError>) -> Vec<Point> {
+/// The nodes of these names.
+fn named(api: &Api, names: &[String], errors: &mut Vec<FieldError>) -> Vec<NodeId> {
     if names.is_empty() || names.len() > MOST_CORNERS {
         errors.push(FieldError::new("nodes", format!("1 to {MOST_CORNERS} names of nodes")));
         return Vec::new();
     }
-    let mut corners = Vec::new();
+    let mut nodes = Vec::new();
     for (i, name) in names.iter().enumerate() {
-        let Some(node) = api.map.node_named(name) else {
-            let detail = format!("there is no node \"{name}\"; GET /v1/map lists them");
-            errors.push(FieldError::new(format!("nodes[{i}]"), detail));
-            continue;
-        };
-        let (at, d) = (api.map.nodes[node].at, AROUND_NODE_M);
-        corners.extend([(-d, -d), (d, -d), (d, d), (-d, d)].map(|(x, y)| Point::new(at.x + x, at.y + y)));
+        match api.map.node_named(name) {
+            Some(node) => nodes.push(node),
+            None => {
+                let detail = format!("there is no node \"{name}\"; GET /v1/map lists them");
+                errors.push(FieldError::new(format!("nodes[{i}]"), detail));
+            }
+        }
     }
-    hull(corners)
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+/// The convex outline of all that is close to some nodes, for those who look at a map.
+fn around(api: &Api, nodes: &[NodeId]) -> Vec<Point> {
+    let d = AROUND_NODE_M;
+    let square =
+        |at: Point| [(-d, -d), (d, -d), (d, d), (-d, d)].map(|(x, y)| Point::new(at.x + x, at.y + y));
+    hull(nodes.iter().flat_map(|n| square(api.map.nodes[*n].at)).collect())
 }
 
 /// Twice the signed area of the triangle.

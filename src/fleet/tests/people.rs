@@ -189,7 +189,7 @@ fn robots_keep_out_of_a_closed_area_until_it_is_open_again() {
     ];
     let outline = outline.map(|(x, y)| Point::new(x, y).into()).to_vec();
     let window = crate::time::Window::new(Time::ZERO, Time(120_000_000));
-    let area = Closure { outline: outline.clone(), window, reason: "a spill".into() };
+    let area = Closure { outline: outline.clone(), nodes: vec![], window, reason: "a spill".into() };
     floor.step(vec![Input::Close { token: 3, area }]);
     floor.submit_batch(10);
     let inside = |p: Point| (p.y - (middle + 0.05)).abs() < 0.45;
@@ -221,4 +221,35 @@ fn a_worker_of_whom_nothing_is_heard_stops_robots_in_a_growing_disc_until_cleare
     assert!(floor.fleet.crowd.yielding.is_empty(), "and nobody does any more");
     floor.run(120);
     assert!(floor.fleet.ledger().counts.robot_deliveries > before, "they go on");
+}
+
+#[test]
+fn a_limit_that_a_robot_has_but_the_fleet_did_not_set_is_lifted() {
+    let mut floor = Floor::thesis(2);
+    floor.run(1);
+    // As after a restart of the fleet, or where the server let all robots stand.
+    let robots: Vec<_> = floor.fleet.ledger().robots.ids().collect();
+    floor.world.command(floor.now, robots.into_iter().map(|r| (r, Command::Limit(Some(0.0)))).collect());
+    (0..3).for_each(|_| drop(floor.step(vec![])));
+    assert!(floor.world.truth().all(|(_, t)| t.limit_mps == Some(0.0)), "they know it");
+    floor.run(1);
+    assert!(floor.world.truth().all(|(_, t)| t.limit_mps.is_none()));
+}
+
+#[test]
+fn of_an_area_of_nodes_exactly_these_are_closed() {
+    let mut floor = Floor::lab(1);
+    let mut nodes = vec![floor.node("R30"), floor.node("R32")];
+    nodes.sort_unstable();
+    // Whatever is drawn around them.
+    let outline = [(-9.0, -9.0), (99.0, -9.0), (0.0, 99.0)].map(|(x, y)| Point::new(x, y).into()).to_vec();
+    let window = crate::time::Window::new(Time::ZERO, Time::MAX);
+    let area = Closure { outline, nodes: nodes.clone(), window, reason: "posts".into() };
+    floor.step(vec![Input::Close { token: 3, area: area.clone() }]);
+    let mut closed: Vec<NodeId> = floor.fleet.crowd.conditions.nodes().collect();
+    closed.sort_unstable();
+    assert_eq!(closed, nodes);
+    let unknown = Closure { nodes: vec![NodeId(9999)], ..area };
+    let refused = floor.step(vec![Input::Close { token: 4, area: unknown }]).replies;
+    assert_eq!(refused, [Reply::Refused { token: 4, why: Refusal::UnknownPlace }]);
 }

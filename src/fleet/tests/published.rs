@@ -3,7 +3,9 @@
 use super::people::Puppet;
 use super::*;
 use crate::aware::Arm;
+use crate::fleet::crowd::{Mode, Person};
 use crate::geometry::Point;
+use crate::warehouse::sketch;
 
 const NEVER: Time = Time::MAX;
 
@@ -116,4 +118,83 @@ fn break_at_while(floor: &mut Floor, puppet: &mut Puppet, robot: u32, x: f64, y:
     let place = puppet.at;
     // She comes back a little to the side of her path, which starts anew where she is.
     (puppet.own, puppet.way) = (true, vec![place, Point::new(3.0, 3.2), place]);
+}
+
+/// A corridor of 24 m that a robot fills, with bays so deep that whoever stands in one is in nobody's way. People
+/// walk in the corridor only.
+fn corridor(bays: &str, robots: usize) -> Floor {
+    let stem = bays.replace('P', ".");
+    let mut draft = sketch(&[bays, &stem, &stem, &stem, "X......................X"].join("\n"));
+    let corner = |x: f64, y: f64| Point::new(x, y);
+    draft.walkable = vec![vec![corner(-0.5, -0.5), corner(23.5, -0.5), corner(23.5, 0.5), corner(-0.5, 0.5)]];
+    let scenario = Scenario { arm: Arm::Shir, ..scenario(robots) };
+    Floor::new(draft.build().expect("well-formed"), &scenario)
+}
+
+/// Ana walks east, robots come behind her, and she turns back: they are on her only way. Steps until it is
+/// decided what she is told; `meanwhile` happens before the robots stand.
+fn turn_back(floor: &mut Floor, meanwhile: impl FnOnce(&mut Floor)) -> Puppet {
+    let mut ana = floor.hire(Point::new(9.0, 0.0));
+    let place = at(floor, 22.0, 0.0);
+    floor.assign(&ana, place, 5);
+    let node = at(floor, 20.0, 0.0);
+    for robot in floor.fleet.ledger().robots.ids().rev().collect::<Vec<_>>() {
+        floor.submit(request(JobKind::Go { robot, node }));
+    }
+    told(floor, &mut ana, 60);
+    (ana.own, ana.way) = (true, vec![Point::new(0.0, 0.0)]);
+    while floor.deviations() == 0 {
+        floor.walk(&mut ana);
+    }
+    meanwhile(floor);
+    let version = floor.fleet.crowd.people[ana.worker].version;
+    let is_decided =
+        |person: &Person| person.version > version || matches!(person.mode, Mode::Stopped { .. });
+    while !is_decided(&floor.fleet.crowd.people[ana.worker]) {
+        floor.walk(&mut ana);
+    }
+    ana.own = false;
+    ana
+}
+
+fn place(floor: &Floor, robot: usize) -> Point {
+    floor.world.truth().nth(robot).expect("it is there").1.pose.at
+}
+
+#[test]
+fn a_robot_on_the_only_way_leaves_it_and_the_worker_gets_through() {
+    let mut floor = corridor("####P###P######P########", 1);
+    let mut ana = turn_back(&mut floor, |_| {});
+    let robot = place(&floor, 0);
+    assert!(robot.x < ana.at.x && robot.y.abs() < 0.1, "it stands on her way west: {robot}");
+    let states = told(&mut floor, &mut ana, 90);
+    assert!(ana.at.x < 2.0, "she is at {}", ana.at);
+    assert!(place(&floor, 0).y > 2.5, "it is in a bay: {}", place(&floor, 0));
+    assert!(!states.contains(&GuidanceState::Stop), "{states:?}");
+    told(&mut floor, &mut ana, 600);
+    assert_eq!(floor.done(), 1, "it goes on with its own job");
+}
+
+#[test]
+fn where_the_robot_on_the_only_way_cannot_leave_it_the_worker_is_told_to_stop_and_stays_so() {
+    let mut floor = corridor("####P###P######P########", 1);
+    let mut ana = turn_back(&mut floor, |f| f.world.fail(RobotId(0), NEVER));
+    let states = told(&mut floor, &mut ana, 40);
+    assert!(states.len() > 10 && states.iter().all(|s| *s == GuidanceState::Stop), "{states:?}");
+    assert_eq!(floor.deviations(), 1, "she left the path once");
+}
+
+#[test]
+fn where_one_of_two_robots_cannot_leave_the_only_way_neither_moves() {
+    let mut floor = corridor("##P#P##########P########", 2);
+    let outline = [(3.9, 3.9), (4.1, 3.9), (4.1, 4.1)].map(|(x, y)| Point::new(x, y).into()).to_vec();
+    let window = crate::time::Window::new(Time::ZERO, NEVER);
+    let area = Closure { outline, nodes: vec![], window, reason: "a spill".into() };
+    floor.run(5);
+    let ana = turn_back(&mut floor, |f| drop(f.step(vec![Input::Close { token: 3, area }])));
+    assert!(place(&floor, 0).x < place(&floor, 1).x, "the one behind has a bay, the one in front has none");
+    let mode = floor.fleet.crowd.people[ana.worker].mode;
+    assert!(matches!(mode, Mode::Stopped { .. }), "{mode:?}");
+    let since = floor.facts.iter().skip_while(|f| !matches!(f, Fact::Deviated { .. }));
+    assert_eq!(since.filter(|f| matches!(f, Fact::Routed { .. })).count(), 0, "both keep their routes");
 }
