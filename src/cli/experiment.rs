@@ -3,6 +3,7 @@
 //! Main type: [`Experiment`]. Refuses: to print a figure that depends on chance without its seed.
 
 use super::people::{Detection, Table};
+use super::safe_space::SafeSpace;
 use super::write;
 use crate::experiment::stories::{self, Tale};
 use crate::human::Method;
@@ -21,6 +22,8 @@ pub enum Experiment {
     Table(Table),
     /// How soon and how surely the fleet notices that people leave their path.
     Detection(Detection),
+    /// Safe spaces of workers and robots, and when a route is kept (Ye et al. 2024), beside ours.
+    SafeSpace(SafeSpace),
 }
 
 /// The stories.
@@ -72,6 +75,7 @@ impl Experiment {
             Experiment::Story(story) => story.run(),
             Experiment::Table(table) => table.run(),
             Experiment::Detection(detection) => detection.run(),
+            Experiment::SafeSpace(spaces) => spaces.run(),
         }
     }
 }

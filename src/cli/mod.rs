@@ -9,6 +9,7 @@ mod map;
 mod people;
 mod recording;
 mod replay;
+mod safe_space;
 mod serve;
 mod sim;
 
