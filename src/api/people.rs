@@ -174,6 +174,8 @@ pub struct ClosureDto {
     pub from: String,
     /// Until when; null until somebody opens it.
     pub until: Option<String>,
+    /// announced, closed or over.
+    pub state: &'static str,
     /// Why.
     pub reason: String,
 }
@@ -381,12 +383,19 @@ impl Names<'_> {
             nodes: nodes.collect(),
             from: time_text(closure.window.start()),
             until: (!end.is_forever()).then(|| time_text(end)),
+            state: closure.state(self.view.now).word(),
             reason: closure.reason.clone(),
         }
     }
 
-    /// All areas that robots keep out of.
+    /// All areas that robots keep out of, now or later.
     pub fn closures(&self) -> Vec<ClosureDto> {
+        let ahead = self.view.closures.iter().filter(|c| self.view.now < c.closure.window.end());
+        ahead.map(|c| self.closure(c.id, &c.closure)).collect()
+    }
+
+    /// Those that are over, too.
+    pub fn all_closures(&self) -> Vec<ClosureDto> {
         self.view.closures.iter().map(|c| self.closure(c.id, &c.closure)).collect()
     }
 

@@ -38,20 +38,23 @@ pub(super) enum Decision {
 }
 
 impl Fleet {
-    /// Workers to whom a robot is too near already: it may go wherever it does not come nearer.
+    /// Workers to whom a robot is too near already: it may go wherever it does not come nearer. Closed areas that it
+    /// is in: it may go on, since nobody would be helped if it stood there.
     pub(super) fn away(&self, robot: RobotId, now: Time) -> SmallVec<[Away; 2]> {
         let chain = self.ledger.chain(robot);
         let node = chain.get(chain.granted() - 1).expect("what is granted is held").node;
         let mut away: SmallVec<[Away; 2]> = SmallVec::new();
         for c in self.crowd.conditions.of(node) {
-            let Cause::Worker(worker) = c.cause else { continue };
             let binds = matches!(c.effect, Effect::Still | Effect::Closed) && c.window.contains(now);
-            if !binds || away.iter().any(|a| a.worker == worker) {
+            if !binds || away.iter().any(|a| a.from == c.cause) {
                 continue;
             }
-            if let Some(w) = self.whereabouts(worker, now) {
-                let distance_m = (self.at(node) - w.at).norm();
-                away.push(Away { worker, at: w.at, distance_m });
+            let heart = match c.cause {
+                Cause::Worker(worker) => self.whereabouts(worker, now).map(|w| w.at),
+                Cause::Closure(_) => Some(self.at(node)),
+            };
+            if let Some(at) = heart {
+                away.push(Away { from: c.cause, at, distance_m: (self.at(node) - at).norm() });
             }
         }
         away

@@ -19,6 +19,7 @@ mod trace;
 pub use conditions::{Away, Cause, Condition, Conditions, Effect, NO_PEOPLE};
 pub use estimate::{Estimates, Table};
 pub use motion::{Gait, Kinematics, Pace, Rules};
+pub use search::COME_OUT;
 
 use crate::id::NodeId;
 use crate::time::{Span, Time};
@@ -33,7 +34,8 @@ pub struct Stage {
     pub goal: NodeId,
     /// Whether a rack is carried on the way.
     pub loaded: bool,
-    /// How long to stay there before the next stage; ignored at the last one, where the robot stays for ever.
+    /// How long to stay there before the next stage; at the last one, where the robot may stay for ever, it counts only
+    /// where the place is to be closed by hand.
     pub stay: Span,
 }
 
@@ -52,7 +54,7 @@ pub struct Ask<'a> {
     pub budget: u32,
     /// What people mean for it.
     pub conditions: &'a Conditions,
-    /// Workers from whom the robot goes away, being too near already.
+    /// Workers from whom the robot goes away, being too near already, and closed areas that it is in.
     pub away: &'a [Away],
 }
 

@@ -9,6 +9,8 @@
 
 mod care;
 
+pub use care::COME_OUT;
+
 use super::estimate::{Estimates, Table, may_drive};
 use super::label::{Label, Labels, NONE, OWN_HEADING};
 use super::motion::{Gait, Pace};
@@ -43,6 +45,8 @@ struct Search<'a> {
     ask: &'a Ask<'a>,
     tables: Vec<Arc<Table>>,
     goals: Vec<GoalWindows>,
+    /// Windows of the last goal that only a closure ends: which, and the latest arrival.
+    brief: care::Brief,
     /// Lower bound from each goal to the next.
     between: Vec<i64>,
     /// See [`Pace::start_cost`] and [`Pace::lead`], without and with a rack.
@@ -90,7 +94,8 @@ pub(super) fn plan(
     let between = bounds_between(estimates, ask.stages, &tables)?;
     let warehouse = estimates.warehouse().clone();
     let pace = estimates.pace().clone();
-    let goals = goal_windows(&warehouse, &pace, timeline, ask)?;
+    let brief = care::brief_stays(&warehouse, &pace, timeline, ask);
+    let goals = goal_windows(&warehouse, &pace, timeline, ask, &brief)?;
     let start_cost = [false, true].map(|loaded| pace.start_cost(loaded).0);
     let lead = [false, true].map(|loaded| pace.lead(loaded).0);
     let mut search = Search {
@@ -101,6 +106,7 @@ pub(super) fn plan(
         ask,
         tables,
         goals,
+        brief,
         between,
         start_cost,
         lead,
@@ -138,6 +144,7 @@ fn goal_windows(
     pace: &Pace,
     timeline: &Timeline,
     ask: &Ask<'_>,
+    brief: &care::Brief,
 ) -> Result<Vec<GoalWindows>, NoRoute> {
     let last = ask.stages.len() - 1;
     let windows = |(i, stage): (usize, &Stage)| {
@@ -149,7 +156,10 @@ fn goal_windows(
         );
         let gaps = care::open_gaps(warehouse, timeline, ask, stage.goal, ask.ready);
         let fits = gaps.into_iter().filter_map(|g| match (i == last, g.end.is_forever()) {
-            (true, false) => None,
+            (true, false) => {
+                let latest = brief.iter().find(|(part, _)| *part == g.index).map(|(_, latest)| *latest);
+                latest.map(|l| ((g.start + way_in).0, l))
+            }
             (_, true) => Some(((g.start + way_in).0, i64::MAX)),
             _ => Some(((g.start + way_in).0, (g.end - stage.stay - way_out).0)),
         });
@@ -185,7 +195,7 @@ impl Search<'_> {
             if label.gait == Gait::Standing && label.node == stage.goal {
                 if usize::from(label.stage) + 1 < self.ask.stages.len() {
                     self.finish_stage(labels, open, index, label, stage.stay);
-                } else if label.gap.end.is_forever() {
+                } else if label.gap.end.is_forever() || self.is_brief_stay(&label) {
                     return Ok((index, expansions));
                 }
             }

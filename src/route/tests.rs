@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::geometry::Point;
-use crate::id::{ArcId, Dense, ResourceId, RobotId};
+use crate::id::{ArcId, ClosureId, Dense, ResourceId, RobotId};
+use crate::time::Window;
 use crate::timeline::{Gap, Holder};
 use crate::warehouse::{Draft, DraftLane, DraftNode, Users};
 use proptest::prelude::*;
@@ -336,4 +337,53 @@ fn bounds_never_exceed_what_the_search_finds_on_an_empty_floor() {
             .unwrap();
         assert!(bound.0 <= best && best < bound.0 + 20_000, "{goal:?}: bound {bound:?}, found {best} µs");
     }
+}
+
+/// Node 1 of a grid closed by hand.
+fn closed(warehouse: &Warehouse, node: u32, from_s: i64, until_s: i64) -> Conditions {
+    let mut conditions = Conditions::none(warehouse);
+    let window = Window::new(Time(from_s * 1_000_000), Time(until_s * 1_000_000));
+    let cause = Cause::Closure(ClosureId(1));
+    conditions.add(NodeId(node), Condition { window, effect: Effect::Closed, cause });
+    conditions
+}
+
+#[test]
+fn a_route_leads_round_a_closed_place_in_its_time_and_through_it_before_and_after() {
+    let warehouse = grid(3, 2);
+    let timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));
+    let conditions = closed(&warehouse, 1, 100, 200);
+    let mut planner = Planner::new(warehouse.clone(), drive());
+    let (from, stages) = (start(), [to(2)]);
+    let mut through = |ready_s: i64| {
+        let ask = Ask { ready: Time(ready_s * 1_000_000), conditions: &conditions, ..ask(&from, &stages) };
+        let route = planner.plan(&ask, &timeline).expect("there are two ways");
+        let visit = route.visits.iter().find(|v| v.node == NodeId(1)).cloned();
+        if let Some(v) = &visit {
+            let window = Window::new(Time(100_000_000), Time(200_000_000));
+            assert!(!v.window().overlaps(window), "{v:?}");
+        }
+        visit.is_some()
+    };
+    assert!(through(0) && through(90), "before");
+    assert!(!through(98), "it would be inside when it is closed");
+    assert!(!through(120), "meanwhile");
+    assert!(through(199), "a second is less than the way round");
+    assert!(through(200), "after");
+}
+
+#[test]
+fn a_route_may_end_where_it_will_be_closed_only_with_time_to_come_out() {
+    let warehouse = grid(3, 1);
+    let timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));
+    let conditions = closed(&warehouse, 2, 100, 200);
+    let mut planner = Planner::new(warehouse.clone(), drive());
+    let (from, stages) = (start(), [Stage { stay: Span::from_secs(5), ..to(2) }]);
+    let mut arrival = |ready_s: i64| {
+        let ask = Ask { ready: Time(ready_s * 1_000_000), conditions: &conditions, ..ask(&from, &stages) };
+        planner.plan(&ask, &timeline).expect("it may wait").arrival
+    };
+    assert!(arrival(0) < Time(10_000_000));
+    assert!(arrival(25) + Span::from_secs(5) + COME_OUT < Time(100_000_000));
+    assert!(arrival(35) >= Time(200_000_000), "it would not be out again");
 }
