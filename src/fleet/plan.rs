@@ -422,8 +422,5 @@ pub(super) fn stay_at(goal: NodeId) -> Stage {
 }
 
 fn reached(route: &Route) -> Time {
-    match route.stops[0] {
-        0 => route.kept.arrive,
-        n => route.visits[n - 1].arrive,
-    }
+    route.first_arrival()
 }

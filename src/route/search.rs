@@ -4,8 +4,10 @@
 //! and, while rolling, the latest one too: a robot may delay the start of its run, but cannot wait while it
 //! rolls. Earlier arrival dominates while standing (heading differences paid by turning); while rolling, the
 //! wider interval does. The objective is lexicographic: earliest at the first goal, then earliest at the
-//! last. A second leg that must wait thus never sends the search back to the first one. Refuses: any other
-//! objective.
+//! last. A second leg that must wait thus never sends the search back to the first one. With a weight
+//! ([`super::Planner::weigh`]) it is the last arrival, within a factor. Then estimates are no longer consistent,
+//! and a place may be reached again, sooner, after its label was expanded: nothing here takes an expanded label for
+//! the best one; the sooner one dominates it and is expanded, too. Refuses: any other objective.
 
 mod care;
 
@@ -52,6 +54,8 @@ struct Search<'a> {
     /// See [`Pace::start_cost`] and [`Pace::lead`], without and with a rack.
     start_cost: [i64; 2],
     lead: [i64; 2],
+    /// See [`super::Planner::weigh`].
+    weight: f64,
     /// Whether half of the budget is spent.
     hurried: bool,
 }
@@ -88,6 +92,7 @@ pub(super) fn plan(
     scratch: &mut Scratch,
     ask: &Ask<'_>,
     timeline: &Timeline,
+    weight: f64,
 ) -> Result<Route, NoRoute> {
     assert!(!ask.stages.is_empty() && ask.stages.len() < 16, "a route has one to fifteen stages");
     let tables: Vec<_> = ask.stages.iter().map(|s| estimates.table(s.goal, s.loaded)).collect();
@@ -110,6 +115,7 @@ pub(super) fn plan(
         between,
         start_cost,
         lead,
+        weight,
         hurried: false,
     };
     let Scratch { labels, open } = scratch;
@@ -363,9 +369,20 @@ impl Search<'_> {
         let Some((first, last, left)) = self.bound(&label) else { return };
         if let Some(index) = labels.add(label, |a, b| self.dominates(a, b)) {
             let (first, last) = (first + label.price, last + label.price);
-            let key = if self.hurried { (label.lo + label.price + HASTE * left, 0) } else { (first, last) };
+            let key = match (self.hurried, self.weight > 0.0) {
+                (true, _) => (label.lo + label.price + HASTE * left, 0),
+                (false, true) => (self.weighted(&label, last), last),
+                (false, false) => (first, last),
+            };
             open.push(Reverse((key.0, key.1, left, index)));
         }
+    }
+
+    /// The bound of a label with the way ahead weighted: `g + h + k·h²/(g + h)`.
+    fn weighted(&self, label: &Label, last: i64) -> i64 {
+        let whole = last - self.ask.ready.0;
+        let ahead = (last - label.price - label.lo) as f64;
+        last + (self.weight * ahead * (ahead / whole.max(1) as f64)) as i64
     }
 
     /// The earliest possible arrivals at the first and at the last goal, seen from a label, and how long the

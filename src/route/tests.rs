@@ -387,3 +387,71 @@ fn a_route_may_end_where_it_will_be_closed_only_with_time_to_come_out() {
     assert!(arrival(25) + Span::from_secs(5) + COME_OUT < Time(100_000_000));
     assert!(arrival(35) >= Time(200_000_000), "it would not be out again");
 }
+
+/// A floor with room for detours, and holds of strangers on it.
+fn crowded(holds: &[(u32, i64, i64)]) -> (Arc<Warehouse>, Timeline) {
+    let warehouse = grid(6, 4);
+    let holds: Vec<_> = holds.iter().copied().filter(|h| h.0 != 0).collect();
+    let timeline = strangers(&warehouse, &holds, 500_000);
+    (warehouse, timeline)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn a_weighted_search_finds_a_route_where_there_is_one_and_within_its_factor(
+        holds in proptest::collection::vec((1u32..24, 1i64..40, 1i64..12), 0..40),
+        goals in (0u32..24, 0u32..24),
+        two in any::<bool>(),
+        weight in prop::sample::select(vec![0.1, 0.5, 1.0, 3.0]),
+    ) {
+        let (warehouse, mut timeline) = crowded(&holds);
+        let mut planner = Planner::new(warehouse, drive());
+        let from = start();
+        let stages = [Stage { stay: Span::from_secs(2), ..to(goals.0) }, to(goals.1)];
+        let stages = if two { &stages[..] } else { &stages[..1] };
+        let plain = planner.plan(&ask(&from, stages), &timeline);
+        planner.weigh(weight);
+        let found = planner.plan(&ask(&from, stages), &timeline);
+        prop_assert_eq!(found.is_ok(), plain.is_ok());
+        if let (Ok(found), Ok(plain)) = (found, plain) {
+            // The plain search is best at the first goal; where there are two, at the last one it may be beaten.
+            prop_assert!(found.arrival.0 as f64 <= (1.0 + weight) * plain.arrival.0 as f64 + 1.0);
+            prop_assert!(two || found.arrival >= plain.arrival);
+            assert_fits(&mut timeline, &found);
+        }
+    }
+
+    #[test]
+    fn a_search_that_was_weighted_once_and_is_no_more_is_as_before(
+        holds in proptest::collection::vec((1u32..24, 1i64..40, 1i64..12), 0..20),
+        goal in 0u32..24,
+    ) {
+        let (warehouse, timeline) = crowded(&holds);
+        let (from, stages) = (start(), [to(goal)]);
+        let fresh = Planner::new(warehouse.clone(), drive()).plan(&ask(&from, &stages), &timeline);
+        let mut planner = Planner::new(warehouse, drive());
+        planner.weigh(1.0);
+        let _ = planner.plan(&ask(&from, &stages), &timeline);
+        planner.weigh(0.0);
+        prop_assert_eq!(planner.plan(&ask(&from, &stages), &timeline), fresh);
+    }
+}
+
+#[test]
+fn a_weighted_search_expands_less_on_a_floor_where_much_is_equal() {
+    let warehouse = grid(14, 14);
+    let timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));
+    let mut planner = Planner::new(warehouse, PEBBLE);
+    let (from, stages) = (start(), [to(13 * 14 + 13)]);
+    let holds: Vec<_> = (0..13).map(|i| (14 * i + 13 - i, 20, 8)).collect();
+    let busy = strangers(planner.warehouse(), &holds, 500_000);
+    for timeline in [&timeline, &busy] {
+        planner.weigh(0.0);
+        let plain = planner.plan(&ask(&from, &stages), timeline).unwrap();
+        planner.weigh(1.0);
+        let quick = planner.plan(&ask(&from, &stages), timeline).unwrap();
+        assert!(quick.expansions <= plain.expansions, "{} and {}", quick.expansions, plain.expansions);
+    }
+}
