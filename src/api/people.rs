@@ -372,8 +372,8 @@ impl Names<'_> {
         }
     }
 
-    /// A closed area.
-    pub fn closure(&self, id: ClosureId, closure: &Closure) -> ClosureDto {
+    /// A closed area, as it stands `now`.
+    pub fn closure(&self, id: ClosureId, closure: &Closure, now: Time) -> ClosureDto {
         let outline: Vec<Point> = closure.outline.iter().map(|s| Point::from(*s)).collect();
         let nodes = self.map.nodes.iter().filter(|n| inside(&outline, n.at)).map(|n| n.name.clone());
         let end = closure.window.end();
@@ -383,7 +383,7 @@ impl Names<'_> {
             nodes: nodes.collect(),
             from: time_text(closure.window.start()),
             until: (!end.is_forever()).then(|| time_text(end)),
-            state: closure.state(self.view.now).word(),
+            state: closure.state(now).word(),
             reason: closure.reason.clone(),
         }
     }
@@ -391,12 +391,12 @@ impl Names<'_> {
     /// All areas that robots keep out of, now or later.
     pub fn closures(&self) -> Vec<ClosureDto> {
         let ahead = self.view.closures.iter().filter(|c| self.view.now < c.closure.window.end());
-        ahead.map(|c| self.closure(c.id, &c.closure)).collect()
+        ahead.map(|c| self.closure(c.id, &c.closure, self.view.now)).collect()
     }
 
     /// Those that are over, too.
-    pub fn all_closures(&self) -> Vec<ClosureDto> {
-        self.view.closures.iter().map(|c| self.closure(c.id, &c.closure)).collect()
+    pub fn all_closures(&self, now: Time) -> Vec<ClosureDto> {
+        self.view.closures.iter().map(|c| self.closure(c.id, &c.closure, now)).collect()
     }
 
     /// An encounter.

@@ -33,27 +33,42 @@ impl Fleet {
         }
         let soon = Window::new(now, now + SOON);
         let conditions = &self.crowd.conditions;
-        let closing = conditions.nodes().filter(|n| {
-            conditions.of(*n).iter().any(|c| matches!(c.cause, Cause::Closure(_)) && c.window.overlaps(soon))
-        });
-        self.crowd.closing = closing.collect();
-        let cut_off: Vec<NodeId> = self.crowd.closing.iter().flat_map(|n| self.storage_behind(*n)).collect();
+        let begins = |n: NodeId| {
+            let by_hand = conditions.of(n).iter().filter(|c| matches!(c.cause, Cause::Closure(_)));
+            by_hand.filter(|c| c.window.overlaps(soon)).map(|c| c.window.start()).min()
+        };
+        self.crowd.closing = conditions.nodes().filter_map(|n| Some((n, begins(n)?))).collect();
+        let nodes = self.crowd.closing.keys();
+        let cut_off: Vec<(NodeId, Time)> = nodes.flat_map(|n| self.storage_behind(*n)).collect();
         self.crowd.closing.extend(cut_off);
     }
 
-    /// Storage nodes beside a closed node whose racks have no other way out.
-    fn storage_behind(&self, closed: NodeId) -> impl Iterator<Item = NodeId> {
+    /// Storage nodes beside a closed node whose racks have no other way out, with when the last way is closed.
+    fn storage_behind(&self, closed: NodeId) -> impl Iterator<Item = (NodeId, Time)> {
         let warehouse = self.warehouse();
         let beside = warehouse.ways(closed).map(|(_, w)| w.to);
-        beside.filter(|n| warehouse.kind(*n) == NodeKind::Storage && !self.is_closing(*n)).filter(|n| {
-            let mut out = warehouse.ways(*n).filter(|(_, w)| w.users.allows(true)).map(|(_, w)| w.to);
-            out.all(|to| warehouse.kind(to) == NodeKind::Storage || self.is_closing(to))
+        beside.filter(|n| warehouse.kind(*n) == NodeKind::Storage && !self.is_closing(*n)).filter_map(|n| {
+            let out = warehouse.ways(n).filter(|(_, w)| w.users.allows(true)).map(|(_, w)| w.to);
+            let out = out.filter(|to| warehouse.kind(*to) != NodeKind::Storage);
+            let begins: Option<Vec<Time>> = out.map(|to| self.crowd.closing.get(&to).copied()).collect();
+            Some((n, begins?.into_iter().max()?))
         })
     }
 
     /// Whether a node is closed, or will be soon.
     pub(super) fn is_closing(&self, node: NodeId) -> bool {
-        self.crowd.closing.contains(&node)
+        self.crowd.closing.contains_key(&node)
+    }
+
+    /// Whether a robot on its way to a rack would not be out with it before the way is closed.
+    fn fetches_too_late(&self, robot: RobotId, now: Time) -> bool {
+        let record = &self.ledger.robots[robot];
+        let (Task::Fetch { node, .. }, Some(lift)) = (record.task, record.stops.first()) else {
+            return false;
+        };
+        let Some(begins) = self.crowd.closing.get(&node) else { return false };
+        let arrive = self.ledger.chain(robot).get(lift.serial).map_or(now, |v| v.arrive.max(now));
+        arrive + self.settings.kinematics.lift + COME_OUT > *begins
     }
 
     /// Whether a job leads to a place that is closed, or will be soon.
@@ -77,7 +92,7 @@ impl Fleet {
                 continue;
             }
             let ends_there = self.task_elsewhere(robot) != self.ledger.robots[robot].task;
-            if ends_there || self.leads_into_closed(robot, now) {
+            if ends_there || self.fetches_too_late(robot, now) || self.leads_into_closed(robot, now) {
                 self.crowd.looked_round.insert(robot, now);
                 *budget = budget.saturating_sub(self.route_round(robot, now));
             }

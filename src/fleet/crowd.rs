@@ -13,7 +13,7 @@ use crate::route::Conditions;
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use crate::warehouse::walkway::Walkways;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// How a worker's walk stands.
@@ -97,8 +97,8 @@ pub(super) struct Crowd {
     pub limits: BTreeMap<RobotId, (Option<f64>, Time)>,
     /// When each robot last looked for another route because of somebody.
     pub rerouted: BTreeMap<RobotId, Time>,
-    /// Nodes that are closed by hand, or will be soon.
-    pub closing: BTreeSet<NodeId>,
+    /// Nodes that are closed by hand, or will be soon, with when that begins.
+    pub closing: BTreeMap<NodeId, Time>,
     /// When each robot last looked for a route around a closed area.
     pub looked_round: BTreeMap<RobotId, Time>,
     areas: BTreeMap<ClosureId, Vec<NodeId>>,
@@ -119,7 +119,7 @@ impl Crowd {
             yielding: BTreeMap::new(),
             limits: BTreeMap::new(),
             rerouted: BTreeMap::new(),
-            closing: BTreeSet::new(),
+            closing: BTreeMap::new(),
             looked_round: BTreeMap::new(),
             areas: BTreeMap::new(),
         }

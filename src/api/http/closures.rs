@@ -60,7 +60,7 @@ pub async fn list(
     Params(p): Params<Paging>,
 ) -> Result<Json<Page<ClosureDto>>, Problem> {
     let moment = api.moment();
-    page(Names { map: &api.map, view: &moment.view }.all_closures(), &p)
+    page(Names { map: &api.map, view: &moment.view }.all_closures((api.now)()), &p)
 }
 
 /// Close an area, now or later. It is durable when this answers; before it begins, robots get routes around it and those
@@ -78,7 +78,7 @@ pub async fn close(
     match api.ask(What::Close(area.clone())).await? {
         Reply::Closed { closure, .. } => {
             let moment = api.moment();
-            let dto = Names { map: &api.map, view: &moment.view }.closure(closure, &area);
+            let dto = Names { map: &api.map, view: &moment.view }.closure(closure, &area, (api.now)());
             let place = format!("/v1/closures/{}", closure_name(closure));
             Ok((StatusCode::CREATED, [(header::LOCATION, place)], Json(dto)))
         }
@@ -98,7 +98,7 @@ pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<Cl
     let found = moment.view.closures.iter().find(|c| c.id == id);
     let detail = || format!("{} is not closed; GET /v1/closures lists what is", closure_name(id));
     let found = found.ok_or_else(|| Problem::unknown("closure", detail()))?;
-    Ok(Json(Names { map: &api.map, view: &moment.view }.closure(id, &found.closure)))
+    Ok(Json(Names { map: &api.map, view: &moment.view }.closure(id, &found.closure, (api.now)())))
 }
 
 /// Open an area again.
