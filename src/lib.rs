@@ -150,7 +150,8 @@
 //! | which sightings are believed; what a deviation is | `human/track.rs`; `human/deviation.rs` |
 //! | radii of regions, speeds near people | `aware/regions.rs`; who must stop or may drive off: `fleet/limit.rs` |
 //! | what people mean for the search | `aware/effects.rs`; how it obeys: `route/search/care.rs` |
-//! | who waits, goes round, leaves a path | `fleet/yielding.rs`, cases in `aware/safe_space.rs`; the published way: `fleet/published.rs` |
+//! | who waits, goes round, leaves a path | `fleet/yielding.rs`; the published way: `fleet/published.rs` |
+//! | when a route is kept, and when changed | `aware/safe_space.rs` |
 //! | what an announced closure changes | `fleet/closing.rs`; how the search obeys: `route/search/care.rs` |
 //! | where workers are led, what they are told | `fleet/lead.rs`, `fleet/guide.rs` |
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |

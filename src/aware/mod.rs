@@ -1,7 +1,8 @@
 //! What people mean for robots: regions, closures, prices. The only place where `human` and `route` meet.
 //!
 //! Main types: [`Arm`] (which method decides), [`Regions`] (radii and speeds), [`Effects`] (beliefs to
-//! conditions), [`Zone`] (keep, slow down, or change the route), [`Meter`] (encounters). Refuses: to plan, and to command anybody.
+//! conditions), [`Zone`] (keep, slow down, or change the route), [`Meter`] (encounters). Refuses: to
+//! plan, and to command anybody.
 
 mod afoot;
 mod effects;

@@ -3,8 +3,8 @@
 //! Main function: [`run`]. A crowd of robots holds routes as in operation: as many racks are bound for each station as
 //! it has places, as many robots again bring a rack to storage, all others go to a rack; departures are spread over a
 //! minute. Then single robots in turn get a new errand of their kind, planned against all others. With a weight, each
-//! errand is planned a second time with the way ahead weighted ([`Planner::weigh`]), and compared; robots keep the plain
-//! route. Refuses: to look at a clock itself; the caller passes a stopwatch in.
+//! errand is planned a second time with the way ahead weighted ([`Planner::weigh`]), and compared; robots keep the
+//! plain route. Refuses: to look at a clock itself; the caller passes a stopwatch in.
 
 use crate::id::{Dense, NodeId, RobotId, StationId};
 use crate::route::{Ask, Kinematics, NO_PEOPLE, NoRoute, Planner, Route, Rules, Stage};

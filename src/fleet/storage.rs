@@ -62,8 +62,8 @@ impl Demand {
 impl Fleet {
     /// The storage node for a rack that comes from `from`: the way there now, plus the way from there to a station
     /// as often as the rack is wanted, minus what the place is worth to other racks. `choice` counts down the list,
-    /// for a robot that found no way to the first. The robot's own place is among the candidates; places that are closed
-    /// by hand, or will be soon, come last.
+    /// for a robot that found no way to the first. The robot's own place is among the candidates; places that are
+    /// closed by hand, or will be soon, come last.
     pub(super) fn best_storage(&self, robot: RobotId, rack: RackId, from: NodeId, choice: usize) -> NodeId {
         let taken = self.taken_storage(rack, robot);
         let heat = self.demand.heat(rack);

@@ -63,8 +63,8 @@ pub async fn list(
     page(Names { map: &api.map, view: &moment.view }.all_closures((api.now)()), &p)
 }
 
-/// Close an area, now or later. It is durable when this answers; before it begins, robots get routes around it and those
-/// that rest inside leave; robots inside drive out, others stay out. At its end it opens by itself.
+/// Close an area, now or later. It is durable when this answers; before it begins, robots get routes around it and
+/// those that rest inside leave; robots inside drive out, others stay out. At its end it opens by itself.
 #[utoipa::path(post, path = "/v1/closures", tag = "people", request_body = NewClosure, responses(
     (status = 201, description = "Closed and durable", body = ClosureDto, headers(("Location" = String))),
     (status = 422, body = Problem, content_type = "application/problem+json"),
