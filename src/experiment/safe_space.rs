@@ -1,8 +1,8 @@
 //! The published safe spaces in figures, beside the distances that robots keep here; and the four cases, answered.
 //!
 //! Main functions: [`spaces`], [`answers`]. The formulas are those of [`crate::aware::safe_space`], which the fleet
-//! uses itself: this only puts numbers in. Refuses: the published tables of planning times and path lengths, which are about
-//! another search on another floor (and two of the three are pictures).
+//! uses itself: this only puts numbers in. Refuses: the published tables of planning times and path lengths, which are
+//! about another search on another floor (and two of the three are pictures).
 
 use crate::aware::safe_space::{Answer, Case, Times, Zone};
 use crate::aware::{BODY_M, Regions};
