@@ -62,10 +62,10 @@
 //! 4. **assign** (`assign.rs`): waiting jobs and idle robots are matched all together at the least sum of costs. Who is
 //!    left charges or leaves the floor.
 //! 5. **plan** (`plan.rs`): whoever has a task without a route gets a search each, longest waiting first, until the
-//!    step's budget of expansions is spent. A route is committed only when it is complete. Then robots whose holds a
-//!    worker's windows meet wait, or change their route where they would wait for long, or leave the worker's path
-//!    (`yielding.rs`). Then robots that are held up
-//!    look for a better way.
+//!    step's budget of expansions is spent. A route is committed only when it is complete. Then robots whose way leads
+//!    into an announced closure get another one (`closing.rs`). Then robots whose holds a worker's windows meet wait,
+//!    or change their route where they would wait for long, or leave the worker's path (`yielding.rs`). Then robots
+//!    that are held up look for a better way.
 //! 6. **grant** (`grant.rs`): each robot may drive as far as it needs to keep its speed, but not past a stop that is
 //!    not done, nor past anybody who was promised a resource first. Grants become commands.
 //!
@@ -151,6 +151,8 @@
 //! | radii of regions, speeds near people | `aware/regions.rs`; who must stop or may drive off: `fleet/limit.rs` |
 //! | what people mean for the search | `aware/effects.rs`; how it obeys: `route/search/care.rs` |
 //! | who waits, goes round, leaves a path | `fleet/yielding.rs`; the published way: `fleet/published.rs` |
+//! | when a route is kept, and when changed | `aware/safe_space.rs` |
+//! | what an announced closure changes | `fleet/closing.rs`; how the search obeys: `route/search/care.rs` |
 //! | where workers are led, what they are told | `fleet/lead.rs`, `fleet/guide.rs` |
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
 //! | how it is guessed where a person is going | `human/intention/`; stories that test it: `experiment/stories/` |

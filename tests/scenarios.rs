@@ -2,14 +2,17 @@
 //!
 //! The runs are shortened, since this is the inner loop; `giveway sim scenarios/NAME.json` runs them whole.
 
+use giveway::aware::nodes_in;
+use giveway::fleet::Command;
+use giveway::geometry::Point;
 use giveway::sim::{Demand, OrderLine, Outcome, Scenario, Simulation};
-use giveway::time::Span;
+use giveway::time::{Span, Time};
 use giveway::warehouse::{Warehouse, formats, room_for};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Each scenario with the seconds for which it is run here.
-const RUNS: [(&str, i64); 9] = [
+const RUNS: [(&str, i64); 10] = [
     ("lab", 300),
     ("thesis-20", 300),
     ("thesis-faults", 3600),
@@ -19,6 +22,7 @@ const RUNS: [(&str, i64); 9] = [
     ("kiva-800", 70),
     ("people-1", 300),
     ("people-3", 300),
+    ("closure", 1500),
 ];
 
 fn folder() -> PathBuf {
@@ -117,6 +121,40 @@ fn robots_and_one_worker_keep_their_laws() {
 #[test]
 fn robots_and_three_workers_keep_their_laws() {
     holds("people-3");
+}
+
+#[test]
+fn an_aisle_that_is_closed_for_ten_minutes_keeps_the_laws() {
+    holds("closure");
+}
+
+#[test]
+fn routes_change_when_the_aisle_is_closed_and_again_when_it_opens() {
+    let Setup { scenario, warehouse, lines } = Setup::read("closure");
+    let mut sim = Simulation::new(warehouse.clone(), &scenario, &lines, scenario.seed, false, || 0);
+    let area = scenario.areas(&warehouse, Time::ZERO).expect("read before").remove(0);
+    let outline: Vec<Point> = area.outline.iter().map(|s| Point::from(*s)).collect();
+    let aisle = nodes_in(&warehouse, &outline);
+    assert_eq!(aisle.len(), 6);
+    let mut entered = [0; 4];
+    while !sim.is_over() {
+        let (_, step) = sim.step();
+        let part = match sim.now() {
+            t if t < area.window.start() => 0,
+            t if t < area.window.start() + Span::from_secs(15) => 1,
+            t if t < area.window.end() => 2,
+            _ => 3,
+        };
+        entered[part] += (step.commands.iter())
+            .filter_map(|(_, c)| match c {
+                Command::Drive { waypoints, .. } => waypoints.last(),
+                Command::Limit(_) => None,
+            })
+            .filter(|w| aisle.contains(&w.node))
+            .count();
+    }
+    assert_eq!(entered[2], 0, "nobody is sent there: {entered:?}");
+    assert!(entered[0] > 10 && entered[3] > 10, "{entered:?}");
 }
 
 #[test]

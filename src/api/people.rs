@@ -174,6 +174,8 @@ pub struct ClosureDto {
     pub from: String,
     /// Until when; null until somebody opens it.
     pub until: Option<String>,
+    /// announced, closed or over.
+    pub state: &'static str,
     /// Why.
     pub reason: String,
 }
@@ -370,8 +372,8 @@ impl Names<'_> {
         }
     }
 
-    /// A closed area.
-    pub fn closure(&self, id: ClosureId, closure: &Closure) -> ClosureDto {
+    /// A closed area, as it stands `now`.
+    pub fn closure(&self, id: ClosureId, closure: &Closure, now: Time) -> ClosureDto {
         let outline: Vec<Point> = closure.outline.iter().map(|s| Point::from(*s)).collect();
         let is_closed = |id: NodeId, at: Point| match closure.nodes.as_slice() {
             [] => inside(&outline, at),
@@ -386,13 +388,20 @@ impl Names<'_> {
             nodes: nodes.collect(),
             from: time_text(closure.window.start()),
             until: (!end.is_forever()).then(|| time_text(end)),
+            state: closure.state(now).word(),
             reason: closure.reason.clone(),
         }
     }
 
-    /// All areas that robots keep out of.
+    /// All areas that robots keep out of, now or later.
     pub fn closures(&self) -> Vec<ClosureDto> {
-        self.view.closures.iter().map(|c| self.closure(c.id, &c.closure)).collect()
+        let ahead = self.view.closures.iter().filter(|c| self.view.now < c.closure.window.end());
+        ahead.map(|c| self.closure(c.id, &c.closure, self.view.now)).collect()
+    }
+
+    /// Those that are over, too.
+    pub fn all_closures(&self, now: Time) -> Vec<ClosureDto> {
+        self.view.closures.iter().map(|c| self.closure(c.id, &c.closure, now)).collect()
     }
 
     /// An encounter.

@@ -1,19 +1,22 @@
 //! What people mean for robots: regions, closures, prices. The only place where `human` and `route` meet.
 //!
 //! Main types: [`Arm`] (which method decides), [`Regions`] (radii and speeds), [`Effects`] (beliefs to
-//! conditions), [`Meter`] (encounters). Refuses: to plan, and to command anybody.
+//! conditions), [`Zone`] (keep, slow down, or change the route), [`Meter`] (encounters). Refuses: to
+//! plan, and to command anybody.
 
 mod afoot;
 mod collision;
 mod effects;
 mod encounter;
 mod regions;
+pub mod safe_space;
 
 pub use afoot::Afoot;
 pub use collision::{Swept, THRESHOLD, collision};
 pub use effects::{Effects, nodes_in};
 pub use encounter::{Meeting, Meter, Near};
 pub use regions::{BODY_M, Regions, SLOW_MPS};
+pub use safe_space::{Answer, Zone};
 
 /// How the fleet deals with people: ours, and three to compare it with (Petković 2021, section 4.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]

@@ -6,6 +6,7 @@
 //! full speed would. A person is always taken to walk at 1.6 m/s (ISO 13855): predictions add caution and
 //! never take any away. Refuses: to be a safety function; robots' own scanners and brakes are.
 
+use super::safe_space::Times;
 use crate::human::WALK_MPS;
 use crate::route::Kinematics;
 
@@ -32,9 +33,15 @@ impl Regions {
         Regions { kinematics, half_m: footprint_m / 2.0, reaction_s }
     }
 
+    /// How long a robot takes to stand.
+    pub fn times(&self, v: f64, loaded: bool) -> Times {
+        Times { react_s: self.reaction_s, stop_s: v / self.kinematics.accel_mps2(loaded) }
+    }
+
     /// Way from deciding to standing, metres.
     fn stop_m(&self, v: f64, loaded: bool) -> f64 {
-        v * self.reaction_s + self.kinematics.braking_m(v, loaded)
+        let times = self.times(v, loaded);
+        times.reacting_m(v) + times.stopping_m(v)
     }
 
     /// Half of a person and half of a robot: what distances between centres have more than separations, metres.
@@ -45,8 +52,7 @@ impl Regions {
     /// The separation distance at speed `v`, from surface to surface, metres. `sigma_m` is one standard
     /// deviation of the person's place.
     pub fn separation_m(&self, v: f64, loaded: bool, sigma_m: f64) -> f64 {
-        let braking_s = v / self.kinematics.accel_mps2(loaded);
-        WALK_MPS * (self.reaction_s + braking_s) + self.stop_m(v, loaded) + 2.0 * sigma_m + ROBOT_M
+        self.times(v, loaded).walked_m() + self.stop_m(v, loaded) + 2.0 * sigma_m + ROBOT_M
     }
 
     /// Region 1: a robot stops. Between the centres, metres, for robots that are slow as they should be near

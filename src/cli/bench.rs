@@ -82,6 +82,9 @@ pub struct Plan {
     /// Seed of the errands.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Plan every route once more with the way ahead weighted, f = g + w·h with w = 1 + K·(1 − g/(g + h)), and compare.
+    #[arg(long, default_value_t = 0.0, value_name = "K")]
+    weight: f64,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -144,14 +147,23 @@ impl Plan {
         let budget = self.budget.unwrap_or(Settings::default().expansions_per_plan);
         let bar = progress(self.queries as u64, "queries");
         let step = |query| bar.set_position(query as u64);
-        let out = planning::run(&warehouse, self.robots, self.queries, budget, self.seed, stopwatch, step);
+        anyhow::ensure!((0.0..=100.0).contains(&self.weight), "--weight must be from 0 to 100");
+        let setup = planning::Setup {
+            robots: self.robots,
+            queries: self.queries,
+            budget,
+            seed: self.seed,
+            weight: self.weight,
+        };
+        let out = planning::run(&warehouse, &setup, stopwatch, step);
         bar.finish_and_clear();
-        let expansions = |q: f64| out.expansions.get((out.expansions.len() as f64 * q) as usize);
+        let weighted = (self.weight > 0.0).then(|| weighted(&out.weighted, self.weight));
         let report = json!({
             "map": warehouse.name, "robots": self.robots, "routes_held": out.routes, "holds": out.holds,
             "budget_expansions": budget,
             "plan_us": quantiles(&out.found_ns), "failed_us": quantiles(&out.failed_ns),
-            "expansions": {"p50": expansions(0.5), "p99": expansions(0.99)},
+            "expansions": {"p50": at(&out.expansions, 0.5), "p99": at(&out.expansions, 0.99)},
+            "weighted": weighted,
             "cold_all_ms": out.cold_ns as f64 / 1e6,
             "memory_mb": {"process_peak": peak_memory_mb(), "lower_bounds": out.estimate_bytes as f64 / 1e6},
         });
@@ -162,9 +174,29 @@ impl Plan {
             println!("  found  {}", report["plan_us"]);
             println!("  failed {}", report["failed_us"]);
             println!("  memory {}", report["memory_mb"]);
+            if self.weight > 0.0 {
+                println!("with weight {}: {}", self.weight, report["weighted"]);
+            }
         }
         Ok(ExitCode::SUCCESS)
     }
+}
+
+/// What is below a share of ascending figures.
+fn at<T: Copy>(ascending: &[T], q: f64) -> Option<T> {
+    ascending.get((ascending.len() as f64 * q) as usize).copied()
+}
+
+/// Time and work with a weight, and what the routes cost relative to the plain search.
+fn weighted(w: &planning::Weighted, k: f64) -> serde_json::Value {
+    let ratio = |r: &[f64]| json!({"p50": at(r, 0.5), "p99": at(r, 0.99), "max": r.last()});
+    json!({
+        "k": k, "bound": 1.0 + k, "compared": w.last.len(),
+        "last_goal": ratio(&w.last), "first_goal": ratio(&w.first),
+        "plan_us": quantiles(&w.found_ns), "failed_us": quantiles(&w.failed_ns),
+        "expansions": {"p50": at(&w.expansions, 0.5), "p99": at(&w.expansions, 0.99)},
+        "found_only_without": w.only[0], "found_only_with": w.only[1],
+    })
 }
 
 /// The largest memory the process has had, as the kernel tells it; nothing where it does not.

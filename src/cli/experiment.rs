@@ -4,6 +4,7 @@
 
 use super::people::{Detection, Table};
 use super::recorded::{Forecast, Purpose};
+use super::safe_space::SafeSpace;
 use super::write;
 use crate::experiment::stories::{self, Tale};
 use crate::human::Method;
@@ -26,6 +27,8 @@ pub enum Experiment {
     Forecast(Forecast),
     /// Where recorded people are going: the right goal along the way, calibration.
     Intention(Purpose),
+    /// Safe spaces of workers and robots, and when a route is kept (Ye et al. 2024), beside ours.
+    SafeSpace(SafeSpace),
 }
 
 /// The stories.
@@ -79,6 +82,7 @@ impl Experiment {
             Experiment::Detection(detection) => detection.run(),
             Experiment::Forecast(forecast) => forecast.run(),
             Experiment::Intention(purpose) => purpose.run(),
+            Experiment::SafeSpace(spaces) => spaces.run(),
         }
     }
 }

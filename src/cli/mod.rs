@@ -11,6 +11,7 @@ mod people;
 mod recorded;
 mod recording;
 mod replay;
+mod safe_space;
 mod serve;
 mod sim;
 

@@ -5,7 +5,7 @@
 use super::{progress, read, read_map, stopwatch};
 use crate::sim::recording::{Header, Recorder};
 use crate::sim::{Demand, OrderLine, Outcome, Scenario, Simulation};
-use crate::time::Span;
+use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use anyhow::Context;
 use clap::Args;
@@ -80,6 +80,7 @@ impl Setup {
         })?;
         crate::warehouse::room_for(&warehouse, scenario.robots)
             .map_err(|e| anyhow::anyhow!("the map has no room for {} robots:\n{e}", scenario.robots))?;
+        scenario.areas(&warehouse, Time::ZERO).with_context(|| format!("{} is refused", path.display()))?;
         Ok(Setup { scenario, warehouse, lines, text })
     }
 }

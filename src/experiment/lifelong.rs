@@ -256,8 +256,5 @@ impl Run<'_> {
 
 /// When a route reaches its first goal.
 fn reached(route: &Route) -> Time {
-    match route.stops[0] {
-        0 => route.kept.arrive,
-        n => route.visits[n - 1].arrive,
-    }
+    route.first_arrival()
 }

@@ -2,7 +2,8 @@
 //!
 //! Main modules: [`grid`] (benchmark floors as text), [`lifelong`] (goals reached per step under pebble rules),
 //! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions
-//! recognised), [`plot`] (charts), [`table`] (robots and people by four ways of giving way), [`statistics`].
+//! recognised), [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four ways
+//! of giving way), [`statistics`].
 //! Refuses: to read files or clocks; whoever calls passes texts in and takes figures out.
 
 mod dice;
@@ -13,6 +14,7 @@ pub mod lifelong;
 pub mod planning;
 pub mod plot;
 pub mod recorded;
+pub mod safe_space;
 pub mod statistics;
 pub mod stories;
 pub mod table;

@@ -2,8 +2,9 @@
 //!
 //! Main function: [`run`]. A crowd of robots holds routes as in operation: as many racks are bound for each station as
 //! it has places, as many robots again bring a rack to storage, all others go to a rack; departures are spread over a
-//! minute. Then single robots in turn get a new errand of their kind, planned against all others. Refuses: to look at a
-//! clock itself; the caller passes a stopwatch in.
+//! minute. Then single robots in turn get a new errand of their kind, planned against all others. With a weight, each
+//! errand is planned a second time with the way ahead weighted ([`Planner::weigh`]), and compared; robots keep the
+//! plain route. Refuses: to look at a clock itself; the caller passes a stopwatch in.
 
 use crate::id::{Dense, NodeId, RobotId, StationId};
 use crate::route::{Ask, Kinematics, NO_PEOPLE, NoRoute, Planner, Route, Rules, Stage};
@@ -13,6 +14,38 @@ use crate::timeline::{Holder, Timeline, Visit};
 use crate::warehouse::{NodeKind, Warehouse};
 use std::collections::BTreeSet;
 use std::sync::Arc;
+
+/// What to measure.
+#[derive(Clone, Copy, Debug)]
+pub struct Setup {
+    /// How many robots hold routes.
+    pub robots: usize,
+    /// How many single routes to plan.
+    pub queries: usize,
+    /// Labels that one search may expand.
+    pub budget: u32,
+    /// Seed of the errands.
+    pub seed: u64,
+    /// The weight to compare with none; zero for no comparison.
+    pub weight: f64,
+}
+
+/// What a weight changes.
+#[derive(Clone, Debug, Default)]
+pub struct Weighted {
+    /// Searches that found a route, nanoseconds, ascending.
+    pub found_ns: Vec<u64>,
+    /// Searches that found none.
+    pub failed_ns: Vec<u64>,
+    /// Labels expanded per search that found a route, ascending.
+    pub expansions: Vec<u32>,
+    /// Time to the last goal, relative to the plain search, ascending: where both found a route without hurry.
+    pub last: Vec<f64>,
+    /// Time to the first goal, relative to the plain search.
+    pub first: Vec<f64>,
+    /// Errands for which only the plain search found a route, and only the weighted one.
+    pub only: [usize; 2],
+}
 
 /// What was measured.
 #[derive(Clone, Debug, Default)]
@@ -31,6 +64,8 @@ pub struct Outcome {
     pub expansions: Vec<u32>,
     /// Memory of the lower bounds, bytes.
     pub estimate_bytes: usize,
+    /// The same with a weight, where one was asked for.
+    pub weighted: Weighted,
 }
 
 struct Crowd {
@@ -42,16 +77,14 @@ struct Crowd {
     random: u64,
 }
 
-/// Plans `queries` single routes among `robots` robots.
+/// Plans single routes among many.
 pub fn run(
     warehouse: &Arc<Warehouse>,
-    robots: usize,
-    queries: usize,
-    budget: u32,
-    seed: u64,
+    setup: &Setup,
     stopwatch: fn() -> u64,
     mut progress: impl FnMut(usize),
 ) -> Outcome {
+    let Setup { robots, queries, budget, seed, weight } = *setup;
     let kinematics = Kinematics::default();
     let mut crowd = Crowd {
         timeline: Timeline::new(warehouse.clone(), kinematics.clearance),
@@ -85,9 +118,14 @@ pub fn run(
         for stage in &errand {
             crowd.planner.estimates().table(stage.goal, stage.loaded);
         }
-        let begin = stopwatch();
-        let found = crowd.search(i, &errand);
-        let ns = stopwatch() - begin;
+        // Whoever is second finds the memory warm: they take turns.
+        let weighted_first = query % 2 == 1;
+        let early = (weight > 0.0 && weighted_first).then(|| crowd.timed(i, &errand, weight, stopwatch));
+        let (found, ns) = crowd.timed(i, &errand, 0.0, stopwatch);
+        let late = (weight > 0.0 && !weighted_first).then(|| crowd.timed(i, &errand, weight, stopwatch));
+        if let Some((other, ns)) = early.or(late) {
+            out.weighted.note(&found, &other, ns, crowd.ready[i], budget);
+        }
         match found {
             Ok(route) => {
                 out.found_ns.push(ns);
@@ -161,6 +199,20 @@ impl Crowd {
         self.timeline.without(&[holder], |others| planner.plan(&ask, others))
     }
 
+    /// A search with a weight, and how long it took, nanoseconds.
+    fn timed(
+        &mut self,
+        robot: usize,
+        stages: &[Stage],
+        weight: f64,
+        stopwatch: fn() -> u64,
+    ) -> (Result<Route, NoRoute>, u64) {
+        self.planner.weigh(weight);
+        let begin = stopwatch();
+        let found = self.search(robot, stages);
+        (found, stopwatch() - begin)
+    }
+
     fn commit(&mut self, robot: usize, route: Route) {
         let holder = Holder::Robot(RobotId::at(robot));
         let reserved = self.timeline.replace(holder, 0, route.kept, route.visits);
@@ -174,5 +226,46 @@ impl Crowd {
         out.found_ns.sort_unstable();
         out.failed_ns.sort_unstable();
         out.expansions.sort_unstable();
+        out.weighted.sort();
+    }
+}
+
+impl Weighted {
+    fn note(
+        &mut self,
+        plain: &Result<Route, NoRoute>,
+        found: &Result<Route, NoRoute>,
+        ns: u64,
+        ready: Time,
+        budget: u32,
+    ) {
+        match found {
+            Ok(route) => {
+                self.found_ns.push(ns);
+                self.expansions.push(route.expansions);
+            }
+            Err(_) => self.failed_ns.push(ns),
+        }
+        match (plain, found) {
+            (Ok(plain), Ok(found)) if plain.expansions.max(found.expansions) < budget / 2 => {
+                let ratio = |f: fn(&Route) -> Time| {
+                    let (plain, found) = ((f(plain) - ready).0, (f(found) - ready).0);
+                    (plain > 0).then(|| found as f64 / plain as f64)
+                };
+                self.last.extend(ratio(|r| r.arrival));
+                self.first.extend(ratio(Route::first_arrival));
+            }
+            (Ok(_), Err(_)) => self.only[0] += 1,
+            (Err(_), Ok(_)) => self.only[1] += 1,
+            _ => {}
+        }
+    }
+
+    fn sort(&mut self) {
+        self.found_ns.sort_unstable();
+        self.failed_ns.sort_unstable();
+        self.expansions.sort_unstable();
+        self.last.sort_by(f64::total_cmp);
+        self.first.sort_by(f64::total_cmp);
     }
 }

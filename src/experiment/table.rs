@@ -140,6 +140,7 @@ impl Setup {
             faults: Faults::default(),
             kinematics: Kinematics::default(),
             workers,
+            closures: Vec::new(),
             arm,
         }
     }

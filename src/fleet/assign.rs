@@ -140,7 +140,8 @@ impl Fleet {
         for (urgency, id) in ranked {
             let Some(rack) = self.ledger.jobs[&id].request.kind.rack() else { continue };
             let RackAt::Stored(node) = self.ledger.racks[rack] else { continue };
-            if self.is_ready(id) && seen.insert(rack) {
+            let kind = &self.ledger.jobs[&id].request.kind;
+            if self.is_ready(id) && !self.job_is_closed_off(kind, node) && seen.insert(rack) {
                 found.push((id, rack, node, -urgency));
                 if found.len() == JOBS {
                     break;
@@ -183,7 +184,8 @@ impl Fleet {
             Purpose::Charge => self.free_place(robot, NodeKind::Charger),
             _ => None,
         };
-        let stay = stay.or_else(|| if here.is_lasting() { None } else { self.any_stay(robot) });
+        let may_stay = here.is_lasting() && !self.is_closing(node);
+        let stay = stay.or_else(|| if may_stay { None } else { self.any_stay(robot) });
         if let Some(stay) = stay {
             self.record(Fact::Tasked { robot, task: Task::Move { job: None, goal: stay, stay, purpose } });
         }

@@ -97,6 +97,10 @@ pub(super) struct Crowd {
     pub limits: BTreeMap<RobotId, (Option<f64>, Time)>,
     /// When each robot last looked for another route because of somebody.
     pub rerouted: BTreeMap<RobotId, Time>,
+    /// Nodes that are closed by hand, or will be soon, with when that begins.
+    pub closing: BTreeMap<NodeId, Time>,
+    /// When each robot last looked for a route around a closed area.
+    pub looked_round: BTreeMap<RobotId, Time>,
     areas: BTreeMap<ClosureId, Vec<NodeId>>,
 }
 
@@ -115,6 +119,8 @@ impl Crowd {
             yielding: BTreeMap::new(),
             limits: BTreeMap::new(),
             rerouted: BTreeMap::new(),
+            closing: BTreeMap::new(),
+            looked_round: BTreeMap::new(),
             areas: BTreeMap::new(),
         }
     }

@@ -36,6 +36,7 @@ impl Fleet {
     pub(super) fn judge(&mut self, now: Time) {
         self.crowd.conditions.clear();
         if self.crowd.people.is_empty() && self.ledger.closures.is_empty() {
+            self.crowd.closing.clear();
             return self.limit_robots(now);
         }
         for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
@@ -45,6 +46,7 @@ impl Fleet {
         self.close_areas(now);
         self.follow_procedure(now);
         self.set_conditions(now);
+        self.note_closing(now);
         self.limit_robots(now);
         self.meet(now);
         self.guide(now);

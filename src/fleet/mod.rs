@@ -7,6 +7,7 @@
 
 mod absorb;
 mod assign;
+mod closing;
 mod crowd;
 mod cut;
 pub mod fact;
@@ -37,8 +38,8 @@ pub use io::{Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
 pub use job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use ledger::Ledger;
 pub use people::{
-    Assignment, AssignmentRequest, AssignmentState, Closure, ClosureView, Encounter, FeedCounts, Guidance,
-    GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
+    Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
+    FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
 };
 pub use view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
 

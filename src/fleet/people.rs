@@ -81,6 +81,39 @@ pub struct Closure {
     pub reason: String,
 }
 
+/// How a closure stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ClosureState {
+    /// It has not begun.
+    Announced,
+    /// Robots keep out.
+    Closed,
+    /// Robots may drive there again.
+    Over,
+}
+
+impl ClosureState {
+    /// The word for it on the wire.
+    pub fn word(self) -> &'static str {
+        match self {
+            ClosureState::Announced => "announced",
+            ClosureState::Closed => "closed",
+            ClosureState::Over => "over",
+        }
+    }
+}
+
+impl Closure {
+    /// How it stands at a time.
+    pub fn state(&self, now: Time) -> ClosureState {
+        match self.window {
+            w if now < w.start() => ClosureState::Announced,
+            w if now < w.end() => ClosureState::Closed,
+            _ => ClosureState::Over,
+        }
+    }
+}
+
 /// What a worker is told.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Guidance {

@@ -68,6 +68,7 @@ impl Fleet {
             }
         }
         self.plan_interrupted(now, &mut budget);
+        self.route_round_closures(now, &mut budget);
         self.give_way(now, &mut budget);
         self.improve(now, budget);
     }
@@ -250,7 +251,7 @@ impl Fleet {
         (visit, heading)
     }
 
-    fn commit(&mut self, robot: RobotId, route: Route) {
+    pub(super) fn commit(&mut self, robot: RobotId, route: Route) {
         let booking = self.booking(robot, route);
         self.record(Fact::Routed { bookings: vec![booking] });
     }
@@ -433,8 +434,5 @@ pub(super) fn stay_at(goal: NodeId) -> Stage {
 }
 
 fn reached(route: &Route) -> Time {
-    match route.stops[0] {
-        0 => route.kept.arrive,
-        n => route.visits[n - 1].arrive,
-    }
+    route.first_arrival()
 }

@@ -198,8 +198,8 @@ impl Fleet {
         for &robot in robots {
             // Where it stands is where nobody may be: any way off that comes no nearer is better.
             let mut away = self.away(robot, now);
-            if away.iter().all(|a| a.worker != worker) {
-                away.extend(self.away_from(self.ledger.node_of(robot), worker, now));
+            if away.iter().all(|a| a.from != Cause::Worker(worker)) {
+                away.extend(self.away_from(self.ledger.node_of(robot), Cause::Worker(worker), now));
             }
             let mut places = self.places_out_of_the_way(robot, worker, now).into_iter().take(TRIES);
             let route = places.find_map(|place| {

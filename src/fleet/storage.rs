@@ -10,6 +10,8 @@ use crate::warehouse::{NodeKind, Warehouse};
 
 /// When so many wishes were counted per rack, all counts are halved: old wishes fade.
 const HALVE_AT: u64 = 4;
+/// What it costs to put a rack where nobody can fetch it for a while, metres: more than any way.
+const CLOSED_M: f64 = 1e6;
 
 /// How often each rack was wanted lately.
 #[derive(Debug)]
@@ -60,12 +62,15 @@ impl Demand {
 impl Fleet {
     /// The storage node for a rack that comes from `from`: the way there now, plus the way from there to a station
     /// as often as the rack is wanted, minus what the place is worth to other racks. `choice` counts down the list,
-    /// for a robot that found no way to the first. The robot's own place is among the candidates.
+    /// for a robot that found no way to the first. The robot's own place is among the candidates; places that are
+    /// closed by hand, or will be soon, come last.
     pub(super) fn best_storage(&self, robot: RobotId, rack: RackId, from: NodeId, choice: usize) -> NodeId {
         let taken = self.taken_storage(rack, robot);
         let heat = self.demand.heat(rack);
         let at = |n: NodeId| self.warehouse().nodes[n].at;
-        let cost = |n: NodeId| along_axes(at(from), at(n)) + (heat - 1.0) * self.demand.to_station_m[n];
+        let closed = |n: NodeId| if self.is_closing(n) { CLOSED_M } else { 0.0 };
+        let cost =
+            |n: NodeId| along_axes(at(from), at(n)) + (heat - 1.0) * self.demand.to_station_m[n] + closed(n);
         let free = self.demand.storage.iter().copied().filter(|n| !taken[n.ix()]);
         let mut ranked: Vec<(i64, NodeId)> = free.map(|n| ((cost(n) * 1000.0) as i64, n)).collect();
         let wanted = choice.min(ranked.len().saturating_sub(1)).min(16);
@@ -112,7 +117,7 @@ impl Fleet {
             })
             .collect();
         let places = self.warehouse().nodes_where(|k| k == kind);
-        let free = places.into_iter().filter(|n| !taken.contains(n));
+        let free = places.into_iter().filter(|n| !taken.contains(n) && !self.is_closing(*n));
         free.min_by_key(|n| (along_axes(here, self.warehouse().nodes[*n].at) * 1000.0) as i64)
     }
 

@@ -1,6 +1,7 @@
 //! The core as a whole, step by step, on a simulated floor whose laws are checked at every step.
 
 mod cancel;
+mod closures;
 mod failure;
 mod jobs;
 mod messages;
@@ -38,6 +39,7 @@ fn scenario(robots: usize) -> Scenario {
         faults: Faults::default(),
         kinematics: Kinematics::default(),
         workers: Workers::default(),
+        closures: Vec::new(),
         arm: Arm::default(),
     }
 }

@@ -229,6 +229,6 @@ pub struct Counts {
     pub deviations: u64,
     /// How often a robot had to stop or to change its route because of a worker.
     pub interruptions: u64,
-    /// Routes planned anew because of workers.
+    /// Routes planned anew because of workers and closures.
     pub replans: u64,
 }

@@ -1,13 +1,13 @@
 //! Robots that give way: which grant has to wait for whom, and who looks for another route.
 //!
-//! Decided by where windows meet (the cases of a potential collision zone): if the robot is through before
-//! the worker comes, or comes after the worker is through, it keeps its route; if it would have to wait a
-//! little, it waits; if it would have to wait for long, it looks for another route. Refuses: to look at
+//! Decided by where windows meet (the cases of a potential collision zone, [`Zone`]): if the robot is through
+//! before the worker comes, or comes after the worker is through, it keeps its route; if it would have to wait
+//! a little, it waits; if it would have to wait for long, it looks for another route. Refuses: to look at
 //! anybody whose holds no worker touches.
 
 use super::Fleet;
 use super::people::Reaction;
-use crate::aware::Arm;
+use crate::aware::{Answer, Arm, Zone};
 use crate::geometry::Point;
 use crate::id::{NodeId, RobotId, WorkerId};
 use crate::route::{Away, Cause, Condition, Effect};
@@ -38,26 +38,29 @@ pub(super) enum Decision {
 }
 
 impl Fleet {
-    /// Workers to whom a robot is too near already: it may go wherever it does not come nearer.
+    /// Workers to whom a robot is too near already: it may go wherever it does not come nearer. Closed areas that it
+    /// is in: it may go on, since nobody would be helped if it stood there.
     pub(super) fn away(&self, robot: RobotId, now: Time) -> SmallVec<[Away; 2]> {
         let chain = self.ledger.chain(robot);
         let node = chain.get(chain.granted() - 1).expect("what is granted is held").node;
         let mut away: SmallVec<[Away; 2]> = SmallVec::new();
         for c in self.crowd.conditions.of(node) {
-            let Cause::Worker(worker) = c.cause else { continue };
             let binds = matches!(c.effect, Effect::Still | Effect::Closed) && c.window.contains(now);
-            if !binds || away.iter().any(|a| a.worker == worker) {
+            if !binds || away.iter().any(|a| a.from == c.cause) {
                 continue;
             }
-            away.extend(self.away_from(node, worker, now));
+            away.extend(self.away_from(node, c.cause, now));
         }
         away
     }
 
-    /// Leave to go from a node wherever it is not nearer to a worker.
-    pub(super) fn away_from(&self, node: NodeId, worker: WorkerId, now: Time) -> Option<Away> {
-        let w = self.whereabouts(worker, now)?;
-        Some(Away { worker, at: w.at, distance_m: (self.at(node) - w.at).norm() })
+    /// Leave to go from a node wherever it is not nearer to what is to be left.
+    pub(super) fn away_from(&self, node: NodeId, from: Cause, now: Time) -> Option<Away> {
+        let at = match from {
+            Cause::Worker(worker) => self.whereabouts(worker, now)?.at,
+            Cause::Closure(_) => self.at(node),
+        };
+        Some(Away { from, at, distance_m: (self.at(node) - at).norm() })
     }
 
     fn at(&self, node: NodeId) -> Point {
@@ -119,9 +122,8 @@ impl Fleet {
         }
     }
 
-    /// Where the holds ahead of a robot meet the windows of somebody: the cause, when the robot wants to
-    /// enter, and when the other is through.
-    fn meetings(&self, robot: RobotId, now: Time) -> SmallVec<[(Cause, Time, Time); 4]> {
+    /// Where the holds ahead of a robot meet the windows of somebody.
+    fn meetings(&self, robot: RobotId, now: Time) -> SmallVec<[(Cause, Zone); 4]> {
         let chain = self.ledger.chain(robot);
         let away = self.away(robot, now);
         let ahead = (chain.granted()..chain.end()).filter_map(|s| chain.get(s));
@@ -132,10 +134,9 @@ impl Fleet {
             let own = Window::new(enter, enter + stay.max(PASSING).min(STOPPING));
             let binding = self.crowd.conditions.binding(visit.node, self.at(visit.node), &away);
             let hard = |c: &&Condition| matches!(c.effect, Effect::Closed | Effect::Still);
-            let meets = binding.filter(hard).filter(|c| c.window.overlaps(own));
-            if let Some(c) = meets.max_by_key(|c| c.window.end()) {
-                found.push((c.cause, enter, c.window.end()));
-            }
+            let zones = binding.filter(hard).map(|c| (c.cause, Zone { robot: own, worker: c.window }));
+            let last = zones.filter(|(_, z)| z.meets()).max_by_key(|(_, z)| z.worker.end());
+            found.extend(last);
         }
         found
     }
@@ -148,20 +149,24 @@ impl Fleet {
         if let Some(w) = self.must_leave(robot, now) {
             return Decision::Change(w);
         }
-        let by_worker = |(c, enter, end): &(Cause, Time, Time)| match c {
-            Cause::Worker(w) => Some((*w, *enter, *end)),
+        let by_worker = |(c, zone): &(Cause, Zone)| match c {
+            Cause::Worker(w) => Some((*w, *zone)),
             Cause::Closure(_) => None,
         };
-        let Some((worker, enter, end)) = self.meetings(robot, now).iter().find_map(by_worker) else {
+        let Some((worker, zone)) = self.meetings(robot, now).iter().find_map(by_worker) else {
             return Decision::Keep;
         };
         let waited = self.crowd.yielding.get(&robot).map_or(Span::ZERO, |y| now - y.since);
-        if end - enter + waited > PATIENCE { Decision::Change(worker) } else { Decision::Wait }
+        match zone.answer(PATIENCE - waited) {
+            Answer::Keep => Decision::Keep,
+            Answer::Slow(_) => Decision::Wait,
+            Answer::Change => Decision::Change(worker),
+        }
     }
 
     /// Until when the robot would have to wait for others than robots.
     pub(super) fn waits_until(&self, robot: RobotId, now: Time) -> Option<Time> {
-        self.meetings(robot, now).iter().map(|(_, _, end)| *end).max()
+        self.meetings(robot, now).iter().map(|(_, zone)| zone.worker.end()).max()
     }
 
     /// The worker on whose path the robot stands, if it can be asked to go at all.

@@ -5,6 +5,7 @@
 //! person is going, with what probability), [`Hypothesis`] and [`Passage`] (where a person will be, and when).
 //! Refuses: to know robots' routes, and to decide anything; those who know both people and routes are in `aware`.
 
+mod coverage;
 mod deviation;
 pub mod distance;
 mod field;
@@ -18,6 +19,7 @@ mod sighting;
 mod track;
 mod way;
 
+pub use coverage::{Coverage, Foresight, WATCHED_S};
 pub use deviation::{Conduct, Follower, NODE_M};
 pub use distance::{Distances, Vantage};
 pub use field::{Field, Graph};

@@ -42,11 +42,12 @@ pub struct Condition {
     pub cause: Cause,
 }
 
-/// A robot that is too near to a worker already: it may go wherever it does not come nearer.
+/// A robot that is too near to a worker already: it may go wherever it does not come nearer. Or one that is in a closed
+/// area already: it may go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Away {
-    /// From whom.
-    pub worker: WorkerId,
+    /// From whom, or from where.
+    pub from: Cause,
     /// Where the worker is.
     pub at: Point,
     /// How far the robot is, metres.
@@ -139,9 +140,10 @@ impl Conditions {
 impl Away {
     /// Whether a condition on a place does not bind who goes away.
     fn excuses(&self, condition: &Condition, at: Point) -> bool {
-        let from_me = condition.cause == Cause::Worker(self.worker);
+        let from_me = condition.cause == self.from;
         let hard = matches!(condition.effect, Effect::Closed | Effect::Still);
-        from_me && hard && (at - self.at).norm() >= self.distance_m - NEARER_M
+        let farther = || (at - self.at).norm() >= self.distance_m - NEARER_M;
+        from_me && hard && (matches!(self.from, Cause::Closure(_)) || farther())
     }
 }
 
@@ -184,7 +186,7 @@ mod tests {
     fn who_goes_away_is_bound_only_where_it_would_come_nearer() {
         let at = |x: f64| Point::new(x, 0.0);
         let cause = Cause::Worker(WorkerId(3));
-        let away = Away { worker: WorkerId(3), at: at(0.0), distance_m: 2.0 };
+        let away = Away { from: cause, at: at(0.0), distance_m: 2.0 };
         let closed = Condition { window: window(0, 9), effect: Effect::Closed, cause };
         assert!(away.excuses(&closed, at(2.0)) && away.excuses(&closed, at(5.0)));
         assert!(!away.excuses(&closed, at(1.0)));

@@ -19,6 +19,7 @@ mod trace;
 pub use conditions::{Away, Cause, Condition, Conditions, Effect, NO_PEOPLE};
 pub use estimate::{Estimates, Table};
 pub use motion::{Gait, Kinematics, Pace, Rules};
+pub use search::COME_OUT;
 
 use crate::id::NodeId;
 use crate::time::{Span, Time};
@@ -33,7 +34,8 @@ pub struct Stage {
     pub goal: NodeId,
     /// Whether a rack is carried on the way.
     pub loaded: bool,
-    /// How long to stay there before the next stage; ignored at the last one, where the robot stays for ever.
+    /// How long to stay there before the next stage; at the last one, where the robot may stay for ever, it counts only
+    /// where the place is to be closed by hand.
     pub stay: Span,
 }
 
@@ -52,7 +54,7 @@ pub struct Ask<'a> {
     pub budget: u32,
     /// What people mean for it.
     pub conditions: &'a Conditions,
-    /// Workers from whom the robot goes away, being too near already.
+    /// Workers from whom the robot goes away, being too near already, and closed areas that it is in.
     pub away: &'a [Away],
 }
 
@@ -71,6 +73,16 @@ pub struct Route {
     pub expansions: u32,
 }
 
+impl Route {
+    /// When the first goal is reached.
+    pub fn first_arrival(&self) -> Time {
+        match self.stops[0] {
+            0 => self.kept.arrive,
+            n => self.visits[n - 1].arrive,
+        }
+    }
+}
+
 /// Why there is no route.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum NoRoute {
@@ -87,13 +99,32 @@ pub enum NoRoute {
 pub struct Planner {
     estimates: Estimates,
     scratch: search::Scratch,
+    weight: f64,
 }
 
 impl Planner {
     /// A planner for one building and one set of rules.
     pub fn new(warehouse: Arc<Warehouse>, rules: Rules) -> Planner {
         let pace = Arc::new(Pace::new(&warehouse, rules));
-        Planner { estimates: Estimates::new(warehouse, pace), scratch: search::Scratch::default() }
+        Planner {
+            estimates: Estimates::new(warehouse, pace),
+            scratch: search::Scratch::default(),
+            weight: 0.0,
+        }
+    }
+
+    /// Lets the way ahead outweigh the way behind: `f = g + w·h` with `w = 1 + k·(1 − g/(g + h))`, which falls from
+    /// `1 + k` at the start to 1 at the goal (the dynamic weight of Ye et al. 2024, equation 2, which says no more
+    /// of `w` than that it falls). Zero, as a new planner has it, is the search as documented.
+    ///
+    /// With a weight, the objective is the last arrival alone, and a route takes at most `1 + k` times as long as the
+    /// best one (prices included), unless it was found in a hurry (see [`Ask::budget`]).
+    ///
+    /// # Panics
+    /// If the weight is negative or no number.
+    pub fn weigh(&mut self, k: f64) {
+        assert!(k >= 0.0 && k.is_finite(), "a weight is not negative: {k}");
+        self.weight = k;
     }
 
     /// The durations it plans with.
@@ -117,7 +148,7 @@ impl Planner {
     /// # Errors
     /// Why there is none, or none within the budget.
     pub fn plan(&mut self, ask: &Ask<'_>, timeline: &Timeline) -> Result<Route, NoRoute> {
-        search::plan(&mut self.estimates, &mut self.scratch, ask, timeline)
+        search::plan(&mut self.estimates, &mut self.scratch, ask, timeline, self.weight)
     }
 
     /// How long the stages would take with nobody else on the floor, from standing at a node.

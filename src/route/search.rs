@@ -4,10 +4,14 @@
 //! and, while rolling, the latest one too: a robot may delay the start of its run, but cannot wait while it
 //! rolls. Earlier arrival dominates while standing (heading differences paid by turning); while rolling, the
 //! wider interval does. The objective is lexicographic: earliest at the first goal, then earliest at the
-//! last. A second leg that must wait thus never sends the search back to the first one. Refuses: any other
-//! objective.
+//! last. A second leg that must wait thus never sends the search back to the first one. With a weight
+//! ([`super::Planner::weigh`]) it is the last arrival, within a factor. Then estimates are no longer consistent,
+//! and a place may be reached again, sooner, after its label was expanded: nothing here takes an expanded label for
+//! the best one; the sooner one dominates it and is expanded, too. Refuses: any other objective.
 
 mod care;
+
+pub use care::COME_OUT;
 
 use super::estimate::{Estimates, Table, may_drive};
 use super::label::{Label, Labels, NONE, OWN_HEADING};
@@ -43,11 +47,15 @@ struct Search<'a> {
     ask: &'a Ask<'a>,
     tables: Vec<Arc<Table>>,
     goals: Vec<GoalWindows>,
+    /// Windows of the last goal that only a closure ends: which, and the latest arrival.
+    brief: care::Brief,
     /// Lower bound from each goal to the next.
     between: Vec<i64>,
     /// See [`Pace::start_cost`] and [`Pace::lead`], without and with a rack.
     start_cost: [i64; 2],
     lead: [i64; 2],
+    /// See [`super::Planner::weigh`].
+    weight: f64,
     /// Whether half of the budget is spent.
     hurried: bool,
 }
@@ -84,13 +92,15 @@ pub(super) fn plan(
     scratch: &mut Scratch,
     ask: &Ask<'_>,
     timeline: &Timeline,
+    weight: f64,
 ) -> Result<Route, NoRoute> {
     assert!(!ask.stages.is_empty() && ask.stages.len() < 16, "a route has one to fifteen stages");
     let tables: Vec<_> = ask.stages.iter().map(|s| estimates.table(s.goal, s.loaded)).collect();
     let between = bounds_between(estimates, ask.stages, &tables)?;
     let warehouse = estimates.warehouse().clone();
     let pace = estimates.pace().clone();
-    let goals = goal_windows(&warehouse, &pace, timeline, ask)?;
+    let brief = care::brief_stays(&warehouse, &pace, timeline, ask);
+    let goals = goal_windows(&warehouse, &pace, timeline, ask, &brief)?;
     let start_cost = [false, true].map(|loaded| pace.start_cost(loaded).0);
     let lead = [false, true].map(|loaded| pace.lead(loaded).0);
     let mut search = Search {
@@ -101,9 +111,11 @@ pub(super) fn plan(
         ask,
         tables,
         goals,
+        brief,
         between,
         start_cost,
         lead,
+        weight,
         hurried: false,
     };
     let Scratch { labels, open } = scratch;
@@ -138,6 +150,7 @@ fn goal_windows(
     pace: &Pace,
     timeline: &Timeline,
     ask: &Ask<'_>,
+    brief: &care::Brief,
 ) -> Result<Vec<GoalWindows>, NoRoute> {
     let last = ask.stages.len() - 1;
     let windows = |(i, stage): (usize, &Stage)| {
@@ -149,7 +162,10 @@ fn goal_windows(
         );
         let gaps = care::open_gaps(warehouse, timeline, ask, stage.goal, ask.ready);
         let fits = gaps.into_iter().filter_map(|g| match (i == last, g.end.is_forever()) {
-            (true, false) => None,
+            (true, false) => {
+                let latest = brief.iter().find(|(part, _)| *part == g.index).map(|(_, latest)| *latest);
+                latest.map(|l| ((g.start + way_in).0, l))
+            }
             (_, true) => Some(((g.start + way_in).0, i64::MAX)),
             _ => Some(((g.start + way_in).0, (g.end - stage.stay - way_out).0)),
         });
@@ -185,7 +201,7 @@ impl Search<'_> {
             if label.gait == Gait::Standing && label.node == stage.goal {
                 if usize::from(label.stage) + 1 < self.ask.stages.len() {
                     self.finish_stage(labels, open, index, label, stage.stay);
-                } else if label.gap.end.is_forever() {
+                } else if label.gap.end.is_forever() || self.is_brief_stay(&label) {
                     return Ok((index, expansions));
                 }
             }
@@ -353,9 +369,20 @@ impl Search<'_> {
         let Some((first, last, left)) = self.bound(&label) else { return };
         if let Some(index) = labels.add(label, |a, b| self.dominates(a, b)) {
             let (first, last) = (first + label.price, last + label.price);
-            let key = if self.hurried { (label.lo + label.price + HASTE * left, 0) } else { (first, last) };
+            let key = match (self.hurried, self.weight > 0.0) {
+                (true, _) => (label.lo + label.price + HASTE * left, 0),
+                (false, true) => (self.weighted(&label, last), last),
+                (false, false) => (first, last),
+            };
             open.push(Reverse((key.0, key.1, left, index)));
         }
+    }
+
+    /// The bound of a label with the way ahead weighted: `g + h + k·h²/(g + h)`.
+    fn weighted(&self, label: &Label, last: i64) -> i64 {
+        let whole = last - self.ask.ready.0;
+        let ahead = (last - label.price - label.lo) as f64;
+        last + (self.weight * ahead * (ahead / whole.max(1) as f64)) as i64
     }
 
     /// The earliest possible arrivals at the first and at the last goal, seen from a label, and how long the

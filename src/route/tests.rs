@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::geometry::Point;
-use crate::id::{ArcId, Dense, ResourceId, RobotId};
+use crate::id::{ArcId, ClosureId, Dense, ResourceId, RobotId};
+use crate::time::Window;
 use crate::timeline::{Gap, Holder};
 use crate::warehouse::{Draft, DraftLane, DraftNode, Users};
 use proptest::prelude::*;
@@ -335,5 +336,122 @@ fn bounds_never_exceed_what_the_search_finds_on_an_empty_floor() {
             .min()
             .unwrap();
         assert!(bound.0 <= best && best < bound.0 + 20_000, "{goal:?}: bound {bound:?}, found {best} µs");
+    }
+}
+
+/// Node 1 of a grid closed by hand.
+fn closed(warehouse: &Warehouse, node: u32, from_s: i64, until_s: i64) -> Conditions {
+    let mut conditions = Conditions::none(warehouse);
+    let window = Window::new(Time(from_s * 1_000_000), Time(until_s * 1_000_000));
+    let cause = Cause::Closure(ClosureId(1));
+    conditions.add(NodeId(node), Condition { window, effect: Effect::Closed, cause });
+    conditions
+}
+
+#[test]
+fn a_route_leads_round_a_closed_place_in_its_time_and_through_it_before_and_after() {
+    let warehouse = grid(3, 2);
+    let timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));
+    let conditions = closed(&warehouse, 1, 100, 200);
+    let mut planner = Planner::new(warehouse.clone(), drive());
+    let (from, stages) = (start(), [to(2)]);
+    let mut through = |ready_s: i64| {
+        let ask = Ask { ready: Time(ready_s * 1_000_000), conditions: &conditions, ..ask(&from, &stages) };
+        let route = planner.plan(&ask, &timeline).expect("there are two ways");
+        let visit = route.visits.iter().find(|v| v.node == NodeId(1)).cloned();
+        if let Some(v) = &visit {
+            let window = Window::new(Time(100_000_000), Time(200_000_000));
+            assert!(!v.window().overlaps(window), "{v:?}");
+        }
+        visit.is_some()
+    };
+    assert!(through(0) && through(90), "before");
+    assert!(!through(98), "it would be inside when it is closed");
+    assert!(!through(120), "meanwhile");
+    assert!(through(199), "a second is less than the way round");
+    assert!(through(200), "after");
+}
+
+#[test]
+fn a_route_may_end_where_it_will_be_closed_only_with_time_to_come_out() {
+    let warehouse = grid(3, 1);
+    let timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));
+    let conditions = closed(&warehouse, 2, 100, 200);
+    let mut planner = Planner::new(warehouse.clone(), drive());
+    let (from, stages) = (start(), [Stage { stay: Span::from_secs(5), ..to(2) }]);
+    let mut arrival = |ready_s: i64| {
+        let ask = Ask { ready: Time(ready_s * 1_000_000), conditions: &conditions, ..ask(&from, &stages) };
+        planner.plan(&ask, &timeline).expect("it may wait").arrival
+    };
+    assert!(arrival(0) < Time(10_000_000));
+    assert!(arrival(25) + Span::from_secs(5) + COME_OUT < Time(100_000_000));
+    assert!(arrival(35) >= Time(200_000_000), "it would not be out again");
+}
+
+/// A floor with room for detours, and holds of strangers on it.
+fn crowded(holds: &[(u32, i64, i64)]) -> (Arc<Warehouse>, Timeline) {
+    let warehouse = grid(6, 4);
+    let holds: Vec<_> = holds.iter().copied().filter(|h| h.0 != 0).collect();
+    let timeline = strangers(&warehouse, &holds, 500_000);
+    (warehouse, timeline)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn a_weighted_search_finds_a_route_where_there_is_one_and_within_its_factor(
+        holds in proptest::collection::vec((1u32..24, 1i64..40, 1i64..12), 0..40),
+        goals in (0u32..24, 0u32..24),
+        two in any::<bool>(),
+        weight in prop::sample::select(vec![0.1, 0.5, 1.0, 3.0]),
+    ) {
+        let (warehouse, mut timeline) = crowded(&holds);
+        let mut planner = Planner::new(warehouse, drive());
+        let from = start();
+        let stages = [Stage { stay: Span::from_secs(2), ..to(goals.0) }, to(goals.1)];
+        let stages = if two { &stages[..] } else { &stages[..1] };
+        let plain = planner.plan(&ask(&from, stages), &timeline);
+        planner.weigh(weight);
+        let found = planner.plan(&ask(&from, stages), &timeline);
+        prop_assert_eq!(found.is_ok(), plain.is_ok());
+        if let (Ok(found), Ok(plain)) = (found, plain) {
+            // The plain search is best at the first goal; where there are two, at the last one it may be beaten.
+            prop_assert!(found.arrival.0 as f64 <= (1.0 + weight) * plain.arrival.0 as f64 + 1.0);
+            prop_assert!(two || found.arrival >= plain.arrival);
+            assert_fits(&mut timeline, &found);
+        }
+    }
+
+    #[test]
+    fn a_search_that_was_weighted_once_and_is_no_more_is_as_before(
+        holds in proptest::collection::vec((1u32..24, 1i64..40, 1i64..12), 0..20),
+        goal in 0u32..24,
+    ) {
+        let (warehouse, timeline) = crowded(&holds);
+        let (from, stages) = (start(), [to(goal)]);
+        let fresh = Planner::new(warehouse.clone(), drive()).plan(&ask(&from, &stages), &timeline);
+        let mut planner = Planner::new(warehouse, drive());
+        planner.weigh(1.0);
+        let _ = planner.plan(&ask(&from, &stages), &timeline);
+        planner.weigh(0.0);
+        prop_assert_eq!(planner.plan(&ask(&from, &stages), &timeline), fresh);
+    }
+}
+
+#[test]
+fn a_weighted_search_expands_less_on_a_floor_where_much_is_equal() {
+    let warehouse = grid(14, 14);
+    let timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));
+    let mut planner = Planner::new(warehouse, PEBBLE);
+    let (from, stages) = (start(), [to(13 * 14 + 13)]);
+    let holds: Vec<_> = (0..13).map(|i| (14 * i + 13 - i, 20, 8)).collect();
+    let busy = strangers(planner.warehouse(), &holds, 500_000);
+    for timeline in [&timeline, &busy] {
+        planner.weigh(0.0);
+        let plain = planner.plan(&ask(&from, &stages), timeline).unwrap();
+        planner.weigh(1.0);
+        let quick = planner.plan(&ask(&from, &stages), timeline).unwrap();
+        assert!(quick.expansions <= plain.expansions, "{} and {}", quick.expansions, plain.expansions);
     }
 }

@@ -5,6 +5,7 @@
 //! steps world and fleet and checks the [`laws`]). Pure and deterministic: same build, same seed, same bytes. Refuses:
 //! to show the fleet anything that a real floor would not.
 
+mod closures;
 mod crew;
 mod customers;
 pub mod detection;
@@ -24,6 +25,7 @@ pub mod walker;
 mod workforce;
 mod world;
 
+pub use closures::Closing;
 pub use customers::OrderLine;
 pub use digest::Digest;
 pub use laws::Violation;

@@ -3,6 +3,7 @@
 //! Main type: [`Scenario`]. Takes text; whoever reads the file resolves the paths in it. Refuses: unknown keys and
 //! numbers that cannot be.
 
+use super::closures::Closing;
 use super::workforce::Workers;
 use crate::aware::Arm;
 use crate::route::Kinematics;
@@ -32,6 +33,8 @@ pub struct Scenario {
     pub kinematics: Kinematics,
     /// The people on the floor.
     pub workers: Workers,
+    /// Areas closed for a time.
+    pub closures: Vec<Closing>,
     /// How the fleet gives way to people.
     pub arm: Arm,
 }
@@ -123,6 +126,8 @@ struct File {
     #[serde(default)]
     workers: Workers,
     #[serde(default)]
+    closures: Vec<Closing>,
+    #[serde(default)]
     arm: ArmWord,
 }
 
@@ -200,6 +205,7 @@ impl Scenario {
         check("faults.failures_per_hour", f.failures_per_hour, 0.0..=1000.0, "from 0 to 1000")?;
         check("faults.repair_s", f.repair_s, 1.0..=1e6, "from 1 to 1000000")?;
         file.workers.check()?;
+        file.closures.iter().try_for_each(Closing::check)?;
         Ok(Scenario {
             name: file.name,
             map: file.map,
@@ -211,6 +217,7 @@ impl Scenario {
             faults: file.faults,
             kinematics: file.fleet.kinematics()?,
             workers: file.workers,
+            closures: file.closures,
             arm: file.arm.into(),
         })
     }

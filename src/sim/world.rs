@@ -2,6 +2,7 @@
 //!
 //! Main type: [`World`]. Refuses: to let the fleet see anything but telemetry and orders.
 
+use super::closures::announce;
 use super::crew::{Crew, Presence};
 use super::customers::{Customers, OrderLine};
 use super::encounter::{Figures, Meter, Person};
@@ -10,7 +11,7 @@ use super::random::Stream;
 use super::robot::Body;
 use super::scenario::{Faults, Scenario};
 use super::walker::{RobotNear, Walker};
-use crate::fleet::{Command, Fleet, Guidance, Input, Telemetry};
+use crate::fleet::{Closure, Command, Fleet, Guidance, Input, Telemetry};
 use crate::geometry::Point;
 use crate::id::{Dense, NodeId, RobotId, WorkerId};
 use crate::route::Kinematics;
@@ -42,11 +43,15 @@ pub struct World {
     crew: Option<Crew>,
     meter: Meter,
     joining: Vec<(String, NodeId)>,
+    closing: Vec<Closure>,
     now: Time,
 }
 
 impl World {
     /// A floor at `now`. Robots that the fleet knows stand where its ledger has them; missing ones join.
+    ///
+    /// # Panics
+    /// If the map does not have a node that the scenario closes: see [`Scenario::areas`].
     pub fn new(
         warehouse: Arc<Warehouse>,
         scenario: &Scenario,
@@ -65,8 +70,20 @@ impl World {
         let crew = if fleet.settings().ghosts { None } else { Crew::new(&warehouse, scenario, seed, now) };
         let meter = Meter::new(scenario.workers.encounter_m);
         let robots = vec![];
-        let mut world =
-            World { warehouse, kinematics, faults, seed, robots, customers, crew, meter, joining, now };
+        let closing = scenario.areas(&warehouse, now).expect("whoever reads a scenario looks at its areas");
+        let mut world = World {
+            warehouse,
+            kinematics,
+            faults,
+            seed,
+            robots,
+            customers,
+            crew,
+            meter,
+            joining,
+            closing,
+            now,
+        };
         world.meet(fleet);
         world
     }
@@ -76,6 +93,7 @@ impl World {
         self.meet(fleet);
         let mut inputs = self.customers.order(now, fleet);
         inputs.extend(self.joining.drain(..).map(|(name, node)| Input::Enlist { name, node }));
+        inputs.extend(announce(std::mem::take(&mut self.closing), fleet));
         let from = self.now;
         for robot in &mut self.robots {
             while let Some(order) = robot.orders.receive(from) {

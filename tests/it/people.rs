@@ -154,6 +154,38 @@ async fn an_area_is_closed_and_opened_again() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_closure_is_announced_then_closed_then_over_by_itself_and_known_after_a_restart() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let in_s = |s: i64| (jiff::Timestamp::now() + jiff::SignedDuration::from_secs(s)).to_string();
+    let body = |from, until| json!({"nodes": [place()], "from": from, "until": until, "reason": "cleaning"});
+    let day = post(at, "/v1/closures", &body(in_s(86_400), in_s(90_000))).await;
+    assert_eq!((day.status, day.json()["state"].clone()), (201, json!("announced")));
+    let now = json!({"nodes": [place()], "reason": "a spill"});
+    assert_eq!(post(at, "/v1/closures", &now).await.json()["state"], "closed");
+    let short = post(at, "/v1/closures", &body(in_s(2), in_s(4))).await.json();
+    assert_eq!((short["id"].clone(), short["state"].clone()), (json!("c3"), json!("announced")));
+    let mut states = Vec::new();
+    let began = tokio::time::Instant::now();
+    while states.last() != Some(&json!("over")) {
+        assert!(began.elapsed() < std::time::Duration::from_secs(20), "{states:?}");
+        tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+        let state = get(at, "/v1/closures/c3").await.json()["state"].clone();
+        if states.last() != Some(&state) {
+            states.push(state);
+        }
+    }
+    assert_eq!(states, [json!("announced"), json!("closed"), json!("over")]);
+    server.stop().await.unwrap();
+    let server = start(&folder).await;
+    let listed = get(server.address(), "/v1/closures").await.json();
+    let states: Vec<&Value> = listed["items"].as_array().unwrap().iter().map(|c| &c["state"]).collect();
+    assert_eq!(states, ["announced", "closed", "over"]);
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn positions_of_tags_are_taken_one_by_one_or_many_at_once() {
     let folder = Folder::new();
     let server = start(&folder).await;

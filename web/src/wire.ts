@@ -99,6 +99,12 @@ export interface Worker {
 export interface Closure {
   id: string;
   outline: Point[];
+  /** Those that are over are not sent. */
+  state?: 'announced' | 'closed' | 'over';
+  /** RFC 3339. */
+  from?: string;
+  /** Nothing until somebody opens it. */
+  until?: string | null;
   reason: string;
 }
 export interface JobCounts {

@@ -51,7 +51,7 @@ pub struct NewClosure {
     reason: String,
 }
 
-/// All closed areas.
+/// All closed areas, those that are announced, and those that are over since less than a day.
 #[utoipa::path(get, path = "/v1/closures", tag = "people", params(Paging), responses(
     (status = 200, description = "Areas in order of marking", body = Page<ClosureDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
@@ -60,10 +60,11 @@ pub async fn list(
     Params(p): Params<Paging>,
 ) -> Result<Json<Page<ClosureDto>>, Problem> {
     let moment = api.moment();
-    page(Names { map: &api.map, view: &moment.view }.closures(), &p)
+    page(Names { map: &api.map, view: &moment.view }.all_closures((api.now)()), &p)
 }
 
-/// Close an area. It is durable when this answers; robots inside drive out, others stay out.
+/// Close an area, now or later. It is durable when this answers; before it begins, robots get routes around it and
+/// those that rest inside leave; robots inside drive out, others stay out. At its end it opens by itself.
 #[utoipa::path(post, path = "/v1/closures", tag = "people", request_body = NewClosure, responses(
     (status = 201, description = "Closed and durable", body = ClosureDto, headers(("Location" = String))),
     (status = 422, body = Problem, content_type = "application/problem+json"),
@@ -77,7 +78,7 @@ pub async fn close(
     match api.ask(What::Close(area.clone())).await? {
         Reply::Closed { closure, .. } => {
             let moment = api.moment();
-            let dto = Names { map: &api.map, view: &moment.view }.closure(closure, &area);
+            let dto = Names { map: &api.map, view: &moment.view }.closure(closure, &area, (api.now)());
             let place = format!("/v1/closures/{}", closure_name(closure));
             Ok((StatusCode::CREATED, [(header::LOCATION, place)], Json(dto)))
         }
@@ -97,7 +98,7 @@ pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<Cl
     let found = moment.view.closures.iter().find(|c| c.id == id);
     let detail = || format!("{} is not closed; GET /v1/closures lists what is", closure_name(id));
     let found = found.ok_or_else(|| Problem::unknown("closure", detail()))?;
-    Ok(Json(Names { map: &api.map, view: &moment.view }.closure(id, &found.closure)))
+    Ok(Json(Names { map: &api.map, view: &moment.view }.closure(id, &found.closure, (api.now)())))
 }
 
 /// Open an area again.

@@ -10,6 +10,7 @@ pub use motion::fit as fit_motion;
 
 use crate::experiment::recorded::{Ground, OBSERVED, Recording, STEPS, Seen, Subject, all};
 use crate::geometry::Point;
+use crate::human::motion::MotionModel;
 use crate::human::outlook::Shapes;
 use crate::human::{Method, Model};
 use shapes::Item;
@@ -21,6 +22,8 @@ pub const RECORDED_M: f64 = 0.005;
 const FOLDS: usize = 5;
 /// At most so many stretches of a recording are learned from.
 const STRETCHES: usize = 2500;
+/// And so many to choose among ways of moving.
+const TRIED: usize = 400;
 
 /// A recording to learn from.
 #[derive(Clone, Debug)]
@@ -39,7 +42,7 @@ pub fn learn(lessons: &[Lesson], start: &Model, mut tell: impl FnMut(&str)) -> M
     model.learned_from =
         lessons.iter().map(|l| format!("{} ({} walks)", l.name, l.recording.walks.len())).collect();
     tell("ways of moving");
-    model.motion = motion::fit(lessons, start.motion);
+    model.motion = least_surprised(lessons, &model, motion::fit(lessons, start.motion));
     if lessons.iter().any(|l| !l.goals.is_empty()) {
         tell("goals");
         model.purpose = Arc::new(purpose::fit(lessons, &model));
@@ -51,23 +54,34 @@ pub fn learn(lessons: &[Lesson], start: &Model, mut tell: impl FnMut(&str)) -> M
     model
 }
 
+/// Of ways of moving that err alike, the one with which people surprise the whole forecast least.
+fn least_surprised(lessons: &[Lesson], model: &Model, fitted: MotionModel) -> MotionModel {
+    let with_goals = lessons.iter().any(|l| !l.goals.is_empty());
+    let surprise = |motion: &MotionModel| {
+        let model = Model { motion: *motion, ..model.clone() };
+        shapes::surprise(&items(lessons, &model, model.bound.blend_s, with_goals, TRIED), model.bound.blend_s)
+    };
+    let scored = motion::calmer(lessons, fitted).into_iter().map(|m| (surprise(&m), m));
+    scored.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(fitted, |best| best.1)
+}
+
 /// Figures of forecasts, with or without goals.
 fn forecasts(lessons: &[Lesson], model: &Model, with_goals: bool) -> Shapes {
     let old = if with_goals { &model.bound } else { &model.free };
-    let items = items(lessons, model, old.blend_s, with_goals);
+    let items = items(lessons, model, old.blend_s, with_goals, STRETCHES);
     let mut found = shapes::fit(&items, old.blend_s, |_| false);
     shapes::calibrate(&mut found, &items, FOLDS);
     found
 }
 
 /// Predictions at every horizon for all stretches, with or without goals.
-fn items(lessons: &[Lesson], model: &Model, blend_s: f64, with_goals: bool) -> Vec<Item> {
+fn items(lessons: &[Lesson], model: &Model, blend_s: f64, with_goals: bool, at_most: usize) -> Vec<Item> {
     let mut items = Vec::new();
     let mut people = 0;
     for lesson in lessons.iter().filter(|l| !with_goals || !l.goals.is_empty()) {
         let ground = Ground::new(if with_goals { &lesson.goals } else { &[] });
         let stretches = all(&lesson.recording);
-        let every = stretches.len().div_ceil(STRETCHES).max(1);
+        let every = stretches.len().div_ceil(at_most).max(1);
         for s in stretches.iter().step_by(every) {
             let person = people + person_of(&lesson.recording, s.walk);
             let seen = &lesson.recording.walks[s.walk].seen[s.first..s.first + STEPS];

@@ -1,6 +1,6 @@
 //! Figures of ways of moving: those with which people are predicted best, in the recording that suits them least.
 //!
-//! Main function: [`fit`]. The likelihood of the next sample alone would make the filter follow every sway; what
+//! Main functions: [`fit`], [`calmer`]. The likelihood of the next sample alone would make the filter follow every sway; what
 //! forecasts need is the mean error over their horizon, and honest doubt. Errors are taken relative to those of going on with the last
 //! step, and the worst recording counts most, so that the figures do for people of whom there is no recording. Refuses:
 //! goals.
@@ -12,6 +12,8 @@ use crate::human::{Mixture, Part};
 
 /// What a nat of surprise is worth, as a share of the error.
 const SURENESS: f64 = 0.03;
+/// Being surer may cost so much of the error.
+const COST: f64 = 0.015;
 /// Steps ahead by which the filter's sureness is judged: two seconds.
 const SURE: usize = 5;
 /// Stretches of each lesson that are tried.
@@ -45,6 +47,18 @@ fn downhill(lessons: &[Lesson], start: MotionModel) -> (f64, MotionModel) {
         }
     }
     best
+}
+
+/// The same figures with people who are pushed about less or more, as far as that costs hardly any error: points alone do
+/// not tell how sure the filter may be.
+pub fn calmer(lessons: &[Lesson], m: MotionModel) -> Vec<MotionModel> {
+    let worst = |m: &MotionModel| lessons.iter().map(|l| ratio(l, m)).fold(0.0, f64::max);
+    let allowed = worst(&m) + COST;
+    let sized = |k: i32| {
+        let factor = 2f64.powi(k);
+        MotionModel { accel_psd: m.accel_psd.map(|q| q * factor), ..m }
+    };
+    (-5..=1).map(sized).filter(|m| m.fault().is_none() && worst(m) <= allowed).collect()
 }
 
 /// Mean logarithm of the density of where people were, over the next steps.

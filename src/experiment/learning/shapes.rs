@@ -205,6 +205,16 @@ pub fn mixture(item: &Item, shape: &Shape) -> Mixture {
     Mixture { parts }
 }
 
+/// How surprising people are for figures that were learned from the others: mean of -ln density per m², nats.
+pub fn surprise(items: &[Item], blend_s: f64) -> f64 {
+    let halves = [0, 1].map(|half| fit(items, blend_s, |p| p % 2 == half));
+    let of = |i: &Item| {
+        let shape = &halves[i.person % 2].classes[i.guesses.class][i.horizon];
+        -mixture(i, shape).density(i.truth).max(1e-8).ln()
+    };
+    items.iter().map(of).sum::<f64>() / items.len().max(1) as f64
+}
+
 /// Gives every shape the scale with which its 95 % region holds 95 % of those people from whom it was not learned.
 pub fn calibrate(shapes: &mut Shapes, items: &[Item], folds: usize) {
     let without: Vec<Shapes> = (0..folds).map(|f| fit(items, shapes.blend_s, |p| p % folds == f)).collect();

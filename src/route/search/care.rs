@@ -1,13 +1,15 @@
 //! The search near people: closed times are no gaps, no move happens while an end of a lane is to be still, driving may
 //! be slower, and being there may cost.
 //!
+//! A place that will be closed by hand may still be the end of a route for a while ([`COME_OUT`]).
+//!
 //! Main function: `Search::enter_with_care`. Refuses: to be entered where no condition holds; that would cost time.
 
 use super::{FREE, Hop, Label, Labels, Open, Search};
 use crate::id::NodeId;
 use crate::route::Ask;
-use crate::route::conditions::{Condition, Effect, still_until};
-use crate::route::motion::{Gait, drive_span};
+use crate::route::conditions::{Cause, Condition, Effect, still_until};
+use crate::route::motion::{Gait, Pace, drive_span};
 use crate::time::{Span, Time, Window};
 use crate::timeline::{Gap, Timeline};
 use crate::warehouse::Warehouse;
@@ -47,7 +49,36 @@ pub(super) fn open_gaps(
 /// Parts of a free window are told apart above this bit of its index.
 const PARTS_AT: u32 = 20;
 
+/// Whoever ends in an area that will be closed must have this long to come out again. Where routes are planned one
+/// errand at a time, nobody knows yet which way that will be.
+pub const COME_OUT: Span = Span::from_secs(60);
+
+/// Parts of the last goal's window without end which a closure ends, by index, with the latest arrival.
+pub(super) type Brief = SmallVec<[(u32, i64); 1]>;
+
+/// Where a robot may end although a closure will begin there: nobody else comes, and it has time to leave.
+pub(super) fn brief_stays(warehouse: &Warehouse, pace: &Pace, timeline: &Timeline, ask: &Ask<'_>) -> Brief {
+    let last = ask.stages[ask.stages.len() - 1];
+    if !ask.conditions.is_touched(last.goal) {
+        return Brief::new();
+    }
+    let whole = timeline.gaps(warehouse.node_resource(last.goal), ask.ready).last();
+    let Some(whole) = whole.filter(|g| g.end.is_forever()) else { return Brief::new() };
+    let conditions = ask.conditions.binding(last.goal, warehouse.nodes[last.goal].at, ask.away);
+    let by_hand = |c: &&Condition| c.effect == Effect::Closed && matches!(c.cause, Cause::Closure(_));
+    let begins: SmallVec<[Time; 2]> = conditions.filter(by_hand).map(|c| c.window.start()).collect();
+    let way_out = pace.fastest_out(last.goal, last.loaded) + pace.clearance();
+    let parts = open_gaps(warehouse, timeline, ask, last.goal, ask.ready).into_iter();
+    let parts = parts.filter(|g| g.index & ((1 << PARTS_AT) - 1) == whole.index && begins.contains(&g.end));
+    parts.map(|g| (g.index, (g.end - last.stay - way_out - COME_OUT).0)).collect()
+}
+
 impl Search<'_> {
+    /// Whether a robot may end here until a closure begins.
+    pub(super) fn is_brief_stay(&self, label: &Label) -> bool {
+        self.brief.iter().any(|(part, latest)| *part == label.gap.index && label.lo <= *latest)
+    }
+
     /// `Search::enter_gaps` where people are near either end of the lane.
     pub(super) fn enter_with_care(
         &self,

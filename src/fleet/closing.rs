@@ -1,0 +1,190 @@
+//! Areas that are closed for a time, announced ahead: whose route leads in gets another before it begins, nobody sets
+//! off for what is inside, robots that rest inside leave, and what is over for long is forgotten.
+//!
+//! The search knows every announced closure as a condition, so new routes need nothing from here. Refuses: to stop
+//! anybody (grants do), and to take back what was granted.
+
+use super::fact::{Fact, Purpose, Task};
+use super::job::{JobKind, JobState};
+use super::{Fleet, ledger};
+use crate::aware::Zone;
+use crate::id::{NodeId, RobotId};
+use crate::route::{COME_OUT, Cause, Effect};
+use crate::time::{Span, Time, Window};
+use crate::warehouse::NodeKind;
+
+/// What is closed within this is treated as closed by whoever chooses a job, a place for a rack, or one to rest.
+const SOON: Span = Span::from_secs(180);
+/// A robot whose route leads into a closed area looks for another one this often at most.
+const AGAIN: Span = Span::from_secs(5);
+/// A closure that is over stays in the list for so long.
+const KEPT: Span = Span::from_secs(24 * 3600);
+
+impl Fleet {
+    /// Notes which nodes are closed, or will be soon; forgets closures that have been over for long.
+    pub(super) fn note_closing(&mut self, now: Time) {
+        self.crowd.closing.clear();
+        let over = self.ledger.closures.iter().filter(|(_, c)| c.window.end() + KEPT <= now);
+        for closure in over.map(|(id, _)| *id).collect::<Vec<_>>() {
+            self.record(Fact::Reopened { closure, at: now });
+        }
+        if self.ledger.closures.is_empty() {
+            return;
+        }
+        let soon = Window::new(now, now + SOON);
+        let conditions = &self.crowd.conditions;
+        let begins = |n: NodeId| {
+            let by_hand = conditions.of(n).iter().filter(|c| matches!(c.cause, Cause::Closure(_)));
+            by_hand.filter(|c| c.window.overlaps(soon)).map(|c| c.window.start()).min()
+        };
+        self.crowd.closing = conditions.nodes().filter_map(|n| Some((n, begins(n)?))).collect();
+        let nodes = self.crowd.closing.keys();
+        let cut_off: Vec<(NodeId, Time)> = nodes.flat_map(|n| self.storage_behind(*n)).collect();
+        self.crowd.closing.extend(cut_off);
+    }
+
+    /// Storage nodes beside a closed node whose racks have no other way out, with when the last way is closed.
+    fn storage_behind(&self, closed: NodeId) -> impl Iterator<Item = (NodeId, Time)> {
+        let warehouse = self.warehouse();
+        let beside = warehouse.ways(closed).map(|(_, w)| w.to);
+        beside.filter(|n| warehouse.kind(*n) == NodeKind::Storage && !self.is_closing(*n)).filter_map(|n| {
+            let out = warehouse.ways(n).filter(|(_, w)| w.users.allows(true)).map(|(_, w)| w.to);
+            let out = out.filter(|to| warehouse.kind(*to) != NodeKind::Storage);
+            let begins: Option<Vec<Time>> = out.map(|to| self.crowd.closing.get(&to).copied()).collect();
+            Some((n, begins?.into_iter().max()?))
+        })
+    }
+
+    /// Whether a node is closed, or will be soon.
+    pub(super) fn is_closing(&self, node: NodeId) -> bool {
+        self.crowd.closing.contains_key(&node)
+    }
+
+    /// Whether a robot on its way to a rack would not be out with it before the way is closed.
+    fn fetches_too_late(&self, robot: RobotId, now: Time) -> bool {
+        let record = &self.ledger.robots[robot];
+        let (Task::Fetch { node, .. }, Some(lift)) = (record.task, record.stops.first()) else {
+            return false;
+        };
+        let Some(begins) = self.crowd.closing.get(&node) else { return false };
+        let arrive = self.ledger.chain(robot).get(lift.serial).map_or(now, |v| v.arrive.max(now));
+        arrive + self.settings.kinematics.lift + COME_OUT > *begins
+    }
+
+    /// Whether a job leads to a place that is closed, or will be soon.
+    pub(super) fn job_is_closed_off(&self, kind: &JobKind, rack_at: NodeId) -> bool {
+        let goal = match *kind {
+            JobKind::Deliver { station, .. } => Some(self.warehouse().stations[station].node),
+            JobKind::Relocate { node, .. } => Some(node),
+            _ => None,
+        };
+        self.is_closing(rack_at) || goal.is_some_and(|n| self.is_closing(n))
+    }
+
+    /// Robots whose promised way leads through a closed area, or ends in one, get another one.
+    pub(super) fn route_round_closures(&mut self, now: Time, budget: &mut u32) {
+        if self.ledger.closures.is_empty() {
+            return;
+        }
+        for robot in ledger::all(&self.ledger.robots) {
+            let looked = self.crowd.looked_round.get(&robot).is_some_and(|t| now - *t < AGAIN);
+            if *budget == 0 || looked || !self.can_be_routed_round(robot, now) {
+                continue;
+            }
+            let ends_there = self.task_elsewhere(robot) != self.ledger.robots[robot].task;
+            if ends_there || self.fetches_too_late(robot, now) || self.leads_into_closed(robot, now) {
+                self.crowd.looked_round.insert(robot, now);
+                *budget = budget.saturating_sub(self.route_round(robot, now));
+            }
+        }
+    }
+
+    /// Whether a robot has a route of which something may be changed.
+    fn can_be_routed_round(&self, robot: RobotId, now: Time) -> bool {
+        let at_stop = self.ledger.robots[robot].stops.first().map(|s| s.serial);
+        let free = at_stop.is_some_and(|s| s >= self.ledger.chain(robot).granted());
+        free && !self.lacks_route(robot) && self.scene.fit(robot, now).is_some()
+    }
+
+    /// Whether something that the robot was promised, but not granted, meets a closure.
+    fn leads_into_closed(&self, robot: RobotId, now: Time) -> bool {
+        let chain = self.ledger.chain(robot);
+        let ahead = (chain.granted()..chain.end()).filter_map(|s| chain.get(s));
+        let conditions = &self.crowd.conditions;
+        let mut ahead = ahead.filter(|v| conditions.is_touched(v.node)).peekable();
+        if ahead.peek().is_none() {
+            return false;
+        }
+        let away = self.away(robot, now);
+        ahead.any(|v| {
+            // Who stays for ever at the end of a route goes on with something else, but needs time to come out.
+            let enter = v.enter.max(now);
+            let leave = if v.leave.is_forever() { v.arrive.max(now) + COME_OUT } else { v.leave };
+            let robot = Window::new(enter, leave.max(enter + Span(1)));
+            let binding = conditions.binding(v.node, self.warehouse().nodes[v.node].at, &away);
+            binding
+                .filter(|c| c.effect == Effect::Closed && matches!(c.cause, Cause::Closure(_)))
+                .any(|c| Zone { robot, worker: c.window }.meets())
+        })
+    }
+
+    /// Another route for the rest of the task, to another place where that is closed. The old route stands where
+    /// there is none. Gives the expansions spent.
+    fn route_round(&mut self, robot: RobotId, now: Time) -> u32 {
+        if self.gives_job_back(robot, now) {
+            return 0;
+        }
+        let old = self.ledger.robots[robot].task;
+        let task = self.task_elsewhere(robot);
+        if task != old {
+            self.record(Fact::Tasked { robot, task });
+        }
+        let stages = self.stages_left(robot);
+        self.ledger.counts.replans += 1;
+        match self.search(robot, &stages, now) {
+            Ok(route) => {
+                let spent = route.expansions;
+                self.commit(robot, route);
+                spent
+            }
+            Err(_) => {
+                if task != old {
+                    self.record(Fact::Tasked { robot, task: old });
+                }
+                self.settings.expansions_per_plan / 4
+            }
+        }
+    }
+
+    /// A robot that would fetch a rack from a closed place lets others have the job, later. Whether it does.
+    fn gives_job_back(&mut self, robot: RobotId, now: Time) -> bool {
+        let Task::Fetch { job, node, .. } = self.ledger.robots[robot].task else { return false };
+        let known = self.ledger.jobs.get(&job).map(|j| j.request.kind);
+        if !known.is_some_and(|k| self.job_is_closed_off(&k, node)) {
+            return false;
+        }
+        let Some(stay) = self.any_stay(robot) else { return false };
+        self.record(Fact::Progressed { job, state: JobState::Waiting, at: now });
+        let task = Task::Move { job: None, goal: stay, stay, purpose: Purpose::Park };
+        self.record(Fact::Tasked { robot, task });
+        true
+    }
+
+    /// The same task with an end that is not closed, where it may end anywhere.
+    fn task_elsewhere(&self, robot: RobotId) -> Task {
+        let here = self.ledger.node_of(robot);
+        match self.ledger.robots[robot].task {
+            Task::Deliver { job, rack, station, store } if self.is_closing(store) => {
+                Task::Deliver { job, rack, station, store: self.best_storage(robot, rack, station, 0) }
+            }
+            Task::Store { job: None, rack, store } if self.is_closing(store) => {
+                Task::Store { job: None, rack, store: self.best_storage(robot, rack, here, 0) }
+            }
+            Task::Move { job: None, goal, stay, purpose } if goal == stay && self.is_closing(stay) => {
+                let stay = self.any_stay(robot).unwrap_or(stay);
+                Task::Move { job: None, goal: stay, stay, purpose }
+            }
+            task => task,
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Areas closed for a time: known ahead, kept out of meanwhile, used before and after.
+
+use super::*;
+use crate::geometry::Point;
+use crate::time::Window;
+
+/// The lower middle aisle of the hall: six nodes, with racks on both sides that have no other way out.
+const AISLE: [(f64, f64); 4] = [(5.8, 0.8), (6.2, 0.8), (6.2, 6.2), (5.8, 6.2)];
+
+fn seconds(s: f64) -> Time {
+    Time::from_secs_f64(s)
+}
+
+fn aisle(from_s: f64, until_s: f64) -> Closure {
+    let outline = AISLE.iter().map(|(x, y)| Point::new(*x, *y).into()).collect();
+    Closure {
+        outline,
+        nodes: Vec::new(),
+        window: Window::new(seconds(from_s), seconds(until_s)),
+        reason: "repair".into(),
+    }
+}
+
+/// Whether a robot there reaches into the aisle.
+fn is_in(p: Point) -> bool {
+    (p.x - 6.0).abs() < 0.5 && (0.5..6.5).contains(&p.y)
+}
+
+impl Floor {
+    fn close(&mut self, area: Closure) -> crate::id::ClosureId {
+        match self.step(vec![Input::Close { token: 5, area }]).replies.remove(0) {
+            Reply::Closed { closure, .. } => closure,
+            other => panic!("not closed: {other:?}"),
+        }
+    }
+
+    fn inside(&self) -> Vec<RobotId> {
+        self.world.truth().filter(|(_, t)| is_in(t.pose.at)).map(|(r, _)| r).collect()
+    }
+
+    /// Jobs without end, at all racks in turn, and how many robot-steps are spent in the aisle until then.
+    fn busy_until(&mut self, end: Time) -> usize {
+        let mut spent = 0;
+        while self.now < end {
+            if self.fleet.ledger().jobs.len() < 20 {
+                let next = self.fleet.ledger().next_job as usize;
+                let rack = RackId::at(next * 7 % self.fleet.warehouse().racks.len());
+                let station = StationId::at(next % self.fleet.warehouse().stations.len());
+                self.submit(request(JobKind::Deliver { rack, station, pick: None }));
+            }
+            self.step(vec![]);
+            spent += self.inside().len();
+        }
+        spent
+    }
+
+    /// Nodes with windows that a robot was promised, but not granted.
+    fn promised(&self, robot: RobotId) -> Vec<(NodeId, Time, Time)> {
+        let chain = self.fleet.ledger().chain(robot);
+        let ahead = (chain.granted()..chain.end()).filter_map(|s| chain.get(s));
+        ahead.map(|v| (v.node, v.enter, v.leave)).collect()
+    }
+}
+
+#[test]
+fn an_aisle_is_used_before_and_after_its_hour_and_empty_meanwhile() {
+    let mut floor = Floor::thesis(10);
+    floor.close(aisle(400.0, 700.0));
+    let before = floor.busy_until(seconds(400.0));
+    // Whoever was granted a way through may be on it for some seconds more.
+    let first = floor.busy_until(seconds(415.0));
+    let meanwhile = floor.busy_until(seconds(700.0));
+    let after = floor.busy_until(seconds(1100.0));
+    assert_eq!(meanwhile, 0, "{first} in the first seconds");
+    assert!(first <= 100, "they drive out: {first}");
+    assert!(before > 500 && after > 500, "{before} before, {after} after");
+    assert!(floor.done() > 60, "{}", floor.done());
+}
+
+#[test]
+fn nobody_is_sent_for_a_rack_that_cannot_leave_while_others_are_served() {
+    let mut floor = Floor::thesis(4);
+    floor.close(aisle(0.0, 600.0));
+    let w = floor.fleet.warehouse().clone();
+    let behind = w.racks.pairs().find(|(_, r)| w.nodes[r.home].at == Point::new(5.0, 5.0)).map(|(k, _)| k);
+    let deliver = |rack| request(JobKind::Deliver { rack, station: StationId(0), pick: None });
+    let shut = floor.submit(deliver(behind.expect("the map has a rack there")));
+    let open = floor.submit(deliver(RackId(0)));
+    floor.until(400, "the other rack is served", |f| f.state(open).is_none());
+    assert!(floor.now < seconds(600.0) && floor.is(shut, "waiting"));
+    floor.until(900, "it is served when the aisle is open", |f| f.state(shut).is_none());
+    assert!(floor.when(shut, "assigned") >= seconds(600.0));
+}
+
+#[test]
+fn a_closure_that_is_announced_changes_routes_that_were_promised_before() {
+    let mut floor = Floor::thesis(10);
+    let mut changed = 0;
+    while changed == 0 {
+        floor.busy_until(floor.now + Span::from_secs(5));
+        assert!(floor.now < seconds(600.0), "nobody drives through the aisle");
+        // Somebody is to be in the aisle in twenty seconds or more.
+        let soon = floor.now + Span::from_secs(20);
+        let w = floor.fleet.warehouse().clone();
+        let meets = |f: &Floor, r: RobotId, window: Window| {
+            let in_aisle = |n: NodeId| is_in(w.nodes[n].at);
+            f.promised(r).iter().any(|(n, a, b)| in_aisle(*n) && Window::new(*a, *b).overlaps(window))
+        };
+        let ids: Vec<RobotId> = floor.fleet.ledger().robots.ids().collect();
+        let window = Window::new(soon, soon + Span::from_secs(600));
+        let through: Vec<RobotId> = ids.into_iter().filter(|r| meets(&floor, *r, window)).collect();
+        if through.is_empty() {
+            continue;
+        }
+        let from_s = soon.as_secs_f64();
+        floor.close(aisle(from_s, from_s + 600.0));
+        floor.run(10);
+        assert!(floor.now < soon, "before it begins");
+        changed = through.iter().filter(|r| !meets(&floor, **r, window)).count();
+        assert_eq!(changed, through.len(), "all of them were routed anew");
+    }
+    floor.run(60);
+    assert_eq!(floor.inside(), [], "nobody is there when it is closed");
+}
+
+#[test]
+fn robots_that_rest_inside_leave_before_it_begins() {
+    let mut floor = Floor::lab(2);
+    let robot = RobotId::at(0);
+    let home = floor.fleet.ledger().node_of(robot);
+    let at = floor.fleet.warehouse().nodes[home].at;
+    let corners = [(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)];
+    let outline = corners.iter().map(|(x, y)| Point::new(at.x + x, at.y + y).into()).collect();
+    let window = Window::new(seconds(60.0), seconds(600.0));
+    floor.close(Closure { outline, nodes: Vec::new(), window, reason: "floor is painted".into() });
+    floor.run(60);
+    assert_ne!(floor.fleet.ledger().node_of(robot), home);
+    assert!(floor.is_idle(robot), "and rests somewhere else");
+}
+
+#[test]
+fn a_closure_survives_a_restart_and_is_forgotten_a_day_after_it_is_over() {
+    let scenario = scenario(4);
+    let mut floor = Floor::new(thesis(), &scenario);
+    let closure = floor.close(aisle(60.0, 200.0));
+    let warehouse = floor.fleet.warehouse().clone();
+    floor.fleet = Fleet::restore(warehouse.clone(), scenario.settings(), floor.facts.clone());
+    floor.world = World::new(warehouse, &scenario, &[], scenario.seed, &floor.fleet, floor.now);
+    let state = |f: &Floor| f.fleet.view(f.now).closures[0].closure.state(f.now);
+    assert_eq!(state(&floor), ClosureState::Announced);
+    floor.busy_until(seconds(60.0));
+    assert_eq!(state(&floor), ClosureState::Closed);
+    floor.busy_until(seconds(75.0));
+    assert_eq!(floor.busy_until(seconds(200.0)), 0);
+    assert_eq!(state(&floor), ClosureState::Over);
+    let day = Span::from_secs(24 * 3600 + 200);
+    let step = floor.fleet.step(floor.now + day, vec![]);
+    assert!(step.facts.iter().any(|f| matches!(f, Fact::Reopened { closure: c, .. } if *c == closure)));
+    assert_eq!(floor.fleet.view(floor.now + day).closures, []);
+}

@@ -1,0 +1,145 @@
+//! The part of a scenario that is about areas closed for a time: known from the start, in force later.
+//!
+//! Main type: [`Closing`]. Refuses: areas of nothing, times that cannot be, and nodes that the map does not have.
+
+use super::customers::FIRST_TOKEN;
+use super::scenario::{Scenario, ScenarioError, check};
+use crate::fleet::{Closure, Fleet, Input};
+use crate::geometry::{Point, Spot};
+use crate::id::NodeId;
+use crate::time::{Span, Time, Window};
+use crate::warehouse::Warehouse;
+use serde::Deserialize;
+
+/// Requests to close an area carry tokens from here on.
+const CLOSING_TOKEN: u64 = FIRST_TOKEN | 1 << 61;
+/// A closed node is shown as a square of twice this side, metres.
+const AROUND_NODE_M: f64 = 0.25;
+
+/// An area that robots keep out of for a time.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Closing {
+    /// Its corners, metres.
+    #[serde(default)]
+    pub outline: Vec<[f64; 2]>,
+    /// Or names of nodes.
+    #[serde(default)]
+    pub nodes: Vec<String>,
+    /// From when on, seconds from the start.
+    pub from_s: f64,
+    /// Until when; for ever where absent.
+    #[serde(default)]
+    pub until_s: Option<f64>,
+    /// Why.
+    #[serde(default = "why")]
+    pub reason: String,
+}
+
+fn why() -> String {
+    "as the scenario has it".into()
+}
+
+impl Closing {
+    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+        check("closures.from_s", self.from_s, 0.0..=1e7, "from 0 to 10000000")?;
+        let until = self.until_s.unwrap_or(2e7);
+        check("closures.until_s", until, self.from_s + 1.0..=2e7, "at least a second after from_s")?;
+        let corners = self.outline.len();
+        match (corners, self.nodes.len()) {
+            (0, 1..) => Ok(()),
+            (3.., 0) => Ok(()),
+            (n, 0) => check("closures.outline", n as f64, 3.0..=1e9, "three corners or more, or `nodes`"),
+            (n, _) => check("closures.outline", n as f64, 0.0..=0.0, "left out where `nodes` are given"),
+        }
+    }
+
+    /// The areas as the fleet takes them, for a scenario that begins at `start`: one for an outline, one for each node.
+    fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, ScenarioError> {
+        let at = |s: f64| start + Span::from_secs_f64(s);
+        let window = Window::new(at(self.from_s), self.until_s.map_or(Time::MAX, at));
+        let area = |corners: &mut dyn Iterator<Item = Point>, nodes: Vec<NodeId>| Closure {
+            outline: corners.map(Spot::from).collect(),
+            nodes,
+            window,
+            reason: self.reason.clone(),
+        };
+        if self.nodes.is_empty() {
+            return Ok(vec![area(&mut self.outline.iter().map(|c| Point::new(c[0], c[1])), Vec::new())]);
+        }
+        let around = |name: &String| {
+            let node = warehouse.node_named(name).ok_or_else(|| ScenarioError::Number {
+                key: "closures.nodes",
+                found: format!("\"{name}\""),
+                wanted: "names of nodes of the map",
+            })?;
+            let (p, d) = (warehouse.nodes[node].at, AROUND_NODE_M);
+            let corners = [(-d, -d), (d, -d), (d, d), (-d, d)];
+            Ok(area(&mut corners.into_iter().map(|(x, y)| Point::new(p.x + x, p.y + y)), vec![node]))
+        };
+        self.nodes.iter().map(around).collect()
+    }
+}
+
+impl Scenario {
+    /// All areas that the scenario closes, if it begins at `start`.
+    ///
+    /// # Errors
+    /// Where the map does not have a node that is to be closed.
+    pub fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, ScenarioError> {
+        let areas: Result<Vec<_>, _> = self.closures.iter().map(|c| c.areas(warehouse, start)).collect();
+        Ok(areas?.concat())
+    }
+}
+
+/// What is said to the fleet at the start: all areas, unless it has been told of some before.
+pub(super) fn announce(areas: Vec<Closure>, fleet: &Fleet) -> impl Iterator<Item = Input> + use<> {
+    let told = fleet.ledger().next_closure > 1;
+    let new = areas.into_iter().filter(move |_| !told);
+    new.zip(CLOSING_TOKEN..).map(|(area, token)| Input::Close { token, area })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::warehouse::lab;
+
+    fn scenario(closure: &str) -> Result<Scenario, ScenarioError> {
+        Scenario::parse(&format!(
+            r#"{{"giveway_scenario": 1, "name": "x", "map": "m", "robots": 1, "closures": [{closure}]}}"#
+        ))
+    }
+
+    #[test]
+    fn an_area_is_closed_between_its_times_counted_from_the_start() {
+        let s = scenario(r#"{"outline": [[0, 0], [1, 0], [1, 1]], "from_s": 60, "until_s": 120}"#).unwrap();
+        let areas = s.areas(&lab(), Time(5_000_000)).unwrap();
+        assert_eq!((areas.len(), areas[0].outline.len()), (1, 3));
+        assert_eq!(areas[0].window, Window::new(Time(65_000_000), Time(125_000_000)));
+    }
+
+    #[test]
+    fn each_node_is_an_area_of_its_own() {
+        let s = scenario(r#"{"nodes": ["R32", "R33"], "from_s": 60}"#).unwrap();
+        let areas = s.areas(&lab(), Time::ZERO).unwrap();
+        let inside = areas.iter().map(|a| a.nodes.clone());
+        let wanted = ["R32", "R33"].map(|n| vec![lab().node_named(n).unwrap()]);
+        assert_eq!(inside.collect::<Vec<_>>(), wanted);
+    }
+
+    #[test]
+    fn what_cannot_be_closed_is_refused() {
+        for (closure, what) in [
+            (r#"{"outline": [[0, 0], [1, 0]], "from_s": 0}"#, "closures.outline"),
+            (r#"{"outline": [[0, 0], [1, 0], [1, 1]], "nodes": ["R32"], "from_s": 0}"#, "closures.outline"),
+            (r#"{"nodes": ["R32"], "from_s": 60, "until_s": 60}"#, "closures.until_s"),
+            (r#"{"nodes": ["R32"], "from_s": -1}"#, "closures.from_s"),
+            (r#"{"nodes": ["R32"]}"#, "from_s"),
+        ] {
+            let error = scenario(closure).expect_err(closure).to_string();
+            assert!(error.contains(what), "{closure}: {error}");
+        }
+        let nowhere = scenario(r#"{"nodes": ["nowhere"], "from_s": 0}"#).unwrap();
+        assert!(nowhere.areas(&lab(), Time::ZERO).unwrap_err().to_string().contains("nowhere"));
+    }
+}
