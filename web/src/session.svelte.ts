@@ -5,6 +5,7 @@ import { History } from './history';
 import { Link, type LinkState } from './link';
 import { EMPTY, type Mirror } from './mirror';
 import type { Picked } from './picked';
+import { Story } from './story';
 import type { FloorMap } from './wire';
 
 export type Loaded<T> = { kind: 'loading' } | { kind: 'ready'; value: T } | { kind: 'failed'; why: string };
@@ -15,6 +16,7 @@ const MAP_RETRY_MS = 3_000;
 export class Session {
   readonly api = new Api();
   readonly history = new History();
+  readonly story = new Story();
   map = $state.raw<Loaded<FloorMap>>({ kind: 'loading' });
   link = $state.raw<LinkState>({ kind: 'connecting' });
   /** The mirror as the panels show it. */
@@ -74,6 +76,7 @@ export class Session {
     const answer = await this.api.map();
     if (answer.kind === 'ok') {
       this.map = { kind: 'ready', value: answer.value };
+      this.story.places = answer.value.nodes;
       return;
     }
     const locked = answer.kind === 'refused' && answer.problem.status === 401;
@@ -84,7 +87,10 @@ export class Session {
   }
 
   #publish(): void {
-    if (this.mirror !== this.#link.mirror) this.mirror = this.#link.mirror;
+    if (this.mirror !== this.#link.mirror) {
+      this.story.note(this.#link.mirror);
+      this.mirror = this.#link.mirror;
+    }
     const { heardAt } = this.#link;
     const age = heardAt === null ? null : Math.floor((performance.now() - heardAt) / 1_000);
     if (age !== this.age) this.age = age;

@@ -1,23 +1,14 @@
 // The page in a real browser against a real, running server: node tests/live.mjs URL
 // Each check prints a sentence; the last line counts them. CHROMIUM names the browser to use.
-import { existsSync, readFileSync } from 'node:fs';
+import { readFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
-import { chromium } from 'playwright-core';
+import { assert, check, finish, openBrowser } from './chromium.mjs';
 
 const url = process.argv[2];
 if (!url) {
   console.error('Say where the server is: node tests/live.mjs http://127.0.0.1:8080');
-  process.exit(2);
-}
-const ARGS = [
-  '--headless', '--no-sandbox', '--disable-gpu', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
-  '--disable-background-networking', '--disable-component-update', '--disable-sync', '--no-first-run',
-];
-const executablePath = process.env.CHROMIUM ?? ['/usr/bin/chromium-headless-shell', '/usr/bin/chromium'].find((path) => existsSync(path));
-if (!executablePath) {
-  console.error('No Chromium: install the Debian package chromium-headless-shell, or set CHROMIUM to one.');
   process.exit(2);
 }
 const SHOTS = fileURLToPath(new URL('./shots/', import.meta.url));
@@ -25,24 +16,8 @@ const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.mi
 const JOB_DONE_MS = 240_000;
 const WRONG_RACK = 'no-such-rack';
 
-let passed = 0;
-let failed = 0;
-async function check(sentence, run) {
-  try {
-    const more = await run();
-    passed += 1;
-    console.log(`pass: ${sentence}${more ? ` (${more})` : ''}`);
-  } catch (error) {
-    failed += 1;
-    console.log(`FAIL: ${sentence}: ${String(error.message ?? error).split('\n').slice(0, 4).join(' | ')}`);
-  }
-}
-function assert(truth, why) {
-  if (!truth) throw new Error(why);
-}
-
 await mkdir(SHOTS, { recursive: true });
-const browser = await chromium.launch({ executablePath, args: ARGS });
+const browser = await openBrowser();
 const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
 const complaints = [];
 const page = await context.newPage();
@@ -123,8 +98,8 @@ await check('The map answers to the keyboard', async () => {
   assert(await host.evaluate((element) => element === document.activeElement), 'the map lost the focus');
 });
 await check('A robot found by name shows what it is doing', async () => {
-  const robot = await page.locator('#robots-to-find option').first().getAttribute('value');
-  await page.getByLabel('Find a robot').fill(robot);
+  const robot = await page.locator('#things-to-find option').first().getAttribute('value');
+  await page.getByLabel('Find on the floor').fill(robot);
   await page.keyboard.press('Enter');
   const panel = page.getByRole('region', { name: 'Robot', exact: true });
   await panel.getByRole('heading', { name: robot, exact: true }).waitFor({ timeout: 5_000 });
@@ -183,9 +158,7 @@ await check('A lost connection is said plainly and the data is shown as old', as
   await lost.close();
 });
 
-await browser.close();
-console.log(`${passed} passed, ${failed} failed`);
-process.exit(failed === 0 ? 0 : 1);
+await finish(browser);
 
 function watch(one) {
   one.on('console', (message) => {
