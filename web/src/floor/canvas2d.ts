@@ -67,11 +67,13 @@ export class Canvas2dPainter implements Painter {
   #sheet({ marks, inks, count }: Sheet, view: View): void {
     const ink = this.#ink;
     const [halfX, halfY] = [view.width / 2 / view.scale, view.height / 2 / view.scale];
-    let run = -1;
-    let colour = -1;
+    /** What the open path is made of; -1 while there is none. */
+    let [kind, colour, width, more] = [-1, -1, 0, 0];
     const end = (): void => {
-      if (run >= 0) ink.fill();
-      run = -1;
+      if (kind === KIND.box || kind === KIND.disc) ink.fill();
+      else if (kind >= 0) ink.stroke();
+      if (kind === KIND.dashes) ink.setLineDash([]);
+      kind = -1;
     };
     for (let at = 0; at < count * STRIDE; at += STRIDE) {
       const x = marks[at]!;
@@ -80,24 +82,39 @@ export class Canvas2dPainter implements Painter {
       const h = marks[at + 3]!;
       const reach = Math.max(w, h);
       if (Math.abs(x - view.x) > halfX + reach || Math.abs(y - view.y) > halfY + reach) continue;
-      const kind = marks[at + 5]! as Kind;
-      const turn = marks[at + 4]!;
-      const plain = kind === KIND.disc || (kind === KIND.box && turn === 0);
-      if (!plain || kind !== run || inks[at + 7] !== colour) end();
-      colour = inks[at + 7]!;
-      if (plain) {
-        if (run < 0) { ink.beginPath(); ink.fillStyle = this.#colour(colour); }
-        run = kind;
-        if (kind === KIND.disc) { ink.moveTo(x + w / 2, y); ink.arc(x, y, w / 2, 0, TAU); }
-        else ink.rect(x - w / 2, y - h / 2, w, h);
+      const [turn, is, extra, dye] = [marks[at + 4]!, marks[at + 5]! as Kind, marks[at + 6]!, inks[at + 7]!];
+      // Along an axis or across it, a turned box is a plain one.
+      const across = Math.abs(Math.cos(turn)) < 1e-6;
+      const runs = is === KIND.disc || is === KIND.ring || is === KIND.dashes || (is === KIND.box && (across || Math.abs(Math.sin(turn)) < 1e-6));
+      const lineWidth = is === KIND.ring ? extra : h;
+      const stroked = is === KIND.ring || is === KIND.dashes;
+      if (!runs || is !== kind || dye !== colour || (stroked && (lineWidth !== width || extra !== more))) {
+        end();
+        ink.fillStyle = ink.strokeStyle = this.#colour(dye);
+      }
+      if (!runs) {
+        ink.save();
+        ink.translate(x, y);
+        if (turn !== 0) ink.rotate(turn);
+        this.#mark(is, w, h, extra, view.scale, dye);
+        ink.restore();
         continue;
       }
-      ink.fillStyle = ink.strokeStyle = this.#colour(colour);
-      ink.save();
-      ink.translate(x, y);
-      if (turn !== 0) ink.rotate(turn);
-      this.#mark(kind, w, h, marks[at + 6]!, view.scale, colour);
-      ink.restore();
+      if (kind < 0) {
+        ink.beginPath();
+        if (stroked) ink.lineWidth = lineWidth;
+        if (is === KIND.dashes) ink.setLineDash([extra * DASH, extra * (1 - DASH)]);
+      }
+      [kind, colour, width, more] = [is, dye, lineWidth, extra];
+      const r = w / 2;
+      if (is === KIND.disc) { ink.moveTo(x + r, y); ink.arc(x, y, r, 0, TAU); }
+      else if (is === KIND.ring) { ink.moveTo(x + r - extra / 2, y); ink.arc(x, y, r - extra / 2, 0, TAU); }
+      else if (is === KIND.dashes) {
+        const [dx, dy] = [r * Math.cos(turn), r * Math.sin(turn)];
+        ink.moveTo(x - dx, y - dy);
+        ink.lineTo(x + dx, y + dy);
+      } else if (across) ink.rect(x - h / 2, y - r, h, w);
+      else ink.rect(x - r, y - h / 2, w, h);
     }
     end();
   }
@@ -113,8 +130,6 @@ export class Canvas2dPainter implements Painter {
         ink.lineWidth = more;
         ink.strokeRect(more / 2 - r, (more - h) / 2, w - more, h - more);
         return;
-      case KIND.disc: ink.arc(0, 0, r, 0, TAU); ink.fill(); return;
-      case KIND.ring: ink.arc(0, 0, r - more / 2, 0, TAU); ink.lineWidth = more; ink.stroke(); return;
       case KIND.cross:
         ink.moveTo(-r, -r); ink.lineTo(r, r); ink.moveTo(-r, r); ink.lineTo(r, -r);
         ink.lineWidth = more; ink.stroke();
@@ -123,10 +138,6 @@ export class Canvas2dPainter implements Painter {
         outlinePerson(ink, r / PERSON_REACH);
         if (more === 0) { ink.fill(); return; }
         ink.lineWidth = more; ink.stroke();
-        return;
-      case KIND.dashes:
-        ink.setLineDash([more * DASH, more * (1 - DASH)]);
-        ink.moveTo(-r, 0); ink.lineTo(r, 0); ink.lineWidth = h; ink.stroke(); ink.setLineDash([]);
         return;
       case KIND.dashring: {
         const dash = TAU * r / RING_DASHES;

@@ -152,7 +152,12 @@ export class Composer {
       const around = 2 * Math.max(SIZE.chosen, 8 * hair);
       sheet.put(KIND.ring, scene.x[chosen.robot]!, scene.y[chosen.robot]!, around, around, ink.chosen, 0, Math.max(0.09, 2 * hair));
     }
-    for (let i = 0; i < scene.robots; i++) this.#robot(scene, i, scale);
+    // Like after like, so that a painter can draw a run of them at once.
+    for (let look = 0; look < LOOKS.length; look++) {
+      for (let i = 0; i < scene.robots; i++) if (scene.look[i] === look) this.#body(scene, i, scale);
+    }
+    if (scale > TICKS_FROM) for (let i = 0; i < scene.robots; i++) this.#tick(scene, i, hair);
+    for (let i = 0; i < scene.robots; i++) this.#battery(scene, i, scale);
     const edge = Math.max(0.09, hair);
     for (let i = 0; i < scene.racks; i++) {
       if (scene.rackOn[i]! < 0) continue;
@@ -162,29 +167,24 @@ export class Composer {
   }
 
   /** A shape of its own for each state, so that nobody needs the colours. */
-  #robot(scene: Scene, i: number, scale: number): void {
+  #body(scene: Scene, i: number, scale: number): void {
     const ink = this.#inks;
     const sheet = this.sheets.robots;
-    const hair = 1 / scale;
     const look = scene.look[i]!;
-    const word = LOOKS[look]!;
-    const [x, y, turn] = [scene.x[i]!, scene.y[i]!, scene.heading[i]!];
-    const r = Math.max(SIZE.robot, LEAST[word] * hair);
+    const [x, y] = [scene.x[i]!, scene.y[i]!];
+    const r = Math.max(SIZE.robot, LEAST[LOOKS[look]!] / scale);
     const d = 2 * r;
     const colour = ink.looks[look]!;
-    let tick = ink.tick;
-    switch (word) {
+    switch (LOOKS[look]!) {
       case 'busy': sheet.put(KIND.disc, x, y, d, d, colour); break;
       case 'idle':
         sheet.put(KIND.disc, x, y, d, d, ink.floor);
         sheet.put(KIND.ring, x, y, d, d, colour, 0, 0.32 * r);
-        tick = colour;
         break;
       case 'free':
         sheet.put(KIND.disc, x, y, d, d, ink.floor);
         sheet.put(KIND.ring, x, y, d, d, colour, 0, 0.22 * r);
         sheet.put(KIND.disc, x, y, d / 2, d / 2, colour);
-        tick = colour;
         break;
       case 'charging':
         sheet.put(KIND.disc, x, y, d, d, colour);
@@ -199,18 +199,33 @@ export class Composer {
         sheet.put(KIND.cross, x, y, 1.5 * r, 1.5 * r, ink.tick, 0, 0.3 * r);
         break;
     }
-    if (scale > TICKS_FROM && word !== 'failed' && word !== 'charging') {
-      const [dx, dy] = [Math.cos(turn), Math.sin(turn)];
-      const from = tick === colour ? 0.7 * r : 0.06;
-      const to = tick === colour ? 1.3 * r : SIZE.tick;
-      sheet.line(KIND.box, x + dx * from, y + dy * from, x + dx * to, y + dy * to, Math.max(0.1, hair), tick);
-    }
-    const low = scene.battery[i]! < LOW_BATTERY;
+  }
+
+  /** Where it faces: a light line in a full shape, a beak on a hollow one. */
+  #tick(scene: Scene, i: number, hair: number): void {
+    const ink = this.#inks;
+    const look = scene.look[i]!;
+    const word = LOOKS[look]!;
+    if (word === 'failed' || word === 'charging') return;
+    const hollow = word === 'idle' || word === 'free';
+    const [x, y, turn] = [scene.x[i]!, scene.y[i]!, scene.heading[i]!];
+    const [dx, dy] = [Math.cos(turn), Math.sin(turn)];
+    const from = hollow ? 0.7 * SIZE.robot : 0.06;
+    const to = hollow ? 1.3 * SIZE.robot : SIZE.tick;
+    this.sheets.robots.line(KIND.box, x + dx * from, y + dy * from, x + dx * to, y + dy * to,
+      Math.max(0.1, hair), hollow ? ink.looks[look]! : ink.tick);
+  }
+
+  #battery(scene: Scene, i: number, scale: number): void {
+    const ink = this.#inks;
+    const sheet = this.sheets.robots;
+    const [x, y, left] = [scene.x[i]!, scene.y[i]!, scene.battery[i]!];
+    const low = left < LOW_BATTERY;
     if (scale >= GAUGES_FROM) {
       sheet.put(KIND.arc, x, y, 2 * SIZE.gauge, 2 * SIZE.gauge, ink.track, 0, 1);
-      sheet.put(KIND.arc, x, y, 2 * SIZE.gauge, 2 * SIZE.gauge, low ? ink.low : ink.gauge, 0, scene.battery[i]!);
+      sheet.put(KIND.arc, x, y, 2 * SIZE.gauge, 2 * SIZE.gauge, low ? ink.low : ink.gauge, 0, left);
     } else if (low) {
-      sheet.put(KIND.box, x + 0.35, y + 0.38, 0.34 + 2 * hair, 0.2 + 2 * hair, ink.halo);
+      sheet.put(KIND.box, x + 0.35, y + 0.38, 0.34 + 2 / scale, 0.2 + 2 / scale, ink.halo);
       sheet.put(KIND.box, x + 0.35, y + 0.38, 0.34, 0.2, ink.low);
     }
   }

@@ -40,6 +40,7 @@ export class Show {
   #picks: Chosen = { robot: -1, person: -1, place: null };
   #mirror: Mirror | null = null;
   #forecasts: readonly Forecast[] = [];
+  #how: 'glide' | 'jump' = 'jump';
   #told = -1;
   #chosen: Picked | null = null;
   #closures: readonly Closure[] = [];
@@ -88,6 +89,7 @@ export class Show {
   take(mirror: Mirror, how: 'glide' | 'jump'): void {
     this.#stage.take(mirror, performance.now(), how);
     this.#mirror = mirror;
+    this.#how = how;
     if (this.#closures !== mirror.closures) {
       this.#closures = mirror.closures;
       this.#paintGround();
@@ -165,6 +167,7 @@ export class Show {
     dataset['robots'] = String(scene.robots);
     dataset['racks'] = String(scene.racks);
     dataset['people'] = String(scene.people.length);
+    dataset['motion'] = this.#how;
     dataset['version'] = String(version);
   }
 
