@@ -8,18 +8,24 @@ const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
 export function thinPatch(old, now, version) {
   const patch = { type: 'patch', base: version, version: version + 1, time_s: now.time_s, jobs: now.jobs, counters: now.counters };
+  // Before each entry stands how many rows were passed over since the one before.
+  const next = {};
+  const add = (key, i, ...numbers) => {
+    lists[key].push(i - (next[key] ?? 0), ...numbers);
+    next[key] = i + 1;
+  };
   const lists = { moves: [], turns: [], speeds: [], ways: [], walks: [], paths: [] };
   now.robots.forEach((r, i) => {
     const b = old.robots[i];
-    if (r.x !== b.x || r.y !== b.y) lists.moves.push(i, mm(r.x) - mm(b.x), mm(r.y) - mm(b.y));
-    if (r.heading !== b.heading) lists.turns.push(i, mm(r.heading));
-    if (r.speed !== b.speed) lists.speeds.push(i, Math.round(r.speed * 100));
+    if (r.x !== b.x || r.y !== b.y) add('moves', i, mm(r.x) - mm(b.x), mm(r.y) - mm(b.y));
+    if (r.heading !== b.heading) add('turns', i, mm(r.heading));
+    if (r.speed !== b.speed) add('speeds', i, Math.round(r.speed * 100));
     if (!same(r.granted, b.granted) || !same(r.held, b.held)) {
       lists.ways.push([i, b.granted.length + b.held.length, r.granted.length, 0, ...r.granted, ...r.held]);
     }
   });
   now.workers.forEach((w, i) => {
-    lists.walks.push(i, mm(w.x), mm(w.y), mm(w.heading), Math.round(w.speed * 100));
+    add('walks', i, mm(w.x), mm(w.y), mm(w.heading), Math.round(w.speed * 100));
     if (!same(w.path, old.workers[i].path)) lists.paths.push([i, 0, ...w.path.flat().map(mm)]);
   });
   for (const [key, list] of Object.entries(lists)) if (list.length > 0) patch[key] = list;

@@ -122,18 +122,18 @@ function drive(table: Table<Robot>, old: Table<Robot>, patch: Patch): Table<Robo
   const { moves = [], turns = [], speeds = [], ways = [] } = patch;
   if (moves.length + turns.length + speeds.length + ways.length === 0) return table;
   const own = ownRows(table, old);
-  for (let k = 0; k + 2 < moves.length; k += 3) {
-    const robot = own.row(moves[k]!);
+  for (let k = 0, i = 0; k + 2 < moves.length; k += 3, i++) {
+    const robot = own.row((i += moves[k]!));
     if (!robot) continue;
     robot.x = (Math.round(robot.x * 1_000) + moves[k + 1]!) / 1_000;
     robot.y = (Math.round(robot.y * 1_000) + moves[k + 2]!) / 1_000;
   }
-  for (let k = 0; k + 1 < turns.length; k += 2) {
-    const robot = own.row(turns[k]!);
+  for (let k = 0, i = 0; k + 1 < turns.length; k += 2, i++) {
+    const robot = own.row((i += turns[k]!));
     if (robot) robot.heading = turns[k + 1]! / 1_000;
   }
-  for (let k = 0; k + 1 < speeds.length; k += 2) {
-    const robot = own.row(speeds[k]!);
+  for (let k = 0, i = 0; k + 1 < speeds.length; k += 2, i++) {
+    const robot = own.row((i += speeds[k]!));
     if (robot) robot.speed = speeds[k + 1]! / 100;
   }
   for (const [i = -1, left = 0, granted = 0, stay = 0, ...after] of ways) {
@@ -151,8 +151,8 @@ function walk(table: Table<Worker>, old: Table<Worker>, { walks = [], paths = []
   if (walks.length + paths.length === 0) return table;
   const own = ownRows(table, old);
   const part = (n: number | null | undefined, by: number) => (n === null || n === undefined ? null : n / by);
-  for (let k = 0; k + 4 < walks.length; k += 5) {
-    const worker = own.row(walks[k] ?? -1);
+  for (let k = 0, i = 0; k + 4 < walks.length; k += 5, i++) {
+    const worker = own.row((i += walks[k] ?? 0));
     if (!worker) continue;
     worker.x = part(walks[k + 1], 1_000);
     worker.y = part(walks[k + 2], 1_000);

@@ -21,7 +21,7 @@ export class Session {
   link = $state.raw<LinkState>({ kind: 'connecting' });
   /** The mirror as the panels show it. */
   mirror = $state.raw<Mirror>(EMPTY);
-  /** Seconds since the server was last heard; null before the first word. */
+  /** Age of the picture in seconds; null before the first. */
   age = $state.raw<number | null>(null);
   lock = $state.raw<'open' | 'locked'>('open');
   chosen = $state.raw<Picked | null>(null);
@@ -91,8 +91,8 @@ export class Session {
       this.story.note(this.#link.mirror);
       this.mirror = this.#link.mirror;
     }
-    const { heardAt } = this.#link;
-    const age = heardAt === null ? null : Math.floor((performance.now() - heardAt) / 1_000);
+    const { freshAt } = this.#link;
+    const age = freshAt === null ? null : Math.floor((performance.now() - freshAt) / 1_000);
     if (age !== this.age) this.age = age;
   }
 }

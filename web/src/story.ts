@@ -9,7 +9,7 @@ export interface Line {
   at: string;
   text: string;
 }
-const MOST_LINES = 12;
+const MOST_LINES = 7;
 
 export class Story {
   /** Names of places, once the map is there. */

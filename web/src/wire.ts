@@ -157,15 +157,16 @@ export interface Patch {
   alarms?: Alarm[];
 
   // What changes all the time comes as numbers by row of the snapshot, one list for all rows (`thin=true`).
-  /** Row, and the step from the base in millimetres: i, dx, dy, i, dx, dy … */
+  // "Passed" is how many rows were passed over since the entry before.
+  /** Passed, and the step from the base in millimetres: passed, dx, dy, passed, dx, dy … */
   moves?: number[];
-  /** Row, and the heading in milliradians. */
+  /** Passed, and the heading in milliradians. */
   turns?: number[];
-  /** Row, and the speed in centimetres a second. */
+  /** Passed, and the speed in centimetres a second. */
   speeds?: number[];
   /** Row, nodes left behind, nodes granted now, nodes of the rest that stay, and the nodes that come after. */
   ways?: number[][];
-  /** Row of a worker, x and y in millimetres, heading in milliradians, speed in centimetres a second. */
+  /** Passed, x and y of a worker in millimetres, heading in milliradians, speed in centimetres a second. */
   walks?: (number | null)[];
   /** Row of a worker, points at the end of the path that stay, and those before them in millimetres: x, y … */
   paths?: number[][];

@@ -47,8 +47,9 @@ describe('a thin patch', () => {
   });
 
   test('goes together with rows, and rows that are not there are passed over', () => {
-    const next = apply(three, { robots: [{ id: 'a', state: 'busy' }, { id: 'd', x: 5 }], moves: [0, 1_000, 0, 77, 1, 1], ways: [[78, 0, 0, 0]] });
+    const next = apply(three, { robots: [{ id: 'a', state: 'busy' }, { id: 'd', x: 5 }], moves: [0, 1_000, 0, 1, 5, 5, 77, 1, 1], ways: [[78, 0, 0, 0]] });
     expect(next.robots.rows[0]).toMatchObject({ state: 'busy', x: 1 });
+    expect([next.robots.rows[1], next.robots.rows[2]]).toMatchObject([{ x: 1.234 }, { x: 0.005, y: 0.005 }]);
     expect(next.robots.rows.map((r) => r.id)).toEqual(['a', 'b', 'c', 'd']);
   });
 });

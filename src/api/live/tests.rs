@@ -104,18 +104,28 @@ fn apply_numbers(mirror: &mut Value, message: &Value) {
     let numbers = |key: &str| message[key].as_array().cloned().unwrap_or_default();
     let row = |v: &Value| v.as_u64().unwrap() as usize;
     let parts = |v: &Value, by: f64| if v.is_null() { Value::Null } else { json!(v.as_f64().unwrap() / by) };
-    for m in numbers("moves").chunks(3) {
-        let robot = &mut mirror["robots"][row(&m[0])];
-        for (key, step) in [("x", &m[1]), ("y", &m[2])] {
+    let entries = |key: &str, n: usize| {
+        let mut next = 0;
+        let all = numbers(key);
+        let row = |m: &[Value]| {
+            let at = next + row(&m[0]);
+            next = at + 1;
+            (at, m[1..].to_vec())
+        };
+        all.chunks(n).map(row).collect::<Vec<_>>()
+    };
+    for (i, m) in entries("moves", 3) {
+        let robot = &mut mirror["robots"][i];
+        for (key, step) in [("x", &m[0]), ("y", &m[1])] {
             let mm = (robot[key].as_f64().unwrap() * 1000.0).round() + step.as_f64().unwrap();
             robot[key] = json!(mm / 1000.0);
         }
     }
-    for m in numbers("turns").chunks(2) {
-        mirror["robots"][row(&m[0])]["heading"] = parts(&m[1], 1000.0);
+    for (i, m) in entries("turns", 2) {
+        mirror["robots"][i]["heading"] = parts(&m[0], 1000.0);
     }
-    for m in numbers("speeds").chunks(2) {
-        mirror["robots"][row(&m[0])]["speed"] = parts(&m[1], 100.0);
+    for (i, m) in entries("speeds", 2) {
+        mirror["robots"][i]["speed"] = parts(&m[0], 100.0);
     }
     for way in numbers("ways") {
         let way: Vec<usize> = way.as_array().unwrap().iter().map(row).collect();
@@ -127,12 +137,12 @@ fn apply_numbers(mirror: &mut Value, message: &Value) {
         let held = now.split_off(way[2]);
         (robot["granted"], robot["held"]) = (now.into(), held.into());
     }
-    for m in numbers("walks").chunks(5) {
-        let worker = &mut mirror["workers"][row(&m[0])];
-        for (key, value) in [("x", &m[1]), ("y", &m[2]), ("heading", &m[3])] {
+    for (i, m) in entries("walks", 5) {
+        let worker = &mut mirror["workers"][i];
+        for (key, value) in [("x", &m[0]), ("y", &m[1]), ("heading", &m[2])] {
             worker[key] = parts(value, 1000.0);
         }
-        worker["speed"] = parts(&m[4], 100.0);
+        worker["speed"] = parts(&m[3], 100.0);
     }
     for path in numbers("paths") {
         let path = path.as_array().unwrap();
@@ -200,6 +210,46 @@ fn a_patch_names_only_what_changed() {
         thin,
         json!({"type": "patch", "base": 1001, "version": 1002, "time_s": 0.0, "moves": [1, 500, 0]})
     );
+}
+
+#[test]
+fn eight_hundred_moving_robots_and_twenty_people_are_150_kilobytes_a_second() {
+    // Every robot moves in every patch and reaches a node each second, half of them change speed, a tenth turn.
+    let nodes = |from: usize, n: usize| (from..from + n).map(|i| NodeId::at(i % 4000)).collect::<Vec<_>>();
+    let robot = |r: usize, t: usize| RobotView {
+        pose: Pose {
+            at: Point::new(30.0 + 0.123 * t as f64, r as f64),
+            heading: if r.is_multiple_of(10) { 0.1 * t as f64 } else { 0.0 },
+        },
+        speed_mps: if r.is_multiple_of(2) { 0.11 * (t % 10) as f64 } else { 1.2 },
+        granted: nodes(1000 + r + (r + t) / 10, 4),
+        held: nodes(1004 + r + (r + t) / 10, 40),
+        ..robot(&format!("robot-{r}"), 0.0)
+    };
+    let worker = |t: usize| {
+        let here = Point::new(5.0 + 0.13 * t as f64, 7.123);
+        let mut worker = WorkerView { presence: Presence::Tracked, ..anna() };
+        worker.pose = Some(Pose { at: here, heading: 0.01 * t as f64 });
+        worker.goals = (0..10).map(|g| (Point::new(g as f64, 1.234), 0.1 + 0.002 * (t % 7) as f64)).collect();
+        worker.guidance.path =
+            std::iter::once(here).chain((0..20).map(|i| Point::new(30.0, i as f64))).collect();
+        worker
+    };
+    let moment = |t: usize| {
+        let robots = (0..800).map(|r| robot(r, t)).collect();
+        let workers = (0..20).map(|_| worker(t)).collect();
+        Moment { view: crate::fleet::View { robots, workers, ..Default::default() }, ..Default::default() }
+    };
+    let live = live();
+    live.publish(&moment(0), &[], 0.0);
+    let (_, first) = live.after(Shape::Thin, None, LAGGING);
+    for t in 1..=10 {
+        live.publish(&moment(t), &[], 0.0);
+    }
+    let (texts, _) = live.after(Shape::Thin, Some(first), LAGGING);
+    let bytes: usize = texts.iter().map(|t| t.len()).sum();
+    assert_eq!(texts.len(), 10, "one second");
+    assert!(bytes <= 150_000, "{bytes} bytes a second");
 }
 
 #[test]

@@ -8,6 +8,16 @@ import { ARC_WIDTH, cssOf, DASH, KIND, RING_DASHES, STRIDE, type Kind, type Shee
 import type { View } from './view';
 
 const TAU = 2 * Math.PI;
+/** Marks of which many in a row become one path. */
+const RUNS: ReadonlySet<Kind> = new Set([KIND.box, KIND.disc, KIND.ring, KIND.frame, KIND.dashes]);
+interface Run {
+  kind: Kind;
+  dye: number;
+  /** Of the line; 0 for what is filled. */
+  width: number;
+  more: number;
+  path: Path2D;
+}
 
 export class Canvas2dPainter implements Painter {
   readonly kind = 'canvas2d';
@@ -16,6 +26,8 @@ export class Canvas2dPainter implements Painter {
   #palette: Palette;
   #density = 1;
   #css = new Map<number, string>();
+  #kept = new Map<Sheet, { turn: number; strokes: (() => void)[] | null }>();
+  #scale = 1;
 
   constructor(palette: Palette) {
     const ink = this.element.getContext('2d', { alpha: false });
@@ -52,7 +64,9 @@ export class Canvas2dPainter implements Painter {
       (view.width / 2 - view.x * view.scale) * this.#density,
       (view.height / 2 + view.y * view.scale) * this.#density);
     ink.lineCap = 'butt';
+    this.#scale = view.scale;
     for (const sheet of sheets) this.#sheet(sheet, view);
+    ink.setLineDash([]);
     ink.setTransform(this.#density, 0, 0, this.#density, 0, 0);
     for (let i = 0; i < words.count; i++) {
       const { text, x, y, below, px } = words.list[i]!;
@@ -64,72 +78,93 @@ export class Canvas2dPainter implements Painter {
     this.element.remove();
   }
 
-  #sheet({ marks, inks, count }: Sheet, view: View): void {
-    const ink = this.#ink;
-    const [halfX, halfY] = [view.width / 2 / view.scale, view.height / 2 / view.scale];
-    /** What the open path is made of; -1 while there is none. */
-    let [kind, colour, width, more] = [-1, -1, 0, 0];
-    const end = (): void => {
-      if (kind === KIND.box || kind === KIND.disc) ink.fill();
-      else if (kind >= 0) ink.stroke();
-      if (kind === KIND.dashes) ink.setLineDash([]);
-      kind = -1;
-    };
+  /** A sheet that stays as it is becomes paths the second time, which are then drawn with few words. */
+  #sheet(sheet: Sheet, view: View): void {
+    let kept = this.#kept.get(sheet);
+    if (kept?.turn !== sheet.turn) {
+      this.#kept.set(sheet, { turn: sheet.turn, strokes: null });
+      this.#walk(sheet, view, (stroke) => stroke());
+      return;
+    }
+    if (kept.strokes === null) {
+      const strokes: (() => void)[] = [];
+      this.#walk(sheet, null, (stroke) => strokes.push(stroke));
+      this.#kept.set(sheet, (kept = { turn: sheet.turn, strokes }));
+    }
+    for (const stroke of kept.strokes!) stroke();
+  }
+
+  /** Goes through the marks in sight, or through all without a view, and hands out what is to be drawn. */
+  #walk({ marks, inks, count }: Sheet, view: View | null, out: (stroke: () => void) => void): void {
+    let run: Run | null = null;
     for (let at = 0; at < count * STRIDE; at += STRIDE) {
       const x = marks[at]!;
       const y = marks[at + 1]!;
       const w = marks[at + 2]!;
       const h = marks[at + 3]!;
-      const reach = Math.max(w, h);
-      if (Math.abs(x - view.x) > halfX + reach || Math.abs(y - view.y) > halfY + reach) continue;
-      const [turn, is, extra, dye] = [marks[at + 4]!, marks[at + 5]! as Kind, marks[at + 6]!, inks[at + 7]!];
+      if (view && !inSight(view, x, y, Math.max(w, h))) continue;
+      const [turn, kind, more, dye] = [marks[at + 4]!, marks[at + 5]! as Kind, marks[at + 6]!, inks[at + 7]!];
       // Along an axis or across it, a turned box is a plain one.
-      const across = Math.abs(Math.cos(turn)) < 1e-6;
-      const runs = is === KIND.disc || is === KIND.ring || is === KIND.dashes || (is === KIND.box && (across || Math.abs(Math.sin(turn)) < 1e-6));
-      const lineWidth = is === KIND.ring ? extra : h;
-      const stroked = is === KIND.ring || is === KIND.dashes;
-      if (!runs || is !== kind || dye !== colour || (stroked && (lineWidth !== width || extra !== more))) {
-        end();
-        ink.fillStyle = ink.strokeStyle = this.#colour(dye);
-      }
-      if (!runs) {
-        ink.save();
-        ink.translate(x, y);
-        if (turn !== 0) ink.rotate(turn);
-        this.#mark(is, w, h, extra, view.scale, dye);
-        ink.restore();
+      const across = turn !== 0 && Math.abs(Math.cos(turn)) < 1e-6;
+      const straight = turn === 0 || across || Math.abs(Math.sin(turn)) < 1e-6;
+      const width = kind === KIND.dashes ? h : kind === KIND.ring || kind === KIND.frame ? more : 0;
+      if (!(RUNS.has(kind) && (straight || kind !== KIND.box))) {
+        if (run) out(this.#finish(run));
+        run = null;
+        out(() => this.#single(kind, x, y, w, h, turn, more, dye));
         continue;
       }
-      if (kind < 0) {
-        ink.beginPath();
-        if (stroked) ink.lineWidth = lineWidth;
-        if (is === KIND.dashes) ink.setLineDash([extra * DASH, extra * (1 - DASH)]);
+      if (run && (run.kind !== kind || run.dye !== dye || run.width !== width || (width > 0 && run.more !== more))) {
+        out(this.#finish(run));
+        run = null;
       }
-      [kind, colour, width, more] = [is, dye, lineWidth, extra];
+      run ??= { kind, dye, width, more, path: new Path2D() };
+      const { path } = run;
       const r = w / 2;
-      if (is === KIND.disc) { ink.moveTo(x + r, y); ink.arc(x, y, r, 0, TAU); }
-      else if (is === KIND.ring) { ink.moveTo(x + r - extra / 2, y); ink.arc(x, y, r - extra / 2, 0, TAU); }
-      else if (is === KIND.dashes) {
-        const [dx, dy] = [r * Math.cos(turn), r * Math.sin(turn)];
-        ink.moveTo(x - dx, y - dy);
-        ink.lineTo(x + dx, y + dy);
-      } else if (across) ink.rect(x - h / 2, y - r, h, w);
-      else ink.rect(x - r, y - h / 2, w, h);
+      switch (kind) {
+        case KIND.disc: path.moveTo(x + r, y); path.arc(x, y, r, 0, TAU); break;
+        case KIND.ring: path.moveTo(x + r - more / 2, y); path.arc(x, y, r - more / 2, 0, TAU); break;
+        case KIND.frame: path.rect(x - r + more / 2, y - (h - more) / 2, w - more, h - more); break;
+        case KIND.dashes: {
+          const [dx, dy] = [r * Math.cos(turn), r * Math.sin(turn)];
+          path.moveTo(x - dx, y - dy);
+          path.lineTo(x + dx, y + dy);
+          break;
+        }
+        default:
+          if (across) path.rect(x - h / 2, y - r, h, w);
+          else path.rect(x - r, y - h / 2, w, h);
+      }
     }
-    end();
+    if (run) out(this.#finish(run));
+  }
+
+  #finish({ kind, dye, width, more, path }: Run): () => void {
+    const ink = this.#ink;
+    const colour = this.#colour(dye);
+    if (width === 0) return () => { ink.fillStyle = colour; ink.fill(path); };
+    const dash = kind === KIND.dashes ? [more * DASH, more * (1 - DASH)] : [];
+    return () => { ink.strokeStyle = colour; ink.lineWidth = width; ink.setLineDash(dash); ink.stroke(path); };
+  }
+
+  #single(kind: Kind, x: number, y: number, w: number, h: number, turn: number, more: number, dye: number): void {
+    const ink = this.#ink;
+    ink.fillStyle = ink.strokeStyle = this.#colour(dye);
+    ink.setLineDash([]);
+    ink.save();
+    ink.translate(x, y);
+    if (turn !== 0) ink.rotate(turn);
+    this.#mark(kind, w, h, more, dye);
+    ink.restore();
   }
 
   /** One mark around the origin, in the ink that is set. */
-  #mark(kind: Kind, w: number, h: number, more: number, scale: number, colour: number): void {
+  #mark(kind: Kind, w: number, h: number, more: number, colour: number): void {
     const ink = this.#ink;
     const r = w / 2;
     ink.beginPath();
     switch (kind) {
       case KIND.box: ink.fillRect(-r, -h / 2, w, h); return;
-      case KIND.frame:
-        ink.lineWidth = more;
-        ink.strokeRect(more / 2 - r, (more - h) / 2, w - more, h - more);
-        return;
       case KIND.cross:
         ink.moveTo(-r, -r); ink.lineTo(r, r); ink.moveTo(-r, r); ink.lineTo(r, -r);
         ink.lineWidth = more; ink.stroke();
@@ -148,7 +183,7 @@ export class Canvas2dPainter implements Painter {
       case KIND.hatch:
         ink.arc(0, 0, r, 0, TAU); ink.clip(); ink.beginPath();
         for (let d = -2 * r; d < 2 * r; d += more * Math.SQRT2) { ink.moveTo(d - r, r); ink.lineTo(d + r, -r); }
-        ink.lineWidth = 1.2 / scale; ink.stroke();
+        ink.lineWidth = 1.2 / this.#scale; ink.stroke();
         return;
       case KIND.arc: {
         const width = r * ARC_WIDTH;
@@ -178,3 +213,6 @@ export class Canvas2dPainter implements Painter {
     return css;
   }
 }
+
+const inSight = (view: View, x: number, y: number, reach: number): boolean =>
+  Math.abs(x - view.x) <= view.width / 2 / view.scale + reach && Math.abs(y - view.y) <= view.height / 2 / view.scale + reach;
