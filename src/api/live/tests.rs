@@ -1,3 +1,5 @@
+//! The feed as readers of both shapes see it, against pictures that change all the time.
+
 use super::*;
 use crate::fleet::{Doing, Presence, RobotState, RobotView, Task, WorkerView};
 use crate::geometry::{Point, Pose};
