@@ -53,7 +53,7 @@ fn picture(t: usize) -> Moment {
             battery: 1.0 - t as f64 / 1000.0,
             granted: nodes(t / 3, 1 + t % 3),
             // Now and then a way that has nothing to do with the one before.
-            held: if t % 11 == 0 { nodes(5, t % 2) } else { nodes(t / 3 + 1 + t % 3, 4) },
+            held: if t.is_multiple_of(11) { nodes(5, t % 2) } else { nodes(t / 3 + 1 + t % 3, 4) },
             doing: if t.is_multiple_of(5) { Doing::Going } else { Doing::Idle },
             ..robot(&format!("r{r}"), 0.0)
         }
