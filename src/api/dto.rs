@@ -23,7 +23,7 @@ pub struct Page<T> {
 }
 
 /// One robot.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct RobotDto {
     /// Its name.
     #[schema(example = "robot-1")]
@@ -58,7 +58,7 @@ pub struct RobotDto {
 }
 
 /// One rack.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct RackDto {
     /// Its name.
     pub id: String,
@@ -69,7 +69,7 @@ pub struct RackDto {
 }
 
 /// One station.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct StationDto {
     /// Its name.
     pub id: String,

@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 use utoipa::ToSchema;
 
 /// One worker.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct WorkerDto {
     /// Its number.
     #[schema(example = "w1")]
@@ -68,7 +68,7 @@ pub struct WorkerDto {
 }
 
 /// A place where a worker may be going.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct GoalDto {
     /// Metres.
     pub x: f64,
@@ -79,7 +79,7 @@ pub struct GoalDto {
 }
 
 /// What became of a worker's poses.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct FeedDto {
     /// Taken in.
     pub taken: u64,

@@ -6,7 +6,7 @@ use super::Api;
 use super::error::Problem;
 use super::extract::Params;
 use super::feed::hub::Carried;
-use super::live::LAGGING;
+use super::live::{LAGGING, Shape};
 use super::people::{SensesDto, worker_name};
 use crate::id::{Dense, WorkerId};
 use axum::extract::State;
@@ -42,13 +42,15 @@ pub struct LiveParams {
     since: Option<u64>,
     /// Whether to send gaze, hands and charge of workers, too: after each patch a message `senses`.
     senses: Option<bool>,
+    /// Whether patches are to be thin: numbers by row instead of rows by name, about a tenth of the bytes.
+    thin: Option<bool>,
 }
 
 /// The live feed: JSON texts, first `{"type": "snapshot", "version", …}`, then `{"type": "patch", "base",
 /// "version", …}` ten times a second. A patch names only items and keys that changed; one whose base is not
-/// the reader's version means: connect again. With `senses=true` there are messages `{"type": "senses", "workers":
-/// [{"id", "gaze", "hands", "battery"}]}` besides. Offer the protocol `giveway`, and `bearer.TOKEN` where a token
-/// is needed.
+/// the reader's version means: connect again. With `thin=true` patches carry numbers by row (docs/api.md, "Watch").
+/// With `senses=true` there are messages `{"type": "senses", "workers": [{"id", "gaze", "hands", "battery"}]}`
+/// besides. Offer the protocol `giveway`, and `bearer.TOKEN` where a token is needed.
 #[utoipa::path(get, path = "/v1/live", tag = "floor", params(LiveParams), responses(
     (status = 101, description = "The feed begins"),
     (status = 426, description = "Not a WebSocket", body = Problem,
@@ -85,7 +87,8 @@ async fn serve(api: &Api, mut socket: WebSocket, p: &LiveParams) {
     let mut ping = interval(PING);
     ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let mut silent = 0;
-    let (mut texts, mut version) = api.live.after(p.since, api.live.kept());
+    let shape = if p.thin == Some(true) { Shape::Thin } else { Shape::Plain };
+    let (mut texts, mut version) = api.live.after(shape, p.since, api.live.kept());
     loop {
         let news = !texts.is_empty();
         let senses = (news && p.senses == Some(true)).then(|| senses(api));
@@ -100,7 +103,7 @@ async fn serve(api: &Api, mut socket: WebSocket, p: &LiveParams) {
                     return;
                 }
                 newest.mark_unchanged();
-                (texts, version) = api.live.after(Some(version), LAGGING);
+                (texts, version) = api.live.after(shape, Some(version), LAGGING);
             }
             message = socket.recv() => match message {
                 Some(Ok(Message::Close(_)) | Err(_)) | None => return,

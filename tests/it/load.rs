@@ -3,6 +3,7 @@
 
 use crate::feed::{Headset, hire};
 use crate::helper::{Folder, config, get};
+use futures_util::StreamExt;
 use giveway::server::{Floor, Server};
 use giveway::sim::Scenario;
 use giveway::time::Span;
@@ -10,6 +11,7 @@ use giveway::warehouse::formats;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval};
 
@@ -123,5 +125,83 @@ async fn twenty_headsets_at_60_hz_beside_200_robots() {
     let metrics = get(at, "/metrics").await.text;
     let figure = |l: &&str| l.starts_with("giveway_pose") || l.starts_with("giveway_step_seconds");
     metrics.lines().filter(figure).filter(|l| !l.contains("_bucket")).for_each(|l| println!("{l}"));
+    server.stop().await.unwrap();
+}
+
+const DASHBOARDS: usize = 200;
+
+/// Reads the live feed as a dashboard does and adds up what came; lets nobody wait for it.
+async fn watch_floor(at: SocketAddr, bytes: Arc<AtomicU64>, patches: Arc<AtomicU64>) {
+    let url = format!("ws://{at}/v1/live?thin=true");
+    let (mut socket, _) = tokio_tungstenite::connect_async(url).await.expect("the feed opens");
+    let _snapshot = socket.next().await;
+    while let Some(Ok(message)) = socket.next().await {
+        bytes.fetch_add(message.len() as u64, Ordering::Relaxed);
+        patches.fetch_add(u64::from(message.is_text()), Ordering::Relaxed);
+    }
+}
+
+/// How many steps there were, and how many seconds they took together.
+async fn steps(at: SocketAddr) -> (f64, f64) {
+    let text = get(at, "/metrics").await.text;
+    let figure = |name: &str| {
+        let line = text.lines().find(|l| l.starts_with(name)).expect("a figure");
+        line.rsplit(' ').next().and_then(|n| n.parse::<f64>().ok()).expect("a number")
+    };
+    (figure("giveway_step_seconds_count"), figure("giveway_step_seconds_sum"))
+}
+
+/// Seconds that the control loop's thread has spent on a processor, whoever else wanted one. Linux only.
+fn loop_cpu() -> f64 {
+    let tasks = std::fs::read_dir("/proc/self/task").expect("Linux").flatten().map(|t| t.path());
+    let is_fleet =
+        |t: &std::path::PathBuf| std::fs::read_to_string(t.join("comm")).is_ok_and(|c| c.trim() == "fleet");
+    let task = tasks.into_iter().find(is_fleet).expect("the control loop");
+    let text = std::fs::read_to_string(task.join("schedstat")).expect("Linux counts it");
+    text.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()).expect("nanoseconds") / 1e9
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+#[ignore = "a measurement"]
+async fn two_hundred_dashboards_beside_800_robots() {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let read = |path: &str| std::fs::read_to_string(format!("{root}/{path}")).unwrap();
+    let scenario = Scenario::parse(&read("scenarios/kiva-800.json")).unwrap();
+    let (map, _) =
+        formats::import(&read(&format!("scenarios/{}", scenario.map)), &Default::default()).unwrap();
+    let folder = Folder::new();
+    let floor = Floor { scenario, map: Arc::new(map), lines: Vec::new() };
+    let server = Server::start(&config(&folder), floor).await.unwrap();
+    let at = server.address();
+    tokio::time::sleep(Duration::from_secs(30)).await;
+    let turns = 4;
+    let each = Duration::from_secs((seconds() / (2 * turns)).max(5));
+    // In turn, since steps do not cost the same all the time.
+    for _ in 0..turns {
+        for dashboards in [0, DASHBOARDS] {
+            let (bytes, patches) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicU64::new(0)));
+            let readers: Vec<_> = (0..dashboards)
+                .map(|_| tokio::spawn(watch_floor(at, bytes.clone(), patches.clone())))
+                .collect();
+            tokio::time::sleep(Duration::from_secs(2)).await;
+            let ((n0, s0), b0) = (steps(at).await, bytes.load(Ordering::Relaxed));
+            let (p0, c0) = (patches.load(Ordering::Relaxed), loop_cpu());
+            tokio::time::sleep(each).await;
+            let cpu = loop_cpu() - c0;
+            let ((n1, s1), b1) = (steps(at).await, bytes.load(Ordering::Relaxed));
+            let per = |sum: u64| sum as f64 / each.as_secs_f64() / (dashboards.max(1)) as f64;
+            println!(
+                "{dashboards:>3} dashboards: a step {:.2} ms, the loop {:.2} ms of processor a step, {} steps; \
+                 each dashboard {:.1} kB/s in {:.1} patches/s",
+                1000.0 * (s1 - s0) / (n1 - n0),
+                1000.0 * cpu / (n1 - n0),
+                n1 - n0,
+                per(b1 - b0) / 1000.0,
+                per(patches.load(Ordering::Relaxed) - p0)
+            );
+            readers.iter().for_each(tokio::task::JoinHandle::abort);
+            tokio::time::sleep(Duration::from_secs(1)).await;
+        }
+    }
     server.stop().await.unwrap();
 }

@@ -4,6 +4,7 @@ export interface MockOptions {
   width?: number;
   height?: number;
   robots?: number;
+  people?: number;
   dist?: string | null;
   token?: string | null;
 }

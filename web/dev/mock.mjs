@@ -1,5 +1,5 @@
 // A stand-in for the server, so that `npm run dev` works alone. It speaks the public API over a toy
-// floor. Alone: node dev/mock.mjs [--port 8791] [--robots 50] [--width 40] [--height 25] [--dist dist]
+// floor. Alone: node dev/mock.mjs [--port 8791] [--robots 50] [--people 3] [--width 40] [--height 25] [--dist dist]
 // [--token secret]; with --dist it serves the built page under the strictest policy the page must bear.
 import { readFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
@@ -7,6 +7,7 @@ import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 import { WebSocketServer } from 'ws';
+import { thinPatch } from './thin.mjs';
 import { ToyFleet } from './toyfleet.mjs';
 import { toyFloor } from './toyfloor.mjs';
 
@@ -14,9 +15,9 @@ const POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; img-src
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 const TICK_S = 0.1;
 
-export async function startMock({ port, width = 40, height = 25, robots = 50, dist = null, token = null }) {
+export async function startMock({ port, width = 40, height = 25, robots = 50, people = 3, dist = null, token = null }) {
   const floor = toyFloor(width, height);
-  const fleet = new ToyFleet(floor, robots);
+  const fleet = new ToyFleet(floor, robots, people);
   let version = 1;
   let last = fleet.view();
 
@@ -43,11 +44,7 @@ export async function startMock({ port, width = 40, height = 25, robots = 50, di
   const timer = setInterval(() => {
     fleet.step(TICK_S);
     const now = fleet.view();
-    const patch = { type: 'patch', base: version, version: version + 1, time_s: now.time_s, jobs: now.jobs, counters: now.counters };
-    for (const key of ['robots', 'racks', 'stations']) {
-      const rows = now[key].map((row, i) => changes(last[key][i], row)).filter(Boolean);
-      if (rows.length > 0) patch[key] = rows;
-    }
+    const patch = thinPatch(last, now, version);
     version += 1;
     last = now;
     const text = JSON.stringify(patch);
@@ -95,11 +92,6 @@ async function submit(fleet, map, request) {
   return [201, made];
 }
 
-function changes(before, now) {
-  const keys = Object.keys(now).filter((k) => k !== 'id' && JSON.stringify(before[k]) !== JSON.stringify(now[k]));
-  return keys.length === 0 ? null : Object.fromEntries([['id', now.id], ...keys.map((k) => [k, now[k]])]);
-}
-
 function send(response, status, body) {
   response.writeHead(status, { 'content-type': status < 400 ? 'application/json' : 'application/problem+json' });
   response.end(JSON.stringify(body));
@@ -119,11 +111,11 @@ async function serveFile(dist, path, response) {
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
   const { values } = parseArgs({
-    options: Object.fromEntries(['port', 'robots', 'width', 'height', 'dist', 'token'].map((name) => [name, { type: 'string' }])),
+    options: Object.fromEntries(['port', 'robots', 'people', 'width', 'height', 'dist', 'token'].map((name) => [name, { type: 'string' }])),
   });
   const number = (text, otherwise) => (text === undefined ? otherwise : Number(text));
   const { port } = await startMock({
-    port: number(values.port, 8791), robots: number(values.robots, 50), width: number(values.width, 40), height: number(values.height, 25),
+    port: number(values.port, 8791), robots: number(values.robots, 50), people: number(values.people, 3), width: number(values.width, 40), height: number(values.height, 25),
     dist: values.dist ?? null, token: values.token ?? null,
   });
   console.log(`The mock server listens on http://127.0.0.1:${port}`);

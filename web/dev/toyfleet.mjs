@@ -1,10 +1,13 @@
 // Robots that wander about the toy floor, and jobs that are done by the clock. It plans nothing and
 // proves nothing: it is there so that the page has something to show.
+import { ToyPeople } from './toypeople.mjs';
+
 const SPEED = 1.2;
 const BATTERY_PER_M = 0.0004;
 
 export class ToyFleet {
-  constructor({ map, neighbours }, count) {
+  constructor({ map, neighbours }, count, people) {
+    this.people = new ToyPeople({ map, neighbours }, people);
     Object.assign(this, { map, neighbours, time: 0, jobs: [], deliveries: 0, keys: new Map(), alarms: [] });
     const storage = map.nodes.map((n, i) => [n, i]).filter(([n]) => n.kind === 'storage').map(([, i]) => i);
     this.taken = new Map();
@@ -29,6 +32,7 @@ export class ToyFleet {
 
   step(dt) {
     this.time += dt;
+    this.people.step(dt);
     this.robots.forEach((robot, k) => robot.wire.state !== 'failed' && this.#drive(robot, k, dt));
     this.#work();
   }
@@ -62,7 +66,7 @@ export class ToyFleet {
     Object.assign(w, { speed: SPEED, why: null, battery: Math.max(0.05, w.battery - step * BATTERY_PER_M) });
     w.state = w.rack ? 'busy' : w.doing === 'to_rack' ? 'busy' : 'free';
     w.granted = [robot.node, ...robot.way.slice(0, 3)];
-    w.held = [robot.node, ...robot.way.slice(0, 9)];
+    w.held = robot.way.slice(3, 9);
     if (far <= step + 1e-6) {
       this.taken.delete(robot.node);
       robot.node = robot.way.shift();
@@ -153,6 +157,8 @@ export class ToyFleet {
       robots: this.robots.map(({ wire }) => ({ ...wire, x: round(wire.x), y: round(wire.y), heading: round(wire.heading), battery: round(wire.battery) })),
       racks: this.racks.map((r) => ({ ...r })),
       stations: this.stations,
+      workers: this.people.view(),
+      closures: [{ id: 'c1', outline: [[3, 3], [7, 3], [7, 4.5], [3, 4.5]], reason: 'spill' }],
       jobs: { waiting: of('waiting'), active: of('assigned', 'carrying', 'queued', 'picking'), done: of('done'), cancelled: of('cancelled'), failed: 0 },
       counters: {
         robot_deliveries: this.deliveries, human_deliveries: 0, deliveries_per_hour: this.time > 5 ? (this.deliveries / this.time) * 3600 : 0, encounters: 0,

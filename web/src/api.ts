@@ -40,6 +40,7 @@ export class Api {
   openLive(since: number | null, events: SocketEvents): Socket {
     const url = new URL('/v1/live', location.href);
     url.protocol = url.protocol.replace('http', 'ws');
+    url.searchParams.set('thin', 'true');
     if (since !== null) url.searchParams.set('since', String(since));
     // Browsers let no header be set on a WebSocket; the subprotocol list is the one place for a token.
     const socket = this.token ? new WebSocket(url, ['giveway', `bearer.${this.token}`]) : new WebSocket(url);

@@ -9,6 +9,8 @@ export type LinkState =
   | { kind: 'live' }
   /** The socket is open, but nothing came for a while. */
   | { kind: 'slow' }
+  /** Messages come, but the floor's own clock stands: what they say is old. */
+  | { kind: 'still' }
   | { kind: 'lost'; attempt: number; retryAt: number };
 
 export interface Socket {
@@ -49,6 +51,8 @@ export class Link {
   mirror: Mirror = EMPTY;
   /** When the last message came, on the client's clock; null before the first. */
   heardAt: number | null = null;
+  /** When the floor's own clock was last seen to go on, on the client's clock. */
+  freshAt: number | null = null;
   state: LinkState = { kind: 'connecting' };
 
   #options: LinkOptions;
@@ -124,10 +128,11 @@ export class Link {
       this.#startOver();
       return;
     }
+    if (reduced.kind === 'snapshot' || reduced.mirror.time_s !== this.mirror.time_s) this.freshAt = this.heardAt;
     this.mirror = reduced.mirror;
     this.#attempt = 0;
     this.#resume = 'from version';
-    this.#become({ kind: 'live' });
+    this.#become(this.#isStill() ? { kind: 'still' } : { kind: 'live' });
     this.#options.onMirror(reduced.mirror, reduced.kind);
   }
 
@@ -160,11 +165,17 @@ export class Link {
       if (silent >= DEAD_MS) {
         this.#drop();
         this.#lost();
-      } else if (silent >= SLOW_MS && this.state.kind === 'live') {
+      } else if (silent >= SLOW_MS && (this.state.kind === 'live' || this.state.kind === 'still')) {
         this.#become({ kind: 'slow' });
+      } else if (this.state.kind === 'live' && this.#isStill()) {
+        this.#become({ kind: 'still' });
       }
     }
     this.#watch = clock.after(WATCH_MS, () => this.#look());
+  }
+
+  #isStill(): boolean {
+    return this.freshAt !== null && this.#options.clock.now() - this.freshAt >= SLOW_MS;
   }
 
   #become(state: LinkState): void {

@@ -82,10 +82,10 @@ function patched(old: Mirror, patch: Patch): Mirror {
     version: patch.version,
     time_s: patch.time_s ?? old.time_s,
     source: old.source,
-    robots: merge(old.robots, patch.robots, BLANK_ROBOT),
+    robots: drive(merge(old.robots, patch.robots, BLANK_ROBOT), old.robots, patch),
     racks: merge(old.racks, patch.racks, BLANK_RACK),
     stations: merge(old.stations, patch.stations, BLANK_STATION),
-    workers: merge(old.workers, patch.workers, BLANK_WORKER),
+    workers: walk(merge(old.workers, patch.workers, BLANK_WORKER), old.workers, patch),
     closures: patch.closures ?? old.closures,
     jobs: overlay(old.jobs, patch.jobs),
     counters: overlay(old.counters, patch.counters),
@@ -115,6 +115,69 @@ function merge<T extends { id: string }>(
     rows.push(overlay(blank, change));
   }
   return { rows, at };
+}
+
+/** Takes over what came as numbers about robots. */
+function drive(table: Table<Robot>, old: Table<Robot>, patch: Patch): Table<Robot> {
+  const { moves = [], turns = [], speeds = [], ways = [] } = patch;
+  if (moves.length + turns.length + speeds.length + ways.length === 0) return table;
+  const own = ownRows(table, old);
+  for (let k = 0, i = 0; k + 2 < moves.length; k += 3, i++) {
+    const robot = own.row((i += moves[k]!));
+    if (!robot) continue;
+    robot.x = (Math.round(robot.x * 1_000) + moves[k + 1]!) / 1_000;
+    robot.y = (Math.round(robot.y * 1_000) + moves[k + 2]!) / 1_000;
+  }
+  for (let k = 0, i = 0; k + 1 < turns.length; k += 2, i++) {
+    const robot = own.row((i += turns[k]!));
+    if (robot) robot.heading = turns[k + 1]! / 1_000;
+  }
+  for (let k = 0, i = 0; k + 1 < speeds.length; k += 2, i++) {
+    const robot = own.row((i += speeds[k]!));
+    if (robot) robot.speed = speeds[k + 1]! / 100;
+  }
+  for (const [i = -1, left = 0, granted = 0, stay = 0, ...after] of ways) {
+    const robot = own.row(i);
+    if (!robot) continue;
+    const way = [...robot.granted, ...robot.held].slice(left, left + stay).concat(after);
+    robot.granted = way.slice(0, granted);
+    robot.held = way.slice(granted);
+  }
+  return own.table;
+}
+
+/** Takes over what came as numbers about workers. */
+function walk(table: Table<Worker>, old: Table<Worker>, { walks = [], paths = [] }: Patch): Table<Worker> {
+  if (walks.length + paths.length === 0) return table;
+  const own = ownRows(table, old);
+  const part = (n: number | null | undefined, by: number) => (n === null || n === undefined ? null : n / by);
+  for (let k = 0, i = 0; k + 4 < walks.length; k += 5, i++) {
+    const worker = own.row((i += walks[k] ?? 0));
+    if (!worker) continue;
+    worker.x = part(walks[k + 1], 1_000);
+    worker.y = part(walks[k + 2], 1_000);
+    worker.heading = part(walks[k + 3], 1_000);
+    worker.speed = part(walks[k + 4], 100) ?? 0;
+  }
+  for (const [i = -1, stay = 0, ...fresh] of paths) {
+    const worker = own.row(i);
+    if (!worker) continue;
+    const before: Worker['path'] = [];
+    for (let k = 0; k + 1 < fresh.length; k += 2) before.push([fresh[k]! / 1_000, fresh[k + 1]! / 1_000]);
+    worker.path = before.concat(stay === 0 ? [] : worker.path.slice(-stay));
+  }
+  return own.table;
+}
+
+/** Rows that may be changed: each is copied once, and rows of the older mirror stay as they were. */
+function ownRows<T extends { id: string }>(table: Table<T>, old: Table<T>): { table: Table<T>; row(i: number): T | undefined } {
+  const rows = table.rows.slice();
+  const row = (i: number): T | undefined => {
+    const known = rows[i];
+    if (known === undefined || known !== old.rows[i]) return known;
+    return (rows[i] = { ...known });
+  };
+  return { table: { rows, at: table.at }, row };
 }
 
 /** Takes from `changes` only the keys that `old` has, so an unknown key never spreads into the page. */

@@ -1,8 +1,6 @@
-// Who on the floor is pointed at or chosen. A robot and a worker may bear the same id.
+// What on the floor is pointed at or chosen. Things of two kinds may bear the same id.
+export const PICKED_KINDS = ['robot', 'worker', 'station', 'rack', 'place', 'closure'] as const;
 export interface Picked {
-  readonly kind: 'robot' | 'worker';
+  readonly kind: (typeof PICKED_KINDS)[number];
   readonly id: string;
 }
-
-export const idOf = (kind: Picked['kind'], picked: Picked | null): string | null =>
-  (picked?.kind === kind ? picked.id : null);

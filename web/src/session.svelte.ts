@@ -5,6 +5,7 @@ import { History } from './history';
 import { Link, type LinkState } from './link';
 import { EMPTY, type Mirror } from './mirror';
 import type { Picked } from './picked';
+import { Story } from './story';
 import type { FloorMap } from './wire';
 
 export type Loaded<T> = { kind: 'loading' } | { kind: 'ready'; value: T } | { kind: 'failed'; why: string };
@@ -15,11 +16,12 @@ const MAP_RETRY_MS = 3_000;
 export class Session {
   readonly api = new Api();
   readonly history = new History();
+  readonly story = new Story();
   map = $state.raw<Loaded<FloorMap>>({ kind: 'loading' });
   link = $state.raw<LinkState>({ kind: 'connecting' });
   /** The mirror as the panels show it. */
   mirror = $state.raw<Mirror>(EMPTY);
-  /** Seconds since the server was last heard; null before the first word. */
+  /** Age of the picture in seconds; null before the first. */
   age = $state.raw<number | null>(null);
   lock = $state.raw<'open' | 'locked'>('open');
   chosen = $state.raw<Picked | null>(null);
@@ -74,6 +76,7 @@ export class Session {
     const answer = await this.api.map();
     if (answer.kind === 'ok') {
       this.map = { kind: 'ready', value: answer.value };
+      this.story.places = answer.value.nodes;
       return;
     }
     const locked = answer.kind === 'refused' && answer.problem.status === 401;
@@ -84,9 +87,12 @@ export class Session {
   }
 
   #publish(): void {
-    if (this.mirror !== this.#link.mirror) this.mirror = this.#link.mirror;
-    const { heardAt } = this.#link;
-    const age = heardAt === null ? null : Math.floor((performance.now() - heardAt) / 1_000);
+    if (this.mirror !== this.#link.mirror) {
+      this.story.note(this.#link.mirror);
+      this.mirror = this.#link.mirror;
+    }
+    const { freshAt } = this.#link;
+    const age = freshAt === null ? null : Math.floor((performance.now() - freshAt) / 1_000);
     if (age !== this.age) this.age = age;
   }
 }

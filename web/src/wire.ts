@@ -161,6 +161,21 @@ export interface Patch {
   jobs?: Partial<JobCounts>;
   counters?: Partial<Counters>;
   alarms?: Alarm[];
+
+  // What changes all the time comes as numbers by row of the snapshot, one list for all rows (`thin=true`).
+  // "Passed" is how many rows were passed over since the entry before.
+  /** Passed, and the step from the base in millimetres: passed, dx, dy, passed, dx, dy … */
+  moves?: number[];
+  /** Passed, and the heading in milliradians. */
+  turns?: number[];
+  /** Passed, and the speed in centimetres a second. */
+  speeds?: number[];
+  /** Row, nodes left behind, nodes granted now, nodes of the rest that stay, and the nodes that come after. */
+  ways?: number[][];
+  /** Passed, x and y of a worker in millimetres, heading in milliradians, speed in centimetres a second. */
+  walks?: (number | null)[];
+  /** Row of a worker, points at the end of the path that stay, and those before them in millimetres: x, y … */
+  paths?: number[][];
 }
 export type Message = Snapshot | Patch;
 

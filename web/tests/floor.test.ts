@@ -1,6 +1,6 @@
 // The camera and the scene: arithmetic that a wrong sign would spoil.
 import { describe, expect, test } from 'vitest';
-import { dashes, personNear } from '../src/floor/people';
+import { personNear } from '../src/floor/people';
 import { heldBeyond, robotNear, Stage } from '../src/floor/scene';
 import { shortTurn } from '../src/floor/turn';
 import { fit, pan, toScreen, toWorld, zoomAt } from '../src/floor/view';
@@ -86,11 +86,11 @@ describe('the scene', () => {
     expect([...stage.scene.rackOn]).toEqual([0, -1]);
   });
 
-  test('ways are drawn only along lanes', () => {
+  test('ways are drawn only along lanes, straight ones as one line', () => {
     const stage = new Stage(MAP);
     stage.take(mirror([robot('r1', { granted: [0, 1, 2, 3] }), robot('r2', { granted: [2, 1] })]), 0, 'jump');
-    expect([...stage.scene.granted.at]).toEqual([0, 0, 1, 0, 1, 0, 2, 0, 2, 0, 1, 0]);
-    expect([...stage.scene.granted.from]).toEqual([0, 2, 3]);
+    expect([...stage.scene.granted.at]).toEqual([0, 0, 2, 0, 2, 0, 1, 0]);
+    expect([...stage.scene.granted.from]).toEqual([0, 1, 2]);
   });
 
   test('what is held begins where the grant ends', () => {
@@ -136,12 +136,6 @@ describe('people on the floor', () => {
     expect(stage.scene.people.map((p) => p.title)).toEqual(['w3 (lost)']);
     expect(personNear(stage.scene.people, 0.5, 0, 1)).toBe(0);
     expect(personNear(stage.scene.people, 5, 0, 1)).toBe(-1);
-  });
-
-  test('dashes run on around a corner and stay on the line', () => {
-    const cut = dashes([[0, 0], [0.5, 0], [0.5, 1]]);
-    expect(cut.map((v) => Math.round(v * 100) / 100)).toEqual([0, 0, 0.35, 0, 0.5, 0.1, 0.5, 0.45, 0.5, 0.7, 0.5, 1]);
-    expect(dashes([[1, 1], [1, 1]])).toEqual([]);
   });
 });
 

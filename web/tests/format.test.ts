@@ -38,6 +38,7 @@ describe('formatting', () => {
 describe('the words for the link', () => {
   test('only a live link has no veil', () => {
     expect(linkWords({ kind: 'live' }, 0)).toEqual({ short: 'Live', veil: null });
+    expect(linkWords({ kind: 'still' }, 18).veil).toBe('The floor’s clock stands still, this picture is 18 s old');
     expect(linkWords({ kind: 'slow' }, 3).veil).toBe('The link is slow, showing 3 s old data');
   });
 

@@ -138,10 +138,25 @@ describe('the link', () => {
     expect(world.sockets[0]!.state).toBe('closed');
   });
 
+  test('a floor whose clock stands is not shown as live, although messages come', () => {
+    world.say(snapshot({ version: 1, time_s: 7 }));
+    const hear = (version: number, time_s: number): void => {
+      world.pass(900);
+      world.say({ type: 'patch', base: version - 1, version, time_s });
+    };
+    hear(2, 7);
+    expect(world.link.state.kind).toBe('live');
+    for (const version of [3, 4, 5]) hear(version, 7);
+    expect(world.link.state.kind).toBe('still');
+    hear(6, 8);
+    expect(world.link.state.kind).toBe('live');
+    expect(world.states.filter((kind) => kind === 'still')).toHaveLength(1);
+  });
+
   test('a slow link is live again with the next message', () => {
     world.say(snapshot({ version: 5 }));
     world.pass(SLOW_MS + 500);
-    world.say({ type: 'patch', base: 5, version: 6 });
+    world.say({ type: 'patch', base: 5, version: 6, time_s: 3 });
     expect(world.link.state.kind).toBe('live');
   });
 
@@ -160,7 +175,8 @@ describe('the link', () => {
     world.pass(1_500);
     world.say({ type: 'weather', rain: true });
     world.pass(1_500);
-    expect(world.link.state.kind).toBe('live');
+    // Neither slow nor live: the server speaks, but not of a floor that goes on.
+    expect(world.link.state.kind).toBe('still');
     expect(world.link.mirror.version).toBe(5);
   });
 

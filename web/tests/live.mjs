@@ -1,23 +1,14 @@
 // The page in a real browser against a real, running server: node tests/live.mjs URL
 // Each check prints a sentence; the last line counts them. CHROMIUM names the browser to use.
-import { existsSync, readFileSync } from 'node:fs';
+import { readFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
-import { chromium } from 'playwright-core';
+import { assert, check, finish, openBrowser } from './chromium.mjs';
 
 const url = process.argv[2];
 if (!url) {
   console.error('Say where the server is: node tests/live.mjs http://127.0.0.1:8080');
-  process.exit(2);
-}
-const ARGS = [
-  '--headless', '--no-sandbox', '--disable-gpu', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
-  '--disable-background-networking', '--disable-component-update', '--disable-sync', '--no-first-run',
-];
-const executablePath = process.env.CHROMIUM ?? ['/usr/bin/chromium-headless-shell', '/usr/bin/chromium'].find((path) => existsSync(path));
-if (!executablePath) {
-  console.error('No Chromium: install the Debian package chromium-headless-shell, or set CHROMIUM to one.');
   process.exit(2);
 }
 const SHOTS = fileURLToPath(new URL('./shots/', import.meta.url));
@@ -25,24 +16,8 @@ const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.mi
 const JOB_DONE_MS = 240_000;
 const WRONG_RACK = 'no-such-rack';
 
-let passed = 0;
-let failed = 0;
-async function check(sentence, run) {
-  try {
-    const more = await run();
-    passed += 1;
-    console.log(`pass: ${sentence}${more ? ` (${more})` : ''}`);
-  } catch (error) {
-    failed += 1;
-    console.log(`FAIL: ${sentence}: ${String(error.message ?? error).split('\n').slice(0, 4).join(' | ')}`);
-  }
-}
-function assert(truth, why) {
-  if (!truth) throw new Error(why);
-}
-
 await mkdir(SHOTS, { recursive: true });
-const browser = await chromium.launch({ executablePath, args: ARGS });
+const browser = await openBrowser();
 const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
 const complaints = [];
 const page = await context.newPage();
@@ -123,8 +98,8 @@ await check('The map answers to the keyboard', async () => {
   assert(await host.evaluate((element) => element === document.activeElement), 'the map lost the focus');
 });
 await check('A robot found by name shows what it is doing', async () => {
-  const robot = await page.locator('#robots-to-find option').first().getAttribute('value');
-  await page.getByLabel('Find a robot').fill(robot);
+  const robot = await page.locator('#things-to-find option').first().getAttribute('value');
+  await page.getByLabel('Find on the floor').fill(robot);
   await page.keyboard.press('Enter');
   const panel = page.getByRole('region', { name: 'Robot', exact: true });
   await panel.getByRole('heading', { name: robot, exact: true }).waitFor({ timeout: 5_000 });
@@ -133,6 +108,46 @@ await check('A robot found by name shows what it is doing', async () => {
   await panel.getByRole('button', { name: 'Close' }).click();
   await page.getByRole('button', { name: 'Show the whole floor' }).click();
 });
+await check('Keys choose one thing after the other, and Escape lets go', async () => {
+  await page.getByRole('application', { name: 'Map of the floor' }).focus();
+  const titles = [];
+  for (const key of ['n', 'n', 'p']) {
+    await page.keyboard.press(key);
+    titles.push(await page.locator('.card h2').textContent({ timeout: 5_000 }));
+  }
+  assert(titles[0] === titles[2] && titles[0] !== titles[1], `it went through ${titles.join(', ')}`);
+  await page.keyboard.press('Escape');
+  await page.locator('.card h2').waitFor({ state: 'detached', timeout: 5_000 });
+  return titles.slice(0, 2).join(', ');
+});
+await check('A station, a rack and a charger tell about themselves', async () => {
+  const told = [];
+  const charger = map.nodes.find((n) => n.kind === 'charger');
+  for (const [id, label] of [[map.stations[0].id, 'Station'], [map.racks[0].id, 'Rack'], [charger.id, 'Place']]) {
+    await page.getByLabel('Find on the floor').fill(id);
+    await page.keyboard.press('Enter');
+    const card = page.getByRole('region', { name: label, exact: true });
+    await card.getByRole('heading', { name: id, exact: true }).waitFor({ timeout: 5_000 });
+    told.push(`${id}: ${(await card.locator('dl').innerText()).replaceAll(/\s+/g, ' ')}`);
+  }
+  await page.screenshot({ path: `${SHOTS}place.png` });
+  return told.join('; ');
+});
+await check('A click on the floor chooses what is there', async () => {
+  await page.getByRole('button', { name: 'Show the whole floor' }).click();
+  await page.getByLabel('Find on the floor').fill(map.stations[0].id);
+  await page.keyboard.press('Enter');
+  await page.keyboard.press('Escape');
+  await page.getByRole('button', { name: 'Close' }).click();
+  // What was found is in the middle now.
+  const box = await page.getByRole('application', { name: 'Map of the floor' }).boundingBox();
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  await page.locator('.card h2').waitFor({ timeout: 5_000 });
+  const name = await page.locator('.card h2').textContent();
+  await page.getByRole('button', { name: 'Close' }).click();
+  await page.getByRole('button', { name: 'Show the whole floor' }).click();
+  return name;
+});
 await accessible('dark');
 
 await page.getByLabel('Theme').selectOption('light');
@@ -140,7 +155,7 @@ await page.waitForTimeout(700);
 await page.screenshot({ path: `${SHOTS}light.png` });
 await accessible('light');
 
-await page.setViewportSize({ width: 390, height: 844 });
+await page.setViewportSize({ width: 375, height: 740 });
 await page.waitForTimeout(700);
 await check('The page fits a phone without scrolling sideways', async () => {
   const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
@@ -166,6 +181,16 @@ for (const painter of ['webgl', 'canvas2d']) await check(`The ${painter} painter
   await other.close();
   assert(complaints.length === 0, complaints.join(' | '));
 });
+await check('Who wants less motion sees robots where they were last seen, not sliding there', async () => {
+  const still = await browser.newContext({ reducedMotion: 'reduce' });
+  const other = await still.newPage();
+  await other.goto(url);
+  await other.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.version) > 0, null, { timeout: 30_000 });
+  await other.waitForTimeout(1_000);
+  const motion = await other.locator('canvas[data-robots]').getAttribute('data-motion');
+  assert(motion === 'jump' && (await read('motion')) === 'glide', `it is ${motion}, and ${await read('motion')} where motion is welcome`);
+  await still.close();
+});
 await check('A lost connection is said plainly and the data is shown as old', async () => {
   // Only what reaches this page is held back; the server goes on.
   const lost = await context.newPage();
@@ -183,9 +208,7 @@ await check('A lost connection is said plainly and the data is shown as old', as
   await lost.close();
 });
 
-await browser.close();
-console.log(`${passed} passed, ${failed} failed`);
-process.exit(failed === 0 ? 0 : 1);
+await finish(browser);
 
 function watch(one) {
   one.on('console', (message) => {

@@ -1,14 +1,23 @@
-// The canvas 2D painter: a few large paths per frame instead of one drawing call per robot.
-import { ROBOT_STATES } from '../wire';
+// The canvas 2D painter, for machines without a graphics card: the same sheets, mark by mark; runs of the
+// same mark in the same ink become one path.
 import { label } from './ground';
-import { belowPerson, NAMES_FROM, personRadius, RACK_NAMES_FROM, SIZE, type Frame, type Painter } from './painter';
+import type { Frame, Painter } from './painter';
 import type { Palette } from './palette';
-import { outlinePerson, type Person } from './people';
-import type { Paths, Scene } from './scene';
+import { outlinePerson, PERSON_REACH } from './people';
+import { ARC_WIDTH, cssOf, DASH, KIND, RING_DASHES, STRIDE, type Kind, type Sheet } from './sheet';
 import type { View } from './view';
 
-const INTERRUPTED = ROBOT_STATES.indexOf('interrupted');
-const FAILED = ROBOT_STATES.indexOf('failed');
+const TAU = 2 * Math.PI;
+/** Marks of which many in a row become one path. */
+const RUNS: ReadonlySet<Kind> = new Set([KIND.box, KIND.disc, KIND.ring, KIND.frame, KIND.dashes]);
+interface Run {
+  kind: Kind;
+  dye: number;
+  /** Of the line; 0 for what is filled. */
+  width: number;
+  more: number;
+  path: Path2D;
+}
 
 export class Canvas2dPainter implements Painter {
   readonly kind = 'canvas2d';
@@ -16,6 +25,9 @@ export class Canvas2dPainter implements Painter {
   #ink: CanvasRenderingContext2D;
   #palette: Palette;
   #density = 1;
+  #css = new Map<number, string>();
+  #kept = new Map<Sheet, { turn: number; strokes: (() => void)[] | null }>();
+  #scale = 1;
 
   constructor(palette: Palette) {
     const ink = this.element.getContext('2d', { alpha: false });
@@ -34,11 +46,10 @@ export class Canvas2dPainter implements Painter {
     this.element.height = Math.round(height * density);
   }
 
-  draw({ view, ground, scene, chosen, person }: Frame): void {
+  draw({ view, ground, sheets, words }: Frame): void {
     const ink = this.#ink;
-    const c = this.#palette.of;
     ink.setTransform(this.#density, 0, 0, this.#density, 0, 0);
-    ink.fillStyle = c.void;
+    ink.fillStyle = this.#palette.of.void;
     ink.fillRect(0, 0, view.width, view.height);
     const zoom = view.scale / ground.view.scale;
     const w = ground.view.width * zoom;
@@ -52,207 +63,156 @@ export class Canvas2dPainter implements Painter {
     ink.setTransform(m, 0, 0, -m,
       (view.width / 2 - view.x * view.scale) * this.#density,
       (view.height / 2 + view.y * view.scale) * this.#density);
-    const hair = 1 / view.scale;
-    this.#racks(scene, view, 'resting');
-    ink.lineCap = 'round';
-    this.#ways(scene.held, c.held, Math.max(SIZE.held, 0.8 * hair));
-    this.#ways(scene.granted, c.granted, Math.max(SIZE.granted, 1.4 * hair));
-    if (chosen >= 0) this.#chosen(scene, chosen, hair);
-    this.#robots(scene, view, hair);
-    this.#racks(scene, view, 'carried');
-    this.#ticks(scene, view, hair);
-    this.#people(scene, view, person);
-    this.#names(scene, view, chosen);
+    ink.lineCap = 'butt';
+    this.#scale = view.scale;
+    for (const sheet of sheets) this.#sheet(sheet, view);
+    ink.setLineDash([]);
+    ink.setTransform(this.#density, 0, 0, this.#density, 0, 0);
+    for (let i = 0; i < words.count; i++) {
+      const { text, x, y, below, px } = words.list[i]!;
+      label(ink, text, (x - view.x) * view.scale + view.width / 2, (view.y - y) * view.scale + view.height / 2 + below, px, this.#palette.of);
+    }
   }
 
   destroy(): void {
     this.element.remove();
   }
 
-  #ways(paths: Paths, colour: string, width: number, only?: number): void {
-    const first = only === undefined ? 0 : paths.from[only]!;
-    const end = only === undefined ? paths.at.length / 4 : paths.from[only + 1]!;
-    const ink = this.#ink;
-    ink.beginPath();
-    for (let k = 4 * first; k < 4 * end; k += 4) {
-      ink.moveTo(paths.at[k]!, paths.at[k + 1]!);
-      ink.lineTo(paths.at[k + 2]!, paths.at[k + 3]!);
+  /** A sheet that stays as it is becomes paths the second time, which are then drawn with few words. */
+  #sheet(sheet: Sheet, view: View): void {
+    let kept = this.#kept.get(sheet);
+    if (kept?.turn !== sheet.turn) {
+      this.#kept.set(sheet, { turn: sheet.turn, strokes: null });
+      this.#walk(sheet, view, (stroke) => stroke());
+      return;
     }
-    ink.strokeStyle = colour;
-    ink.lineWidth = width;
-    ink.stroke();
-  }
-
-  #chosen(scene: Scene, i: number, hair: number): void {
-    const c = this.#palette.of;
-    this.#ways(scene.held, c.chosen, Math.max(SIZE.held * 1.4, 1.2 * hair), i);
-    this.#ways(scene.granted, c.chosen, Math.max(SIZE.granted * 1.5, 2.5 * hair), i);
-    this.#ink.beginPath();
-    this.#ink.arc(scene.x[i]!, scene.y[i]!, Math.max(SIZE.chosen, 7 * hair), 0, 2 * Math.PI);
-    this.#ink.lineWidth = Math.max(0.09, 2 * hair);
-    this.#ink.stroke();
-  }
-
-  #robots(scene: Scene, view: View, hair: number): void {
-    const ink = this.#ink;
-    const r = Math.max(SIZE.robot, 2.2 * hair);
-    this.#palette.states.forEach((colour, state) => {
-      ink.beginPath();
-      this.#each(scene, view, (i, x, y) => {
-        if (scene.state[i] !== state) return;
-        ink.moveTo(x + r, y);
-        ink.arc(x, y, r, 0, 2 * Math.PI);
-      });
-      ink.fillStyle = colour;
-      ink.fill();
-    });
-  }
-
-  #racks(scene: Scene, view: View, which: 'resting' | 'carried'): void {
-    const ink = this.#ink;
-    const c = this.#palette.of;
-    const half = which === 'resting' ? SIZE.rack : SIZE.carried;
-    ink.beginPath();
-    for (let i = 0; i < scene.racks; i++) {
-      if (scene.rackOn[i]! >= 0 !== (which === 'carried')) continue;
-      const x = scene.rackX[i]!;
-      const y = scene.rackY[i]!;
-      if (inSight(view, x, y)) ink.rect(x - half, y - half, 2 * half, 2 * half);
+    if (kept.strokes === null) {
+      const strokes: (() => void)[] = [];
+      this.#walk(sheet, null, (stroke) => strokes.push(stroke));
+      this.#kept.set(sheet, (kept = { turn: sheet.turn, strokes }));
     }
-    // The robot stays visible under the rack that it carries.
-    ink.globalAlpha = which === 'carried' ? 0.16 : 1;
-    ink.fillStyle = which === 'carried' ? c.carried : c.rack;
-    ink.fill();
-    ink.globalAlpha = 1;
-    ink.strokeStyle = which === 'carried' ? c.carried : c['rack-edge'];
-    ink.lineWidth = which === 'carried' ? Math.max(0.09, 1 / view.scale) : 0.05;
-    if (which === 'carried' || view.scale > 9) ink.stroke();
+    for (const stroke of kept.strokes!) stroke();
   }
 
-  /** Heading ticks, and the shapes that say interrupted, failed and low battery without colour. */
-  #ticks(scene: Scene, view: View, hair: number): void {
-    const ink = this.#ink;
-    const c = this.#palette.of;
-    const ticks = new Path2D();
-    const rings = new Path2D();
-    const crosses = new Path2D();
-    const low = new Path2D();
-    this.#each(scene, view, (i, x, y) => {
-      const turn = scene.heading[i]!;
-      ticks.moveTo(x + Math.cos(turn) * 0.06, y + Math.sin(turn) * 0.06);
-      ticks.lineTo(x + Math.cos(turn) * SIZE.tick, y + Math.sin(turn) * SIZE.tick);
-      if (scene.state[i] === INTERRUPTED) {
-        rings.moveTo(x + SIZE.ring, y);
-        rings.arc(x, y, SIZE.ring, 0, 2 * Math.PI);
+  /** Goes through the marks in sight, or through all without a view, and hands out what is to be drawn. */
+  #walk({ marks, inks, count }: Sheet, view: View | null, out: (stroke: () => void) => void): void {
+    let run: Run | null = null;
+    for (let at = 0; at < count * STRIDE; at += STRIDE) {
+      const x = marks[at]!;
+      const y = marks[at + 1]!;
+      const w = marks[at + 2]!;
+      const h = marks[at + 3]!;
+      if (view && !inSight(view, x, y, Math.max(w, h))) continue;
+      const [turn, kind, more, dye] = [marks[at + 4]!, marks[at + 5]! as Kind, marks[at + 6]!, inks[at + 7]!];
+      // Along an axis or across it, a turned box is a plain one.
+      const across = turn !== 0 && Math.abs(Math.cos(turn)) < 1e-6;
+      const straight = turn === 0 || across || Math.abs(Math.sin(turn)) < 1e-6;
+      const width = kind === KIND.dashes ? h : kind === KIND.ring || kind === KIND.frame ? more : 0;
+      if (!(RUNS.has(kind) && (straight || kind !== KIND.box))) {
+        if (run) out(this.#finish(run));
+        run = null;
+        out(() => this.#single(kind, x, y, w, h, turn, more, dye));
+        continue;
       }
-      if (scene.state[i] === FAILED) {
-        for (const side of [1, -1]) {
-          crosses.moveTo(x - 0.45, y - 0.45 * side);
-          crosses.lineTo(x + 0.45, y + 0.45 * side);
+      if (run && (run.kind !== kind || run.dye !== dye || run.width !== width || (width > 0 && run.more !== more))) {
+        out(this.#finish(run));
+        run = null;
+      }
+      run ??= { kind, dye, width, more, path: new Path2D() };
+      const { path } = run;
+      const r = w / 2;
+      switch (kind) {
+        case KIND.disc: path.moveTo(x + r, y); path.arc(x, y, r, 0, TAU); break;
+        case KIND.ring: path.moveTo(x + r - more / 2, y); path.arc(x, y, r - more / 2, 0, TAU); break;
+        case KIND.frame: path.rect(x - r + more / 2, y - (h - more) / 2, w - more, h - more); break;
+        case KIND.dashes: {
+          const [dx, dy] = [r * Math.cos(turn), r * Math.sin(turn)];
+          path.moveTo(x - dx, y - dy);
+          path.lineTo(x + dx, y + dy);
+          break;
         }
-      }
-      if (scene.lowBattery[i]) low.rect(x + 0.2, y + 0.3, 0.3, 0.16);
-    });
-    ink.strokeStyle = c.tick;
-    ink.lineWidth = Math.max(0.1, hair);
-    if (view.scale > 5) ink.stroke(ticks);
-    ink.strokeStyle = this.#palette.states[INTERRUPTED]!;
-    ink.lineWidth = Math.max(0.08, 1.5 * hair);
-    ink.stroke(rings);
-    ink.strokeStyle = c.label;
-    ink.lineWidth = Math.max(0.1, 2 * hair);
-    ink.stroke(crosses);
-    ink.fillStyle = c.low;
-    ink.fill(low);
-    ink.strokeStyle = c.halo;
-    ink.lineWidth = Math.max(0.03, 0.5 * hair);
-    ink.stroke(low);
-  }
-
-  #people({ people }: Scene, view: View, chosen: number): void {
-    const ink = this.#ink;
-    const c = this.#palette.of;
-    const hair = 1 / view.scale;
-    ink.beginPath();
-    for (const p of people) {
-      for (const r of p.regions) {
-        ink.moveTo(p.x + r, p.y);
-        ink.arc(p.x, p.y, r, 0, 2 * Math.PI);
+        default:
+          if (across) path.rect(x - h / 2, y - r, h, w);
+          else path.rect(x - r, y - h / 2, w, h);
       }
     }
-    ink.strokeStyle = c.region;
-    ink.lineWidth = 1.2 * hair;
-    ink.stroke();
-    for (const p of people) {
-      ink.beginPath();
-      for (let k = 0; k < p.ahead.length; k += 4) {
-        ink.moveTo(p.ahead[k]!, p.ahead[k + 1]!);
-        ink.lineTo(p.ahead[k + 2]!, p.ahead[k + 3]!);
-      }
-      ink.strokeStyle = p === people[chosen] ? c.chosen : c.ahead;
-      ink.lineWidth = Math.max(SIZE.ahead, 1.5 * hair);
-      ink.stroke();
-    }
-    for (const p of people) this.#person(p, p === people[chosen], hair);
+    if (run) out(this.#finish(run));
   }
 
-  #person(p: Person, chosen: boolean, hair: number): void {
+  #finish({ kind, dye, width, more, path }: Run): () => void {
     const ink = this.#ink;
-    const c = this.#palette.of;
-    const r = personRadius(1 / hair);
+    const colour = this.#colour(dye);
+    if (width === 0) return () => { ink.fillStyle = colour; ink.fill(path); };
+    const dash = kind === KIND.dashes ? [more * DASH, more * (1 - DASH)] : [];
+    return () => { ink.strokeStyle = colour; ink.lineWidth = width; ink.setLineDash(dash); ink.stroke(path); };
+  }
+
+  #single(kind: Kind, x: number, y: number, w: number, h: number, turn: number, more: number, dye: number): void {
+    const ink = this.#ink;
+    ink.fillStyle = ink.strokeStyle = this.#colour(dye);
+    ink.setLineDash([]);
     ink.save();
-    ink.translate(p.x, p.y);
-    if (chosen) {
-      ink.beginPath();
-      ink.arc(0, 0, Math.max(SIZE.chosen, 11 * hair), 0, 2 * Math.PI);
-      ink.strokeStyle = c.chosen;
-      ink.lineWidth = 2 * hair;
-      ink.stroke();
-    }
-    ink.rotate(p.heading);
-    const mark = (radius: number): void => { ink.beginPath(); outlinePerson(ink, radius); };
-    mark(1.25 * r);
-    ink.fillStyle = c.halo;
-    ink.fill();
-    mark(r);
-    ink.fillStyle = c.person;
-    ink.globalAlpha = p.presence === 'tracked' ? 1 : 0.35;
-    if (p.presence !== 'lost') ink.fill();
-    ink.globalAlpha = 1;
-    ink.strokeStyle = c.person;
-    ink.lineWidth = 0.2 * r;
-    if (p.presence !== 'tracked') ink.stroke();
+    ink.translate(x, y);
+    if (turn !== 0) ink.rotate(turn);
+    this.#mark(kind, w, h, more, dye);
     ink.restore();
   }
 
-  #names(scene: Scene, view: View, chosen: number): void {
+  /** One mark around the origin, in the ink that is set. */
+  #mark(kind: Kind, w: number, h: number, more: number, colour: number): void {
     const ink = this.#ink;
-    ink.setTransform(this.#density, 0, 0, this.#density, 0, 0);
-    const name = (text: string, x: number, y: number, below: number): void => {
-      const px = (x - view.x) * view.scale + view.width / 2;
-      const py = (view.y - y) * view.scale + view.height / 2;
-      label(ink, text, px, py + view.scale * below, 11, this.#palette.of);
-    };
-    for (const p of scene.people) if (inSight(view, p.x, p.y)) name(p.title, p.x, p.y, belowPerson(view.scale));
-    if (view.scale >= NAMES_FROM) this.#each(scene, view, (i, x, y) => name(scene.ids[i]!, x, y, 0.62));
-    else if (chosen >= 0) name(scene.ids[chosen]!, scene.x[chosen]!, scene.y[chosen]!, 0.9);
-    if (view.scale < RACK_NAMES_FROM) return;
-    for (let i = 0; i < scene.racks; i++) {
-      if (scene.rackOn[i]! < 0 && inSight(view, scene.rackX[i]!, scene.rackY[i]!)) name(scene.rackIds[i]!, scene.rackX[i]!, scene.rackY[i]!, 0);
+    const r = w / 2;
+    ink.beginPath();
+    switch (kind) {
+      case KIND.box: ink.fillRect(-r, -h / 2, w, h); return;
+      case KIND.cross:
+        ink.moveTo(-r, -r); ink.lineTo(r, r); ink.moveTo(-r, r); ink.lineTo(r, -r);
+        ink.lineWidth = more; ink.stroke();
+        return;
+      case KIND.person:
+        outlinePerson(ink, r / PERSON_REACH);
+        if (more === 0) { ink.fill(); return; }
+        ink.lineWidth = more; ink.stroke();
+        return;
+      case KIND.dashring: {
+        const dash = TAU * r / RING_DASHES;
+        ink.setLineDash([dash * DASH, dash * (1 - DASH)]);
+        ink.arc(0, 0, r - more / 2, 0, TAU); ink.lineWidth = more; ink.stroke(); ink.setLineDash([]);
+        return;
+      }
+      case KIND.hatch:
+        ink.arc(0, 0, r, 0, TAU); ink.clip(); ink.beginPath();
+        for (let d = -2 * r; d < 2 * r; d += more * Math.SQRT2) { ink.moveTo(d - r, r); ink.lineTo(d + r, -r); }
+        ink.lineWidth = 1.2 / this.#scale; ink.stroke();
+        return;
+      case KIND.arc: {
+        const width = r * ARC_WIDTH;
+        ink.arc(0, 0, r - width / 2, Math.PI / 2, Math.PI / 2 - TAU * more, true); ink.lineWidth = width; ink.stroke();
+        return;
+      }
+      case KIND.bolt:
+        ink.moveTo(0.3 * r, r); ink.lineTo(-0.6 * r, -0.12 * r); ink.lineTo(0, -0.12 * r); ink.lineTo(-0.3 * r, -r);
+        ink.lineTo(0.6 * r, 0.12 * r); ink.lineTo(0, 0.12 * r); ink.closePath(); ink.fill();
+        return;
+      case KIND.heat: {
+        ink.scale(1, h / w);
+        const bell = ink.createRadialGradient(0, 0, 0, 0, 0, r);
+        for (const part of [0, 0.2, 0.4, 0.6, 0.8, 1]) {
+          const shade = Math.max(0, Math.exp(-4.5 * part * part) - 0.0111);
+          bell.addColorStop(part, cssOf(((Math.round((colour >>> 24) * shade) << 24) | (colour & 0xffffff)) >>> 0));
+        }
+        ink.fillStyle = bell;
+        ink.arc(0, 0, r, 0, TAU); ink.fill();
+      }
     }
   }
 
-  #each(scene: Scene, view: View, see: (i: number, x: number, y: number) => void): void {
-    for (let i = 0; i < scene.robots; i++) {
-      const x = scene.x[i]!;
-      const y = scene.y[i]!;
-      if (inSight(view, x, y)) see(i, x, y);
-    }
+  #colour(ink: number): string {
+    let css = this.#css.get(ink);
+    if (css === undefined) this.#css.set(ink, css = cssOf(ink));
+    return css;
   }
 }
 
-/** False too for a place that is not a number. */
-function inSight(view: View, x: number, y: number): boolean {
-  return Math.abs(x - view.x) * view.scale < view.width / 2 + view.scale &&
-    Math.abs(y - view.y) * view.scale < view.height / 2 + view.scale;
-}
+const inSight = (view: View, x: number, y: number, reach: number): boolean =>
+  Math.abs(x - view.x) <= view.width / 2 / view.scale + reach && Math.abs(y - view.y) <= view.height / 2 / view.scale + reach;

@@ -8,7 +8,7 @@ export async function choosePainter(palette: Palette): Promise<Painter> {
   if (wanted === 'webgl' || (wanted !== 'canvas2d' && hasFastWebgl())) {
     try {
       const { openWebgl } = await import('./webgl');
-      return await openWebgl(palette);
+      return openWebgl(palette);
     } catch (error) {
       console.warn('WebGL could not be started; drawing on a 2D canvas instead.', error);
     }

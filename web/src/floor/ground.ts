@@ -145,7 +145,6 @@ function drawStations(ink: Ink, map: FloorMap, view: View, palette: Palette): vo
         word(ink, String(i + 1), qx, qy, s * 0.3, c.queue);
       });
     }
-    label(ink, station.id, px, py - s * 0.62 - 8, Math.max(10, Math.min(15, s * 0.5)), c);
   }
 }
 

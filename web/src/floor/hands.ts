@@ -8,6 +8,8 @@ export interface Wishes {
   /** null: nothing is pointed at any more. */
   hover(at: Pixel | null): void;
   choose(at: Pixel | null): void;
+  /** To the next thing in sight, or to the one before. */
+  step(by: 1 | -1): void;
 }
 
 const PAN_STEP_PX = 60;
@@ -77,6 +79,8 @@ function press(key: string, wishes: Wishes): boolean {
     case '+': case '=': wishes.zoom(1.25); return true;
     case '-': case '_': wishes.zoom(0.8); return true;
     case '0': wishes.fit(); return true;
+    case 'n': wishes.step(1); return true;
+    case 'p': wishes.step(-1); return true;
     case 'Escape': wishes.choose(null); return true;
     default: return false;
   }

@@ -1,17 +1,17 @@
 // Colours of the floor. They are defined once, as custom properties in app.css, and read from there.
-import { ROBOT_STATES } from '../wire';
+import { LOOKS } from './scene';
 
 const NAMES = [
   'void', 'floor', 'edge', 'wall', 'lane', 'walkway', 'slot', 'queue', 'station', 'charger', 'parking', 'exit',
   'rack', 'rack-edge', 'carried', 'granted', 'held', 'tick', 'label', 'halo', 'chosen', 'low',
-  'person', 'region', 'ahead', 'closed',
+  'person', 'region', 'ahead', 'closed', 'gauge', 'off', 'stop', 'heat',
 ] as const;
 type Name = (typeof NAMES)[number];
 
 export interface Palette {
   of: Record<Name, string>;
-  /** In the order of ROBOT_STATES. */
-  states: string[];
+  /** In the order of LOOKS. */
+  looks: string[];
 }
 
 export function readPalette(host: HTMLElement): Palette {
@@ -23,7 +23,7 @@ export function readPalette(host: HTMLElement): Palette {
     return getComputedStyle(probe).color;
   };
   const of = Object.fromEntries(NAMES.map((n) => [n, read(`map-${n}`)])) as Record<Name, string>;
-  const states = ROBOT_STATES.map((s) => read(`state-${s}`));
+  const looks = LOOKS.map((look) => read(`state-${look}`));
   probe.remove();
-  return { of, states };
+  return { of, looks };
 }

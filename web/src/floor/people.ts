@@ -1,4 +1,4 @@
-// People as a painter draws them: where each is shown now, and the lines around and ahead. There are few
+// People as they are drawn: where each is shown now, the regions around and the path ahead. There are few
 // of them, so they are plain objects where robots are typed arrays.
 import type { Worker } from '../wire';
 import { shortTurn } from './turn';
@@ -8,16 +8,15 @@ export interface Person extends Place {
   /** The name, with a word where the place is not to be trusted. */
   title: string;
   presence: Worker['presence'];
-  /** Radii of the regions where robots stop and keep out. */
-  regions: readonly number[];
-  /** Dashes of the path ahead as x0, y0, x1, y1 … */
-  ahead: readonly number[];
+  state: Worker['state'];
+  /** Radii of the regions where robots stop, keep out and go slowly. */
+  regions: Worker['regions'];
+  /** The path ahead, metres. */
+  path: Worker['path'];
 }
 
 /** How far the mark of a person reaches forward, in radii. */
 export const PERSON_REACH = 1.35;
-const DASH_M = 0.35;
-const GAP_M = 0.25;
 /** Further than anybody walks between two patches. */
 const JUMP_M = 2;
 
@@ -30,7 +29,6 @@ interface Place {
 export class People {
   /** Those whom somebody has seen and who are here. */
   list: Person[] = [];
-  #paths = new Map<string, Worker['path']>();
   #from: Place[] = [];
   #to: Place[] = [];
 
@@ -44,14 +42,11 @@ export class People {
       return how === 'glide' && near ? { x: p.x, y: p.y, heading: p.heading } : to;
     });
     this.list = rows.map((w, i) => {
-      const p = before.get(w.id);
-      const same = p !== undefined && this.#paths.get(w.id) === w.path;
       return {
-        id: w.id, title: titleOf(w), ...this.#from[i]!, presence: w.presence,
-        regions: w.regions.slice(0, 2), ahead: same ? p.ahead : dashes(w.path),
+        id: w.id, title: titleOf(w), ...this.#from[i]!, presence: w.presence, state: w.state,
+        regions: w.regions, path: w.path,
       };
     });
-    this.#paths = new Map(rows.map((w) => [w.id, w.path]));
   }
 
   /** Shows everybody `part` of the way from where they were shown to where they are. */
@@ -77,26 +72,6 @@ export function personNear(people: readonly Person[], x: number, y: number, reac
   return best;
 }
 
-/** Cuts a line into dashes that run on around its corners. */
-export function dashes(line: readonly (readonly [number, number])[]): number[] {
-  const out: number[] = [];
-  let along = 0;
-  for (let k = 1; k < line.length; k++) {
-    const [[ax, ay], [bx, by]] = [line[k - 1]!, line[k]!];
-    const length = Math.hypot(bx - ax, by - ay);
-    for (let s = 0; s < length;) {
-      const phase = (along + s) % (DASH_M + GAP_M);
-      // Never less than a millimetre, or rounding could stop the march.
-      const end = Math.min(length, s + Math.max(0.001, (phase < DASH_M ? DASH_M : DASH_M + GAP_M) - phase));
-      const at = (d: number): [number, number] => [ax + (bx - ax) * d / length, ay + (by - ay) * d / length];
-      if (phase < DASH_M) out.push(...at(s), ...at(end));
-      s = end;
-    }
-    along += length;
-  }
-  return out;
-}
-
 /** The mark of a person, of radius `r`, facing along x: a disc with a beak, unlike any robot. */
 export function outlinePerson(ink: CanvasPath, r: number): void {
   ink.moveTo(PERSON_REACH * r, 0);
@@ -107,5 +82,12 @@ export function outlinePerson(ink: CanvasPath, r: number): void {
 const isSeen = (w: Worker): w is Worker & { x: number; y: number } =>
   w.presence !== 'absent' && w.x !== null && w.y !== null;
 
-const titleOf = (w: Worker): string =>
-  (w.presence === 'stale' || w.presence === 'lost' ? `${w.name} (${w.presence})` : w.name);
+/** What is the matter, in words as well as in colour. */
+const TROUBLE: Partial<Record<Worker['state'], string>> = {
+  deviating: 'off the path', redirected: 'new path', stop: 'told to stop',
+};
+function titleOf(w: Worker): string {
+  const place = w.presence === 'stale' || w.presence === 'lost' ? ` (${w.presence})` : '';
+  const trouble = TROUBLE[w.state];
+  return `${w.name}${place}${trouble === undefined ? '' : `: ${trouble}`}`;
+}

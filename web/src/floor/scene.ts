@@ -1,7 +1,7 @@
 // Everything that moves, as typed arrays that a painter can draw without asking anyone. `take` turns a
 // mirror into arrays (about ten times a second); `at` moves them between two patches (every frame).
 import { row, type Mirror } from '../mirror';
-import { ROBOT_STATES, type FloorMap } from '../wire';
+import { ROBOT_STATES, type FloorMap, type MapNode, type Robot } from '../wire';
 import { People, type Person } from './people';
 import { shortTurn } from './turn';
 
@@ -10,14 +10,19 @@ export interface Paths {
   at: Float32Array;
   from: Uint32Array;
 }
+/** How a robot is drawn: its state, and charging, which is a state to whoever looks. */
+export const LOOKS = [...ROBOT_STATES, 'charging'] as const;
+export type Look = (typeof LOOKS)[number];
+
 export interface Scene {
   robots: number;
   x: Float32Array;
   y: Float32Array;
   heading: Float32Array;
-  /** Index into ROBOT_STATES. */
-  state: Uint8Array;
-  lowBattery: Uint8Array;
+  /** Index into LOOKS. */
+  look: Uint8Array;
+  /** 0 to 1. */
+  battery: Float32Array;
   ids: string[];
   racks: number;
   /** Counts the times that a rack was lifted, set down or moved. */
@@ -27,8 +32,11 @@ export interface Scene {
   rackY: Float32Array;
   /** The robot under the rack, or -1. */
   rackOn: Int32Array;
+  /** Counts the times that a way changed. */
+  wayTurn: number;
   granted: Paths;
   held: Paths;
+  stations: readonly { x: number; y: number; title: string; waiting: number }[];
   people: readonly Person[];
 }
 
@@ -47,11 +55,16 @@ export class Stage {
   #glide = 100;
   #order: ReadonlyMap<string, number> | null = null;
   #racks: Mirror['racks'] | null = null;
+  #stations: Mirror['stations'] | null = null;
+  /** The rows that the ways were made of, to make only those anew that changed. */
+  #rows: readonly Robot[] = [];
+  #granted: number[][] = [];
+  #held: number[][] = [];
   #people = new People();
 
   constructor(map: FloorMap) {
     this.#map = map;
-    this.#joined = new Set(map.lanes.flatMap((l) => [this.#pair(l.from, l.to), this.#pair(l.to, l.from)]));
+    this.#joined = new Set(map.lanes.flatMap((l) => [pair(l.from, l.to), pair(l.to, l.from)]));
   }
 
   take(mirror: Mirror, now: number, how: 'glide' | 'jump'): void {
@@ -61,24 +74,30 @@ export class Stage {
     this.#order = at;
     if (this.scene.robots !== rows.length) this.#resize(rows.length);
     const s = this.scene;
-    rows.forEach((r, i) => {
-      const jump = !same || Math.hypot(r.x - s.x[i]!, r.y - s.y[i]!) > JUMP_M;
+    for (let i = 0; i < rows.length; i++) {
+      const r = rows[i]!;
+      const k = 3 * i;
+      const jump = !same || Math.abs(r.x - s.x[i]!) > JUMP_M || Math.abs(r.y - s.y[i]!) > JUMP_M;
       if (jump) { s.x[i] = r.x; s.y[i] = r.y; s.heading[i] = r.heading; }
-      this.#from.set([s.x[i]!, s.y[i]!, s.heading[i]!], 3 * i);
-      this.#to.set([r.x, r.y, r.heading], 3 * i);
-      s.state[i] = Math.max(0, ROBOT_STATES.indexOf(r.state));
-      s.lowBattery[i] = r.battery < LOW_BATTERY ? 1 : 0;
+      this.#from[k] = s.x[i]!;
+      this.#from[k + 1] = s.y[i]!;
+      this.#from[k + 2] = s.heading[i]!;
+      this.#to[k] = r.x;
+      this.#to[k + 1] = r.y;
+      this.#to[k + 2] = r.heading;
+      s.look[i] = Math.max(0, LOOKS.indexOf(r.doing === 'charging' ? 'charging' : r.state));
+      s.battery[i] = r.battery;
       s.ids[i] = r.id;
-    });
+    }
     // Glide for about as long as patches take to come, so that motion neither stutters nor runs ahead.
     const gap = now - this.#tookAt;
     if (gap < 1_000) this.#glide += (Math.min(LONGEST_GLIDE_MS, gap * 1.1) - this.#glide) * 0.2;
     this.#tookAt = now;
     if (this.#racks !== mirror.racks) this.#takeRacks(mirror);
+    if (this.#stations !== mirror.stations) this.#takeStations(mirror);
+    this.#takeWays(rows);
     this.#people.take(mirror.workers.rows, how);
     s.people = this.#people.list;
-    s.granted = this.#paths(rows.map((r) => r.granted));
-    s.held = this.#paths(rows.map((r) => heldBeyond(r.granted, r.held)));
   }
 
   /** Moves robots and people to where they are shown at `now`; true while anything is still under way. */
@@ -123,23 +142,52 @@ export class Stage {
     this.#racks = mirror.racks;
   }
 
-  #paths(lists: readonly (readonly number[])[]): Paths {
-    const from = new Uint32Array(lists.length + 1);
-    const at: number[] = [];
-    const { nodes } = this.#map;
-    lists.forEach((list, i) => {
-      for (let k = 1; k < list.length; k++) {
-        const a = nodes[list[k - 1]!];
-        const b = nodes[list[k]!];
-        // Held nodes need not be neighbours: only what a lane joins is a way.
-        if (a && b && this.#joined.has(this.#pair(list[k - 1]!, list[k]!))) at.push(a.x, a.y, b.x, b.y);
-      }
-      from[i + 1] = at.length / 4;
+  #takeStations(mirror: Mirror): void {
+    this.#stations = mirror.stations;
+    this.scene.stations = this.#map.stations.flatMap((station) => {
+      const node = this.#map.nodes[station.node];
+      if (!node) return [];
+      const waiting = row(mirror.stations, station.id)?.queue.length ?? 0;
+      return { x: node.x, y: node.y, waiting, title: `${station.id}  ${waiting}/${station.queue.length}` };
     });
-    return { at: Float32Array.from(at), from };
   }
 
-  #pair = (a: number, b: number): number => a * 1_000_000 + b;
+  #takeWays(rows: readonly Robot[]): void {
+    let news = rows.length !== this.#rows.length;
+    this.#granted.length = this.#held.length = rows.length;
+    for (let i = 0; i < rows.length; i++) {
+      const [r, before] = [rows[i]!, this.#rows[i]];
+      if (before !== undefined && before.granted === r.granted && before.held === r.held) continue;
+      this.#granted[i] = this.#runs(r.granted);
+      this.#held[i] = this.#runs(heldBeyond(r.granted, r.held));
+      news = true;
+    }
+    this.#rows = rows;
+    if (!news) return;
+    this.scene.granted = flat(this.#granted);
+    this.scene.held = flat(this.#held);
+    this.scene.wayTurn += 1;
+  }
+
+  /** The way along some nodes in as few segments as it has corners. */
+  #runs(list: readonly number[]): number[] {
+    const at: number[] = [];
+    const { nodes } = this.#map;
+    for (let k = 1; k < list.length; k++) {
+      const a = nodes[list[k - 1]!];
+      const b = nodes[list[k]!];
+      // Held nodes need not be neighbours: only what a lane joins is a way.
+      if (!a || !b || !this.#joined.has(pair(list[k - 1]!, list[k]!))) continue;
+      const n = at.length;
+      if (n > 0 && at[n - 2] === a.x && at[n - 1] === a.y && goesOn(at[n - 4]!, at[n - 3]!, a, b)) {
+        at[n - 2] = b.x;
+        at[n - 1] = b.y;
+      } else {
+        at.push(a.x, a.y, b.x, b.y);
+      }
+    }
+    return at;
+  }
 
   #resize(robots: number): void {
     const { scene } = this;
@@ -148,7 +196,7 @@ export class Stage {
     this.scene = {
       ...scene, robots,
       x: new Float32Array(robots), y: new Float32Array(robots), heading: new Float32Array(robots),
-      state: new Uint8Array(robots), lowBattery: new Uint8Array(robots), ids: new Array<string>(robots).fill(''),
+      look: new Uint8Array(robots), battery: new Float32Array(robots), ids: new Array<string>(robots).fill(''),
     };
     this.#racks = null;
   }
@@ -169,18 +217,34 @@ export function robotNear(scene: Scene, x: number, y: number, reach: number): nu
 
 /** What is held but not granted, begun at the last granted node so that the two ways join. */
 export function heldBeyond(granted: readonly number[], held: readonly number[]): number[] {
-  const may = new Set(granted);
-  const rest = held.filter((node) => !may.has(node));
+  const rest = held.filter((node) => !granted.includes(node));
   const last = granted.at(-1);
   return last === undefined || rest.length === 0 ? rest : [last, ...rest];
+}
+
+const pair = (a: number, b: number): number => a * 1_000_000 + b;
+
+/** Whether a way from (x0, y0) to `a` goes straight on to `b`. */
+function goesOn(x0: number, y0: number, a: MapNode, b: MapNode): boolean {
+  const [ux, uy, vx, vy] = [a.x - x0, a.y - y0, b.x - a.x, b.y - a.y];
+  return Math.abs(ux * vy - uy * vx) < 1e-6 && ux * vx + uy * vy > 0;
+}
+
+function flat(lists: readonly number[][]): Paths {
+  const from = new Uint32Array(lists.length + 1);
+  let sum = 0;
+  lists.forEach((list, i) => { from[i + 1] = (sum += list.length) / 4; });
+  const at = new Float32Array(sum);
+  lists.forEach((list, i) => at.set(list, 4 * from[i]!));
+  return { at, from };
 }
 
 function blank(): Scene {
   const none = (): Paths => ({ at: new Float32Array(0), from: new Uint32Array(1) });
   return {
     robots: 0, x: new Float32Array(0), y: new Float32Array(0), heading: new Float32Array(0),
-    state: new Uint8Array(0), lowBattery: new Uint8Array(0), ids: [],
+    look: new Uint8Array(0), battery: new Float32Array(0), ids: [],
     racks: 0, rackTurn: 0, rackIds: [], rackX: new Float32Array(0), rackY: new Float32Array(0), rackOn: new Int32Array(0),
-    granted: none(), held: none(), people: [],
+    wayTurn: 0, granted: none(), held: none(), stations: [], people: [],
   };
 }

@@ -1,14 +1,16 @@
 // Runs the floor: owns the camera, the kept picture of the ground and the animation loop. It draws what
 // it is given and knows no panel.
 import type { Mirror } from '../mirror';
-import { idOf, type Picked } from '../picked';
+import type { Picked } from '../picked';
 import type { Closure, FloorMap } from '../wire';
+import { Composer, type Chosen } from './compose';
 import { drawGround } from './ground';
 import { listen } from './hands';
-import type { Ground, Painter } from './painter';
+import type { Forecast } from './heat';
+import type { Frame, Painter } from './painter';
 import { readPalette, type Palette } from './palette';
-import { personNear } from './people';
-import { robotNear, Stage } from './scene';
+import { placeOf, thingAt, thingBeside } from './pick';
+import { Stage } from './scene';
 import { fit, pan, toWorld, zoomAt, type View } from './view';
 
 export interface ShowOptions {
@@ -32,8 +34,14 @@ export class Show {
   #painter: Painter;
   #palette: Palette;
   #stage: Stage;
-  #ground: Ground;
-  #version = -1;
+  #composer: Composer;
+  /** Kept from one frame to the next: only its parts change. */
+  #drawn: Frame;
+  #picks: Chosen = { robot: -1, person: -1, place: null };
+  #mirror: Mirror | null = null;
+  #forecasts: readonly Forecast[] = [];
+  #how: 'glide' | 'jump' = 'jump';
+  #told = -1;
   #chosen: Picked | null = null;
   #closures: readonly Closure[] = [];
   #movedAt = 0;
@@ -54,7 +62,11 @@ export class Show {
     this.#palette = palette;
     this.#stage = new Stage(options.map);
     this.view = fit(options.map.bounds, 300, 150);
-    this.#ground = { picture: document.createElement('canvas'), view: this.view };
+    this.#composer = new Composer(palette);
+    this.#drawn = {
+      view: this.view, ground: { picture: document.createElement('canvas'), view: this.view },
+      sheets: Object.values(this.#composer.sheets), words: this.#composer.words,
+    };
     const { host } = options;
     const canvas = painter.element;
     canvas.dataset['painter'] = painter.kind;
@@ -64,8 +76,9 @@ export class Show {
       pan: (dx, dy) => this.#pan(dx, dy),
       zoom: (factor, px, py) => this.zoom(factor, px, py),
       fit: () => this.fit(),
-      hover: (at) => options.onHover(at && this.#pickedAt(...at)),
+      hover: (at) => options.onHover(at && lively(this.#pickedAt(...at))),
       choose: (at) => options.onChoose(at && this.#pickedAt(...at)),
+      step: (step) => options.onChoose(thingBeside(options.map, this.#stage.scene, this.view, this.#chosen, step)),
     }, this.#gone.signal);
     this.#observer = new ResizeObserver(() => this.#measure());
     this.#observer.observe(host);
@@ -75,7 +88,8 @@ export class Show {
 
   take(mirror: Mirror, how: 'glide' | 'jump'): void {
     this.#stage.take(mirror, performance.now(), how);
-    this.#version = mirror.version ?? -1;
+    this.#mirror = mirror;
+    this.#how = how;
     if (this.#closures !== mirror.closures) {
       this.#closures = mirror.closures;
       this.#paintGround();
@@ -88,14 +102,17 @@ export class Show {
     this.#dirty = true;
   }
 
+  /** Where people may be soon; an empty list shows nothing. */
+  forecast(forecasts: readonly Forecast[]): void {
+    this.#forecasts = forecasts;
+    this.#dirty = true;
+  }
+
   centreOn(picked: Picked): void {
-    const { scene } = this.#stage;
-    const i = scene.ids.indexOf(idOf('robot', picked) ?? '');
-    const p = scene.people.find((one) => one.id === idOf('worker', picked));
-    const [x, y] = p ? [p.x, p.y] : [scene.x[i] ?? NaN, scene.y[i] ?? NaN];
-    if (Number.isNaN(x)) return;
+    const at = placeOf(this.#options.map, this.#mirror, this.#stage.scene, picked);
+    if (!at) return;
     this.#fitted = false;
-    this.#move({ ...this.view, x, y, scale: Math.max(this.view.scale, CLOSE_SCALE) });
+    this.#move({ ...this.view, x: at[0], y: at[1], scale: Math.max(this.view.scale, CLOSE_SCALE) });
   }
 
   fit(): void {
@@ -111,6 +128,7 @@ export class Show {
   recolour(): void {
     this.#palette = readPalette(this.#options.host);
     this.#painter.recolour(this.#palette);
+    this.#composer.recolour(this.#palette);
     this.#paintGround();
   }
 
@@ -125,22 +143,32 @@ export class Show {
     const under = this.#stage.at(now);
     if (now - this.#movedAt > REST_MS || !this.#covers()) this.#freshenGround();
     if (this.#dirty || under) {
-      const began = performance.now();
-      const { scene } = this.#stage;
-      const [robot, worker] = [idOf('robot', this.#chosen), idOf('worker', this.#chosen)];
-      const chosen = robot === null ? -1 : scene.ids.indexOf(robot);
-      const person = scene.people.findIndex((p) => p.id === worker);
-      this.#painter.draw({ view: this.view, ground: this.#ground, scene, chosen, person });
-      // What is on the screen, for tests and for the curious.
-      const { dataset } = this.#painter.element;
-      dataset['robots'] = String(scene.robots);
-      dataset['racks'] = String(scene.racks);
-      dataset['people'] = String(scene.people.length);
-      dataset['version'] = String(this.#version);
-      dataset['drawMs'] = (performance.now() - began).toFixed(2);
+      this.#draw();
       this.#dirty = under;
     }
     this.#frame = requestAnimationFrame((next) => this.#loop(next));
+  }
+
+  #draw(): void {
+    const { scene } = this.#stage;
+    const picks = this.#picks;
+    picks.robot = this.#chosen?.kind === 'robot' ? scene.ids.indexOf(this.#chosen.id) : -1;
+    picks.person = this.#chosen?.kind === 'worker' ? scene.people.findIndex((p) => p.id === this.#chosen?.id) : -1;
+    const stands = this.#chosen !== null && this.#chosen.kind !== 'robot' && this.#chosen.kind !== 'worker';
+    picks.place = stands ? placeOf(this.#options.map, this.#mirror, scene, this.#chosen!) : null;
+    this.#composer.compose(scene, this.view, picks, this.#forecasts);
+    this.#drawn.view = this.view;
+    this.#painter.draw(this.#drawn);
+    const version = this.#mirror?.version ?? -1;
+    if (this.#told === version) return;
+    this.#told = version;
+    // What is on the screen, for tests and for the curious.
+    const { dataset } = this.#painter.element;
+    dataset['robots'] = String(scene.robots);
+    dataset['racks'] = String(scene.racks);
+    dataset['people'] = String(scene.people.length);
+    dataset['motion'] = this.#how;
+    dataset['version'] = String(version);
   }
 
   #move(view: View): void {
@@ -164,7 +192,7 @@ export class Show {
   }
 
   #covers(): boolean {
-    const kept = this.#ground.view;
+    const kept = this.#drawn.ground.view;
     const zoom = this.view.scale / kept.scale;
     return zoom > 0.6 && zoom < 2.5 &&
       Math.abs(this.view.x - kept.x) * 2 + this.view.width / this.view.scale <= kept.width / kept.scale &&
@@ -172,7 +200,7 @@ export class Show {
   }
 
   #freshenGround(): void {
-    const kept = this.#ground.view;
+    const kept = this.#drawn.ground.view;
     if (kept.scale !== this.view.scale || !this.#covers()) this.#paintGround();
   }
 
@@ -188,7 +216,7 @@ export class Show {
     if (!ink) return;
     ink.scale(picture.width / view.width, picture.height / view.height);
     drawGround(ink, this.#options.map, this.#closures, view, this.#palette);
-    this.#ground = { picture, view };
+    this.#drawn.ground = { picture, view };
     this.#dirty = true;
   }
 
@@ -196,11 +224,10 @@ export class Show {
 
   #pickedAt(px: number, py: number): Picked | null {
     const [x, y] = toWorld(this.view, px, py);
-    const { scene } = this.#stage;
-    const reach = Math.max(0.6, 12 / this.view.scale);
-    const person = scene.people[personNear(scene.people, x, y, reach)];
-    if (person) return { kind: 'worker', id: person.id };
-    const i = robotNear(scene, x, y, reach);
-    return i < 0 ? null : { kind: 'robot', id: scene.ids[i]! };
+    return thingAt(this.#options.map, this.#mirror, this.#stage.scene, x, y, 1 / this.view.scale);
   }
 }
+
+/** Racks and places are everywhere: their cards come when asked for, not wherever the pointer passes. */
+const lively = (picked: Picked | null): Picked | null =>
+  (picked?.kind === 'rack' || picked?.kind === 'place' ? null : picked);

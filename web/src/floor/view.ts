@@ -13,7 +13,7 @@ export type Bounds = readonly [x0: number, y0: number, x1: number, y1: number];
 const LARGEST_SCALE = 160;
 const FIT_MARGIN_PX = 14;
 /** Kept free below the floor for the legend. */
-const FOOT_PX = 34;
+const FOOT_PX = 52;
 
 export function fit(bounds: Bounds, width: number, height: number): View {
   const [x0, y0, x1, y1] = bounds;

@@ -1,196 +1,208 @@
-// The WebGL painter (pixi.js). It draws what canvas2d.ts draws, layer by layer, and only what changed:
-// racks when one moves, ways when a patch comes, robots and people every frame.
-import 'pixi.js/unsafe-eval'; // The name is about what it replaces: the page allows no eval.
-import { Container, Sprite, Texture, WebGLRenderer } from 'pixi.js';
-import { ROBOT_STATES } from '../wire';
-import { Brush, inkOf, paintAtlas } from './brush';
-import { Names } from './names';
-import { personRadius, SIZE, type Frame, type Painter } from './painter';
+// The WebGL painter: one drawing call per sheet, and a sheet goes to the graphics card only when it has
+// changed. It makes no object per frame.
+import { GLYPH, GROUND_FRAGMENT, GROUND_VERTEX, MARK_FRAGMENT, MARK_VERTEX } from './shaders';
+import { Glyphs } from './glyphs';
+import type { Frame, Ground, Painter } from './painter';
 import type { Palette } from './palette';
-import { PERSON_REACH } from './people';
-import type { Paths, Scene } from './scene';
+import { inkOf, Sheet, STRIDE, type Kind, type Words } from './sheet';
+import type { View } from './view';
 
-const INTERRUPTED = ROBOT_STATES.indexOf('interrupted');
-const FAILED = ROBOT_STATES.indexOf('failed');
+type GL = WebGL2RenderingContext;
 
-export async function openWebgl(palette: Palette): Promise<Painter> {
-  const renderer = new WebGLRenderer();
-  await renderer.init({ antialias: true, width: 16, height: 16, clearBeforeRender: true, skipExtensionImports: true });
-  return new WebglPainter(renderer, palette);
+/** A sheet as the graphics card has it. */
+interface Sent {
+  array: WebGLVertexArrayObject;
+  buffer: WebGLBuffer;
+  bytes: number;
+  turn: number;
+}
+
+export function openWebgl(palette: Palette): Painter {
+  const element = document.createElement('canvas');
+  const gl = element.getContext('webgl2', { alpha: false, antialias: false, depth: false, stencil: false });
+  if (!gl) throw new Error('no WebGL 2');
+  return new WebglPainter(element, gl, palette);
 }
 
 class WebglPainter implements Painter {
   readonly kind = 'webgl';
   readonly element: HTMLCanvasElement;
-  #renderer: WebGLRenderer;
-  #palette: Palette;
-  #root = new Container();
-  /** A unit is a metre and y points up. */
-  #world = new Container();
-  #ground = new Sprite();
-  #racks: Brush;
-  #ways: Brush;
-  #robots: Brush;
-  #people: Brush;
-  #names: Names;
-  #drawn = { picture: null as HTMLCanvasElement | null, racks: -1, ways: null as Paths | null, scale: 0, chosen: -1 };
+  #gl: GL;
+  #density = 1;
+  #marks: Program<'view' | 'pixel' | 'letters' | 'halo'>;
+  #floor: Program<'place' | 'picture'>;
+  #sent = new Map<Sheet, Sent>();
+  #letters = new Sheet();
+  #glyphs = new Glyphs();
+  #glyphTurn = -1;
+  #glyphTexture: WebGLTexture;
+  #groundTexture: WebGLTexture;
+  #picture: HTMLCanvasElement | null = null;
+  #halo: readonly number[] = [];
+  #void: readonly number[] = [];
+  #label = 0;
 
-  constructor(renderer: WebGLRenderer, palette: Palette) {
-    this.#renderer = renderer;
-    this.element = renderer.canvas as HTMLCanvasElement;
-    this.#palette = palette;
-    const atlas = paintAtlas();
-    this.#racks = new Brush(atlas);
-    this.#ways = new Brush(atlas);
-    this.#robots = new Brush(atlas);
-    this.#people = new Brush(atlas);
-    this.#names = new Names();
-    this.#ground.anchor.set(0.5);
-    this.#world.addChild(this.#racks.layer, this.#ways.layer, this.#robots.layer, this.#people.layer);
-    this.#root.addChild(this.#ground, this.#world, this.#names.layer);
+  constructor(element: HTMLCanvasElement, gl: GL, palette: Palette) {
+    this.element = element;
+    this.#gl = gl;
+    this.#marks = program(gl, MARK_VERTEX, MARK_FRAGMENT, ['view', 'pixel', 'letters', 'halo']);
+    this.#floor = program(gl, GROUND_VERTEX, GROUND_FRAGMENT, ['place', 'picture']);
+    this.#glyphTexture = texture(gl);
+    this.#groundTexture = texture(gl);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     this.recolour(palette);
   }
 
   recolour(palette: Palette): void {
-    this.#palette = palette;
-    this.#renderer.background.color = palette.of.void;
-    this.#names.recolour(palette);
-    Object.assign(this.#drawn, { racks: -1, ways: null });
+    this.#halo = parts(palette.of.halo);
+    this.#void = parts(palette.of.void);
+    this.#label = inkOf(palette.of.label);
   }
 
   resize(width: number, height: number, density: number): void {
-    this.#renderer.resize(width, height, density);
+    this.#density = density;
+    this.element.width = Math.round(width * density);
+    this.element.height = Math.round(height * density);
   }
 
-  draw(frame: Frame): void {
-    const { view, scene, chosen, person } = frame;
-    const drawn = this.#drawn;
-    this.#world.position.set(view.width / 2 - view.x * view.scale, view.height / 2 + view.y * view.scale);
-    this.#world.scale.set(view.scale, -view.scale);
-    this.#placeGround(frame);
-    const rescaled = drawn.scale !== view.scale;
-    if (drawn.racks !== scene.rackTurn || rescaled) this.#drawRacks(scene, view.scale);
-    if (drawn.ways !== scene.granted || rescaled || drawn.chosen !== chosen) this.#drawWays(scene, view.scale, chosen);
-    this.#drawRobots(scene, view.scale, chosen);
-    this.#drawPeople(scene, view.scale, person);
-    this.#names.draw(scene, view, chosen);
-    Object.assign(drawn, { racks: scene.rackTurn, ways: scene.granted, scale: view.scale, chosen });
-    this.#renderer.render(this.#root);
+  draw({ view, ground, sheets, words }: Frame): void {
+    const gl = this.#gl;
+    gl.viewport(0, 0, this.element.width, this.element.height);
+    gl.clearColor(this.#void[0]!, this.#void[1]!, this.#void[2]!, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    gl.disable(gl.BLEND);
+    this.#drawGround(view, ground);
+    gl.enable(gl.BLEND);
+    this.#layOut(words, view);
+    gl.useProgram(this.#marks.is);
+    const at = this.#marks.at;
+    gl.uniform4f(at.view, view.x, view.y, view.width / 2 / view.scale, view.height / 2 / view.scale);
+    gl.uniform1f(at.pixel, 1 / view.scale / this.#density);
+    gl.uniform4f(at.halo, this.#halo[0]!, this.#halo[1]!, this.#halo[2]!, this.#halo[3]!);
+    gl.uniform1i(at.letters, 0);
+    gl.bindTexture(gl.TEXTURE_2D, this.#glyphTexture);
+    if (this.#glyphTurn !== this.#glyphs.turn) {
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, this.#glyphs.picture);
+      this.#glyphTurn = this.#glyphs.turn;
+    }
+    for (let i = 0; i < sheets.length; i++) this.#drawSheet(sheets[i]!);
+    this.#drawSheet(this.#letters);
   }
 
   destroy(): void {
-    this.#ground.texture.destroy(true);
-    this.#names.destroy();
-    this.#root.destroy({ children: true });
     // Contexts are few in a browser: give this one back now rather than at the next collection.
-    this.#renderer.gl.getExtension('WEBGL_lose_context')?.loseContext();
-    this.#renderer.destroy();
+    this.#gl.getExtension('WEBGL_lose_context')?.loseContext();
     this.element.remove();
   }
 
-  #placeGround({ view, ground }: Frame): void {
-    if (this.#drawn.picture !== ground.picture) {
-      const old = this.#ground.texture;
-      this.#ground.texture = Texture.from(ground.picture, true);
-      if (old !== Texture.EMPTY) old.destroy(true);
-      this.#drawn.picture = ground.picture;
+  #drawGround(view: View, ground: Ground): void {
+    const gl = this.#gl;
+    gl.bindTexture(gl.TEXTURE_2D, this.#groundTexture);
+    if (this.#picture !== ground.picture) {
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, ground.picture);
+      this.#picture = ground.picture;
     }
-    const zoom = view.scale / ground.view.scale;
-    this.#ground.setSize(ground.view.width * zoom, ground.view.height * zoom);
-    this.#ground.position.set(
-      (ground.view.x - view.x) * view.scale + view.width / 2,
-      (view.y - ground.view.y) * view.scale + view.height / 2);
+    const kept = ground.view;
+    const [halfX, halfY] = [view.width / 2 / view.scale, view.height / 2 / view.scale];
+    gl.useProgram(this.#floor.is);
+    gl.uniform4f(this.#floor.at.place, (kept.x - view.x) / halfX, (kept.y - view.y) / halfY,
+      kept.width / 2 / kept.scale / halfX, kept.height / 2 / kept.scale / halfY);
+    gl.uniform1i(this.#floor.at.picture, 0);
+    gl.bindVertexArray(null);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
   }
 
-  #drawRacks(scene: Scene, scale: number): void {
-    const fill = inkOf(this.#palette.of.rack);
-    const edge = inkOf(this.#palette.of['rack-edge']);
-    const brush = this.#racks;
-    brush.begin();
-    for (let i = 0; i < scene.racks; i++) {
-      const x = scene.rackX[i]!;
-      if (scene.rackOn[i]! >= 0 || Number.isNaN(x)) continue;
-      brush.put('square', x, scene.rackY[i]!, 2 * SIZE.rack, 2 * SIZE.rack, fill);
-      if (scale > 9) brush.put('frame', x, scene.rackY[i]!, 2 * SIZE.rack, 2 * SIZE.rack, edge);
-    }
-    brush.end();
-  }
-
-  #drawWays(scene: Scene, scale: number, chosen: number): void {
-    const c = this.#palette.of;
-    const hair = 1 / scale;
-    this.#ways.begin();
-    this.#lines(scene.held, Math.max(SIZE.held, 0.8 * hair), inkOf(c.held));
-    this.#lines(scene.granted, Math.max(SIZE.granted, 1.4 * hair), inkOf(c.granted));
-    if (chosen >= 0) {
-      const ink = inkOf(c.chosen);
-      this.#lines(scene.held, Math.max(SIZE.held * 1.4, 1.2 * hair), ink, chosen);
-      this.#lines(scene.granted, Math.max(SIZE.granted * 1.5, 2.5 * hair), ink, chosen);
-    }
-    this.#ways.end();
-  }
-
-  #lines(paths: Paths, width: number, ink: number, only?: number): void {
-    const first = only === undefined ? 0 : paths.from[only]!;
-    const end = only === undefined ? paths.at.length / 4 : paths.from[only + 1]!;
-    for (let k = 4 * first; k < 4 * end; k += 4) {
-      this.#ways.line(paths.at[k]!, paths.at[k + 1]!, paths.at[k + 2]!, paths.at[k + 3]!, width, ink);
-    }
-  }
-
-  #drawRobots(scene: Scene, scale: number, chosen: number): void {
-    const c = this.#palette.of;
-    const hair = 1 / scale;
-    const brush = this.#robots;
-    const inks = this.#palette.states.map((colour) => inkOf(colour));
-    const [tick, carried, under, low, halo, mark] =
-      [inkOf(c.tick), inkOf(c.carried), inkOf(c.carried, 0.16), inkOf(c.low), inkOf(c.halo), inkOf(c.label)];
-    const size = 2 * Math.max(SIZE.robot, 2.2 * hair);
-    brush.begin();
-    if (chosen >= 0) {
-      const around = 2 * Math.max(SIZE.chosen, 7 * hair);
-      brush.put('ring', scene.x[chosen]!, scene.y[chosen]!, around, around, inkOf(c.chosen));
-    }
-    for (let i = 0; i < scene.robots; i++) brush.put('disc', scene.x[i]!, scene.y[i]!, size, size, inks[scene.state[i]!]!);
-    for (let i = 0; i < scene.racks; i++) {
-      if (scene.rackOn[i]! < 0) continue;
-      brush.put('square', scene.rackX[i]!, scene.rackY[i]!, 2 * SIZE.carried, 2 * SIZE.carried, under);
-      brush.put('frame', scene.rackX[i]!, scene.rackY[i]!, 2 * SIZE.carried, 2 * SIZE.carried, carried);
-    }
-    for (let i = 0; i < scene.robots; i++) {
-      const [x, y, turn] = [scene.x[i]!, scene.y[i]!, scene.heading[i]!];
-      const [dx, dy] = [Math.cos(turn), Math.sin(turn)];
-      if (scale > 5) brush.line(x + dx * 0.06, y + dy * 0.06, x + dx * SIZE.tick, y + dy * SIZE.tick, Math.max(0.1, hair), tick);
-      if (scene.state[i] === INTERRUPTED) brush.put('ring', x, y, 2 * SIZE.ring, 2 * SIZE.ring, inks[INTERRUPTED]!);
-      if (scene.state[i] === FAILED) brush.put('cross', x, y, 0.95, 0.95, mark);
-      if (!scene.lowBattery[i]) continue;
-      brush.put('square', x + 0.35, y + 0.38, 0.3 + hair, 0.16 + hair, halo);
-      brush.put('square', x + 0.35, y + 0.38, 0.3, 0.16, low);
-    }
-    brush.end();
-  }
-
-  #drawPeople({ people }: Scene, scale: number, chosen: number): void {
-    const c = this.#palette.of;
-    const hair = 1 / scale;
-    const [mark, pale, halo, region, ahead] =
-      [inkOf(c.person), inkOf(c.person, 0.35), inkOf(c.halo), inkOf(c.region), inkOf(c.ahead)];
-    const size = 2 * PERSON_REACH * personRadius(scale);
-    const brush = this.#people;
-    brush.begin();
-    people.forEach((p, i) => {
-      const ink = i === chosen ? inkOf(c.chosen) : ahead;
-      for (const r of p.regions) brush.circle(p.x, p.y, r, 1.2 * hair, region);
-      for (let k = 0; k < p.ahead.length; k += 4) {
-        brush.line(p.ahead[k]!, p.ahead[k + 1]!, p.ahead[k + 2]!, p.ahead[k + 3]!, Math.max(SIZE.ahead, 1.5 * hair), ink);
+  #drawSheet(sheet: Sheet): void {
+    if (sheet.count === 0) return;
+    const gl = this.#gl;
+    const sent = this.#sent.get(sheet) ?? this.#open(sheet);
+    gl.bindVertexArray(sent.array);
+    if (sent.turn !== sheet.turn) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, sent.buffer);
+      if (sent.bytes < sheet.marks.byteLength) {
+        gl.bufferData(gl.ARRAY_BUFFER, sheet.marks.byteLength, gl.DYNAMIC_DRAW);
+        sent.bytes = sheet.marks.byteLength;
       }
-    });
-    people.forEach((p, i) => {
-      if (i === chosen) brush.circle(p.x, p.y, Math.max(SIZE.chosen, 11 * hair), 2 * hair, inkOf(c.chosen));
-      brush.put('person', p.x, p.y, 1.25 * size, 1.25 * size, halo, p.heading);
-      if (p.presence !== 'lost') brush.put('person', p.x, p.y, size, size, p.presence === 'tracked' ? mark : pale, p.heading);
-      if (p.presence !== 'tracked') brush.put('shadow', p.x, p.y, size, size, mark, p.heading);
-    });
-    brush.end();
+      gl.bufferSubData(gl.ARRAY_BUFFER, 0, sheet.marks, 0, sheet.count * STRIDE);
+      sent.turn = sheet.turn;
+    }
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, sheet.count);
   }
+
+  #open(sheet: Sheet): Sent {
+    const gl = this.#gl;
+    const [array, buffer] = [gl.createVertexArray(), gl.createBuffer()];
+    gl.bindVertexArray(array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    const attribute = (slot: number, size: number, type: number, at: number): void => {
+      gl.enableVertexAttribArray(slot);
+      gl.vertexAttribPointer(slot, size, type, type === gl.UNSIGNED_BYTE, 4 * STRIDE, 4 * at);
+      gl.vertexAttribDivisor(slot, 1);
+    };
+    attribute(0, 4, gl.FLOAT, 0);
+    attribute(1, 3, gl.FLOAT, 4);
+    attribute(2, 4, gl.UNSIGNED_BYTE, 7);
+    const sent = { array, buffer, bytes: 0, turn: -1 };
+    this.#sent.set(sheet, sent);
+    return sent;
+  }
+
+  /** Puts words as letters, each at a whole pixel, so that they are sharp. */
+  #layOut({ list, count }: Words, view: View): void {
+    const letters = this.#letters;
+    letters.begin();
+    const whole = (v: number): number => Math.round(v * this.#density) / this.#density;
+    for (let i = 0; i < count; i++) {
+      const { text, x, y, below, px } = list[i]!;
+      let wide = 0;
+      for (const letter of text) wide += this.#glyphs.of(letter).advance;
+      const cell = Glyphs.REACH * px;
+      let left = whole((x - view.x) * view.scale + view.width / 2 - (wide * px) / 2);
+      const top = whole((view.y - y) * view.scale + view.height / 2 + below - cell / 2);
+      for (const letter of text) {
+        const glyph = this.#glyphs.of(letter);
+        const cx = left - Glyphs.INSET * px + cell / 2 - view.width / 2;
+        const cy = top + cell / 2 - view.height / 2;
+        letters.put(GLYPH as Kind, view.x + cx / view.scale, view.y - cy / view.scale,
+          cell / view.scale, cell / view.scale, this.#label, 0, glyph.cell);
+        left += glyph.advance * px;
+      }
+    }
+  }
+}
+
+interface Program<Name extends string> {
+  is: WebGLProgram;
+  at: Record<Name, WebGLUniformLocation | null>;
+}
+
+function program<Name extends string>(gl: GL, vertex: string, fragment: string, names: readonly Name[]): Program<Name> {
+  const is = gl.createProgram();
+  for (const [type, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]] as const) {
+    const shader = gl.createShader(type);
+    if (!shader) throw new Error('the WebGL context is lost');
+    gl.shaderSource(shader, text);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader) ?? 'a shader is refused');
+    gl.attachShader(is, shader);
+  }
+  gl.linkProgram(is);
+  if (!gl.getProgramParameter(is, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(is) ?? 'a program is refused');
+  const at = Object.fromEntries(names.map((name) => [name, gl.getUniformLocation(is, name)]));
+  return { is, at: at as Program<Name>['at'] };
+}
+
+function texture(gl: GL): WebGLTexture {
+  const made = gl.createTexture();
+  gl.bindTexture(gl.TEXTURE_2D, made);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+  return made;
+}
+
+function parts(css: string): number[] {
+  const ink = inkOf(css);
+  return [0, 8, 16, 24].map((shift) => ((ink >>> shift) & 255) / 255);
 }

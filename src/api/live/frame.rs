@@ -1,0 +1,127 @@
+//! The picture as it travels, and what changed from one to the next, in rows that anybody can read.
+//!
+//! Main type: [`Frame`]. Refuses: to know versions or readers.
+
+use crate::api::dto::{JobCountsDto, Names, RackDto, RobotDto, StationDto, round3};
+use crate::api::people::WorkerDto;
+use crate::api::port::{Alarm, Moment};
+use crate::warehouse::Warehouse;
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+/// One row, or what changed of it.
+pub type Item = Map<String, Value>;
+
+/// The picture as it travels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    pub robots: Vec<RobotDto>,
+    pub racks: Vec<RackDto>,
+    pub stations: Vec<StationDto>,
+    pub workers: Vec<WorkerDto>,
+    pub closures: Value,
+    pub jobs: Value,
+    pub counters: Value,
+    pub alarms: Value,
+    pub time_s: f64,
+}
+
+impl Frame {
+    pub fn of(map: &Warehouse, moment: &Moment, alarms: &[Alarm], started_s: f64) -> Frame {
+        let names = Names { map, view: &moment.view };
+        let counts = moment.view.counts;
+        let m = moment.measured;
+        Frame {
+            robots: names.robots(),
+            racks: names.racks(),
+            stations: names.stations(),
+            workers: names.workers(),
+            closures: plain(names.closures()),
+            jobs: plain(JobCountsDto::from(counts)),
+            counters: json!({
+                "robot_deliveries": counts.robot_deliveries, "human_deliveries": counts.human_deliveries,
+                "deliveries_per_hour": m.deliveries_per_hour.round(), "encounters": counts.encounters,
+                "deviations": counts.deviations, "interruptions": counts.interruptions, "replans": counts.replans,
+                "plan_us_p50": m.plan_us_p50, "plan_us_p99": m.plan_us_p99, "step_us_p99": m.step_us_p99,
+            }),
+            alarms: alarms
+                .iter()
+                .map(|a| {
+                    let since_s = round3(a.since.as_secs_f64() - started_s);
+                    json!({"id": a.id, "text": a.text, "since_s": since_s})
+                })
+                .collect(),
+            time_s: round3(moment.time_s),
+        }
+    }
+
+    pub fn snapshot(&self, version: u64) -> Value {
+        json!({
+            "type": "snapshot", "version": version, "time_s": self.time_s, "simulated": true,
+            "robots": self.robots, "racks": self.racks, "stations": self.stations,
+            "workers": self.workers, "closures": self.closures,
+            "jobs": self.jobs, "counters": self.counters, "alarms": self.alarms,
+        })
+    }
+
+    /// What every patch begins with, to `new` from this frame, which has version `base`.
+    pub fn head(&self, new: &Frame, base: u64) -> Item {
+        let mut out = Item::new();
+        out.insert("type".into(), "patch".into());
+        out.insert("base".into(), base.into());
+        out.insert("version".into(), (base + 1).into());
+        out.insert("time_s".into(), new.time_s.into());
+        for (key, old, new) in [
+            ("jobs", &self.jobs, &new.jobs),
+            ("counters", &self.counters, &new.counters),
+            ("alarms", &self.alarms, &new.alarms),
+            ("closures", &self.closures, &new.closures),
+        ] {
+            if old != new {
+                out.insert(key.into(), new.clone());
+            }
+        }
+        out
+    }
+
+    /// The patch to `new` from this frame, which has version `base`.
+    pub fn patch(&self, new: &Frame, base: u64) -> Value {
+        let mut out = self.head(new, base);
+        out.insert("robots".into(), changes(&self.robots, &new.robots, &[]));
+        out.insert("racks".into(), changes(&self.racks, &new.racks, &[]));
+        out.insert("stations".into(), changes(&self.stations, &new.stations, &[]));
+        out.insert("workers".into(), changes(&self.workers, &new.workers, &[]));
+        Value::Object(out)
+    }
+}
+
+fn plain(item: impl Serialize) -> Value {
+    serde_json::to_value(item).expect("wire types are plain")
+}
+
+fn item(row: impl Serialize) -> Item {
+    match plain(row) {
+        Value::Object(map) => map,
+        _ => Item::new(),
+    }
+}
+
+/// Rows that changed: their id and the keys that did, but for those in `besides`. New rows are whole.
+pub fn changes<T: Serialize + PartialEq>(old: &[T], new: &[T], besides: &[&str]) -> Value {
+    let changed = |(i, row): (usize, &T)| match old.get(i) {
+        None => Some(Value::Object(item(row))),
+        Some(before) if before == row => None,
+        Some(before) => {
+            let before = item(before);
+            let mut row = item(row);
+            let id = row.remove("id").unwrap_or_default();
+            row.retain(|key, value| !besides.contains(&key.as_str()) && before.get(key) != Some(value));
+            if row.is_empty() {
+                return None;
+            }
+            row.insert("id".into(), id);
+            Some(Value::Object(row))
+        }
+    };
+    new.iter().enumerate().filter_map(changed).collect()
+}

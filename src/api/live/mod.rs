@@ -1,0 +1,144 @@
+//! The live feed: a snapshot, then patches with base and version, made once for everybody.
+//!
+//! Main types: [`Live`], [`Shape`]. [`Live::publish`] compares the new picture with the last one and writes one patch
+//! for each shape that somebody reads; readers fetch what they miss by version, so that a slow reader costs nothing
+//! but its own fresh snapshot. Versions start above those of every earlier run, so that a reader who resumes after a
+//! restart gets a snapshot. Refuses: a queue per reader, an encoding per reader, and work for shapes nobody reads.
+
+mod frame;
+mod thin;
+
+use super::port::{Alarm, Moment};
+use crate::warehouse::Warehouse;
+use axum::extract::ws::Utf8Bytes;
+use frame::Frame;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard};
+use tokio::sync::watch;
+
+/// How many patches are kept for readers who resume: half a minute.
+const KEPT: usize = 300;
+
+/// A reader further behind than this while it reads gets a snapshot: five seconds.
+pub const LAGGING: u64 = 50;
+
+/// How patches are written. Snapshots are the same in both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// Rows by name, for programs that want to begin at once.
+    Plain,
+    /// Numbers by row, for dashboards: about a tenth of the bytes.
+    Thin,
+}
+
+/// The last patches of one shape.
+#[derive(Debug, Default)]
+struct Kept {
+    patches: VecDeque<Utf8Bytes>,
+    /// The version at which somebody read last.
+    read: Option<u64>,
+}
+
+#[derive(Debug)]
+struct State {
+    version: u64,
+    frame: Arc<Frame>,
+    snapshot: Option<Utf8Bytes>,
+    plain: Kept,
+    thin: Kept,
+}
+
+/// The feed.
+#[derive(Debug)]
+pub struct Live {
+    map: Arc<Warehouse>,
+    state: Mutex<State>,
+    newest: watch::Sender<u64>,
+}
+
+impl Live {
+    /// A feed whose first version is `first`, which no earlier run may have reached.
+    pub fn new(map: Arc<Warehouse>, first: u64) -> Live {
+        let state = State {
+            version: first,
+            frame: Arc::default(),
+            snapshot: None,
+            plain: Kept::default(),
+            thin: Kept::default(),
+        };
+        Live { map, state: Mutex::new(state), newest: watch::Sender::new(first) }
+    }
+
+    /// Tells of every new version.
+    pub fn subscribe(&self) -> watch::Receiver<u64> {
+        self.newest.subscribe()
+    }
+
+    /// Takes a new picture. Only one thread may publish; readers do not wait while it writes patches.
+    pub fn publish(&self, moment: &Moment, alarms: &[Alarm], started_s: f64) {
+        let new = Arc::new(Frame::of(&self.map, moment, alarms, started_s));
+        let (old, base, plain, thin) = {
+            let state = self.state();
+            let wanted = |kept: &Kept| kept.read.is_some_and(|read| read + KEPT as u64 > state.version);
+            (state.frame.clone(), state.version, wanted(&state.plain), wanted(&state.thin))
+        };
+        let plain = plain.then(|| old.patch(&new, base).to_string().into());
+        let thin = thin.then(|| thin::patch(&old, &new, base).to_string().into());
+        let mut state = self.state();
+        state.plain.push(plain);
+        state.thin.push(thin);
+        state.version = base + 1;
+        state.frame = new;
+        state.snapshot = None;
+        drop(state);
+        self.newest.send_replace(base + 1);
+    }
+
+    /// What a reader at version `since` misses, with the version it has then: patches if there are at most
+    /// `most`, else a snapshot.
+    pub fn after(&self, shape: Shape, since: Option<u64>, most: u64) -> (Vec<Utf8Bytes>, u64) {
+        let mut state = self.state();
+        let version = state.version;
+        let missing = since.and_then(|s| version.checked_sub(s));
+        let kept = match shape {
+            Shape::Plain => &mut state.plain,
+            Shape::Thin => &mut state.thin,
+        };
+        kept.read = Some(version);
+        let most = most.min(kept.patches.len() as u64);
+        if let Some(missing) = missing.filter(|m| *m <= most) {
+            let skip = kept.patches.len() - missing as usize;
+            return (kept.patches.iter().skip(skip).cloned().collect(), version);
+        }
+        let snapshot = state.snapshot.clone();
+        let text = snapshot.unwrap_or_else(|| state.frame.snapshot(version).to_string().into());
+        state.snapshot = Some(text.clone());
+        (vec![text], version)
+    }
+
+    /// How far back a reader may resume.
+    pub fn kept(&self) -> u64 {
+        KEPT as u64
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().expect("nobody panics with this lock")
+    }
+}
+
+impl Kept {
+    /// Without a patch nobody can go on from before it.
+    fn push(&mut self, patch: Option<Utf8Bytes>) {
+        let Some(patch) = patch else {
+            self.patches.clear();
+            return;
+        };
+        self.patches.push_back(patch);
+        if self.patches.len() > KEPT {
+            self.patches.pop_front();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,42 @@
+// The browser that the tests use: Debian's, without a window and without a graphics card.
+import { existsSync } from 'node:fs';
+import { chromium } from 'playwright-core';
+
+const ARGS = [
+  '--headless', '--no-sandbox', '--disable-gpu', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
+  '--disable-background-networking', '--disable-component-update', '--disable-sync', '--no-first-run',
+];
+
+export async function openBrowser() {
+  const executablePath = process.env.CHROMIUM ?? ['/usr/bin/chromium-headless-shell', '/usr/bin/chromium'].find((path) => existsSync(path));
+  if (!executablePath) {
+    console.error('No Chromium: install the Debian package chromium-headless-shell, or set CHROMIUM to one.');
+    process.exit(2);
+  }
+  return chromium.launch({ executablePath, args: ARGS });
+}
+
+let passed = 0;
+let failed = 0;
+
+export async function check(sentence, run) {
+  try {
+    const more = await run();
+    passed += 1;
+    console.log(`pass: ${sentence}${more ? ` (${more})` : ''}`);
+  } catch (error) {
+    failed += 1;
+    console.log(`FAIL: ${sentence}: ${String(error.message ?? error).split('\n').slice(0, 4).join(' | ')}`);
+  }
+}
+
+export function assert(truth, why) {
+  if (!truth) throw new Error(why);
+}
+
+/** Says how many checks passed, and ends. */
+export async function finish(browser) {
+  await browser.close();
+  console.log(`${passed} passed, ${failed} failed`);
+  process.exit(failed === 0 ? 0 : 1);
+}
