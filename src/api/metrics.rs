@@ -33,6 +33,13 @@ pub struct StateLabel {
     pub state: String,
 }
 
+/// How far ahead.
+#[derive(Clone, Debug, Hash, PartialEq, Eq, EncodeLabelSet)]
+pub struct HorizonLabel {
+    /// Seconds.
+    pub seconds: String,
+}
+
 /// Why something was refused.
 #[derive(Clone, Debug, Hash, PartialEq, Eq, EncodeLabelSet)]
 pub struct ReasonLabel {
@@ -82,6 +89,11 @@ pub struct Metrics {
     plans: Gauge,
     plan_failures: Gauge,
     deliveries_per_hour: Gauge<f64, AtomicU64>,
+    /// Of forecasts of people, by horizon: how many, share covered, factor of regions, whether trusted.
+    forecasts: Family<HorizonLabel, Gauge>,
+    forecast_covered: Family<HorizonLabel, Gauge<f64, AtomicU64>>,
+    forecast_scale: Family<HorizonLabel, Gauge<f64, AtomicU64>>,
+    forecast_trusted: Family<HorizonLabel, Gauge>,
 }
 
 impl Default for Metrics {
@@ -116,9 +128,14 @@ impl Default for Metrics {
             plans: Gauge::default(),
             plan_failures: Gauge::default(),
             deliveries_per_hour: Gauge::default(),
+            forecasts: Family::default(),
+            forecast_covered: Family::default(),
+            forecast_scale: Family::default(),
+            forecast_trusted: Family::default(),
         };
         m.register();
         m.register_people();
+        m.register_forecasts();
         m
     }
 }
@@ -161,6 +178,27 @@ impl Metrics {
         r.register_with_unit("pose_to_stop", to_worker, Unit::Seconds, self.pose_to_stop.clone());
         let to_robot = "From a pose received to a stop sent to a robot in the same step";
         r.register_with_unit("pose_to_robot_stop", to_robot, Unit::Seconds, self.pose_to_robot_stop.clone());
+    }
+
+    fn register_forecasts(&mut self) {
+        let r = &mut self.registry;
+        r.register("forecasts", "Forecasts of workers that have come due", self.forecasts.clone());
+        let covered = "Share of workers who were within the stated 95 % region, lately";
+        r.register("forecast_covered", covered, self.forecast_covered.clone());
+        let scale = "Factor of standard deviations by which regions have grown";
+        r.register("forecast_scale", scale, self.forecast_scale.clone());
+        let trusted = "1 where forecasts hold, 0 where robots keep out of all that workers can reach instead";
+        r.register("forecast_trusted", trusted, self.forecast_trusted.clone());
+    }
+
+    fn look_at_forecasts(&self, moment: &Moment) {
+        for f in &moment.view.foresight {
+            let label = HorizonLabel { seconds: format!("{:.1}", f.horizon_s) };
+            self.forecasts.get_or_create(&label).set(f.forecasts.cast_signed());
+            self.forecast_covered.get_or_create(&label).set(f.covered);
+            self.forecast_scale.get_or_create(&label).set(f.scale);
+            self.forecast_trusted.get_or_create(&label).set(i64::from(f.trusted));
+        }
     }
 
     /// Counts a pose that is refused before the fleet sees it.
@@ -209,6 +247,7 @@ impl Metrics {
         self.robot_deliveries.set(counts.robot_deliveries.cast_signed());
         self.human_deliveries.set(counts.human_deliveries.cast_signed());
         self.look_at_people(moment);
+        self.look_at_forecasts(moment);
         self.plans.set(counts.plans.cast_signed());
         self.plan_failures.set(counts.plan_failures.cast_signed());
         self.deliveries_per_hour.set(moment.measured.deliveries_per_hour);

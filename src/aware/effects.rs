@@ -7,7 +7,7 @@
 use super::afoot::Afoot;
 use super::regions::{BODY_M, Regions};
 use crate::geometry::{Point, Segment};
-use crate::human::{Band, Hypothesis, Whereabouts, passages};
+use crate::human::{Band, Hypothesis, WALK_MPS, Whereabouts, passages};
 use crate::id::{ClosureId, NodeId, WorkerId};
 use crate::route::{Cause, Condition, Conditions, Effect};
 use crate::time::{Span, Time, Window};
@@ -23,6 +23,9 @@ const IN_THE_WAY_S: f64 = 8.0;
 /// How far ahead a place is closed, and how far it is dear.
 const HARD: Span = Span::from_secs(6);
 const SOFT: Span = Span::from_secs(15);
+/// Without forecasts: what a walker reaches within the first is closed, within the second dear; seconds.
+const HARD_REACH_S: f64 = 2.0;
+const SOFT_REACH_S: f64 = 5.0;
 /// Conditions around a present worker hold this long; they are made anew every step.
 const NOW: Span = Span::from_millis(900);
 /// Room between a person on a path and a robot, metres.
@@ -83,6 +86,20 @@ impl Effects<'_> {
                 p if p >= SURE && window.start() <= self.now + HARD => Effect::Closed,
                 p if p >= NEGLIGIBLE => Effect::Price(Span::from_secs_f64(IN_THE_WAY_S * p.min(1.0))),
                 _ => continue,
+            };
+            conditions.add(node, Condition { window, effect, cause });
+        }
+    }
+
+    /// All that a worker can reach: where forecasts have proved wrong.
+    pub fn reachable(&self, conditions: &mut Conditions, worker: WorkerId, at: Point) {
+        let cause = Cause::Worker(worker);
+        for (node, distance) in self.afoot.nodes_within(self.warehouse, at, WALK_MPS * SOFT_REACH_S) {
+            let window = Window::new(self.now, self.now + Span::from_secs_f64(SOFT_REACH_S));
+            let effect = if distance <= WALK_MPS * HARD_REACH_S {
+                Effect::Closed
+            } else {
+                Effect::Price(Span::from_secs_f64(IN_THE_WAY_S))
             };
             conditions.add(node, Condition { window, effect, cause });
         }
@@ -206,6 +223,24 @@ mod tests {
         effects.forecast(&mut conditions, WorkerId(0), &[h(1), h(1)], Band::ANY);
         let first = warehouse.nodes.ids().next().unwrap();
         assert!(matches!(conditions.of(first)[0].effect, Effect::Closed), "0.4 and 0.4 make sure");
+    }
+
+    #[test]
+    fn without_forecasts_all_that_can_be_reached_is_closed_or_dear() {
+        let (warehouse, regions, afoot) = hall();
+        let effects = Effects { warehouse: &warehouse, regions: &regions, afoot: &afoot, now: Time::ZERO };
+        let node = warehouse.nodes.ids().next().unwrap();
+        let at = warehouse.nodes[node].at;
+        let mut conditions = Conditions::none(&warehouse);
+        effects.reachable(&mut conditions, WorkerId(0), at);
+        for (n, distance) in afoot.nodes_within(&warehouse, at, 20.0) {
+            let found = conditions.of(n).first().map(|c| c.effect);
+            match distance {
+                d if d <= 3.2 => assert_eq!(found, Some(Effect::Closed), "{n:?}"),
+                d if d <= 8.0 => assert!(matches!(found, Some(Effect::Price(_))), "{n:?}"),
+                _ => assert_eq!(found, None, "{n:?}"),
+            }
+        }
     }
 
     #[test]

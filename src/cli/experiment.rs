@@ -3,7 +3,7 @@
 //! Main type: [`Experiment`]. Refuses: to print a figure that depends on chance without its seed.
 
 use super::people::{Detection, Table};
-use super::recorded::{Forecast, Purpose};
+use super::recorded::{Encounters, Forecast, Purpose};
 use super::safe_space::SafeSpace;
 use super::write;
 use crate::experiment::stories::{self, Tale};
@@ -27,6 +27,8 @@ pub enum Experiment {
     Forecast(Forecast),
     /// Where recorded people are going: the right goal along the way, calibration.
     Intention(Purpose),
+    /// Recorded people among robots that know nothing of them: who would have braked in time, who for nothing.
+    Meetings(Encounters),
     /// Safe spaces of workers and robots, and when a route is kept (Ye et al. 2024), beside ours.
     SafeSpace(SafeSpace),
 }
@@ -82,6 +84,7 @@ impl Experiment {
             Experiment::Detection(detection) => detection.run(),
             Experiment::Forecast(forecast) => forecast.run(),
             Experiment::Intention(purpose) => purpose.run(),
+            Experiment::Meetings(encounters) => encounters.run(),
             Experiment::SafeSpace(spaces) => spaces.run(),
         }
     }

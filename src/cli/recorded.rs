@@ -1,24 +1,31 @@
-//! `giveway experiment forecast` and `intention`: predictions of recorded people, scored.
+//! `giveway experiment forecast`, `intention`, `meetings`: predictions of recorded people, scored.
 //!
 //! Main types: [`Forecast`], [`Purpose`]. Refuses: tracks that the model was learned from without saying so: the report
 //! names what the model was learned from.
 
 use super::learn::{FormatArgument, read_goals, read_model, read_tracks};
 use super::write;
+use crate::aware::Regions;
 use crate::experiment::learning::RECORDED_M;
 use crate::experiment::plot::{LineChart, Series};
 use crate::experiment::recorded::forecasting::{self, ForecastScore, LEVELS, Predictor};
+use crate::experiment::recorded::meetings::{Judged, Replay, THRESHOLDS};
 use crate::experiment::recorded::purposes::{self, BEFORE_S, PARTS, PurposeScore, Recogniser};
 use crate::experiment::recorded::{
     Degrade, PREDICTED, Recording, STEP_S, Seen, Stretch, Trip, scored, trips,
 };
 use crate::geometry::Point;
 use crate::human::{Method, Model};
+use crate::route::Kinematics;
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
+
+/// The usual robot: side of its footprint, metres, and control period, seconds.
+const FOOTPRINT_M: f64 = 0.9;
+const PERIOD_S: f64 = 0.05;
 
 /// What both experiments read.
 #[derive(Args)]
@@ -61,6 +68,58 @@ pub struct Forecast {
 pub struct Purpose {
     #[command(flatten)]
     source: Source,
+}
+
+/// Arguments of `experiment meetings`.
+#[derive(Args)]
+pub struct Encounters {
+    #[command(flatten)]
+    source: Source,
+    /// Robots beside each person.
+    #[arg(long, default_value_t = 8)]
+    robots: usize,
+}
+
+impl Encounters {
+    /// Replays people among robots and prints who would have braked.
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        let case = self.source.read()?;
+        anyhow::ensure!((1..=1000).contains(&self.robots), "--robots must be from 1 to 1000");
+        let kinematics = Kinematics::default();
+        let regions = Regions::new(kinematics, FOOTPRINT_M, PERIOD_S);
+        let speed_mps = kinematics.top_mps(true);
+        let times = regions.times(speed_mps, true);
+        let replay = Replay {
+            robots: self.robots,
+            speed_mps,
+            half_m: FOOTPRINT_M / 2.0,
+            lead_s: times.react_s + times.stop_s,
+            separation_m: regions.slow_radius_m(true, RECORDED_M),
+            seed: case.seed,
+        };
+        let found = replay.run(&case.recording, &case.goals, &case.model);
+        let judged = |j: &Judged| {
+            let share = |n: u64, of: u64| (of > 0).then(|| n as f64 / of as f64);
+            json!({
+                "missed": j.missed,
+                "missed_share": share(j.missed, found.meetings),
+                "alarm_share_of_looks": share(j.alarms, found.looks),
+                "false_share_of_alarms": share(j.false_alarms, j.alarms),
+                "false_share_of_looks": share(j.false_alarms, found.looks),
+            })
+        };
+        let by_threshold = THRESHOLDS.iter().zip(&found.by_threshold);
+        let mut report = case.header();
+        report["speed_mps"] = json!(replay.speed_mps);
+        report["lead_s"] = json!(replay.lead_s);
+        report["meetings"] = json!(found.meetings);
+        report["looks"] = json!(found.looks);
+        report["thresholds"] =
+            by_threshold.map(|(t, j)| (format!("{t}"), judged(j))).collect::<Map<_, _>>().into();
+        report["distance"] = judged(&found.by_distance);
+        println!("{}", serde_json::to_string_pretty(&report)?);
+        Ok(ExitCode::SUCCESS)
+    }
 }
 
 /// Everything that was read.

@@ -16,6 +16,9 @@ use tracing_subscriber::EnvFilter;
 pub struct Serve {
     #[command(flatten)]
     flags: Flags,
+    /// What was learned about people (`giveway learn`); the scenario's own, or the built-in figures, where absent.
+    #[arg(long)]
+    model: Option<std::path::PathBuf>,
 }
 
 impl Serve {
@@ -23,8 +26,10 @@ impl Serve {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         trace_to_stderr();
         let config = Config::read(&self.flags)?;
-        let Setup { scenario, warehouse, lines, .. } = Setup::read(&config.scenario, None, None)
+        let mut setup = Setup::read(&config.scenario, None, None)
             .context("there is nothing to run: name a scenario with --scenario")?;
+        setup.use_model(self.model.as_deref())?;
+        let Setup { scenario, warehouse, lines, .. } = setup;
         let floor = Floor { scenario, map: warehouse, lines };
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
         runtime.block_on(serve(&config, floor))?;

@@ -2,7 +2,9 @@
 //!
 //! Main type: [`Sim`]. Refuses: to exit with success where a law was broken.
 
+use super::learn::read_model;
 use super::{progress, read, read_map, stopwatch};
+use crate::human::Model;
 use crate::sim::recording::{Header, Recorder};
 use crate::sim::{Demand, OrderLine, Outcome, Scenario, Simulation};
 use crate::time::{Span, Time};
@@ -35,6 +37,9 @@ pub struct Sim {
     /// Jobs from this file of order lines (CSV with `OrderNumber` and `AlleyCell`, `Location` or `SKU`).
     #[arg(long)]
     orders: Option<PathBuf>,
+    /// What was learned about people (`giveway learn`); the scenario's own, or the built-in figures, where absent.
+    #[arg(long)]
+    model: Option<PathBuf>,
     /// Leave out the second run that measures the bound on throughput.
     #[arg(long)]
     no_bound: bool,
@@ -81,7 +86,18 @@ impl Setup {
         crate::warehouse::room_for(&warehouse, scenario.robots)
             .map_err(|e| anyhow::anyhow!("the map has no room for {} robots:\n{e}", scenario.robots))?;
         scenario.areas(&warehouse, Time::ZERO).with_context(|| format!("{} is refused", path.display()))?;
+        if let Some(model) = &scenario.model {
+            scenario.learned = read_model(Some(&beside(model)))?;
+        }
         Ok(Setup { scenario, warehouse, lines, text })
+    }
+
+    /// Takes figures about people from a file, if one is named.
+    pub fn use_model(&mut self, path: Option<&Path>) -> anyhow::Result<()> {
+        if path.is_some() {
+            self.scenario.learned = read_model(path)?;
+        }
+        Ok(())
     }
 }
 
@@ -89,6 +105,7 @@ impl Sim {
     /// Runs the scenario and prints its figures.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let mut setup = Setup::read(&self.scenario, self.map.as_deref(), self.orders.as_deref())?;
+        setup.use_model(self.model.as_deref())?;
         setup.scenario.robots = self.robots.unwrap_or(setup.scenario.robots);
         if let Some(seconds) = self.duration {
             anyhow::ensure!((1.0..=1e7).contains(&seconds), "--duration must be from 1 to 10000000 seconds");
@@ -122,7 +139,10 @@ fn simulate(setup: &Setup, seed: u64, ghosts: bool, record: Option<&Path>) -> an
     let mut file = record.map(super::recording::create).transpose()?;
     if let Some(file) = &mut file {
         let map = crate::warehouse::formats::json::write(warehouse);
-        file.write(&Recorder::header(&Header { giveway_recording: 1, scenario: text.clone(), map, seed }))?;
+        let is_builtin = *scenario.learned == *Model::builtin();
+        let model = (!is_builtin).then(|| scenario.learned.to_json());
+        let header = Header { giveway_recording: 1, scenario: text.clone(), map, seed, model };
+        file.write(&Recorder::header(&header))?;
     }
     let what = if ghosts { "bound" } else { "simulating" };
     let bar = progress(scenario.duration.0 as u64 / 1_000_000, what);

@@ -141,6 +141,8 @@ impl Setup {
             kinematics: Kinematics::default(),
             workers,
             closures: Vec::new(),
+            model: None,
+            learned: crate::human::Model::builtin(),
             arm,
         }
     }

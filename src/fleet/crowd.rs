@@ -7,7 +7,8 @@ use super::people::{Closure, Guidance, Reaction};
 use super::published::Procedure;
 use crate::aware::{Afoot, Meter, Regions, nodes_in};
 use crate::geometry::Point;
-use crate::human::{Follower, Track};
+use crate::human::motion::Motion;
+use crate::human::{Coverage, Follower, Hypothesis, Track};
 use crate::id::{AssignmentId, ClosureId, IdVec, NodeId, RobotId, WorkerId};
 use crate::route::Conditions;
 use crate::time::{Span, Time};
@@ -55,6 +56,10 @@ pub(super) struct Plan {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Person {
     pub track: Track,
+    /// How the worker moves just now; nothing before the first sighting that was taken in.
+    pub motion: Option<Motion>,
+    /// Where the worker may be going, in this step.
+    pub ways: Vec<Hypothesis>,
     /// Whether something was seen of the worker in this step.
     pub fresh: bool,
     /// Whether the worker was put somewhere else without a walk.
@@ -92,6 +97,8 @@ pub(super) struct Crowd {
     /// What people mean for the search, in this step.
     pub conditions: Conditions,
     pub meter: Meter,
+    /// Whether forecasts hold.
+    pub coverage: Coverage,
     pub yielding: BTreeMap<RobotId, Yielding>,
     /// When each robot was told its limit last, and which.
     pub limits: BTreeMap<RobotId, (Option<f64>, Time)>,
@@ -116,6 +123,7 @@ impl Crowd {
             people: IdVec::new(),
             conditions: Conditions::none(warehouse),
             meter: Meter::default(),
+            coverage: Coverage::default(),
             yielding: BTreeMap::new(),
             limits: BTreeMap::new(),
             rerouted: BTreeMap::new(),

@@ -26,11 +26,13 @@ impl Fleet {
             x && (low.y - MARGIN_M..=high.y + MARGIN_M).contains(&p.y)
         };
         let person = self.crowd.person(s.worker);
-        match person.track.see(s, now, is_on_map) {
-            Taken::Ignored => {}
+        let taken = person.track.see(s, now, is_on_map);
+        match taken {
+            Taken::Ignored => return,
             Taken::Moved => person.fresh = true,
             Taken::Relocated => (person.fresh, person.relocated) = (true, true),
         }
+        self.follow_motion(s, taken);
     }
 
     pub(super) fn judge(&mut self, now: Time) {
@@ -43,6 +45,7 @@ impl Fleet {
             self.watch(worker, now);
         }
         self.infer(now);
+        self.foresee(now);
         self.close_areas(now);
         self.follow_procedure(now);
         self.set_conditions(now);
@@ -144,7 +147,10 @@ impl Fleet {
             if self.settings.arm == Arm::Giveway || place.presence == Presence::Lost {
                 effects.presence(&mut conditions, worker, &place);
                 let band = Band::around(place.velocity.norm());
-                effects.forecast(&mut conditions, worker, &self.hypotheses(worker, &place), band);
+                effects.forecast(&mut conditions, worker, &person.ways, band);
+                if !self.crowd.coverage.is_trusted() {
+                    effects.reachable(&mut conditions, worker, place.at);
+                }
             } else if let Some(path) = person.rest_of_path(place.at) {
                 let stay = person.plan.as_ref().map(|p| p.stay);
                 let path = Hypothesis { probability: 1.0, path, stay };

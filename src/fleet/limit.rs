@@ -29,7 +29,7 @@ impl Fleet {
         let present = self.present(now);
         for robot in self.ledger.robots.ids().collect::<Vec<_>>() {
             let Some(seen) = self.scene.robot(robot).copied() else { continue };
-            let (limit, because) = self.limit_for(robot, &present);
+            let (limit, because) = self.limit_for(robot, &present, now);
             if limit == Some(0.0) && seen.speed_mps > 0.05 {
                 self.gives_way(robot, because.expect("a stop has a cause"), Reaction::Stopped, now);
             }
@@ -49,6 +49,7 @@ impl Fleet {
         &self,
         robot: RobotId,
         present: &[(WorkerId, Whereabouts)],
+        now: Time,
     ) -> (Option<f64>, Option<WorkerId>) {
         let at = self.place_of(robot);
         let speed = self.scene.robot(robot).map_or(0.0, |t| t.speed_mps);
@@ -66,6 +67,8 @@ impl Fleet {
             } else {
                 self.limit_here(robot, at, *worker, w, loaded)
             };
+            let ours = self.settings.arm == Arm::Giveway && limit != Some(0.0);
+            let limit = if ours && self.would_meet(robot, *worker, at, now) { Some(0.0) } else { limit };
             if limit.is_some_and(|l| slowest.0.is_none_or(|s| l < s)) {
                 slowest = (limit, Some(*worker));
             }

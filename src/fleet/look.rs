@@ -26,7 +26,9 @@ impl Fleet {
         let racks = self.ledger.racks.iter().copied().collect();
         let (workers, closures) = (self.worker_views(now), self.closure_views());
         let free = self.idle_robots(now).into_iter().filter(|r| self.is_charged(*r)).count();
-        View { now, robots, racks, stations, workers, closures, blocked: self.blocked(), free, counts }
+        let foresight = self.crowd.coverage.foresight().to_vec();
+        let blocked = self.blocked();
+        View { now, robots, racks, stations, workers, closures, blocked, free, counts, foresight }
     }
 
     /// Waiting jobs that come after others, each with the first one that is not over yet.

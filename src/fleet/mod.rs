@@ -11,6 +11,7 @@ mod closing;
 mod crowd;
 mod cut;
 pub mod fact;
+mod foresee;
 mod grant;
 mod guide;
 mod insert;

@@ -41,6 +41,8 @@ fn scenario(robots: usize) -> Scenario {
         workers: Workers::default(),
         closures: Vec::new(),
         arm: Arm::default(),
+        model: None,
+        learned: crate::human::Model::builtin(),
     }
 }
 

@@ -7,6 +7,7 @@ use super::fact::Task;
 use super::job::{Job, JobState};
 use super::people::{ClosureView, WorkerView};
 use crate::geometry::Pose;
+use crate::human::Foresight;
 use crate::id::{ClosureId, Dense, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use crate::timeline::Holder;
@@ -33,6 +34,8 @@ pub struct View {
     pub free: usize,
     /// Sums.
     pub counts: Counts,
+    /// Whether forecasts of people hold, by horizon.
+    pub foresight: Vec<Foresight>,
 }
 
 /// One robot.

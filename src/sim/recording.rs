@@ -24,6 +24,9 @@ pub struct Header {
     pub map: String,
     /// The seed.
     pub seed: u64,
+    /// What was learned about people, as text; absent where the built-in figures held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<String>,
 }
 
 /// A recording that cannot be read.

@@ -6,6 +6,7 @@ use super::Digest;
 use super::recording::{Broken, Playback, Played};
 use super::scenario::Scenario;
 use crate::fleet::{Fleet, Settings, Step};
+use crate::human::Model;
 use crate::time::Time;
 use crate::warehouse::formats;
 use std::sync::Arc;
@@ -45,7 +46,10 @@ impl Player {
         let broken = |message: String| Broken { line: 1, message };
         let first = lines.next().unwrap_or_else(|| Err("it is empty".into())).map_err(broken)?;
         let (header, playback) = Playback::open(&first)?;
-        let scenario = Scenario::parse(&header.scenario).map_err(|e| broken(format!("scenario: {e}")))?;
+        let mut scenario = Scenario::parse(&header.scenario).map_err(|e| broken(format!("scenario: {e}")))?;
+        if let Some(model) = &header.model {
+            scenario.learned = Arc::new(Model::parse(model).map_err(|e| broken(format!("model: {e}")))?);
+        }
         let warehouse = formats::json::parse(&header.map).map_err(|e| broken(format!("map: {e}")))?;
         let settings = Settings { stopwatch, ..scenario.settings() };
         let fleet = Fleet::new(Arc::new(warehouse), settings);

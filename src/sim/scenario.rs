@@ -6,9 +6,11 @@
 use super::closures::Closing;
 use super::workforce::Workers;
 use crate::aware::Arm;
+use crate::human::Model;
 use crate::route::Kinematics;
 use crate::time::Span;
 use serde::Deserialize;
+use std::sync::Arc;
 
 /// What to simulate.
 #[derive(Clone, Debug)]
@@ -37,6 +39,10 @@ pub struct Scenario {
     pub closures: Vec<Closing>,
     /// How the fleet gives way to people.
     pub arm: Arm,
+    /// File with what was learned about people, relative to the scenario; the built-in figures where absent.
+    pub model: Option<String>,
+    /// What is in it.
+    pub learned: Arc<Model>,
 }
 
 /// Where jobs come from.
@@ -129,6 +135,8 @@ struct File {
     closures: Vec<Closing>,
     #[serde(default)]
     arm: ArmWord,
+    #[serde(default)]
+    model: Option<String>,
 }
 
 /// [`Arm`] as files name it.
@@ -219,13 +227,16 @@ impl Scenario {
             workers: file.workers,
             closures: file.closures,
             arm: file.arm.into(),
+            model: file.model,
+            learned: Model::builtin(),
         })
     }
 
     /// The settings of the core for this scenario.
     pub fn settings(&self) -> crate::fleet::Settings {
         let Scenario { kinematics, period, arm, .. } = *self;
-        crate::fleet::Settings { kinematics, period, arm, ..Default::default() }
+        let model = self.learned.clone();
+        crate::fleet::Settings { kinematics, period, arm, model, ..Default::default() }
     }
 }
 

@@ -59,7 +59,8 @@ fn least_surprised(lessons: &[Lesson], model: &Model, fitted: MotionModel) -> Mo
     let with_goals = lessons.iter().any(|l| !l.goals.is_empty());
     let surprise = |motion: &MotionModel| {
         let model = Model { motion: *motion, ..model.clone() };
-        shapes::surprise(&items(lessons, &model, model.bound.blend_s, with_goals, TRIED), model.bound.blend_s)
+        let known = if with_goals { &model.bound } else { &model.free };
+        shapes::surprise(&items(lessons, &model, known.blend_s, with_goals, TRIED), known)
     };
     let scored = motion::calmer(lessons, fitted).into_iter().map(|m| (surprise(&m), m));
     scored.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(fitted, |best| best.1)
@@ -69,8 +70,8 @@ fn least_surprised(lessons: &[Lesson], model: &Model, fitted: MotionModel) -> Mo
 fn forecasts(lessons: &[Lesson], model: &Model, with_goals: bool) -> Shapes {
     let old = if with_goals { &model.bound } else { &model.free };
     let items = items(lessons, model, old.blend_s, with_goals, STRETCHES);
-    let mut found = shapes::fit(&items, old.blend_s, |_| false);
-    shapes::calibrate(&mut found, &items, FOLDS);
+    let mut found = shapes::fit(&items, old, |_| false);
+    shapes::calibrate(&mut found, &items, old, FOLDS);
     found
 }
 

@@ -12,8 +12,8 @@ use crate::human::{Mixture, Part};
 
 /// What a nat of surprise is worth, as a share of the error.
 const SURENESS: f64 = 0.03;
-/// Being surer may cost so much of the error.
-const COST: f64 = 0.015;
+/// So much more error than that of the last step is allowed.
+const COST: f64 = 0.005;
 /// Steps ahead by which the filter's sureness is judged: two seconds.
 const SURE: usize = 5;
 /// Stretches of each lesson that are tried.
@@ -49,16 +49,16 @@ fn downhill(lessons: &[Lesson], start: MotionModel) -> (f64, MotionModel) {
     best
 }
 
-/// The same figures with people who are pushed about less or more, as far as that costs hardly any error: points alone do
-/// not tell how sure the filter may be.
+/// The same figures with people who are pushed about less or more, as far as they err no more than going on with the last
+/// step does: points alone do not tell how sure the filter may be.
 pub fn calmer(lessons: &[Lesson], m: MotionModel) -> Vec<MotionModel> {
     let worst = |m: &MotionModel| lessons.iter().map(|l| ratio(l, m)).fold(0.0, f64::max);
-    let allowed = worst(&m) + COST;
+    let allowed = worst(&m).max(1.0) + COST;
     let sized = |k: i32| {
         let factor = 2f64.powi(k);
         MotionModel { accel_psd: m.accel_psd.map(|q| q * factor), ..m }
     };
-    (-5..=1).map(sized).filter(|m| m.fault().is_none() && worst(m) <= allowed).collect()
+    (-8..=1).map(sized).filter(|m| m.fault().is_none() && worst(m) <= allowed).collect()
 }
 
 /// Mean logarithm of the density of where people were, over the next steps.

@@ -26,8 +26,8 @@ pub struct Item {
 const ROUNDS: usize = 30;
 /// Fewer items in a class teach nothing of their own: all classes are taken together.
 const ITEMS_MIN: usize = 80;
-/// So many imagined items hold figures back from extremes.
-const IMAGINED: f64 = 6.0;
+/// What is known counts as much as so many items of each kind.
+const IMAGINED: f64 = 12.0;
 /// No standard deviation is smaller, metres.
 const SIGMA_MIN_M: f64 = 0.02;
 /// The region that scales are made for.
@@ -37,26 +37,8 @@ const SCALES: (f64, f64) = (0.6, 2.5);
 /// Items of a horizon and class by which a scale is found.
 const CALIBRATED_BY: usize = 400;
 
-/// Where the algorithm starts: errors that grow with the horizon.
-fn start(horizon: usize) -> Shape {
-    let t = 0.4 * (horizon + 1) as f64;
-    let kernel = |weight: f64, tight: [f64; 2], wide: f64| Kernel {
-        weight,
-        shift_m: 0.0,
-        tight_m: tight.map(|s| 0.03 + s * t),
-        wide_m: [0.1 + wide * t; 2],
-        wide_share: 0.25,
-    };
-    Shape {
-        drive: kernel(0.5, [0.15, 0.1], 0.4),
-        goal: kernel(0.35, [0.15, 0.1], 0.4),
-        stay: kernel(0.15, [0.1, 0.1], 0.3),
-        scale: 1.0,
-    }
-}
-
-/// Learns figures from items; those of `left_out` people do not count.
-pub fn fit(items: &[Item], blend_s: f64, left_out: impl Fn(usize) -> bool) -> Shapes {
+/// Learns figures from items, beginning with what is known; those of `left_out` people do not count.
+pub fn fit(items: &[Item], known: &Shapes, left_out: impl Fn(usize) -> bool) -> Shapes {
     let mut sorted: Vec<Vec<Vec<&Item>>> = vec![vec![Vec::new(); HORIZONS]; CLASSES];
     for item in items.iter().filter(|i| !left_out(i.person)) {
         sorted[item.guesses.class][item.horizon].push(item);
@@ -65,11 +47,12 @@ pub fn fit(items: &[Item], blend_s: f64, left_out: impl Fn(usize) -> bool) -> Sh
     let classes = (0..CLASSES).map(|c| {
         let shapes = (0..HORIZONS).map(|h| {
             let own = &sorted[c][h];
-            if own.len() >= ITEMS_MIN { fit_one(own, start(h)) } else { fit_one(&pooled(h), start(h)) }
+            let first = Shape { scale: 1.0, ..known.classes[c][h] };
+            if own.len() >= ITEMS_MIN { fit_one(own, first) } else { fit_one(&pooled(h), first) }
         });
         smooth(&shapes.collect::<Vec<_>>())
     });
-    Shapes { blend_s, classes: classes.collect() }
+    Shapes { blend_s: known.blend_s, classes: classes.collect() }
 }
 
 /// Neighbouring horizons are alike.
@@ -118,6 +101,7 @@ fn fit_one(items: &[&Item], mut shape: Shape) -> Shape {
         return shape;
     }
     let first = shape;
+    // Weights of kinds sum to one, so that imagined items of all kinds do, too.
     for _ in 0..ROUNDS {
         let mut sums = [Sums::default(); 3];
         for item in items {
@@ -144,11 +128,11 @@ impl Sums {
             })
         };
         Kernel {
-            weight: (n + IMAGINED) / total,
-            shift_m: old.shift_m + self.along / (n + IMAGINED),
+            weight: (n + IMAGINED * 3.0 * first.weight) / total,
+            shift_m: old.shift_m + (self.along + IMAGINED * (first.shift_m - old.shift_m)) / (n + IMAGINED),
             tight_m: spread(0, first.tight_m),
             wide_m: spread(1, first.wide_m),
-            wide_share: (self.n[1] + IMAGINED * 0.25) / (n + IMAGINED),
+            wide_share: (self.n[1] + IMAGINED * first.wide_share) / (n + IMAGINED),
         }
     }
 }
@@ -206,8 +190,8 @@ pub fn mixture(item: &Item, shape: &Shape) -> Mixture {
 }
 
 /// How surprising people are for figures that were learned from the others: mean of -ln density per m², nats.
-pub fn surprise(items: &[Item], blend_s: f64) -> f64 {
-    let halves = [0, 1].map(|half| fit(items, blend_s, |p| p % 2 == half));
+pub fn surprise(items: &[Item], known: &Shapes) -> f64 {
+    let halves = [0, 1].map(|half| fit(items, known, |p| p % 2 == half));
     let of = |i: &Item| {
         let shape = &halves[i.person % 2].classes[i.guesses.class][i.horizon];
         -mixture(i, shape).density(i.truth).max(1e-8).ln()
@@ -216,8 +200,8 @@ pub fn surprise(items: &[Item], blend_s: f64) -> f64 {
 }
 
 /// Gives every shape the scale with which its 95 % region holds 95 % of those people from whom it was not learned.
-pub fn calibrate(shapes: &mut Shapes, items: &[Item], folds: usize) {
-    let without: Vec<Shapes> = (0..folds).map(|f| fit(items, shapes.blend_s, |p| p % folds == f)).collect();
+pub fn calibrate(shapes: &mut Shapes, items: &[Item], known: &Shapes, folds: usize) {
+    let without: Vec<Shapes> = (0..folds).map(|f| fit(items, known, |p| p % folds == f)).collect();
     let mut sorted: Vec<Vec<Vec<&Item>>> = vec![vec![Vec::new(); HORIZONS]; CLASSES];
     items.iter().for_each(|i| sorted[i.guesses.class][i.horizon].push(i));
     for (class, by_horizon) in sorted.iter().enumerate() {

@@ -4,6 +4,7 @@
 
 mod degrade;
 pub mod forecasting;
+pub mod meetings;
 pub mod purposes;
 mod subject;
 mod tracks;

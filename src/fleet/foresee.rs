@@ -1,0 +1,92 @@
+//! Where workers will be within seconds, with what probability; whether such forecasts hold; and which robots brake for
+//! them.
+//!
+//! Refuses: to let a robot drive because a forecast says that nobody will be there: forecasts only make robots brake.
+
+use super::Fleet;
+use crate::aware::{Arm, SLOW_MPS, Swept, THRESHOLD, collision};
+use crate::geometry::Point;
+use crate::human::motion::{Fix, Motion};
+use crate::human::{Mixture, Outlook, Presence, Quality, Sighting, Taken, WATCHED_S};
+use crate::id::{RobotId, WorkerId};
+use crate::time::{Span, Time};
+
+/// Robots farther from somebody than this meet nobody within the time of braking, metres.
+const NEAR_M: f64 = 7.0;
+
+impl Fleet {
+    /// Takes a sighting that was believed into the filter of how the worker moves.
+    pub(super) fn follow_motion(&mut self, s: &Sighting, taken: Taken) {
+        let (model, worker) = (self.settings.model.motion, s.worker);
+        let person = self.crowd.person(worker);
+        if taken == Taken::Relocated || person.motion.is_none() {
+            person.motion = Some(Motion::new(model));
+            self.crowd.coverage.forget(worker);
+        }
+        if s.quality == Quality::Lost {
+            return;
+        }
+        let fix = Fix { seen: s.seen, at: s.at, sigma_m: s.accuracy_m };
+        self.crowd.person(worker).motion.get_or_insert_with(|| Motion::new(model)).see(fix);
+        self.crowd.coverage.judge(worker, s.seen, s.at);
+    }
+
+    /// Notes where everybody may be going, and keeps a forecast of everybody from time to time to see whether it
+    /// comes true.
+    pub(super) fn foresee(&mut self, now: Time) {
+        if self.settings.arm != Arm::Giveway {
+            return;
+        }
+        for (worker, place) in self.present(now) {
+            self.crowd.people[worker].ways = self.hypotheses(worker, &place);
+            if place.presence == Presence::Tracked && self.crowd.coverage.wants(worker, now) {
+                let seen = self.crowd.people[worker].motion.as_ref().and_then(Motion::seen);
+                let Some(seen) = seen else { continue };
+                let ahead = WATCHED_S.map(|s| self.forecast(worker, seen + Span::from_secs_f64(s)));
+                if let [Some(a), Some(b), Some(c)] = ahead {
+                    self.crowd.coverage.expect(worker, now, seen, [a, b, c]);
+                }
+            }
+        }
+    }
+
+    /// What is to be expected of a worker; nothing before it was seen.
+    fn outlook(&self, worker: WorkerId) -> Option<Outlook<'_>> {
+        let person = self.crowd.people.get(worker)?;
+        let motion = person.motion.as_ref()?;
+        let model = &self.settings.model;
+        Some(Outlook { motion, ways: &person.ways, bound: &model.bound, free: &model.free })
+    }
+
+    /// Where a worker will be at a moment, with regions as wide as experience has made them.
+    pub(super) fn forecast(&self, worker: WorkerId, t: Time) -> Option<Mixture> {
+        let outlook = self.outlook(worker)?;
+        let ahead_s = (t - outlook.motion.seen()?).max(Span::ZERO).as_secs_f64();
+        Some(outlook.at(t)?.scaled(self.crowd.coverage.scale(ahead_s)))
+    }
+
+    /// Whether a robot would probably meet a worker if it did not brake now: the probability within the time that
+    /// braking takes is at the threshold or beyond.
+    pub(super) fn would_meet(&self, robot: RobotId, worker: WorkerId, at: Point, now: Time) -> bool {
+        let Some(outlook) = self.outlook(worker) else { return false };
+        let far = self.crowd.people[worker].track.newest().is_none_or(|s| (s.at - at).norm() > NEAR_M);
+        if far {
+            return false;
+        }
+        let chain = self.ledger.chain(robot);
+        let ahead = (chain.first() + 1..chain.granted()).filter_map(|s| chain.get(s));
+        let way: Vec<Point> =
+            std::iter::once(at).chain(ahead.map(|v| self.warehouse().nodes[v.node].at)).collect();
+        if way.len() < 2 {
+            return false;
+        }
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let seen_mps = self.scene.robot(robot).map_or(0.0, |t| t.speed_mps);
+        // Whoever stands is asked as if it set off slowly.
+        let speed_mps = seen_mps.max(SLOW_MPS);
+        let times = self.crowd.regions.times(speed_mps, loaded);
+        let lead = Span::from_secs_f64(times.react_s + times.stop_s) + self.settings.period;
+        let robot = Swept { way, speed_mps, half_m: self.warehouse().footprint_m / 2.0 };
+        collision(&outlook, &robot, now, lead).is_some_and(|p| p >= THRESHOLD)
+    }
+}
