@@ -31,12 +31,14 @@
 //!   something is held.
 //! - [`route`]: the one search, over free windows.
 //! - [`human`]: people as beliefs. Where they are, whether they keep to their path, which goals are theirs, where they
-//!   will be when. Every kind of bad sighting has one answer (`human/track.rs`).
+//!   will be when. Every kind of bad sighting has one answer (`human/track.rs`). Forecasts are mixtures whose figures
+//!   were learned from recorded people (`human/outlook.rs`, `human/model.rs`) and are judged while the system runs.
 //! - [`aware`]: what people mean for robots: conditions on nodes for the search and the grants, regions for speeds,
 //!   encounters. There is no second planner.
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
 //! - [`sim`]: robots with inertia, radios that lose, customers; laws; recordings; the driver without a server. Pure.
-//! - [`experiment`]: benchmark floors and published tables, driven by the same search. Pure.
+//! - [`experiment`]: benchmark floors and published tables, driven by the same search; recorded people, and what is
+//!   learned from them. Pure.
 //! - `store`: the journal of facts and the lists of jobs, assignments and encounters, in SQLite.
 //! - `api`: HTTP under `/v1`, the live feed, metrics, OpenAPI; wire types are its own. `api/feed` takes the poses of
 //!   headsets: frames, clocks and thinning are pure there, and guidance goes out past all queues.
@@ -156,6 +158,8 @@
 //! | where workers are led, what they are told | `fleet/lead.rs`, `fleet/guide.rs` |
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
 //! | how it is guessed where a person is going | `human/intention/`; stories that test it: `experiment/stories/` |
+//! | where people will be, and how sure that is | `human/outlook.rs`, `human/motion/`; learned by `experiment/learning/` |
+//! | when a robot brakes for a forecast | `aware/collision.rs`, `fleet/foresee.rs`; whether forecasts hold: `human/coverage.rs` |
 //! | a key of scenario files | `sim/scenario.rs`, `docs/scenarios.md` |
 //! | what every simulation must keep | `sim/laws.rs` |
 //! | what a recording holds | `sim/recording.rs` |

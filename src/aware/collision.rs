@@ -13,8 +13,13 @@ use crate::time::{Span, Time};
 /// A robot brakes where the probability of meeting somebody is at least this (seed of the threshold: the published
 /// sweep from 0.5 to 20 % found less reliability beyond 5 %).
 pub const THRESHOLD: f64 = 0.05;
-/// Moments per stretch of time that are looked at.
-const SLICES: usize = 5;
+/// What a person and a robot take to pass one another, about: meetings in different slices of this length are different
+/// meetings; seconds.
+const SLICE_S: f64 = 0.6;
+
+/// How far beyond the time of braking is looked: bodies that begin to touch at its end overlap by little then, and the next
+/// look comes a control period later.
+pub const BEYOND: Span = Span::from_millis(500);
 
 /// Where a robot will be: corners along its way with the speed it drives at.
 #[derive(Clone, Debug)]
@@ -52,24 +57,25 @@ impl Swept {
     }
 }
 
-/// The probability that person and robot touch within `lead`, if the robot drives on as it does. Each part of the
-/// forecast is one way in which the person may go on, so moments do not add up within a part; its worst moment counts.
-/// Nothing where nobody was seen.
-pub fn collision(person: &Outlook<'_>, robot: &Swept, now: Time, lead: Span) -> Option<f64> {
+/// The probability that person and robot touch within `time`, if the robot drives on as it does. Whoever would be met in one
+/// slice of time is hardly met in another, so slices add up; together they are no more than the part of the forecast
+/// itself. That is an upper estimate. Nothing where nobody was seen.
+pub fn collision(person: &Outlook<'_>, robot: &Swept, now: Time, time: Span) -> Option<f64> {
     assert!(!robot.way.is_empty(), "a robot is somewhere");
-    let slice_s = lead.as_secs_f64() / SLICES as f64;
-    let mut worst: Vec<f64> = Vec::new();
-    for k in 0..SLICES {
+    let slices = (time.as_secs_f64() / SLICE_S).ceil().max(1.0);
+    let slice_s = time.as_secs_f64() / slices;
+    let mut met: Vec<(f64, f64)> = Vec::new();
+    for k in 0..slices as usize {
         let (from_s, to_s) = (k as f64 * slice_s, (k + 1) as f64 * slice_s);
         let mixture = person.at(now + Span::from_secs_f64((from_s + to_s) / 2.0))?;
         let (low, high) = robot.sweep(from_s, to_s);
-        worst.resize(mixture.parts.len(), 0.0);
+        met.resize(mixture.parts.len(), (0.0, 0.0));
         let parts = mixture.parts.iter().zip(mixture.shares_within(low, high));
-        for (w, (part, share)) in worst.iter_mut().zip(parts) {
-            *w = w.max(part.weight * share);
+        for (m, (part, share)) in met.iter_mut().zip(parts) {
+            *m = (m.0.max(part.weight), m.1 + share);
         }
     }
-    Some(worst.iter().sum::<f64>().min(1.0))
+    Some(met.iter().map(|(weight, share)| weight * share.min(1.0)).sum::<f64>().min(1.0))
 }
 
 #[cfg(test)]

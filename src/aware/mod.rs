@@ -12,7 +12,7 @@ mod regions;
 pub mod safe_space;
 
 pub use afoot::Afoot;
-pub use collision::{Swept, THRESHOLD, collision};
+pub use collision::{BEYOND, Swept, THRESHOLD, collision};
 pub use effects::{Effects, nodes_in};
 pub use encounter::{Meeting, Meter, Near};
 pub use regions::{BODY_M, Regions, SLOW_MPS};

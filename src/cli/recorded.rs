@@ -5,11 +5,11 @@
 
 use super::learn::{FormatArgument, read_goals, read_model, read_tracks};
 use super::write;
-use crate::aware::Regions;
+use crate::aware::{BODY_M, Regions, SLOW_MPS};
 use crate::experiment::learning::RECORDED_M;
 use crate::experiment::plot::{LineChart, Series};
 use crate::experiment::recorded::forecasting::{self, ForecastScore, LEVELS, Predictor};
-use crate::experiment::recorded::meetings::{Judged, Replay, THRESHOLDS};
+use crate::experiment::recorded::meetings::{Judged, Meetings, Replay, THRESHOLDS};
 use crate::experiment::recorded::purposes::{self, BEFORE_S, PARTS, PurposeScore, Recogniser};
 use crate::experiment::recorded::{
     Degrade, PREDICTED, Recording, STEP_S, Seen, Stretch, Trip, scored, trips,
@@ -87,39 +87,48 @@ impl Encounters {
         anyhow::ensure!((1..=1000).contains(&self.robots), "--robots must be from 1 to 1000");
         let kinematics = Kinematics::default();
         let regions = Regions::new(kinematics, FOOTPRINT_M, PERIOD_S);
-        let speed_mps = kinematics.top_mps(true);
-        let times = regions.times(speed_mps, true);
-        let replay = Replay {
-            robots: self.robots,
-            speed_mps,
-            half_m: FOOTPRINT_M / 2.0,
-            lead_s: times.react_s + times.stop_s,
-            separation_m: regions.slow_radius_m(true, RECORDED_M),
-            seed: case.seed,
-        };
-        let found = replay.run(&case.recording, &case.goals, &case.model);
-        let judged = |j: &Judged| {
-            let share = |n: u64, of: u64| (of > 0).then(|| n as f64 / of as f64);
-            json!({
-                "missed": j.missed,
-                "missed_share": share(j.missed, found.meetings),
-                "alarm_share_of_looks": share(j.alarms, found.looks),
-                "false_share_of_alarms": share(j.false_alarms, j.alarms),
-                "false_share_of_looks": share(j.false_alarms, found.looks),
-            })
-        };
-        let by_threshold = THRESHOLDS.iter().zip(&found.by_threshold);
         let mut report = case.header();
-        report["speed_mps"] = json!(replay.speed_mps);
-        report["lead_s"] = json!(replay.lead_s);
-        report["meetings"] = json!(found.meetings);
-        report["looks"] = json!(found.looks);
-        report["thresholds"] =
-            by_threshold.map(|(t, j)| (format!("{t}"), judged(j))).collect::<Map<_, _>>().into();
-        report["distance"] = judged(&found.by_distance);
+        let mut runs = Vec::new();
+        for speed_mps in [kinematics.top_mps(true), 1.0, SLOW_MPS] {
+            let times = regions.times(speed_mps, true);
+            let replay = Replay {
+                robots: self.robots,
+                speed_mps,
+                half_m: FOOTPRINT_M / 2.0,
+                lead_s: times.react_s + times.stop_s,
+                separation_m: BODY_M + FOOTPRINT_M / 2.0 + regions.separation_m(speed_mps, true, RECORDED_M),
+                seed: case.seed,
+            };
+            runs.push(outcome(&replay, &replay.run(&case.recording, &case.goals, &case.model)));
+        }
+        report["runs"] = runs.into();
         println!("{}", serde_json::to_string_pretty(&report)?);
         Ok(ExitCode::SUCCESS)
     }
+}
+
+/// One speed's figures.
+fn outcome(replay: &Replay, found: &Meetings) -> Value {
+    let judged = |j: &Judged| {
+        let share = |n: u64, of: u64| (of > 0).then(|| n as f64 / of as f64);
+        json!({
+            "missed": j.missed,
+            "missed_share": share(j.missed, found.meetings),
+            "alarm_share_of_looks": share(j.alarms, found.looks),
+            "false_share_of_alarms": share(j.false_alarms, j.alarms),
+            "false_share_of_looks": share(j.false_alarms, found.looks),
+        })
+    };
+    let by_threshold = THRESHOLDS.iter().zip(&found.by_threshold);
+    let thresholds: Map<String, Value> = by_threshold.map(|(t, j)| (format!("{t}"), judged(j))).collect();
+    json!({
+        "speed_mps": replay.speed_mps,
+        "lead_s": replay.lead_s,
+        "meetings": found.meetings,
+        "looks": found.looks,
+        "thresholds": thresholds,
+        "distance": judged(&found.by_distance),
+    })
 }
 
 /// Everything that was read.

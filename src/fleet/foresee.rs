@@ -4,7 +4,7 @@
 //! Refuses: to let a robot drive because a forecast says that nobody will be there: forecasts only make robots brake.
 
 use super::Fleet;
-use crate::aware::{Arm, SLOW_MPS, Swept, THRESHOLD, collision};
+use crate::aware::{Arm, BEYOND, SLOW_MPS, Swept, THRESHOLD, collision};
 use crate::geometry::Point;
 use crate::human::motion::{Fix, Motion};
 use crate::human::{Mixture, Outlook, Presence, Quality, Sighting, Taken, WATCHED_S};
@@ -12,7 +12,7 @@ use crate::id::{RobotId, WorkerId};
 use crate::time::{Span, Time};
 
 /// Robots farther from somebody than this meet nobody within the time of braking, metres.
-const NEAR_M: f64 = 7.0;
+const NEAR_M: f64 = 12.0;
 
 impl Fleet {
     /// Takes a sighting that was believed into the filter of how the worker moves.
@@ -85,8 +85,8 @@ impl Fleet {
         // Whoever stands is asked as if it set off slowly.
         let speed_mps = seen_mps.max(SLOW_MPS);
         let times = self.crowd.regions.times(speed_mps, loaded);
-        let lead = Span::from_secs_f64(times.react_s + times.stop_s) + self.settings.period;
+        let time = Span::from_secs_f64(times.react_s + times.stop_s) + BEYOND;
         let robot = Swept { way, speed_mps, half_m: self.warehouse().footprint_m / 2.0 };
-        collision(&outlook, &robot, now, lead).is_some_and(|p| p >= THRESHOLD)
+        collision(&outlook, &robot, now, time).is_some_and(|p| p >= THRESHOLD)
     }
 }

@@ -272,3 +272,76 @@ impl Kernel {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::human::Model;
+    use crate::human::motion::Fix;
+
+    /// Somebody who walks along x at 1.2 m/s and is at the origin now; `sigma_m` is what the source says.
+    fn walker(sigma_m: f64) -> (Motion, Time) {
+        let mut motion = Motion::new(Model::builtin().motion);
+        let mut t = Time::ZERO;
+        for i in 0..=30 {
+            t = Time(i * 100_000);
+            motion.see(Fix { seen: t, at: Point::new(0.12 * (i as f64 - 30.0), 0.0), sigma_m });
+        }
+        (motion, t)
+    }
+
+    fn ahead<R>(motion: &Motion, ways: &[Hypothesis], f: impl FnOnce(&Outlook<'_>) -> R) -> R {
+        let model = Model::builtin();
+        f(&Outlook { motion, ways, bound: &model.bound, free: &model.free })
+    }
+
+    fn way(probability: f64, x: f64, y: f64) -> Hypothesis {
+        Hypothesis { probability, path: vec![Point::origin(), Point::new(x, y)], stay: None }
+    }
+
+    #[test]
+    fn weights_of_every_moment_sum_to_one() {
+        let (motion, now) = walker(0.02);
+        for ways in [vec![], vec![way(0.5, 9.0, 0.0), way(0.3, 0.0, 9.0)], vec![way(1.0, 9.0, 0.0)]] {
+            for k in 0..80 {
+                let t = now + Span::from_millis(100 * k);
+                let mixture = ahead(&motion, &ways, |o| o.at(t)).unwrap();
+                let sum: f64 = mixture.parts.iter().map(|p| p.weight).sum();
+                assert!((sum - 1.0).abs() < 1e-9, "{sum} after {k} tenths of a second");
+            }
+        }
+    }
+
+    #[test]
+    fn regions_grow_with_time_and_with_bad_positions() {
+        let area = |sigma_m: f64, ms: i64| {
+            let (motion, now) = walker(sigma_m);
+            ahead(&motion, &[], |o| o.at(now + Span::from_millis(ms))).unwrap().area(0.95)
+        };
+        let areas = [400, 800, 1200, 2000, 3200, 4800, 8000].map(|ms| area(0.02, ms));
+        assert!(areas.windows(2).all(|a| a[0] < a[1]), "{areas:?}");
+        assert!(area(0.3, 800) > 1.5 * area(0.02, 800));
+    }
+
+    #[test]
+    fn a_known_goal_draws_the_forecast_to_its_way() {
+        let (motion, now) = walker(0.02);
+        let t = now + Span::from_millis(4800);
+        let free = ahead(&motion, &[], |o| o.point(t)).unwrap();
+        let bound = ahead(&motion, &[way(1.0, 3.0, 8.0)], |o| o.point(t)).unwrap();
+        assert!((free.x - 5.76).abs() < 0.6 && free.y.abs() < 0.3, "{free}");
+        assert!(bound.y > 2.0, "{bound}");
+        let there = Point::new(1.9, 5.0);
+        let density = |ways: &[Hypothesis]| ahead(&motion, ways, |o| o.at(t)).unwrap().density(there);
+        assert!(density(&[way(1.0, 3.0, 8.0)]) > 5.0 * density(&[]));
+    }
+
+    #[test]
+    fn whoever_is_not_seen_spreads_and_does_not_freeze() {
+        let (motion, now) = walker(0.02);
+        // Asked late, about the same distance into the future of the last sighting: time has passed.
+        let soon = ahead(&motion, &[], |o| o.at(now + Span::from_millis(1000))).unwrap().area(0.95);
+        let late = ahead(&motion, &[], |o| o.at(now + Span::from_millis(3000))).unwrap().area(0.95);
+        assert!(late > 3.0 * soon, "{soon} and {late}");
+    }
+}

@@ -115,3 +115,59 @@ fn predict(items: &mut Vec<Item>, seen: &[Seen], person: usize, mut subject: Sub
         }
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::dice::Dice;
+    use crate::experiment::recorded::forecasting::{Predictor, score};
+    use crate::experiment::recorded::{Format, Walk, scored, trips};
+    use crate::time::Time;
+
+    const GOALS: [(f64, f64); 4] = [(0.0, 0.0), (9.0, 0.0), (9.0, 7.0), (0.0, 7.0)];
+
+    fn goals() -> Vec<Point> {
+        GOALS.map(|(x, y)| Point::new(x, y)).to_vec()
+    }
+
+    /// People who walk from goal to goal at speeds of their own, slow down there, and sway a little.
+    fn people(n: usize, seed: u64) -> Recording {
+        let mut dice = Dice::new(seed);
+        let mut chance = move || dice.below(1000) as f64 / 1000.0;
+        let walks = (0..n).map(|k| {
+            let pace = 0.8 + 0.6 * chance();
+            let (mut goal, mut at, mut speed) = (k % 4, goals()[(k + 1) % 4], 0.0);
+            let seen = (0..90).map(|i| {
+                let to = goals()[goal] - at;
+                if to.norm() < 0.6 {
+                    goal = (goal + 1 + (chance() * 2.9) as usize) % 4;
+                }
+                let wanted = if to.norm() < 1.5 { 0.5 * pace } else { pace };
+                speed += 0.5 * (wanted - speed);
+                at += to / to.norm().max(1e-9) * speed * 0.4;
+                let sway = crate::geometry::Vector::new(chance() - 0.5, chance() - 0.5) * 0.06;
+                Seen { t: Time(i * 400_000), step: i, at: at + sway }
+            });
+            Walk { person: format!("{k}"), seen: seen.collect(), tracklets: Vec::new() }
+        });
+        Recording { format: Format::Thor, walks: walks.collect() }
+    }
+
+    #[test]
+    fn what_was_learned_from_some_people_holds_for_others() {
+        let lesson = Lesson { name: "some".into(), recording: people(6, 1), goals: goals() };
+        let mut told = Vec::new();
+        let model = learn(&[lesson], &Model::builtin(), |what| told.push(what.to_owned()));
+        assert_eq!(Model::parse(&model.to_json()).expect("it can be read again"), model);
+        assert_eq!((told.len(), model.learned_from.len()), (4, 1));
+        let others = people(4, 2);
+        assert!(trips(&others, &goals()).len() > 5);
+        let stretches: Vec<_> = scored(&others).into_iter().step_by(6).collect();
+        let of = |p| score(&others, &stretches, &goals(), &model, p, RECORDED_M, <[Seen]>::to_vec);
+        let (ours, last_step) = (of(Predictor::Giveway), of(Predictor::Constant));
+        assert!(ours.ade < 0.8 * last_step.ade, "{} and {}", ours.ade, last_step.ade);
+        let covered = ours.covered[2].iter().sum::<f64>() / 12.0;
+        assert!((0.88..1.001).contains(&covered), "{covered}");
+        assert!(ours.nll < last_step.nll, "{} and {}", ours.nll, last_step.nll);
+    }
+}
