@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// Rounds over all figures.
 const ROUNDS: i32 = 4;
 /// So many imagined trips from each goal to each other one.
-const IMAGINED: f64 = 1.5;
+const IMAGINED: f64 = 4.0;
 /// A goal is never less probable than this.
 const FLOOR: f64 = 1e-6;
 
