@@ -82,7 +82,6 @@ impl Fleet {
         }
         let loaded = self.ledger.rack_on(robot).is_some();
         let seen_mps = self.scene.robot(robot).map_or(0.0, |t| t.speed_mps);
-        // Whoever stands is asked as if it set off slowly.
         let speed_mps = seen_mps.max(SLOW_MPS);
         let times = self.crowd.regions.times(speed_mps, loaded);
         let time = Span::from_secs_f64(times.react_s + times.stop_s) + BEYOND;

@@ -67,8 +67,12 @@ impl Fleet {
             } else {
                 self.limit_here(robot, at, *worker, w, loaded)
             };
-            let ours = self.settings.arm == Arm::Giveway && limit != Some(0.0);
-            let limit = if ours && self.would_meet(robot, *worker, at, now) { Some(0.0) } else { limit };
+            // Down to the slow speed, at which the rules by distance decide: who stands face to face with somebody
+            // has to get out of the way somehow.
+            let is_fast = speed > SLOW_MPS && limit.is_none_or(|l| l > SLOW_MPS);
+            let brakes = self.settings.arm == Arm::Giveway && is_fast;
+            let limit =
+                if brakes && self.would_meet(robot, *worker, at, now) { Some(SLOW_MPS) } else { limit };
             if limit.is_some_and(|l| slowest.0.is_none_or(|s| l < s)) {
                 slowest = (limit, Some(*worker));
             }
