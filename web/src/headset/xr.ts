@@ -56,6 +56,9 @@ export class RoomView {
   #pressedAt = 0;
   #selectedAt = -Infinity;
   #isMeant = false;
+  /** How the eyes sit in the head, from the last frame with a pose. */
+  #eyes: { port: XRViewport; viewer: Float32Array }[] = [];
+  #half: Vec2 = [1, 1];
   #floor = 0;
   #pointed: { at: Vec3 } | null = null;
 
@@ -125,6 +128,7 @@ export class RoomView {
     this.#painter.begin(layer.framebuffer);
     if (!pose) {
       this.#pointed = null;
+      this.#drawBlind(layer);
       return;
     }
     const { position: p, orientation: q } = pose.transform;
@@ -156,6 +160,7 @@ export class RoomView {
     const writing: Writing = { tone: shown.tone, title, detail, labels };
     if (this.#sheet.write(writing, performance.now())) this.#painter.write(this.#sheet.canvas);
     const { gl } = this.#painter;
+    [this.#eyes, this.#half] = [[], half];
     for (const view of pose.views) {
       const port = layer.getViewport(view);
       if (!port) continue;
@@ -168,8 +173,23 @@ export class RoomView {
       if (alignment && from) near.forEach((robot, i) => this.#label(toDevice(alignment, robotAt(from, robot), this.#floor + 1.35), head, world, i));
       this.#painter.flat(before, viewer);
       this.#board(shown, half, viewer);
+      this.#eyes.push({ viewer, port });
     }
     this.#events.drew(target);
+  }
+
+  /** Without a pose there is no room, but what is before the eyes stays: above all STOP. */
+  #drawBlind(layer: XRWebGLLayer): void {
+    const { shown, title, detail } = this.#events.scene();
+    if (this.#sheet.write({ tone: shown.tone, title, detail, labels: [] }, performance.now())) this.#painter.write(this.#sheet.canvas);
+    this.#painter.begin(layer.framebuffer);
+    const before = eyes(shown, null, this.#half, this.#ink).corners;
+    for (const { viewer, port } of this.#eyes) {
+      this.#painter.gl.viewport(port.x, port.y, port.width, port.height);
+      this.#painter.flat(before, viewer);
+      this.#board(shown, this.#half, viewer);
+    }
+    this.#events.drew(null);
   }
 
   #label(at: Vec3, head: Vec3, matrix: Mat4, i: number): void {
