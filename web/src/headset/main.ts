@@ -75,7 +75,7 @@ async function signIn(ended = ''): Promise<void> {
         ...marks.map((m, i) => field(i === 2 ? 'Third mark (surer)' : i === 0 ? 'First mark' : 'Second mark', m)))]
       : [make('p', { className: 'dim', textContent: `${why}A phone shows the same guidance on a map.` })]),
     error, make('div', { className: 'row wrap' }, flat, ...(canSee ? [room] : [])),
-    make('p', { className: 'dim small', textContent: 'No camera image is used or sent. The server gets positions, and keeps them as long as it needs them for guidance.' }),
+    make('p', { className: 'dim small', textContent: 'No camera image is used or sent. The server gets positions; it keeps those of encounters with robots.' }),
     make('p', { className: 'small' }, make('a', { href: '/', textContent: 'To the floor' })));
   const begin = async (view: 'room' | 'phone'): Promise<void> => {
     const chosen = marks.map((m) => m.value).filter((m) => m !== '');
