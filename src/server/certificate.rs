@@ -1,8 +1,8 @@
 //! What the server shows itself with over TLS: a certificate of one's own, or one that it makes for itself.
 //!
 //! Main types: [`Identity`], [`Place`]. The own key is made once and kept beside the database, readable by its owner
-//! only; the certificate is made anew with the same key when the host got a name or an address that it does not have, or
-//! when it is about to end. Refuses: to overwrite files that it did not make, and keys that do not fit.
+//! only; the certificate is made anew with the same key when the host got a name or an address that it does not
+//! have, or when it is about to end. Refuses: to overwrite files that it did not make, and keys that do not fit.
 
 use anyhow::{Context, anyhow, bail};
 use jiff::ToSpan;

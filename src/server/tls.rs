@@ -1,7 +1,8 @@
 //! Connections over TLS, as axum takes them.
 //!
 //! Main type: [`TlsListener`]. Handshakes run beside each other, so that a client which says nothing keeps nobody out.
-//! Who speaks plain HTTP is told so in words. Refuses: handshakes that take longer than ten seconds, and too many at once.
+//! Who speaks plain HTTP is told so in words. Refuses: handshakes that take longer than ten seconds, and too many at
+//! once.
 
 use axum::serve::Listener;
 use rustls::ServerConfig;
