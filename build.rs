@@ -11,10 +11,11 @@ use std::process::Command;
 use std::{env, fs, io};
 
 /// What the page is built from, below `web/`.
-const INPUTS: [&str; 11] = [
+const INPUTS: [&str; 12] = [
     "src",
     "public",
     "index.html",
+    "headset.html",
     "package.json",
     "package-lock.json",
     "vite.config.ts",

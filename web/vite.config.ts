@@ -28,6 +28,8 @@ export default defineConfig({
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 700,
+    // Two pages that share no script: a headset need not load the dashboard.
+    rolldownOptions: { input: ['index.html', 'headset.html'] },
   },
   server: { proxy: { '/v1': { target: server, ws: true } } },
   test: { environment: 'happy-dom', include: ['tests/**/*.test.ts'] },

@@ -50,7 +50,14 @@ pub(super) fn trace_to_stderr() {
 async fn serve(config: &Config, floor: Floor) -> anyhow::Result<()> {
     let mut server = Server::start(config, floor).await?;
     let found = server.summary();
-    println!("Giveway is at http://{}/", server.address());
+    let scheme = if server.identity().is_some() { "https" } else { "http" };
+    println!("Giveway is at {scheme}://{}/", server.address());
+    if let Some(identity) = server.identity() {
+        println!("tls      {}, SHA-256 {}", identity.certificate.display(), identity.fingerprint);
+        if !identity.names.is_empty() {
+            println!("         signed by itself, for {}", identity.names.join(", "));
+        }
+    }
     println!("map      {}, {} robots (simulated)", found.map, found.robots);
     println!("database {}", config.database.display());
     println!("restored {} jobs ({} not over) from {} facts", found.jobs, found.open_jobs, found.facts);

@@ -4,6 +4,7 @@
 //! has the same names in capitals after `GIVEWAY_`. Refuses: to listen beyond this machine without a token,
 //! and settings that it does not know.
 
+use super::certificate::{self, Place};
 use crate::api::auth::Gate;
 use crate::api::massrobotics::Interop;
 use anyhow::{Context, bail, ensure};
@@ -14,7 +15,8 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 /// Settings that the environment may give.
-const FROM_ENVIRONMENT: [&str; 5] = ["scenario", "listen", "database", "token", "tokens"];
+const FROM_ENVIRONMENT: [&str; 8] =
+    ["scenario", "listen", "database", "token", "tokens", "tls", "tls_cert", "tls_key"];
 
 /// The shortest token.
 const SHORTEST_TOKEN: usize = 16;
@@ -22,7 +24,7 @@ const SHORTEST_TOKEN: usize = 16;
 /// Flags of `giveway serve`.
 #[derive(Clone, Debug, Default, clap::Args, Serialize)]
 pub struct Flags {
-    /// Settings file (TOML: scenario, listen, database, token, tokens) [env: GIVEWAY_CONFIG]
+    /// Settings file (TOML; the keys are in docs/operate.md) [env: GIVEWAY_CONFIG]
     #[arg(long, value_name = "FILE")]
     #[serde(skip)]
     pub config: Option<PathBuf>,
@@ -42,6 +44,22 @@ pub struct Flags {
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tokens: Option<PathBuf>,
+    /// Speak HTTPS, with a certificate made at the first start and kept beside the database [env: GIVEWAY_TLS]
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub tls: bool,
+    /// Speak HTTPS with this certificate (PEM, with those that it hangs on) [env: GIVEWAY_TLS_CERT]
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tls_cert: Option<PathBuf>,
+    /// The key of that certificate (PEM, without a passphrase) [env: GIVEWAY_TLS_KEY]
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tls_key: Option<PathBuf>,
+    /// Another name or address that the certificate made with --tls is to have; may be given several times
+    #[arg(long = "tls-name", value_name = "NAME")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tls_names: Vec<String>,
 }
 
 /// What holds in the end.
@@ -58,6 +76,15 @@ pub struct Config {
     pub token: Option<String>,
     /// A file with tokens.
     pub tokens: Option<PathBuf>,
+    /// Whether to speak HTTPS with a certificate that the server makes.
+    pub tls: bool,
+    /// A certificate to speak HTTPS with.
+    pub tls_cert: Option<PathBuf>,
+    /// Its key.
+    pub tls_key: Option<PathBuf>,
+    /// More names of the certificate that the server makes.
+    #[serde(default)]
+    pub tls_names: Vec<String>,
     /// Frames and workers of MassRobotics reports; in the settings file only.
     #[serde(default)]
     pub massrobotics: Interop,
@@ -71,6 +98,10 @@ impl Default for Config {
             database: "giveway.sqlite".into(),
             token: None,
             tokens: None,
+            tls: false,
+            tls_cert: None,
+            tls_key: None,
+            tls_names: Vec::new(),
             massrobotics: Interop::default(),
         }
     }
@@ -95,7 +126,12 @@ impl Config {
         for key in FROM_ENVIRONMENT {
             // By hand, since every value is a text, even one that looks like a number.
             if let Some(value) = environment(&format!("GIVEWAY_{}", key.to_uppercase())) {
-                figment = figment.merge(Serialized::default(key, value));
+                figment = match (key, value.as_str()) {
+                    ("tls", "true" | "1") => figment.merge(Serialized::default(key, true)),
+                    ("tls", "false" | "0") => figment.merge(Serialized::default(key, false)),
+                    ("tls", other) => bail!("GIVEWAY_TLS is true or false, not \"{other}\""),
+                    _ => figment.merge(Serialized::default(key, value)),
+                };
             }
         }
         figment.merge(Serialized::defaults(flags)).extract().map_err(|e| anyhow::anyhow!("settings: {e}"))
@@ -144,6 +180,28 @@ impl Config {
         );
         Ok(address)
     }
+
+    /// Where certificate and key are; nothing where plain HTTP is spoken.
+    ///
+    /// # Errors
+    /// Where only one of certificate and key is named.
+    pub fn tls(&self, address: SocketAddr) -> anyhow::Result<Option<Place>> {
+        match (&self.tls_cert, &self.tls_key) {
+            (Some(certificate), Some(key)) => {
+                Ok(Some(Place::Given { certificate: certificate.clone(), key: key.clone() }))
+            }
+            (Some(_), None) => bail!("there is a certificate without its key: name that with --tls-key FILE"),
+            (None, Some(_)) => {
+                bail!("there is a key without its certificate: name that with --tls-cert FILE")
+            }
+            (None, None) if self.tls => {
+                let mut names = certificate::host_names(address.ip());
+                names.extend(self.tls_names.iter().cloned());
+                Ok(Some(Place::Own { database: self.database.clone(), names }))
+            }
+            (None, None) => Ok(None),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -176,6 +234,23 @@ mod tests {
         let error = Config::merge(&flags, nothing).unwrap_err().to_string();
         std::fs::remove_file(&file).unwrap();
         assert!(error.contains("listn") && error.contains(".toml"), "{error}");
+    }
+
+    #[test]
+    fn tls_is_switched_on_by_a_flag_by_a_word_or_by_files() {
+        let at: SocketAddr = "127.0.0.1:1".parse().unwrap();
+        let word = |text: &'static str| move |name: &str| (name == "GIVEWAY_TLS").then(|| text.into());
+        let read = |flags: &Flags, text| Config::merge(flags, word(text)).and_then(|c| c.tls(at));
+        assert_eq!(read(&Flags::default(), "false").unwrap(), None);
+        assert!(matches!(read(&Flags::default(), "true").unwrap(), Some(Place::Own { .. })));
+        assert!(read(&Flags::default(), "maybe").unwrap_err().to_string().contains("maybe"));
+        let named = Flags { tls: true, tls_names: vec!["floor.example".into()], ..Flags::default() };
+        let Some(Place::Own { names, .. }) = read(&named, "0").unwrap() else { panic!("the flag wins") };
+        assert!(names.contains("floor.example"), "{names:?}");
+        let half = Flags { tls_cert: Some("a.pem".into()), ..Flags::default() };
+        assert!(read(&half, "0").unwrap_err().to_string().contains("--tls-key"));
+        let both = Flags { tls_key: Some("b.pem".into()), ..half };
+        assert!(matches!(read(&both, "0").unwrap(), Some(Place::Given { .. })));
     }
 
     #[tokio::test]

@@ -4,6 +4,7 @@
 //! requests, those on their way are answered, one last step, the journal flushed, sockets and files closed.
 //! Refuses: to start where anything is wrong with map, database, address or tokens.
 
+mod certificate;
 mod clock;
 mod config;
 mod drive;
@@ -14,7 +15,9 @@ mod outbox;
 mod past;
 mod records;
 mod show;
+mod tls;
 
+pub use certificate::Identity;
 pub use clock::Clock;
 pub use config::{Config, Flags};
 pub use show::Show;
@@ -63,6 +66,7 @@ pub struct Floor {
 pub struct Server {
     address: SocketAddr,
     summary: Summary,
+    identity: Option<Identity>,
     store: Arc<Store>,
     stop: watch::Sender<bool>,
     work: JoinHandle<anyhow::Result<()>>,
@@ -97,6 +101,7 @@ impl Server {
             format!("cannot listen on {address}: {remedy}")
         })?;
         let address = listener.local_addr()?;
+        let place = config.tls(address)?;
         let store = Arc::new(Store::open(&config.database, &map).await?);
         let loaded = store.load().await?;
         let (jobs, open_jobs) = store.count_jobs().await?;
@@ -108,6 +113,8 @@ impl Server {
             open_jobs,
         };
         let clock = Arc::new(Clock::start(loaded.last));
+        let today = jiff::Timestamp::from_microsecond(clock.started().0)?.to_zoned(jiff::tz::TimeZone::UTC);
+        let identity = place.map(|place| Identity::open(&place, today.date())).transpose()?;
         let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
         let fleet = Fleet::restore(map.clone(), settings, loaded.facts);
         let world = World::new(map, &scenario, &lines, scenario.seed, &fleet, clock.now());
@@ -117,13 +124,19 @@ impl Server {
         let (period, next, feeds) = (scenario.period, loaded.next, Arc::new(feeds));
         let interop = config.massrobotics.clone();
         let parts = Parts { fleet, world, clock, period, next, gate, interop, feeds, heard };
-        let work = tokio::spawn(work(parts, store.clone(), listener, stopping));
-        Ok(Server { address, summary, store, stop, work })
+        let door = (listener, identity.as_ref().map(|i| i.config.clone()));
+        let work = tokio::spawn(work(parts, store.clone(), door, stopping));
+        Ok(Server { address, summary, identity, store, stop, work })
     }
 
     /// Where it listens.
     pub fn address(&self) -> SocketAddr {
         self.address
+    }
+
+    /// What it shows itself with, where it speaks HTTPS.
+    pub fn identity(&self) -> Option<&Identity> {
+        self.identity.as_ref()
     }
 
     /// What was found at the start.
@@ -154,6 +167,9 @@ impl Server {
     }
 }
 
+/// Where connections come in, and whether by TLS.
+type Door = (TcpListener, Option<Arc<rustls::ServerConfig>>);
+
 /// What the parts of the server are made of.
 struct Parts {
     fleet: Fleet,
@@ -171,7 +187,7 @@ struct Parts {
 async fn work(
     parts: Parts,
     store: Arc<Store>,
-    listener: TcpListener,
+    door: Door,
     mut stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
     let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard } = parts;
@@ -216,7 +232,7 @@ async fn work(
         gate: Arc::new(gate),
         closing: closes.clone(),
     };
-    let mut http = tokio::spawn(listen(listener, api, closes));
+    let mut http = tokio::spawn(listen(door, api, closes));
     let ended: anyhow::Result<()> = tokio::select! {
         _ = stopping.wait_for(|stop| *stop) => Ok(()),
         _ = &mut thread => Err(anyhow!("the control loop broke, as said above; nothing is lost")),
@@ -253,14 +269,19 @@ fn spawn_loop(drive: drive::Drive, halted: watch::Receiver<bool>) -> anyhow::Res
     Ok(end)
 }
 
-async fn listen(listener: TcpListener, api: Api, mut closes: watch::Receiver<bool>) -> std::io::Result<()> {
+async fn listen(door: Door, api: Api, mut closes: watch::Receiver<bool>) -> std::io::Result<()> {
+    let (router, _) = router(api);
+    let closed = async move { _ = closes.wait_for(|closing| *closing).await.is_ok() };
+    let (listener, tls) = door;
+    if let Some(config) = tls {
+        let listener = tls::TlsListener::new(listener, config)?;
+        return axum::serve(listener, router).with_graceful_shutdown(closed).await;
+    }
     let listener = listener.tap_io(|stream| {
         if let Err(e) = stream.set_nodelay(true) {
             tracing::debug!("TCP_NODELAY: {e}");
         }
     });
-    let (router, _) = router(api);
-    let closed = async move { _ = closes.wait_for(|closing| *closing).await.is_ok() };
     axum::serve(listener, router).with_graceful_shutdown(closed).await
 }
 

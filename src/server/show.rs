@@ -65,7 +65,7 @@ impl Show {
             gate: Arc::new(Gate::default()),
             closing: closes.clone(),
         };
-        let http = tokio::spawn(listen(listener, api, closes));
+        let http = tokio::spawn(listen((listener, None), api, closes));
         let screen = Screen { live, feeds, alarms, moments, past, measure: Measure::default(), speed };
         let play = Some(tokio::spawn(screen.play(player)));
         Ok(Show { address, http, play, _closing: closing })

@@ -46,9 +46,7 @@ pub fn config(folder: &Folder) -> Config {
         scenario: SCENARIO.into(),
         listen: "127.0.0.1:0".into(),
         database: folder.database(),
-        token: None,
-        tokens: None,
-        massrobotics: Default::default(),
+        ..Config::default()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The web page, built into the program, and the answer to every path that is not there.
 //!
-//! Main function: [`page`]. Files with a hash in their name never change; `index.html` is asked for again
-//! each time. Refuses: scripts from elsewhere, by Content-Security-Policy.
+//! Main function: [`page`]. Files with a hash in their name never change; `index.html` and `headset.html` are asked
+//! for again each time. Refuses: scripts from elsewhere, by Content-Security-Policy.
 
 use crate::api::error::Problem;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
@@ -26,7 +26,11 @@ pub async fn page(method: Method, uri: Uri, headers: HeaderMap) -> Response {
     if path == "v1" || path.starts_with("v1/") || !matches!(method, Method::GET | Method::HEAD) {
         return unknown();
     }
-    let name = if path.is_empty() { "index.html" } else { path };
+    let name = match path {
+        "" => "index.html",
+        "headset" => "headset.html",
+        other => other,
+    };
     match Web::get(name) {
         Some(file) => serve(name, &file, &headers),
         None => unknown(),

@@ -1,0 +1,333 @@
+// The page of a wearer: sign in, choose marks, then the view into the room, or a map on a phone.
+import '../app.css';
+import './headset.css';
+import { applyTheme, storedTheme } from '../theme';
+import type { FloorMap } from '../wire';
+import { metres, suggest, type Marking, type Place } from './align';
+import type { Aim } from './arrow';
+import { buzz, type Shown } from './guide';
+import { field, make } from './dom';
+import { inkOf, roomInk } from './ink';
+import { drawMap, onMap, type Lens, type Self } from './phone';
+import { Server } from './server';
+import { Wearer, PLACED_MS } from './wearer';
+import { hasRoomView, RoomView } from './xr';
+
+applyTheme(storedTheme());
+const host = document.getElementById('headset');
+const server = new Server();
+const KEPT = 'giveway.headset';
+const SAFETY = 'This is no safety device. Robots must see people and stop by themselves, whatever is shown here. Look out for yourself.';
+const clock = { now: () => performance.now(), after: (ms: number, run: () => void) => setTimeout(run, ms), cancel: (timer: unknown) => clearTimeout(timer as number) };
+
+interface Kept {
+  name: string;
+  marks: string[];
+}
+const kept = (): Kept => {
+  try {
+    const read = JSON.parse(localStorage.getItem(KEPT) ?? '{}') as Partial<Kept>;
+    return { name: read.name ?? '', marks: read.marks ?? [] };
+  } catch {
+    return { name: '', marks: [] };
+  }
+};
+const keep = (now: Kept): void => {
+  try {
+    localStorage.setItem(KEPT, JSON.stringify(now));
+  } catch {
+    // Storage may be forbidden; then it is typed again.
+  }
+};
+
+/** The first screen: who wears this, and by which marks. `ended` says why a session before is over. */
+async function signIn(ended = ''): Promise<void> {
+  const [canSee, map, workers] = await Promise.all([hasRoomView(), server.map(), server.workers()]);
+  if (!host) return;
+  if (map.kind !== 'ok') return void host.replaceChildren(locked(map.kind === 'locked', map.kind === 'refused' ? map.text : ''));
+  const old = kept();
+  const places = map.value.nodes.map((n): Place => ({ name: n.id, at: [n.x, n.y] }));
+  const known = new Map(places.map((p) => [p.name, p]));
+  const fixed = map.value.nodes.filter((n) => !['aisle', 'storage', 'queue'].includes(n.kind)).map((n): Place => ({ name: n.id, at: [n.x, n.y] }));
+  const proposed = suggest(fixed) ?? suggest(places.slice(0, 200));
+  const first = old.marks.every((m) => known.has(m)) && old.marks.length >= 2 ? old.marks : (proposed ?? []).map((p) => p.name);
+
+  const name = make('input', { id: 'name', name: 'name', required: true, maxLength: 64, autocomplete: 'off', value: old.name, placeholder: 'picker-7' });
+  name.setAttribute('list', 'names');
+  const names = make('datalist', { id: 'names' }, ...(workers.kind === 'ok' ? workers.value.items : []).map((w) => make('option', { value: w.name })));
+  const marks = [0, 1, 2].map((i) => {
+    const select = make('select', { id: `mark-${i}`, name: `mark-${i}` }, ...(i === 2 ? [make('option', { value: '', textContent: 'none' })] : []),
+      ...places.map((p) => make('option', { value: p.name, textContent: p.name })));
+    select.value = first[i] ?? (i === 2 ? '' : (places[i]?.name ?? ''));
+    return select;
+  });
+  const error = make('p', { className: 'error', role: 'alert', textContent: ended });
+  const room = make('button', { type: 'submit', className: 'main', textContent: 'Enter the view into the room', disabled: !canSee });
+  const flat = make('button', { type: 'button', textContent: 'Use as a phone: map and text', className: canSee ? '' : 'main' });
+  const why = isSecureContext ? 'This browser has no view into the room (WebXR). ' : 'The view into the room needs HTTPS: open this page with https://. ';
+  const form = make('form', { className: 'panel sign' },
+    make('h1', { textContent: 'Guidance for a person' }),
+    make('p', { className: 'safety', textContent: SAFETY }),
+    field('Name of the wearer', name, 'The same name is the same worker. Better a pseudonym than a name.'), names,
+    ...(canSee
+      ? [make('fieldset', {}, make('legend', { textContent: 'Marks on the floor that you will show' }),
+        make('p', { className: 'dim', textContent: 'Two or three places of the map, best ten metres apart. In the view, stand on each and confirm.' }),
+        ...marks.map((m, i) => field(i === 2 ? 'Third mark (surer)' : i === 0 ? 'First mark' : 'Second mark', m)))]
+      : [make('p', { className: 'dim', textContent: `${why}A phone shows the same guidance on a map.` })]),
+    error, make('div', { className: 'row wrap' }, flat, ...(canSee ? [room] : [])),
+    make('p', { className: 'dim small', textContent: 'No camera image is used or sent. The server gets positions; it keeps those of encounters with robots.' }),
+    make('p', { className: 'small' }, make('a', { href: '/', textContent: 'To the floor' })));
+  const begin = async (view: 'room' | 'phone'): Promise<void> => {
+    const chosen = marks.map((m) => m.value).filter((m) => m !== '');
+    if (!form.reportValidity()) return;
+    if (view === 'room' && new Set(chosen).size < chosen.length) return void (error.textContent = 'Take different marks.');
+    error.textContent = '';
+    // The room needs a click that is fresh: what else is to be asked is asked after it is open.
+    const hired = server.hire(name.value.trim());
+    keep({ name: name.value.trim(), marks: chosen });
+    if (view === 'phone') {
+      const worker = await hired;
+      if (worker.kind === 'ok') return phone(map.value, worker.value.id, worker.value.name);
+      return void (error.textContent = words(worker));
+    }
+    const failed = await seeRoom(hired, chosen.map((m) => known.get(m)!), name.value.trim());
+    if (failed) error.textContent = failed;
+  };
+  form.addEventListener('submit', (event) => {
+    event.preventDefault();
+    void begin(canSee ? 'room' : 'phone');
+  });
+  flat.addEventListener('click', () => void begin('phone'));
+  host.dataset['screen'] = 'sign-in';
+  host.replaceChildren(make('main', {}, form));
+}
+
+const words = (answer: { kind: 'locked' } | { kind: 'refused'; text: string } | { kind: 'unreachable' }): string =>
+  answer.kind === 'refused' ? answer.text : answer.kind === 'locked' ? 'The server wants another token: load this page again.' : 'The server cannot be reached.';
+
+/** Asks for the token, or to try again. */
+function locked(wantsToken: boolean, text: string): HTMLElement {
+  const token = make('input', { id: 'token', type: 'password', required: true, autocomplete: 'off' });
+  const form = make('form', { className: 'panel sign' }, make('h1', { textContent: wantsToken ? 'A token is needed' : 'No answer' }),
+    make('p', { className: wantsToken ? 'dim' : 'error', textContent: wantsToken ? 'Whoever runs this server can give you one.' : text || 'The server cannot be reached.' }),
+    ...(wantsToken ? [field('Token', token)] : []),
+    make('div', { className: 'row' }, make('button', { type: 'submit', className: 'main', textContent: wantsToken ? 'Go on' : 'Try again' })));
+  form.addEventListener('submit', (event) => {
+    event.preventDefault();
+    if (wantsToken) server.token = token.value.trim();
+    void signIn();
+  });
+  return make('main', {}, form);
+}
+
+/** What both views have in common: the wearer, the words, the shaking, the light that stays on. */
+class Screen {
+  readonly title = make('h1', { className: 'title' });
+  readonly detail = make('p', { className: 'detail' });
+  readonly banner = make('div', { className: 'banner', role: 'status' }, this.title, this.detail);
+  readonly stop = make('div', { className: 'stop', role: 'alert', hidden: true });
+  #kind: Shown['kind'] | null = null;
+  #light: WakeLockSentinel | null = null;
+
+  constructor(readonly root: HTMLElement, readonly wearer: Wearer) {
+    document.addEventListener('visibilitychange', this.#sight);
+    void this.#keepLight();
+  }
+
+  say(shown: Shown, title: string, detail: string): void {
+    const pattern = buzz(this.#kind, shown.kind);
+    if (pattern.length > 0) navigator.vibrate?.(pattern);
+    this.#kind = shown.kind;
+    Object.assign(this.root.dataset, {
+      shown: shown.kind, link: this.wearer.feed.kind, marking: this.wearer.marking.kind, sent: String(this.wearer.sent),
+      epoch: String(this.wearer.pump.epoch), near: String(shown.near.length), path: String(shown.path.length),
+    });
+    this.banner.dataset['tone'] = shown.tone;
+    write(this.title, title);
+    write(this.detail, detail);
+    if (this.stop.hidden === (shown.kind === 'stop')) {
+      this.stop.hidden = shown.kind !== 'stop';
+      this.stop.replaceChildren(...(shown.kind === 'stop' ? [make('strong', { textContent: 'STOP' }), make('span', { className: 'why' })] : []));
+    }
+    const why = this.stop.querySelector<HTMLElement>('.why');
+    if (why) write(why, shown.detail);
+  }
+
+  close(): void {
+    document.removeEventListener('visibilitychange', this.#sight);
+    this.wearer.stop();
+    void this.#light?.release().catch(() => {});
+  }
+
+  #sight = (): void => {
+    if (document.visibilityState !== 'visible') return;
+    this.wearer.woke();
+    void this.#keepLight();
+  };
+
+  async #keepLight(): Promise<void> {
+    try {
+      this.#light = (await navigator.wakeLock?.request('screen')) ?? null;
+    } catch {
+      // Not every browser keeps the light on; the wearer does then.
+    }
+  }
+}
+
+const write = (element: HTMLElement, text: string): void => {
+  if (element.textContent !== text) element.textContent = text;
+};
+
+/** What the board says: taking marks goes before guidance, but not before STOP and a broken connection. */
+function board(shown: Shown, marking: Marking): readonly [title: string, detail: string] {
+  if (shown.kind === 'stop' || shown.kind === 'offline' || shown.kind === 'lost') return [shown.title, shown.detail];
+  const { names, taken } = marking;
+  switch (marking.kind) {
+    case 'taking':
+      return [`Mark ${taken.length + 1} of ${names.length}: ${names[taken.length]}`, 'Stand on it or point at it: the ring must lie on the mark. Then pinch, pull the trigger or tap.'];
+    case 'asking':
+      return ['Checking the marks', ''];
+    case 'refused':
+      return ['The marks do not fit', `${marking.text} Confirm to take them again.`];
+    case 'done':
+      return [shown.title, shown.kind === 'idle' ? `${shown.detail} Marks fit within ${metres(marking.rms_m)}; hold the trigger to take them anew.` : shown.detail];
+  }
+}
+
+/** The view into the room. Answers with what went wrong at the start, if anything. */
+async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[], name: string): Promise<string> {
+  if (!host) return '';
+  const canvas = make('canvas', {});
+  let id = '';
+  let over = false;
+  const wearer: Wearer = new Wearer({
+    frame: 'device', clock, random: Math.random, marks, open: (events) => server.open(id, events), onChange: () => refresh(),
+  });
+  const screen = new Screen(host, wearer);
+  const refresh = (): void => {
+    const shown = wearer.shown();
+    const [title, detail] = board(shown, wearer.marking);
+    screen.say(shown, title, detail);
+  };
+  let view: RoomView;
+  try {
+    view = await RoomView.enter(canvas, roomInk(), inkOf, {
+      sample: (sample) => wearer.frame(sample),
+      confirm: (at) => wearer.confirm(at),
+      held: () => wearer.remark(),
+      reset: () => wearer.reset(),
+      woke: () => wearer.woke(),
+      ended: () => {
+        over = true;
+        clearInterval(beat);
+        screen.close();
+        void left(id, name);
+      },
+      scene: () => {
+        const shown = wearer.shown();
+        const [title, detail] = board(shown, wearer.marking);
+        const marking = wearer.marking.kind === 'taking' || wearer.marking.kind === 'refused';
+        return { shown, alignment: wearer.alignment, marking, title, detail };
+      },
+      drew: (target: Aim | null) => {
+        wearer.drawn();
+        host.dataset['aim'] = target ? target.kind : 'none';
+      },
+    });
+  } catch (error) {
+    screen.close();
+    return `The view did not open: ${error instanceof Error ? error.message : String(error)}`;
+  }
+  const beat = setInterval(() => wearer.tick(), 100);
+  const leave = make('button', { textContent: 'End the view' });
+  leave.addEventListener('click', () => void view.leave());
+  host.dataset['screen'] = 'room';
+  host.replaceChildren(make('main', { className: 'room' }, screen.banner, screen.stop,
+    make('p', { className: 'dim', textContent: `${name} sees guidance in the room.${view.wide ? '' : ' This device follows within some 15 m of where it began only.'}` }),
+    make('div', { className: 'row' }, leave), canvas));
+  const worker = await hired;
+  if (over) return '';
+  if (worker.kind !== 'ok') {
+    await view.leave();
+    await signIn(words(worker));
+    return '';
+  }
+  id = worker.value.id;
+  wearer.start();
+  refresh();
+  return '';
+}
+
+/** After the view: robots go on keeping away, until somebody says that nobody is there. */
+async function left(id: string, name: string): Promise<void> {
+  if (!host || id === '') return signIn();
+  const again = make('button', { textContent: 'Go on', className: 'main' });
+  const gone = make('button', { textContent: 'I have left the floor' });
+  const error = make('p', { className: 'error', role: 'alert' });
+  again.addEventListener('click', () => void signIn());
+  gone.addEventListener('click', () => {
+    void server.clear(id).then((answer) => {
+      if (answer.kind === 'ok') void signIn(`${name} has left the floor.`);
+      else error.textContent = words(answer);
+    });
+  });
+  host.dataset['screen'] = 'left';
+  host.replaceChildren(make('main', {}, make('div', { className: 'panel sign' }, make('h1', { textContent: 'The view is closed' }),
+    make('p', { textContent: `Robots still keep away from where ${name} was and could have gone. Go on with the view, or leave the floor and say so.` }),
+    error, make('div', { className: 'row wrap' }, gone, again))));
+}
+
+/** The map on a phone. */
+function phone(map: FloorMap, id: string, name: string): void {
+  if (!host) return;
+  const canvas = make('canvas', { className: 'map', role: 'img', ariaLabel: 'Map with your path' });
+  const wearer: Wearer = new Wearer({ frame: 'map', clock, random: Math.random, marks: [], open: (events) => server.open(id, events), onChange: () => refresh() });
+  const screen = new Screen(host, wearer);
+  const where = make('p', { className: 'where' });
+  const near = make('ul', { className: 'near', ariaLabel: 'Robots nearby' });
+  const gone = make('button', { textContent: 'I have left the floor' });
+  const back = make('button', { textContent: 'Connect again', className: 'main', hidden: true });
+  let [self, seen, shot]: [Self | null, Self | null, Lens | null] = [null, null, null];
+  const refresh = (): void => {
+    const shown = wearer.shown();
+    const ended = wearer.feed.kind === 'ended' ? wearer.feed.text : '';
+    screen.say(shown, shown.title, ended || shown.detail);
+    back.hidden = ended === '';
+    self = wearer.placed ? { at: wearer.placed.at, heading: null } : seen;
+    const for_s = wearer.placed ? Math.ceil((PLACED_MS - (clock.now() - wearer.placed.since)) / 1000) : 0;
+    write(where, wearer.placed ? `You said that you stand here. That holds for ${for_s} s: tap again when you walk on.`
+      : seen ? 'Your place comes from a tag or another device.' : 'Nobody knows where you are. Tap the map where you stand.');
+    const lines = shown.near.map((r) => `${r.id}: ${r.distance.toFixed(1)} m${r.closest_s === null ? '' : ', coming closer'}`);
+    if (near.dataset['lines'] !== lines.join()) {
+      near.dataset['lines'] = lines.join();
+      near.replaceChildren(...lines.map((textContent) => make('li', { textContent })));
+    }
+    if (canvas.isConnected) shot = drawMap(canvas, map, self, shown, inkOf);
+    wearer.drawn();
+  };
+  const look = async (): Promise<void> => {
+    const answer = await server.worker(id);
+    const w = answer.kind === 'ok' ? answer.value : null;
+    // Without a tag the server knows nothing newer than what was said here.
+    seen = w && w.x !== null && w.y !== null && w.presence === 'tracked' ? { at: [w.x, w.y], heading: w.heading } : null;
+  };
+  const beats = [setInterval(() => wearer.tick(), 250), setInterval(() => void look(), 1_000)];
+  canvas.addEventListener('click', (event) => {
+    const box = canvas.getBoundingClientRect();
+    if (shot) wearer.place(onMap(shot, [event.clientX - box.left, event.clientY - box.top], box.width, box.height));
+  });
+  back.addEventListener('click', () => wearer.retryNow());
+  gone.addEventListener('click', () => {
+    beats.forEach(clearInterval);
+    screen.close();
+    void server.clear(id).then(() => signIn(`${name} has left the floor.`));
+  });
+  host.dataset['screen'] = 'phone';
+  host.replaceChildren(make('main', { className: 'phone' }, screen.banner, canvas, where, near, screen.stop,
+    make('div', { className: 'row wrap' }, make('span', { className: 'dim grow', textContent: name }), back, gone),
+    make('p', { className: 'safety', textContent: SAFETY })));
+  wearer.start();
+  refresh();
+}
+
+void signIn();

@@ -1,0 +1,179 @@
+// One wearer: the feed, the pump, the marks and the guidance together. Every event ends in a new answer to "what is
+// to be seen now". Knows no display and no browser.
+import { mark, type Mark, type MarkEvent, type Marking } from './align';
+import { Feed, type FeedEvent, type FeedOptions, type FeedState } from './feed';
+import { distance, type Alignment, type Vec2, type Vec3 } from './frame';
+import { show, type Guidance, type Shown, type Standing } from './guide';
+import { Pump, type Sample } from './pump';
+
+export interface WearerOptions extends Pick<FeedOptions, 'frame' | 'open' | 'clock' | 'random'> {
+  /** Names of the marks that the wearer will show, and where the map has them. */
+  marks: readonly { name: string; at: Vec2 }[];
+  onChange(): void;
+}
+
+/** A place that the wearer pointed out on a map is believed for so long. */
+export const PLACED_MS = 60_000;
+const PLACED_EVERY_MS = 1_000;
+/** Who points at a map is right to about a metre. */
+const PLACED_ACCURACY_M = 1;
+
+export class Wearer {
+  marking: Marking;
+  alignment: Alignment | null = null;
+  guidance: Guidance | null = null;
+  feed: FeedState = { kind: 'connecting' };
+  /** The last thing that the server found wrong with what it got. */
+  warning: string | null = null;
+  /** Poses that were sent. */
+  sent = 0;
+  placed: { at: Vec2; since: number } | null = null;
+  readonly pump = new Pump();
+
+  #options: WearerOptions;
+  #feed: Feed;
+  #heardAt: number | null = null;
+  #quality: 'tracked' | 'emulated' = 'tracked';
+  #acked = -1;
+  #placedAt = -Infinity;
+
+  constructor(options: WearerOptions) {
+    this.#options = options;
+    this.marking = { kind: 'taking', names: options.marks.map((m) => m.name), taken: [] };
+    this.#feed = new Feed({
+      ...options,
+      onState: (state) => {
+        this.feed = state;
+        if (state.kind !== 'live') this.pump.aligned = false;
+        options.onChange();
+      },
+      onEvent: (event) => {
+        this.#heard(event);
+        options.onChange();
+      },
+    });
+  }
+
+  start(): void {
+    this.#feed.start();
+  }
+  stop(): void {
+    this.#feed.stop();
+  }
+  retryNow(): void {
+    this.#feed.retryNow();
+  }
+
+  /** A frame of the display with a pose. */
+  frame(sample: Sample): void {
+    this.#quality = sample.emulated ? 'emulated' : 'tracked';
+    const message = this.pump.offer(sample, this.#feed.waiting);
+    if (message) this.#send(message);
+  }
+
+  /** Called a few times a second, with and without frames. */
+  tick(): void {
+    const now = this.#options.clock.now();
+    if (this.#options.frame === 'device') {
+      const message = this.pump.missing(now);
+      if (message) this.#send(message);
+    } else if (this.placed && now - this.placed.since >= PLACED_MS) {
+      this.placed = null;
+    } else if (this.placed && now - this.#placedAt >= PLACED_EVERY_MS && this.pump.aligned) {
+      this.#placedAt = now;
+      this.#send(this.pump.place(this.placed.at, now, PLACED_ACCURACY_M));
+    }
+    this.#options.onChange();
+  }
+
+  /** The wearer confirms the mark that is due, here. */
+  confirm(at: Vec3): void {
+    const due = this.#options.marks[this.marking.taken.length];
+    this.#mark({ kind: 'confirm', at, map: due?.at ?? [0, 0] });
+  }
+  /** Takes the marks anew; until then the alignment from before stands. */
+  remark(): void {
+    this.#mark({ kind: 'begin' });
+  }
+  /** The origin of the device's frame jumped. */
+  reset(): void {
+    this.alignment = null;
+    this.pump.aligned = false;
+    this.#feed.reset();
+    this.#mark({ kind: 'reset' });
+  }
+  /** The page was hidden or the device slept: its clock may have stood. */
+  woke(): void {
+    this.#feed.resync();
+    this.#feed.retryNow();
+  }
+  /** The wearer says where they stand. */
+  place(at: Vec2): void {
+    [this.placed, this.#placedAt] = [{ at, since: this.#options.clock.now() }, -Infinity];
+    this.tick();
+  }
+
+  shown(): Shown {
+    const now = this.#options.clock.now();
+    const tracking = this.#options.frame === 'map' ? 'none' : this.pump.isLost(now) ? 'lost' : this.#quality;
+    const link: Standing['link'] = this.feed.kind;
+    const age_ms = this.#heardAt === null ? null : now - this.#heardAt;
+    return show(this.guidance, { age_ms, link, tracking, aligned: this.#options.frame === 'map' || this.alignment !== null });
+  }
+
+  /** Guidance of this version is on the screen. */
+  drawn(): void {
+    const version = this.guidance?.version;
+    if (version === undefined || version === this.#acked || this.feed.kind !== 'live') return;
+    this.#acked = version;
+    this.#feed.seen(version);
+  }
+
+  /** How far the wearer is from the mark that is due, where that can be known. */
+  fromMark(at: Vec2): number | null {
+    const due = this.#options.marks[this.marking.taken.length];
+    return due ? distance(at, due.at) : null;
+  }
+
+  #send(message: Parameters<Feed['pose']>[0]): void {
+    this.sent += 1;
+    this.#feed.pose(message);
+  }
+
+  #heard(event: FeedEvent): void {
+    switch (event.kind) {
+      case 'welcome':
+        this.pump.enter(event.epoch, event.aligned);
+        this.#acked = -1;
+        // The marks are still where they were in the device's frame; the new connection has to hear of them.
+        if (this.#options.frame === 'device') this.#mark({ kind: 'again' });
+        return;
+      case 'aligned':
+        this.pump.enter(event.epoch, true);
+        this.alignment = { theta: event.fit.theta, shift: event.fit.shift };
+        return this.#mark({ kind: 'aligned', rms_m: event.fit.rms_m });
+      case 'epoch':
+        this.pump.enter(event.epoch, event.aligned);
+        if (!event.aligned) this.alignment = null;
+        return;
+      case 'refused':
+        if (!event.aligned) this.alignment = null;
+        return this.#mark({ kind: 'refused', text: event.text });
+      case 'guidance':
+        [this.guidance, this.#heardAt] = [event.guidance, this.#options.clock.now()];
+        return;
+      case 'warning':
+        this.warning = event.text;
+        return;
+      case 'clock':
+        return;
+    }
+  }
+
+  #mark(event: MarkEvent): void {
+    const before = this.marking;
+    this.marking = mark(before, event);
+    if (this.marking.kind === 'asking' && this.marking !== before) this.#feed.anchors(this.marking.taken satisfies readonly Mark[]);
+    this.#options.onChange();
+  }
+}
