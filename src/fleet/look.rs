@@ -111,6 +111,10 @@ impl Fleet {
         if self.lacks_route(r) && self.needs.failed_before(r) {
             return Some(Why::NoRoute);
         }
+        let stands = self.crowd.limits.get(&r).is_some_and(|(limit, _)| *limit == Some(0.0));
+        if let Some(yielding) = self.crowd.yielding.get(&r).filter(|_| stands) {
+            return Some(Why::GivesWay(yielding.worker));
+        }
         let chain = self.ledger.chain(r);
         let at_end = chain.first() + 1 == chain.granted();
         let held = chain.get(chain.granted()).filter(|v| at_end && v.enter <= now);
