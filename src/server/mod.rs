@@ -23,7 +23,7 @@ use crate::api::feed::hub::{Feeds, Heard};
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, Moment};
+use crate::api::port::{Alarms, Moment, QUESTIONS};
 use crate::api::{Api, auth::Gate, router};
 use crate::fleet::{Fleet, Settings};
 use crate::sim::{OrderLine, Scenario, World};
@@ -179,6 +179,7 @@ async fn work(
     let (journal, writer) =
         journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
     let (desk, requests) = mpsc::channel(inbox::DESK);
+    let (ask, questions) = mpsc::channel(QUESTIONS);
     let first = Moment { view: fleet.view(clock.now()), ..Moment::default() };
     let (moments, picture) = watch::channel(Arc::new(first));
     let map = fleet.warehouse().clone();
@@ -189,6 +190,7 @@ async fn work(
         clock: clock.clone(),
         period,
         inbox: inbox::Inbox::new(requests, heard),
+        questions,
         outbox: outbox::Outbox::default(),
         journal,
         measure: measure::Measure::default(),
@@ -207,6 +209,7 @@ async fn work(
         moments: picture,
         records: Arc::new(records::Shelf(store.clone())),
         desk: Some(desk),
+        questions: ask,
         alarms,
         live,
         feeds,

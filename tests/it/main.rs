@@ -13,3 +13,4 @@ mod load;
 mod people;
 mod recovery;
 mod store;
+mod why;

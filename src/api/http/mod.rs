@@ -13,6 +13,8 @@ mod map;
 mod page;
 mod positions;
 mod reports;
+mod timelines;
+mod why;
 mod workers;
 
 use super::error::Problem;
@@ -52,6 +54,9 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(lists::racks))
         .routes(routes!(lists::stations))
         .routes(routes!(lists::robots))
+        .routes(routes!(why::robot))
+        .routes(routes!(why::job))
+        .routes(routes!(timelines::timelines))
         .routes(routes!(jobs::list, jobs::submit))
         .routes(routes!(jobs::get, jobs::cancel))
         .routes(routes!(workers::list, workers::hire))
