@@ -280,6 +280,8 @@ impl Names<'_> {
             Why::NoRoute => "no route found yet; trying again".into(),
             Why::Failed => "cannot drive".into(),
             Why::Silent => "not heard of".into(),
+            Why::Paused => PAUSED.into(),
+            Why::Stopped => "stopped with the whole fleet".into(),
         }
     }
 }
@@ -295,6 +297,9 @@ impl From<Counts> for JobCountsDto {
         }
     }
 }
+
+/// What a robot says that was paused; pages go by it.
+const PAUSED: &str = "paused by hand";
 
 /// The words for the states of a job, in order of life.
 pub const JOB_STATES: [&str; 7] =

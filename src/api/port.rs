@@ -6,7 +6,7 @@
 
 use crate::fleet::{
     Area, Assignment, AssignmentRequest, Closure, Encounter, Fleet, Job, JobRequest, Reply, Strip, View,
-    Waiting,
+    Waiting, Why,
 };
 use crate::id::{AssignmentId, ClosureId, JobId, RobotId, WorkerId};
 use crate::time::{Span, Time};
@@ -137,6 +137,12 @@ pub enum What {
     Close(Closure),
     /// The end of that.
     Reopen(ClosureId),
+    /// That one robot, or the whole fleet, stands.
+    Halt(Option<RobotId>),
+    /// The end of that.
+    Release(Option<RobotId>),
+    /// Another priority for a waiting job.
+    Prioritise(JobId, u8),
 }
 
 /// What is too much to be in every picture: worked out by whoever owns the fleet when somebody wants to know, from the
@@ -221,6 +227,12 @@ pub struct Alarm {
     pub since: Time,
 }
 
+/// The alarm while the whole fleet stands by hand.
+const STOPPED: &str = "stopped";
+
+/// The alarm while single robots do.
+const PAUSED: &str = "paused";
+
 /// The alarms that stand.
 #[derive(Debug, Default)]
 pub struct Alarms {
@@ -239,6 +251,27 @@ impl Alarms {
     /// Ends an alarm. Whether it stood.
     pub fn clear(&self, id: &'static str) -> bool {
         self.standing.lock().expect("nobody panics with this lock").remove(id).is_some()
+    }
+
+    /// What a picture says that a person must know: what stands by hand.
+    pub fn note(&self, view: &View) {
+        match view.stopped {
+            Some(since) => {
+                let text = "all robots are stopped by hand: resume the fleet when it may go on.";
+                self.raise(STOPPED, text.into(), since);
+            }
+            None => _ = self.clear(STOPPED),
+        }
+        let paused: Vec<&str> =
+            view.robots.iter().filter(|r| r.why == Some(Why::Paused)).map(|r| r.name.as_str()).collect();
+        if paused.is_empty() {
+            self.clear(PAUSED);
+        } else {
+            let more =
+                if paused.len() > 3 { format!(" and {} more", paused.len() - 3) } else { String::new() };
+            let names = paused[..paused.len().min(3)].join(", ");
+            self.raise(PAUSED, format!("paused by hand: {names}{more}."), view.now);
+        }
     }
 
     /// All that stand.

@@ -127,6 +127,8 @@ impl Names<'_> {
             Why::NoRoute => ("route", None),
             Why::Failed => ("failed", None),
             Why::Silent => ("silent", None),
+            Why::Paused => ("paused", None),
+            Why::Stopped => ("stopped", None),
         }
     }
 }
@@ -149,6 +151,8 @@ fn active(text: &str) -> String {
         ("no robot is free", "waits for a robot: none is free"),
         ("no route found yet; trying again", "has found no route yet and tries again"),
         ("not heard of", "is not heard of"),
+        ("paused", "is paused"),
+        ("stopped", "is stopped"),
         ("the way leads into ", "stands before "),
         ("the queue of ", "waits outside: the queue of "),
     ] {

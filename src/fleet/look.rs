@@ -26,7 +26,8 @@ impl Fleet {
         let racks = self.ledger.racks.iter().copied().collect();
         let (workers, closures) = (self.worker_views(now), self.closure_views());
         let free = self.idle_robots(now).into_iter().filter(|r| self.is_charged(*r)).count();
-        View { now, robots, racks, stations, workers, closures, blocked: self.blocked(), free, counts }
+        let (blocked, stopped) = (self.blocked(), self.ledger.stopped);
+        View { now, robots, racks, stations, workers, closures, blocked, free, stopped, counts }
     }
 
     /// Waiting jobs that come after others, each with the first one that is not over yet.
@@ -96,8 +97,16 @@ impl Fleet {
 
     /// Why a robot does not go on, if it does not.
     pub fn why(&self, r: RobotId, now: Time) -> Option<Why> {
-        if self.ledger.robots[r].failed {
+        let record = &self.ledger.robots[r];
+        // Who asks must see what has to be undone by hand, whatever else is wrong.
+        if record.paused.is_some() {
+            return Some(Why::Paused);
+        }
+        if record.failed {
             return Some(Why::Failed);
+        }
+        if self.ledger.stopped.is_some() {
+            return Some(Why::Stopped);
         }
         if self.scene.fit(r, now).is_none() {
             return Some(Why::Silent);

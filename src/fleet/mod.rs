@@ -13,6 +13,7 @@ mod cut;
 pub mod fact;
 mod grant;
 mod guide;
+mod hand;
 mod insert;
 pub mod io;
 pub mod job;

@@ -177,6 +177,7 @@ impl Drive {
     fn publish(&mut self, now: Time) {
         let view = self.fleet.view(now);
         self.feeds.refresh(&view);
+        self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let time_s = (now - self.clock.started()).as_secs_f64();
         self.moments.send_replace(Arc::new(Moment { view, time_s, measured }));

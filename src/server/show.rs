@@ -137,6 +137,7 @@ impl Screen {
         let view = player.fleet.view(now);
         self.feeds.know(&player.fleet.ledger().workers);
         self.feeds.refresh(&view);
+        self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let moment = Arc::new(Moment { view, time_s: now.as_secs_f64(), measured });
         self.live.publish(&moment, &self.alarms.list(), 0.0);

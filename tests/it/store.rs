@@ -132,6 +132,10 @@ fn facts_about_people(at: Time) -> Vec<Fact> {
         Fact::Closed { closure, area },
         Fact::Reopened { closure, at },
         Fact::Deviated { worker, at },
+        Fact::Halted { robot: None, at },
+        Fact::Halted { robot: Some(robot), at },
+        Fact::Released { robot: Some(robot), at },
+        Fact::Prioritised { job: JobId(1), priority: 9, at },
     ];
     for (i, state) in ASSIGNMENT_STATES.into_iter().enumerate() {
         let assignment = AssignmentId(i as u64 + 1);

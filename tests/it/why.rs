@@ -1,6 +1,6 @@
 //! Why somebody waits, and who holds what, over HTTP.
 
-use crate::helper::{Folder, delivery, get, map, post, start};
+use crate::helper::{Folder, delivery, get, map, post, send, start};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -78,5 +78,38 @@ async fn timelines_say_who_holds_the_nodes_of_an_area() {
         let answer = get(at, &format!("/v1/timelines?{wrong}")).await;
         assert!((400..=422).contains(&answer.status), "{answer:?}");
     }
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_fleet_and_single_robots_stand_until_resumed_over_a_restart_too() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    until(at, "/v1/robots", |v| v["items"].as_array().is_some_and(|r| !r.is_empty())).await;
+    let go = |at, path: &'static str| async move { send(at, "POST", path, &[], "").await.unwrap() };
+    assert_eq!(go(at, "/v1/fleet/stop").await.status, 204);
+    assert_eq!(go(at, "/v1/fleet/stop").await.status, 204, "it stands already");
+    assert_eq!(go(at, "/v1/robots/robot-1/pause").await.status, 204);
+    go(at, "/v1/robots/nobody/pause").await.problem(404);
+    until(at, "/v1/fleet", |v| v["stopped"].is_string() && v["paused"] == json!(["robot-1"])).await;
+    server.stop().await.unwrap();
+    let server = start(&folder).await;
+    let at = server.address();
+    let fleet = until(at, "/v1/fleet", |v| v["stopped"].is_string()).await;
+    assert_eq!(fleet["paused"], json!(["robot-1"]), "nothing is forgotten");
+    let job = post(at, None, &delivery(0)).await.unwrap().json();
+    let path = format!("/v1/jobs/{}", job["id"].as_str().unwrap());
+    let json = [("content-type", "application/json")];
+    let changed = send(at, "PATCH", &path, &json, r#"{"priority": 7}"#).await.unwrap();
+    assert_eq!((changed.status, changed.json()["priority"].clone()), (200, json!(7)), "{changed:?}");
+    assert_eq!(get(at, &path).await.json()["priority"], 7);
+    send(at, "PATCH", &path, &json, r#"{"priority": 10}"#).await.unwrap().problem(422);
+    send(at, "PATCH", "/v1/jobs/j99", &json, r#"{"priority": 1}"#).await.unwrap().problem(404);
+    assert_eq!(go(at, "/v1/fleet/resume").await.status, 204);
+    assert_eq!(go(at, "/v1/robots/robot-1/resume").await.status, 204);
+    until(at, "/v1/fleet", |v| v["stopped"].is_null() && v["paused"] == json!([])).await;
+    until(at, &path, |v| v["state"] != "waiting").await;
+    send(at, "PATCH", &path, &json, r#"{"priority": 1}"#).await.unwrap().problem(409);
     server.stop().await.unwrap();
 }

@@ -175,3 +175,15 @@ fn strips_say_who_holds_the_nodes_of_an_area_and_what_is_closed_there() {
     let of_all = floor.fleet.strips(all, Span::from_secs(60), floor.now);
     assert_eq!(of_all.map(|s| s.len()), if count > MOST_STRIPS { Err(count) } else { Ok(count) });
 }
+
+#[test]
+fn the_root_of_waiting_is_the_robot_that_somebody_paused() {
+    let mut floor = Floor::lab(4);
+    floor.submit_long(2..6);
+    let picked = |c: &[Waiting]| c.len() == 2 && matches!(c[1].because, Because::AtStop(Act::Pick(_)));
+    let chain = floor.chain_to(300, picked);
+    let (Who::Robot(last), Who::Robot(first)) = (chain[0].who, chain[1].who) else { panic!("{chain:?}") };
+    floor.step(vec![Input::Halt { token: 4, robot: Some(first) }]);
+    let root = floor.fleet.waits(last, floor.now).last().map(|w| (w.who, w.because));
+    assert_eq!(root, Some((Who::Robot(first), Because::Robot(Why::Paused))));
+}
