@@ -25,6 +25,14 @@ export class Api {
   close = (area: NewClosure) => this.#ask<Closure>('POST', '/v1/closures', {}, area);
   reopen = (id: string) => this.#ask<null>('DELETE', `/v1/closures/${encodeURIComponent(id)}`);
 
+  stopFleet = () => this.#ask<null>('POST', '/v1/fleet/stop');
+  resumeFleet = () => this.#ask<null>('POST', '/v1/fleet/resume');
+  pause = (robot: string) => this.#ask<null>('POST', `/v1/robots/${encodeURIComponent(robot)}/pause`);
+  resume = (robot: string) => this.#ask<null>('POST', `/v1/robots/${encodeURIComponent(robot)}/resume`);
+  prioritise = (id: string, priority: number) => this.#ask<Job>('PATCH', `/v1/jobs/${encodeURIComponent(id)}`, {}, { priority });
+  assign = (worker: string, task: { place: string; what: string; stay_s: number }, key: string) =>
+    this.#ask<{ id: string }>('POST', `/v1/workers/${encodeURIComponent(worker)}/assignments`, { 'Idempotency-Key': key }, task);
+
   timelines([x0, y0, x1, y1]: readonly number[], ahead: number): Promise<Answer<Timelines>> {
     const query = new URLSearchParams({ x0: `${x0}`, y0: `${y0}`, x1: `${x1}`, y1: `${y1}`, ahead_s: `${ahead}` });
     return this.#ask<Timelines>('GET', `/v1/timelines?${query}`);
