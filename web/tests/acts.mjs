@@ -153,7 +153,7 @@ await check('A table of jobs is read line by line, and only what is right is sen
 });
 await check('One click stops all robots, everybody sees it, and they go on only after it was asked about', async () => {
   await button('Stop all robots').click();
-  const banner = page.getByText('All robots are stopped by hand');
+  const banner = page.getByText('All robots are stopped by hand', { exact: true });
   await banner.waitFor({ timeout: 15_000 });
   await page.getByRole('region', { name: 'Alarms' }).getByText(/stopped by hand/).waitFor({ timeout: 5_000 });
   await page.waitForFunction(async () => (await (await fetch('/v1/robots')).json()).items.every((r) => r.speed === 0), null, { timeout: 15_000 });
@@ -173,7 +173,7 @@ await check('One robot is paused and goes on again', async () => {
   await page.keyboard.press('Enter');
   const card = page.getByRole('region', { name: 'Robot', exact: true });
   await card.getByRole('button', { name: 'Pause this robot' }).click();
-  await card.getByText('paused by hand', { exact: true }).waitFor({ timeout: 15_000 });
+  await card.getByRole('paragraph').filter({ hasText: 'paused by hand' }).waitFor({ timeout: 15_000 });
   await page.screenshot({ path: `${SHOTS}paused.png` });
   await card.getByRole('button', { name: 'Let it go on' }).click();
   await card.getByRole('button', { name: 'Pause this robot' }).waitFor({ timeout: 15_000 });
