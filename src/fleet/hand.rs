@@ -1,9 +1,9 @@
-//! What people decide by hand: the whole fleet or one robot stands until somebody lets it go on; a waiting job comes
-//! earlier or later.
+//! What people decide by hand: the whole fleet or one robot stands until somebody lets it go on; a waiting job
+//! comes earlier or later.
 //!
-//! It is a fact, so a restart forgets none of it. Robots are told to stand at once, before the fact is durable. Refuses:
-//! to be an emergency stop, which is the robot's own; and to take back what was promised: who stands keeps its holds, and
-//! those behind wait.
+//! It is a fact, so a restart forgets none of it. Robots are told to stand at once, before the fact is durable.
+//! Refuses: to be an emergency stop, which is the robot's own; and to take back what was promised: who stands keeps
+//! its holds, and those behind wait.
 
 use super::Fleet;
 use super::fact::Fact;
