@@ -237,8 +237,13 @@ impl Names<'_> {
         if let JobState::Failed(why) = record.job.state {
             return Some(why_failed(why));
         }
+        Some(self.why_job(self.view.why_job(record.id, &record.job)?))
+    }
+
+    /// Why a job does not go on, in words.
+    pub fn why_job(&self, why: JobWhy) -> String {
         let rack = |r| self.map.racks.get(r).map_or_else(|| format!("{r:?}"), |rack| rack.name.clone());
-        Some(match self.view.why_job(record.id, &record.job)? {
+        match why {
             JobWhy::After(job) => format!("waiting for {} to be over", job_name(job)),
             JobWhy::RackBusy(k, r, Some(job)) => {
                 format!("waiting for rack {}, which {} moves for {}", rack(k), self.robot(r), job_name(job))
@@ -254,10 +259,11 @@ impl Names<'_> {
             }
             JobWhy::NoRobot => "no robot is free".into(),
             JobWhy::Robot(r, why) => format!("{}: {}", self.robot(r), self.why(why)),
-        })
+        }
     }
 
-    fn why(&self, why: Why) -> String {
+    /// Why a robot does not go on, in words.
+    pub fn why(&self, why: Why) -> String {
         match why {
             Why::WaitsFor(resource, Holder::Robot(r)) => {
                 format!("waiting for {}, held by {}", self.map.resource_name(resource), self.robot(r))
@@ -274,6 +280,8 @@ impl Names<'_> {
             Why::NoRoute => "no route found yet; trying again".into(),
             Why::Failed => "cannot drive".into(),
             Why::Silent => "not heard of".into(),
+            Why::Paused => PAUSED.into(),
+            Why::Stopped => "stopped with the whole fleet".into(),
         }
     }
 }
@@ -289,6 +297,9 @@ impl From<Counts> for JobCountsDto {
         }
     }
 }
+
+/// What a robot says that was paused; pages go by it.
+const PAUSED: &str = "paused by hand";
 
 /// The words for the states of a job, in order of life.
 pub const JOB_STATES: [&str; 7] =

@@ -18,6 +18,7 @@ pub mod metrics;
 pub mod people;
 pub mod port;
 mod refusal;
+pub mod waits;
 mod ws;
 
 pub use http::router;
@@ -25,7 +26,7 @@ pub use http::router;
 use crate::fleet::Reply;
 use crate::warehouse::Warehouse;
 use error::Problem;
-use port::{Alarms, Ask, Moment, Now, Records, What};
+use port::{Alarms, Ask, Moment, Now, Question, Records, What};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{mpsc, oneshot, watch};
@@ -44,6 +45,8 @@ pub struct Api {
     pub records: Arc<dyn Records>,
     /// Takes requests; absent where a recording is shown, since the past takes none.
     pub desk: Option<mpsc::Sender<Ask>>,
+    /// Takes questions.
+    pub questions: mpsc::Sender<Question>,
     /// What stands.
     pub alarms: Arc<Alarms>,
     /// The live feed.
@@ -74,6 +77,17 @@ impl Api {
             let detail = "a recording is shown here, and nothing in it can be changed: ask a running server";
             Problem::conflict("recording", "This is a recording", detail)
         })
+    }
+
+    /// Asks what the picture does not say.
+    async fn wonder<T>(&self, question: impl FnOnce(oneshot::Sender<T>) -> Question) -> Result<T, Problem> {
+        let (reply, answer) = oneshot::channel();
+        let busy = || Problem::unavailable("too many questions are waiting: ask again in a second", 1);
+        self.questions.try_send(question(reply)).map_err(|_| busy())?;
+        match tokio::time::timeout(PATIENCE, answer).await {
+            Ok(Ok(answer)) => Ok(answer),
+            _ => Err(Problem::unavailable("the fleet did not answer in time: ask again soon", 2)),
+        }
     }
 
     /// Asks the fleet and waits until its answer is durable.

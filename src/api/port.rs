@@ -1,12 +1,15 @@
 //! What the API needs from whoever runs it: durable lists to read, a desk for requests, alarms, a clock, and the
 //! fleet's picture.
 //!
-//! Main types: [`Records`], [`JobRecord`], [`AssignmentRecord`], [`EncounterRecord`], [`Ask`], [`Alarms`],
-//! [`Moment`], [`Now`]. Refuses: to know who answers.
+//! Main types: [`Records`], [`JobRecord`], [`AssignmentRecord`], [`EncounterRecord`], [`Ask`], [`Question`],
+//! [`Alarms`], [`Moment`], [`Now`]. Refuses: to know who answers.
 
-use crate::fleet::{Assignment, AssignmentRequest, Closure, Encounter, Job, JobRequest, Reply, View};
+use crate::fleet::{
+    Area, Assignment, AssignmentRequest, Closure, Encounter, Fleet, Job, JobRequest, Reply, Strip, View,
+    Waiting, Why,
+};
 use crate::id::{AssignmentId, ClosureId, JobId, RobotId, WorkerId};
-use crate::time::Time;
+use crate::time::{Span, Time};
 use std::collections::BTreeMap;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex};
@@ -134,7 +137,60 @@ pub enum What {
     Close(Closure),
     /// The end of that.
     Reopen(ClosureId),
+    /// That one robot, or the whole fleet, stands.
+    Halt(Option<RobotId>),
+    /// The end of that.
+    Release(Option<RobotId>),
+    /// Another priority for a waiting job.
+    Prioritise(JobId, u8),
 }
+
+/// What is too much to be in every picture: worked out by whoever owns the fleet when somebody wants to know, from the
+/// fleet as it is then. Questions change nothing, and a recording answers them, too.
+#[derive(Debug)]
+pub enum Question {
+    /// Why a robot does not go on.
+    Robot(RobotId, oneshot::Sender<Waits>),
+    /// Why a job does not go on.
+    Job(JobId, oneshot::Sender<Waits>),
+    /// Who holds what in an area, for so long ahead.
+    Strips(Area, Span, oneshot::Sender<Seen<Result<Vec<Strip>, usize>>>),
+}
+
+/// A chain of those who wait.
+pub type Waits = Seen<Vec<Waiting>>;
+
+/// An answer, and when it was so.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seen<T> {
+    /// When.
+    pub at: Time,
+    /// What.
+    pub what: T,
+}
+
+impl Question {
+    /// Answers it. Whoever has left meanwhile does not mind.
+    pub fn answer(self, fleet: &Fleet, at: Time) {
+        match self {
+            Question::Robot(robot, reply) => {
+                let _ = reply.send(Seen { at, what: fleet.waits(robot, at) });
+            }
+            Question::Job(job, reply) => {
+                let _ = reply.send(Seen { at, what: fleet.job_waits(job, at) });
+            }
+            Question::Strips(area, ahead, reply) => {
+                let _ = reply.send(Seen { at, what: fleet.strips(area, ahead, at) });
+            }
+        }
+    }
+}
+
+/// How many questions may wait.
+pub const QUESTIONS: usize = 64;
+
+/// How many questions are answered between two steps: robots come first.
+pub const QUESTIONS_AT_ONCE: usize = 4;
 
 /// The fleet at one moment, with what the loop measured.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -171,6 +227,12 @@ pub struct Alarm {
     pub since: Time,
 }
 
+/// The alarm while the whole fleet stands by hand.
+const STOPPED: &str = "stopped";
+
+/// The alarm while single robots do.
+const PAUSED: &str = "paused";
+
 /// The alarms that stand.
 #[derive(Debug, Default)]
 pub struct Alarms {
@@ -189,6 +251,27 @@ impl Alarms {
     /// Ends an alarm. Whether it stood.
     pub fn clear(&self, id: &'static str) -> bool {
         self.standing.lock().expect("nobody panics with this lock").remove(id).is_some()
+    }
+
+    /// What a picture says that a person must know: what stands by hand.
+    pub fn note(&self, view: &View) {
+        match view.stopped {
+            Some(since) => {
+                let text = "all robots are stopped by hand: resume the fleet when it may go on.";
+                self.raise(STOPPED, text.into(), since);
+            }
+            None => _ = self.clear(STOPPED),
+        }
+        let paused: Vec<&str> =
+            view.robots.iter().filter(|r| r.why == Some(Why::Paused)).map(|r| r.name.as_str()).collect();
+        if paused.is_empty() {
+            self.clear(PAUSED);
+        } else {
+            let more =
+                if paused.len() > 3 { format!(" and {} more", paused.len() - 3) } else { String::new() };
+            let names = paused[..paused.len().min(3)].join(", ");
+            self.raise(PAUSED, format!("paused by hand: {names}{more}."), view.now);
+        }
     }
 
     /// All that stand.

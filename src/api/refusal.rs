@@ -20,6 +20,10 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
                 format!("{} was over already; GET /v1/jobs/{} says how", job_name(job), job_name(job));
             Problem::conflict("job-is-over", "The job is over", detail)
         }
+        Refusal::JobHasBegun(job) => {
+            let detail = format!("a robot works on {} already: its priority changes nothing", job_name(job));
+            Problem::conflict("job-has-begun", "The job has begun", detail)
+        }
         Refusal::UnknownPredecessor(job) => field("after", format!("{} does not exist", job_name(job))),
         Refusal::UnknownPlace => {
             Problem::invalid(vec![FieldError::new("kind", "no such rack, station, node or robot")])

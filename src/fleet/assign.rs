@@ -40,7 +40,8 @@ impl Fleet {
     pub(super) fn idle_robots(&self, now: Time) -> Vec<RobotId> {
         let idle = |r: &RobotId| {
             let record = &self.ledger.robots[*r];
-            record.task == Task::Idle && !record.failed && self.scene.fit(*r, now).is_some()
+            let fit = !record.failed && !self.is_halted(*r) && self.scene.fit(*r, now).is_some();
+            record.task == Task::Idle && fit
         };
         ledger::all(&self.ledger.robots).filter(idle).collect()
     }

@@ -147,6 +147,29 @@ pub enum Fact {
         /// When.
         at: Time,
     },
+    /// One robot, or the whole fleet, is to stand.
+    Halted {
+        /// Which; nothing for all of them.
+        robot: Option<RobotId>,
+        /// When.
+        at: Time,
+    },
+    /// It may go on.
+    Released {
+        /// Which; nothing for the whole fleet.
+        robot: Option<RobotId>,
+        /// When.
+        at: Time,
+    },
+    /// A waiting job has another priority.
+    Prioritised {
+        /// Which.
+        job: JobId,
+        /// 0 to 9.
+        priority: u8,
+        /// When.
+        at: Time,
+    },
     /// A robot met a worker. For the record; nothing is promised by it.
     Encountered(Encounter),
     /// A worker left the path. For the record.

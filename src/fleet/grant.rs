@@ -1,7 +1,7 @@
 //! Fifth phase: how far may each robot drive now? Grants follow the order on each resource, not the clock.
 //!
 //! Refuses: to grant past a stop that is not done, past somebody who was promised a resource first, or to robots that
-//! are silent; and to grant more than a robot needs to keep its speed, since grants cannot be called back.
+//! are silent or halted; and to grant more than a robot needs to keep its speed, since grants cannot be called back.
 
 use super::fact::Fact;
 use super::io::{Command, Waypoint};
@@ -23,7 +23,8 @@ impl Fleet {
             if self.ledger.robots[robot].failed || self.scene.fit(robot, now).is_none() {
                 continue;
             }
-            let granted = !self.crowd.procedure.holds(robot) && self.extend_grant(robot, now);
+            let held_back = self.is_halted(robot) || self.crowd.procedure.holds(robot);
+            let granted = !held_back && self.extend_grant(robot, now);
             if granted || self.must_repeat(robot, now) {
                 self.send(robot, now);
             }

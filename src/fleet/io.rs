@@ -83,6 +83,29 @@ pub enum Input {
         /// Which.
         closure: ClosureId,
     },
+    /// One robot, or the whole fleet, is to stand until it is released.
+    Halt {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which; nothing for all of them.
+        robot: Option<RobotId>,
+    },
+    /// It may go on.
+    Release {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which; nothing for the whole fleet.
+        robot: Option<RobotId>,
+    },
+    /// A waiting job is to come earlier, or later.
+    Prioritise {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        job: JobId,
+        /// 0 to 9.
+        priority: u8,
+    },
 }
 
 /// How a robot is. Observations of one robot may be late, repeated or out of order; the newest by `seen` counts.
@@ -181,7 +204,8 @@ pub enum Reply {
         /// Its number.
         closure: ClosureId,
     },
-    /// It is so: a worker is cleared, an assignment cancelled, an area open again.
+    /// It is so: a worker is cleared, an assignment cancelled, an area open again, a robot halted or released, a job
+    /// has its priority.
     Done {
         /// Of the request.
         token: u64,
@@ -217,6 +241,8 @@ pub enum Refusal {
     UnknownJob(JobId),
     /// The job was over already.
     JobIsOver(JobId),
+    /// A robot works on the job already.
+    JobHasBegun(JobId),
     /// A job cannot come after one that does not exist.
     UnknownPredecessor(JobId),
     /// There is no such rack, station, node or robot.

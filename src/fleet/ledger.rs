@@ -30,6 +30,8 @@ pub struct Robot {
     pub failed: bool,
     /// Whether its route was cut and not yet replaced.
     pub interrupted: bool,
+    /// Since when it is to stand, by hand.
+    pub paused: Option<Time>,
 }
 
 /// Everything that was promised.
@@ -61,6 +63,8 @@ pub struct Ledger {
     pub closures: BTreeMap<ClosureId, Closure>,
     /// The number of the next closure.
     pub next_closure: u64,
+    /// Since when the whole fleet is to stand, by hand.
+    pub stopped: Option<Time>,
     /// Sums.
     pub counts: Counts,
 }
@@ -85,6 +89,7 @@ impl Ledger {
             assignment_keys: BTreeMap::new(),
             closures: BTreeMap::new(),
             next_closure: 1,
+            stopped: None,
             counts: Counts::default(),
         }
     }
@@ -160,9 +165,22 @@ impl Ledger {
             Fact::Reopened { closure, .. } => {
                 self.closures.remove(closure).expect("only what is closed is opened again");
             }
+            Fact::Halted { robot, at } => *self.halted(*robot) = Some(*at),
+            Fact::Released { robot, .. } => *self.halted(*robot) = None,
+            Fact::Prioritised { job, priority, .. } => {
+                self.jobs.get_mut(job).expect("only live jobs change").request.priority = *priority;
+            }
             Fact::Encountered(_) => self.counts.encounters += 1,
             Fact::Deviated { .. } => self.counts.deviations += 1,
             Fact::Interrupted { .. } => self.counts.interruptions += 1,
+        }
+    }
+
+    /// Since when one robot, or the whole fleet, is to stand.
+    fn halted(&mut self, robot: Option<RobotId>) -> &mut Option<Time> {
+        match robot {
+            Some(r) => &mut self.robots[r].paused,
+            None => &mut self.stopped,
         }
     }
 
@@ -192,6 +210,7 @@ impl Ledger {
             acted: None,
             failed: false,
             interrupted: false,
+            paused: None,
         });
         assert_eq!(id, robot, "robots are numbered in order");
         let holder = Holder::Robot(robot);

@@ -30,8 +30,8 @@ impl Fleet {
         for robot in self.ledger.robots.ids().collect::<Vec<_>>() {
             let Some(seen) = self.scene.robot(robot).copied() else { continue };
             let (limit, because) = self.limit_for(robot, &present, now);
-            if limit == Some(0.0) && seen.speed_mps > 0.05 {
-                self.gives_way(robot, because.expect("a stop has a cause"), Reaction::Stopped, now);
+            if let Some(worker) = because.filter(|_| limit == Some(0.0) && seen.speed_mps > 0.05) {
+                self.gives_way(robot, worker, Reaction::Stopped, now);
             }
             let told = self.crowd.limits.get(&robot).copied();
             let same = told.map_or(limit.is_none(), |(l, _)| l == limit);
@@ -55,6 +55,9 @@ impl Fleet {
         let speed = self.scene.robot(robot).map_or(0.0, |t| t.speed_mps);
         let loaded = self.ledger.rack_on(robot).is_some();
         let mut slowest: (Option<f64>, Option<WorkerId>) = (None, None);
+        if self.is_halted(robot) {
+            return (Some(0.0), None);
+        }
         for (worker, w) in present {
             let distance = (at - w.at).norm() - w.reach_m;
             if distance > FAR_M {

@@ -27,8 +27,8 @@ impl Fleet {
         let (workers, closures) = (self.worker_views(now), self.closure_views());
         let free = self.idle_robots(now).into_iter().filter(|r| self.is_charged(*r)).count();
         let foresight = self.crowd.coverage.foresight().to_vec();
-        let blocked = self.blocked();
-        View { now, robots, racks, stations, workers, closures, blocked, free, counts, foresight }
+        let (blocked, stopped) = (self.blocked(), self.ledger.stopped);
+        View { now, robots, racks, stations, workers, closures, blocked, free, stopped, counts, foresight }
     }
 
     /// Waiting jobs that come after others, each with the first one that is not over yet.
@@ -98,8 +98,16 @@ impl Fleet {
 
     /// Why a robot does not go on, if it does not.
     pub fn why(&self, r: RobotId, now: Time) -> Option<Why> {
-        if self.ledger.robots[r].failed {
+        let record = &self.ledger.robots[r];
+        // Who asks must see what has to be undone by hand, whatever else is wrong.
+        if record.paused.is_some() {
+            return Some(Why::Paused);
+        }
+        if record.failed {
             return Some(Why::Failed);
+        }
+        if self.ledger.stopped.is_some() {
+            return Some(Why::Stopped);
         }
         if self.scene.fit(r, now).is_none() {
             return Some(Why::Silent);
@@ -112,6 +120,10 @@ impl Fleet {
         }
         if self.lacks_route(r) && self.needs.failed_before(r) {
             return Some(Why::NoRoute);
+        }
+        let stands = self.crowd.limits.get(&r).is_some_and(|(limit, _)| *limit == Some(0.0));
+        if let Some(yielding) = self.crowd.yielding.get(&r).filter(|_| stands) {
+            return Some(Why::GivesWay(yielding.worker));
         }
         let chain = self.ledger.chain(r);
         let at_end = chain.first() + 1 == chain.granted();

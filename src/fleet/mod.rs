@@ -14,6 +14,7 @@ pub mod fact;
 mod foresee;
 mod grant;
 mod guide;
+mod hand;
 mod insert;
 pub mod io;
 pub mod job;
@@ -31,7 +32,9 @@ pub mod scene;
 mod settle;
 mod staff;
 mod storage;
+mod strips;
 pub mod view;
+mod why;
 mod yielding;
 
 pub use fact::{Act, Booking, Fact, Purpose, Stop, Task};
@@ -42,7 +45,9 @@ pub use people::{
     Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
     FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
 };
+pub use strips::{Area, MOST_STRIPS, Strip};
 pub use view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
+pub use why::{Because, Waiting, Who};
 
 use crate::aware::{Arm, Regions};
 use crate::human::{Method, Model};

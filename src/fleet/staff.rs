@@ -20,6 +20,9 @@ impl Fleet {
             Input::Close { token, area } => (token, self.close(token, area)),
             Input::Reopen { token, closure } => (token, self.reopen(token, closure, now)),
             Input::Clear { token, worker } => (token, self.clear(token, worker)),
+            Input::Halt { token, robot } => (token, self.halt(token, robot, now)),
+            Input::Release { token, robot } => (token, self.release(token, robot, now)),
+            Input::Prioritise { token, job, priority } => (token, self.prioritise(token, job, priority, now)),
             _ => unreachable!("telemetry, sightings and jobs are taken in elsewhere"),
         };
         self.out.replies.push(answer.unwrap_or_else(|why| Reply::Refused { token, why }));

@@ -3,6 +3,7 @@
 mod cancel;
 mod closures;
 mod failure;
+mod hand;
 mod jobs;
 mod messages;
 mod people;

@@ -32,6 +32,8 @@ pub struct View {
     pub blocked: BTreeMap<JobId, JobId>,
     /// How many robots could take a job now.
     pub free: usize,
+    /// Since when the whole fleet is to stand, by hand.
+    pub stopped: Option<Time>,
     /// Sums.
     pub counts: Counts,
     /// Whether forecasts of people hold, by horizon.
@@ -152,6 +154,10 @@ pub enum Why {
     Failed,
     /// It has not been heard of.
     Silent,
+    /// Somebody paused it.
+    Paused,
+    /// Somebody stopped the whole fleet.
+    Stopped,
 }
 
 /// Why a job does not go on.
@@ -184,7 +190,9 @@ impl View {
         if let Some(named) = job.request.kind.robot() {
             let robot = self.robots.get(named.ix())?;
             return match robot.why {
-                Some(why @ (Why::Failed | Why::Silent)) => Some(JobWhy::Robot(named, why)),
+                Some(why @ (Why::Failed | Why::Silent | Why::Paused | Why::Stopped)) => {
+                    Some(JobWhy::Robot(named, why))
+                }
                 _ => (robot.task != Task::Idle).then_some(JobWhy::RobotBusy(named, robot.job)),
             };
         }

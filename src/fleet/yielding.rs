@@ -69,6 +69,11 @@ impl Fleet {
 
     /// Because of whom a visit cannot be granted now.
     pub(super) fn grant_waits_for(&self, robot: RobotId, visit: &Visit, now: Time) -> Option<Cause> {
+        self.holds_back(robot, visit, now).map(|c| c.cause)
+    }
+
+    /// The condition that keeps a visit from being granted, if one does.
+    pub(super) fn holds_back(&self, robot: RobotId, visit: &Visit, now: Time) -> Option<Condition> {
         if self.crowd.conditions.of(visit.node).is_empty() {
             return None;
         }
@@ -81,7 +86,7 @@ impl Fleet {
             Effect::Still => c.window.overlaps(soon),
             Effect::Price(_) | Effect::Slow(_) => false,
         };
-        self.crowd.conditions.binding(visit.node, self.at(visit.node), &away).find(binds).map(|c| c.cause)
+        self.crowd.conditions.binding(visit.node, self.at(visit.node), &away).find(binds).copied()
     }
 
     /// Looks at everybody whose holds a worker touches, and lets those change their route who would wait for

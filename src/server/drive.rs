@@ -12,14 +12,14 @@ use super::measure::Measure;
 use super::outbox::Outbox;
 use crate::api::feed::hub::Feeds;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, Moment};
+use crate::api::port::{Alarms, Moment, QUESTIONS_AT_ONCE, Question};
 use crate::fleet::{Command, Fleet, Guidance, Input};
 use crate::id::{RobotId, WorkerId};
 use crate::sim::World;
 use crate::time::{Span, Time};
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::watch;
+use tokio::sync::{mpsc, watch};
 use tokio::time::{MissedTickBehavior, interval};
 
 /// How often the picture is published; a little less than a tenth of a second, so that a tick does not just
@@ -41,6 +41,8 @@ pub struct Drive {
     pub period: Span,
     /// Requests.
     pub inbox: Inbox,
+    /// What somebody wants to know.
+    pub questions: mpsc::Receiver<Question>,
     /// Orders and answers.
     pub outbox: Outbox,
     /// Facts.
@@ -98,6 +100,10 @@ impl Drive {
         if now - *published >= PUBLISH {
             *published = now;
             self.publish(now);
+        }
+        for _ in 0..QUESTIONS_AT_ONCE {
+            let Ok(question) = self.questions.try_recv() else { break };
+            question.answer(&self.fleet, now);
         }
     }
 
@@ -171,6 +177,7 @@ impl Drive {
     fn publish(&mut self, now: Time) {
         let view = self.fleet.view(now);
         self.feeds.refresh(&view);
+        self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let time_s = (now - self.clock.started()).as_secs_f64();
         self.moments.send_replace(Arc::new(Moment { view, time_s, measured }));
@@ -185,7 +192,6 @@ mod tests {
     use crate::sim::Scenario;
     use crate::store::Store;
     use crate::warehouse::lab;
-    use tokio::sync::mpsc;
 
     const SCENARIO: &str = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 2, "jobs": "none"}"#;
 
@@ -203,13 +209,14 @@ mod tests {
         let ((feeds, heard), (desk, asks)) = (Feeds::new(), mpsc::channel(8));
         let (measure, outbox, feeds) = (Measure::default(), outbox::Outbox::default(), Arc::new(feeds));
         let (inbox, moments) = (inbox::Inbox::new(asks, heard), watch::Sender::new(Arc::default()));
-        let (period, halted) = (scenario.period, false);
+        let (period, halted, (_, questions)) = (scenario.period, false, mpsc::channel(1));
         let drive = Drive {
             fleet,
             world,
             clock,
             period,
             inbox,
+            questions,
             outbox,
             journal,
             measure,

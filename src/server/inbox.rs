@@ -39,8 +39,9 @@ impl Inbox {
     pub fn drain(&mut self, refusing: bool) -> Vec<Input> {
         let mut inputs = std::mem::take(&mut self.kept);
         while let Ok(ask) = self.desk.try_recv() {
-            // Dropping the reply tells the handler; nobody waits for those who have left.
-            if refusing || ask.reply.is_closed() {
+            // Dropping the reply tells the handler; nobody waits for those who have left. Stopping waits for nothing.
+            let stop = matches!(ask.what, What::Halt(_));
+            if !stop && (refusing || ask.reply.is_closed()) {
                 continue;
             }
             let token = self.next;
@@ -55,6 +56,9 @@ impl Inbox {
                 What::Unassign(assignment) => Input::Unassign { token, assignment },
                 What::Close(area) => Input::Close { token, area },
                 What::Reopen(closure) => Input::Reopen { token, closure },
+                What::Halt(robot) => Input::Halt { token, robot },
+                What::Release(robot) => Input::Release { token, robot },
+                What::Prioritise(job, priority) => Input::Prioritise { token, job, priority },
             });
         }
         inputs

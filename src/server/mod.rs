@@ -26,7 +26,7 @@ use crate::api::feed::hub::{Feeds, Heard};
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, Moment};
+use crate::api::port::{Alarms, Moment, QUESTIONS};
 use crate::api::{Api, auth::Gate, router};
 use crate::fleet::{Fleet, Settings};
 use crate::sim::{OrderLine, Scenario, World};
@@ -194,9 +194,9 @@ async fn work(
     let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
-    let (desk, requests) = mpsc::channel(inbox::DESK);
-    let first = Moment { view: fleet.view(clock.now()), ..Moment::default() };
-    let (moments, picture) = watch::channel(Arc::new(first));
+    let ((desk, requests), (ask, questions)) = (mpsc::channel(inbox::DESK), mpsc::channel(QUESTIONS));
+    let view = fleet.view(clock.now());
+    let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
     let map = fleet.warehouse().clone();
     let live = Arc::new(Live::new(map.clone(), clock.started().0.unsigned_abs()));
     let drive = drive::Drive {
@@ -205,6 +205,7 @@ async fn work(
         clock: clock.clone(),
         period,
         inbox: inbox::Inbox::new(requests, heard),
+        questions,
         outbox: outbox::Outbox::default(),
         journal,
         measure: measure::Measure::default(),
@@ -223,6 +224,7 @@ async fn work(
         moments: picture,
         records: Arc::new(records::Shelf(store.clone())),
         desk: Some(desk),
+        questions: ask,
         alarms,
         live,
         feeds,
@@ -241,20 +243,24 @@ async fn work(
         out = &mut feed => Err(anyhow!("the live feed broke: {out:?}")),
     };
     closing.send_replace(true);
-    if !http.is_finished() && timeout(DRAIN, &mut http).await.is_err() {
-        tracing::warn!("some requests did not end in time");
-        http.abort();
-    }
+    drain(http).await;
     halt.send_replace(true);
     if ended.is_ok() {
         let _ = thread.await;
-        let flushed = timeout(FLUSH, &mut writer).await;
         let lost = "the journal did not take the last facts. None of them was acknowledged";
-        flushed.context(lost)?.context(lost)?.context(lost)?;
+        timeout(FLUSH, &mut writer).await.context(lost)?.context(lost)?.context(lost)?;
     }
     feed.abort();
     store.close().await;
     ended
+}
+
+/// Lets requests that are being answered end, for a while.
+async fn drain(mut http: JoinHandle<std::io::Result<()>>) {
+    if !http.is_finished() && timeout(DRAIN, &mut http).await.is_err() {
+        tracing::warn!("some requests did not end in time");
+        http.abort();
+    }
 }
 
 /// Runs the loop on a thread of its own: steps are work, and nothing else may wait for them.

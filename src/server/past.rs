@@ -48,6 +48,11 @@ impl Lists {
                     record.updated = *at;
                 }
             }
+            Fact::Prioritised { job, priority, at } => {
+                if let Some(record) = self.jobs.get_mut(job) {
+                    (record.job.request.priority, record.updated) = (*priority, *at);
+                }
+            }
             Fact::Assigned { assignment: id, worker, request, at } => {
                 let (request, state) = (request.clone(), AssignmentState::Waiting);
                 let assignment = Assignment { worker: *worker, request, state, accepted: *at };

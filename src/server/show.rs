@@ -9,7 +9,8 @@ use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, Moment};
+use crate::api::port::{Alarms, Moment, QUESTIONS, Question};
+use crate::fleet::Fleet;
 use crate::sim::replay::{Player, Turn};
 use crate::time::{Span, Time};
 use anyhow::Context;
@@ -17,7 +18,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
-use tokio::sync::watch;
+use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 
 /// How often the picture is published, in recorded time at normal speed.
@@ -44,6 +45,7 @@ impl Show {
         let map = player.fleet.warehouse().clone();
         let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
         let (moments, picture) = watch::channel(Arc::new(Moment::default()));
+        let (ask, questions) = mpsc::channel(QUESTIONS);
         let clock = Clock::start(None);
         let live = Arc::new(Live::new(map.clone(), clock.now().0.unsigned_abs()));
         // Poses of today change nothing in the past: nobody takes them.
@@ -56,6 +58,7 @@ impl Show {
             moments: picture,
             records: past.clone(),
             desk: None,
+            questions: ask,
             alarms: alarms.clone(),
             live: live.clone(),
             feeds: feeds.clone(),
@@ -66,7 +69,8 @@ impl Show {
             closing: closes.clone(),
         };
         let http = tokio::spawn(listen((listener, None), api, closes));
-        let screen = Screen { live, feeds, alarms, moments, past, measure: Measure::default(), speed };
+        let measure = Measure::default();
+        let screen = Screen { live, feeds, alarms, moments, past, measure, speed, questions };
         let play = Some(tokio::spawn(screen.play(player)));
         Ok(Show { address, http, play, _closing: closing })
     }
@@ -98,6 +102,7 @@ struct Screen {
     past: Arc<Past>,
     measure: Measure,
     speed: f64,
+    questions: mpsc::Receiver<Question>,
 }
 
 impl Screen {
@@ -111,6 +116,9 @@ impl Screen {
                     let zero = *first.get_or_insert(now);
                     let due = Duration::from_secs_f64((now - zero).as_secs_f64() / self.speed);
                     tokio::time::sleep_until(began + due).await;
+                    while let Ok(question) = self.questions.try_recv() {
+                        question.answer(&player.fleet, now);
+                    }
                     self.past.add(&step.facts);
                     if (now - published).as_secs_f64() >= PUBLISH.as_secs_f64() * self.speed.max(1.0) {
                         published = now;
@@ -119,7 +127,7 @@ impl Screen {
                 }
                 Turn::End { same } => {
                     self.publish(&player, published);
-                    return self.stay(same).await;
+                    return self.stay(&player.fleet, same, published).await;
                 }
             }
         }
@@ -129,6 +137,7 @@ impl Screen {
         let view = player.fleet.view(now);
         self.feeds.know(&player.fleet.ledger().workers);
         self.feeds.refresh(&view);
+        self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let moment = Arc::new(Moment { view, time_s: now.as_secs_f64(), measured });
         self.live.publish(&moment, &self.alarms.list(), 0.0);
@@ -136,13 +145,16 @@ impl Screen {
     }
 
     /// The last picture stands; the feed goes on, so that nobody takes the link for lost.
-    async fn stay(&mut self, same: bool) -> anyhow::Result<()> {
+    async fn stay(&mut self, fleet: &Fleet, same: bool, now: Time) -> anyhow::Result<()> {
         let told = if same { "" } else { " This build decides differently from the one that recorded it." };
         self.alarms.raise("end", format!("The recording has ended.{told}"), Time::ZERO);
         loop {
             let moment = self.moments.borrow().clone();
             self.live.publish(&moment, &self.alarms.list(), 0.0);
-            tokio::time::sleep(Duration::from_secs(1)).await;
+            let second = tokio::time::timeout(Duration::from_secs(1), self.questions.recv());
+            if let Ok(Some(question)) = second.await {
+                question.answer(fleet, now);
+            }
         }
     }
 }

@@ -96,6 +96,9 @@ enum Other {
         reason: String,
     },
     Reopen(u64, u64),
+    Halt(u64, Option<u32>),
+    Release(u64, Option<u32>),
+    Prioritise(u64, u64, u8),
 }
 
 #[derive(Serialize, Deserialize)]
@@ -211,6 +214,9 @@ fn asked(input: &Input) -> Other {
             reason: area.reason.clone(),
         },
         Input::Reopen { token, closure } => Other::Reopen(*token, closure.0),
+        Input::Halt { token, robot } => Other::Halt(*token, robot.map(|r| r.0)),
+        Input::Release { token, robot } => Other::Release(*token, robot.map(|r| r.0)),
+        Input::Prioritise { token, job, priority } => Other::Prioritise(*token, job.0, *priority),
         Input::Telemetry(_) | Input::Sighted(_) => unreachable!("they have places of their own in a line"),
     }
 }
@@ -322,6 +328,9 @@ fn glimpsed(s: Seen) -> Sighting {
 fn other(o: Other) -> Input {
     match o {
         Other::Enlist(name, node) => Input::Enlist { name, node: NodeId(node) },
+        Other::Halt(token, robot) => Input::Halt { token, robot: robot.map(RobotId) },
+        Other::Release(token, robot) => Input::Release { token, robot: robot.map(RobotId) },
+        Other::Prioritise(token, job, priority) => Input::Prioritise { token, job: JobId(job), priority },
         Other::Cancel(token, job) => Input::Cancel { token, job: JobId(job) },
         Other::Hire(token, name) => Input::Hire { token, name },
         Other::Clear(token, worker) => Input::Clear { token, worker: WorkerId(worker) },

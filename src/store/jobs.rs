@@ -38,6 +38,7 @@ const ACCEPT: &str = "INSERT INTO jobs \
     VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, 'waiting', $12, $12)";
 const PROGRESS: &str = "UPDATE jobs SET state = $2, why = $3, worker = $4, updated = $5 WHERE id = $1";
 const FINISH: &str = "UPDATE jobs SET state = $2, why = $3, updated = $4 WHERE id = $1";
+const PRIORITISE: &str = "UPDATE jobs SET priority = $2, updated = $3 WHERE id = $1";
 const ONE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, \
     key, state, why, worker, created, updated FROM jobs WHERE id = $1";
 const PAGE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, \
@@ -87,6 +88,7 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<()
     match fact {
         Fact::Accepted { job, request, at } => accept(db, *job, request, *at).await,
         Fact::Progressed { job, state, at } => progress(db, *job, *state, *at).await,
+        Fact::Prioritised { job, priority, at } => prioritise(db, *job, *priority, *at).await,
         _ => Ok(()),
     }
 }
@@ -123,6 +125,11 @@ async fn accept(
         .execute(db)
         .await?;
     Ok(())
+}
+
+async fn prioritise(db: &mut SqliteConnection, id: JobId, priority: u8, at: Time) -> Result<(), sqlx::Error> {
+    let query = sqlx::query(PRIORITISE).bind(id.0.cast_signed()).bind(priority).bind(at.0);
+    query.execute(db).await.map(|_| ())
 }
 
 async fn progress(

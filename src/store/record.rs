@@ -144,6 +144,19 @@ enum Record {
         closure: u64,
         at: i64,
     },
+    Halted {
+        robot: Option<u32>,
+        at: i64,
+    },
+    Released {
+        robot: Option<u32>,
+        at: i64,
+    },
+    Prioritised {
+        job: u64,
+        priority: u8,
+        at: i64,
+    },
     Encountered(EncounterRecord),
     Deviated {
         worker: u32,
@@ -265,6 +278,11 @@ impl From<&Fact> for Record {
             }
             Fact::Closed { closure, area } => closed(*closure, area),
             Fact::Reopened { closure, at } => Record::Reopened { closure: closure.0, at: at.0 },
+            Fact::Halted { robot, at } => Record::Halted { robot: robot.map(|r| r.0), at: at.0 },
+            Fact::Released { robot, at } => Record::Released { robot: robot.map(|r| r.0), at: at.0 },
+            Fact::Prioritised { job, priority, at } => {
+                Record::Prioritised { job: job.0, priority: *priority, at: at.0 }
+            }
             Fact::Encountered(encounter) => Record::Encountered(encounter.into()),
             Fact::Deviated { worker, at } => Record::Deviated { worker: worker.0, at: at.0 },
             Fact::Interrupted { robot, worker, reaction, at } => Record::Interrupted {
@@ -323,6 +341,11 @@ impl From<Record> for Fact {
                 Fact::Closed { closure: ClosureId(closure), area: Closure { outline, nodes, window, reason } }
             }
             Record::Reopened { closure, at } => Fact::Reopened { closure: ClosureId(closure), at: Time(at) },
+            Record::Halted { robot, at } => Fact::Halted { robot: robot.map(RobotId), at: Time(at) },
+            Record::Released { robot, at } => Fact::Released { robot: robot.map(RobotId), at: Time(at) },
+            Record::Prioritised { job, priority, at } => {
+                Fact::Prioritised { job: JobId(job), priority, at: Time(at) }
+            }
             Record::Encountered(encounter) => Fact::Encountered(encounter.into()),
             Record::Deviated { worker, at } => Fact::Deviated { worker: WorkerId(worker), at: Time(at) },
             Record::Interrupted { robot, worker, reaction, at } => Fact::Interrupted {

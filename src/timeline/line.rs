@@ -105,9 +105,14 @@ impl Line {
 
     /// The first other holder that stands before this visit in the order of the resource.
     pub fn first_before(&self, holder: Holder, serial: u64) -> Option<Holder> {
+        self.before(holder, serial).map(|h| h.holder).find(|h| *h != holder)
+    }
+
+    /// Entries before this visit in the order of the resource.
+    pub fn before(&self, holder: Holder, serial: u64) -> impl Iterator<Item = &Hold> {
         let mine = |h: &Hold| h.holder == holder && h.serial == serial && h.layer == Layer::Physical;
-        let own = self.holds.iter().position(mine)?;
-        self.holds[..own].iter().map(|h| h.holder).find(|h| *h != holder)
+        let own = self.holds.iter().position(mine).unwrap_or(0);
+        self.holds[..own].iter()
     }
 
     /// Entries of other holders that come after a visit in the order, but start before `end`. Two conflict

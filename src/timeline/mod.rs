@@ -11,9 +11,11 @@
 //! vector with binary search beats a tree.
 
 mod delay;
+mod held;
 mod line;
 
 pub use delay::Slip;
+pub use held::Held;
 pub use line::{Gap, Layer};
 
 use crate::id::{IdVec, NodeId, ResourceId, RobotId, WorkerId};

@@ -14,3 +14,4 @@ mod people;
 mod recovery;
 mod store;
 mod tls;
+mod why;

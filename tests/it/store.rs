@@ -87,6 +87,10 @@ fn every_fact() -> Vec<Fact> {
         Fact::Cut { robots: vec![robot, RobotId(0)] },
         Fact::Failed { robot, at },
         Fact::Repaired { robot, at },
+        Fact::Halted { robot: None, at },
+        Fact::Halted { robot: Some(robot), at },
+        Fact::Released { robot: Some(robot), at },
+        Fact::Prioritised { job: JobId(99), priority: 9, at },
     ];
     for (i, kind) in kinds.into_iter().enumerate() {
         let mut request = request(kind);

@@ -1,7 +1,9 @@
 // Requests to the public API. Every answer is a value, never an exception: done, refused with a reason,
 // or unreachable. It keeps the access token, and tells the page when the server wants one.
 import type { Socket, SocketEvents } from './link';
-import type { FloorMap, Job, JobPage, JobState, NewJob, Problem } from './wire';
+import type {
+  Closure, FloorMap, Job, JobPage, JobState, NewClosure, NewJob, Problem, Timelines, Why,
+} from './wire';
 
 export type Answer<T> =
   | { kind: 'ok'; value: T }
@@ -18,6 +20,23 @@ export class Api {
   map = () => this.#ask<FloorMap>('GET', '/v1/map');
   job = (id: string) => this.#ask<Job>('GET', `/v1/jobs/${encodeURIComponent(id)}`);
   cancel = (id: string) => this.#ask<Job>('DELETE', `/v1/jobs/${encodeURIComponent(id)}`);
+
+  why = (kind: 'robot' | 'job', id: string) => this.#ask<Why>('GET', `/v1/${kind}s/${encodeURIComponent(id)}/why`);
+  close = (area: NewClosure) => this.#ask<Closure>('POST', '/v1/closures', {}, area);
+  reopen = (id: string) => this.#ask<null>('DELETE', `/v1/closures/${encodeURIComponent(id)}`);
+
+  stopFleet = () => this.#ask<null>('POST', '/v1/fleet/stop');
+  resumeFleet = () => this.#ask<null>('POST', '/v1/fleet/resume');
+  pause = (robot: string) => this.#ask<null>('POST', `/v1/robots/${encodeURIComponent(robot)}/pause`);
+  resume = (robot: string) => this.#ask<null>('POST', `/v1/robots/${encodeURIComponent(robot)}/resume`);
+  prioritise = (id: string, priority: number) => this.#ask<Job>('PATCH', `/v1/jobs/${encodeURIComponent(id)}`, {}, { priority });
+  assign = (worker: string, task: { place: string; what: string; stay_s: number }, key: string) =>
+    this.#ask<{ id: string }>('POST', `/v1/workers/${encodeURIComponent(worker)}/assignments`, { 'Idempotency-Key': key }, task);
+
+  timelines([x0, y0, x1, y1]: readonly number[], ahead: number): Promise<Answer<Timelines>> {
+    const query = new URLSearchParams({ x0: `${x0}`, y0: `${y0}`, x1: `${x1}`, y1: `${y1}`, ahead_s: `${ahead}` });
+    return this.#ask<Timelines>('GET', `/v1/timelines?${query}`);
+  }
 
   jobs(state: JobState | 'any', cursor: string | null): Promise<Answer<JobPage>> {
     const query = new URLSearchParams({ limit: '50' });
@@ -58,6 +77,7 @@ export class Api {
         method, headers: all, signal: AbortSignal.timeout(PATIENCE_MS),
         ...(body ? { body: JSON.stringify(body) } : {}),
       });
+      if (response.status === 204) return { kind: 'ok', value: null as T };
       if (response.ok) return { kind: 'ok', value: (await response.json()) as T };
       if (response.status === 401) this.onLocked();
       return { kind: 'refused', problem: await problemOf(response) };
@@ -76,4 +96,10 @@ async function problemOf(response: Response): Promise<Problem> {
     // A proxy in between answers in HTML; its status is all there is to tell.
     return plain;
   }
+}
+
+/** What went wrong, in words for people; null where nothing did. */
+export function trouble<T>(answer: Answer<T>): string | null {
+  if (answer.kind === 'ok') return null;
+  return answer.kind === 'unreachable' ? 'The server cannot be reached.' : (answer.problem.detail ?? answer.problem.title);
 }

@@ -58,6 +58,12 @@ export class Jobs {
     void this.#refresh();
   }
 
+  /** A job is other than it was listed. */
+  changed(job: Job): void {
+    this.own = this.own.map((j) => (j.id === job.id ? job : j));
+    void this.#refresh();
+  }
+
   async cancel(id: string): Promise<string | null> {
     const answer = await this.#api.cancel(id);
     await this.#refresh();

@@ -5,8 +5,9 @@ import { History } from './history';
 import { Link, type LinkState } from './link';
 import { EMPTY, type Mirror } from './mirror';
 import type { Picked } from './picked';
+import type { Drawing } from './sketch';
 import { Story } from './story';
-import type { FloorMap } from './wire';
+import type { FloorMap, Point } from './wire';
 
 export type Loaded<T> = { kind: 'loading' } | { kind: 'ready'; value: T } | { kind: 'failed'; why: string };
 
@@ -26,6 +27,12 @@ export class Session {
   lock = $state.raw<'open' | 'locked'>('open');
   chosen = $state.raw<Picked | null>(null);
   hovered = $state.raw<Picked | null>(null);
+  /** The job whose card is open. */
+  job = $state.raw<string | null>(null);
+  /** Somebody is to show something on the floor: a rectangle, a polygon or a point. */
+  drawing = $state.raw<Drawing | null>(null);
+  /** What was drawn and is still being talked about. */
+  sketch = $state.raw<readonly Point[] | null>(null);
   /** Every mirror as it comes, for the floor. */
   onMirror: (mirror: Mirror, how: 'glide' | 'jump') => void = () => {};
 

@@ -219,6 +219,70 @@ export interface NewJob {
   robot?: string;
   priority: number;
   deadline?: string;
+  pick_s?: number;
+}
+
+/** One link of who waits for whom. */
+export interface WhyLink {
+  who: string;
+  kind: 'robot' | 'job';
+  /** resource, queue, person, closure … or, for who waits for nobody, stop, drives, later, stays. */
+  cause: string;
+  /** In words, without the name of who it is. */
+  text: string;
+  by: string | null;
+  by_kind: 'robot' | 'worker' | 'job' | 'closure' | 'station' | null;
+  ahead: number;
+  /** RFC 3339; null where nobody can know. */
+  until: string | null;
+  until_s: number | null;
+}
+export interface Why {
+  id: string;
+  waiting: boolean;
+  text: string;
+  /** From the one who waits to the root. */
+  chain: WhyLink[];
+}
+
+/** Who holds the nodes of an area when; times are seconds from `at`, null is for ever. */
+export interface Timelines {
+  at: string;
+  ahead_s: number;
+  nodes: Strip[];
+}
+export interface Strip {
+  id: string;
+  x: number;
+  y: number;
+  holds: Hold[];
+  conditions: Condition[];
+}
+export interface Hold {
+  by: string;
+  kind: 'robot' | 'worker';
+  from_s: number;
+  to_s: number | null;
+  /** The holder may be there already, rather than only being promised it. */
+  granted: boolean;
+  /** Only something in conflict with the node is held. */
+  conflict: boolean;
+}
+export interface Condition {
+  by: string;
+  kind: 'worker' | 'closure';
+  from_s: number;
+  to_s: number | null;
+  effect: 'closed' | 'still' | 'slow' | 'price';
+  limit_mps: [unloaded: number, loaded: number] | null;
+  price_s: number | null;
+}
+
+export interface NewClosure {
+  outline: Point[];
+  from?: string;
+  until?: string;
+  reason: string;
 }
 
 /** RFC 9457, with the field each error belongs to. */

@@ -69,6 +69,7 @@ impl Stage {
             moments: picture,
             records: Arc::new(Nothing),
             desk: Some(mpsc::channel(1).0),
+            questions: mpsc::channel(1).0,
             alarms: Arc::new(Alarms::default()),
             live: Arc::new(Live::new(map, 1)),
             feeds: feeds.clone(),

@@ -162,7 +162,8 @@ pub async fn submit(
         _ => return Err(Problem::internal()),
     };
     let row = read(&api, job).await?;
-    if row.job.request != request {
+    // Somebody may have changed its priority since.
+    if row.job.request != (JobRequest { priority: row.job.request.priority, ..request }) {
         let detail = format!(
             "the Idempotency-Key was used for {}, which is another job: take a new key for a new job",
             job_name(job)
@@ -172,6 +173,36 @@ pub async fn submit(
     }
     let status = if new { StatusCode::CREATED } else { StatusCode::OK };
     Ok((status, [(header::LOCATION, format!("/v1/jobs/{}", job_name(job)))], Json(dto(&api, &row))))
+}
+
+/// What may change about a job that waits.
+#[derive(Clone, Copy, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JobChange {
+    /// 0 (whenever) to 9 (before all others).
+    #[schema(minimum = 0, maximum = 9)]
+    priority: u8,
+}
+
+/// Change the priority of a job that no robot has yet.
+#[utoipa::path(patch, path = "/v1/jobs/{id}", tag = "jobs", request_body = JobChange,
+    params(("id" = String, Path, example = "j17")), responses(
+    (status = 200, description = "The job as it is now", body = JobDto),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 409, description = "A robot works on it already, or it is over", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn prioritise(
+    State(api): State<Api>,
+    Segment(id): Segment,
+    Body(change): Body<JobChange>,
+) -> Result<Json<JobDto>, Problem> {
+    let id = parse_id(&id)?;
+    match api.ask(What::Prioritise(id, change.priority)).await? {
+        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
+        _ => Ok(Json(dto(&api, &read(&api, id).await?))),
+    }
 }
 
 /// Cancel a job. A robot that carries its rack puts it back first.

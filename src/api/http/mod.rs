@@ -6,6 +6,7 @@
 mod assignments;
 mod closures;
 mod encounters;
+mod halt;
 mod health;
 mod jobs;
 mod lists;
@@ -13,6 +14,8 @@ mod map;
 mod page;
 mod positions;
 mod reports;
+mod timelines;
+mod why;
 mod workers;
 
 use super::error::Problem;
@@ -52,8 +55,16 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(lists::racks))
         .routes(routes!(lists::stations))
         .routes(routes!(lists::robots))
+        .routes(routes!(why::robot))
+        .routes(routes!(why::job))
+        .routes(routes!(timelines::timelines))
         .routes(routes!(jobs::list, jobs::submit))
-        .routes(routes!(jobs::get, jobs::cancel))
+        .routes(routes!(jobs::get, jobs::prioritise, jobs::cancel))
+        .routes(routes!(halt::fleet))
+        .routes(routes!(halt::stop))
+        .routes(routes!(halt::resume))
+        .routes(routes!(halt::pause))
+        .routes(routes!(halt::go_on))
         .routes(routes!(workers::list, workers::hire))
         .routes(routes!(workers::get))
         .routes(routes!(workers::clear))
@@ -121,6 +132,7 @@ fn method_word(method: &Method) -> &'static str {
         Method::HEAD => "HEAD",
         Method::POST => "POST",
         Method::DELETE => "DELETE",
+        Method::PATCH => "PATCH",
         _ => "other",
     }
 }

@@ -1,10 +1,44 @@
-//! Whoever asks why a job does not go on gets the reason.
+//! Whoever asks why a job or a robot does not go on gets the reason, to its root.
 
 use super::*;
+use crate::geometry::Point;
+use crate::time::Window;
+use crate::timeline::Holder;
 
 impl Floor {
     fn why(&self, job: JobId) -> Option<JobWhy> {
         self.fleet.view(self.now).why_job(job, &self.fleet.ledger().jobs[&job])
+    }
+
+    /// The chain of some robot whose root is so, once there is one.
+    fn chain_to(&mut self, seconds: i64, so: impl Fn(&[Waiting]) -> bool) -> Vec<Waiting> {
+        let end = self.now + Span::from_secs(seconds);
+        while self.now < end {
+            self.step(vec![]);
+            let robots = self.fleet.ledger().robots.ids().collect::<Vec<_>>();
+            let chain = robots.into_iter().map(|r| self.fleet.waits(r, self.now)).find(|c| so(c));
+            if let Some(chain) = chain {
+                return chain;
+            }
+        }
+        let robots = self.fleet.ledger().robots.ids();
+        let all: Vec<_> = robots.map(|r| self.fleet.waits(r, self.now)).collect();
+        panic!("no robot waits so within {seconds} s, but {all:#?}");
+    }
+
+    /// A closure of one node.
+    fn around(&self, node: NodeId, window: Window) -> Closure {
+        let at = self.fleet.warehouse().nodes[node].at;
+        let corners = [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)];
+        let outline = corners.map(|(x, y)| Point::new(at.x + x, at.y + y).into()).to_vec();
+        Closure { outline, nodes: vec![node], window, reason: "repair".into() }
+    }
+
+    /// Racks for one station, each of which takes long there.
+    fn submit_long(&mut self, racks: std::ops::Range<u32>) -> Vec<JobId> {
+        let pick = Some(Span::from_secs(300));
+        let long = |rack| request(JobKind::Deliver { rack: RackId(rack), station: StationId(0), pick });
+        racks.map(|rack| self.submit(long(rack))).collect()
     }
 }
 
@@ -32,12 +66,124 @@ fn a_waiting_job_says_what_it_waits_for() {
 #[test]
 fn a_job_at_work_gives_the_reason_of_its_robot() {
     let mut floor = Floor::lab(4);
-    let pick = Some(Span::from_secs(300));
-    let long = |rack| request(JobKind::Deliver { rack: RackId(rack), station: StationId(0), pick });
-    let jobs: Vec<JobId> = (2..6).map(|rack| floor.submit(long(rack))).collect();
+    let jobs = floor.submit_long(2..6);
     let full = |f: &Floor, job: &JobId| {
         let robot = f.state(*job).and_then(|s| s.robot());
         robot.is_some_and(|r| f.why(*job) == Some(JobWhy::Robot(r, Why::QueueFull(StationId(0)))))
     };
     floor.until(300, "a rack waits for the queue", |f| jobs.iter().any(|j| full(f, j)));
+}
+
+#[test]
+fn a_robot_in_a_queue_waits_for_one_that_finishes_its_stop_at_a_known_time() {
+    let mut floor = Floor::lab(4);
+    let jobs = floor.submit_long(2..6);
+    let picked = |c: &[Waiting]| {
+        let waits = |w: &Waiting| matches!(w.because, Because::Robot(Why::WaitsFor(..)));
+        c.len() == 2 && waits(&c[0]) && matches!(c[1].because, Because::AtStop(Act::Pick(_)))
+    };
+    let chain = floor.chain_to(300, picked);
+    let robot = |w: &Waiting| match w.who {
+        Who::Robot(r) => r,
+        Who::Job(_) => panic!("a job in the chain of a robot: {chain:?}"),
+    };
+    for (link, behind) in chain.iter().zip(&chain[1..]) {
+        let Because::Robot(Why::WaitsFor(_, holder)) = link.because else { continue };
+        assert_eq!(holder, Holder::Robot(robot(behind)), "each link names the next one");
+        assert!(link.ahead >= 1 && link.until.is_none_or(|t| t >= floor.now), "{link:?}");
+    }
+    let root = chain[1];
+    let here = floor.fleet.ledger().chain(robot(&root)).first();
+    let depart = floor.fleet.ledger().chain(robot(&root)).get(here).map(|v| v.depart);
+    assert!(!root.because.is_waiting());
+    assert_eq!(root.until, depart, "it goes on when its stop is done");
+    let last = jobs.into_iter().find(|j| floor.state(*j).and_then(|s| s.robot()) == Some(robot(&chain[0])));
+    let of_job = floor.fleet.job_waits(last.expect("it works on one"), floor.now);
+    assert_eq!(of_job, chain, "its job waits for the same");
+}
+
+#[test]
+fn the_root_of_waiting_is_the_closed_place() {
+    let mut floor = Floor::lab(3);
+    floor.submit_long(2..4);
+    let node = floor.fleet.warehouse().stations[StationId(0)].node;
+    let window = Window::new(floor.now, Time::MAX);
+    let area = floor.around(node, window);
+    let both = |f: &Floor| f.fleet.ledger().jobs.values().all(|j| j.state.word() == "carrying");
+    floor.until(300, "racks are carried", both);
+    floor.step(vec![Input::Close { token: 5, area }]);
+    let closed = |c: &[Waiting]| matches!(c.last().map(|w| w.because), Some(Because::Robot(Why::Closed(_))));
+    let chain = floor.chain_to(120, closed);
+    assert_eq!(chain.last().and_then(|w| w.until), None, "nobody said until when");
+}
+
+#[test]
+fn the_root_of_waiting_is_the_person_in_the_way() {
+    let mut floor = Floor::lab(3);
+    floor.submit_long(2..4);
+    let node = floor.fleet.warehouse().stations[StationId(0)].node;
+    let at: Point = floor.fleet.warehouse().nodes[node].at;
+    let mut ana = floor.hire(at);
+    ana.own = true;
+    for _ in 0..3000 {
+        floor.walk(&mut ana);
+        let robots = floor.fleet.ledger().robots.ids().collect::<Vec<_>>();
+        let mut chains = robots.into_iter().map(|r| floor.fleet.waits(r, floor.now));
+        let root = |c: &Vec<Waiting>| c.last().map(|w| w.because);
+        if chains.any(|c| root(&c) == Some(Because::Robot(Why::GivesWay(ana.worker)))) {
+            return;
+        }
+    }
+    panic!("nobody gives way to who stands at the station");
+}
+
+#[test]
+fn jobs_wait_for_jobs_and_these_for_robots() {
+    let mut floor = Floor::lab(1);
+    let first = floor.submit(request(deliver(3)));
+    floor.until(60, "a robot has it", |f| f.is(first, "assigned"));
+    let second = floor.submit(request(deliver(3)));
+    let third = floor.submit(JobRequest { after: vec![second], ..request(deliver(8)) });
+    let chain = floor.fleet.job_waits(third, floor.now);
+    let who: Vec<Who> = chain.iter().map(|w| w.who).collect();
+    assert_eq!(who, [Who::Job(third), Who::Job(second), Who::Robot(RobotId(0))], "{chain:?}");
+    assert!(!chain[2].because.is_waiting(), "it drives: {chain:?}");
+    assert_eq!(floor.fleet.job_waits(JobId(99), floor.now), []);
+}
+
+#[test]
+fn strips_say_who_holds_the_nodes_of_an_area_and_what_is_closed_there() {
+    let mut floor = Floor::lab(2);
+    let robot = RobotId(0);
+    let node = floor.fleet.ledger().node_of(robot);
+    let window = Window::new(floor.now + Span::from_secs(30), floor.now + Span::from_secs(60));
+    let area = floor.around(node, window);
+    floor.step(vec![Input::Close { token: 5, area }]);
+    floor.step(vec![]);
+    let at = floor.fleet.warehouse().nodes[node].at;
+    let d = nalgebra::Vector2::new(0.1, 0.1);
+    let strips =
+        |f: &Floor, ahead| f.fleet.strips(Area { low: at - d, high: at + d }, Span::from_secs(ahead), f.now);
+    let found = strips(&floor, 60).unwrap();
+    assert_eq!((found.len(), found[0].node), (1, node));
+    let hold = found[0].holds.iter().find(|h| h.holder == Holder::Robot(robot)).expect("it stands there");
+    assert!(hold.granted && hold.window.contains(floor.now), "{hold:?}");
+    assert_eq!(found[0].conditions.len(), 1, "{:?}", found[0].conditions);
+    assert!(strips(&floor, 20).unwrap()[0].conditions.is_empty(), "it begins later than that");
+    let all = Area { low: Point::new(-1e3, -1e3), high: Point::new(1e3, 1e3) };
+    let count = floor.fleet.warehouse().nodes.len();
+    let of_all = floor.fleet.strips(all, Span::from_secs(60), floor.now);
+    assert_eq!(of_all.map(|s| s.len()), if count > MOST_STRIPS { Err(count) } else { Ok(count) });
+}
+
+#[test]
+fn the_root_of_waiting_is_the_robot_that_somebody_paused() {
+    let mut floor = Floor::lab(4);
+    floor.submit_long(2..6);
+    let picked = |c: &[Waiting]| c.len() == 2 && matches!(c[1].because, Because::AtStop(Act::Pick(_)));
+    let chain = floor.chain_to(300, picked);
+    let (Who::Robot(last), Who::Robot(first)) = (chain[0].who, chain[1].who) else { panic!("{chain:?}") };
+    floor.step(vec![Input::Halt { token: 4, robot: Some(first) }]);
+    let root = floor.fleet.waits(last, floor.now).last().map(|w| (w.who, w.because));
+    assert_eq!(root, Some((Who::Robot(first), Because::Robot(Why::Paused))));
 }

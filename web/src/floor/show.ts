@@ -19,6 +19,8 @@ export interface ShowOptions {
   painter(palette: Palette): Promise<Painter>;
   onHover(picked: Picked | null): void;
   onChoose(picked: Picked | null): void;
+  /** The camera moved. */
+  onView?(view: View): void;
 }
 
 /** The kept picture reaches this far beyond the window, as a share of it, on every side. */
@@ -173,6 +175,7 @@ export class Show {
 
   #move(view: View): void {
     this.view = view;
+    this.#options.onView?.(view);
     this.#movedAt = performance.now();
     this.#dirty = true;
   }

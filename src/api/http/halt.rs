@@ -1,0 +1,86 @@
+//! `/v1/fleet` and pausing: the whole fleet, or one robot, stands by hand until somebody lets it go on.
+//!
+//! Main type: [`FleetDto`]. Refuses: to be an emergency stop, which is the robots' own.
+
+use super::why::parse_robot;
+use crate::api::Api;
+use crate::api::dto::{Names, time_text};
+use crate::api::error::Problem;
+use crate::api::extract::Segment;
+use crate::api::port::What;
+use crate::api::refusal::refused;
+use crate::fleet::{Reply, Why};
+use crate::id::{Dense, RobotId};
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// What stands by hand.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct FleetDto {
+    /// Since when the whole fleet stands, RFC 3339; null where it goes on.
+    pub stopped: Option<String>,
+    /// Robots that are paused by themselves.
+    pub paused: Vec<String>,
+    /// How many robots could take a job now.
+    pub free: usize,
+}
+
+/// What stands by hand.
+#[utoipa::path(get, path = "/v1/fleet", tag = "floor", responses((status = 200, body = FleetDto)))]
+pub async fn fleet(State(api): State<Api>) -> Json<FleetDto> {
+    let moment = api.moment();
+    let names = Names { map: &api.map, view: &moment.view };
+    let robots = moment.view.robots.iter().enumerate().filter(|(_, r)| r.why == Some(Why::Paused));
+    let paused = robots.map(|(i, _)| names.robot(RobotId::at(i))).collect();
+    Json(FleetDto { stopped: moment.view.stopped.map(time_text), paused, free: moment.view.free })
+}
+
+/// Stop all robots. They are told at once and stand until the fleet is resumed, over a restart, too. No emergency
+/// stop: robots that cannot be reached drive on to the end of what they were granted.
+#[utoipa::path(post, path = "/v1/fleet/stop", tag = "floor", responses(
+    (status = 204, description = "All robots were told to stand, and it is durable"),
+    (status = 503, description = "They were told, but it is not durable yet", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn stop(State(api): State<Api>) -> Result<StatusCode, Problem> {
+    done(&api, What::Halt(None)).await
+}
+
+/// Let the fleet go on. Robots that are paused by themselves stay so.
+#[utoipa::path(post, path = "/v1/fleet/resume", tag = "floor", responses(
+    (status = 204, description = "Robots go on"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn resume(State(api): State<Api>) -> Result<StatusCode, Problem> {
+    done(&api, What::Release(None)).await
+}
+
+/// Pause one robot. It stands where it is, keeps what it holds, and gets no job; those behind it wait.
+#[utoipa::path(post, path = "/v1/robots/{id}/pause", tag = "floor",
+    params(("id" = String, Path, example = "robot-1")), responses(
+    (status = 204, description = "It was told to stand, and it is durable"),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn pause(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+    let robot = parse_robot(&api, &id)?;
+    done(&api, What::Halt(Some(robot))).await
+}
+
+/// Let a paused robot go on.
+#[utoipa::path(post, path = "/v1/robots/{id}/resume", tag = "floor",
+    params(("id" = String, Path, example = "robot-1")), responses(
+    (status = 204, description = "It goes on, unless the whole fleet stands"),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn go_on(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+    let robot = parse_robot(&api, &id)?;
+    done(&api, What::Release(Some(robot))).await
+}
+
+async fn done(api: &Api, what: What) -> Result<StatusCode, Problem> {
+    match api.ask(what).await? {
+        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
+        _ => Ok(StatusCode::NO_CONTENT),
+    }
+}

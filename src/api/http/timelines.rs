@@ -1,0 +1,195 @@
+//! `/v1/timelines`: what the planner sees of a part of the floor, node by node.
+//!
+//! Main types: [`TimelinesDto`], [`AreaParams`]. Refuses: areas of too many nodes, and looking far ahead, where
+//! everything is replanned before it comes.
+
+use crate::api::Api;
+use crate::api::dto::{Names, round3, time_text};
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::Params;
+use crate::api::feed::FAR_M;
+use crate::api::people::{closure_name, worker_name};
+use crate::api::port::Question;
+use crate::fleet::{Area, MOST_STRIPS, Strip};
+use crate::geometry::Point;
+use crate::route::{Cause, Condition, Effect};
+use crate::time::{Span, Time, Window};
+use crate::timeline::{Held, Holder, Layer};
+use axum::Json;
+use axum::extract::State;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+/// How far ahead one may look, seconds.
+const FARTHEST_S: f64 = 120.0;
+
+/// How far ahead one looks who does not say, seconds.
+const USUAL_S: f64 = 60.0;
+
+/// Which part of the floor.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct AreaParams {
+    /// One corner, metres.
+    x0: f64,
+    /// One corner, metres.
+    y0: f64,
+    /// The corner opposite, metres.
+    x1: f64,
+    /// The corner opposite, metres.
+    y1: f64,
+    /// How far ahead, seconds, 1 to 120; 60 where absent.
+    ahead_s: Option<f64>,
+}
+
+/// What the planner sees of a part of the floor.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct TimelinesDto {
+    /// When this was so, RFC 3339. All other times are seconds from here.
+    pub at: String,
+    /// How far ahead it reaches.
+    pub ahead_s: f64,
+    /// The nodes, from the top left on.
+    pub nodes: Vec<StripDto>,
+}
+
+/// One node.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct StripDto {
+    /// Its name.
+    #[schema(example = "R33")]
+    pub id: String,
+    /// Metres.
+    pub x: f64,
+    /// Metres.
+    pub y: f64,
+    /// Who holds it when, in order.
+    pub holds: Vec<HoldDto>,
+    /// What people and closures mean there.
+    pub conditions: Vec<ConditionDto>,
+}
+
+/// One hold.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct HoldDto {
+    /// The robot, or the worker.
+    #[schema(example = "robot-2")]
+    pub by: String,
+    /// robot or worker.
+    pub kind: &'static str,
+    /// Seconds from `at`; below 0 where it has begun.
+    pub from_s: f64,
+    /// Seconds from `at`; null for ever.
+    pub to_s: Option<f64>,
+    /// Whether the holder may be there already, rather than only being promised it.
+    pub granted: bool,
+    /// Whether only something in conflict with the node is held.
+    pub conflict: bool,
+}
+
+/// One condition.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ConditionDto {
+    /// The worker, or the closure.
+    #[schema(example = "w1")]
+    pub by: String,
+    /// worker or closure.
+    pub kind: &'static str,
+    /// Seconds from `at`; below 0 where it has begun.
+    pub from_s: f64,
+    /// Seconds from `at`; null for ever.
+    pub to_s: Option<f64>,
+    /// closed: no robot may be there. still: none may come or go. slow: only at `limit_mps`. price: the search takes
+    /// being there for as bad as being `price_s` later, which grows with the probability that somebody is there.
+    pub effect: &'static str,
+    /// Metres per second, without and with a rack.
+    pub limit_mps: Option<[f64; 2]>,
+    /// Seconds.
+    pub price_s: Option<f64>,
+}
+
+/// Who holds the nodes of an area when, and what people and closed areas mean there, for up to two minutes ahead.
+#[utoipa::path(get, path = "/v1/timelines", tag = "floor", params(AreaParams), responses(
+    (status = 200, description = "Up to 200 nodes, from the top left on", body = TimelinesDto),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "Too many questions; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn timelines(
+    State(api): State<Api>,
+    Params(p): Params<AreaParams>,
+) -> Result<Json<TimelinesDto>, Problem> {
+    let (area, ahead) = p.read()?;
+    let seen = api.wonder(|reply| Question::Strips(area, ahead, reply)).await?;
+    let strips = seen.what.map_err(|count| {
+        let detail = format!("{count} nodes lie there; at most {MOST_STRIPS} at once: choose a smaller area");
+        Problem::invalid(vec![FieldError::new("area", detail)])
+    })?;
+    let moment = api.moment();
+    let names = Names { map: &api.map, view: &moment.view };
+    let nodes = strips.iter().map(|s| strip(names, s, seen.at)).collect();
+    Ok(Json(TimelinesDto { at: time_text(seen.at), ahead_s: ahead.as_secs_f64(), nodes }))
+}
+
+impl AreaParams {
+    fn read(&self) -> Result<(Area, Span), Problem> {
+        let mut errors = Vec::new();
+        for (field, value) in [("x0", self.x0), ("y0", self.y0), ("x1", self.x1), ("y1", self.y1)] {
+            if value.is_nan() || value.abs() > FAR_M {
+                errors.push(FieldError::new(field, format!("metres on the map, up to {FAR_M}")));
+            }
+        }
+        let ahead_s = self.ahead_s.unwrap_or(USUAL_S);
+        if !(1.0..=FARTHEST_S).contains(&ahead_s) {
+            errors.push(FieldError::new("ahead_s", format!("{ahead_s} is not between 1 and {FARTHEST_S}")));
+        }
+        if !errors.is_empty() {
+            return Err(Problem::invalid(errors));
+        }
+        let low = Point::new(self.x0.min(self.x1), self.y0.min(self.y1));
+        let high = Point::new(self.x0.max(self.x1), self.y0.max(self.y1));
+        Ok((Area { low, high }, Span::from_secs_f64(ahead_s)))
+    }
+}
+
+fn strip(names: Names, strip: &Strip, at: Time) -> StripDto {
+    let place = names.map.nodes[strip.node].at;
+    StripDto {
+        id: names.node(strip.node),
+        x: round3(place.x),
+        y: round3(place.y),
+        holds: strip.holds.iter().map(|h| hold(names, h, at)).collect(),
+        conditions: strip.conditions.iter().map(|c| condition(c, at)).collect(),
+    }
+}
+
+fn hold(names: Names, held: &Held, at: Time) -> HoldDto {
+    let (by, kind) = match held.holder {
+        Holder::Robot(r) => (names.robot(r), "robot"),
+        Holder::Worker(w) => (worker_name(w), "worker"),
+    };
+    let (from_s, to_s) = seconds(held.window, at);
+    HoldDto { by, kind, from_s, to_s, granted: held.granted, conflict: held.layer == Layer::Conflict }
+}
+
+fn condition(c: &Condition, at: Time) -> ConditionDto {
+    let (by, kind) = match c.cause {
+        Cause::Worker(w) => (worker_name(w), "worker"),
+        Cause::Closure(c) => (closure_name(c), "closure"),
+    };
+    let (effect, limit_mps, price_s) = match c.effect {
+        Effect::Closed => ("closed", None, None),
+        Effect::Still => ("still", None, None),
+        // A limit that is none has no number in JSON.
+        Effect::Slow(l) => ("slow", Some(l.map(round3)), None),
+        Effect::Price(p) => ("price", None, Some(round3(p.as_secs_f64()))),
+    };
+    let (from_s, to_s) = seconds(c.window, at);
+    ConditionDto { by, kind, from_s, to_s, effect, limit_mps, price_s }
+}
+
+/// Both ends, seconds from `at`.
+fn seconds(w: Window, at: Time) -> (f64, Option<f64>) {
+    let s = |t: Time| round3((t - at).as_secs_f64());
+    (s(w.start()), (!w.end().is_forever()).then(|| s(w.end())))
+}

@@ -1,0 +1,50 @@
+//! `/v1/robots/{id}/why` and `/v1/jobs/{id}/why`: why somebody does not go on, to the root.
+//!
+//! Main functions: [`robot`], [`job`]. Refuses: names that are none.
+
+use crate::api::Api;
+use crate::api::dto::{Names, job_name, parse_job_name};
+use crate::api::error::Problem;
+use crate::api::extract::Segment;
+use crate::api::port::Question;
+use crate::api::waits::WhyDto;
+use crate::id::{Dense, RobotId};
+use axum::Json;
+use axum::extract::State;
+
+/// Why a robot waits: the resource, who holds it, until when, and what that one waits for, down to the root.
+#[utoipa::path(get, path = "/v1/robots/{id}/why", tag = "floor",
+    params(("id" = String, Path, example = "robot-1")), responses(
+    (status = 200, description = "The chain; a robot that does not wait says what it does", body = WhyDto),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "Too many questions; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn robot(State(api): State<Api>, Segment(id): Segment) -> Result<Json<WhyDto>, Problem> {
+    let robot = parse_robot(&api, &id)?;
+    let waits = api.wonder(|reply| Question::Robot(robot, reply)).await?;
+    Ok(Json(Names { map: &api.map, view: &api.moment().view }.chain(id, &waits)))
+}
+
+/// Why a job waits: for another job, for its rack, for a robot, or for what its robot waits for, down to the root.
+#[utoipa::path(get, path = "/v1/jobs/{id}/why", tag = "jobs", params(("id" = String, Path, example = "j17")),
+    responses(
+    (status = 200, description = "The chain; empty for a job that is over, or that a robot is about to take",
+     body = WhyDto),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "Too many questions; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn job(State(api): State<Api>, Segment(id): Segment) -> Result<Json<WhyDto>, Problem> {
+    let job = parse_job_name(&id)
+        .ok_or_else(|| Problem::unknown("job", format!("\"{id}\" is no job; jobs are like j17")))?;
+    let known = api.records.job(job).await.map_err(|why| Problem::unavailable(why, 2))?;
+    known.ok_or_else(|| Problem::unknown("job", format!("{} does not exist", job_name(job))))?;
+    let waits = api.wonder(|reply| Question::Job(job, reply)).await?;
+    Ok(Json(Names { map: &api.map, view: &api.moment().view }.chain(id, &waits)))
+}
+
+/// A robot that is known.
+pub fn parse_robot(api: &Api, name: &str) -> Result<RobotId, Problem> {
+    let found = api.moment().view.robots.iter().position(|r| r.name == name);
+    let unknown = || Problem::unknown("robot", format!("\"{name}\" is no robot; GET /v1/robots lists all"));
+    found.map(RobotId::at).ok_or_else(unknown)
+}

@@ -1,0 +1,75 @@
+//! The fleet and single robots stand by hand, and go on; jobs change their order.
+
+use super::*;
+
+impl Floor {
+    fn hand(&mut self, input: Input) -> Reply {
+        self.step(vec![input]).replies.remove(0)
+    }
+
+    fn moves(&self, robot: RobotId) -> bool {
+        self.world.truth().any(|(r, t)| r == robot && t.speed_mps > 0.01)
+    }
+}
+
+const ALL: Option<RobotId> = None;
+const R0: RobotId = RobotId(0);
+
+#[test]
+fn a_stopped_fleet_stands_over_a_restart_until_somebody_lets_it_go_on() {
+    let mut floor = Floor::lab(2);
+    let jobs = floor.submit_batch(2);
+    floor.until(60, "a robot drives", |f| f.moves(R0));
+    let step = floor.step(vec![Input::Halt { token: 4, robot: ALL }]);
+    assert_eq!(step.replies, [Reply::Done { token: 4 }]);
+    let told = |r: u32| step.urgent.contains(&(RobotId(r), Command::Limit(Some(0.0))));
+    assert!(told(0) && told(1), "stops leave at once: {:?}", step.urgent);
+    assert_eq!(floor.hand(Input::Halt { token: 5, robot: ALL }), Reply::Done { token: 5 });
+    floor.run(5);
+    assert!(floor.world.truth().all(|(_, t)| t.speed_mps == 0.0));
+    assert_eq!(floor.fleet.why(R0, floor.now), Some(Why::Stopped));
+    let stopped = floor.fleet.view(floor.now).stopped;
+    assert!(stopped.is_some_and(|t| t < floor.now - Span::from_secs(4)), "{stopped:?}");
+    let halted = |f: &&Fact| matches!(f, Fact::Halted { .. });
+    assert_eq!(floor.facts.iter().filter(halted).count(), 1, "what is so already is no second fact");
+    let (map, settings) = (floor.fleet.warehouse().clone(), floor.fleet.settings().clone());
+    floor.fleet = Fleet::restore(map, settings, floor.facts.iter().cloned());
+    assert_eq!(floor.fleet.view(floor.now).stopped, stopped);
+    floor.run(10);
+    assert!(floor.world.truth().all(|(_, t)| t.speed_mps == 0.0), "they stand after a restart, too");
+    assert_eq!(floor.hand(Input::Release { token: 6, robot: ALL }), Reply::Done { token: 6 });
+    floor.until_over(600);
+    floor.assert_done_once(&jobs);
+}
+
+#[test]
+fn a_paused_robot_stands_alone_and_gets_no_job() {
+    let mut floor = Floor::lab(2);
+    floor.hand(Input::Halt { token: 4, robot: Some(R0) });
+    let jobs = floor.submit_batch(3);
+    floor.until_over(900);
+    floor.assert_done_once(&jobs);
+    assert!(floor.is_idle(R0), "the other one did all of them");
+    assert_eq!(floor.fleet.why(R0, floor.now), Some(Why::Paused));
+    floor.hand(Input::Release { token: 5, robot: Some(R0) });
+    assert_eq!(floor.fleet.why(R0, floor.now), None);
+    let unknown = floor.hand(Input::Halt { token: 6, robot: Some(RobotId(9)) });
+    assert_eq!(unknown, Reply::Refused { token: 6, why: Refusal::UnknownPlace });
+}
+
+#[test]
+fn a_waiting_job_changes_its_priority_and_one_at_work_does_not() {
+    let mut floor = Floor::lab(1);
+    let first = floor.submit(request(deliver(3)));
+    floor.until(60, "a robot has it", |f| f.is(first, "assigned"));
+    let (second, third) = (floor.submit(request(deliver(8))), floor.submit(request(deliver(5))));
+    let set = |job, priority| Input::Prioritise { token: 3, job, priority };
+    assert_eq!(floor.hand(set(third, 9)), Reply::Done { token: 3 });
+    let refused = |why| Reply::Refused { token: 3, why };
+    assert_eq!(floor.hand(set(first, 9)), refused(Refusal::JobHasBegun(first)));
+    assert_eq!(floor.hand(set(third, 10)), refused(Refusal::Priority(10)));
+    assert_eq!(floor.hand(set(JobId(77), 1)), refused(Refusal::UnknownJob(JobId(77))));
+    floor.until_over(900);
+    assert!(floor.when(third, "assigned") < floor.when(second, "assigned"), "it overtook");
+    assert_eq!(floor.hand(set(second, 1)), refused(Refusal::JobIsOver(second)));
+}

@@ -1,0 +1,232 @@
+// What a person does on the page, in a real browser against a real, running server: node tests/acts.mjs URL
+// Asks why, looks at timelines, closes an area, hands in a table of jobs. Run it with a scenario that has jobs.
+import { readFileSync } from 'node:fs';
+import { mkdir } from 'node:fs/promises';
+import { createRequire } from 'node:module';
+import { fileURLToPath } from 'node:url';
+import { assert, check, finish, openBrowser } from './chromium.mjs';
+
+const url = process.argv[2];
+if (!url) {
+  console.error('Say where the server is: node tests/acts.mjs http://127.0.0.1:8080');
+  process.exit(2);
+}
+const SHOTS = fileURLToPath(new URL('./shots/', import.meta.url));
+const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+await mkdir(SHOTS, { recursive: true });
+const browser = await openBrowser();
+const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
+const page = await context.newPage();
+const complaints = [];
+page.on('console', (message) => {
+  if (message.type() === 'error' && !/status of 4(04|09|22)\b/.test(message.text())) complaints.push(message.text());
+});
+page.on('pageerror', (error) => complaints.push(error.message));
+
+const ask = async (path) => (await context.request.get(new URL(path, url).href)).json();
+const button = (name) => page.getByRole('button', { name, exact: true });
+const host = () => page.getByRole('application', { name: 'Map of the floor' }).boundingBox();
+const closures = page.getByRole('region', { name: 'Closed areas' });
+const timelines = page.getByRole('region', { name: 'Timelines', exact: true });
+
+await page.goto(url);
+await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: 30_000 });
+const map = await ask('/v1/map');
+
+await check('A job that comes after another says so, to the root', async () => {
+  const post = async (job) => (await context.request.post(new URL('/v1/jobs', url).href, { data: job })).json();
+  const [rack, other] = map.racks;
+  const first = await post({ kind: 'deliver', rack: rack.id, station: map.stations[0].id, pick_s: 60 });
+  const second = await post({ kind: 'deliver', rack: other.id, station: map.stations[0].id, after: [first.id] });
+  const table = page.getByRole('region', { name: 'Table of jobs' });
+  await table.getByRole('button', { name: second.id, exact: true }).click({ timeout: 15_000 });
+  const card = page.getByRole('region', { name: 'Job', exact: true });
+  const chain = card.getByRole('region', { name: 'Why it waits' });
+  await chain.getByText(`waits for ${first.id} to be over`).waitFor({ timeout: 10_000 });
+  await page.waitForTimeout(1_500);
+  await page.screenshot({ path: `${SHOTS}why-job.png` });
+  const words = (await chain.innerText()).replaceAll(/\s+/g, ' ');
+  await card.getByRole('button', { name: 'Close' }).click();
+  for (const job of [second, first]) await context.request.delete(new URL(`/v1/jobs/${job.id}`, url).href);
+  return words;
+});
+await check('A robot that waits says for what, in its card', async () => {
+  // Somebody waits sooner or later on a busy floor.
+  let id = null;
+  for (let i = 0; i < 120 && id === null; i++) {
+    id = (await ask('/v1/robots')).items.find((r) => /waiting|queue|giving/.test(r.why ?? ''))?.id ?? null;
+    if (id === null) await page.waitForTimeout(500);
+  }
+  if (id === null) return 'nobody waited for a minute; not looked at';
+  await page.getByLabel('Find on the floor').fill(id);
+  await page.keyboard.press('Enter');
+  const card = page.getByRole('region', { name: 'Robot', exact: true });
+  await card.getByRole('heading', { name: id, exact: true }).waitFor({ timeout: 5_000 });
+  await page.waitForTimeout(800);
+  await page.screenshot({ path: `${SHOTS}why-robot.png` });
+  const words = (await card.innerText()).replaceAll(/\s+/g, ' ');
+  await card.getByRole('button', { name: 'Close' }).click();
+  return words;
+});
+await check('Timelines show who holds the places of what is drawn, and a click chooses the robot', async () => {
+  await button('Timelines').click();
+  await timelines.getByRole('button', { name: 'Draw an area' }).click();
+  const box = await host();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x - 160, y - 70);
+  await page.mouse.down();
+  await page.mouse.move(x, y, { steps: 4 });
+  await page.mouse.move(x + 160, y + 70, { steps: 4 });
+  await page.mouse.up();
+  const bars = timelines.locator('.bar[data-kind="robot"]');
+  await bars.first().waitFor({ timeout: 30_000 });
+  await bars.first().hover({ force: true });
+  const words = await timelines.getByRole('status').textContent();
+  await page.waitForTimeout(1_200);
+  await page.screenshot({ path: `${SHOTS}timelines.png` });
+  const by = await bars.first().getAttribute('data-by');
+  await bars.first().click({ force: true });
+  await page.locator('.card').getByRole('heading', { name: by, exact: true }).waitFor({ timeout: 5_000 });
+  return words;
+});
+await check('Timelines are reached by keys, and there is a table of them', async () => {
+  await page.getByRole('application', { name: 'Timelines of the area' }).focus();
+  for (const key of ['ArrowDown', 'ArrowRight', 'ArrowDown', '+']) await page.keyboard.press(key);
+  await timelines.getByRole('status').filter({ hasText: /:/ }).waitFor({ timeout: 5_000 });
+  await axe('timelines');
+  await timelines.getByLabel('As a table').check();
+  const rows = await timelines.getByRole('region', { name: 'Table of timelines' }).getByRole('row').count();
+  assert(rows > 1, 'the table is empty');
+  await timelines.getByLabel('As a table').uncheck();
+  await button('Jobs').click();
+  return `${rows - 1} holds`;
+});
+await check('An area drawn by pointer is closed with a reason, and opened again by undo', async () => {
+  await button('Show the whole floor').click();
+  await closures.getByRole('button', { name: 'Close a rectangle' }).click();
+  const box = await host();
+  await page.mouse.move(box.x + box.width / 2 - 30, box.y + box.height / 2 - 25);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2 + 30, box.y + box.height / 2 + 25, { steps: 5 });
+  await page.mouse.up();
+  await closures.getByRole('button', { name: 'Close the area' }).click();
+  await closures.getByText('Say why').waitFor({ timeout: 5_000 });
+  await closures.getByLabel('Why').fill('oil on the floor');
+  await closures.getByLabel('Lasts, minutes').fill('10');
+  await page.screenshot({ path: `${SHOTS}closing.png` });
+  await closures.getByRole('button', { name: 'Close the area' }).click();
+  await closures.getByText(/c\d+ is closed/).waitFor({ timeout: 15_000 });
+  await closures.getByText('oil on the floor').waitFor({ timeout: 5_000 });
+  await page.waitForTimeout(600);
+  await page.screenshot({ path: `${SHOTS}closed.png` });
+  await closures.getByRole('button', { name: 'Undo' }).click();
+  await closures.getByText(/is open again/).waitFor({ timeout: 15_000 });
+  await closures.getByText('oil on the floor').waitFor({ state: 'detached', timeout: 5_000 });
+});
+await check('An area is drawn by keys alone, announced, and opened from the list', async () => {
+  await closures.getByRole('button', { name: 'Close a polygon' }).focus();
+  await page.keyboard.press('Enter');
+  await page.getByRole('application', { name: 'Drawing on the floor' }).waitFor({ timeout: 5_000 });
+  for (const key of ['Enter', 'ArrowRight', 'ArrowRight', 'Enter', 'ArrowUp', 'ArrowUp', 'Enter', 'Enter']) await page.keyboard.press(key);
+  await closures.getByLabel('Why').fill('cleaning');
+  await closures.getByLabel('Begins in, minutes').fill('30');
+  await closures.getByLabel('Lasts, minutes').fill('5');
+  await page.keyboard.press('Enter');
+  await closures.getByText(/c\d+ is announced/).waitFor({ timeout: 15_000 });
+  await closures.getByRole('button', { name: /^Open c\d+ again$/ }).first().click();
+  await closures.getByText(/is open again/).waitFor({ timeout: 15_000 });
+});
+await check('A table of jobs is read line by line, and only what is right is sent', async () => {
+  await button('Many jobs from a table').click();
+  const dialog = page.getByRole('dialog');
+  const [rack, station] = [map.racks.at(-1).id, map.stations[0].id];
+  await dialog.getByLabel('Or paste it here').fill(`kind,rack,station\ndeliver,${rack},${station}\ndeliver,no-such-rack,${station}\nreturn,${rack},\n`);
+  await dialog.getByText('There is no rack “no-such-rack”.').waitFor({ timeout: 5_000 });
+  await page.screenshot({ path: `${SHOTS}csv.png` });
+  await dialog.getByRole('button', { name: 'Submit 2 jobs' }).click();
+  await dialog.getByText('2 accepted').waitFor({ timeout: 20_000 });
+  await axe('table of jobs');
+  const ids = (await dialog.getByText(/^accepted as j\d+$/).allTextContents()).map((t) => t.split(' ').at(-1));
+  for (const id of ids) await context.request.delete(new URL(`/v1/jobs/${id}`, url).href);
+  await dialog.getByRole('button', { name: 'Done' }).click();
+  return ids.join(', ');
+});
+await check('One click stops all robots, everybody sees it, and they go on only after it was asked about', async () => {
+  await button('Stop all robots').click();
+  const banner = page.getByText('All robots are stopped by hand', { exact: true });
+  await banner.waitFor({ timeout: 15_000 });
+  await page.getByRole('region', { name: 'Alarms' }).getByText(/stopped by hand/).waitFor({ timeout: 5_000 });
+  await page.waitForFunction(async () => (await (await fetch('/v1/robots')).json()).items.every((r) => r.speed === 0), null, { timeout: 15_000 });
+  await page.waitForTimeout(400);
+  await page.screenshot({ path: `${SHOTS}stopped.png` });
+  await axe('stopped');
+  await button('Let them go on').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'Leave them stopped' }).click();
+  assert((await ask('/v1/fleet')).stopped !== null, 'they went on although they were to stay');
+  await button('Let them go on').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'Let them go on' }).click();
+  await banner.waitFor({ state: 'detached', timeout: 15_000 });
+});
+await check('One robot is paused and goes on again', async () => {
+  const id = map.racks.length > 0 ? (await ask('/v1/robots')).items[0].id : '';
+  await page.getByLabel('Find on the floor').fill(id);
+  await page.keyboard.press('Enter');
+  const card = page.getByRole('region', { name: 'Robot', exact: true });
+  await card.getByRole('button', { name: 'Pause this robot' }).click();
+  await card.getByRole('paragraph').filter({ hasText: 'paused by hand' }).waitFor({ timeout: 15_000 });
+  await page.screenshot({ path: `${SHOTS}paused.png` });
+  await card.getByRole('button', { name: 'Let it go on' }).click();
+  await card.getByRole('button', { name: 'Pause this robot' }).waitFor({ timeout: 15_000 });
+  await card.getByRole('button', { name: 'Close' }).click();
+  return id;
+});
+await check('A waiting job gets another priority in its card', async () => {
+  const post = async (job) => (await context.request.post(new URL('/v1/jobs', url).href, { data: job })).json();
+  const first = await post({ kind: 'deliver', rack: map.racks[0].id, station: map.stations[0].id });
+  const second = await post({ kind: 'deliver', rack: map.racks[1].id, station: map.stations[0].id, after: [first.id] });
+  const table = page.getByRole('region', { name: 'Table of jobs' });
+  await table.getByRole('button', { name: second.id, exact: true }).click({ timeout: 15_000 });
+  const card = page.getByRole('region', { name: 'Job', exact: true });
+  await card.getByLabel('Priority, 0 to 9').selectOption('9');
+  await table.locator(`[data-job="${second.id}"]`).getByRole('cell', { name: '9', exact: true }).waitFor({ timeout: 10_000 });
+  assert((await ask(`/v1/jobs/${second.id}`)).priority === 9, 'the server has another priority');
+  await card.getByRole('button', { name: 'Close' }).click();
+  for (const job of [second, first]) await context.request.delete(new URL(`/v1/jobs/${job.id}`, url).href);
+});
+await check('A person is sent where somebody clicks', async () => {
+  const worker = await (await context.request.post(new URL('/v1/workers', url).href, { data: { name: 'acts-test' } })).json();
+  await page.getByRole('combobox', { name: 'Find on the floor' }).or(page.getByLabel('Find on the floor')).first().waitFor();
+  await page.waitForTimeout(1_000);
+  await page.getByLabel('Find on the floor').fill(worker.id);
+  await page.keyboard.press('Enter');
+  const card = page.getByRole('region', { name: 'Person', exact: true });
+  await card.getByRole('button', { name: 'Send somewhere' }).click();
+  await page.getByRole('application', { name: 'Drawing on the floor' }).press('Enter');
+  await card.getByLabel(/What to do at/).fill('count racks');
+  await card.getByRole('button', { name: /^Send to/ }).click();
+  await card.getByText(/a\d+: on the way/).or(card.getByRole('alert')).first().waitFor({ timeout: 15_000 });
+  const words = (await card.getByRole('status').innerText()) + (await card.getByRole('alert').allInnerTexts()).join('');
+  await card.getByRole('button', { name: 'Close' }).click();
+  assert(/a\d+:/.test(words), words);
+  return words;
+});
+
+await page.getByLabel('Theme').selectOption('light');
+await page.setViewportSize({ width: 375, height: 740 });
+await button('Timelines').click();
+await timelines.getByRole('button', { name: 'What is on the screen' }).click();
+await page.waitForTimeout(1_500);
+await check('The page fits a phone without scrolling sideways', async () => {
+  const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert(over <= 0, `it is ${over} px too wide`);
+});
+await page.screenshot({ path: `${SHOTS}acts-phone.png`, fullPage: true });
+await check('axe finds nothing wrong (phone, light)', () => axe('phone'));
+await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
+await finish(browser);
+
+async function axe(look) {
+  await page.evaluate(AXE);
+  const { violations } = await page.evaluate(() => globalThis.axe.run());
+  assert(violations.length === 0, `${look}: ${violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(' ')).slice(0, 3).join('; ')}`).join(' | ')}`);
+}

@@ -1,0 +1,104 @@
+// Drawing, closing, tables of jobs and the planner's picture, without a page around them.
+import { describe, expect, it } from 'vitest';
+import { buildClosure } from '../src/closureform';
+import { cells, readJobs, type Known } from '../src/csv';
+import { marks, place, rows, when } from '../src/gantt';
+import { around, corner, rectangle } from '../src/sketch';
+import type { Point, Strip } from '../src/wire';
+
+const NOW = new Date('2031-01-31T12:00:00Z');
+const KNOWN: Known = { rack: new Set(['K1', 'K2']), station: new Set(['W1']), node: new Set(['A1']), robot: new Set(['robot-1']) };
+
+describe('drawing', () => {
+  it('makes an upright rectangle of two corners in any order', () => {
+    expect(rectangle([3, 1], [1, 2])).toEqual([[1, 1], [3, 1], [3, 2], [1, 2]]);
+    expect(around(rectangle([3, 1], [1, 2]))).toEqual([1, 1, 3, 2]);
+  });
+  it('takes a rectangle without area for a slip of the hand', () => {
+    expect(corner('rectangle', [[1, 1]], [1, 5])).toEqual({ kind: 'more', corners: [[1, 5]] });
+    expect(corner('rectangle', [[1, 1]], [2, 5]).kind).toBe('done');
+  });
+  it('closes a polygon at its first corner, but not before it has three', () => {
+    const three: Point[] = [[0, 0], [2, 0], [2, 2]];
+    expect(corner('polygon', three, [0.01, 0])).toEqual({ kind: 'done', outline: three });
+    expect(corner('polygon', three.slice(0, 2), [0, 0.01])).toEqual({ kind: 'more', corners: three.slice(0, 2) });
+    expect(corner('polygon', three, [0, 2])).toEqual({ kind: 'more', corners: [...three, [0, 2]] });
+  });
+  it('takes one point where one is wanted', () => {
+    expect(corner('point', [], [1.234, 2])).toEqual({ kind: 'done', outline: [[1.23, 2]] });
+  });
+});
+
+describe('closing an area', () => {
+  const outline = rectangle([0, 0], [1, 1]);
+  it('closes at once and until opened where no times are given', () => {
+    const built = buildClosure({ reason: ' oil ', begins: '', lasts: '' }, outline, NOW);
+    expect(built).toEqual({ kind: 'ready', area: { outline, reason: 'oil' } });
+  });
+  it('counts minutes from now, and the length from the beginning', () => {
+    const built = buildClosure({ reason: 'oil', begins: '10', lasts: '5' }, outline, NOW);
+    expect(built).toMatchObject({ area: { from: '2031-01-31T12:10:00.000Z', until: '2031-01-31T12:15:00.000Z' } });
+  });
+  it('wants a reason, and minutes that are some', () => {
+    const built = buildClosure({ reason: ' ', begins: 'soon', lasts: '0' }, outline, NOW);
+    expect(built.kind === 'wrong' && Object.keys(built.errors)).toEqual(['reason', 'begins', 'lasts']);
+  });
+});
+
+describe('jobs from a table', () => {
+  it('reads quotes, empty lines, line ends of Windows and what spreadsheets put before', () => {
+    expect(cells('\uFEFFa,b\r\n\r\n"x, ""y""",2\r\n')).toEqual([{ line: 1, cells: ['a', 'b'] }, { line: 3, cells: ['x, "y"', '2'] }]);
+    expect(cells('kind;rack\nreturn;K1')[1]?.cells).toEqual(['return', 'K1']);
+  });
+  it('makes a job of each line that is right', () => {
+    const read = readJobs('kind,rack,station,priority,pick_s\nDeliver,K1,W1,5,12\nreturn,K2,,,\n', KNOWN, NOW);
+    expect(read.kind === 'table' && read.lines.map((l) => l.job)).toEqual([
+      { kind: 'deliver', rack: 'K1', station: 'W1', priority: 5, pick_s: 12 }, { kind: 'return', rack: 'K2', priority: 0 },
+    ]);
+  });
+  it('says for each line what is wrong, and makes no job of it', () => {
+    const read = readJobs('kind,rack,station,robot\ndeliver,K9,W1,\nfly,K1,,\npark,,,robot-1\ndeliver,K1,,robot-1\n', KNOWN, NOW);
+    if (read.kind !== 'table') throw new Error(read.why);
+    expect(read.lines.map((l) => [l.line, l.job === null, l.errors.join(' ')])).toEqual([
+      [2, true, 'There is no rack “K9”.'],
+      [3, true, '“fly” is none of deliver, return, relocate, charge, park, go.'],
+      [4, false, ''],
+      [5, true, 'Name a station. deliver has no robot.'],
+    ]);
+  });
+  it('refuses a table without columns that it knows', () => {
+    expect(readJobs('K1,W1\n', KNOWN, NOW).kind).toBe('unreadable');
+    expect(readJobs('kind,colour\ndeliver,red\n', KNOWN, NOW)).toMatchObject({ why: expect.stringContaining('“colour”') });
+    expect(readJobs('', KNOWN, NOW).kind).toBe('unreadable');
+  });
+});
+
+describe('the picture of what the planner sees', () => {
+  const strip: Strip = {
+    id: 'R1', x: 0, y: 0,
+    holds: [
+      { by: 'robot-1', kind: 'robot', from_s: -2, to_s: 3, granted: true, conflict: false },
+      { by: 'robot-2', kind: 'robot', from_s: 5, to_s: null, granted: false, conflict: false },
+      { by: 'robot-3', kind: 'robot', from_s: 3, to_s: 4, granted: false, conflict: true },
+    ],
+    conditions: [{ by: 'w1', kind: 'worker', from_s: 0, to_s: 2, effect: 'closed', limit_mps: null, price_s: null }],
+  };
+  it('puts now a little inside and what is for ever up to the end', () => {
+    const [row] = rows([strip], 60);
+    const of = (by: string) => row!.bars.find((b) => b.by === by)!;
+    expect(place(0, 60)).toBeCloseTo((5 / 65) * 100);
+    expect(of('robot-1').left).toBeCloseTo((3 / 65) * 100);
+    expect(of('robot-2').left + of('robot-2').width).toBe(100);
+    expect(row!.bars.map((b) => b.look)).toEqual(['closed', 'conflict', 'granted', 'held']);
+  });
+  it('leaves out what is over, and says the rest in words', () => {
+    const old: Strip = { ...strip, conditions: [], holds: [{ ...strip.holds[0]!, from_s: -9, to_s: -6 }] };
+    expect(rows([old], 60)[0]!.bars).toEqual([]);
+    expect(rows([strip], 60)[0]!.bars.at(-1)!.words).toBe('R1: robot-2 is promised it, from in 5.0 s on');
+    expect(when(-1, 2)).toBe('from now to in 2.0 s');
+  });
+  it('has four to nine marks', () => {
+    for (const ahead of [15, 30, 60, 120]) expect(marks(ahead).length).toBeGreaterThanOrEqual(4);
+    for (const ahead of [15, 30, 60, 120]) expect(marks(ahead).length).toBeLessThanOrEqual(9);
+  });
+});
