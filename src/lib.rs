@@ -158,8 +158,8 @@
 //! | where workers are led, what they are told | `fleet/lead.rs`, `fleet/guide.rs` |
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
 //! | how it is guessed where a person is going | `human/intention/`; stories that test it: `experiment/stories/` |
-//! | where people will be, and how sure that is | `human/outlook.rs`, `human/motion/`; learned by `experiment/learning/` |
-//! | when a robot brakes for a forecast | `aware/collision.rs`, `fleet/foresee.rs`; whether forecasts hold: `human/coverage.rs` |
+//! | where people will be, how sure that is | `human/outlook.rs`, `human/motion/`; learned: `experiment/learning/` |
+//! | whether forecasts hold | `human/coverage.rs`; who brakes for them: `aware/collision.rs`, `fleet/foresee.rs` |
 //! | a key of scenario files | `sim/scenario.rs`, `docs/scenarios.md` |
 //! | what every simulation must keep | `sim/laws.rs` |
 //! | what a recording holds | `sim/recording.rs` |

@@ -1,24 +1,25 @@
 //! How probable it is that a robot and a person meet, if the robot drives on.
 //!
-//! Main types: [`Swept`] (where a robot will be), main function: [`collision`]. The robot's footprint, widened by half a
-//! person, against the forecast of where the person's middle will be. The published measure (Kanazawa et al. and others
-//! multiply densities and compare with 5 %) is not a probability and peaks at 9.4 % for two equal Gaussians; this is the
-//! mass of the forecast within the footprint. Refuses: to take caution away; whoever asks may only brake because of it.
+//! Main types: [`Swept`] (where a robot will be), main function: [`collision`]. The robot's footprint,
+//! widened by half a person, against the forecast of where the person's middle will be. The published measure
+//! (Kanazawa et al. and others multiply densities and compare with 5 %) is not a probability and peaks at 9.4
+//! % for two equal Gaussians; this is the mass of the forecast within the footprint. Refuses: to take caution
+//! away; whoever asks may only brake because of it.
 
 use super::regions::BODY_M;
 use crate::geometry::{Point, Vector};
 use crate::human::Outlook;
 use crate::time::{Span, Time};
 
-/// A robot brakes where the probability of meeting somebody is at least this (seed of the threshold: the published
-/// sweep from 0.5 to 20 % found less reliability beyond 5 %).
+/// A robot brakes where the probability of meeting somebody is at least this (seed of the threshold: the
+/// published sweep from 0.5 to 20 % found less reliability beyond 5 %).
 pub const THRESHOLD: f64 = 0.05;
-/// What a person and a robot take to pass one another, about: meetings in different slices of this length are different
-/// meetings; seconds.
+/// What a person and a robot take to pass one another, about: meetings in different slices of this length are
+/// different meetings; seconds.
 const SLICE_S: f64 = 0.6;
 
-/// How far beyond the time of braking is looked: bodies that begin to touch at its end overlap by little then, and the next
-/// look comes a control period later.
+/// How far beyond the time of braking is looked: bodies that begin to touch at its end overlap by little
+/// then, and the next look comes a control period later.
 pub const BEYOND: Span = Span::from_millis(500);
 
 /// Where a robot will be: corners along its way with the speed it drives at.
@@ -57,9 +58,9 @@ impl Swept {
     }
 }
 
-/// The probability that person and robot touch within `time`, if the robot drives on as it does. Whoever would be met in one
-/// slice of time is hardly met in another, so slices add up; together they are no more than the part of the forecast
-/// itself. That is an upper estimate. Nothing where nobody was seen.
+/// The probability that person and robot touch within `time`, if the robot drives on as it does. Whoever
+/// would be met in one slice of time is hardly met in another, so slices add up; together they are no more
+/// than the part of the forecast itself. That is an upper estimate. Nothing where nobody was seen.
 pub fn collision(person: &Outlook<'_>, robot: &Swept, now: Time, time: Span) -> Option<f64> {
     assert!(!robot.way.is_empty(), "a robot is somewhere");
     let slices = (time.as_secs_f64() / SLICE_S).ceil().max(1.0);

@@ -1,10 +1,11 @@
 //! Whether forecasts hold while the system runs, and what is done where they do not.
 //!
-//! Main types: [`Coverage`] (one record for all people), [`Foresight`] (its figures). A forecast that was made is kept until
-//! it is due and compared with where the person was. Regions grow with every miss and shrink with every hit, so that they
-//! hold what they say in the long run, whatever people do (adaptive conformal inference: Gibbs and Candès 2021). Where
-//! they still do not, forecasts are not trusted, and whoever asks falls back on what people can reach. Refuses: people who
-//! were not seen when a forecast was due.
+//! Main types: [`Coverage`] (one record for all people), [`Foresight`] (its figures). A forecast that was
+//! made is kept until it is due and compared with where the person was. Regions grow with every miss and
+//! shrink with every hit, so that they hold what they say in the long run, whatever people do (adaptive
+//! conformal inference: Gibbs and Candès 2021). Where they still do not, forecasts are not trusted, and
+//! whoever asks falls back on what people can reach. Refuses: people who were not seen when a forecast was
+//! due.
 
 use super::mixture::Mixture;
 use crate::geometry::Point;
@@ -149,7 +150,8 @@ mod tests {
 
     const W: WorkerId = WorkerId(0);
 
-    /// A person who is a step of `error(k)` away from each forecast, whose standard deviation is stated as 0.3 m.
+    /// A person who is a step of `error(k)` away from each forecast, whose standard deviation is stated as
+    /// 0.3 m.
     fn live(coverage: &mut Coverage, from: usize, count: usize, error: impl Fn(usize) -> f64) {
         for k in from..from + count {
             let t = Time(k as i64 * 1_000_000);

@@ -1,8 +1,8 @@
 //! Where a person will be at some moment, as a probability over places.
 //!
-//! Main types: [`Outlook`] (what is believed of one person now), [`Shapes`] (learned figures: how far people are from
-//! where each kind of prediction has them). A prediction is a mixture of three kinds: going on as now, following the way
-//! to a goal, and staying. Refuses: occupancies of nodes, and robots.
+//! Main types: [`Outlook`] (what is believed of one person now), [`Shapes`] (learned figures: how far people
+//! are from where each kind of prediction has them). A prediction is a mixture of three kinds: going on as
+//! now, following the way to a goal, and staying. Refuses: occupancies of nodes, and robots.
 
 use super::forecast::Hypothesis;
 use super::mixture::{Mixture, Part};
@@ -28,8 +28,8 @@ pub fn class_of(speed_mps: f64) -> usize {
     BOUNDS_MPS.iter().filter(|b| speed_mps >= **b).count()
 }
 
-/// How far people are from where one kind of prediction has them, along and across the way, metres. People who do
-/// about the expected are a tight Gaussian, the others a wide one around the same place.
+/// How far people are from where one kind of prediction has them, along and across the way, metres. People
+/// who do about the expected are a tight Gaussian, the others a wide one around the same place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Kernel {
@@ -136,8 +136,8 @@ impl Shapes {
 pub struct Outlook<'a> {
     /// How the person moves.
     pub motion: &'a Motion,
-    /// Ways to goals, from where the person is, with their probabilities. What is left to one is somebody who goes to
-    /// no known goal.
+    /// Ways to goals, from where the person is, with their probabilities. What is left to one is somebody who
+    /// goes to no known goal.
     pub ways: &'a [Hypothesis],
     /// Figures for people with goals.
     pub bound: &'a Shapes,
@@ -191,9 +191,9 @@ impl Outlook<'_> {
         Some(Guesses { class: class_of(speed), drive, stay, goals: goals.collect(), doubt: then.cov })
     }
 
-    /// The one place that is least wrong: the mean over ways to goals, as far as goals are known, and where the filter
-    /// has the person otherwise. People without goals stop in some places and never in others; going on is the guess
-    /// that does everywhere.
+    /// The one place that is least wrong: the mean over ways to goals, as far as goals are known, and where
+    /// the filter has the person otherwise. People without goals stop in some places and never in others;
+    /// going on is the guess that does everywhere.
     pub fn point(&self, t: Time) -> Option<Point> {
         let ahead_s = (t - self.motion.seen()?).max(Span::ZERO).as_secs_f64();
         let known: f64 = self.ways.iter().map(|w| w.probability).sum::<f64>().clamp(0.0, 1.0);

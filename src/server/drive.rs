@@ -1,9 +1,9 @@
 //! The loop: one thread owns the fleet and the floor, and turns twenty times a second.
 //!
-//! Main type: [`Drive`]. Missed ticks are skipped, not caught up. Stops, and what workers are told, leave in the turn
-//! that decided them. Orders and answers leave when the journal has the facts behind them; where it has none of them
-//! for so long that no more may wait, every robot is told to stand and the floor goes on. Refuses: locks, waiting for the database, and decisions of its
-//! own.
+//! Main type: [`Drive`]. Missed ticks are skipped, not caught up. Stops, and what workers are told, leave in
+//! the turn that decided them. Orders and answers leave when the journal has the facts behind them; where it
+//! has none of them for so long that no more may wait, every robot is told to stand and the floor goes on.
+//! Refuses: locks, waiting for the database, and decisions of its own.
 
 use super::clock::Clock;
 use super::inbox::Inbox;

@@ -1,9 +1,10 @@
-//! Figures of ways of moving: those with which people are predicted best, in the recording that suits them least.
+//! Figures of ways of moving: those with which people are predicted best, in the recording that suits them
+//! least.
 //!
-//! Main functions: [`fit`], [`calmer`]. The likelihood of the next sample alone would make the filter follow every sway; what
-//! forecasts need is the mean error over their horizon, and honest doubt. Errors are taken relative to those of going on with the last
-//! step, and the worst recording counts most, so that the figures do for people of whom there is no recording. Refuses:
-//! goals.
+//! Main functions: [`fit`], [`calmer`]. The likelihood of the next sample alone would make the filter follow
+//! every sway; what forecasts need is the mean error over their horizon, and honest doubt. Errors are taken
+//! relative to those of going on with the last step, and the worst recording counts most, so that the figures
+//! do for people of whom there is no recording. Refuses: goals.
 
 use super::{Lesson, RECORDED_M};
 use crate::experiment::recorded::{OBSERVED, PREDICTED, Seen, all};
@@ -49,8 +50,8 @@ fn downhill(lessons: &[Lesson], start: MotionModel) -> (f64, MotionModel) {
     best
 }
 
-/// The same figures with people who are pushed about less or more, as far as they err no more than going on with the last
-/// step does: points alone do not tell how sure the filter may be.
+/// The same figures with people who are pushed about less or more, as far as they err no more than going on
+/// with the last step does: points alone do not tell how sure the filter may be.
 pub fn calmer(lessons: &[Lesson], m: MotionModel) -> Vec<MotionModel> {
     let worst = |m: &MotionModel| lessons.iter().map(|l| ratio(l, m)).fold(0.0, f64::max);
     let allowed = worst(&m).max(1.0) + COST;
@@ -113,8 +114,8 @@ fn changed(mut m: MotionModel, figure: usize, by: f64) -> MotionModel {
     m
 }
 
-/// The worst ratio of the mean error to that of going on with the last step, a little of the mean ratio, and how sure
-/// the filter was of what came next.
+/// The worst ratio of the mean error to that of going on with the last step, a little of the mean ratio, and
+/// how sure the filter was of what came next.
 fn error(lessons: &[Lesson], m: &MotionModel) -> f64 {
     let n = lessons.len().max(1) as f64;
     let ratios: Vec<f64> = lessons.iter().map(|l| ratio(l, m)).collect();

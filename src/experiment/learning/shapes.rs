@@ -1,8 +1,8 @@
 //! How far people are from where each kind of prediction has them: expectation and maximisation.
 //!
-//! Main types: [`Item`] (one prediction and what came true), main functions: [`fit`], [`scales`]. Dempster, Laird and
-//! Rubin 1977; scales by conformal prediction with regions of highest density (Izbicki et al. 2022) on people who were
-//! left out. Refuses: recordings; items are made of them elsewhere.
+//! Main types: [`Item`] (one prediction and what came true), main functions: [`fit`], [`calibrate`].
+//! Dempster, Laird and Rubin 1977; scales by conformal prediction with regions of highest density (Izbicki et
+//! al. 2022) on people who were left out. Refuses: recordings; items are made of them elsewhere.
 
 use crate::geometry::{Point, Vector};
 use crate::human::Mixture;
@@ -199,7 +199,8 @@ pub fn surprise(items: &[Item], known: &Shapes) -> f64 {
     items.iter().map(of).sum::<f64>() / items.len().max(1) as f64
 }
 
-/// Gives every shape the scale with which its 95 % region holds 95 % of those people from whom it was not learned.
+/// Gives every shape the scale with which its 95 % region holds 95 % of those people from whom it was not
+/// learned.
 pub fn calibrate(shapes: &mut Shapes, items: &[Item], known: &Shapes, folds: usize) {
     let without: Vec<Shapes> = (0..folds).map(|f| fit(items, known, |p| p % folds == f)).collect();
     let mut sorted: Vec<Vec<Vec<&Item>>> = vec![vec![Vec::new(); HORIZONS]; CLASSES];

@@ -189,7 +189,7 @@ fn tally(runs: &[(Prediction, &[Seen])]) -> ForecastScore {
         area95: [0.0; PREDICTED],
         by_class: [(0.0, 0); 4],
     };
-    let mut areas = vec![Vec::with_capacity(runs.len()); PREDICTED];
+    let mut areas: [Vec<f64>; PREDICTED] = std::array::from_fn(|_| Vec::with_capacity(runs.len()));
     for (p, later) in runs {
         let mut within = 0;
         for i in 0..PREDICTED {

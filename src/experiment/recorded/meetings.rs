@@ -1,8 +1,8 @@
 //! Recorded people among robots that know nothing of them: who would have braked in time, and who for nothing.
 //!
-//! Main types: [`Replay`], [`Judged`]. Robots drive timetabled ways of straight legs through the hall; whenever a footprint
-//! and a person overlap, it is asked what probability was stated when the robot would have had to brake. Refuses: people
-//! who step aside; those who were recorded saw no robot.
+//! Main types: [`Replay`], [`Judged`]. Robots drive timetabled ways of straight legs through the hall;
+//! whenever a footprint and a person overlap, it is asked what probability was stated when the robot would
+//! have had to brake. Refuses: people who step aside; those who were recorded saw no robot.
 
 use super::subject::{Ground, Subject};
 use super::tracks::{Recording, Seen, Walk};
@@ -36,7 +36,8 @@ pub struct Replay {
     pub half_m: f64,
     /// From a look to standing at that speed, seconds.
     pub lead_s: f64,
-    /// Walking speed and doubts make this distance between middles too short, metres: the rule without prediction.
+    /// Walking speed and doubts make this distance between middles too short, metres: the rule without
+    /// prediction.
     pub separation_m: f64,
     /// Seed of the ways.
     pub seed: u64,

@@ -1,7 +1,7 @@
 //! How well goals of recorded people are recognised on the way.
 //!
-//! Main types: [`PurposeScore`], [`Recogniser`]. Refuses: credit for the goal where a trip began; it is left out and the
-//! others are scaled up.
+//! Main types: [`PurposeScore`], [`Recogniser`]. Refuses: credit for the goal where a trip began; it is left
+//! out and the others are scaled up.
 
 use super::subject::{Ground, Subject};
 use super::tracks::{Recording, Seen};
@@ -98,8 +98,8 @@ struct Look {
     trip: usize,
 }
 
-/// Scores a recogniser. `observe` gives what it sees of a trip: the samples as they are, or degraded; it is asked at
-/// the trip's own samples in any case.
+/// Scores a recogniser. `observe` gives what it sees of a trip: the samples as they are, or degraded; it is
+/// asked at the trip's own samples in any case.
 pub fn score(
     recording: &Recording,
     trips: &[Trip],

@@ -1,7 +1,7 @@
 //! Recorded people: files of three public data sets as walks.
 //!
-//! Main types: [`Format`], [`Recording`], [`Walk`], [`TrackError`]. A walk is one person without a gap; where a file has
-//! gaps, a person has several walks. Refuses: to smooth, to fill gaps, and to read files itself.
+//! Main types: [`Format`], [`Recording`], [`Walk`], [`TrackError`]. A walk is one person without a gap; where
+//! a file has gaps, a person has several walks. Refuses: to smooth, to fill gaps, and to read files itself.
 
 use crate::geometry::Point;
 use crate::time::Time;
@@ -227,8 +227,8 @@ fn thor(text: &str) -> Result<Vec<Row>, TrackError> {
     Ok(rows)
 }
 
-/// Reads goals: lines of a name and a place, or of a place only; a header is allowed. Places beyond a kilometre are
-/// directions, not goals, and are left out.
+/// Reads goals: lines of a name and a place, or of a place only; a header is allowed. Places beyond a
+/// kilometre are directions, not goals, and are left out.
 pub fn goals(text: &str) -> Result<Vec<(String, Point)>, TrackError> {
     let mut found = Vec::new();
     for (line, text) in lines(text) {

@@ -1,11 +1,11 @@
 //! Our recogniser: whoever walks to a goal makes no detours on the way.
 //!
-//! Main types: [`Detour`], [`PurposeModel`] (its figures, learned from recorded people). Every step of some length is as
-//! likely as a direction under von Mises: the metres of detour that it means for a goal, times how resolute the person
-//! is. Resoluteness is inferred beside the goal, so that somebody who strolls is not taken to be sure of anything
-//! (Fisac et al. 2018; Yin et al. 2025); whoever goes *elsewhere* walks in any direction alike. Minds change at a rate
-//! per time, and steps are counted by metres, so the rate of poses means nothing. Refuses: an undecided state; an
-//! undecided posterior is flat, and its entropy says so.
+//! Main types: [`Detour`], [`PurposeModel`] (its figures, learned from recorded people). Every step of some
+//! length is as likely as a direction under von Mises: the metres of detour that it means for a goal, times
+//! how resolute the person is. Resoluteness is inferred beside the goal, so that somebody who strolls is not
+//! taken to be sure of anything (Fisac et al. 2018; Yin et al. 2025); whoever goes *elsewhere* walks in any
+//! direction alike. Minds change at a rate per time, and steps are counted by metres, so the rate of poses
+//! means nothing. Refuses: an undecided state; an undecided posterior is flat, and its entropy says so.
 
 use super::Belief;
 use crate::geometry::{Point, turn_between};

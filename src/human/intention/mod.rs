@@ -64,17 +64,17 @@ pub struct Intention {
 
 #[derive(Clone, Debug)]
 enum Inner {
-    Published(Published),
-    Detour(Detour),
+    Published(Box<Published>),
+    Detour(Box<Detour>),
 }
 
 impl Intention {
     /// Without goals; nothing was seen yet. The published methods have figures of their own.
     pub fn new(method: Method, model: &Model) -> Intention {
         let inner = match method {
-            Method::Chapter3 => Inner::Published(Published::new(Chapter::Three)),
-            Method::Chapter4 => Inner::Published(Published::new(Chapter::Four)),
-            Method::Detour => Inner::Detour(Detour::new(model.purpose.clone(), model.motion)),
+            Method::Chapter3 => Inner::Published(Box::new(Published::new(Chapter::Three))),
+            Method::Chapter4 => Inner::Published(Box::new(Published::new(Chapter::Four))),
+            Method::Detour => Inner::Detour(Box::new(Detour::new(model.purpose.clone(), model.motion))),
         };
         Intention { inner }
     }
@@ -106,8 +106,8 @@ impl Intention {
 
     /// Takes in a pose. Poses may come at any rate; most change nothing until the person has moved on.
     ///
-    /// Goals must be known to `distances`, too; `heading` is where the person faces, radians, if anybody knows. Chapter 3
-    /// reads it; ours reads the course that is walked, because heads look aside.
+    /// Goals must be known to `distances`, too; `heading` is where the person faces, radians, if anybody
+    /// knows. Chapter 3 reads it; ours reads the course that is walked, because heads look aside.
     pub fn observe(&mut self, seen: Time, at: Point, heading: Option<f64>, distances: &Distances) {
         match &mut self.inner {
             Inner::Published(p) => p.observe(seen, at, heading, distances),

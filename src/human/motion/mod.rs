@@ -1,8 +1,8 @@
 //! How somebody moves just now: three ways of moving at once, each with its probability.
 //!
-//! Main types: [`Motion`] (interacting multiple models: Blom and Bar-Shalom 1988), [`MotionModel`] (its figures, learned
-//! from recorded people), [`Fix`] (a measured place), [`Ahead`]. Time is continuous: any rate of fixes, and gaps, mean
-//! the same motion; silence makes the Gaussian grow. Refuses: goals and walls.
+//! Main types: [`Motion`] (interacting multiple models: Blom and Bar-Shalom 1988), [`MotionModel`] (its
+//! figures, learned from recorded people), [`Fix`] (a measured place), [`Ahead`]. Time is continuous: any
+//! rate of fixes, and gaps, mean the same motion; silence makes the Gaussian grow. Refuses: goals and walls.
 
 mod mode;
 
@@ -199,8 +199,8 @@ impl Motion {
         (self.chances, self.doubts, self.seen) = (self.model.shares, 0, Some(fix.seen));
     }
 
-    /// The states with which each mode starts a step of `dt` seconds, and how probable the modes are then. A change
-    /// leads to any mode, so two steps are one of twice the length.
+    /// The states with which each mode starts a step of `dt` seconds, and how probable the modes are then. A
+    /// change leads to any mode, so two steps are one of twice the length.
     fn mixed(&self, dt: f64) -> ([State; 3], [f64; 3]) {
         let kept = (-self.model.changes_per_s * dt).exp();
         let mut prior = [0.0; 3];
@@ -214,7 +214,8 @@ impl Motion {
         (states, prior)
     }
 
-    /// Where the person is expected at some moment, `noisy` or as if nobody changed anything after the newest fix.
+    /// Where the person is expected at some moment, `noisy` or as if nobody changed anything after the newest
+    /// fix.
     fn at(&self, t: Time, noisy: bool) -> Option<(State, [f64; 3])> {
         let seen = self.seen?;
         let dt = (t - seen).max(Span::ZERO).as_secs_f64();
@@ -231,7 +232,8 @@ impl Motion {
         self.at(t, true).map(|(s, modes)| ahead(&s, modes))
     }
 
-    /// The same, but with the doubt about where the person is and moves now only, and none about what it will do.
+    /// The same, but with the doubt about where the person is and moves now only, and none about what it will
+    /// do.
     pub fn carried(&self, t: Time) -> Option<Ahead> {
         self.at(t, false).map(|(s, modes)| ahead(&s, modes))
     }
