@@ -1,6 +1,6 @@
 //! `giveway learn`: figures about people from recorded tracks.
 //!
-//! Main types: [`Learn`], [`Tracks`]. Refuses: to guess the format of a file that looks like none.
+//! Main type: [`Learn`]. Refuses: to guess the format of a file that looks like none.
 
 use super::{read, write};
 use crate::experiment::learning::{Lesson, learn};
