@@ -105,7 +105,7 @@ await check('A robot found by name shows what it is doing', async () => {
   await panel.getByRole('heading', { name: robot, exact: true }).waitFor({ timeout: 5_000 });
   await page.waitForTimeout(1_000);
   await page.screenshot({ path: `${SHOTS}robot.png` });
-  await panel.getByRole('button', { name: 'Close' }).click();
+  await panel.getByRole('button', { name: 'Close', exact: true }).click();
   await page.getByRole('button', { name: 'Show the whole floor' }).click();
 });
 await check('Keys choose one thing after the other, and Escape lets go', async () => {
@@ -138,13 +138,13 @@ await check('A click on the floor chooses what is there', async () => {
   await page.getByLabel('Find on the floor').fill(map.stations[0].id);
   await page.keyboard.press('Enter');
   await page.keyboard.press('Escape');
-  await page.getByRole('button', { name: 'Close' }).click();
+  await page.getByRole('button', { name: 'Close', exact: true }).click();
   // What was found is in the middle now.
   const box = await page.getByRole('application', { name: 'Map of the floor' }).boundingBox();
   await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
   await page.locator('.card h2').waitFor({ timeout: 5_000 });
   const name = await page.locator('.card h2').textContent();
-  await page.getByRole('button', { name: 'Close' }).click();
+  await page.getByRole('button', { name: 'Close', exact: true }).click();
   await page.getByRole('button', { name: 'Show the whole floor' }).click();
   return name;
 });
