@@ -1,18 +1,18 @@
 //! How probable it is that a robot and a person meet, if the robot drives on.
 //!
 //! Main types: [`Swept`] (where a robot will be), main function: [`collision`]. The robot's footprint,
-//! widened by half a person, against the forecast of where the person's middle will be. The published measure
-//! (Kanazawa et al. and others multiply densities and compare with 5 %) is not a probability and peaks at 9.4
-//! % for two equal Gaussians; this is the mass of the forecast within the footprint. Refuses: to take caution
+//! widened by half a person, against the forecast of where the person's middle will be. Liu and Jebelli (2023)
+//! integrate the product of two densities and compare it with 5 %; that is no probability and peaks at 9.4 %
+//! for two equal Gaussians. This is the mass of the forecast within the footprint. Refuses: to take caution
 //! away; whoever asks may only brake because of it.
 
 use super::regions::BODY_M;
 use crate::geometry::{Point, Vector};
-use crate::human::Outlook;
+use crate::human::Mixture;
 use crate::time::{Span, Time};
 
-/// A robot brakes where the probability of meeting somebody is at least this (seed of the threshold: the
-/// published sweep from 0.5 to 20 % found less reliability beyond 5 %).
+/// A robot brakes where the probability of meeting somebody is at least this (Liu and Jebelli 2023 tried 0.5
+/// to 20 % and found less reliability beyond 5 %).
 pub const THRESHOLD: f64 = 0.05;
 /// What a person and a robot take to pass one another, about: meetings in different slices of this length are
 /// different meetings; seconds.
@@ -60,15 +60,21 @@ impl Swept {
 
 /// The probability that person and robot touch within `time`, if the robot drives on as it does. Whoever
 /// would be met in one slice of time is hardly met in another, so slices add up; together they are no more
-/// than the part of the forecast itself. That is an upper estimate. Nothing where nobody was seen.
-pub fn collision(person: &Outlook<'_>, robot: &Swept, now: Time, time: Span) -> Option<f64> {
+/// than the part of the forecast itself. That is an upper estimate. `person` says where the person will be at
+/// a moment; nothing where nobody was seen.
+pub fn collision(
+    person: impl Fn(Time) -> Option<Mixture>,
+    robot: &Swept,
+    now: Time,
+    time: Span,
+) -> Option<f64> {
     assert!(!robot.way.is_empty(), "a robot is somewhere");
     let slices = (time.as_secs_f64() / SLICE_S).ceil().max(1.0);
     let slice_s = time.as_secs_f64() / slices;
     let mut met: Vec<(f64, f64)> = Vec::new();
     for k in 0..slices as usize {
         let (from_s, to_s) = (k as f64 * slice_s, (k + 1) as f64 * slice_s);
-        let mixture = person.at(now + Span::from_secs_f64((from_s + to_s) / 2.0))?;
+        let mixture = person(now + Span::from_secs_f64((from_s + to_s) / 2.0))?;
         let (low, high) = robot.sweep(from_s, to_s);
         met.resize(mixture.parts.len(), (0.0, 0.0));
         let parts = mixture.parts.iter().zip(mixture.shares_within(low, high));
@@ -99,10 +105,15 @@ mod tests {
     }
 
     fn ask(robot: &Swept, lead_s: f64) -> f64 {
+        ask_scaled(robot, lead_s, 1.0)
+    }
+
+    /// The same with a forecast that experience has widened.
+    fn ask_scaled(robot: &Swept, lead_s: f64, scale: f64) -> f64 {
         let (motion, now) = walking();
         let model = Model::builtin();
         let outlook = Outlook { motion: &motion, ways: &[], bound: &model.bound, free: &model.free };
-        collision(&outlook, robot, now, Span::from_secs_f64(lead_s)).unwrap()
+        collision(|t| Some(outlook.at(t)?.scaled(scale)), robot, now, Span::from_secs_f64(lead_s)).unwrap()
     }
 
     fn robot(from: (f64, f64), to: (f64, f64)) -> Swept {
@@ -122,6 +133,12 @@ mod tests {
         let front = ask(&robot((1.8, -2.5), (1.8, 2.5)), 2.0);
         let behind = ask(&robot((-1.5, -2.5), (-1.5, 2.5)), 2.0);
         assert!(front > 3.0 * behind && front > THRESHOLD, "{front} and {behind}");
+    }
+
+    #[test]
+    fn a_forecast_that_experience_has_widened_reaches_robots_farther_beside() {
+        let beside = robot((1.5, 2.0), (-1.5, 2.0));
+        assert!(ask_scaled(&beside, 1.5, 2.5) > 2.0 * ask(&beside, 1.5));
     }
 
     #[test]

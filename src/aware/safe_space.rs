@@ -11,7 +11,7 @@
 use crate::human::WALK_MPS;
 use crate::time::{Span, Time, Window};
 
-/// Arm span of a standing man, the 90th percentile, metres (GB/T 13547-92, as quoted by Ye et al. 2024).
+/// Arm span of a standing man, the 90th percentile, metres (GB/T 13547-92, as quoted by Ye et al.).
 pub const ARM_SPAN_M: f64 = 1.78;
 /// The least distance between a worker and a robot that work together, metres (ISO 10218-2, as quoted there).
 pub const APART_M: f64 = 0.5;
@@ -26,7 +26,7 @@ pub struct Times {
 }
 
 impl Times {
-    /// How far a worker walks meanwhile, metres (Ye et al. 2024, equation 4).
+    /// How far a worker walks meanwhile, metres (Ye et al., equation 4).
     pub fn walked_m(self) -> f64 {
         WALK_MPS * (self.react_s + self.stop_s)
     }
@@ -62,7 +62,7 @@ pub struct Zone {
     pub worker: Window,
 }
 
-/// Who is in a zone when: the four cases of Ye et al. 2024.
+/// Who is in a zone when: the four cases of Ye et al..
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Case {
     /// 1: the robot has left when the worker comes, `t_q ≤ t_i`.

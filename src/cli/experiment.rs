@@ -29,7 +29,7 @@ pub enum Experiment {
     Intention(Purpose),
     /// Recorded people among robots that know nothing of them: who would have braked in time, who for nothing.
     Meetings(Encounters),
-    /// Safe spaces of workers and robots, and when a route is kept (Ye et al. 2024), beside ours.
+    /// Safe spaces of workers and robots, and when a route is kept (Ye et al.), beside ours.
     SafeSpace(SafeSpace),
 }
 

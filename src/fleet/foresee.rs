@@ -68,7 +68,6 @@ impl Fleet {
     /// Whether a robot would probably meet a worker if it did not brake now: the probability within the time that
     /// braking takes is at the threshold or beyond.
     pub(super) fn would_meet(&self, robot: RobotId, worker: WorkerId, at: Point, now: Time) -> bool {
-        let Some(outlook) = self.outlook(worker) else { return false };
         let far = self.crowd.people[worker].track.newest().is_none_or(|s| (s.at - at).norm() > NEAR_M);
         if far {
             return false;
@@ -86,6 +85,6 @@ impl Fleet {
         let times = self.crowd.regions.times(speed_mps, loaded);
         let time = Span::from_secs_f64(times.react_s + times.stop_s) + BEYOND;
         let robot = Swept { way, speed_mps, half_m: self.warehouse().footprint_m / 2.0 };
-        collision(&outlook, &robot, now, time).is_some_and(|p| p >= THRESHOLD)
+        collision(|t| self.forecast(worker, t), &robot, now, time).is_some_and(|p| p >= THRESHOLD)
     }
 }

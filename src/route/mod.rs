@@ -114,7 +114,7 @@ impl Planner {
     }
 
     /// Lets the way ahead outweigh the way behind: `f = g + w·h` with `w = 1 + k·(1 − g/(g + h))`, which falls from
-    /// `1 + k` at the start to 1 at the goal (the dynamic weight of Ye et al. 2024, equation 2, which says no more
+    /// `1 + k` at the start to 1 at the goal (the dynamic weight of Ye et al., equation 2, which says no more
     /// of `w` than that it falls). Zero, as a new planner has it, is the search as documented.
     ///
     /// With a weight, the objective is the last arrival alone, and a route takes at most `1 + k` times as long as the

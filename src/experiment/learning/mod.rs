@@ -6,8 +6,6 @@ mod motion;
 mod purpose;
 pub mod shapes;
 
-pub use motion::fit as fit_motion;
-
 use crate::experiment::recorded::{Ground, OBSERVED, Recording, STEPS, Seen, Subject, all};
 use crate::geometry::Point;
 use crate::human::motion::MotionModel;
