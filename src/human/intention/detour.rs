@@ -86,6 +86,8 @@ pub(super) struct Detour {
     model: Arc<PurposeModel>,
     /// Goals with their prior weights.
     weights: BTreeMap<GoalId, f64>,
+    /// Where people go next from the goal that was visited last, where that was learned.
+    next: BTreeMap<GoalId, f64>,
     /// Joint probabilities of goals and degrees.
     goals: BTreeMap<GoalId, [f64; DEGREES]>,
     elsewhere: f64,
@@ -106,6 +108,7 @@ impl Detour {
         Detour {
             model,
             weights: BTreeMap::new(),
+            next: BTreeMap::new(),
             goals: BTreeMap::new(),
             elsewhere,
             course: BTreeMap::new(),
@@ -193,25 +196,27 @@ impl Detour {
         let there = |g: &&GoalId| distances.place(**g).is_some_and(|p| (p - at).norm() <= THERE_M);
         if let Some(goal) = self.weights.keys().find(there).copied() {
             self.visited = Some(goal);
-            self.weights_from(goal, distances);
+            self.next = self.next_from(goal, distances).unwrap_or_default();
         }
     }
 
-    /// Where people go next from a goal, if that was learned; by the goals' own weights otherwise.
-    fn weights_from(&mut self, from: GoalId, distances: &Distances) {
+    /// Where people go next from a goal, if that was learned.
+    fn next_from(&self, from: GoalId, distances: &Distances) -> Option<BTreeMap<GoalId, f64>> {
         let place_of = |g: GoalId| {
             let at = distances.place(g)?;
             let off = |p: &Place| (Point::new(p.x_m, p.y_m) - at).norm();
             self.model.places.iter().position(|p| off(p) <= PLACE_M)
         };
-        let Some(origin) = place_of(from) else { return };
-        let shares = &self.model.places[origin].next;
-        let next: Vec<(GoalId, f64)> =
-            (self.weights.keys()).filter_map(|g| Some((*g, shares.get(place_of(*g)?)?.max(1e-6)))).collect();
+        let shares = &self.model.places[place_of(from)?].next;
         // Only where every goal is a known place do shares compare.
-        if next.len() == self.weights.len() {
-            self.weights.extend(next);
-        }
+        self.weights.keys().map(|g| Some((*g, shares.get(place_of(*g)?)?.max(1e-6)))).collect()
+    }
+
+    /// How probable goals are before anything is seen, up to a factor: by their own weights (the worker's task
+    /// first) and by where people go from the last goal.
+    fn prior(&self) -> BTreeMap<GoalId, f64> {
+        let factor = |g: &GoalId| self.next.get(g).copied().unwrap_or(1.0);
+        self.weights.iter().map(|(g, w)| (*g, w * factor(g))).collect()
     }
 
     /// Minds change with time: to the prior, and from a goal that was reached to another one.
@@ -219,7 +224,8 @@ impl Detour {
         let dt = passed.as_secs_f64();
         let (keeps, same) = ((-self.model.changes_per_s * dt).exp(), (-TEMPER_PER_S * dt).exp());
         let rests = (-dt / self.model.dwell_s).exp();
-        let total: f64 = self.weights.values().sum();
+        let prior = self.prior();
+        let total: f64 = prior.values().sum();
         let known = 1.0 - self.model.elsewhere;
         let mut free = self.elsewhere * (1.0 - keeps);
         self.elsewhere *= keeps;
@@ -233,7 +239,7 @@ impl Detour {
         }
         self.elsewhere += free * self.model.elsewhere;
         for (goal, p) in &mut self.goals {
-            let share = free * known * self.weights[goal] / total;
+            let share = free * known * prior[goal] / total;
             p.iter_mut().zip(self.model.beta_shares).for_each(|(q, b)| *q += share * b);
         }
     }
@@ -296,6 +302,27 @@ fn bessel0e(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn where_people_go_next_does_not_outweigh_the_workers_own_task_for_good() {
+        let place = |x_m: f64, next: [f64; 3]| Place { x_m, y_m: 0.0, dwell_s: 1.0, next: next.to_vec() };
+        let places =
+            vec![place(0.0, [0.0, 0.5, 0.5]), place(9.0, [0.5, 0.0, 0.5]), place(-9.0, [0.5, 0.5, 0.0])];
+        let model = Arc::new(PurposeModel { places, ..PurposeModel::default() });
+        let mut person = Detour::new(model, MotionModel::default());
+        let mut distances = Distances::in_the_open();
+        for (g, x, weight) in [(0, 0.0, 1.0), (1, 9.0, 1.0), (2, -9.0, 6.0)] {
+            person.add_goal(GoalId(g), weight);
+            distances.add_goal(GoalId(g), Point::new(x, 0.0));
+        }
+        // Standing at the first goal: minds change to what comes next, the own task first.
+        for k in 0..200 {
+            person.observe(Time(k * 500_000), Point::new(0.0, 0.0), &distances);
+        }
+        let belief = person.belief();
+        assert!(belief.of(GoalId(0)) < 0.1, "nobody goes where they are: {belief:?}");
+        assert!(belief.of(GoalId(2)) > 4.0 * belief.of(GoalId(1)), "{belief:?}");
+    }
 
     #[test]
     fn directions_under_von_mises_sum_to_one() {
