@@ -129,6 +129,7 @@ impl Fleet {
 
     fn infer_one(&mut self, worker: WorkerId, place: &Whereabouts, method: Method) {
         let goals = self.goals_of(worker);
+        let task = self.next_assignment(worker).map(|a| goal_of(self.ledger.assignments[&a].request.place));
         let person = &self.crowd.people[worker];
         let Some(seen) = person.track.newest().filter(|_| person.fresh).copied() else { return };
         if place.presence != Presence::Tracked || seen.quality != Quality::Tracked {
@@ -150,6 +151,7 @@ impl Fleet {
                 known.insert(goal);
             }
         }
+        intention.has_work_at(task);
         intention.expect_error(seen.accuracy_m);
         intention.observe(seen.seen, seen.at, seen.heading, &mind.distances);
     }

@@ -95,8 +95,10 @@ pub(super) struct Detour {
     course: BTreeMap<GoalId, f64>,
     /// Place and time of the last step that was taken in.
     last: Option<(Time, Point)>,
-    /// The goal that was visited last.
-    visited: Option<GoalId>,
+    /// The goal at which the person is.
+    there: Option<GoalId>,
+    /// The goal at which there is work to do.
+    work: Option<GoalId>,
     motion: Motion,
     /// One standard deviation of positions, metres.
     sigma_m: f64,
@@ -113,7 +115,8 @@ impl Detour {
             elsewhere,
             course: BTreeMap::new(),
             last: None,
-            visited: None,
+            there: None,
+            work: None,
             motion: Motion::new(motion),
             sigma_m: 0.02,
         }
@@ -144,8 +147,19 @@ impl Detour {
     pub fn remove_goal(&mut self, goal: GoalId) {
         self.weights.remove(&goal);
         self.course.remove(&goal);
-        self.elsewhere += self.goals.remove(&goal).map_or(0.0, |p| p.iter().sum());
+        let share = self.goals.remove(&goal).map_or(0.0, |p| p.iter().sum());
+        if self.there == Some(goal) {
+            // It is done: on to something else, nobody knows to what.
+            self.decide_anew(share);
+        } else {
+            self.elsewhere += share;
+        }
         self.normalise();
+    }
+
+    /// Whoever is at this goal stays until the work there is done.
+    pub fn has_work_at(&mut self, goal: Option<GoalId>) {
+        self.work = goal;
     }
 
     pub fn expect_error(&mut self, sigma_m: f64) {
@@ -194,8 +208,8 @@ impl Detour {
     /// Notes a visit: from there people go on to somewhere else.
     fn visit(&mut self, at: Point, distances: &Distances) {
         let there = |g: &&GoalId| distances.place(**g).is_some_and(|p| (p - at).norm() <= THERE_M);
-        if let Some(goal) = self.weights.keys().find(there).copied() {
-            self.visited = Some(goal);
+        self.there = self.weights.keys().find(there).copied();
+        if let Some(goal) = self.there {
             self.next = self.next_from(goal, distances).unwrap_or_default();
         }
     }
@@ -224,20 +238,26 @@ impl Detour {
         let dt = passed.as_secs_f64();
         let (keeps, same) = ((-self.model.changes_per_s * dt).exp(), (-TEMPER_PER_S * dt).exp());
         let rests = (-dt / self.model.dwell_s).exp();
-        let prior = self.prior();
-        let total: f64 = prior.values().sum();
-        let known = 1.0 - self.model.elsewhere;
         let mut free = self.elsewhere * (1.0 - keeps);
         self.elsewhere *= keeps;
         for (goal, p) in &mut self.goals {
             let sum: f64 = p.iter().sum();
-            let kept = keeps * if self.visited == Some(*goal) { rests } else { 1.0 };
+            let leaves = self.there == Some(*goal) && self.work != Some(*goal);
+            let kept = keeps * if leaves { rests } else { 1.0 };
             for (q, share) in p.iter_mut().zip(self.model.beta_shares) {
                 *q = kept * (same * *q + (1.0 - same) * share * sum);
             }
             free += (1.0 - kept) * sum;
         }
-        self.elsewhere += free * self.model.elsewhere;
+        self.decide_anew(free);
+    }
+
+    /// Hands out a share of probability as if nothing had been seen yet.
+    fn decide_anew(&mut self, free: f64) {
+        let prior = self.prior();
+        let total: f64 = prior.values().sum();
+        let known = if prior.is_empty() { 0.0 } else { 1.0 - self.model.elsewhere };
+        self.elsewhere += free * (1.0 - known);
         for (goal, p) in &mut self.goals {
             let share = free * known * prior[goal] / total;
             p.iter_mut().zip(self.model.beta_shares).for_each(|(q, b)| *q += share * b);

@@ -99,6 +99,14 @@ impl Intention {
         }
     }
 
+    /// Where the person has work to do, if anywhere: whoever is there stays until it is done. The published
+    /// methods have no such notion.
+    pub fn has_work_at(&mut self, goal: Option<GoalId>) {
+        if let Inner::Detour(d) = &mut self.inner {
+            d.has_work_at(goal);
+        }
+    }
+
     /// Whether there are more goals than the method was found to tell apart well.
     pub fn is_doubtful(&self) -> bool {
         matches!(&self.inner, Inner::Published(p) if p.is_doubtful())
