@@ -8,6 +8,7 @@ mod afoot;
 mod collision;
 mod effects;
 mod encounter;
+mod passing;
 mod regions;
 pub mod safe_space;
 
@@ -15,6 +16,7 @@ pub use afoot::Afoot;
 pub use collision::{BEYOND, Swept, THRESHOLD, collision};
 pub use effects::{Effects, nodes_in};
 pub use encounter::{Meeting, Meter, Near};
+pub use passing::{Drive, Walk, moves_within};
 pub use regions::{BODY_M, Regions, SLOW_MPS};
 pub use safe_space::{Answer, Zone};
 

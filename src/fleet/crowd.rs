@@ -70,6 +70,8 @@ pub(super) struct Person {
     pub version: u64,
     /// Since when the worker has been at the place of the assignment.
     pub there_since: Option<Time>,
+    /// Since when the worker has been standing.
+    pub stands_since: Option<Time>,
     /// Since when a robot has been standing on the path just ahead.
     pub blocked_since: Option<(RobotId, Time)>,
     /// What was told last, and when.

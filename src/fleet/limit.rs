@@ -4,10 +4,11 @@
 //! to be a safety function; robots' own scanners and brakes are.
 
 use super::Fleet;
+use super::crowd::Mode;
 use super::fact::Fact;
 use super::io::Command;
 use super::people::{Encounter, Reaction};
-use crate::aware::{Arm, Near, SLOW_MPS};
+use crate::aware::{Arm, Drive, Near, SLOW_MPS, Walk, moves_within};
 use crate::geometry::{Point, to_mm};
 use crate::human::{Presence, Whereabouts};
 use crate::id::{RobotId, WorkerId};
@@ -15,9 +16,17 @@ use crate::route::{Cause, Effect};
 use crate::time::{Span, Time};
 
 /// Whoever is slower than this stands, more or less, metres per second.
-const STROLL_MPS: f64 = 0.3;
+pub(super) const STROLL_MPS: f64 = 0.3;
 /// Room beyond region 1 that a robot leaves to somebody who stands, metres.
 const ROOM_M: f64 = 0.3;
+/// Room beyond region 1 that is left to somebody who comes, metres.
+const CLEAR_M: f64 = 0.2;
+/// Whoever is farther away does not come into region 1 before a robot has stopped, metres.
+const PASSING_M: f64 = 6.0;
+/// Whoever has stood for longer than this is not about to set off.
+const LATELY: Span = Span::from_secs(20);
+/// How fast people walk once they set off, metres per second.
+const GAIT_MPS: f64 = 1.3;
 /// Robots are told their limit again after this long, until they say that they know it.
 const INSIST: Span = Span::from_millis(100);
 /// Robots and workers farther apart than this are of no interest to one another, metres.
@@ -66,9 +75,9 @@ impl Fleet {
             let stop = self.crowd.regions.stop_radius_at_m(speed, loaded, w.sigma_m);
             let limit = if distance < stop {
                 let off = w.presence != Presence::Lost && self.drives_away(robot, at, w.at);
-                Some(if off && !self.is_caught_up(at, speed, loaded, w) { SLOW_MPS } else { 0.0 })
+                Some(if off && !self.is_caught_up(robot, *worker, w, now) { SLOW_MPS } else { 0.0 })
             } else {
-                self.limit_here(robot, at, *worker, w, loaded)
+                self.limit_here(robot, at, *worker, w, now)
             };
             // Down to the slow speed, at which the rules by distance decide: who stands face to face with somebody
             // has to get out of the way somehow.
@@ -90,14 +99,18 @@ impl Fleet {
         at: Point,
         worker: WorkerId,
         w: &Whereabouts,
-        loaded: bool,
+        now: Time,
     ) -> Option<f64> {
+        let loaded = self.ledger.rack_on(robot).is_some();
         let nodes = self.ledger.chain(robot).visits().take(2).map(|v| v.node);
-        if self.settings.arm == Arm::Giveway && self.drives_away(robot, at, w.at) {
-            // The separation distance counts speed towards the person, and there is none. But who would be
-            // caught up with had better stand when the person comes.
-            let speed = self.scene.robot(robot).map_or(0.0, |t| t.speed_mps);
-            return self.is_caught_up(at, speed, loaded, w).then_some(0.0);
+        if self.settings.arm == Arm::Giveway {
+            if self.is_caught_up(robot, worker, w, now) {
+                return Some(0.0);
+            }
+            // The separation distance counts speed towards the person, and there is none.
+            if self.drives_away(robot, at, w.at) {
+                return None;
+            }
         }
         let conditions = nodes.flat_map(|n| self.crowd.conditions.of(n));
         let limits = conditions.filter(|c| c.cause == Cause::Worker(worker)).filter_map(|c| match c.effect {
@@ -111,15 +124,52 @@ impl Fleet {
         limits.min_by(f64::total_cmp)
     }
 
-    /// Whether somebody who comes nearer would get into region 1 of a robot that drives off before it is as
-    /// fast.
-    fn is_caught_up(&self, at: Point, speed: f64, loaded: bool, w: &Whereabouts) -> bool {
-        let to = at - w.at;
-        let distance = to.norm().max(1e-6);
-        let approach = w.velocity.dot(&to) / distance - speed;
-        let gained = approach.max(0.0).powi(2) / (2.0 * self.settings.kinematics.accel_mps2(loaded));
-        let comes = w.velocity.norm() > STROLL_MPS && approach > 0.0;
-        comes && distance - gained < self.crowd.regions.stop_radius_m(loaded, w.sigma_m)
+    /// Whether a robot that drives on to the end of what it was granted would still move when somebody comes into
+    /// region 1.
+    fn is_caught_up(&self, robot: RobotId, worker: WorkerId, w: &Whereabouts, now: Time) -> bool {
+        let Some(seen) = self.scene.robot(robot) else { return false };
+        let at = seen.pose.at;
+        let walk = self.walk_of(worker, w, (robot, at), now);
+        if walk.speed_mps < STROLL_MPS || (at - w.at).norm() > PASSING_M {
+            return false;
+        }
+        let chain = self.ledger.chain(robot);
+        let ahead = (chain.first() + 1..chain.granted()).filter_map(|s| chain.get(s));
+        let way: Vec<Point> =
+            std::iter::once(at).chain(ahead.map(|v| self.warehouse().nodes[v.node].at)).collect();
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let k = &self.settings.kinematics;
+        let drive = Drive {
+            way,
+            speed_mps: seen.speed_mps,
+            top_mps: k.top_mps(loaded),
+            accel_mps2: k.accel_mps2(loaded),
+            heading: seen.pose.heading,
+            turn_radps: k.turn_radps,
+        };
+        let radius_m = self.crowd.regions.stop_radius_m(loaded, w.sigma_m) + CLEAR_M;
+        moves_within(&drive, &walk, radius_m)
+    }
+
+    /// How a worker will walk on, as far as that is known: along the path, straight on without one, and from where
+    /// there is work to do in any direction as soon as it is done.
+    fn walk_of(&self, worker: WorkerId, w: &Whereabouts, (robot, at): (RobotId, Point), now: Time) -> Walk {
+        let person = &self.crowd.people[worker];
+        let speed = w.velocity.norm();
+        if let (Some(since), Some(plan)) = (person.there_since, &person.plan)
+            && speed < STROLL_MPS
+        {
+            let waits_s = (since + plan.stay - now).max(Span::ZERO).as_secs_f64();
+            return Walk { way: vec![w.at, at], speed_mps: GAIT_MPS, waits_s };
+        }
+        let follows = matches!(person.mode, Mode::Following | Mode::Redirected);
+        let path = person.rest_of_path(w.at).filter(|p| follows && p.len() > 1);
+        // Whoever has stopped on the way may set off again, unless it is to let the robot leave; whoever has stood for
+        // long waits for something, maybe for the robot to go on.
+        let lately = person.stands_since.is_none_or(|t| now - t < LATELY);
+        let sets_off = path.is_some() && lately && !self.drives_away(robot, at, w.at);
+        let way = path.unwrap_or_else(|| vec![w.at, w.at + w.velocity * 5.0]);
+        Walk { way, speed_mps: if sets_off && speed < STROLL_MPS { GAIT_MPS } else { speed }, waits_s: 0.0 }
     }
 
     /// Whether a robot within region 2 may drive on to the end of what it was granted: the worker stands, and
