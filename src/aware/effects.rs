@@ -26,8 +26,10 @@ const SOFT: Span = Span::from_secs(15);
 /// Without forecasts: what a walker reaches within the first is closed, within the second dear; seconds.
 const HARD_REACH_S: f64 = 2.0;
 const SOFT_REACH_S: f64 = 5.0;
-/// Conditions around a present worker hold this long; they are made anew every step.
+/// Conditions around a worker who walks hold this long …
 const NOW: Span = Span::from_millis(900);
+/// … and around one who stands this long at most.
+const STOOD: Span = Span::from_secs(120);
 /// Room between a person on a path and a robot, metres.
 const GAP_M: f64 = 0.1;
 
@@ -50,10 +52,11 @@ impl Effects<'_> {
         self.warehouse.footprint_m / 2.0 + BODY_M + GAP_M
     }
 
-    /// Regions 2 and 3 around a worker where the worker is.
-    pub fn presence(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts) {
+    /// Regions 2 and 3 around a worker where the worker is. Whoever has stood for long is expected to stand as long
+    /// again, so that robots look for other ways; conditions are made anew every step.
+    pub fn presence(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts, stood: Span) {
         let cause = Cause::Worker(worker);
-        let window = Window::new(self.now, self.now + NOW);
+        let window = Window::new(self.now, self.now + stood.clamp(NOW, STOOD));
         let still = self.regions.still_radius_m(true, w.sigma_m) + w.reach_m;
         let slow = self.regions.slow_radius_m(true, w.sigma_m) + w.reach_m;
         for (node, distance) in self.afoot.nodes_within(self.warehouse, w.at, slow) {
@@ -188,7 +191,7 @@ mod tests {
         let mut conditions = Conditions::none(&warehouse);
         let node = warehouse.nodes.ids().next().unwrap();
         let at = warehouse.nodes[node].at;
-        effects.presence(&mut conditions, WorkerId(0), &standing(at));
+        effects.presence(&mut conditions, WorkerId(0), &standing(at), Span::ZERO);
         assert!(matches!(conditions.of(node)[0].effect, Effect::Still));
         let still = regions.still_radius_m(true, 0.02);
         let near: Vec<_> = afoot.nodes_within(&warehouse, at, still);

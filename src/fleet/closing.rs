@@ -1,5 +1,6 @@
 //! Areas that are closed for a time, announced ahead: whose route leads in gets another before it begins, nobody sets
-//! off for what is inside, robots that rest inside leave, and what is over for long is forgotten.
+//! off for what is inside, robots that rest inside leave, and what is over for long is forgotten. Around somebody who
+//! has been standing for long, it is the same.
 //!
 //! The search knows every announced closure as a condition, so new routes need nothing from here. Refuses: to stop
 //! anybody (grants do), and to take back what was granted.
@@ -7,14 +8,16 @@
 use super::fact::{Fact, Purpose, Task};
 use super::job::{JobKind, JobState};
 use super::{Fleet, ledger};
-use crate::aware::Zone;
+use crate::aware::{Arm, Zone};
 use crate::id::{NodeId, RobotId};
-use crate::route::{COME_OUT, Cause, Effect};
+use crate::route::{COME_OUT, Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
 use crate::warehouse::NodeKind;
 
 /// What is closed within this is treated as closed by whoever chooses a job, a place for a rack, or one to rest.
 const SOON: Span = Span::from_secs(180);
+/// What somebody keeps robots from for longer than this, standing there, is as good as closed.
+const STANDS: Span = Span::from_secs(20);
 /// A robot whose route leads into a closed area looks for another one this often at most.
 const AGAIN: Span = Span::from_secs(5);
 /// A closure that is over stays in the list for so long.
@@ -28,15 +31,17 @@ impl Fleet {
         for closure in over.map(|(id, _)| *id).collect::<Vec<_>>() {
             self.record(Fact::Reopened { closure, at: now });
         }
-        if self.ledger.closures.is_empty() {
+        if self.crowd.conditions.is_empty() {
             return;
         }
         let soon = Window::new(now, now + SOON);
         let conditions = &self.crowd.conditions;
-        let begins = |n: NodeId| {
-            let by_hand = conditions.of(n).iter().filter(|c| matches!(c.cause, Cause::Closure(_)));
-            by_hand.filter(|c| c.window.overlaps(soon)).map(|c| c.window.start()).min()
+        let ours = self.settings.arm == Arm::Giveway;
+        let shuts = |c: &&Condition| match c.cause {
+            Cause::Closure(_) => c.window.overlaps(soon),
+            Cause::Worker(_) => ours && c.effect == Effect::Still && c.window.end() > now + STANDS,
         };
+        let begins = |n: NodeId| conditions.of(n).iter().filter(shuts).map(|c| c.window.start()).min();
         self.crowd.closing = conditions.nodes().filter_map(|n| Some((n, begins(n)?))).collect();
         let nodes = self.crowd.closing.keys();
         let cut_off: Vec<(NodeId, Time)> = nodes.flat_map(|n| self.storage_behind(*n)).collect();
@@ -83,7 +88,7 @@ impl Fleet {
 
     /// Robots whose promised way leads through a closed area, or ends in one, get another one.
     pub(super) fn route_round_closures(&mut self, now: Time, budget: &mut u32) {
-        if self.ledger.closures.is_empty() {
+        if self.crowd.closing.is_empty() {
             return;
         }
         for robot in ledger::all(&self.ledger.robots) {

@@ -6,11 +6,12 @@
 use super::Fleet;
 use super::crowd::Mode;
 use super::lead::REDIRECT;
+use super::limit::STROLL_MPS;
 use crate::aware::{Arm, Effects};
 use crate::geometry::Point;
 use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, Taken, Whereabouts};
 use crate::id::{AssignmentId, Dense, RobotId, WorkerId};
-use crate::time::Time;
+use crate::time::{Span, Time};
 
 /// Whoever follows a new path for this far is on the path again, metres.
 const BACK_M: f64 = 1.0;
@@ -83,6 +84,8 @@ impl Fleet {
         if !person.fresh {
             return;
         }
+        let stands = place.velocity.norm() < STROLL_MPS;
+        person.stands_since = stands.then(|| person.stands_since.unwrap_or(now));
         self.look_ahead(worker, &place, now);
         let person = &mut self.crowd.people[worker];
         let Some(plan) = person.plan.as_mut() else { return };
@@ -145,7 +148,9 @@ impl Fleet {
         for (worker, place) in self.present(now) {
             let person = &self.crowd.people[worker];
             if self.settings.arm == Arm::Giveway || place.presence == Presence::Lost {
-                effects.presence(&mut conditions, worker, &place);
+                let stands = person.stands_since.filter(|_| self.settings.arm == Arm::Giveway);
+                let stood = stands.map_or(Span::ZERO, |t| now - t);
+                effects.presence(&mut conditions, worker, &place, stood);
                 let band = Band::around(place.velocity.norm());
                 effects.forecast(&mut conditions, worker, &person.ways, band);
                 if !self.crowd.coverage.is_trusted() {

@@ -115,7 +115,7 @@ fn a_worker_who_follows_the_path_does_the_assignment_and_never_deviates() {
 }
 
 #[test]
-fn robots_deliver_and_a_worker_works_on_the_same_floor() {
+fn robots_deliver_and_a_worker_works_and_then_stands_about_on_the_same_floor() {
     let mut floor = Floor::thesis(8);
     floor.submit_batch(60);
     let exits = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Aisle);
@@ -130,6 +130,15 @@ fn robots_deliver_and_a_worker_works_on_the_same_floor() {
     assert!(counts.human_deliveries >= 10, "{counts:?}, waited {} s", ana.waited_s);
     assert!(counts.robot_deliveries >= 25, "{counts:?}");
     assert_eq!(floor.deviations(), 0);
+    // With her work done she stands in an aisle for good. Robots that were on their way past her, or to places
+    // beside her, find others instead of waiting for her and holding up the rest.
+    let before = counts.robot_deliveries;
+    floor.submit_batch(40);
+    for _ in 0..2000 {
+        floor.walk(&mut ana);
+    }
+    let after = floor.fleet.ledger().counts.robot_deliveries;
+    assert!(after >= before + 10, "{before} before, {after} after");
 }
 
 #[test]
