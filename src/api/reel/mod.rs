@@ -121,3 +121,6 @@ fn split(line: &str) -> Option<(f64, &str)> {
 
 #[cfg(test)]
 mod tests;
+
+#[cfg(test)]
+mod tests;

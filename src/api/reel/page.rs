@@ -26,6 +26,6 @@ pub fn page(title: &str, reel: &[u8]) -> Option<String> {
          <link rel=\"icon\" href=\"data:,\">\n<title>{title} – Giveway</title>\n<style>{style}</style>\n</head>\n\
          <body>\n<div id=\"app\"></div>\n\
          <script type=\"application/gzip\" id=\"reel\">{reel}</script>\n\
-         <script>{script}</script>\n</body>\n</html>\n"
+         <script type=\"module\">{script}</script>\n</body>\n</html>\n"
     ))
 }
