@@ -125,13 +125,21 @@ export class Session {
   #begin(shows: 'present' | 'past', map: Loaded<FloorMap>, link: LinkState): void {
     this.api.shows = shows;
     this.link = link;
-    this.story = new Story();
-    this.history = new History();
+    this.#forget();
     this.drawing = null;
     this.#use(map);
   }
 
+  #forget(): void {
+    const { places } = this.story;
+    this.story = new Story();
+    this.story.places = places;
+    this.history = new History();
+  }
+
   #show(mirror: Mirror, how: 'glide' | 'jump'): void {
+    // After a jump, nobody knows what happened in between.
+    if (this.replay && how === 'jump') this.#forget();
     this.history.add(mirror.time_s, mirror.counters.deliveries_per_hour);
     this.onMirror(mirror, how);
   }

@@ -135,7 +135,7 @@ await check('A running server shows its own past, in which nothing can be change
   await page.waitForTimeout(4_000);
   await button('Replay').click();
   await badge().waitFor({ timeout: PATIENCE });
-  await bookmarks().getByText('all robots were stopped by hand').waitFor({ timeout: 10_000 });
+  await bookmarks().getByText("all robots were stopped by hand").waitFor({ timeout: 10_000 });
   assert(await button('Stop all robots').isDisabled(), 'the stop is no button of the past');
   assert((await page.getByRole('button', { name: 'Submit' }).count()) === 0, 'jobs can be handed in');
   await page.waitForTimeout(1_000);
@@ -183,7 +183,7 @@ await check('What a killed server kept is there when it is back', async () => {
   await page.goto(`${server.url}/#replay?from=${spans[0].from_s}&to=${spans[0].to_s}`);
   await badge().waitFor({ timeout: PATIENCE });
   await drawn();
-  await bookmarks().getByText('all robots were stopped by hand').waitFor({ timeout: 5_000 });
+  await bookmarks().getByText("all robots were stopped by hand").waitFor({ timeout: 5_000 });
   return `${(spans[0].to_s - spans[0].from_s).toFixed(1)} s`;
 });
 await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));

@@ -7,7 +7,7 @@ use crate::api::dto::round3;
 use crate::api::live::Frame;
 use crate::api::people::{closure_name, worker_name};
 use crate::fleet::{Encounter, Fact, Reaction};
-use crate::id::{Dense, RobotId};
+use crate::id::{Dense, RobotId, WorkerId};
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -76,12 +76,12 @@ pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
     let of_all = |kind, at_s, words: String, place| Mark { at_s, kind, words, who: Vec::new(), place };
     match fact {
         Fact::Deviated { worker, at } => {
-            let id = worker_name(*worker);
             let place = frame.workers.get(worker.ix()).and_then(|w| Some([w.x?, w.y?]));
-            let words = format!("{id} left the path");
-            Some(Mark { at_s: seconds(at), kind: Kind::Deviation, words, who: vec![id], place })
+            let words = format!("{} left the path", called(*worker, frame));
+            let who = vec![worker_name(*worker)];
+            Some(Mark { at_s: seconds(at), kind: Kind::Deviation, words, who, place })
         }
-        Fact::Encountered(e) => Some(met(e, seconds(&e.began), robot(&e.robot)?.0)),
+        Fact::Encountered(e) => Some(met(e, seconds(&e.began), robot(&e.robot)?.0, frame)),
         Fact::Halted { robot: Some(r), at } => of_robot(Kind::Stop, at, r, "was paused by hand"),
         Fact::Released { robot: Some(r), at } => of_robot(Kind::Stop, at, r, "goes on"),
         Fact::Halted { robot: None, at } => {
@@ -105,8 +105,13 @@ pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
     }
 }
 
-fn met(e: &Encounter, at_s: f64, robot: String) -> Mark {
-    let worker = worker_name(e.worker);
+/// What people call a worker: by the name, where there is one.
+fn called(worker: WorkerId, frame: &Frame) -> String {
+    frame.workers.get(worker.ix()).map_or_else(|| worker_name(worker), |w| w.name.clone())
+}
+
+fn met(e: &Encounter, at_s: f64, robot: String, frame: &Frame) -> Mark {
+    let worker = called(e.worker, frame);
     let metres = |mm: i64| mm as f64 / 1000.0;
     let then = match e.reaction {
         Reaction::Kept => "drove on",
@@ -118,7 +123,7 @@ fn met(e: &Encounter, at_s: f64, robot: String) -> Mark {
     let words =
         format!("{worker} met {robot}, at the closest {:.2} m; the robot {then}", metres(e.closest_mm));
     let place = Some([metres(e.at.x_mm), metres(e.at.y_mm)]);
-    Mark { at_s, kind: Kind::Encounter, words, who: vec![worker, robot], place }
+    Mark { at_s, kind: Kind::Encounter, words, who: vec![worker_name(e.worker), robot], place }
 }
 
 /// What a picture says that the one before did not.
@@ -138,7 +143,7 @@ pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
     }
     for (before, now) in old.workers.iter().zip(&new.workers) {
         if now.presence == "lost" && before.presence != "lost" {
-            let words = format!("{} is lost: nobody knows where, and robots stand all round", now.id);
+            let words = format!("{} is lost: nobody knows where, and robots stand all round", now.name);
             let place = now.x.zip(now.y).map(|(x, y)| [x, y]);
             found.push(Mark { at_s: new.time_s, kind: Kind::Alarm, words, who: vec![now.id.clone()], place });
         }

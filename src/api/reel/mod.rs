@@ -121,6 +121,3 @@ fn split(line: &str) -> Option<(f64, &str)> {
 
 #[cfg(test)]
 mod tests;
-
-#[cfg(test)]
-mod tests;

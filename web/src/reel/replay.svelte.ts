@@ -1,7 +1,7 @@
 // The past being played: which moment, how fast, and what of it is in sight on the scrubber. It gives mirrors to whoever
 // shows them, by the same door as the live link.
 import { EMPTY, type Mirror } from '../mirror';
-import { begins, ends, snap, type Film } from './film';
+import { begins, ends, snap, type Film, type Span } from './film';
 import type { Mark } from './reel';
 import { seek, type Shown } from './seek';
 
@@ -9,6 +9,7 @@ export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16, 32, 64] as const;
 /** How much of the past the scrubber shows, seconds; 0 is all of it. */
 export const REACHES = [120, 600, 3_600, 0] as const;
 const REFRESH_MS = 3_000;
+const RECENT_S = 60;
 /** Whoever goes to a bookmark wants to see how it came about. */
 const LEAD_S = 5;
 
@@ -23,6 +24,7 @@ export class Replay {
   marks = $state.raw<readonly Mark[]>([]);
   begin = $state(0);
   end = $state(0);
+  spans = $state.raw<readonly Span[]>([]);
   /** The left end of the scrubber, and how much it shows. */
   left = $state(0);
   reach = $state<number>(0);
@@ -41,8 +43,10 @@ export class Replay {
     this.#look();
     const long = this.end - this.begin > 1_200;
     this.reach = from !== null && to !== null && to > from ? to - from : long ? 600 : 0;
-    this.left = from ?? Math.max(this.begin, film.source === 'server' ? this.end - this.reach : this.begin);
-    this.t = snap(film, this.left);
+    // Who asks a running server for nothing in particular wants to see what has just happened.
+    const recent = film.source === 'server';
+    this.left = from ?? (recent && this.reach > 0 ? Math.max(this.begin, this.end - this.reach) : this.begin);
+    this.t = snap(film, from ?? (recent ? Math.max(this.begin, this.end - RECENT_S) : this.begin));
   }
 
   /** The right end of the scrubber. */
@@ -96,7 +100,7 @@ export class Replay {
   }
 
   #turn(seconds: number): void {
-    if (this.playing && !this.waiting) this.#advance(Math.min(seconds, 0.25) * this.speed);
+    if (this.playing && !this.waiting) this.#advance(Math.min(Math.max(seconds, 0), 0.25) * this.speed);
     const shots = this.film.shots(this.t);
     const shown = shots && seek(shots, this.t, this.#shown);
     this.waiting = !shown;
@@ -124,6 +128,7 @@ export class Replay {
   #look(): void {
     this.begin = begins(this.film);
     this.end = ends(this.film);
+    this.spans = [...this.film.spans];
     if (this.marks !== this.film.marks) this.marks = this.film.marks;
   }
 }
