@@ -96,8 +96,8 @@ describe('a reel', () => {
   });
 
   test('a moment without a picture becomes the next one with one', () => {
-    const film = { ...new FileFilm(readReel(reelLines(2))), spans: [{ from_s: 0, to_s: 10 }, { from_s: 100, to_s: 200 }] };
-    expect([-3, 5, 50, 150, 900].map((t) => snap(film as FileFilm, t))).toEqual([0, 5, 100, 150, 200]);
+    const film = { spans: [{ from_s: 0, to_s: 10 }, { from_s: 100, to_s: 200 }] };
+    expect([-3, 5, 50, 150, 900].map((t) => snap(film, t))).toEqual([0, 5, 100, 150, 200]);
   });
 });
 

@@ -237,7 +237,7 @@ impl Cut {
                     held.clear();
                 }
                 held += &format!("{{\"at\":{at},{rest}\n");
-                if at >= self.from_s && !put(&std::mem::take(&mut held)) {
+                if at > self.from_s && !put(&std::mem::take(&mut held)) {
                     return;
                 }
             }

@@ -28,11 +28,12 @@ export interface Film {
   refresh(): Promise<void>;
 }
 
-export const begins = (film: Film): number => film.spans[0]?.from_s ?? 0;
-export const ends = (film: Film): number => film.spans.at(-1)?.to_s ?? 0;
+type Spanned = Pick<Film, 'spans'>;
+export const begins = (film: Spanned): number => film.spans[0]?.from_s ?? 0;
+export const ends = (film: Spanned): number => film.spans.at(-1)?.to_s ?? 0;
 
 /** The moment itself, or the next one of which there is a picture. */
-export function snap(film: Film, t: number): number {
+export function snap(film: Spanned, t: number): number {
   for (const span of film.spans) if (t <= span.to_s) return Math.max(t, span.from_s);
   return ends(film);
 }
