@@ -4,7 +4,7 @@
 //! run that asks; earlier runs lie before 0. Beside each file lies its index, which is made again where it is missing.
 //! Refuses: to keep pictures in memory.
 
-use super::{Limits, Mark, header, lines, split};
+use super::{Limits, Mark, Out, header, lines, split};
 use crate::api::dto::round3;
 use crate::time::Time;
 use crate::warehouse::Warehouse;
@@ -15,6 +15,9 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 /// Two files with less between them are one span, seconds.
 const SEAM_S: f64 = 2.0;
+
+/// More bookmarks of one file are in the file only.
+const MOST_MARKS: usize = 5000;
 
 /// A folder of reels.
 pub struct Folder {
@@ -104,8 +107,8 @@ impl Folder {
         (!pieces.is_empty()).then_some(Cut { head, pieces, from_s, to_s })
     }
 
-    /// Begins a file; gives where it is to be.
-    pub(super) fn begin(&self, at_s: f64) -> io::Result<PathBuf> {
+    /// Begins a file.
+    pub(super) fn begin(&self, at_s: f64) -> io::Result<Out> {
         std::fs::create_dir_all(&self.path)?;
         let name = self.start.and_then(|start| {
             let at = jiff::Timestamp::from_microsecond(start.0 + (at_s * 1e6) as i64).ok()?;
@@ -113,16 +116,26 @@ impl Folder {
         });
         let path = self.path.join(format!("{}.reel", name.unwrap_or_else(|| format!("{at_s:012.3}"))));
         let start = self.start.map(|start| round3(start.as_secs_f64()));
-        let piece = Piece { path: path.clone(), start, from_s: at_s, to_s: at_s, marks: Vec::new() };
+        let out = Out::create(&path)?;
+        let piece = Piece { path, start, from_s: at_s, to_s: at_s, marks: Vec::new() };
         self.pieces().push(piece);
-        Ok(path)
+        Ok(out)
+    }
+
+    /// Deletes the last file where nobody could read anything of it.
+    pub(super) fn forget_empty(&self) {
+        let mut pieces = self.pieces();
+        if let Some(empty) = pieces.pop_if(|piece| piece.to_s <= piece.from_s) {
+            let _ = std::fs::remove_file(empty.path);
+        }
     }
 
     /// The last file reaches so far now.
     pub(super) fn grow(&self, to_s: f64, marks: Vec<Mark>) {
         if let Some(piece) = self.pieces().last_mut() {
             piece.to_s = to_s;
-            piece.marks.extend(marks);
+            let room = MOST_MARKS.saturating_sub(piece.marks.len());
+            piece.marks.extend(marks.into_iter().take(room));
         }
     }
 

@@ -56,6 +56,7 @@ impl Roll {
         let taken = self.try_take(frame);
         if taken.is_err() {
             self.out = None;
+            self.folder.forget_empty();
         }
         taken
     }
@@ -78,8 +79,7 @@ impl Roll {
         if fresh {
             (self.began_s, self.flushed_s) = (shot.at_s, shot.at_s);
             self.folder.prune(shot.at_s, self.limits);
-            let path = self.folder.begin(shot.at_s)?;
-            self.out = Some(Out::create(&path)?);
+            self.out = Some(self.folder.begin(shot.at_s)?);
         }
         let Some(out) = &mut self.out else { return Ok(()) };
         out.put(&header)?;

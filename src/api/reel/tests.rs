@@ -154,3 +154,24 @@ fn an_alarm_is_a_bookmark_once_and_a_stop_by_hand_is_not_two() {
     assert!(shoot(2.0, &alarms).is_empty());
     assert!(reel.picture(&frame(2.0, &alarms)).is_none(), "the same picture is none");
 }
+
+#[test]
+fn where_the_disk_refuses_nothing_breaks_and_the_past_goes_on_later() {
+    let place = Place::new("refused");
+    let folder = place.folder(0);
+    std::fs::remove_dir(&place.0).unwrap();
+    std::fs::write(&place.0, "in the way").unwrap();
+    let mut roll = Roll::new(folder.clone(), NO_LIMITS);
+    let alarms = Alarms::default();
+    for s in 0..5 {
+        assert!(roll.take(&frame(f64::from(s), &alarms)).is_err());
+    }
+    assert_eq!(folder.past(0.0, 9.0), Past::default());
+    std::fs::remove_file(&place.0).unwrap();
+    for s in 5..30 {
+        roll.take(&frame(f64::from(s), &alarms)).unwrap();
+    }
+    roll.finish().unwrap();
+    assert_eq!(folder.past(0.0, 0.0).spans, [(5.0, 29.0)]);
+    assert!(cut(&folder, 0.0, 9.0)[2].get("key").is_some(), "it begins with a whole picture");
+}

@@ -102,6 +102,7 @@ export class ServerFilm implements Film {
   #now: () => number;
   #pieces = new Map<number, Piece>();
   #asked = new Map<number, number>();
+  #fetching = new Set<number>();
 
   private constructor(api: Api, now: () => number) {
     this.#api = api;
@@ -140,9 +141,11 @@ export class ServerFilm implements Film {
 
   async #fetch(number: number): Promise<void> {
     const now = this.#now();
-    if (now - (this.#asked.get(number) ?? -Infinity) < AGAIN_MS) return;
+    if (this.#fetching.has(number) || now - (this.#asked.get(number) ?? -Infinity) < AGAIN_MS) return;
     this.#asked.set(number, now);
+    this.#fetching.add(number);
     const answer = await this.#api.reel(number * PIECE_S, (number + 1) * PIECE_S + 0.5, 'without map');
+    this.#fetching.delete(number);
     this.wrong = trouble(answer);
     if (answer.kind !== 'ok') return;
     try {
