@@ -29,6 +29,8 @@ export class Replay {
   left = $state(0);
   reach = $state<number>(0);
   mirror: Mirror = EMPTY;
+  /** The bookmark that was gone to, and is a few seconds ahead. */
+  #aim = $state.raw<Mark | null>(null);
 
   #shown: Shown | null = null;
   #give: (mirror: Mirror, how: 'glide' | 'jump') => void;
@@ -79,6 +81,7 @@ export class Replay {
   seek(t: number): void {
     this.t = snap(this.film, Math.min(this.end, Math.max(this.begin, t)));
     this.#until = null;
+    this.#aim = null;
     this.#follow();
   }
 
@@ -90,13 +93,18 @@ export class Replay {
 
   goTo(mark: Mark): void {
     this.seek(mark.at_s - LEAD_S);
+    this.#aim = mark;
+  }
+
+  /** The moment that bookmarks are counted from: the one that was gone to, until it is there. */
+  get at(): number {
+    return this.#aim ? Math.max(this.t, this.#aim.at_s) : this.t;
   }
 
   /** The bookmark before or after the moment; null where there is none. */
   beside(step: 1 | -1): Mark | null {
-    const here = this.t + LEAD_S;
-    // Just after a jump the moment is a lead before its bookmark: that one counts as here.
-    return (step === 1 ? this.marks.find((m) => m.at_s > here + 0.5) : this.marks.findLast((m) => m.at_s < here - 0.5)) ?? null;
+    const { at } = this;
+    return (step === 1 ? this.marks.find((m) => m.at_s > at) : this.marks.findLast((m) => m.at_s < at)) ?? null;
   }
 
   #turn(seconds: number): void {
