@@ -30,7 +30,6 @@ use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment, QUESTIONS};
-use crate::api::reel::{Folder, Limits};
 use crate::api::{Api, auth::Gate, router};
 use crate::fleet::{Fleet, Settings};
 use crate::sim::{OrderLine, Scenario, World};
@@ -39,6 +38,7 @@ use crate::time::Span;
 use crate::warehouse::Warehouse;
 use anyhow::{Context, anyhow};
 use axum::serve::ListenerExt;
+use reels::Past;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
@@ -127,8 +127,9 @@ impl Server {
         feeds.know(&fleet.ledger().workers);
         let (period, next, feeds) = (scenario.period, loaded.next, Arc::new(feeds));
         let interop = config.massrobotics.clone();
-        let past = past_of(config, &fleet, &clock);
-        let parts = Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, past };
+        let live = Arc::new(Live::new(fleet.warehouse().clone(), clock.started().0.unsigned_abs()));
+        let past = Past::keep(config.past(), fleet.warehouse(), &live, &clock);
+        let parts = Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, live, past };
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
         let work = tokio::spawn(work(parts, store.clone(), door, stopping));
         Ok(Server { address, summary, identity, store, stop, work })
@@ -186,21 +187,8 @@ struct Parts {
     interop: Interop,
     feeds: Arc<Feeds>,
     heard: mpsc::Receiver<Heard>,
-    past: Option<(Arc<Folder>, Limits)>,
-}
-
-/// Where the past is kept, and how much of it; nothing where none is, or where that cannot be.
-fn past_of(config: &Config, fleet: &Fleet, clock: &Clock) -> Option<(Arc<Folder>, Limits)> {
-    let (path, limits) = config.past()?;
-    let map = fleet.warehouse().clone();
-    let name = map.name.clone();
-    match Folder::open(path.clone(), map, name, Some(clock.started())) {
-        Ok(folder) => Some((Arc::new(folder), limits)),
-        Err(e) => {
-            tracing::error!("the past is not kept: {}: {e}. The fleet goes on.", path.display());
-            None
-        }
-    }
+    live: Arc<Live>,
+    past: Past,
 }
 
 /// Runs everything until told to stop, or until something cannot go on; then takes it down in order.
@@ -210,19 +198,13 @@ async fn work(
     door: Door,
     mut stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
-    let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, past } = parts;
+    let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, live, past } = parts;
     let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
     let ((desk, requests), (ask, questions)) = (mpsc::channel(inbox::DESK), mpsc::channel(QUESTIONS));
-    let view = fleet.view(clock.now());
+    let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
     let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
-    let map = fleet.warehouse().clone();
-    let live = Arc::new(Live::new(map.clone(), clock.started().0.unsigned_abs()));
-    let keep = |(folder, limits): &(Arc<Folder>, Limits)| {
-        reels::keep(folder.clone(), *limits, live.clone(), clock.clone()).context("cannot keep the past")
-    };
-    let tap = past.as_ref().map(keep).transpose()?.unwrap_or_default();
     let drive = drive::Drive {
         fleet,
         world,
@@ -235,7 +217,7 @@ async fn work(
         measure: measure::Measure::default(),
         metrics: metrics.clone(),
         feeds: feeds.clone(),
-        tap,
+        tap: past.tap,
         alarms: alarms.clone(),
         halted: false,
         moments,
@@ -251,7 +233,7 @@ async fn work(
         desk: Some(desk),
         questions: ask,
         alarms,
-        past: past.map(|(folder, _)| folder),
+        past: past.folder,
         live,
         feeds,
         interop: Arc::new(interop),

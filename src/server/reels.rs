@@ -1,6 +1,6 @@
 //! Keeps the past: a thread of its own writes the pictures of the live feed to disk, five a second.
 //!
-//! Main types: [`Tap`] (the loop's end, which never waits), [`keep`]. Where the disk takes no more, the log says so,
+//! Main types: [`Past`], [`Tap`] (the loop's end, which never waits). Where the disk takes no more, the log says so,
 //! the fleet goes on, and the thread tries again. Refuses: to hold anybody up; a fact that comes too fast loses its
 //! bookmark, not its place in the journal.
 
@@ -8,8 +8,10 @@ use super::clock::Clock;
 use crate::api::live::Live;
 use crate::api::reel::{EVERY, Folder, Limits, Roll, is_notable};
 use crate::fleet::Fact;
-use crate::time::Span;
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
 use std::io;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
@@ -34,15 +36,39 @@ impl Tap {
     }
 }
 
-/// Begins to keep the past in a folder; ends when the tap is dropped.
-///
-/// # Errors
-/// Where there can be no thread.
-pub fn keep(folder: Arc<Folder>, limits: Limits, live: Arc<Live>, clock: Arc<Clock>) -> io::Result<Tap> {
-    let (send, facts) = sync_channel(WAITING);
-    let keeper = Keeper { roll: Roll::new(folder, limits), live, clock, rest: None };
-    std::thread::Builder::new().name("past".into()).spawn(move || keeper.run(&facts))?;
-    Ok(Tap(Some(send)))
+/// The past that is kept, or none.
+#[derive(Default)]
+pub struct Past {
+    /// What there is of it.
+    pub folder: Option<Arc<Folder>>,
+    /// For the loop.
+    pub tap: Tap,
+}
+
+impl Past {
+    /// Begins to keep the past in a folder, if that is wanted; ends when the tap is dropped. Where it cannot be kept,
+    /// the log says so, and that is all.
+    pub fn keep(
+        wanted: Option<(PathBuf, Limits)>,
+        map: &Arc<Warehouse>,
+        live: &Arc<Live>,
+        clock: &Arc<Clock>,
+    ) -> Past {
+        let Some((path, limits)) = wanted else { return Past::default() };
+        let begin = || -> io::Result<Past> {
+            let folder = Folder::open(path.clone(), map.clone(), map.name.clone(), Some(clock.started()))?;
+            let folder = Arc::new(folder);
+            let (send, facts) = sync_channel(WAITING);
+            let roll = Roll::new(folder.clone(), limits);
+            let keeper = Keeper { roll, live: live.clone(), clock: clock.clone(), rest: None };
+            std::thread::Builder::new().name("past".into()).spawn(move || keeper.run(&facts))?;
+            Ok(Past { folder: Some(folder), tap: Tap(Some(send)) })
+        };
+        begin().unwrap_or_else(|e| {
+            tracing::error!("the past is not kept: {}: {e}. The fleet goes on.", path.display());
+            Past::default()
+        })
+    }
 }
 
 struct Keeper {
@@ -50,7 +76,7 @@ struct Keeper {
     live: Arc<Live>,
     clock: Arc<Clock>,
     /// Until when nothing is written, since the disk refused something.
-    rest: Option<crate::time::Time>,
+    rest: Option<Time>,
 }
 
 impl Keeper {

@@ -124,16 +124,10 @@ impl Show {
 /// Films a whole recording, as fast as it goes.
 fn run_ahead(mut player: Player, mut roll: Roll) {
     let mut film = Film::default();
-    loop {
-        let filmed = match player.turn() {
-            Ok(Turn::Step(now, step)) => {
-                step.facts.iter().for_each(|fact| roll.note(fact));
-                film.shoot(&player.fleet, now).map_or(Ok(()), |frame| roll.take(&frame))
-            }
-            // Where it cannot be read any further, the other player says so.
-            Ok(Turn::End { .. }) | Err(_) => break,
-        };
-        if let Err(e) = filmed {
+    // Where it cannot be read any further, the other player says so.
+    while let Ok(Turn::Step(now, step)) = player.turn() {
+        step.facts.iter().for_each(|fact| roll.note(fact));
+        if let Some(Err(e)) = film.shoot(&player.fleet, now).map(|frame| roll.take(&frame)) {
             return tracing::error!("the rest of the recording cannot be gone to: {e}");
         }
     }

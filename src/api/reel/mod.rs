@@ -33,6 +33,9 @@ pub const EVERY: Span = Span::from_millis(200);
 /// How often there is a whole one: who looks at a moment reads this much before it at most.
 const KEY_EVERY_S: f64 = 10.0;
 
+/// So many facts wait for the next picture, which is long in coming where the disk takes nothing.
+const MOST_WAITING: usize = 1000;
+
 /// Turns pictures and facts into lines.
 pub struct Reel {
     map: Arc<Warehouse>,
@@ -49,7 +52,7 @@ pub struct Reel {
 pub struct Shot {
     /// When, seconds from the start.
     pub at_s: f64,
-    /// Whether it begins with a whole picture, so that a file may begin here.
+    /// The lines, each with its end.
     pub lines: String,
     /// The bookmarks among the lines.
     pub marks: Vec<Mark>,
@@ -62,7 +65,7 @@ impl Reel {
         Reel { map, name, start, last: None, version: 0, keyed_s, facts: Vec::new() }
     }
 
-    /// The first line. The picture after it is a whole one.
+    /// The first line of a file. The next picture begins with a whole one.
     pub fn header(&mut self) -> String {
         self.keyed_s = f64::NEG_INFINITY;
         header(&self.name, self.start, Some(&self.map))
@@ -70,7 +73,7 @@ impl Reel {
 
     /// Takes notice of a fact, for its bookmark.
     pub fn note(&mut self, fact: &Fact) {
-        if is_notable(fact) {
+        if is_notable(fact) && self.facts.len() < MOST_WAITING {
             self.facts.push(fact.clone());
         }
     }
