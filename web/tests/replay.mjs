@@ -175,6 +175,19 @@ await check('A saved reel opens in the page; another file is refused in words', 
   await button('Dismiss').click();
   await button('Back to live').click();
 });
+await check('A reel that is dropped onto the page plays, with the map it was made on', async () => {
+  const base64 = (await readFile(file('run.reel'))).toString('base64');
+  const dropped = await page.evaluateHandle((text) => {
+    const carried = new DataTransfer();
+    carried.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], 'run.reel'));
+    return carried;
+  }, base64);
+  await page.dispatchEvent('main', 'drop', { dataTransfer: dropped });
+  await badge().waitFor({ timeout: 10_000 });
+  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.robots === '20', null, { timeout: 10_000 });
+  await button('Back to live').click();
+  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.robots === '2', null, { timeout: 10_000 });
+});
 await check('What a killed server kept is there when it is back', async () => {
   await server.kill();
   server = await start(...SERVE);
