@@ -103,7 +103,8 @@ impl Keeper {
         if self.rest.is_some_and(|until| now < until) {
             return;
         }
-        match self.roll.take(&self.live.frame()) {
+        let Some(frame) = self.live.frame() else { return };
+        match self.roll.take(&frame) {
             Ok(()) if self.rest.take().is_some() => tracing::info!("the past is kept again"),
             Ok(()) => {}
             Err(e) => {

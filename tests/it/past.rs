@@ -44,13 +44,15 @@ async fn a_server_shows_what_happened_before_and_after_a_restart() {
     past(at, 1.0).await;
     assert_eq!(send(at, "POST", "/v1/fleet/stop", &[], "").await.unwrap().status / 100, 2);
     let now = past(at, 1.0).await["now_s"].as_f64().unwrap();
-    let kept = past(at, now + 0.5).await;
+    let kept = past(at, now + 1.0).await;
     let marks = kept["bookmarks"].as_array().unwrap();
     assert_eq!((marks.len(), &marks[0]["kind"]), (1, &json!("stop")), "{kept}");
-    let found = reel(at, &folder, &format!("from=0&to={now}")).await;
+    let found = reel(at, &folder, &format!("from=0&to={}", now + 1.0)).await;
     assert_eq!(found[0]["start"].as_f64().map(|s| s > 1e9), Some(true));
     assert!(found[0]["map"]["nodes"].is_array() && found[1].get("mark").is_some(), "{}", found[1]);
-    assert!(found.iter().any(|l| l.get("key").is_some()) && found.iter().any(|l| l.get("patch").is_some()));
+    let first = found.iter().find_map(|l| l.get("key")).expect("a whole picture");
+    assert!(first["robots"].as_array().is_some_and(|r| !r.is_empty()), "{first}");
+    assert!(found.iter().any(|l| l.get("patch").is_some()));
     server.stop().await.unwrap();
 
     let server = start(&folder).await;

@@ -117,9 +117,10 @@ impl Live {
         (vec![text], version)
     }
 
-    /// The latest picture.
-    pub fn frame(&self) -> Arc<Frame> {
-        self.state().frame.clone()
+    /// The latest picture; nothing before the first was published.
+    pub fn frame(&self) -> Option<Arc<Frame>> {
+        let state = self.state();
+        (!state.frame.counters.is_null()).then(|| state.frame.clone())
     }
 
     /// How far back a reader may resume.
