@@ -1,7 +1,7 @@
 //! The web page, built into the program, and the answer to every path that is not there.
 //!
-//! Main functions: [`page`], [`single`]. Files with a hash in their name never change; `index.html` and `headset.html` are asked
-//! for again each time. Refuses: scripts from elsewhere, by Content-Security-Policy.
+//! Main functions: [`page`], [`single`]. Files with a hash in their name never change; `index.html` and `headset.html`
+//! are asked for again each time. Refuses: scripts from elsewhere, by Content-Security-Policy.
 
 use crate::api::error::Problem;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};

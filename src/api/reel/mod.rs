@@ -1,9 +1,9 @@
 //! Reels: moving pictures of a fleet on file, so that what happened at 14:07 can be looked at again.
 //!
 //! Main types: [`Reel`] (pictures and facts → lines), [`Mark`] (a bookmark), [`Out`] (a file of them), [`Folder`]
-//! (many, by time), [`Roll`] (writes a folder), [`page`] (a page that needs no server). A reel is JSON lines, packed
-//! with gzip; docs/replay.md writes the contract down. Patches are those of the thin live feed. Refuses: to compare
-//! pictures in a way of its own, and to hold back whoever runs the fleet.
+//! (many, by time), [`Roll`] (writes a folder), [`page()`] (a page that needs no server). A reel is JSON lines,
+//! packed with gzip; docs/replay.md writes the contract down. Patches are those of the thin live feed. Refuses: to
+//! compare pictures in a way of its own, and to hold back whoever runs the fleet.
 
 mod file;
 mod folder;
