@@ -70,7 +70,10 @@ fn page(out: &Path, target: &Path) -> Result<(), String> {
         install(&web)?;
         let fresh = cache.with_extension(format!("new-{}", std::process::id()));
         let folder = fresh.to_str().ok_or("the target folder's name is no Unicode")?;
-        npm(&web, &["exec", "--no", "--", "vite", "build", "--emptyOutDir", "--outDir", folder])?;
+        let vite = ["exec", "--no", "--", "vite", "build", "--emptyOutDir", "--outDir"];
+        npm(&web, &[&vite[..], &[folder]].concat())?;
+        // The same once more in one piece, for pages that are files with a reel in them.
+        npm(&web, &[&vite[..], &[&format!("{folder}/single"), "--mode", "single"]].concat())?;
         if fs::rename(&fresh, &cache).is_err() && !cache.join("index.html").exists() {
             return Err(format!("cannot move the page to {}", cache.display()));
         }

@@ -166,6 +166,7 @@
 //! | what simulated robots, radios, customers do | `sim/robot.rs`, `sim/link.rs`, `sim/customers.rs` |
 //! | an endpoint, an error, a wire type | `api/http/`, `api/error.rs`, `api/dto.rs`; `web/src/wire.ts` |
 //! | what is stored, and how | `store/record.rs`, `migrations/` |
+//! | what is kept of the past; its bookmarks | `api/reel/`, `server/reels.rs`; `api/reel/mark.rs`; `web/src/reel/` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
 //! | a command | `cli/` |
 //! | a wall | `tests/walls.rs`, and the picture above |

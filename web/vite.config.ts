@@ -18,7 +18,17 @@ function mockServer(): Plugin {
   };
 }
 
-export default defineConfig({
+/** `--mode single`: script and style in one piece each, for pages that are a file with a reel in it. */
+const single = {
+  copyPublicDir: false,
+  cssCodeSplit: false,
+  rolldownOptions: {
+    input: 'src/main.ts',
+    output: { codeSplitting: false, entryFileNames: 'page.js', assetFileNames: 'page[extname]' },
+  },
+};
+
+export default defineConfig(({ mode }) => ({
   plugins: [svelte(), mockServer()],
   // Tests run components as a browser would, not as a server-side render.
   ...(process.env['VITEST'] ? { resolve: { conditions: ['browser'] } } : {}),
@@ -30,7 +40,8 @@ export default defineConfig({
     chunkSizeWarningLimit: 700,
     // Two pages that share no script: a headset need not load the dashboard.
     rolldownOptions: { input: ['index.html', 'headset.html'] },
+    ...(mode === 'single' ? single : {}),
   },
   server: { proxy: { '/v1': { target: server, ws: true } } },
   test: { environment: 'happy-dom', include: ['tests/**/*.test.ts'] },
-});
+}));

@@ -2,9 +2,9 @@
 //! page.
 //!
 //! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from whoever runs it; [`live`] is the
-//! feed of the floor, [`feed`] those of people. Reads look at the latest published picture or at durable lists; writes
-//! put a request onto the desk and answer when its facts are durable. Refuses: to decide anything about robots, and to
-//! know store or server.
+//! feed of the floor, [`reel`] keeps its pictures on file, [`feed`] those of people. Reads look at the latest published
+//! picture or at durable lists; writes put a request onto the desk and answer when its facts are durable. Refuses: to
+//! decide anything about robots, and to know store or server.
 
 pub mod auth;
 pub mod dto;
@@ -17,6 +17,7 @@ pub mod massrobotics;
 pub mod metrics;
 pub mod people;
 pub mod port;
+pub mod reel;
 mod refusal;
 pub mod waits;
 mod ws;
@@ -49,6 +50,8 @@ pub struct Api {
     pub questions: mpsc::Sender<Question>,
     /// What stands.
     pub alarms: Arc<Alarms>,
+    /// Pictures of the past, where they are kept.
+    pub past: Option<Arc<reel::Folder>>,
     /// The live feed.
     pub live: Arc<live::Live>,
     /// Feeds of headsets and tags.

@@ -10,6 +10,7 @@ mod map;
 mod people;
 mod recorded;
 mod recording;
+mod reel;
 mod replay;
 mod safe_space;
 mod serve;

@@ -1,9 +1,11 @@
-//! `giveway replay`: step through a recording again.
+//! `giveway replay`: step through a recording again, or make a reel or a page of it.
 //!
 //! Main type: [`Replay`]. Refuses: to simulate; robots and customers say what they said then, and the digest tells
 //! whether the core still makes the same of it.
 
 use super::recording;
+use super::reel::{Reeler, write_page};
+use crate::api::reel::is_reel;
 use crate::server::Show;
 use crate::sim::replay::{Player, Turn};
 use crate::time::Time;
@@ -17,8 +19,14 @@ use std::process::ExitCode;
 /// Arguments of `replay`.
 #[derive(Args)]
 pub struct Replay {
-    /// Recording made with `giveway sim --record`.
+    /// Recording made with `giveway sim --record`; for a page also a reel.
     recording: PathBuf,
+    /// Write its moving pictures to this file, which the page of any server opens.
+    #[arg(long, value_name = "FILE")]
+    reel: Option<PathBuf>,
+    /// Write one page with the moving pictures in it, which opens in a browser without any server.
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
     /// Only step through it, as fast as it goes, and say whether the core still decides the same.
     #[arg(long)]
     check: bool,
@@ -36,8 +44,14 @@ pub struct Replay {
 impl Replay {
     /// Plays the recording.
     pub fn run(self) -> anyhow::Result<ExitCode> {
+        if is_reel(&self.recording) {
+            let page =
+                self.page.as_deref().context("this is a reel: open it in the page, or give --page FILE")?;
+            write_page(page, &self.recording)?;
+            return Ok(ExitCode::SUCCESS);
+        }
         let mut player = open(&self.recording)?;
-        if !self.check {
+        if !self.check && self.reel.is_none() && self.page.is_none() {
             anyhow::ensure!((0.01..=1000.0).contains(&self.speed), "--speed must be from 0.01 to 1000");
             super::serve::trace_to_stderr();
             let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
@@ -45,14 +59,22 @@ impl Replay {
         }
         let bar = super::progress(player.scenario.duration.0 as u64 / 1_000_000, "replaying");
         let mut last = Time::ZERO;
+        let name = player.scenario.name.clone();
+        let mut reeler = Reeler::create(self.reel.as_deref(), self.page.as_deref(), &player.fleet, name)?;
         let same = loop {
             match player.turn()? {
-                Turn::Step(now, _) => last = now,
+                Turn::Step(now, step) => {
+                    last = now;
+                    if let Some(reeler) = &mut reeler {
+                        reeler.step(&player.fleet, now, &step.facts)?;
+                    }
+                }
                 Turn::End { same } => break same,
             }
             bar.set_position(last.0 as u64 / 1_000_000);
         };
         bar.finish_and_clear();
+        reeler.map_or(Ok(()), Reeler::finish)?;
         let counts = player.fleet.view(last).counts;
         let report = json!({
             "scenario": player.scenario.name, "steps": player.steps(), "sim_seconds": last.as_secs_f64(),
@@ -76,7 +98,7 @@ impl Replay {
             self.listen
         );
         let name = player.scenario.name.clone();
-        let mut show = Show::start(player, self.listen, self.speed).await?;
+        let mut show = Show::start(player, open(&self.recording)?, self.listen, self.speed).await?;
         println!("the recording of {name} is at http://{}/", show.address());
         tokio::select! {
             ended = show.ended() => ended?,

@@ -3,6 +3,7 @@
 //! Main type: [`Sim`]. Refuses: to exit with success where a law was broken.
 
 use super::learn::read_model;
+use super::reel::Reeler;
 use super::{progress, read, read_map, stopwatch};
 use crate::human::Model;
 use crate::sim::recording::{Header, Recorder};
@@ -46,6 +47,9 @@ pub struct Sim {
     /// Write a recording that `giveway replay` shows again; packed where the name ends with `.gz`.
     #[arg(long)]
     record: Option<PathBuf>,
+    /// Write moving pictures of the run to this file, which the page of any server opens.
+    #[arg(long, value_name = "FILE")]
+    reel: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -115,11 +119,11 @@ impl Sim {
             .map_err(|e| anyhow::anyhow!("the map has no room for {} robots:\n{e}", setup.scenario.robots))?;
         let seed = self.seed.unwrap_or(setup.scenario.seed);
         let start = Instant::now();
-        let outcome = simulate(&setup, seed, false, self.record.as_deref())?;
+        let outcome = simulate(&setup, seed, false, self.record.as_deref(), self.reel.as_deref())?;
         let wall = start.elapsed().as_secs_f64();
         let bound = match self.no_bound {
             true => None,
-            false => Some(simulate(&setup, seed, true, None)?.counts.robot_deliveries),
+            false => Some(simulate(&setup, seed, true, None, None)?.counts.robot_deliveries),
         };
         let report = report(&setup, seed, &outcome, wall, bound);
         if self.json {
@@ -132,7 +136,13 @@ impl Sim {
     }
 }
 
-fn simulate(setup: &Setup, seed: u64, ghosts: bool, record: Option<&Path>) -> anyhow::Result<Outcome> {
+fn simulate(
+    setup: &Setup,
+    seed: u64,
+    ghosts: bool,
+    record: Option<&Path>,
+    reel: Option<&Path>,
+) -> anyhow::Result<Outcome> {
     let Setup { scenario, warehouse, lines, text } = setup;
     let mut sim = Simulation::new(warehouse.clone(), scenario, lines, seed, ghosts, stopwatch);
     let mut recorder = Recorder::default();
@@ -144,17 +154,22 @@ fn simulate(setup: &Setup, seed: u64, ghosts: bool, record: Option<&Path>) -> an
         let header = Header { giveway_recording: 1, scenario: text.clone(), map, seed, model };
         file.write(&Recorder::header(&header))?;
     }
+    let mut reeler = Reeler::create(reel, None, &sim.fleet, scenario.name.clone())?;
     let what = if ghosts { "bound" } else { "simulating" };
     let bar = progress(scenario.duration.0 as u64 / 1_000_000, what);
     while !sim.is_over() {
         let now = sim.now();
-        let (inputs, _) = sim.step();
+        let (inputs, step) = sim.step();
+        if let Some(reeler) = &mut reeler {
+            reeler.step(&sim.fleet, now, &step.facts)?;
+        }
         if let Some(file) = &mut file {
             file.write(&recorder.step(now, &inputs))?;
         }
         bar.set_position(now.0 as u64 / 1_000_000);
     }
     bar.finish_and_clear();
+    reeler.map_or(Ok(()), Reeler::finish)?;
     if let Some(mut file) = file {
         file.write(&Recorder::end(sim.trace_hash()))?;
         file.finish()?;

@@ -7,6 +7,7 @@
 use super::certificate::{self, Place};
 use crate::api::auth::Gate;
 use crate::api::massrobotics::Interop;
+use crate::api::reel::Limits;
 use anyhow::{Context, bail, ensure};
 use figment::Figment;
 use figment::providers::{Format, Serialized, Toml};
@@ -15,8 +16,18 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 /// Settings that the environment may give.
-const FROM_ENVIRONMENT: [&str; 8] =
-    ["scenario", "listen", "database", "token", "tokens", "tls", "tls_cert", "tls_key"];
+const FROM_ENVIRONMENT: [&str; 10] = [
+    "scenario",
+    "listen",
+    "database",
+    "past_hours",
+    "past_mb",
+    "token",
+    "tokens",
+    "tls",
+    "tls_cert",
+    "tls_key",
+];
 
 /// The shortest token.
 const SHORTEST_TOKEN: usize = 16;
@@ -40,6 +51,15 @@ pub struct Flags {
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub database: Option<PathBuf>,
+    /// So much of the past can be looked at again, from a folder beside the database; 0 keeps none [default: 24]
+    /// [env: GIVEWAY_PAST_HOURS]
+    #[arg(long, value_name = "HOURS")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub past_hours: Option<u32>,
+    /// But not more than this of the disk [default: 1000] [env: GIVEWAY_PAST_MB]
+    #[arg(long, value_name = "MEGABYTES")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub past_mb: Option<u32>,
     /// File with one token a line; a single token may be in GIVEWAY_TOKEN [env: GIVEWAY_TOKENS]
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -72,6 +92,10 @@ pub struct Config {
     pub listen: String,
     /// The database.
     pub database: PathBuf,
+    /// How many hours of the past are kept.
+    pub past_hours: u32,
+    /// How many megabytes of the past are kept.
+    pub past_mb: u32,
     /// A token.
     pub token: Option<String>,
     /// A file with tokens.
@@ -96,6 +120,8 @@ impl Default for Config {
             scenario: "scenarios/kiva-50.json".into(),
             listen: "127.0.0.1:8080".into(),
             database: "giveway.sqlite".into(),
+            past_hours: 24,
+            past_mb: 1000,
             token: None,
             tokens: None,
             tls: false,
@@ -130,6 +156,11 @@ impl Config {
                     ("tls", "true" | "1") => figment.merge(Serialized::default(key, true)),
                     ("tls", "false" | "0") => figment.merge(Serialized::default(key, false)),
                     ("tls", other) => bail!("GIVEWAY_TLS is true or false, not \"{other}\""),
+                    ("past_hours" | "past_mb", number) => {
+                        let wrong = format!("GIVEWAY_{} is a number, not \"{number}\"", key.to_uppercase());
+                        let number = number.parse::<u32>().context(wrong)?;
+                        figment.merge(Serialized::default(key, number))
+                    }
                     _ => figment.merge(Serialized::default(key, value)),
                 };
             }
@@ -179,6 +210,14 @@ impl Config {
              GIVEWAY_TOKEN or --tokens FILE, or listen on 127.0.0.1 only"
         );
         Ok(address)
+    }
+
+    /// Where the past is kept, and how much of it; nothing where none is to be.
+    pub fn past(&self) -> Option<(PathBuf, Limits)> {
+        let limits =
+            Limits { age_s: f64::from(self.past_hours) * 3600.0, bytes: u64::from(self.past_mb) * 1_000_000 };
+        let any = self.past_hours > 0 && self.past_mb > 0;
+        any.then(|| (self.database.with_extension("past"), limits))
     }
 
     /// Where certificate and key are; nothing where plain HTTP is spoken.

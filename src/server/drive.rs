@@ -10,6 +10,7 @@ use super::inbox::Inbox;
 use super::journal::Journal;
 use super::measure::Measure;
 use super::outbox::Outbox;
+use super::reels::Tap;
 use crate::api::feed::hub::Feeds;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment, QUESTIONS_AT_ONCE, Question};
@@ -53,6 +54,8 @@ pub struct Drive {
     pub metrics: Arc<Metrics>,
     /// Gets guidance.
     pub feeds: Arc<Feeds>,
+    /// Gets what is worth a bookmark.
+    pub tap: Tap,
     /// What stands.
     pub alarms: Arc<Alarms>,
     /// Whether all robots were told to stand, since nothing can be decided.
@@ -94,6 +97,7 @@ impl Drive {
             let step = self.fleet.step(now, inputs);
             self.note(self.clock.now() - began, step.facts.len());
             self.hurry(now, heard, step.urgent, step.guidance);
+            self.tap.note(&step.facts);
             let after = self.journal.record(now, step.facts);
             self.outbox.put(after, step.commands, step.replies);
         }
@@ -222,6 +226,7 @@ mod tests {
             measure,
             metrics,
             feeds,
+            tap: Tap::default(),
             alarms,
             halted,
             moments,

@@ -8,18 +8,21 @@ mod certificate;
 mod clock;
 mod config;
 mod drive;
+mod film;
 mod inbox;
 mod journal;
 mod measure;
 mod outbox;
 mod past;
 mod records;
+mod reels;
 mod show;
 mod tls;
 
 pub use certificate::Identity;
 pub use clock::Clock;
 pub use config::{Config, Flags};
+pub use film::Film;
 pub use show::Show;
 
 use crate::api::feed::hub::{Feeds, Heard};
@@ -35,6 +38,7 @@ use crate::time::Span;
 use crate::warehouse::Warehouse;
 use anyhow::{Context, anyhow};
 use axum::serve::ListenerExt;
+use reels::Past;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
@@ -123,7 +127,9 @@ impl Server {
         feeds.know(&fleet.ledger().workers);
         let (period, next, feeds) = (scenario.period, loaded.next, Arc::new(feeds));
         let interop = config.massrobotics.clone();
-        let parts = Parts { fleet, world, clock, period, next, gate, interop, feeds, heard };
+        let live = Arc::new(Live::new(fleet.warehouse().clone(), clock.started().0.unsigned_abs()));
+        let past = Past::keep(config.past(), fleet.warehouse(), &live, &clock);
+        let parts = Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, live, past };
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
         let work = tokio::spawn(work(parts, store.clone(), door, stopping));
         Ok(Server { address, summary, identity, store, stop, work })
@@ -181,6 +187,8 @@ struct Parts {
     interop: Interop,
     feeds: Arc<Feeds>,
     heard: mpsc::Receiver<Heard>,
+    live: Arc<Live>,
+    past: Past,
 }
 
 /// Runs everything until told to stop, or until something cannot go on; then takes it down in order.
@@ -190,15 +198,13 @@ async fn work(
     door: Door,
     mut stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
-    let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard } = parts;
+    let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, live, past } = parts;
     let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
     let ((desk, requests), (ask, questions)) = (mpsc::channel(inbox::DESK), mpsc::channel(QUESTIONS));
-    let view = fleet.view(clock.now());
+    let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
     let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
-    let map = fleet.warehouse().clone();
-    let live = Arc::new(Live::new(map.clone(), clock.started().0.unsigned_abs()));
     let drive = drive::Drive {
         fleet,
         world,
@@ -211,6 +217,7 @@ async fn work(
         measure: measure::Measure::default(),
         metrics: metrics.clone(),
         feeds: feeds.clone(),
+        tap: past.tap,
         alarms: alarms.clone(),
         halted: false,
         moments,
@@ -226,6 +233,7 @@ async fn work(
         desk: Some(desk),
         questions: ask,
         alarms,
+        past: past.folder,
         live,
         feeds,
         interop: Arc::new(interop),

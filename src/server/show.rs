@@ -1,8 +1,10 @@
 //! A recording on the screen: the same pages and feeds, with the fleet of then.
 //!
-//! Main type: [`Show`]. Lists are kept in memory; requests are refused, since the past takes none. Refuses: a database.
+//! Main type: [`Show`]. One player goes at the pace of then and answers questions; another runs ahead as fast as it can
+//! and puts the pictures into a folder of its own, so that the page can go to any moment of them. Lists are kept in
+//! memory; requests are refused, since the past takes none. Refuses: a database.
 
-use super::{clock::Clock, listen, measure::Measure, past::Past};
+use super::{clock::Clock, film::Film, listen, measure::Measure, past::Past};
 use crate::api::Api;
 use crate::api::auth::Gate;
 use crate::api::feed::hub::Feeds;
@@ -10,11 +12,13 @@ use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment, QUESTIONS, Question};
+use crate::api::reel::{Folder, Limits, Roll};
 use crate::fleet::Fleet;
 use crate::sim::replay::{Player, Turn};
 use crate::time::{Span, Time};
 use anyhow::Context;
 use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
@@ -30,19 +34,42 @@ pub struct Show {
     http: JoinHandle<std::io::Result<()>>,
     play: Option<JoinHandle<anyhow::Result<()>>>,
     _closing: watch::Sender<bool>,
+    _reels: Reels,
 }
 
+/// The folder of the pictures, which goes with the show.
+struct Reels(PathBuf);
+
+impl Drop for Reels {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A folder for this show alone has no limits.
+const ALL: Limits = Limits { age_s: f64::INFINITY, bytes: u64::MAX };
+
 impl Show {
-    /// Begins to show a recording.
+    /// Begins to show a recording. `ahead` plays the same one.
     ///
     /// # Errors
-    /// If the address is taken.
-    pub async fn start(player: Player, listen_at: SocketAddr, speed: f64) -> anyhow::Result<Show> {
+    /// If the address is taken, or there is no room for pictures.
+    pub async fn start(
+        player: Player,
+        ahead: Player,
+        listen_at: SocketAddr,
+        speed: f64,
+    ) -> anyhow::Result<Show> {
         let listener = TcpListener::bind(listen_at).await;
         let listener = listener
             .with_context(|| format!("cannot listen on {listen_at}: choose another with --listen"))?;
         let address = listener.local_addr()?;
         let map = player.fleet.warehouse().clone();
+        let reels = Reels(std::env::temp_dir().join(format!("giveway-replay-{}", std::process::id())));
+        let kept = Folder::open(reels.0.clone(), map.clone(), player.scenario.name.clone(), None);
+        let kept = Arc::new(kept.with_context(|| format!("cannot write to {}", reels.0.display()))?);
+        let roll = Roll::new(kept.clone(), ALL);
+        std::thread::Builder::new().name("ahead".into()).spawn(move || run_ahead(ahead, roll))?;
         let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
         let (moments, picture) = watch::channel(Arc::new(Moment::default()));
         let (ask, questions) = mpsc::channel(QUESTIONS);
@@ -60,6 +87,7 @@ impl Show {
             desk: None,
             questions: ask,
             alarms: alarms.clone(),
+            past: Some(kept),
             live: live.clone(),
             feeds: feeds.clone(),
             interop: Arc::new(Interop::default()),
@@ -72,7 +100,7 @@ impl Show {
         let measure = Measure::default();
         let screen = Screen { live, feeds, alarms, moments, past, measure, speed, questions };
         let play = Some(tokio::spawn(screen.play(player)));
-        Ok(Show { address, http, play, _closing: closing })
+        Ok(Show { address, http, play, _closing: closing, _reels: reels })
     }
 
     /// Where it listens.
@@ -90,6 +118,21 @@ impl Show {
         }
         (&mut self.http).await.context("the HTTP server broke")??;
         Ok(())
+    }
+}
+
+/// Films a whole recording, as fast as it goes.
+fn run_ahead(mut player: Player, mut roll: Roll) {
+    let mut film = Film::default();
+    // Where it cannot be read any further, the other player says so.
+    while let Ok(Turn::Step(now, step)) = player.turn() {
+        step.facts.iter().for_each(|fact| roll.note(fact));
+        if let Some(Err(e)) = film.shoot(&player.fleet, now).map(|frame| roll.take(&frame)) {
+            return tracing::error!("the rest of the recording cannot be gone to: {e}");
+        }
+    }
+    if let Err(e) = roll.finish() {
+        tracing::error!("the end of the recording cannot be gone to: {e}");
     }
 }
 

@@ -10,6 +10,7 @@ mod feed;
 mod helper;
 mod live;
 mod load;
+mod past;
 mod people;
 mod recovery;
 mod store;

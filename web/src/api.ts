@@ -2,7 +2,7 @@
 // or unreachable. It keeps the access token, and tells the page when the server wants one.
 import type { Socket, SocketEvents } from './link';
 import type {
-  Closure, FloorMap, Job, JobPage, JobState, NewClosure, NewJob, Problem, Timelines, Why,
+  Closure, FloorMap, Job, JobPage, JobState, NewClosure, NewJob, Past, Problem, Timelines, Why,
 } from './wire';
 
 export type Answer<T> =
@@ -12,10 +12,13 @@ export type Answer<T> =
 
 const TOKEN = 'giveway.token';
 const PATIENCE_MS = 15_000;
+const PAST: Problem = { title: 'This is the past', status: 409, detail: 'This is the past, and cannot be changed: go back to live first.' };
 
 export class Api {
   /** Called when the server answers 401. */
   onLocked: () => void = () => {};
+  /** While the past is shown, nothing is asked of the present that would change it. */
+  shows: 'present' | 'past' = 'present';
 
   map = () => this.#ask<FloorMap>('GET', '/v1/map');
   job = (id: string) => this.#ask<Job>('GET', `/v1/jobs/${encodeURIComponent(id)}`);
@@ -36,6 +39,15 @@ export class Api {
   timelines([x0, y0, x1, y1]: readonly number[], ahead: number): Promise<Answer<Timelines>> {
     const query = new URLSearchParams({ x0: `${x0}`, y0: `${y0}`, x1: `${x1}`, y1: `${y1}`, ahead_s: `${ahead}` });
     return this.#ask<Timelines>('GET', `/v1/timelines?${query}`);
+  }
+
+  /** What is kept of the past, with the bookmarks since a moment. */
+  past = (since: number | null) => this.#ask<Past>('GET', since === null ? '/v1/past' : `/v1/past?from=${since}`);
+
+  /** The pictures of a span. */
+  async reel(from: number, to: number, map: 'with map' | 'without map'): Promise<Answer<Blob>> {
+    const query = new URLSearchParams({ from: `${from}`, to: `${to}`, map: `${map === 'with map'}` });
+    return this.#ask<Blob>('GET', `/v1/past/reel?${query}`, { Accept: 'application/gzip' });
   }
 
   jobs(state: JobState | 'any', cursor: string | null): Promise<Answer<JobPage>> {
@@ -69,6 +81,7 @@ export class Api {
   }
 
   async #ask<T>(method: string, path: string, headers: Record<string, string> = {}, body?: object): Promise<Answer<T>> {
+    if (this.shows === 'past' && method !== 'GET') return { kind: 'refused', problem: PAST };
     const all: Record<string, string> = { Accept: 'application/json', ...headers };
     if (this.token) all['Authorization'] = `Bearer ${this.token}`;
     if (body) all['Content-Type'] = 'application/json';
@@ -78,7 +91,10 @@ export class Api {
         ...(body ? { body: JSON.stringify(body) } : {}),
       });
       if (response.status === 204) return { kind: 'ok', value: null as T };
-      if (response.ok) return { kind: 'ok', value: (await response.json()) as T };
+      if (response.ok) {
+        const packed = response.headers.get('content-type') === 'application/gzip';
+        return { kind: 'ok', value: (await (packed ? response.blob() : response.json())) as T };
+      }
       if (response.status === 401) this.onLocked();
       return { kind: 'refused', problem: await problemOf(response) };
     } catch {

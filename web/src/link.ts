@@ -5,6 +5,8 @@ import { EMPTY, reduce, type Mirror } from './mirror';
 import { parseMessage } from './wire';
 
 export type LinkState =
+  /** Something else is shown than what comes: the past. */
+  | { kind: 'replay' }
   | { kind: 'connecting' }
   | { kind: 'live' }
   /** The socket is open, but nothing came for a while. */

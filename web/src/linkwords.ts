@@ -5,6 +5,7 @@ import type { LinkState } from './link';
 export function linkWords(link: LinkState, age: number | null): { short: string; veil: string | null } {
   const old = age === null ? null : span(age);
   switch (link.kind) {
+    case 'replay': return { short: 'Replay', veil: null };
     case 'live': return { short: 'Live', veil: null };
     case 'connecting': return { short: 'Connecting', veil: 'Connecting to the server' };
     case 'slow': return { short: 'Slow link', veil: `The link is slow, showing ${old ?? '0 s'} old data` };

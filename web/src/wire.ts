@@ -1,6 +1,8 @@
 // What travels between this page and the server: the public API, and nothing else. Keys that are not
 // listed here are ignored, so that an older page keeps working with a newer server.
 
+import type { Mark } from './reel/reel';
+
 export type NodeKind = 'aisle' | 'storage' | 'station' | 'queue' | 'charger' | 'parking' | 'exit';
 export type Traveller = 'loaded' | 'unloaded' | 'people';
 export type Point = [x: number, y: number];
@@ -283,6 +285,17 @@ export interface NewClosure {
   from?: string;
   until?: string;
   reason: string;
+}
+
+/** What is kept of the past, in seconds from the server's start. */
+export interface Past {
+  /** RFC 3339; null in a recorded simulation. */
+  start: string | null;
+  now_s: number;
+  /** A recording is shown, and no fleet. */
+  recording: boolean;
+  spans: { from_s: number; to_s: number }[];
+  bookmarks: Mark[];
 }
 
 /** RFC 9457, with the field each error belongs to. */

@@ -71,6 +71,7 @@ impl Stage {
             desk: Some(mpsc::channel(1).0),
             questions: mpsc::channel(1).0,
             alarms: Arc::new(Alarms::default()),
+            past: None,
             live: Arc::new(Live::new(map, 1)),
             feeds: feeds.clone(),
             interop: Arc::new(Interop::default()),

@@ -79,7 +79,7 @@ struct RackHomeDto {
     (status = 200, description = "The building", body = MapDto),
     (status = 304, description = "Still the one with the ETag in If-None-Match")))]
 pub async fn map(State(api): State<Api>, headers: HeaderMap) -> Response {
-    let text = serde_json::to_string(&MapDto::from(&*api.map)).expect("maps are plain");
+    let text = map_text(&api.map);
     let digest = Sha256::digest(&text);
     let etag = format!("\"{}\"", digest[..12].iter().map(|b| format!("{b:02x}")).collect::<String>());
     let known = headers.get(header::IF_NONE_MATCH).and_then(|v| v.to_str().ok());
@@ -92,6 +92,11 @@ pub async fn map(State(api): State<Api>, headers: HeaderMap) -> Response {
         (header::CACHE_CONTROL, "no-cache"),
     ];
     (headers, text).into_response()
+}
+
+/// The building as JSON.
+pub fn map_text(map: &Warehouse) -> String {
+    serde_json::to_string(&MapDto::from(map)).expect("maps are plain")
 }
 
 impl From<&Warehouse> for MapDto {

@@ -12,11 +12,15 @@ mod jobs;
 mod lists;
 mod map;
 mod page;
+mod past;
 mod positions;
 mod reports;
 mod timelines;
 mod why;
 mod workers;
+
+pub(super) use map::map_text;
+pub(super) use page::single;
 
 use super::error::Problem;
 use super::feed::session;
@@ -78,6 +82,8 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(closures::list, closures::close))
         .routes(routes!(closures::get, closures::reopen))
         .routes(routes!(encounters::list))
+        .routes(routes!(past::past))
+        .routes(routes!(past::reel))
         .routes(routes!(ws::live))
         .routes(routes!(health::metrics))
         .split_for_parts();

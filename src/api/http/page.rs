@@ -1,7 +1,7 @@
 //! The web page, built into the program, and the answer to every path that is not there.
 //!
-//! Main function: [`page`]. Files with a hash in their name never change; `index.html` and `headset.html` are asked
-//! for again each time. Refuses: scripts from elsewhere, by Content-Security-Policy.
+//! Main functions: [`page`], [`single`]. Files with a hash in their name never change; `index.html` and `headset.html`
+//! are asked for again each time. Refuses: scripts from elsewhere, by Content-Security-Policy.
 
 use crate::api::error::Problem;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
@@ -15,6 +15,13 @@ struct Web;
 /// What the page may load: itself. Pixels may come from data and blob addresses, workers from blobs.
 const POLICY: &str = "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; \
     worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// Script and style of the page in one piece each, for a file that needs no server; nothing where the page was not
+/// built.
+pub fn single() -> Option<[String; 2]> {
+    let text = |name| Some(String::from_utf8_lossy(&Web::get(name)?.data).into_owned());
+    Some([text("single/page.js")?, text("single/page.css")?])
+}
 
 /// A file of the page; a problem where there is none.
 pub async fn page(method: Method, uri: Uri, headers: HeaderMap) -> Response {

@@ -15,18 +15,19 @@ pub type Item = Map<String, Value>;
 /// The picture as it travels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
-    pub robots: Vec<RobotDto>,
-    pub racks: Vec<RackDto>,
-    pub stations: Vec<StationDto>,
-    pub workers: Vec<WorkerDto>,
-    pub closures: Value,
-    pub jobs: Value,
-    pub counters: Value,
-    pub alarms: Value,
-    pub time_s: f64,
+    pub(in crate::api) robots: Vec<RobotDto>,
+    pub(in crate::api) racks: Vec<RackDto>,
+    pub(in crate::api) stations: Vec<StationDto>,
+    pub(in crate::api) workers: Vec<WorkerDto>,
+    pub(in crate::api) closures: Value,
+    pub(in crate::api) jobs: Value,
+    pub(in crate::api) counters: Value,
+    pub(in crate::api) alarms: Value,
+    pub(in crate::api) time_s: f64,
 }
 
 impl Frame {
+    /// The picture of a moment; alarms count from `started_s`.
     pub fn of(map: &Warehouse, moment: &Moment, alarms: &[Alarm], started_s: f64) -> Frame {
         let names = Names { map, view: &moment.view };
         let counts = moment.view.counts;
@@ -55,7 +56,7 @@ impl Frame {
         }
     }
 
-    pub fn snapshot(&self, version: u64) -> Value {
+    pub(in crate::api) fn snapshot(&self, version: u64) -> Value {
         json!({
             "type": "snapshot", "version": version, "time_s": self.time_s, "simulated": true,
             "robots": self.robots, "racks": self.racks, "stations": self.stations,
@@ -65,7 +66,7 @@ impl Frame {
     }
 
     /// What every patch begins with, to `new` from this frame, which has version `base`.
-    pub fn head(&self, new: &Frame, base: u64) -> Item {
+    pub(super) fn head(&self, new: &Frame, base: u64) -> Item {
         let mut out = Item::new();
         out.insert("type".into(), "patch".into());
         out.insert("base".into(), base.into());
@@ -85,7 +86,7 @@ impl Frame {
     }
 
     /// The patch to `new` from this frame, which has version `base`.
-    pub fn patch(&self, new: &Frame, base: u64) -> Value {
+    pub(super) fn patch(&self, new: &Frame, base: u64) -> Value {
         let mut out = self.head(new, base);
         out.insert("robots".into(), changes(&self.robots, &new.robots, &[]));
         out.insert("racks".into(), changes(&self.racks, &new.racks, &[]));

@@ -6,12 +6,13 @@
 //! restart gets a snapshot. Refuses: a queue per reader, an encoding per reader, and work for shapes nobody reads.
 
 mod frame;
-mod thin;
+pub(super) mod thin;
+
+pub use frame::Frame;
 
 use super::port::{Alarm, Moment};
 use crate::warehouse::Warehouse;
 use axum::extract::ws::Utf8Bytes;
-use frame::Frame;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard};
 use tokio::sync::watch;
@@ -114,6 +115,12 @@ impl Live {
         let text = snapshot.unwrap_or_else(|| state.frame.snapshot(version).to_string().into());
         state.snapshot = Some(text.clone());
         (vec![text], version)
+    }
+
+    /// The latest picture; nothing before the first was published.
+    pub fn frame(&self) -> Option<Arc<Frame>> {
+        let state = self.state();
+        (!state.frame.counters.is_null()).then(|| state.frame.clone())
     }
 
     /// How far back a reader may resume.

@@ -43,7 +43,8 @@ export interface Scene {
 export const LOW_BATTERY = 0.2;
 /** Further than any robot drives between two patches: it was put there, so it is not slid there. */
 const JUMP_M = 3;
-const LONGEST_GLIDE_MS = 400;
+/** A replay at a quarter of the speed has a picture every 800 ms. */
+const LONGEST_GLIDE_MS = 900;
 
 export class Stage {
   scene: Scene = blank();

@@ -1,0 +1,174 @@
+//! `/v1/past`: what is kept of the past, and the pictures themselves.
+//!
+//! Main types: [`PastDto`], [`SpanParams`]. Refuses: spans of more than an hour in one answer.
+
+use crate::api::Api;
+use crate::api::dto::{parse_time, round3, time_text};
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::Params;
+use crate::api::reel::{Cut, Folder, Mark};
+use crate::time::{Span, Time};
+use axum::Json;
+use axum::body::{Body, Bytes};
+use axum::extract::State;
+use axum::http::header;
+use axum::response::{IntoResponse, Response};
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use serde::{Deserialize, Serialize};
+use std::io::Write;
+use std::sync::Arc;
+use tokio::sync::mpsc;
+use utoipa::{IntoParams, ToSchema};
+
+/// The longest span in one answer, seconds.
+const LONGEST_S: f64 = 3600.0;
+
+/// How long a span is where its end is not said, seconds.
+const USUAL_S: f64 = 300.0;
+
+/// So many bytes are packed before some of them leave.
+const CHUNK: usize = 128 * 1024;
+
+/// The most bookmarks in one answer: the newest.
+const MOST_MARKS: usize = 2000;
+
+/// From when to when: RFC 3339, or seconds from the server's start as `time_s` of the live feed has them, below 0 for
+/// runs before this one.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct SpanParams {
+    /// The beginning; of all that is kept, where absent.
+    #[param(example = "2027-01-31T14:05:00Z")]
+    from: Option<String>,
+    /// The end; of a reel five minutes after the beginning, else of all that is kept, where absent.
+    #[param(example = "2027-01-31T14:10:00Z")]
+    to: Option<String>,
+    /// `false` leaves the map out of a reel.
+    map: Option<bool>,
+}
+
+/// What is kept of the past.
+#[derive(Serialize, ToSchema)]
+pub struct PastDto {
+    /// The time of day from which seconds count, RFC 3339; null in a recorded simulation.
+    start: Option<String>,
+    /// Now, in those seconds.
+    now_s: f64,
+    /// Whether a recording is shown here, and no fleet.
+    recording: bool,
+    /// From when to when there are pictures, in order.
+    spans: Vec<SpanDto>,
+    /// What happened meanwhile, in order: the 2000 last ones.
+    bookmarks: Vec<Mark>,
+}
+
+/// A span without a gap.
+#[derive(Serialize, ToSchema)]
+struct SpanDto {
+    /// Seconds from the start.
+    from_s: f64,
+    /// Seconds from the start.
+    to_s: f64,
+    /// The same as RFC 3339; null in a recorded simulation.
+    from: Option<String>,
+    /// The same as RFC 3339; null in a recorded simulation.
+    to: Option<String>,
+}
+
+/// What is kept of the past: spans, and the bookmarks from `from` to `to`.
+#[utoipa::path(get, path = "/v1/past", tag = "past", params(SpanParams), responses(
+    (status = 200, description = "Spans and bookmarks", body = PastDto),
+    (status = 404, description = "This server keeps no past", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, body = Problem, content_type = "application/problem+json")))]
+pub async fn past(State(api): State<Api>, Params(p): Params<SpanParams>) -> Result<Json<PastDto>, Problem> {
+    let folder = folder(&api)?;
+    let (from, to) = span(folder, &p)?;
+    let past = folder.past(from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY));
+    let text = |s: f64| folder.start.map(|start| time_text(start + Span::from_secs_f64(s)));
+    let span = |(from_s, to_s)| SpanDto { from_s, to_s, from: text(from_s), to: text(to_s) };
+    let surplus = past.marks.len().saturating_sub(MOST_MARKS);
+    Ok(Json(PastDto {
+        start: folder.start.map(time_text),
+        now_s: round3(api.moment().time_s),
+        recording: api.desk.is_none(),
+        spans: past.spans.into_iter().map(span).collect(),
+        bookmarks: past.marks.into_iter().skip(surplus).collect(),
+    }))
+}
+
+/// The pictures of a span, as a reel: JSON lines, packed with gzip. It begins with the last whole picture before
+/// `from`.
+#[utoipa::path(get, path = "/v1/past/reel", tag = "past", params(SpanParams), responses(
+    (status = 200, description = "The reel", body = Vec<u8>, content_type = "application/gzip"),
+    (status = 404, description = "Nothing is kept of that time", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, body = Problem, content_type = "application/problem+json")))]
+pub async fn reel(State(api): State<Api>, Params(p): Params<SpanParams>) -> Result<Response, Problem> {
+    let folder = folder(&api)?;
+    let (from, to) = span(folder, &p)?;
+    let from = from.or_else(|| Some(folder.past(0.0, 0.0).spans.first()?.0)).unwrap_or(0.0);
+    let to = to.unwrap_or(from + USUAL_S);
+    if to < from || to - from > LONGEST_S {
+        let detail = format!("a reel is from 0 to {LONGEST_S} seconds long: ask for several");
+        return Err(Problem::invalid(vec![FieldError::new("to", detail)]));
+    }
+    let cut = folder.cut(from, to, p.map != Some(false)).ok_or_else(|| {
+        Problem::unknown("past", "nothing is kept of that time: GET /v1/past lists what is")
+    })?;
+    let name = format!("attachment; filename=\"giveway-{}.reel\"", file_name(folder, from));
+    let headers =
+        [(header::CONTENT_TYPE, "application/gzip".to_owned()), (header::CONTENT_DISPOSITION, name)];
+    Ok((headers, packed(cut)).into_response())
+}
+
+fn folder(api: &Api) -> Result<&Arc<Folder>, Problem> {
+    let detail = "this server keeps no pictures of the past: start it with --past-hours 24, or see its log";
+    api.past.as_ref().ok_or_else(|| Problem::unknown("past", detail))
+}
+
+fn file_name(folder: &Folder, from_s: f64) -> String {
+    let at = folder.start.map(|start| time_text(start + Span::from_secs_f64(from_s.round())));
+    at.unwrap_or_else(|| format!("{from_s:.0}")).replace(':', "-")
+}
+
+/// Both ends, in seconds from the start.
+fn span(folder: &Folder, p: &SpanParams) -> Result<(Option<f64>, Option<f64>), Problem> {
+    let mut errors = Vec::new();
+    let mut read = |field: &str, text: &Option<String>| {
+        let text = text.as_deref()?;
+        let seconds = text.parse::<f64>().ok().filter(|s| s.is_finite());
+        let zero = folder.start.unwrap_or(Time::ZERO);
+        let found = seconds.or_else(|| Some((parse_time(text)? - zero).as_secs_f64()));
+        if found.is_none() {
+            let detail = format!("\"{text}\" is neither seconds nor a time like 2027-01-31T14:05:00Z");
+            errors.push(FieldError::new(field, detail));
+        }
+        found
+    };
+    let ends = (read("from", &p.from), read("to", &p.to));
+    if errors.is_empty() { Ok(ends) } else { Err(Problem::invalid(errors)) }
+}
+
+/// Packs and sends while it reads: neither the span nor the answer is ever in memory as a whole.
+fn packed(cut: Cut) -> Body {
+    let (send, receive) = mpsc::channel::<Result<Bytes, std::io::Error>>(4);
+    tokio::task::spawn_blocking(move || {
+        let mut out = GzEncoder::new(Vec::new(), Compression::fast());
+        cut.each(|lines| {
+            // Into memory, which takes everything.
+            let _ = out.write_all(lines.as_bytes());
+            out.get_ref().len() < CHUNK
+                || send.blocking_send(Ok(std::mem::take(out.get_mut()).into())).is_ok()
+        });
+        if let Ok(last) = out.finish() {
+            let _ = send.blocking_send(Ok(last.into()));
+        }
+    });
+    Body::from_stream(futures_util::stream::unfold(receive, |mut receive| async move {
+        let chunk = receive.recv().await?;
+        Some((chunk, receive))
+    }))
+}

@@ -1,0 +1,152 @@
+//! Bookmarks: what somebody who looks back looks for.
+//!
+//! Main types: [`Mark`], [`Kind`]. Most follow from facts; alarms and lost workers from two pictures that differ.
+//! Refuses: what happens all the time, such as robots that wait for one another.
+
+use crate::api::dto::round3;
+use crate::api::live::Frame;
+use crate::api::people::{closure_name, worker_name};
+use crate::fleet::{Encounter, Fact, Reaction};
+use crate::id::{Dense, RobotId, WorkerId};
+use crate::time::Time;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// A bookmark.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Mark {
+    /// When, seconds from the start.
+    pub at_s: f64,
+    /// What kind of thing happened.
+    pub kind: Kind,
+    /// What happened, in words.
+    #[schema(example = "w1 met robot-3, at the closest 0.62 m; the robot was stopped")]
+    pub words: String,
+    /// Robots and workers that it happened to.
+    pub who: Vec<String>,
+    /// Where, metres.
+    pub place: Option<[f64; 2]>,
+}
+
+/// What kind of thing happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// A worker left the path.
+    Deviation,
+    /// A moving robot came into region 1 of a worker.
+    Encounter,
+    /// Somebody stopped robots, or let them go on.
+    Stop,
+    /// A robot broke down, or works again.
+    Failure,
+    /// An area was closed, or opened.
+    Closure,
+    /// An alarm, or a worker who is not seen any more.
+    Alarm,
+}
+
+/// Alarms that a fact has a better bookmark for.
+const BY_FACT: [&str; 2] = ["stopped", "paused"];
+
+/// Whether a fact makes a bookmark.
+pub fn is_notable(fact: &Fact) -> bool {
+    matches!(
+        fact,
+        Fact::Deviated { .. }
+            | Fact::Encountered(_)
+            | Fact::Halted { .. }
+            | Fact::Released { .. }
+            | Fact::Failed { .. }
+            | Fact::Repaired { .. }
+            | Fact::Closed { .. }
+            | Fact::Reopened { .. }
+    )
+}
+
+/// The bookmark of a fact; `zero` is the time from which seconds count, `frame` the picture after it.
+pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
+    let seconds = |at: &Time| round3((*at - zero).as_secs_f64());
+    let robot = |r: &RobotId| frame.robots.get(r.ix()).map(|robot| (robot.id.clone(), [robot.x, robot.y]));
+    let of_robot = |kind, at: &Time, r: &RobotId, what: &str| {
+        let (id, place) = robot(r)?;
+        let words = format!("{id} {what}");
+        Some(Mark { at_s: seconds(at), kind, words, who: vec![id], place: Some(place) })
+    };
+    let of_all = |kind, at_s, words: String, place| Mark { at_s, kind, words, who: Vec::new(), place };
+    match fact {
+        Fact::Deviated { worker, at } => {
+            let place = frame.workers.get(worker.ix()).and_then(|w| Some([w.x?, w.y?]));
+            let words = format!("{} left the path", called(*worker, frame));
+            let who = vec![worker_name(*worker)];
+            Some(Mark { at_s: seconds(at), kind: Kind::Deviation, words, who, place })
+        }
+        Fact::Encountered(e) => Some(met(e, seconds(&e.began), robot(&e.robot)?.0, frame)),
+        Fact::Halted { robot: Some(r), at } => of_robot(Kind::Stop, at, r, "was paused by hand"),
+        Fact::Released { robot: Some(r), at } => of_robot(Kind::Stop, at, r, "goes on"),
+        Fact::Halted { robot: None, at } => {
+            Some(of_all(Kind::Stop, seconds(at), "all robots were stopped by hand".into(), None))
+        }
+        Fact::Released { robot: None, at } => {
+            Some(of_all(Kind::Stop, seconds(at), "all robots go on".into(), None))
+        }
+        Fact::Failed { robot: r, at } => of_robot(Kind::Failure, at, r, "broke down"),
+        Fact::Repaired { robot: r, at } => of_robot(Kind::Failure, at, r, "works again"),
+        Fact::Closed { closure, area } => {
+            let words = format!("{} was closed: {}", closure_name(*closure), area.reason);
+            let place = area.outline.first().map(|p| [p.x_mm as f64 / 1000.0, p.y_mm as f64 / 1000.0]);
+            Some(of_all(Kind::Closure, frame.time_s, words, place))
+        }
+        Fact::Reopened { closure, at } => {
+            let words = format!("{} was opened again", closure_name(*closure));
+            Some(of_all(Kind::Closure, seconds(at), words, None))
+        }
+        _ => None,
+    }
+}
+
+/// What people call a worker: by the name, where there is one.
+fn called(worker: WorkerId, frame: &Frame) -> String {
+    frame.workers.get(worker.ix()).map_or_else(|| worker_name(worker), |w| w.name.clone())
+}
+
+fn met(e: &Encounter, at_s: f64, robot: String, frame: &Frame) -> Mark {
+    let worker = called(e.worker, frame);
+    let metres = |mm: i64| mm as f64 / 1000.0;
+    let then = match e.reaction {
+        Reaction::Kept => "drove on",
+        Reaction::Slowed => "was slowed",
+        Reaction::Held => "had to wait",
+        Reaction::Rerouted => "went another way",
+        Reaction::Stopped => "was stopped",
+    };
+    let words =
+        format!("{worker} met {robot}, at the closest {:.2} m; the robot {then}", metres(e.closest_mm));
+    let place = Some([metres(e.at.x_mm), metres(e.at.y_mm)]);
+    Mark { at_s, kind: Kind::Encounter, words, who: vec![worker_name(e.worker), robot], place }
+}
+
+/// What a picture says that the one before did not.
+pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
+    let mut found = Vec::new();
+    let rows = |frame: &Frame| frame.alarms.as_array().cloned().unwrap_or_default();
+    if old.alarms != new.alarms {
+        let before = rows(old);
+        let is_new = |id: &serde_json::Value| !before.iter().any(|alarm| alarm["id"] == *id);
+        for alarm in rows(new).into_iter().filter(|alarm| is_new(&alarm["id"])) {
+            let by_fact = alarm["id"].as_str().is_some_and(|id| BY_FACT.contains(&id));
+            if let (false, Some(text)) = (by_fact, alarm["text"].as_str()) {
+                let (words, who) = (text.to_owned(), Vec::new());
+                found.push(Mark { at_s: new.time_s, kind: Kind::Alarm, words, who, place: None });
+            }
+        }
+    }
+    for (before, now) in old.workers.iter().zip(&new.workers) {
+        if now.presence == "lost" && before.presence != "lost" {
+            let words = format!("{} is lost: nobody knows where, and robots stand all round", now.name);
+            let place = now.x.zip(now.y).map(|(x, y)| [x, y]);
+            found.push(Mark { at_s: new.time_s, kind: Kind::Alarm, words, who: vec![now.id.clone()], place });
+        }
+    }
+    found
+}

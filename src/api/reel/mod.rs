@@ -1,0 +1,126 @@
+//! Reels: moving pictures of a fleet on file, so that what happened at 14:07 can be looked at again.
+//!
+//! Main types: [`Reel`] (pictures and facts → lines), [`Mark`] (a bookmark), [`Out`] (a file of them), [`Folder`]
+//! (many, by time), [`Roll`] (writes a folder), [`page()`] (a page that needs no server). A reel is JSON lines,
+//! packed with gzip; docs/replay.md writes the contract down. Patches are those of the thin live feed. Refuses: to
+//! compare pictures in a way of its own, and to hold back whoever runs the fleet.
+
+mod file;
+mod folder;
+mod mark;
+mod page;
+mod roll;
+
+pub use file::{Out, is_reel, lines};
+pub use folder::{Cut, Folder, Past, Piece};
+pub use mark::{Kind, Mark, is_notable};
+pub use page::page;
+pub use roll::{Limits, Roll};
+
+use super::dto::round3;
+use super::http::map_text;
+use super::live::{Frame, thin};
+use crate::fleet::Fact;
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
+use serde_json::json;
+use std::fmt::Write;
+use std::sync::Arc;
+
+/// How often there is a picture.
+pub const EVERY: Span = Span::from_millis(200);
+
+/// How often there is a whole one: who looks at a moment reads this much before it at most.
+const KEY_EVERY_S: f64 = 10.0;
+
+/// So many facts wait for the next picture, which is long in coming where the disk takes nothing.
+const MOST_WAITING: usize = 1000;
+
+/// Turns pictures and facts into lines.
+pub struct Reel {
+    map: Arc<Warehouse>,
+    name: String,
+    start: Option<Time>,
+    last: Option<Arc<Frame>>,
+    version: u64,
+    keyed_s: f64,
+    facts: Vec<Fact>,
+}
+
+/// What one picture adds to a reel.
+#[derive(Debug, Default)]
+pub struct Shot {
+    /// When, seconds from the start.
+    pub at_s: f64,
+    /// The lines, each with its end.
+    pub lines: String,
+    /// The bookmarks among the lines.
+    pub marks: Vec<Mark>,
+}
+
+impl Reel {
+    /// A reel of this fleet. `start` is the time of day at which its pictures count from 0; nothing in a simulation.
+    pub fn new(map: Arc<Warehouse>, name: String, start: Option<Time>) -> Reel {
+        let keyed_s = f64::NEG_INFINITY;
+        Reel { map, name, start, last: None, version: 0, keyed_s, facts: Vec::new() }
+    }
+
+    /// The first line of a file. The next picture begins with a whole one.
+    pub fn header(&mut self) -> String {
+        self.keyed_s = f64::NEG_INFINITY;
+        header(&self.name, self.start, Some(&self.map))
+    }
+
+    /// Takes notice of a fact, for its bookmark.
+    pub fn note(&mut self, fact: &Fact) {
+        if is_notable(fact) && self.facts.len() < MOST_WAITING {
+            self.facts.push(fact.clone());
+        }
+    }
+
+    /// The lines of a picture; nothing where it is the one before.
+    pub fn picture(&mut self, frame: &Arc<Frame>) -> Option<Shot> {
+        let at_s = frame.time_s;
+        if self.last.as_ref().is_some_and(|last| last.time_s >= at_s) {
+            return None;
+        }
+        let mut lines = String::new();
+        let mut marks = Vec::new();
+        if let Some(last) = &self.last {
+            let patch = thin::patch(last, frame, self.version);
+            writeln!(lines, "{{\"at\":{at_s},\"patch\":{patch}}}").expect("texts take everything");
+            marks = mark::between(last, frame);
+        }
+        self.version += 1;
+        // Beside the patch, so that whoever plays on need not begin anew.
+        if at_s - self.keyed_s >= KEY_EVERY_S {
+            let whole = frame.snapshot(self.version);
+            writeln!(lines, "{{\"at\":{at_s},\"key\":{whole}}}").expect("texts take everything");
+            self.keyed_s = at_s;
+        }
+        let zero = self.start.unwrap_or(Time::ZERO);
+        marks.extend(self.facts.drain(..).filter_map(|fact| mark::of(&fact, zero, frame)));
+        for mark in &marks {
+            writeln!(lines, "{{\"at\":{},\"mark\":{}}}", mark.at_s, json!(mark))
+                .expect("texts take everything");
+        }
+        self.last = Some(frame.clone());
+        Some(Shot { at_s, lines, marks })
+    }
+}
+
+/// The first line of a reel; without a map it is for those who have that.
+fn header(name: &str, start: Option<Time>, map: Option<&Warehouse>) -> String {
+    let start_s = start.map(|start| round3(start.as_secs_f64()));
+    let map = map.map_or_else(|| "null".into(), map_text);
+    format!("{{\"reel\":1,\"name\":{},\"start\":{},\"map\":{map}}}\n", json!(name), json!(start_s))
+}
+
+/// The time that a line begins with, and the rest of it.
+fn split(line: &str) -> Option<(f64, &str)> {
+    let (at, rest) = line.strip_prefix("{\"at\":")?.split_once(',')?;
+    Some((at.parse().ok()?, rest))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,110 @@
+//! Writing a folder of reels: a new file every few minutes, old ones deleted.
+//!
+//! Main types: [`Roll`], [`Limits`]. Refuses: to keep anything in memory but the last picture, and to grow without
+//! bound on the disk.
+
+use super::folder::Piece;
+use super::{Folder, Out, Reel, Shot};
+use crate::api::live::Frame;
+use crate::fleet::Fact;
+use std::io;
+use std::sync::Arc;
+
+/// How long one file is.
+const PIECE_S: f64 = 600.0;
+
+/// How much of the past is lost at most when the program is killed.
+const FLUSH_EVERY_S: f64 = 2.0;
+
+/// How much of the past is kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Nothing older than this, seconds.
+    pub age_s: f64,
+    /// Not more than this, bytes on disk.
+    pub bytes: u64,
+}
+
+/// Writes a folder.
+pub struct Roll {
+    folder: Arc<Folder>,
+    limits: Limits,
+    reel: Reel,
+    out: Option<Out>,
+    began_s: f64,
+    flushed_s: f64,
+    pending: Shot,
+}
+
+impl Roll {
+    /// Goes on writing a folder.
+    pub fn new(folder: Arc<Folder>, limits: Limits) -> Roll {
+        let reel = Reel::new(folder.map.clone(), folder.name.clone(), folder.start);
+        Roll { folder, limits, reel, out: None, began_s: 0.0, flushed_s: 0.0, pending: Shot::default() }
+    }
+
+    /// Takes notice of a fact.
+    pub fn note(&mut self, fact: &Fact) {
+        self.reel.note(fact);
+    }
+
+    /// Takes a picture.
+    ///
+    /// # Errors
+    /// Where the disk takes no more; what was flushed stays, and the next picture begins a new file.
+    pub fn take(&mut self, frame: &Arc<Frame>) -> io::Result<()> {
+        let taken = self.try_take(frame);
+        if taken.is_err() {
+            self.out = None;
+            self.folder.forget_empty();
+        }
+        taken
+    }
+
+    /// Ends the last file.
+    ///
+    /// # Errors
+    /// Where the disk takes no more.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.close()
+    }
+
+    fn try_take(&mut self, frame: &Arc<Frame>) -> io::Result<()> {
+        if self.out.is_some() && frame.time_s - self.began_s >= PIECE_S {
+            self.close()?;
+        }
+        let fresh = self.out.is_none();
+        let header = if fresh { self.reel.header() } else { String::new() };
+        let Some(shot) = self.reel.picture(frame) else { return Ok(()) };
+        if fresh {
+            (self.began_s, self.flushed_s) = (shot.at_s, shot.at_s);
+            self.folder.prune(shot.at_s, self.limits);
+            self.out = Some(self.folder.begin(shot.at_s)?);
+        }
+        let Some(out) = &mut self.out else { return Ok(()) };
+        out.put(&header)?;
+        out.put(&shot.lines)?;
+        self.pending.at_s = shot.at_s;
+        self.pending.marks.extend(shot.marks);
+        if fresh || shot.at_s - self.flushed_s >= FLUSH_EVERY_S {
+            self.flushed_s = shot.at_s;
+            out.flush()?;
+            self.tell();
+        }
+        Ok(())
+    }
+
+    /// Lets readers know what there is.
+    fn tell(&mut self) {
+        let Shot { at_s, marks, .. } = std::mem::take(&mut self.pending);
+        self.pending.at_s = at_s;
+        self.folder.grow(at_s, marks);
+    }
+
+    fn close(&mut self) -> io::Result<()> {
+        let Some(out) = self.out.take() else { return Ok(()) };
+        out.finish()?;
+        self.tell();
+        self.folder.last().as_ref().map_or(Ok(()), Piece::write_index)
+    }
+}

@@ -1,0 +1,34 @@
+//! Filming a fleet that is stepped without a server: a simulation, or a recording.
+//!
+//! Main type: [`Film`]. Refuses: to step the fleet itself.
+
+use super::measure::Measure;
+use crate::api::live::Frame;
+use crate::api::port::{Alarms, Moment};
+use crate::api::reel::EVERY;
+use crate::fleet::Fleet;
+use crate::time::Time;
+use std::sync::Arc;
+
+/// Takes pictures of a fleet, as often as reels have them.
+#[derive(Debug, Default)]
+pub struct Film {
+    alarms: Alarms,
+    measure: Measure,
+    due: Option<Time>,
+}
+
+impl Film {
+    /// The picture after a step, where it is time for one.
+    pub fn shoot(&mut self, fleet: &Fleet, now: Time) -> Option<Arc<Frame>> {
+        if self.due.is_some_and(|due| now < due) {
+            return None;
+        }
+        self.due = Some(now + EVERY);
+        let view = fleet.view(now);
+        self.alarms.note(&view);
+        let measured = self.measure.figures(now, view.counts.robot_deliveries);
+        let moment = Moment { view, time_s: now.as_secs_f64(), measured };
+        Some(Arc::new(Frame::of(fleet.warehouse(), &moment, &self.alarms.list(), 0.0)))
+    }
+}

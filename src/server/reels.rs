@@ -1,0 +1,118 @@
+//! Keeps the past: a thread of its own writes the pictures of the live feed to disk, five a second.
+//!
+//! Main types: [`Past`], [`Tap`] (the loop's end, which never waits). Where the disk takes no more, the log says so,
+//! the fleet goes on, and the thread tries again. Refuses: to hold anybody up; a fact that comes too fast loses its
+//! bookmark, not its place in the journal.
+
+use super::clock::Clock;
+use crate::api::live::Live;
+use crate::api::reel::{EVERY, Folder, Limits, Roll, is_notable};
+use crate::fleet::Fact;
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
+use std::io;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::time::Duration;
+
+/// So many facts may wait for their bookmarks.
+const WAITING: usize = 1024;
+
+/// How long it rests after the disk refused something.
+const REST: Span = Span::from_secs(10);
+
+/// Where the loop tells what happened.
+#[derive(Debug, Default)]
+pub struct Tap(Option<SyncSender<Fact>>);
+
+impl Tap {
+    /// Tells of the facts of a step, as far as they make bookmarks.
+    pub fn note(&self, facts: &[Fact]) {
+        let Some(send) = &self.0 else { return };
+        for fact in facts.iter().filter(|fact| is_notable(fact)) {
+            let _ = send.try_send(fact.clone());
+        }
+    }
+}
+
+/// The past that is kept, or none.
+#[derive(Default)]
+pub struct Past {
+    /// What there is of it.
+    pub folder: Option<Arc<Folder>>,
+    /// For the loop.
+    pub tap: Tap,
+}
+
+impl Past {
+    /// Begins to keep the past in a folder, if that is wanted; ends when the tap is dropped. Where it cannot be kept,
+    /// the log says so, and that is all.
+    pub fn keep(
+        wanted: Option<(PathBuf, Limits)>,
+        map: &Arc<Warehouse>,
+        live: &Arc<Live>,
+        clock: &Arc<Clock>,
+    ) -> Past {
+        let Some((path, limits)) = wanted else { return Past::default() };
+        let begin = || -> io::Result<Past> {
+            let folder = Folder::open(path.clone(), map.clone(), map.name.clone(), Some(clock.started()))?;
+            let folder = Arc::new(folder);
+            let (send, facts) = sync_channel(WAITING);
+            let roll = Roll::new(folder.clone(), limits);
+            let keeper = Keeper { roll, live: live.clone(), clock: clock.clone(), rest: None };
+            std::thread::Builder::new().name("past".into()).spawn(move || keeper.run(&facts))?;
+            Ok(Past { folder: Some(folder), tap: Tap(Some(send)) })
+        };
+        begin().unwrap_or_else(|e| {
+            tracing::error!("the past is not kept: {}: {e}. The fleet goes on.", path.display());
+            Past::default()
+        })
+    }
+}
+
+struct Keeper {
+    roll: Roll,
+    live: Arc<Live>,
+    clock: Arc<Clock>,
+    /// Until when nothing is written, since the disk refused something.
+    rest: Option<Time>,
+}
+
+impl Keeper {
+    fn run(mut self, facts: &Receiver<Fact>) {
+        let mut due = self.clock.now();
+        loop {
+            let wait = (due - self.clock.now()).0.max(0).unsigned_abs();
+            match facts.recv_timeout(Duration::from_micros(wait)) {
+                Ok(fact) => self.roll.note(&fact),
+                Err(RecvTimeoutError::Timeout) => {
+                    due = self.clock.now() + EVERY;
+                    self.shoot();
+                }
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+        }
+        if let Err(e) = self.roll.finish() {
+            tracing::error!("the last pictures of the past were not written: {e}");
+        }
+    }
+
+    fn shoot(&mut self) {
+        let now = self.clock.now();
+        if self.rest.is_some_and(|until| now < until) {
+            return;
+        }
+        let Some(frame) = self.live.frame() else { return };
+        match self.roll.take(&frame) {
+            Ok(()) if self.rest.take().is_some() => tracing::info!("the past is kept again"),
+            Ok(()) => {}
+            Err(e) => {
+                if self.rest.is_none() {
+                    tracing::error!("the past is not kept: {e}. The fleet goes on; make room on the disk.");
+                }
+                self.rest = Some(now + REST);
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! What a server keeps of the past: it answers while it runs, and after it was killed.
+
+use crate::helper::{Folder, config, floor, get, send, start};
+use giveway::api::reel::lines;
+use giveway::server::{Config, Server};
+use serde_json::{Value, json};
+use std::net::SocketAddr;
+use std::time::Duration;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+
+/// Asks until there is a past of so many seconds.
+async fn past(at: SocketAddr, seconds: f64) -> Value {
+    loop {
+        let past = get(at, "/v1/past").await.json();
+        let last = past["spans"].as_array().and_then(|spans| spans.last().cloned()).unwrap_or_default();
+        if last["to_s"].as_f64().is_some_and(|to| to >= seconds) {
+            return past;
+        }
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+}
+
+/// The lines of a reel, by way of a file, as a person would keep it.
+async fn reel(at: SocketAddr, folder: &Folder, query: &str) -> Vec<Value> {
+    let mut stream = TcpStream::connect(at).await.unwrap();
+    let ask = format!("GET /v1/past/reel?{query} HTTP/1.0\r\nhost: {at}\r\n\r\n");
+    stream.write_all(ask.as_bytes()).await.unwrap();
+    let mut bytes = Vec::new();
+    stream.read_to_end(&mut bytes).await.unwrap();
+    let head = bytes.windows(4).position(|w| w == b"\r\n\r\n").expect("headers end") + 4;
+    let said = String::from_utf8_lossy(&bytes[..head]).to_lowercase();
+    assert!(said.contains(" 200 ") && said.contains("content-type: application/gzip"), "{said}");
+    let path = folder.path().join("answer.reel");
+    std::fs::write(&path, &bytes[head..]).unwrap();
+    lines(&path).unwrap().map(|line| serde_json::from_str(&line).unwrap()).collect()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_server_shows_what_happened_before_and_after_a_restart() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    past(at, 1.0).await;
+    assert_eq!(send(at, "POST", "/v1/fleet/stop", &[], "").await.unwrap().status / 100, 2);
+    let now = past(at, 1.0).await["now_s"].as_f64().unwrap();
+    let kept = past(at, now + 1.0).await;
+    let marks = kept["bookmarks"].as_array().unwrap();
+    assert_eq!((marks.len(), &marks[0]["kind"]), (1, &json!("stop")), "{kept}");
+    let found = reel(at, &folder, &format!("from=0&to={}", now + 1.0)).await;
+    assert_eq!(found[0]["start"].as_f64().map(|s| s > 1e9), Some(true));
+    assert!(found[0]["map"]["nodes"].is_array() && found[1].get("mark").is_some(), "{}", found[1]);
+    let first = found.iter().find_map(|l| l.get("key")).expect("a whole picture");
+    assert!(first["robots"].as_array().is_some_and(|r| !r.is_empty()), "{first}");
+    assert!(found.iter().any(|l| l.get("patch").is_some()));
+    server.stop().await.unwrap();
+
+    let server = start(&folder).await;
+    let at = server.address();
+    let kept = past(at, 0.5).await;
+    let first = &kept["spans"][0];
+    assert!(first["from_s"].as_f64() < Some(0.0), "{kept}");
+    assert_eq!(kept["bookmarks"][0]["words"], "all robots were stopped by hand");
+    // A restart may be so quick that both runs are one span.
+    let [from, to] = [&first["from"], &kept["start"]].map(|t| t.as_str().unwrap());
+    let query = format!("from={from}&to={to}&map=false");
+    let found = reel(at, &folder, &query).await;
+    assert!(found[0]["map"].is_null() && found.last().unwrap()["at"].as_f64() <= Some(0.0));
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn wrong_spans_and_a_server_without_a_past_are_said_in_words() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    past(at, 0.4).await;
+    for (query, field) in [("from=noon", "from"), ("from=0&to=soon", "to"), ("from=0&to=4000", "to")] {
+        let problem = get(at, &format!("/v1/past/reel?{query}")).await.problem(422);
+        assert_eq!(problem["errors"][0]["field"], field, "{problem}");
+    }
+    get(at, "/v1/past/reel?from=-90&to=-80").await.problem(404);
+    get(at, "/v1/past?since=1").await.problem(400);
+    server.stop().await.unwrap();
+
+    let folder = Folder::new();
+    let none = Config { past_hours: 0, ..config(&folder) };
+    let server = Server::start(&none, floor()).await.unwrap();
+    let problem = get(server.address(), "/v1/past").await.problem(404);
+    assert!(problem["detail"].as_str().unwrap().contains("--past-hours"), "{problem}");
+    assert!(!folder.path().join("giveway.past").exists());
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn where_the_past_cannot_be_kept_the_fleet_goes_on() {
+    let folder = Folder::new();
+    // A file stands where the folder should be.
+    std::fs::write(folder.path().join("giveway.past"), "in the way").unwrap();
+    let server = start(&folder).await;
+    assert_eq!(get(server.address(), "/v1/robots").await.status, 200);
+    get(server.address(), "/v1/past").await.problem(404);
+    server.stop().await.unwrap();
+
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    past(server.address(), 0.4).await;
+    // What it writes goes away under its hands; nobody but the past minds.
+    std::fs::remove_dir_all(folder.path().join("giveway.past")).unwrap();
+    assert_eq!(get(server.address(), "/v1/health").await.status, 200);
+    server.stop().await.unwrap();
+}

@@ -1,0 +1,150 @@
+// Reels: what is read of a file, whether seeking and playing come to the same, and what is said of what cannot be read.
+import { describe, expect, test } from 'vitest';
+import { FileFilm, ServerFilm, snap } from '../src/reel/film';
+import type { Api } from '../src/api';
+import { readReel } from '../src/reel/reel';
+import { replayRoute } from '../src/reel/route';
+import { seek, type Shown } from '../src/reel/seek';
+import { linesOf } from '../src/reel/unpack';
+import { moment, momentOf } from '../src/reel/words';
+import type { FloorMap } from '../src/wire';
+import { robot, snapshot } from './samples';
+
+const map: FloorMap = { name: 'm', bounds: [0, 0, 9, 9], footprint_m: 1, nodes: [], lanes: [], stations: [], racks: [], obstacles: [], walkable: [] };
+const header = (more: object = {}) => JSON.stringify({ reel: 1, name: 'lab', start: null, map, ...more });
+
+/** A robot that goes 100 mm along x five times a second, with a whole picture every two seconds. */
+function reelLines(seconds: number): string[] {
+  const lines = [header()];
+  for (let i = 0; i <= seconds * 5; i++) {
+    const [at, x] = [i / 5, i / 10];
+    const patch = { type: 'patch', base: i, version: i + 1, time_s: at, moves: [0, 100, 0] };
+    if (i > 0) lines.push(`{"at":${at},"patch":${JSON.stringify(patch)}}`);
+    const whole = snapshot({ version: i + 1, time_s: at, robots: [robot('r1', { x })] });
+    if (i % 10 === 0) lines.push(`{"at":${at},"key":${JSON.stringify(whole)}}`);
+    if (i === 7) lines.push('{"at":1.4,"mark":{"at_s":1.4,"kind":"deviation","words":"w1 left the path","who":["w1"],"place":null}}');
+  }
+  return lines;
+}
+const place = (shown: Shown | null) => shown?.mirror.robots.rows[0]?.x;
+
+describe('a reel', () => {
+  test('seeking to a moment and playing up to it come to the same', () => {
+    const { shots } = readReel(reelLines(20));
+    let played: Shown | null = null;
+    for (let t = 0; t <= 20; t += 0.07) {
+      played = seek(shots, t, played);
+      expect(place(played)).toBe(place(seek(shots, t, null)));
+    }
+    expect(place(seek(shots, 13.4, null))).toBeCloseTo(6.7);
+  });
+
+  test('playing glides over whole pictures, and keeps the order of rows', () => {
+    const { shots } = readReel(reelLines(5));
+    const before = seek(shots, 1.8, null);
+    const after = seek(shots, 2.2, before);
+    expect(after?.how).toBe('glide');
+    expect(after?.mirror.robots.at).toBe(before?.mirror.robots.at);
+    expect(seek(shots, 1, after)?.how).toBe('jump');
+    expect(seek(shots, 1, seek(shots, 1.05, null))?.at).toBe(1);
+  });
+
+  test('before its beginning the first picture is shown, behind its end the last', () => {
+    const { shots } = readReel(reelLines(3));
+    expect(place(seek(shots, -5, null))).toBe(0);
+    expect(place(seek(shots, 99, null))).toBe(1.5);
+    const end = seek(shots, 99, null);
+    expect(seek(shots, 120, end)).toBe(end);
+  });
+
+  test('a line that was cut off is left out, and the rest is shown', () => {
+    const lines = reelLines(4);
+    const cut = [...lines.slice(0, -1), lines.at(-1)!.slice(0, 40)];
+    expect(readReel(cut).shots.length).toBe(readReel(lines).shots.length - 1);
+  });
+
+  test('bookmarks come in order, and unknown kinds are passed over', () => {
+    const lines = [...reelLines(2), '{"at":0.2,"mark":{"at_s":0.2,"kind":"stop","words":"","who":[],"place":null}}', '{"at":0.2,"mark":{"kind":"comet"}}'];
+    expect(readReel(lines).marks.map((m) => m.kind)).toEqual(['stop', 'deviation']);
+  });
+
+  test.each([
+    ['nothing', [], 'This is no reel'],
+    ['another text', ['hello'], 'This is no reel'],
+    ['a recording', ['{"giveway_recording":1}'], '--reel OUT.reel'],
+    ['a newer format', [header({ reel: 2 })], 'format 2'],
+    ['only a header', [header()], 'cut off too soon'],
+  ])('%s is refused in words', (_, lines, words) => {
+    expect(() => readReel(lines)).toThrow(words);
+  });
+
+  test('a packed file that ends too soon gives what it has', async () => {
+    const text = reelLines(60).join('\n');
+    const packed = new Blob([text]).stream().pipeThrough(new CompressionStream('gzip'));
+    const bytes = new Uint8Array(await new Response(packed).arrayBuffer());
+    const whole = await linesOf(new Blob([bytes]));
+    expect(whole.length).toBe(reelLines(60).length - 1);
+    const part = await linesOf(new Blob([bytes.slice(0, bytes.length / 2)]));
+    expect(part.length).toBeGreaterThan(5);
+    expect(part.length).toBeLessThan(whole.length);
+    expect(whole.slice(0, part.length)).toEqual(part);
+    expect(await linesOf(new Blob([`${text}\n`]))).toEqual(text.split('\n'));
+  });
+
+  test('a film without a map is refused', () => {
+    expect(() => new FileFilm(readReel([header({ map: null }), ...reelLines(2).slice(1)]))).toThrow('no map');
+  });
+
+  test('a moment without a picture becomes the next one with one', () => {
+    const film = { spans: [{ from_s: 0, to_s: 10 }, { from_s: 100, to_s: 200 }] };
+    expect([-3, 5, 50, 150, 900].map((t) => snap(film, t))).toEqual([0, 5, 100, 150, 200]);
+  });
+});
+
+describe('the past of a server', () => {
+  test('is asked for by the minute, and again where it was still being written', async () => {
+    let [end, now] = [90, 0];
+    const settled = () => new Promise((done) => setTimeout(done, 20));
+    const asked: number[][] = [];
+    const api = {
+      past: async () => ({ kind: 'ok', value: { start: '2027-01-31T12:00:00Z', now_s: end, recording: false, spans: [{ from_s: 0, to_s: end }], bookmarks: [] } }),
+      reel: async (from: number, to: number) => {
+        asked.push([from, to]);
+        const lines = reelLines(end).filter((line) => { const at = Number(/^\{"at":([\d.]+)/.exec(line)?.[1] ?? -1); return at < 0 || (at >= from && at <= to); });
+        return { kind: 'ok', value: new Blob([`${lines.join('\n')}\n`]) };
+      },
+    } as unknown as Api;
+    const film = (await ServerFilm.open(api, () => now)) as ServerFilm;
+    expect(film.start).toBe(Date.UTC(2027, 0, 31, 12) / 1_000);
+    expect(film.shots(70)).toBeNull();
+    await settled();
+    expect(place(seek(film.shots(70)!, 70, null))).toBeCloseTo(35);
+    film.shots(80);
+    expect(asked).toEqual([[60, 120.5]]);
+    end = 110;
+    await film.refresh();
+    now += 3_000;
+    film.shots(105);
+    await settled();
+    expect(place(seek(film.shots(105)!, 105, null))).toBeCloseTo(52.5);
+  });
+});
+
+describe('addresses and times', () => {
+  test('the address says from when to when', () => {
+    expect(replayRoute('#replay?from=120&to=180.5')).toEqual({ from: 120, to: 180.5 });
+    expect(replayRoute('#replay?from=-30')).toEqual({ from: -30, to: null });
+    expect(replayRoute('#replay')).toEqual({ from: null, to: null });
+    expect(replayRoute('#replay?from=soon')).toEqual({ from: null, to: null });
+    expect(replayRoute('#jobs')).toBeNull();
+  });
+
+  test('a time of day is the latest one before the end', () => {
+    const start = new Date(2027, 0, 31, 12, 0, 0).getTime() / 1_000;
+    expect(momentOf(start, 7_200, '12:30')).toBe(1_800);
+    expect(momentOf(start, 7_200, '14:00:01')).toBe(7_201 - 86_400);
+    expect(momentOf(start, 7_200, 'noon')).toBeNull();
+    expect(moment(start, 1_800)).toBe('12:30:00');
+    expect(moment(null, 1_800)).toBe('00:30:00');
+  });
+});

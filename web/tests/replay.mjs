@@ -1,0 +1,242 @@
+// The past in a real browser: a page that is a file, a recording on the screen, and a server that keeps what happened:
+// node tests/replay.mjs PROGRAM. It records a run with a person who leaves the path, and starts and kills servers itself.
+import { execFile, spawn } from 'node:child_process';
+import { mkdir, mkdtemp, readFile, rm, stat, writeFile } from 'node:fs/promises';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath, pathToFileURL } from 'node:url';
+import { promisify } from 'node:util';
+import { assert, check, finish, openBrowser } from './chromium.mjs';
+
+const program = process.argv[2];
+if (!program) {
+  console.error('Say where the program is: node tests/replay.mjs target/debug/giveway');
+  process.exit(2);
+}
+const here = (path) => fileURLToPath(new URL(path, import.meta.url));
+const SHOTS = here('./shots/');
+const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const PATIENCE = 30_000;
+const SECONDS = 150;
+
+await mkdir(SHOTS, { recursive: true });
+const folder = await mkdtemp(join(tmpdir(), 'giveway-replay-'));
+const file = (name) => join(folder, name);
+const giveway = (...words) => promisify(execFile)(program, words);
+const browser = await openBrowser();
+const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark', acceptDownloads: true });
+const complaints = [];
+let page = await open();
+
+const button = (name) => page.getByRole('button', { name, exact: true });
+const bar = () => page.getByRole('region', { name: 'Replay', exact: true });
+const bookmarks = () => page.getByRole('region', { name: 'Bookmarks' });
+const badge = () => page.getByText('this is the past');
+/** The moment that is shown, in seconds of the day. */
+const moment = async () => (await bar().locator('output b').innerText()).split(':').reduce((sum, n) => sum * 60 + Number(n), 0);
+const drawn = () => page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
+const version = () => page.evaluate(() => Number(document.querySelector('canvas')?.dataset.version));
+
+await check('A run is recorded, and made into a reel and into a page', async () => {
+  await giveway('sim', here('../../scenarios/people-1.json'), '--duration', String(SECONDS), '--no-bound', '--record', file('run.jsonl.gz'));
+  await giveway('replay', file('run.jsonl.gz'), '--reel', file('run.reel'), '--page', file('run.html'));
+  const [recording, reel, html] = await Promise.all(['run.jsonl.gz', 'run.reel', 'run.html'].map(async (name) => (await stat(file(name))).size));
+  return `recording ${recording}, reel ${reel}, page ${html} bytes`;
+});
+
+await check('The page opens from the file and plays, without asking any network', async () => {
+  const asked = [];
+  page.on('request', (request) => asked.push(request.url()));
+  await page.goto(pathToFileURL(file('run.html')).href);
+  await drawn();
+  await badge().waitFor({ timeout: PATIENCE });
+  const [t, v] = [await moment(), await version()];
+  await page.waitForTimeout(2_500);
+  assert((await moment()) > t && (await version()) > v, `it stands at ${await moment()} s`);
+  assert(asked.every((url) => /^(file|data|blob):/.test(url)), asked.join(' '));
+  assert((await page.getByRole('button', { name: /Stop all robots|Submit/ }).count()) === 0, 'there is a button for the present');
+});
+await check('Space stands still, arrow keys go five seconds, and the end is the end', async () => {
+  await page.locator('body').press('Space');
+  await button('Play').waitFor({ timeout: 2_000 });
+  const t = await moment();
+  await page.locator('body').press('ArrowRight');
+  assert(Math.abs((await moment()) - t - 5) <= 1, `from ${t} to ${await moment()}`);
+  await page.getByRole('slider', { name: 'Moment' }).focus();
+  await page.keyboard.press('End');
+  assert((await moment()) >= SECONDS - 2, `the end is ${await moment()}`);
+  await page.keyboard.press('Home');
+  assert((await moment()) === 0, `the beginning is ${await moment()}`);
+});
+await check('A bookmark leads to the deviation, and shows who it was', async () => {
+  const first = bookmarks().getByRole('button', { name: /Off the path/ }).first();
+  const words = (await first.innerText()).replaceAll(/\s+/g, ' ');
+  await first.click();
+  const at = words.split(' ')[0].split(':').reduce((sum, n) => sum * 60 + Number(n), 0);
+  assert(Math.abs((await moment()) - (at - 5)) <= 1, `${words}, but it is ${await moment()}`);
+  await page.getByRole('region', { name: 'Person', exact: true }).waitFor({ timeout: 3_000 });
+  await button('Play').click();
+  await page.waitForTimeout(6_000);
+  await page.getByRole('region', { name: 'Person', exact: true }).getByText(/Off the path|On a new path|Told to stop/).first().waitFor({ timeout: 5_000 });
+  await page.screenshot({ path: `${SHOTS}replay-file.png` });
+  const before = await moment();
+  await button('Next bookmark').click();
+  assert((await moment()) > before, 'the next bookmark is not later');
+  return words;
+});
+await check('At 64 times the speed it comes to the end and stands', async () => {
+  await bar().getByLabel('Speed').selectOption('64');
+  await page.getByRole('slider', { name: 'Moment' }).press('Home');
+  if (await button('Play').isVisible()) await button('Play').click();
+  await button('Play').waitFor({ timeout: PATIENCE });
+  assert((await moment()) >= SECONDS - 1, `it stands at ${await moment()}`);
+});
+await axe('a file, dark');
+await page.emulateMedia({ colorScheme: 'light' });
+await page.waitForTimeout(500);
+await axe('a file, light');
+await page.screenshot({ path: `${SHOTS}replay-file-light.png` });
+await page.setViewportSize({ width: 390, height: 844 });
+await page.waitForTimeout(500);
+await check('It fits onto a phone', async () => {
+  const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  await page.screenshot({ path: `${SHOTS}replay-phone.png`, fullPage: true });
+  assert(over <= 0, `it is ${over} px too wide`);
+});
+await page.close();
+
+let server = await start('replay', file('run.jsonl.gz'), '--listen', '127.0.0.1:0');
+await check('A recording opens as a replay whose scrubber grows to all of it', async () => {
+  page = await open();
+  await page.goto(server.url);
+  await badge().waitFor({ timeout: PATIENCE });
+  await drawn();
+  await page.waitForFunction((most) => Number(document.querySelector('input[type="range"]')?.max) >= most, SECONDS - 1, { timeout: PATIENCE });
+  await bookmarks().getByRole('button', { name: /Encounter|Off the path/ }).last().click();
+  await page.waitForTimeout(1_500);
+  assert((await moment()) > 60, `it is ${await moment()}`);
+  await page.screenshot({ path: `${SHOTS}replay-recording.png` });
+  await button('As it was played').click();
+  await badge().waitFor({ state: 'detached', timeout: 5_000 });
+  await page.close();
+});
+await server.kill();
+
+const SERVE = ['serve', '--scenario', here('../../scenarios/lab.json'), '--listen', '127.0.0.1:0', '--database', file('db.sqlite')];
+server = await start(...SERVE);
+page = await open();
+await page.goto(server.url);
+await drawn();
+await check('A running server shows its own past, in which nothing can be changed', async () => {
+  await page.request.post(`${server.url}/v1/fleet/stop`);
+  await page.waitForTimeout(1_500);
+  await page.request.post(`${server.url}/v1/fleet/resume`);
+  await page.waitForTimeout(4_000);
+  await button('Replay').click();
+  await badge().waitFor({ timeout: PATIENCE });
+  await bookmarks().getByText("all robots were stopped by hand").waitFor({ timeout: 10_000 });
+  assert(await button('Stop all robots').isDisabled(), 'the stop is no button of the past');
+  assert((await page.getByRole('button', { name: 'Submit' }).count()) === 0, 'jobs can be handed in');
+  await page.waitForTimeout(1_000);
+  await page.screenshot({ path: `${SHOTS}replay-server.png` });
+});
+await axe('a server');
+await check('What is in sight is saved as a file', async () => {
+  const saving = page.waitForEvent('download', { timeout: 10_000 });
+  await button('Save as a file').click();
+  await (await saving).saveAs(file('saved.reel'));
+  return `${(await stat(file('saved.reel'))).size} bytes`;
+});
+await check('Back to live is live', async () => {
+  await button('Back to live').click();
+  await badge().waitFor({ state: 'detached', timeout: 5_000 });
+  const before = await version();
+  await page.waitForTimeout(1_000);
+  assert((await version()) > before, 'nothing moves');
+  assert(await button('Stop all robots').isEnabled(), 'the stop stays dead');
+});
+await check('The address opens a span of the past, and stands at its end', async () => {
+  await page.evaluate(() => { location.hash = '#replay?from=2&to=4'; });
+  await badge().waitFor({ timeout: PATIENCE });
+  await button('Play').waitFor({ timeout: 10_000 });
+  const { min, max, value } = await page.getByRole('slider', { name: 'Moment' }).evaluate((input) => ({ min: input.min, max: input.max, value: input.value }));
+  assert(Number(min) === 2 && Number(max) === 4 && Math.abs(Number(value) - 4) < 0.3, `${min} to ${max} at ${value}`);
+  await page.evaluate(() => { location.hash = ''; });
+  await badge().waitFor({ state: 'detached', timeout: 5_000 });
+});
+await check('A saved reel opens in the page; another file is refused in words', async () => {
+  const chooser = page.locator('input[type="file"][accept=".reel"]');
+  await chooser.setInputFiles(file('saved.reel'));
+  await badge().waitFor({ timeout: 10_000 });
+  await writeFile(file('no.reel'), 'hello\n');
+  await chooser.setInputFiles(file('no.reel'));
+  await page.getByRole('alert').filter({ hasText: 'This is no reel' }).waitFor({ timeout: 5_000 });
+  await button('Dismiss').click();
+  await button('Back to live').click();
+});
+await check('A reel that is dropped onto the page plays, with the map it was made on', async () => {
+  const base64 = (await readFile(file('run.reel'))).toString('base64');
+  const dropped = await page.evaluateHandle((text) => {
+    const carried = new DataTransfer();
+    carried.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], 'run.reel'));
+    return carried;
+  }, base64);
+  await page.dispatchEvent('main', 'drop', { dataTransfer: dropped });
+  await badge().waitFor({ timeout: 10_000 });
+  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.robots === '20', null, { timeout: 10_000 });
+  await button('Back to live').click();
+  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.robots === '2', null, { timeout: 10_000 });
+});
+await check('What a killed server kept is there when it is back', async () => {
+  await server.kill();
+  server = await start(...SERVE);
+  const { spans } = await (await page.request.get(`${server.url}/v1/past`)).json();
+  assert(spans[0].from_s < 0 && spans[0].to_s <= 0, JSON.stringify(spans));
+  await page.goto(`${server.url}/#replay?from=${spans[0].from_s}&to=${spans[0].to_s}`);
+  await badge().waitFor({ timeout: PATIENCE });
+  await drawn();
+  await bookmarks().getByText("all robots were stopped by hand").waitFor({ timeout: 5_000 });
+  return `${(spans[0].to_s - spans[0].from_s).toFixed(1)} s`;
+});
+await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
+
+await server.kill();
+await rm(folder, { recursive: true, force: true });
+await finish(browser);
+
+/** Starts the program, and reads where it is from its first line. */
+async function start(...words) {
+  const child = spawn(program, words, { env: { ...process.env, RUST_LOG: 'warn' }, stdio: ['ignore', 'pipe', 'inherit'] });
+  const ended = new Promise((done) => { child.on('exit', done); });
+  process.on('exit', () => child.kill('SIGKILL'));
+  const url = await new Promise((found, failed) => {
+    let text = '';
+    child.stdout.on('data', (more) => {
+      text += more;
+      const line = /(http:\/\/[\d.:]+)\//.exec(text);
+      if (line) found(line[1]);
+    });
+    child.on('exit', (code) => failed(new Error(`${words[0]} ended with ${code}: ${text}`)));
+  });
+  return { url, kill: async () => { child.kill('SIGKILL'); await ended; } };
+}
+
+async function open() {
+  const one = await context.newPage();
+  one.on('console', (message) => {
+    // The browser itself logs the server that was killed.
+    const meant = /ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|WebSocket connection to/.test(message.text());
+    if (message.type() === 'error' && !meant) complaints.push(message.text());
+  });
+  one.on('pageerror', (error) => complaints.push(error.message));
+  return one;
+}
+
+async function axe(look) {
+  await check(`axe finds nothing wrong (${look})`, async () => {
+    await page.evaluate(AXE);
+    const { violations } = await page.evaluate(() => globalThis.axe.run());
+    assert(violations.length === 0, violations.map((v) => `${v.id}: ${v.nodes.map((n) => `${n.target.join(' ')} ${n.failureSummary ?? ''}`).slice(0, 3).join('; ')}`).join(' | '));
+  });
+}
