@@ -6,6 +6,7 @@
 //! Refuses: locks, waiting for the database, and decisions of its own.
 
 use super::clock::Clock;
+use super::historian::Note;
 use super::inbox::Inbox;
 use super::journal::Journal;
 use super::measure::Measure;
@@ -14,6 +15,7 @@ use crate::api::feed::hub::Feeds;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment, QUESTIONS_AT_ONCE, Question};
 use crate::fleet::{Command, Fleet, Guidance, Input};
+use crate::history::Times;
 use crate::id::{RobotId, WorkerId};
 use crate::sim::World;
 use crate::time::{Span, Time};
@@ -49,6 +51,10 @@ pub struct Drive {
     pub journal: Journal,
     /// Figures.
     pub measure: Measure,
+    /// Takes pictures for the figures over time.
+    pub notes: mpsc::Sender<Note>,
+    /// What was measured since the last of them.
+    pub times: Times,
     /// Figures for Prometheus.
     pub metrics: Arc<Metrics>,
     /// Gets guidance.
@@ -168,7 +174,10 @@ impl Drive {
 
     fn note(&mut self, length: Span, facts: usize) {
         self.metrics.step_seconds.observe(length.as_secs_f64());
-        self.measure.step(length, &self.fleet.take_plan_times());
+        let searches_ns = self.fleet.take_plan_times();
+        self.measure.step(length, &searches_ns);
+        self.times.searches_us.extend(searches_ns.iter().map(|ns| ns / 1000));
+        self.times.step_us = self.times.step_us.max(length.0.unsigned_abs());
         if length.0 > self.period.0 / 2 {
             tracing::warn!(step.ms = length.0 / 1000, facts, "a step took more than half its period");
         }
@@ -180,7 +189,12 @@ impl Drive {
         self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let time_s = (now - self.clock.started()).as_secs_f64();
-        self.moments.send_replace(Arc::new(Moment { view, time_s, measured }));
+        let moment = Arc::new(Moment { view, time_s, measured });
+        // Where the historian is behind, what was measured goes with the next picture.
+        if let Ok(place) = self.notes.try_reserve() {
+            place.send(Note { moment: moment.clone(), times: std::mem::take(&mut self.times) });
+        }
+        self.moments.send_replace(moment);
     }
 }
 
@@ -220,6 +234,8 @@ mod tests {
             outbox,
             journal,
             measure,
+            notes: mpsc::channel(8).0,
+            times: Times::default(),
             metrics,
             feeds,
             alarms,

@@ -8,6 +8,7 @@ mod certificate;
 mod clock;
 mod config;
 mod drive;
+mod historian;
 mod inbox;
 mod journal;
 mod measure;
@@ -26,9 +27,10 @@ use crate::api::feed::hub::{Feeds, Heard};
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, Moment, QUESTIONS};
+use crate::api::port::{Alarms, Figures, Moment, QUESTIONS};
 use crate::api::{Api, auth::Gate, router};
 use crate::fleet::{Fleet, Settings};
+use crate::history::History;
 use crate::sim::{OrderLine, Scenario, World};
 use crate::store::{Store, StoreError};
 use crate::time::Span;
@@ -116,6 +118,9 @@ impl Server {
         let today = jiff::Timestamp::from_microsecond(clock.started().0)?.to_zoned(jiff::tz::TimeZone::UTC);
         let identity = place.map(|place| Identity::open(&place, today.date())).transpose()?;
         let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
+        let (buckets, heat) = store.load_history().await?;
+        let history = History::restore(buckets, heat);
+        let figures = Arc::new(Figures::new(clock.started(), settings.arm.word(), history));
         let fleet = Fleet::restore(map.clone(), settings, loaded.facts);
         let world = World::new(map, &scenario, &lines, scenario.seed, &fleet, clock.now());
         let (stop, stopping) = watch::channel(false);
@@ -123,7 +128,7 @@ impl Server {
         feeds.know(&fleet.ledger().workers);
         let (period, next, feeds) = (scenario.period, loaded.next, Arc::new(feeds));
         let interop = config.massrobotics.clone();
-        let parts = Parts { fleet, world, clock, period, next, gate, interop, feeds, heard };
+        let parts = Parts { fleet, world, clock, figures, period, next, gate, interop, feeds, heard };
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
         let work = tokio::spawn(work(parts, store.clone(), door, stopping));
         Ok(Server { address, summary, identity, store, stop, work })
@@ -175,6 +180,7 @@ struct Parts {
     fleet: Fleet,
     world: World,
     clock: Arc<Clock>,
+    figures: Arc<Figures>,
     period: Span,
     next: i64,
     gate: Gate,
@@ -190,7 +196,7 @@ async fn work(
     door: Door,
     mut stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
-    let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard } = parts;
+    let Parts { fleet, world, clock, figures, period, next, gate, interop, feeds, heard } = parts;
     let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
@@ -199,6 +205,8 @@ async fn work(
     let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
     let map = fleet.warehouse().clone();
     let live = Arc::new(Live::new(map.clone(), clock.started().0.unsigned_abs()));
+    let (notes, noted) = mpsc::channel(historian::NOTES);
+    let historian = historian::Historian { figures: figures.clone(), store: store.clone(), notes: noted };
     let drive = drive::Drive {
         fleet,
         world,
@@ -209,6 +217,8 @@ async fn work(
         outbox: outbox::Outbox::default(),
         journal,
         measure: measure::Measure::default(),
+        notes,
+        times: Default::default(),
         metrics: metrics.clone(),
         feeds: feeds.clone(),
         alarms: alarms.clone(),
@@ -218,11 +228,13 @@ async fn work(
     let ((closing, closes), (halt, halted)) = (watch::channel(false), watch::channel(false));
     let mut feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
     let mut writer = tokio::spawn(writer.run());
+    let historian = tokio::spawn(historian.run());
     let mut thread = spawn_loop(drive, halted)?;
     let api = Api {
         map,
         moments: picture,
         records: Arc::new(records::Shelf(store.clone())),
+        figures,
         desk: Some(desk),
         questions: ask,
         alarms,
@@ -249,6 +261,9 @@ async fn work(
         let _ = thread.await;
         let lost = "the journal did not take the last facts. None of them was acknowledged";
         timeout(FLUSH, &mut writer).await.context(lost)?.context(lost)?.context(lost)?;
+        if timeout(FLUSH, historian).await.is_err() {
+            tracing::warn!("the last figures over time were not written down");
+        }
     }
     feed.abort();
     store.close().await;

@@ -9,8 +9,9 @@ use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, Moment, QUESTIONS, Question};
+use crate::api::port::{Alarms, Figures, Moment, QUESTIONS, Question};
 use crate::fleet::Fleet;
+use crate::history::{History, Times};
 use crate::sim::replay::{Player, Turn};
 use crate::time::{Span, Time};
 use anyhow::Context;
@@ -52,11 +53,14 @@ impl Show {
         let (feeds, _) = Feeds::new();
         let feeds = Arc::new(feeds);
         let past = Arc::new(Past::default());
+        let arm = player.fleet.settings().arm.word();
+        let figures = Arc::new(Figures::new(Time::ZERO, arm, History::default()));
         let (closing, closes) = watch::channel(false);
         let api = Api {
             map,
             moments: picture,
             records: past.clone(),
+            figures: figures.clone(),
             desk: None,
             questions: ask,
             alarms: alarms.clone(),
@@ -70,7 +74,7 @@ impl Show {
         };
         let http = tokio::spawn(listen((listener, None), api, closes));
         let measure = Measure::default();
-        let screen = Screen { live, feeds, alarms, moments, past, measure, speed, questions };
+        let screen = Screen { live, feeds, alarms, moments, past, figures, measure, speed, questions };
         let play = Some(tokio::spawn(screen.play(player)));
         Ok(Show { address, http, play, _closing: closing })
     }
@@ -100,6 +104,7 @@ struct Screen {
     alarms: Arc<Alarms>,
     moments: watch::Sender<Arc<Moment>>,
     past: Arc<Past>,
+    figures: Arc<Figures>,
     measure: Measure,
     speed: f64,
     questions: mpsc::Receiver<Question>,
@@ -135,6 +140,8 @@ impl Screen {
 
     fn publish(&mut self, player: &Player, now: Time) {
         let view = player.fleet.view(now);
+        // How long searches took when it was recorded is in no recording.
+        self.figures.note(&view, &Times::default());
         self.feeds.know(&player.fleet.ledger().workers);
         self.feeds.refresh(&view);
         self.alarms.note(&view);
