@@ -5,8 +5,8 @@
 //! [`Alarms`], [`Moment`], [`Figures`], [`Now`]. Refuses: to know who answers.
 
 use crate::fleet::{
-    Area, Assignment, AssignmentRequest, Closure, Encounter, Fleet, Job, JobRequest, Reply, Strip, View,
-    Waiting, Why,
+    Area, Assignment, AssignmentRequest, Closure, Encounter, Expected, Fleet, Job, JobRequest, Reply, Strip,
+    View, Waiting, Why,
 };
 use crate::history::{History, Times};
 use crate::id::{AssignmentId, ClosureId, JobId, RobotId, WorkerId};
@@ -202,6 +202,8 @@ pub struct Moment {
     pub time_s: f64,
     /// What the loop measured.
     pub measured: Measured,
+    /// Where people may be in the coming seconds; nothing while nobody reads it.
+    pub forecasts: Arc<Vec<Expected>>,
 }
 
 /// Figures of the loop over the last minutes.

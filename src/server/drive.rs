@@ -5,6 +5,7 @@
 //! has none of them for so long that no more may wait, every robot is told to stand and the floor goes on.
 //! Refuses: locks, waiting for the database, and decisions of its own.
 
+use super::ahead::Ahead;
 use super::clock::Clock;
 use super::historian::Note;
 use super::inbox::Inbox;
@@ -12,6 +13,7 @@ use super::journal::Journal;
 use super::measure::Measure;
 use super::outbox::Outbox;
 use crate::api::feed::hub::Feeds;
+use crate::api::live::Live;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment, QUESTIONS_AT_ONCE, Question};
 use crate::fleet::{Command, Fleet, Guidance, Input};
@@ -57,6 +59,10 @@ pub struct Drive {
     pub times: Times,
     /// Figures for Prometheus.
     pub metrics: Arc<Metrics>,
+    /// Says whether anybody watches.
+    pub live: Arc<Live>,
+    /// Where people may be soon, for those who watch.
+    pub ahead: Ahead,
     /// Gets guidance.
     pub feeds: Arc<Feeds>,
     /// What stands.
@@ -189,7 +195,8 @@ impl Drive {
         self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let time_s = (now - self.clock.started()).as_secs_f64();
-        let moment = Arc::new(Moment { view, time_s, measured });
+        let forecasts = self.ahead.of(&self.fleet, now, self.live.is_read());
+        let moment = Arc::new(Moment { view, time_s, measured, forecasts });
         // Where the historian is behind, what was measured goes with the next picture.
         if let Ok(place) = self.notes.try_reserve() {
             place.send(Note { moment: moment.clone(), times: std::mem::take(&mut self.times) });
@@ -216,6 +223,7 @@ mod tests {
         let (map, scenario) = (Arc::new(lab()), Scenario::parse(SCENARIO).unwrap());
         let store = Arc::new(Store::open(&folder.join("t.sqlite"), &map).await.unwrap());
         let (clock, alarms) = (Arc::new(Clock::start(None)), Arc::new(Alarms::default()));
+        let live = Arc::new(Live::new(map.clone(), 1));
         let metrics = Arc::new(Metrics::default());
         let (journal, writer) = journal::journal(store, 1, clock.clone(), alarms.clone(), metrics.clone());
         let fleet = Fleet::new(map.clone(), scenario.settings());
@@ -237,6 +245,8 @@ mod tests {
             notes: mpsc::channel(8).0,
             times: Times::default(),
             metrics,
+            live,
+            ahead: Ahead::default(),
             feeds,
             alarms,
             halted,

@@ -4,6 +4,7 @@
 //! requests, those on their way are answered, one last step, the journal flushed, sockets and files closed.
 //! Refuses: to start where anything is wrong with map, database, address or tokens.
 
+mod ahead;
 mod certificate;
 mod clock;
 mod config;
@@ -220,6 +221,8 @@ async fn work(
         notes,
         times: Default::default(),
         metrics: metrics.clone(),
+        live: live.clone(),
+        ahead: ahead::Ahead::default(),
         feeds: feeds.clone(),
         alarms: alarms.clone(),
         halted: false,

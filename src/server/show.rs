@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Show`]. Lists are kept in memory; requests are refused, since the past takes none. Refuses: a database.
 
-use super::{clock::Clock, listen, measure::Measure, past::Past};
+use super::{ahead::Ahead, clock::Clock, listen, measure::Measure, past::Past};
 use crate::api::Api;
 use crate::api::auth::Gate;
 use crate::api::feed::hub::Feeds;
@@ -73,8 +73,8 @@ impl Show {
             closing: closes.clone(),
         };
         let http = tokio::spawn(listen((listener, None), api, closes));
-        let measure = Measure::default();
-        let screen = Screen { live, feeds, alarms, moments, past, figures, measure, speed, questions };
+        let (measure, ahead) = (Measure::default(), Ahead::default());
+        let screen = Screen { live, feeds, alarms, moments, past, figures, ahead, measure, speed, questions };
         let play = Some(tokio::spawn(screen.play(player)));
         Ok(Show { address, http, play, _closing: closing })
     }
@@ -105,6 +105,7 @@ struct Screen {
     moments: watch::Sender<Arc<Moment>>,
     past: Arc<Past>,
     figures: Arc<Figures>,
+    ahead: Ahead,
     measure: Measure,
     speed: f64,
     questions: mpsc::Receiver<Question>,
@@ -146,7 +147,8 @@ impl Screen {
         self.feeds.refresh(&view);
         self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
-        let moment = Arc::new(Moment { view, time_s: now.as_secs_f64(), measured });
+        let forecasts = self.ahead.of(&player.fleet, now, self.live.is_read());
+        let moment = Arc::new(Moment { view, time_s: now.as_secs_f64(), measured, forecasts });
         self.live.publish(&moment, &self.alarms.list(), 0.0);
         self.moments.send_replace(moment);
     }

@@ -1,6 +1,7 @@
 // What the whole page shares: map, live link, the mirror as shown in panels, who is chosen, the lock.
 // Panels get a new mirror four times a second; the floor gets every one, past the framework.
 import { Api } from './api';
+import { Chances } from './chances';
 import { History } from './history';
 import { Link, type LinkState } from './link';
 import { EMPTY, type Mirror } from './mirror';
@@ -18,6 +19,7 @@ export class Session {
   readonly api = new Api();
   readonly history = new History();
   readonly story = new Story();
+  readonly chances = new Chances();
   map = $state.raw<Loaded<FloorMap>>({ kind: 'loading' });
   link = $state.raw<LinkState>({ kind: 'connecting' });
   /** The mirror as the panels show it. */
@@ -96,6 +98,7 @@ export class Session {
   #publish(): void {
     if (this.mirror !== this.#link.mirror) {
       this.story.note(this.#link.mirror);
+      this.chances.note(this.#link.mirror);
       this.mirror = this.#link.mirror;
     }
     const { freshAt } = this.#link;

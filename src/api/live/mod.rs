@@ -5,6 +5,7 @@
 //! but its own fresh snapshot. Versions start above those of every earlier run, so that a reader who resumes after a
 //! restart gets a snapshot. Refuses: a queue per reader, an encoding per reader, and work for shapes nobody reads.
 
+mod forecast;
 mod frame;
 mod thin;
 
@@ -114,6 +115,13 @@ impl Live {
         let text = snapshot.unwrap_or_else(|| state.frame.snapshot(version).to_string().into());
         state.snapshot = Some(text.clone());
         (vec![text], version)
+    }
+
+    /// Whether anybody reads: what costs work is not worked out for nobody.
+    pub fn is_read(&self) -> bool {
+        let state = self.state();
+        let lately = |kept: &Kept| kept.read.is_some_and(|read| read + LAGGING > state.version);
+        lately(&state.plain) || lately(&state.thin)
     }
 
     /// How far back a reader may resume.
