@@ -2,6 +2,7 @@
 //!
 //! Main type: [`Ahead`]. Refuses: work for nobody.
 
+use crate::api::live::Live;
 use crate::fleet::{Expected, Fleet};
 use crate::time::{Span, Time};
 use std::sync::Arc;
@@ -10,15 +11,21 @@ use std::sync::Arc;
 const EVERY: Span = Span::from_millis(480);
 
 /// The last forecasts.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Ahead {
+    live: Arc<Live>,
     last: Option<(Time, Arc<Vec<Expected>>)>,
 }
 
 impl Ahead {
+    /// For those who read this feed.
+    pub fn new(live: Arc<Live>) -> Ahead {
+        Ahead { live, last: None }
+    }
+
     /// The forecasts for a picture.
-    pub fn of(&mut self, fleet: &Fleet, now: Time, watched: bool) -> Arc<Vec<Expected>> {
-        if !watched {
+    pub fn of(&mut self, fleet: &Fleet, now: Time) -> Arc<Vec<Expected>> {
+        if !self.live.is_read() {
             self.last = None;
             return Arc::default();
         }

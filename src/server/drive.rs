@@ -7,17 +7,15 @@
 
 use super::ahead::Ahead;
 use super::clock::Clock;
-use super::historian::Note;
+use super::historian::Notes;
 use super::inbox::Inbox;
 use super::journal::Journal;
 use super::measure::Measure;
 use super::outbox::Outbox;
 use crate::api::feed::hub::Feeds;
-use crate::api::live::Live;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment, QUESTIONS_AT_ONCE, Question};
 use crate::fleet::{Command, Fleet, Guidance, Input};
-use crate::history::Times;
 use crate::id::{RobotId, WorkerId};
 use crate::sim::World;
 use crate::time::{Span, Time};
@@ -54,13 +52,9 @@ pub struct Drive {
     /// Figures.
     pub measure: Measure,
     /// Takes pictures for the figures over time.
-    pub notes: mpsc::Sender<Note>,
-    /// What was measured since the last of them.
-    pub times: Times,
+    pub notes: Notes,
     /// Figures for Prometheus.
     pub metrics: Arc<Metrics>,
-    /// Says whether anybody watches.
-    pub live: Arc<Live>,
     /// Where people may be soon, for those who watch.
     pub ahead: Ahead,
     /// Gets guidance.
@@ -182,8 +176,7 @@ impl Drive {
         self.metrics.step_seconds.observe(length.as_secs_f64());
         let searches_ns = self.fleet.take_plan_times();
         self.measure.step(length, &searches_ns);
-        self.times.searches_us.extend(searches_ns.iter().map(|ns| ns / 1000));
-        self.times.step_us = self.times.step_us.max(length.0.unsigned_abs());
+        self.notes.measure(length, &searches_ns);
         if length.0 > self.period.0 / 2 {
             tracing::warn!(step.ms = length.0 / 1000, facts, "a step took more than half its period");
         }
@@ -195,12 +188,9 @@ impl Drive {
         self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let time_s = (now - self.clock.started()).as_secs_f64();
-        let forecasts = self.ahead.of(&self.fleet, now, self.live.is_read());
+        let forecasts = self.ahead.of(&self.fleet, now);
         let moment = Arc::new(Moment { view, time_s, measured, forecasts });
-        // Where the historian is behind, what was measured goes with the next picture.
-        if let Ok(place) = self.notes.try_reserve() {
-            place.send(Note { moment: moment.clone(), times: std::mem::take(&mut self.times) });
-        }
+        self.notes.send(&moment);
         self.moments.send_replace(moment);
     }
 }
@@ -208,7 +198,10 @@ impl Drive {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::api::live::Live;
+    use crate::api::port::Figures;
     use crate::fleet::Fact;
+    use crate::server::historian::historian;
     use crate::server::{inbox, journal, outbox};
     use crate::sim::Scenario;
     use crate::store::Store;
@@ -225,6 +218,8 @@ mod tests {
         let (clock, alarms) = (Arc::new(Clock::start(None)), Arc::new(Alarms::default()));
         let live = Arc::new(Live::new(map.clone(), 1));
         let metrics = Arc::new(Metrics::default());
+        let figures = Arc::new(Figures::new(Time::ZERO, "giveway", Default::default()));
+        let (notes, _) = historian(figures, store.clone());
         let (journal, writer) = journal::journal(store, 1, clock.clone(), alarms.clone(), metrics.clone());
         let fleet = Fleet::new(map.clone(), scenario.settings());
         let world = World::new(map, &scenario, &[], 1, &fleet, clock.now());
@@ -242,11 +237,9 @@ mod tests {
             outbox,
             journal,
             measure,
-            notes: mpsc::channel(8).0,
-            times: Times::default(),
+            notes,
             metrics,
-            live,
-            ahead: Ahead::default(),
+            ahead: Ahead::new(live),
             feeds,
             alarms,
             halted,

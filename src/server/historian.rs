@@ -1,6 +1,6 @@
 //! Keeps figures over time: takes pictures from the loop in, and writes buckets down.
 //!
-//! Main types: [`Note`], [`Historian`]. A crash costs the charts ten seconds, and a minute of the map of waiting. Where
+//! Main types: [`Notes`] (the loop's end), [`Historian`] (the task). A crash costs the charts ten seconds, and a minute of the map of waiting. Where
 //! the database refuses, figures go on in memory and are written later, as far back as they are kept. Refuses: to make
 //! the loop wait.
 
@@ -12,27 +12,49 @@ use std::sync::Arc;
 use tokio::sync::mpsc;
 
 /// So many pictures may wait: those of half a minute.
-pub const NOTES: usize = 320;
+const NOTES: usize = 320;
 
 /// How often the map of waiting is written down.
 const HEAT_EVERY: Span = Span::from_secs(60);
 
 /// A picture, and how long searches and steps took since the one before.
-pub struct Note {
-    /// The picture.
-    pub moment: Arc<Moment>,
-    /// What was measured.
-    pub times: Times,
+struct Note {
+    moment: Arc<Moment>,
+    times: Times,
 }
 
-/// The task.
+/// The loop's end.
+pub struct Notes {
+    sender: mpsc::Sender<Note>,
+    times: Times,
+}
+
+/// The task's end.
 pub struct Historian {
-    /// What is kept.
-    pub figures: Arc<Figures>,
-    /// Where it is written down.
-    pub store: Arc<Store>,
-    /// Pictures from the loop.
-    pub notes: mpsc::Receiver<Note>,
+    figures: Arc<Figures>,
+    store: Arc<Store>,
+    notes: mpsc::Receiver<Note>,
+}
+
+/// Both ends.
+pub fn historian(figures: Arc<Figures>, store: Arc<Store>) -> (Notes, Historian) {
+    let (sender, notes) = mpsc::channel(NOTES);
+    (Notes { sender, times: Times::default() }, Historian { figures, store, notes })
+}
+
+impl Notes {
+    /// Notes how long a step and its searches took.
+    pub fn measure(&mut self, step: Span, searches_ns: &[u64]) {
+        self.times.searches_us.extend(searches_ns.iter().map(|ns| ns / 1000));
+        self.times.step_us = self.times.step_us.max(step.0.unsigned_abs());
+    }
+
+    /// Hands a picture on. Where the historian is behind, what was measured goes with the next one.
+    pub fn send(&mut self, moment: &Arc<Moment>) {
+        if let Ok(place) = self.sender.try_reserve() {
+            place.send(Note { moment: moment.clone(), times: std::mem::take(&mut self.times) });
+        }
+    }
 }
 
 /// Up to when everything was written down.

@@ -129,7 +129,10 @@ impl Server {
         feeds.know(&fleet.ledger().workers);
         let (period, next, feeds) = (scenario.period, loaded.next, Arc::new(feeds));
         let interop = config.massrobotics.clone();
-        let parts = Parts { fleet, world, clock, figures, period, next, gate, interop, feeds, heard };
+        let live = Arc::new(Live::new(fleet.warehouse().clone(), clock.started().0.unsigned_abs()));
+        let (notes, historian) = historian::historian(figures.clone(), store.clone());
+        let charts = Charts { figures, notes, historian: tokio::spawn(historian.run()) };
+        let parts = Parts { fleet, world, clock, live, charts, period, next, gate, interop, feeds, heard };
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
         let work = tokio::spawn(work(parts, store.clone(), door, stopping));
         Ok(Server { address, summary, identity, store, stop, work })
@@ -181,13 +184,21 @@ struct Parts {
     fleet: Fleet,
     world: World,
     clock: Arc<Clock>,
-    figures: Arc<Figures>,
+    live: Arc<Live>,
+    charts: Charts,
     period: Span,
     next: i64,
     gate: Gate,
     interop: Interop,
     feeds: Arc<Feeds>,
     heard: mpsc::Receiver<Heard>,
+}
+
+/// Figures over time, and who keeps them.
+struct Charts {
+    figures: Arc<Figures>,
+    notes: historian::Notes,
+    historian: JoinHandle<()>,
 }
 
 /// Runs everything until told to stop, or until something cannot go on; then takes it down in order.
@@ -197,7 +208,7 @@ async fn work(
     door: Door,
     mut stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
-    let Parts { fleet, world, clock, figures, period, next, gate, interop, feeds, heard } = parts;
+    let Parts { fleet, world, clock, live, charts, period, next, gate, interop, feeds, heard } = parts;
     let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
@@ -205,9 +216,6 @@ async fn work(
     let view = fleet.view(clock.now());
     let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
     let map = fleet.warehouse().clone();
-    let live = Arc::new(Live::new(map.clone(), clock.started().0.unsigned_abs()));
-    let (notes, noted) = mpsc::channel(historian::NOTES);
-    let historian = historian::Historian { figures: figures.clone(), store: store.clone(), notes: noted };
     let drive = drive::Drive {
         fleet,
         world,
@@ -218,11 +226,9 @@ async fn work(
         outbox: outbox::Outbox::default(),
         journal,
         measure: measure::Measure::default(),
-        notes,
-        times: Default::default(),
+        notes: charts.notes,
         metrics: metrics.clone(),
-        live: live.clone(),
-        ahead: ahead::Ahead::default(),
+        ahead: ahead::Ahead::new(live.clone()),
         feeds: feeds.clone(),
         alarms: alarms.clone(),
         halted: false,
@@ -231,13 +237,12 @@ async fn work(
     let ((closing, closes), (halt, halted)) = (watch::channel(false), watch::channel(false));
     let mut feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
     let mut writer = tokio::spawn(writer.run());
-    let historian = tokio::spawn(historian.run());
     let mut thread = spawn_loop(drive, halted)?;
     let api = Api {
         map,
         moments: picture,
         records: Arc::new(records::Shelf(store.clone())),
-        figures,
+        figures: charts.figures,
         desk: Some(desk),
         questions: ask,
         alarms,
@@ -261,16 +266,26 @@ async fn work(
     drain(http).await;
     halt.send_replace(true);
     if ended.is_ok() {
-        let _ = thread.await;
-        let lost = "the journal did not take the last facts. None of them was acknowledged";
-        timeout(FLUSH, &mut writer).await.context(lost)?.context(lost)?.context(lost)?;
-        if timeout(FLUSH, historian).await.is_err() {
-            tracing::warn!("the last figures over time were not written down");
-        }
+        flush(thread, writer, charts.historian).await?;
     }
     feed.abort();
     store.close().await;
     ended
+}
+
+/// Lets the last step, its facts and the figures over time be written.
+async fn flush(
+    thread: oneshot::Receiver<()>,
+    writer: JoinHandle<Result<(), StoreError>>,
+    historian: JoinHandle<()>,
+) -> anyhow::Result<()> {
+    let _ = thread.await;
+    let lost = "the journal did not take the last facts. None of them was acknowledged";
+    timeout(FLUSH, writer).await.context(lost)?.context(lost)?.context(lost)?;
+    if timeout(FLUSH, historian).await.is_err() {
+        tracing::warn!("the last figures over time were not written down");
+    }
+    Ok(())
 }
 
 /// Lets requests that are being answered end, for a while.

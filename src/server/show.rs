@@ -73,7 +73,7 @@ impl Show {
             closing: closes.clone(),
         };
         let http = tokio::spawn(listen((listener, None), api, closes));
-        let (measure, ahead) = (Measure::default(), Ahead::default());
+        let (measure, ahead) = (Measure::default(), Ahead::new(live.clone()));
         let screen = Screen { live, feeds, alarms, moments, past, figures, ahead, measure, speed, questions };
         let play = Some(tokio::spawn(screen.play(player)));
         Ok(Show { address, http, play, _closing: closing })
@@ -147,7 +147,7 @@ impl Screen {
         self.feeds.refresh(&view);
         self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
-        let forecasts = self.ahead.of(&player.fleet, now, self.live.is_read());
+        let forecasts = self.ahead.of(&player.fleet, now);
         let moment = Arc::new(Moment { view, time_s: now.as_secs_f64(), measured, forecasts });
         self.live.publish(&moment, &self.alarms.list(), 0.0);
         self.moments.send_replace(moment);
