@@ -1,7 +1,8 @@
 //! Where workers will be within seconds, with what probability; whether such forecasts hold; and which robots brake for
 //! them.
 //!
-//! Main type: [`Expected`], for readers. Refuses: to let a robot drive because a forecast says that nobody will be there: forecasts only make robots brake.
+//! Main type: [`Expected`], for readers. Refuses: to let a robot drive because a forecast says that nobody will be
+//! there: forecasts only make robots brake.
 
 use super::Fleet;
 use crate::aware::{Arm, BEYOND, SLOW_MPS, Swept, THRESHOLD, collision};

@@ -1,8 +1,8 @@
 //! Keeps figures over time: takes pictures from the loop in, and writes buckets down.
 //!
-//! Main types: [`Notes`] (the loop's end), [`Historian`] (the task). A crash costs the charts ten seconds, and a minute of the map of waiting. Where
-//! the database refuses, figures go on in memory and are written later, as far back as they are kept. Refuses: to make
-//! the loop wait.
+//! Main types: [`Notes`] (the loop's end), [`Historian`] (the task). A crash costs the charts ten seconds, and a minute of
+//! the map of waiting. Where the database refuses, figures go on in memory and are written later, as far back as they
+//! are kept. Refuses: to make the loop wait.
 
 use crate::api::port::{Figures, Moment};
 use crate::history::{HEAT_STEP, TIERS, Times, floor};

@@ -38,7 +38,7 @@ export function feedWords({ before, now, apart_s }: Looks, lost: number | null):
   const parts = [late > 0 ? `${count(late)} late` : '', jumps > 0 ? `${count(jumps)} jumps` : '', absurd > 0 ? `${count(absurd)} absurd` : ''].filter(Boolean);
   const share = refused / Math.max(1, taken + refused);
   words.push({
-    name: 'Refused', well: share < 0.05,
+    name: 'Refused', well: share < 0.1,
     text: refused === 0 ? `none of ${count(taken)}` : `${share < 0.01 ? 'under 1 %' : percent(share)} of ${count(taken + refused)}: ${parts.join(', ')}`,
   });
   if (lost !== null) words.push({ name: 'Not seen', text: `${percent(lost)} of the last two minutes`, well: lost < 0.05 });

@@ -93,7 +93,7 @@ await check('A closed area that is announced is drawn in dashes with its time', 
 await check('Charts have values after deliveries, and follow the pointer and the keys', async () => {
   await button('Charts').click();
   await page.waitForFunction(async () => (await (await fetch('/v1/history?step=10')).json()).buckets.some((b) => b.robot_deliveries > 0), null, { timeout: 120_000 });
-  await charts.locator('[data-chart="deliveries"] polyline').first().waitFor({ timeout: 15_000 });
+  await charts.locator('[data-chart="deliveries"] polyline').first().waitFor({ state: 'attached', timeout: 15_000 });
   await page.waitForFunction(() => document.querySelector('[data-chart="plans"] [data-value="median"]')?.textContent !== '–', null, { timeout: 15_000 });
   const box = await charts.locator('[data-chart="deliveries"] .plot').boundingBox();
   await page.mouse.move(box.x + box.width - 20, box.y + box.height / 2);
@@ -114,7 +114,7 @@ await check('An encounter comes as a row, shows its place, and can be seen again
   await button('Encounters').click();
   const row = encounters.locator('[data-encounter]').first();
   await row.waitFor({ timeout: 15_000 });
-  await row.getByRole('button', { name: /^Show where/ }).click();
+  await row.getByRole('button', { name: /show on the floor/ }).click();
   const replay = await row.getByRole('link', { name: /^Replay/ }).getAttribute('href');
   assert(/^#replay\?from=\d+&to=\d+$/.test(replay), replay);
   const table = await context.request.get(new URL(await encounters.getByRole('link', { name: 'Table (CSV)' }).getAttribute('href'), url).href);

@@ -41,7 +41,7 @@ export const CHARTS: readonly Chart[] = [
     ],
   },
   {
-    id: 'encounters', title: 'Encounters', unit: 'per minute of a worker on the floor', scale: 'linear', format: number,
+    id: 'encounters', title: 'Encounters', unit: 'per worker-minute', scale: 'linear', format: number,
     // Without anybody on the floor there is no rate, rather than a rate of zero.
     lines: [{ name: 'encounters', ink: PEOPLE, dash: null, of: (b) => (b.worker_s < LEAST_S ? null : (60 * b.encounters) / b.worker_s) }],
   },
@@ -53,11 +53,8 @@ export const CHARTS: readonly Chart[] = [
     ],
   },
   {
-    id: 'waiting', title: 'Robots that wait, people on the floor', unit: 'on average', scale: 'linear', format: number,
-    lines: [
-      { name: 'waiting robots', ink: ROBOTS, dash: null, of: average((b) => b.waiting_s) },
-      { name: 'people', ink: PEOPLE, dash: '5 3', of: average((b) => b.worker_s) },
-    ],
+    id: 'waiting', title: 'Robots that wait', unit: 'on average', scale: 'linear', format: number,
+    lines: [{ name: 'waiting robots', ink: ROBOTS, dash: null, of: average((b) => b.waiting_s) }],
   },
   {
     id: 'plans', title: 'Length of a search', unit: 'logarithmic', scale: 'log', format: micros,
@@ -66,6 +63,10 @@ export const CHARTS: readonly Chart[] = [
       { name: '95 %', ink: ALL, dash: '5 3', of: (b) => b.plan_us_p95 },
       { name: 'longest', ink: PEOPLE, dash: '1 2', of: (b) => b.plan_us_max },
     ],
+  },
+  {
+    id: 'people', title: 'People on the floor', unit: 'on average', scale: 'linear', format: number,
+    lines: [{ name: 'people on the floor', ink: PEOPLE, dash: null, of: average((b) => b.worker_s) }],
   },
 ];
 

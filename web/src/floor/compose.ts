@@ -1,6 +1,9 @@
 // What the floor looks like: puts the scene onto sheets, layer by layer, and only those that changed.
 // Ways and resting racks change with a patch; robots, people and words with every frame.
+import { timeOfDay } from '../format';
 import type { Cell } from '../heatmap';
+import { around } from '../sketch';
+import type { Closure } from '../wire';
 import { putHeat, type Forecast } from './heat';
 import type { Palette } from './palette';
 import type { Person } from './people';
@@ -13,6 +16,21 @@ export interface Chosen {
   robot: number;
   person: number;
   place: readonly [x: number, y: number] | null;
+}
+
+/** Words at a place, above everything. */
+export interface Note {
+  text: string;
+  x: number;
+  y: number;
+}
+
+/** From when on robots will keep out of the areas that are announced. */
+export function announced(closures: readonly Closure[]): Note[] {
+  return closures.filter((c) => c.state === 'announced').map(({ outline, from }) => {
+    const [x0, , x1, y1] = around(outline);
+    return { text: `closed from ${timeOfDay(from ?? null).slice(0, 5)}`, x: (x0 + x1) / 2, y: y1 };
+  });
 }
 
 /** Sizes in metres. */
@@ -53,6 +71,8 @@ export class Composer {
   readonly words = new Words();
   /** A map of heat; empty where none is shown. */
   cells: readonly Cell[] = [];
+  /** What is written on the floor itself. */
+  notes: readonly Note[] = [];
   #inks: Inks;
   #done = { racks: -1, ways: -1, edges: -1, chosen: -1, hair: 0, forecasts: null as readonly Forecast[] | null, cells: null as readonly Cell[] | null };
 
@@ -286,6 +306,7 @@ export class Composer {
     } else if (chosen >= 0) {
       put(scene.ids[chosen]!, scene.x[chosen]!, scene.y[chosen]!, Math.max(scale * 0.9, 15));
     }
+    for (const n of this.notes) put(n.text, n.x, n.y, -9, 12);
     for (const p of scene.people) put(p.title, p.x, p.y, Math.max(scale * 0.75, 16));
   }
 }

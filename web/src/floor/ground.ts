@@ -1,6 +1,5 @@
 // Draws what does not move (floor, walls, lanes, places) into any 2D context. It is slow on purpose: it
 // runs once per view that comes to rest, and the result is kept as a picture.
-import { timeOfDay } from '../format';
 import type { Closure, FloorMap, MapNode, Point } from '../wire';
 import type { Palette } from './palette';
 import { toScreen, type View } from './view';
@@ -46,8 +45,8 @@ function trace(ink: Ink, shapes: Point[][], view: View): void {
   }
 }
 
-/** Where robots will have to keep out: an outline in dashes, and from when on. */
-function drawAnnounced(ink: Ink, { outline, from }: Closure, view: View, palette: Palette): void {
+/** Where robots will have to keep out: an outline in dashes. From when on is written above everything (compose.ts). */
+function drawAnnounced(ink: Ink, { outline }: Closure, view: View, palette: Palette): void {
   ink.save();
   trace(ink, [outline], view);
   ink.strokeStyle = ink.fillStyle = palette.of.closed;
@@ -58,10 +57,6 @@ function drawAnnounced(ink: Ink, { outline, from }: Closure, view: View, palette
   ink.setLineDash([7, 5]);
   ink.stroke();
   ink.restore();
-  const at = outline.map(([x, y]) => toScreen(view, x, y));
-  const [xs, ys] = [at.map((p) => p[0]), at.map((p) => p[1])];
-  const when = from === undefined ? '' : ` from ${timeOfDay(from).slice(0, 5)}`;
-  label(ink, `closed${when}`, (Math.min(...xs) + Math.max(...xs)) / 2, Math.min(...ys) - 9, 12, palette.of);
 }
 
 /** Areas that robots keep out of: hatched, so that what lies below stays readable. */

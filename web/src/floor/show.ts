@@ -4,7 +4,7 @@ import type { Mirror } from '../mirror';
 import type { Picked } from '../picked';
 import type { Cell } from '../heatmap';
 import type { Closure, FloorMap, Point } from '../wire';
-import { Composer, type Chosen } from './compose';
+import { announced, Composer, type Chosen } from './compose';
 import { drawGround } from './ground';
 import { listen } from './hands';
 import type { Forecast } from './heat';
@@ -96,6 +96,7 @@ export class Show {
     this.#how = how;
     if (this.#closures !== mirror.closures) {
       this.#closures = mirror.closures;
+      this.#composer.notes = announced(mirror.closures);
       this.#paintGround();
     }
     this.#dirty = true;
