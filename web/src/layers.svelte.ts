@@ -33,17 +33,20 @@ export class Layers {
     }
     let left = false;
     let timer: ReturnType<typeof setTimeout> | undefined;
+    let newest: string | null = null;
     const ask = async (): Promise<void> => {
-      // Nobody but the server knows its clock; what it shows is at most this old.
-      const from = period === 3_600 ? {} : { from: new Date(Date.now() - 1_000 * period).toISOString() };
+      // The server's clock says when now is; a recording has a clock of its own. Who does not say gets an hour.
+      const from = newest === null ? {} : { from: new Date(Date.parse(newest) - 1_000 * period).toISOString() };
       const answer = await this.#api.heat(kind, from);
       if (left) return;
+      const first = newest === null && answer.kind === 'ok' && period !== PERIODS[0].s;
       if (answer.kind === 'ok') {
         const { cells, borders } = cellsOf(answer.value);
         [this.cells, this.borders, this.from] = [cells, borders, answer.value.from];
+        newest = answer.value.to;
       }
       this.trouble = trouble(answer);
-      timer = setTimeout(() => void ask(), EVERY_MS);
+      timer = setTimeout(() => void ask(), first ? 0 : EVERY_MS);
     };
     void ask();
     return () => {

@@ -92,7 +92,7 @@ await check('A closed area that is announced is drawn in dashes with its time', 
 });
 await check('Charts have values after deliveries, and follow the pointer and the keys', async () => {
   await button('Charts').click();
-  await page.waitForFunction(async () => (await (await fetch('/v1/history?step=10')).json()).buckets.some((b) => b.robot_deliveries > 0), null, { timeout: 120_000 });
+  await until('a delivery in the history', async () => (await ask('/v1/history?step=10')).buckets.some((b) => b.robot_deliveries > 0));
   await charts.locator('[data-chart="deliveries"] polyline').first().waitFor({ state: 'attached', timeout: 15_000 });
   await page.waitForFunction(() => document.querySelector('[data-chart="plans"] [data-value="median"]')?.textContent !== '–', null, { timeout: 15_000 });
   const box = await charts.locator('[data-chart="deliveries"] .plot').boundingBox();
@@ -105,12 +105,14 @@ await check('Charts have values after deliveries, and follow the pointer and the
   await page.keyboard.press('ArrowLeft');
   const words = await charts.getByRole('status').textContent();
   assert(/robots [\d,.]+/.test(words), words);
+  const most = await charts.locator('[data-chart="deliveries"] .scale span').last().textContent();
+  assert(Number(most) > 1, `deliveries per hour reach to ${most}`);
   await page.screenshot({ path: `${SHOTS}charts.png` });
   await axe('charts');
   return words;
 });
 await check('An encounter comes as a row, shows its place, and can be seen again', async () => {
-  await page.waitForFunction(async () => (await (await fetch('/v1/encounters?limit=1')).json()).items.length > 0, null, { timeout: 240_000 });
+  await until('an encounter', async () => (await ask('/v1/encounters?limit=1')).items.length > 0);
   await button('Encounters').click();
   const row = encounters.locator('[data-encounter]').first();
   await row.waitFor({ timeout: 15_000 });
@@ -200,6 +202,15 @@ await check('axe finds nothing wrong (phone, light)', () => axe('phone'));
 await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
 await stop();
 await finish(browser);
+
+/** Asks twice a second until it is so, for four minutes. */
+async function until(what, so) {
+  for (let i = 0; i < 480; i++) {
+    if (await so()) return;
+    await new Promise((done) => { setTimeout(done, 500); });
+  }
+  throw new Error(`${what} never comes`);
+}
 
 async function axe(look) {
   await page.evaluate(AXE);
