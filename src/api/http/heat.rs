@@ -119,9 +119,24 @@ async fn encounters(api: &Api, from: Time, to: Time) -> Result<Vec<CellDto>, Pro
     let mut cells: BTreeMap<(i64, i64), f64> = BTreeMap::new();
     for row in rows {
         let at = row.encounter.at;
-        *cells.entry((at.x_mm.div_euclid(CELL_MM), at.y_mm.div_euclid(CELL_MM))).or_default() += 1.0;
+        *cells.entry((cell_of(at.x_mm), cell_of(at.y_mm))).or_default() += 1.0;
     }
-    let middle = |n: i64| (n * CELL_MM + CELL_MM / 2) as f64 / 1000.0;
+    let middle = |n: i64| (n * CELL_MM) as f64 / 1000.0;
     let cell = |((x, y), amount)| CellDto { x: middle(x), y: middle(y), node: None, amount };
     Ok(cells.into_iter().map(cell).collect())
+}
+
+/// Cells lie around whole metres, where maps like to have their nodes: what happened at a node stays in one.
+fn cell_of(mm: i64) -> i64 {
+    (mm + CELL_MM / 2).div_euclid(CELL_MM)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_happens_around_a_whole_metre_is_in_one_cell() {
+        assert_eq!([-501, -500, -3, 0, 3, 499, 500].map(cell_of), [-1, 0, 0, 0, 0, 0, 1]);
+    }
 }
