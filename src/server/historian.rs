@@ -1,7 +1,7 @@
 //! Keeps figures over time: takes pictures from the loop in, and writes buckets down.
 //!
-//! Main types: [`Notes`] (the loop's end), [`Historian`] (the task). A crash costs the charts ten seconds, and a minute of
-//! the map of waiting. Where the database refuses, figures go on in memory and are written later, as far back as they
+//! Main types: [`Notes`] (the loop's end), [`Historian`] (the task). A crash costs the charts ten seconds, and the map
+//! of waiting a minute. Where the database refuses, figures go on in memory and are written later, as far back as they
 //! are kept. Refuses: to make the loop wait.
 
 use crate::api::port::{Figures, Moment};
