@@ -36,6 +36,7 @@
 //! - [`aware`]: what people mean for robots: conditions on nodes for the search and the grants, regions for speeds,
 //!   encounters. There is no second planner.
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
+//! - [`history`]: what happened over time, as figures in buckets of bounded number. Nothing is decided by it.
 //! - [`sim`]: robots with inertia, radios that lose, customers; laws; recordings; the driver without a server. Pure.
 //! - [`experiment`]: benchmark floors and published tables, driven by the same search; recorded people, and what is
 //!   learned from them. Pure.
@@ -167,6 +168,7 @@
 //! | an endpoint, an error, a wire type | `api/http/`, `api/error.rs`, `api/dto.rs`; `web/src/wire.ts` |
 //! | what is stored, and how | `store/record.rs`, `migrations/` |
 //! | what is kept of the past; its bookmarks | `api/reel/`, `server/reels.rs`; `api/reel/mark.rs`; `web/src/reel/` |
+//! | a figure over time, how long it is kept | `history/`, `api/http/history.rs`, `migrations/` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
 //! | a command | `cli/` |
 //! | a wall | `tests/walls.rs`, and the picture above |
@@ -199,6 +201,7 @@ pub mod cli;
 pub mod experiment;
 pub mod fleet;
 pub mod geometry;
+pub mod history;
 pub mod human;
 pub mod id;
 pub mod route;

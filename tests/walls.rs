@@ -8,8 +8,8 @@ use std::fmt;
 use std::path::Path;
 
 /// The core in its order: each may name those before it. `human` and `route` meet only in `aware`.
-const CORE: [&str; 9] =
-    ["time", "id", "geometry", "warehouse", "timeline", "route", "human", "aware", "fleet"];
+const CORE: [&str; 10] =
+    ["time", "id", "geometry", "warehouse", "timeline", "route", "human", "aware", "fleet", "history"];
 /// Pure too, and driving the core.
 const AROUND: [&str; 2] = ["sim", "experiment"];
 /// The outside world: behind the cargo feature `edge`.

@@ -27,7 +27,7 @@ pub use http::router;
 use crate::fleet::Reply;
 use crate::warehouse::Warehouse;
 use error::Problem;
-use port::{Alarms, Ask, Moment, Now, Question, Records, What};
+use port::{Alarms, Ask, Figures, Moment, Now, Question, Records, What};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{mpsc, oneshot, watch};
@@ -44,6 +44,8 @@ pub struct Api {
     pub moments: watch::Receiver<Arc<Moment>>,
     /// Durable jobs.
     pub records: Arc<dyn Records>,
+    /// Figures over time.
+    pub figures: Arc<Figures>,
     /// Takes requests; absent where a recording is shown, since the past takes none.
     pub desk: Option<mpsc::Sender<Ask>>,
     /// Takes questions.

@@ -101,6 +101,10 @@ pub struct WorkerDetailDto {
     pub connected: bool,
     /// The version of the guidance that the headset showed last.
     pub acknowledged: Option<u64>,
+    /// How wrong the time of the headset's poses may be, milliseconds; null where it has said nothing of its clock.
+    pub clock_error_ms: Option<f64>,
+    /// How long ago the newest pose was seen, seconds.
+    pub age_s: Option<f64>,
     /// Gaze, hands and charge.
     #[serde(flatten)]
     pub senses: SensesDto,

@@ -2,12 +2,13 @@
 //! fleet's picture.
 //!
 //! Main types: [`Records`], [`JobRecord`], [`AssignmentRecord`], [`EncounterRecord`], [`Ask`], [`Question`],
-//! [`Alarms`], [`Moment`], [`Now`]. Refuses: to know who answers.
+//! [`Alarms`], [`Moment`], [`Figures`], [`Now`]. Refuses: to know who answers.
 
 use crate::fleet::{
-    Area, Assignment, AssignmentRequest, Closure, Encounter, Fleet, Job, JobRequest, Reply, Strip, View,
-    Waiting, Why,
+    Area, Assignment, AssignmentRequest, Closure, Encounter, Expected, Fleet, Job, JobRequest, Reply, Strip,
+    View, Waiting, Why,
 };
+use crate::history::{History, Times};
 use crate::id::{AssignmentId, ClosureId, JobId, RobotId, WorkerId};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
@@ -201,6 +202,8 @@ pub struct Moment {
     pub time_s: f64,
     /// What the loop measured.
     pub measured: Measured,
+    /// Where people may be in the coming seconds; nothing while nobody reads it.
+    pub forecasts: Arc<Vec<Expected>>,
 }
 
 /// Figures of the loop over the last minutes.
@@ -214,6 +217,33 @@ pub struct Measured {
     pub plan_us_p99: u64,
     /// Step time, 99th percentile, microseconds.
     pub step_us_p99: u64,
+}
+
+/// Figures over time, which one task keeps and others read.
+#[derive(Debug)]
+pub struct Figures {
+    /// When the clock of the live feed was zero.
+    pub started: Time,
+    /// How the fleet deals with people, in a word.
+    pub arm: &'static str,
+    history: Mutex<History>,
+}
+
+impl Figures {
+    /// With what was kept of earlier runs.
+    pub fn new(started: Time, arm: &'static str, history: History) -> Figures {
+        Figures { started, arm, history: Mutex::new(history) }
+    }
+
+    /// Takes a picture in.
+    pub fn note(&self, view: &View, times: &Times) {
+        self.history.lock().expect("nobody panics with this lock").note(view, times);
+    }
+
+    /// Looks at them.
+    pub fn with<T>(&self, look: impl FnOnce(&History) -> T) -> T {
+        look(&self.history.lock().expect("nobody panics with this lock"))
+    }
 }
 
 /// Something that a person must know.

@@ -1,7 +1,8 @@
 //! Where workers will be within seconds, with what probability; whether such forecasts hold; and which robots brake for
 //! them.
 //!
-//! Refuses: to let a robot drive because a forecast says that nobody will be there: forecasts only make robots brake.
+//! Main type: [`Expected`], for readers. Refuses: to let a robot drive because a forecast says that nobody will be
+//! there: forecasts only make robots brake.
 
 use super::Fleet;
 use crate::aware::{Arm, BEYOND, SLOW_MPS, Swept, THRESHOLD, collision};
@@ -14,7 +15,40 @@ use crate::time::{Span, Time};
 /// Robots farther from somebody than this meet nobody within the time of braking, metres.
 const NEAR_M: f64 = 12.0;
 
+/// How far ahead readers are told, seconds.
+pub const AHEAD_S: [f64; 3] = [1.0, 2.0, 4.0];
+
+/// So many bell curves for each moment are enough to be looked at.
+const CURVES: usize = 4;
+
+/// Where one worker may be, for readers; nothing is decided by it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expected {
+    /// Who.
+    pub worker: WorkerId,
+    /// How far ahead, and where then, in few parts.
+    pub ahead: Vec<(Span, Mixture)>,
+}
+
 impl Fleet {
+    /// Where workers who are seen may be in the coming seconds, for readers. Arms that do not decide by such forecasts
+    /// have none.
+    pub fn expectations(&self, now: Time) -> Vec<Expected> {
+        if self.settings.arm != Arm::Giveway {
+            return Vec::new();
+        }
+        let seen = self.present(now).into_iter().filter(|(_, place)| place.presence != Presence::Lost);
+        let expected = |(worker, _)| {
+            let at = |s: f64| {
+                let after = Span::from_secs_f64(s);
+                Some((after, self.forecast(worker, now + after)?.merged(CURVES)))
+            };
+            let ahead: Vec<_> = AHEAD_S.into_iter().filter_map(at).collect();
+            (!ahead.is_empty()).then_some(Expected { worker, ahead })
+        };
+        seen.filter_map(expected).collect()
+    }
+
     /// Takes a sighting that was believed into the filter of how the worker moves.
     pub(super) fn follow_motion(&mut self, s: &Sighting, taken: Taken) {
         let (model, worker) = (self.settings.model.motion, s.worker);

@@ -38,6 +38,7 @@ mod why;
 mod yielding;
 
 pub use fact::{Act, Booking, Fact, Purpose, Stop, Task};
+pub use foresee::{AHEAD_S, Expected};
 pub use io::{Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
 pub use job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use ledger::Ledger;

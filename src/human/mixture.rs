@@ -54,6 +54,30 @@ impl Part {
     }
 }
 
+impl Part {
+    /// Both in one: same mean and covariance.
+    fn with(&self, other: &Part) -> Part {
+        let weight = self.weight + other.weight;
+        let share = other.weight / weight;
+        let apart = other.mean - self.mean;
+        let spread = apart * apart.transpose() * (share * (1.0 - share));
+        let cov = self.cov * (1.0 - share) + other.cov * share + spread;
+        Part { weight, mean: self.mean + apart * share, cov }
+    }
+
+    /// What is lost at most by taking both together, as relative entropy.
+    fn loss(&self, other: &Part) -> f64 {
+        let log = |p: &Part| p.weight * p.cov.determinant().max(1e-18).ln();
+        0.5 * (log(&self.with(other)) - log(self) - log(other))
+    }
+}
+
+/// Of so many parts at most a mixture is taken together, the largest.
+const LOOKED_AT: usize = 12;
+
+/// Parts with less than this share are left out then.
+const SMALL: f64 = 0.02;
+
 /// Nodes and weights of Gauss and Legendre's quadrature with twelve nodes, one of each pair.
 const LEGENDRE: [(f64, f64); 6] = [
     (0.125_233_408_511_468_9, 0.249_147_045_813_402_8),
@@ -139,6 +163,27 @@ impl Mixture {
         self.parts.iter().map(|p| p.weight * p.share_within(low, high)).sum()
     }
 
+    /// About the same in at most `most` parts, for who looks at it: small shares are left out, and of the rest those
+    /// are taken together that lose least by it (Runnalls 2007, eq. 16), keeping mean and covariance (eqs. 2 to 4).
+    #[must_use]
+    pub fn merged(mut self, most: usize) -> Mixture {
+        self.parts.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        self.parts.truncate(LOOKED_AT);
+        let total: f64 = self.parts.iter().map(|p| p.weight).sum();
+        self.parts.retain(|p| p.weight > SMALL * total);
+        while self.parts.len() > most.max(1) {
+            let n = self.parts.len();
+            let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
+            let cost = |(i, j): (usize, usize)| (self.parts[i].loss(&self.parts[j]), i, j);
+            let Some((_, i, j)) = pairs.map(cost).min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+            let other = self.parts.remove(j);
+            self.parts[i] = self.parts[i].with(&other);
+        }
+        let total: f64 = self.parts.iter().map(|p| p.weight).sum();
+        self.parts.iter_mut().for_each(|p| p.weight /= total.max(1e-12));
+        self
+    }
+
     /// The same with all parts blown up about their means: `scale` multiplies standard deviations.
     #[must_use]
     pub fn scaled(mut self, scale: f64) -> Mixture {
@@ -189,6 +234,21 @@ mod tests {
         let all = m.within(Point::new(-9.0, -9.0), Point::new(9.0, 9.0));
         assert!((all - 1.0).abs() < 1e-4, "{all}");
         assert!(m.within(Point::new(20.0, 20.0), Point::new(21.0, 21.0)) < 1e-12);
+    }
+
+    #[test]
+    fn a_mixture_in_few_parts_keeps_what_is_to_be_seen() {
+        let near = [0.0, 0.1, 0.2, 0.3].map(|x| round(0.15, x, 0.4));
+        let far = [8.0, 8.2].map(|x| round(0.195, x, 0.5));
+        let parts = near.into_iter().chain(far).chain([round(0.01, 40.0, 1.0)]).collect();
+        let few = Mixture { parts }.merged(2);
+        assert_eq!(few.parts.len(), 2);
+        assert!((few.parts.iter().map(|p| p.weight).sum::<f64>() - 1.0).abs() < 1e-9);
+        let at = |x: f64| few.parts.iter().find(|p| (p.mean.x - x).abs() < 0.01).expect("one at each place");
+        assert!((at(0.15).weight - 0.6 / 0.99).abs() < 1e-9, "{few:?}");
+        // Variances add: that of each, and that of their means.
+        assert!((at(0.15).cov[(0, 0)] - (0.16 + 0.0125)).abs() < 1e-9);
+        assert!((at(8.1).cov[(1, 1)] - 0.25).abs() < 1e-9);
     }
 
     #[test]

@@ -5,7 +5,9 @@
 //! has none of them for so long that no more may wait, every robot is told to stand and the floor goes on.
 //! Refuses: locks, waiting for the database, and decisions of its own.
 
+use super::ahead::Ahead;
 use super::clock::Clock;
+use super::historian::Notes;
 use super::inbox::Inbox;
 use super::journal::Journal;
 use super::measure::Measure;
@@ -50,8 +52,12 @@ pub struct Drive {
     pub journal: Journal,
     /// Figures.
     pub measure: Measure,
+    /// Takes pictures for the figures over time.
+    pub notes: Notes,
     /// Figures for Prometheus.
     pub metrics: Arc<Metrics>,
+    /// Where people may be soon, for those who watch.
+    pub ahead: Ahead,
     /// Gets guidance.
     pub feeds: Arc<Feeds>,
     /// Gets what is worth a bookmark.
@@ -172,7 +178,9 @@ impl Drive {
 
     fn note(&mut self, length: Span, facts: usize) {
         self.metrics.step_seconds.observe(length.as_secs_f64());
-        self.measure.step(length, &self.fleet.take_plan_times());
+        let searches_ns = self.fleet.take_plan_times();
+        self.measure.step(length, &searches_ns);
+        self.notes.measure(length, &searches_ns);
         if length.0 > self.period.0 / 2 {
             tracing::warn!(step.ms = length.0 / 1000, facts, "a step took more than half its period");
         }
@@ -184,14 +192,19 @@ impl Drive {
         self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let time_s = (now - self.clock.started()).as_secs_f64();
-        self.moments.send_replace(Arc::new(Moment { view, time_s, measured }));
+        let forecasts = self.ahead.of(&self.fleet, now);
+        let moment = Arc::new(Moment { view, time_s, measured, forecasts });
+        self.notes.send(&moment);
+        self.moments.send_replace(moment);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::api::port::Figures;
     use crate::fleet::Fact;
+    use crate::server::historian::historian;
     use crate::server::{inbox, journal, outbox};
     use crate::sim::Scenario;
     use crate::store::Store;
@@ -207,6 +220,8 @@ mod tests {
         let store = Arc::new(Store::open(&folder.join("t.sqlite"), &map).await.unwrap());
         let (clock, alarms) = (Arc::new(Clock::start(None)), Arc::new(Alarms::default()));
         let metrics = Arc::new(Metrics::default());
+        let figures = Arc::new(Figures::new(Time::ZERO, "giveway", Default::default()));
+        let (notes, _) = historian(figures, store.clone());
         let (journal, writer) = journal::journal(store, 1, clock.clone(), alarms.clone(), metrics.clone());
         let fleet = Fleet::new(map.clone(), scenario.settings());
         let world = World::new(map, &scenario, &[], 1, &fleet, clock.now());
@@ -224,7 +239,9 @@ mod tests {
             outbox,
             journal,
             measure,
+            notes,
             metrics,
+            ahead: Ahead::default(),
             feeds,
             tap: Tap::default(),
             alarms,

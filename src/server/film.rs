@@ -2,6 +2,7 @@
 //!
 //! Main type: [`Film`]. Refuses: to step the fleet itself.
 
+use super::ahead::Ahead;
 use super::measure::Measure;
 use crate::api::live::Frame;
 use crate::api::port::{Alarms, Moment};
@@ -15,6 +16,7 @@ use std::sync::Arc;
 pub struct Film {
     alarms: Alarms,
     measure: Measure,
+    ahead: Ahead,
     due: Option<Time>,
 }
 
@@ -28,7 +30,8 @@ impl Film {
         let view = fleet.view(now);
         self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
-        let moment = Moment { view, time_s: now.as_secs_f64(), measured };
+        let forecasts = self.ahead.of(fleet, now);
+        let moment = Moment { view, time_s: now.as_secs_f64(), measured, forecasts };
         Some(Arc::new(Frame::of(fleet.warehouse(), &moment, &self.alarms.list(), 0.0)))
     }
 }

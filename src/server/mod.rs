@@ -4,11 +4,13 @@
 //! requests, those on their way are answered, one last step, the journal flushed, sockets and files closed.
 //! Refuses: to start where anything is wrong with map, database, address or tokens.
 
+mod ahead;
 mod certificate;
 mod clock;
 mod config;
 mod drive;
 mod film;
+mod historian;
 mod inbox;
 mod journal;
 mod measure;
@@ -29,9 +31,10 @@ use crate::api::feed::hub::{Feeds, Heard};
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, Moment, QUESTIONS};
+use crate::api::port::{Alarms, Figures, Moment, QUESTIONS};
 use crate::api::{Api, auth::Gate, router};
 use crate::fleet::{Fleet, Settings};
+use crate::history::History;
 use crate::sim::{OrderLine, Scenario, World};
 use crate::store::{Store, StoreError};
 use crate::time::Span;
@@ -120,6 +123,9 @@ impl Server {
         let today = jiff::Timestamp::from_microsecond(clock.started().0)?.to_zoned(jiff::tz::TimeZone::UTC);
         let identity = place.map(|place| Identity::open(&place, today.date())).transpose()?;
         let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
+        let (buckets, heat) = store.load_history().await?;
+        let history = History::restore(buckets, heat);
+        let figures = Arc::new(Figures::new(clock.started(), settings.arm.word(), history));
         let fleet = Fleet::restore(map.clone(), settings, loaded.facts);
         let world = World::new(map, &scenario, &lines, scenario.seed, &fleet, clock.now());
         let (stop, stopping) = watch::channel(false);
@@ -129,7 +135,10 @@ impl Server {
         let interop = config.massrobotics.clone();
         let live = Arc::new(Live::new(fleet.warehouse().clone(), clock.started().0.unsigned_abs()));
         let past = Past::keep(config.past(), fleet.warehouse(), &live, &clock);
-        let parts = Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, live, past };
+        let (notes, historian) = historian::historian(figures.clone(), store.clone());
+        let charts = Charts { figures, notes, historian: tokio::spawn(historian.run()) };
+        let parts =
+            Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, live, past, charts };
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
         let work = tokio::spawn(work(parts, store.clone(), door, stopping));
         Ok(Server { address, summary, identity, store, stop, work })
@@ -189,6 +198,14 @@ struct Parts {
     heard: mpsc::Receiver<Heard>,
     live: Arc<Live>,
     past: Past,
+    charts: Charts,
+}
+
+/// Figures over time, and who keeps them.
+struct Charts {
+    figures: Arc<Figures>,
+    notes: historian::Notes,
+    historian: JoinHandle<()>,
 }
 
 /// Runs everything until told to stop, or until something cannot go on; then takes it down in order.
@@ -198,7 +215,7 @@ async fn work(
     door: Door,
     mut stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
-    let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, live, past } = parts;
+    let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, live, past, charts } = parts;
     let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
@@ -215,7 +232,9 @@ async fn work(
         outbox: outbox::Outbox::default(),
         journal,
         measure: measure::Measure::default(),
+        notes: charts.notes,
         metrics: metrics.clone(),
+        ahead: ahead::Ahead::default(),
         feeds: feeds.clone(),
         tap: past.tap,
         alarms: alarms.clone(),
@@ -230,6 +249,7 @@ async fn work(
         map,
         moments: picture,
         records: Arc::new(records::Shelf(store.clone())),
+        figures: charts.figures,
         desk: Some(desk),
         questions: ask,
         alarms,
@@ -250,21 +270,34 @@ async fn work(
         out = &mut http => Err(anyhow!("the HTTP server ended: {out:?}")),
         out = &mut feed => Err(anyhow!("the live feed broke: {out:?}")),
     };
-    closing.send_replace(true);
-    drain(http).await;
+    drain(http, &closing).await;
     halt.send_replace(true);
     if ended.is_ok() {
-        let _ = thread.await;
-        let lost = "the journal did not take the last facts. None of them was acknowledged";
-        timeout(FLUSH, &mut writer).await.context(lost)?.context(lost)?.context(lost)?;
+        flush(thread, writer, charts.historian).await?;
     }
     feed.abort();
     store.close().await;
     ended
 }
 
-/// Lets requests that are being answered end, for a while.
-async fn drain(mut http: JoinHandle<std::io::Result<()>>) {
+/// Lets the last step, its facts and the figures over time be written.
+async fn flush(
+    thread: oneshot::Receiver<()>,
+    writer: JoinHandle<Result<(), StoreError>>,
+    historian: JoinHandle<()>,
+) -> anyhow::Result<()> {
+    let _ = thread.await;
+    let lost = "the journal did not take the last facts. None of them was acknowledged";
+    timeout(FLUSH, writer).await.context(lost)?.context(lost)?.context(lost)?;
+    if timeout(FLUSH, historian).await.is_err() {
+        tracing::warn!("the last figures over time were not written down");
+    }
+    Ok(())
+}
+
+/// Takes no more requests, and lets those that are being answered end, for a while.
+async fn drain(mut http: JoinHandle<std::io::Result<()>>, closing: &watch::Sender<bool>) {
+    closing.send_replace(true);
     if !http.is_finished() && timeout(DRAIN, &mut http).await.is_err() {
         tracing::warn!("some requests did not end in time");
         http.abort();

@@ -4,16 +4,17 @@
 //! and puts the pictures into a folder of its own, so that the page can go to any moment of them. Lists are kept in
 //! memory; requests are refused, since the past takes none. Refuses: a database.
 
-use super::{clock::Clock, film::Film, listen, measure::Measure, past::Past};
+use super::{ahead::Ahead, clock::Clock, film::Film, listen, measure::Measure, past::Past};
 use crate::api::Api;
 use crate::api::auth::Gate;
 use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, Moment, QUESTIONS, Question};
+use crate::api::port::{Alarms, Figures, Moment, QUESTIONS, Question};
 use crate::api::reel::{Folder, Limits, Roll};
 use crate::fleet::Fleet;
+use crate::history::{History, Times};
 use crate::sim::replay::{Player, Turn};
 use crate::time::{Span, Time};
 use anyhow::Context;
@@ -79,11 +80,14 @@ impl Show {
         let (feeds, _) = Feeds::new();
         let feeds = Arc::new(feeds);
         let past = Arc::new(Past::default());
+        let arm = player.fleet.settings().arm.word();
+        let figures = Arc::new(Figures::new(Time::ZERO, arm, History::default()));
         let (closing, closes) = watch::channel(false);
         let api = Api {
             map,
             moments: picture,
             records: past.clone(),
+            figures: figures.clone(),
             desk: None,
             questions: ask,
             alarms: alarms.clone(),
@@ -97,8 +101,8 @@ impl Show {
             closing: closes.clone(),
         };
         let http = tokio::spawn(listen((listener, None), api, closes));
-        let measure = Measure::default();
-        let screen = Screen { live, feeds, alarms, moments, past, measure, speed, questions };
+        let (measure, ahead) = (Measure::default(), Ahead::default());
+        let screen = Screen { live, feeds, alarms, moments, past, figures, ahead, measure, speed, questions };
         let play = Some(tokio::spawn(screen.play(player)));
         Ok(Show { address, http, play, _closing: closing, _reels: reels })
     }
@@ -143,6 +147,8 @@ struct Screen {
     alarms: Arc<Alarms>,
     moments: watch::Sender<Arc<Moment>>,
     past: Arc<Past>,
+    figures: Arc<Figures>,
+    ahead: Ahead,
     measure: Measure,
     speed: f64,
     questions: mpsc::Receiver<Question>,
@@ -178,11 +184,14 @@ impl Screen {
 
     fn publish(&mut self, player: &Player, now: Time) {
         let view = player.fleet.view(now);
+        // How long searches took when it was recorded is in no recording.
+        self.figures.note(&view, &Times::default());
         self.feeds.know(&player.fleet.ledger().workers);
         self.feeds.refresh(&view);
         self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
-        let moment = Arc::new(Moment { view, time_s: now.as_secs_f64(), measured });
+        let forecasts = self.ahead.of(&player.fleet, now);
+        let moment = Arc::new(Moment { view, time_s: now.as_secs_f64(), measured, forecasts });
         self.live.publish(&moment, &self.alarms.list(), 0.0);
         self.moments.send_replace(moment);
     }

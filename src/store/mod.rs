@@ -1,4 +1,4 @@
-//! The journal of facts and the lists of jobs, assignments and encounters, in SQLite.
+//! The journal of facts, the lists of jobs, assignments and encounters, and figures over time, in SQLite.
 //!
 //! Main types: [`Store`] (open, load, append, lists), [`Entry`], [`Loaded`], [`JobRow`],
 //! [`AssignmentRow`], [`EncounterRow`], [`StoreError`];
@@ -9,6 +9,7 @@
 //! other than the one that the facts speak of.
 
 mod error;
+mod history;
 mod jobs;
 mod people;
 mod people_record;
@@ -208,9 +209,11 @@ fn lock(path: &Path) -> Result<File, StoreError> {
 fn migrator() -> Migrator {
     let first = include_str!("../../migrations/sqlite/0001_journal.sql").into_sql_str();
     let second = include_str!("../../migrations/sqlite/0002_people.sql").into_sql_str();
+    let third = include_str!("../../migrations/sqlite/0003_history.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
+        Migration::new(3, "history".into(), MigrationType::Simple, third, false),
     ])
 }
 

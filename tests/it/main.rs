@@ -8,6 +8,7 @@ mod api;
 mod command;
 mod feed;
 mod helper;
+mod history;
 mod live;
 mod load;
 mod past;

@@ -2,7 +2,8 @@
 // or unreachable. It keeps the access token, and tells the page when the server wants one.
 import type { Socket, SocketEvents } from './link';
 import type {
-  Closure, FloorMap, Job, JobPage, JobState, NewClosure, NewJob, Past, Problem, Timelines, Why,
+  Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobPage, JobState, NewClosure, NewJob, Past,
+  Problem, Timelines, Why, WorkerDetail,
 } from './wire';
 
 export type Answer<T> =
@@ -49,6 +50,10 @@ export class Api {
     const query = new URLSearchParams({ from: `${from}`, to: `${to}`, map: `${map === 'with map'}` });
     return this.#ask<Blob>('GET', `/v1/past/reel?${query}`, { Accept: 'application/gzip' });
   }
+  worker = (id: string) => this.#ask<WorkerDetail>('GET', `/v1/workers/${encodeURIComponent(id)}`);
+  history = (query: Record<string, string>) => this.#ask<HistoryPage>('GET', `/v1/history?${new URLSearchParams(query)}`);
+  heat = (kind: HeatKind, query: Record<string, string>) => this.#ask<HeatPage>('GET', `/v1/heat?${new URLSearchParams({ kind, ...query })}`);
+  encounters = (query: Record<string, string>) => this.#ask<EncounterPage>('GET', `/v1/encounters?${new URLSearchParams(query)}`);
 
   jobs(state: JobState | 'any', cursor: string | null): Promise<Answer<JobPage>> {
     const query = new URLSearchParams({ limit: '50' });

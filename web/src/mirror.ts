@@ -1,7 +1,7 @@
 // The page's copy of the floor: a pure reducer over snapshots and patches. Untouched rows keep their
 // identity from one version to the next. It opens no socket and reads no clock.
 import type {
-  Alarm, Changed, Closure, Counters, JobCounts, Message, Patch, Rack, Robot, Station, Worker,
+  Alarm, Changed, Closure, Counters, JobCounts, Message, Outlook, Patch, Rack, Robot, Station, Worker,
 } from './wire';
 
 export interface Table<T> {
@@ -18,6 +18,7 @@ export interface Mirror {
   readonly stations: Table<Station>;
   readonly workers: Table<Worker>;
   readonly closures: readonly Closure[];
+  readonly forecasts: readonly Outlook[];
   readonly jobs: JobCounts;
   readonly counters: Counters;
   readonly alarms: readonly Alarm[];
@@ -45,7 +46,7 @@ const BLANK_WORKER: Worker = {
 export const EMPTY: Mirror = {
   version: null, time_s: 0, source: 'unknown',
   robots: tableOf([], BLANK_ROBOT), racks: tableOf([], BLANK_RACK), stations: tableOf([], BLANK_STATION),
-  workers: tableOf([], BLANK_WORKER), closures: [],
+  workers: tableOf([], BLANK_WORKER), closures: [], forecasts: [],
   jobs: NO_JOBS, counters: NO_COUNTERS, alarms: [],
 };
 
@@ -65,6 +66,7 @@ export function reduce(mirror: Mirror, message: Message): Reduced {
       stations: tableOf(message.stations, BLANK_STATION),
       workers: tableOf(message.workers, BLANK_WORKER),
       closures: message.closures ?? [],
+      forecasts: message.forecasts ?? [],
       jobs: overlay(NO_JOBS, message.jobs),
       counters: overlay(NO_COUNTERS, message.counters),
       alarms: message.alarms ?? [],
@@ -78,6 +80,7 @@ export function row<T>(table: Table<T>, id: string | null): T | undefined {
 }
 
 function patched(old: Mirror, patch: Patch): Mirror {
+  const workers = walk(merge(old.workers, patch.workers, BLANK_WORKER), old.workers, patch);
   return {
     version: patch.version,
     time_s: patch.time_s ?? old.time_s,
@@ -85,8 +88,9 @@ function patched(old: Mirror, patch: Patch): Mirror {
     robots: drive(merge(old.robots, patch.robots, BLANK_ROBOT), old.robots, patch),
     racks: merge(old.racks, patch.racks, BLANK_RACK),
     stations: merge(old.stations, patch.stations, BLANK_STATION),
-    workers: walk(merge(old.workers, patch.workers, BLANK_WORKER), old.workers, patch),
+    workers,
     closures: patch.closures ?? old.closures,
+    forecasts: patch.ahead ? patch.ahead.map((numbers) => outlook(numbers, workers)) : (patch.forecasts ?? old.forecasts),
     jobs: overlay(old.jobs, patch.jobs),
     counters: overlay(old.counters, patch.counters),
     alarms: patch.alarms ?? old.alarms,
@@ -167,6 +171,15 @@ function walk(table: Table<Worker>, old: Table<Worker>, { walks = [], paths = []
     worker.path = before.concat(stay === 0 ? [] : worker.path.slice(-stay));
   }
   return own.table;
+}
+
+/** What is forecast of one worker, from numbers. */
+function outlook([row = -1, ...n]: readonly number[], workers: Table<Worker>): Outlook {
+  const parts: Outlook['parts'] = Array.from({ length: Math.floor(n.length / 7) }, (_, k) => {
+    const [after_s = 0, p = 0, x = 0, y = 0, sx = 0, sy = 0, tilt = 0] = n.slice(7 * k, 7 * k + 7);
+    return { after_s, p: p / 100, x: x / 100, y: y / 100, sx: sx / 100, sy: sy / 100, tilt: tilt / 100 };
+  });
+  return { worker: workers.rows[row]?.id ?? '', parts };
 }
 
 /** Rows that may be changed: each is copied once, and rows of the older mirror stay as they were. */

@@ -1,6 +1,7 @@
 // What the whole page shares: map, live link, the mirror as shown in panels, who is chosen, the lock.
 // Panels get a new mirror four times a second; the floor gets every one, past the framework.
 import { Api } from './api';
+import { Chances } from './chances';
 import { History } from './history';
 import { Link, type LinkState } from './link';
 import { EMPTY, type Mirror } from './mirror';
@@ -22,6 +23,7 @@ export class Session {
   readonly alone = document.getElementById('reel') !== null;
   history = new History();
   story = new Story();
+  chances = new Chances();
   map = $state.raw<Loaded<FloorMap>>({ kind: 'loading' });
   link = $state.raw<LinkState>({ kind: 'connecting' });
   /** The mirror as the panels show it. */
@@ -135,6 +137,7 @@ export class Session {
     this.story = new Story();
     this.story.places = places;
     this.history = new History();
+    this.chances = new Chances();
   }
 
   #show(mirror: Mirror, how: 'glide' | 'jump'): void {
@@ -148,6 +151,7 @@ export class Session {
     const { live } = this;
     if (this.mirror !== live) {
       this.story.note(live);
+      this.chances.note(live);
       this.mirror = live;
     }
     const { freshAt } = this.#link;

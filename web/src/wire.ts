@@ -109,6 +109,22 @@ export interface Closure {
   until?: string | null;
   reason: string;
 }
+/** One bell curve of where somebody may be: metres, standard deviations and correlation. */
+export interface Curve {
+  /** How far ahead, seconds. */
+  after_s: number;
+  /** Its share of the probability at that moment. */
+  p: number;
+  x: number;
+  y: number;
+  sx: number;
+  sy: number;
+  tilt: number;
+}
+export interface Outlook {
+  worker: string;
+  parts: readonly Curve[];
+}
 export interface JobCounts {
   waiting: number;
   active: number;
@@ -143,6 +159,8 @@ export interface Snapshot {
   stations: Station[];
   workers: Worker[];
   closures: Closure[];
+  /** Where people may be in the coming seconds. */
+  forecasts?: Outlook[];
   jobs: JobCounts;
   counters: Counters;
   alarms: Alarm[];
@@ -160,6 +178,8 @@ export interface Patch {
   workers?: Changed<Worker>[];
   /** All of them, as they rarely change. */
   closures?: Closure[];
+  /** All of them. */
+  forecasts?: Outlook[];
   jobs?: Partial<JobCounts>;
   counters?: Partial<Counters>;
   alarms?: Alarm[];
@@ -178,6 +198,8 @@ export interface Patch {
   walks?: (number | null)[];
   /** Row of a worker, points at the end of the path that stay, and those before them in millimetres: x, y … */
   paths?: number[][];
+  /** All forecasts, one list each: row of the worker, then seconds ahead, percent, x, y, sx, sy in centimetres, tilt in percent … */
+  ahead?: number[][];
 }
 export type Message = Snapshot | Patch;
 
@@ -296,6 +318,75 @@ export interface Past {
   recording: boolean;
   spans: { from_s: number; to_s: number }[];
   bookmarks: Mark[];
+}
+
+/** Figures over time; buckets of which nothing is known are left out. */
+export interface HistoryPage {
+  from: string;
+  to: string;
+  step_s: number;
+  /** When `time_s` of the live feed was zero. */
+  started: string;
+  /** How the fleet deals with people. */
+  arm: string;
+  buckets: Bucket[];
+}
+export interface Bucket {
+  at: string;
+  covered_s: number;
+  robot_deliveries: number;
+  human_deliveries: number;
+  encounters: number;
+  interruptions: number;
+  replans: number;
+  /** Seconds of workers on the floor, all together. */
+  worker_s: number;
+  /** Seconds that robots stood and would have driven on, all together. */
+  waiting_s: number;
+  plan_us_p50: number | null;
+  plan_us_p95: number | null;
+  plan_us_max: number | null;
+}
+export const HEAT_KINDS = ['waiting', 'encounters'] as const;
+export type HeatKind = (typeof HEAT_KINDS)[number];
+export interface HeatPage {
+  kind: HeatKind;
+  from: string;
+  to: string;
+  /** Side of the square that stands for a place, metres. */
+  size: number;
+  cells: { x: number; y: number; node: string | null; amount: number }[];
+}
+export const REACTIONS = ['kept', 'slowed', 'held', 'rerouted', 'stopped'] as const;
+export type Reaction = (typeof REACTIONS)[number];
+/** A robot came into region 1 of a worker. */
+export interface Encounter {
+  id: number;
+  worker: string;
+  robot: string;
+  began: string;
+  lasted_s: number;
+  x: number;
+  y: number;
+  radius: number;
+  closest: number;
+  robot_speed: number;
+  worker_speed: number;
+  reaction: Reaction;
+  delay_s: number;
+}
+export interface EncounterPage {
+  items: Encounter[];
+  next: string | null;
+}
+/** One worker with what the live feed leaves out. */
+export interface WorkerDetail {
+  id: string;
+  connected: boolean;
+  clock_error_ms: number | null;
+  age_s: number | null;
+  accuracy: number;
+  feed: { taken: number; late: number; jumps: number; absurd: number };
 }
 
 /** RFC 9457, with the field each error belongs to. */

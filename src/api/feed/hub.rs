@@ -52,6 +52,8 @@ pub struct Carried {
     pub connected: bool,
     /// The version of the guidance that the headset showed last.
     pub acknowledged: Option<u64>,
+    /// How wrong the time of its poses may be.
+    pub clock_error: Option<Span>,
 }
 
 /// One connection's place.
@@ -146,6 +148,7 @@ impl Feeds {
         let slot = &mut slots[worker];
         slot.taken.send_replace(number);
         (slot.carried.connected, slot.carried.acknowledged) = (true, None);
+        slot.carried.clock_error = None;
         Some(Seat { number, taken: slot.taken.subscribe(), told: slot.told.subscribe() })
     }
 
@@ -209,6 +212,11 @@ impl Feeds {
     /// The headset shows the guidance of this version.
     pub fn acknowledge(&self, worker: WorkerId, version: u64) {
         self.slots()[worker].carried.acknowledged = Some(version);
+    }
+
+    /// Notes how wrong the time of a worker's poses may be.
+    pub fn clock_error(&self, worker: WorkerId, error: Option<Span>) {
+        self.slots()[worker].carried.clock_error = error;
     }
 
     /// What is carried through of a worker.

@@ -324,7 +324,9 @@ impl Session<'_> {
         // Pings get one answer each; others are not ours.
         let Some(i) = self.pings.iter().position(|(asked, _)| *asked == id) else { return Ok(()) };
         let Some((_, asked)) = self.pings.remove(i) else { return Ok(()) };
-        match self.intake.clock.take(Exchange { asked, got_ms: t1, answered_ms: t2, heard: now }) {
+        let outcome = self.intake.clock.take(Exchange { asked, got_ms: t1, answered_ms: t2, heard: now });
+        self.api.feeds.clock_error(self.worker, self.intake.clock.error(now));
+        match outcome {
             Outcome::Taken => Ok(()),
             outcome @ (Outcome::First | Outcome::Jumped) => {
                 let error = self.intake.clock.error(now).unwrap_or_default();

@@ -2,8 +2,8 @@
 
 use super::hub::{Feeds, Heard};
 use crate::api::port::{
-    Alarms, AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, JobFilter, JobRecord,
-    Later, Moment, Records,
+    Alarms, AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, Figures, JobFilter,
+    JobRecord, Later, Moment, Records,
 };
 use crate::api::{Api, auth::Gate, live::Live, massrobotics::Interop, metrics::Metrics, router};
 use crate::fleet::{Guidance, GuidanceReason, GuidanceState, View};
@@ -68,6 +68,7 @@ impl Stage {
             map: map.clone(),
             moments: picture,
             records: Arc::new(Nothing),
+            figures: Arc::new(Figures::new(Time::ZERO, "giveway", Default::default())),
             desk: Some(mpsc::channel(1).0),
             questions: mpsc::channel(1).0,
             alarms: Arc::new(Alarms::default()),

@@ -8,6 +8,8 @@ mod closures;
 mod encounters;
 mod halt;
 mod health;
+mod heat;
+mod history;
 mod jobs;
 mod lists;
 mod map;
@@ -84,6 +86,8 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(encounters::list))
         .routes(routes!(past::past))
         .routes(routes!(past::reel))
+        .routes(routes!(history::history))
+        .routes(routes!(heat::heat))
         .routes(routes!(ws::live))
         .routes(routes!(health::metrics))
         .split_for_parts();

@@ -4,7 +4,7 @@
 
 use super::lists::{Paging, page};
 use crate::api::Api;
-use crate::api::dto::{Names, Page};
+use crate::api::dto::{Names, Page, round3};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Body, Params, Segment};
 use crate::api::people::{SensesDto, WorkerDetailDto, WorkerDto, parse_worker, worker_name};
@@ -51,8 +51,12 @@ pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<Wo
     let id = parse_worker(&api, &id)?;
     let carried = api.feeds.carried(id).unwrap_or_default();
     let name = api.feeds.name(id).unwrap_or_default();
+    let moment = api.moment();
+    let seen = moment.view.workers.get(id.ix()).and_then(|w| w.seen);
     Ok(Json(WorkerDetailDto {
         worker: worker(&api, id, name),
+        clock_error_ms: carried.clock_error.map(|e| round3(e.0 as f64 / 1000.0)),
+        age_s: seen.map(|seen| round3((moment.view.now - seen).as_secs_f64())),
         connected: carried.connected,
         acknowledged: carried.acknowledged,
         senses: SensesDto::from(&carried),

@@ -2,6 +2,7 @@
 //!
 //! Main type: [`Frame`]. Refuses: to know versions or readers.
 
+use super::forecast::{ForecastDto, forecasts};
 use crate::api::dto::{JobCountsDto, Names, RackDto, RobotDto, StationDto, round3};
 use crate::api::people::WorkerDto;
 use crate::api::port::{Alarm, Moment};
@@ -19,6 +20,7 @@ pub struct Frame {
     pub(in crate::api) racks: Vec<RackDto>,
     pub(in crate::api) stations: Vec<StationDto>,
     pub(in crate::api) workers: Vec<WorkerDto>,
+    pub(in crate::api) forecasts: Vec<ForecastDto>,
     pub(in crate::api) closures: Value,
     pub(in crate::api) jobs: Value,
     pub(in crate::api) counters: Value,
@@ -37,6 +39,7 @@ impl Frame {
             racks: names.racks(),
             stations: names.stations(),
             workers: names.workers(),
+            forecasts: forecasts(&moment.forecasts),
             closures: plain(names.closures()),
             jobs: plain(JobCountsDto::from(counts)),
             counters: json!({
@@ -60,7 +63,7 @@ impl Frame {
         json!({
             "type": "snapshot", "version": version, "time_s": self.time_s, "simulated": true,
             "robots": self.robots, "racks": self.racks, "stations": self.stations,
-            "workers": self.workers, "closures": self.closures,
+            "workers": self.workers, "forecasts": self.forecasts, "closures": self.closures,
             "jobs": self.jobs, "counters": self.counters, "alarms": self.alarms,
         })
     }
@@ -88,6 +91,9 @@ impl Frame {
     /// The patch to `new` from this frame, which has version `base`.
     pub(super) fn patch(&self, new: &Frame, base: u64) -> Value {
         let mut out = self.head(new, base);
+        if self.forecasts != new.forecasts {
+            out.insert("forecasts".into(), plain(&new.forecasts));
+        }
         out.insert("robots".into(), changes(&self.robots, &new.robots, &[]));
         out.insert("racks".into(), changes(&self.racks, &new.racks, &[]));
         out.insert("stations".into(), changes(&self.stations, &new.stations, &[]));

@@ -5,6 +5,7 @@
 //! but its own fresh snapshot. Versions start above those of every earlier run, so that a reader who resumes after a
 //! restart gets a snapshot. Refuses: a queue per reader, an encoding per reader, and work for shapes nobody reads.
 
+mod forecast;
 mod frame;
 pub(super) mod thin;
 

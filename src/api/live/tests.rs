@@ -1,9 +1,11 @@
 //! The feed as readers of both shapes see it, against pictures that change all the time.
 
 use super::*;
-use crate::fleet::{Doing, Presence, RobotState, RobotView, Task, WorkerView};
+use crate::fleet::{AHEAD_S, Doing, Expected, Presence, RobotState, RobotView, Task, WorkerView};
 use crate::geometry::{Point, Pose};
-use crate::id::{Dense, NodeId};
+use crate::human::{Mixture, Part};
+use crate::id::{Dense, NodeId, WorkerId};
+use crate::time::Span;
 use serde_json::{Value, json};
 
 fn robot(name: &str, x: f64) -> RobotView {
@@ -67,10 +69,24 @@ fn picture(t: usize) -> Moment {
             std::iter::once(here).chain((t / 5..20).map(|i| Point::new(i as f64, 1.5))).collect();
     }
     let robots = (0..=t / 10).map(robot).collect();
+    let forecasts = if t % 13 > 2 { vec![expected(0, t, 2)] } else { vec![] };
     Moment {
         view: crate::fleet::View { robots, workers: vec![worker], ..Default::default() },
+        forecasts: Arc::new(forecasts),
         ..Default::default()
     }
+}
+
+/// Where a worker may be, at whatever moment `t`: it changes five times slower than the picture.
+fn expected(worker: usize, t: usize, parts: usize) -> Expected {
+    let shift = (t / 5) as f64;
+    let part = |k: usize| Part {
+        weight: 1.0 / parts as f64,
+        mean: Point::new(3.0 + 0.123 * shift + k as f64, -2.0 - 0.05 * shift),
+        cov: nalgebra::Matrix2::new(0.5, 0.2, 0.2, 0.3 + 0.01 * shift),
+    };
+    let at = |s: f64| (Span::from_secs_f64(s), Mixture { parts: (0..parts).map(part).collect() });
+    Expected { worker: WorkerId::at(worker), ahead: AHEAD_S.map(at).to_vec() }
 }
 
 fn moment(robots: Vec<RobotView>) -> Moment {
@@ -95,7 +111,7 @@ fn apply(mirror: &mut Value, text: &str) {
             }
         }
     }
-    for key in ["jobs", "counters", "alarms", "closures", "version", "time_s"] {
+    for key in ["jobs", "counters", "alarms", "closures", "forecasts", "version", "time_s"] {
         if !message[key].is_null() {
             mirror[key] = message[key].clone();
         }
@@ -146,6 +162,19 @@ fn apply_numbers(mirror: &mut Value, message: &Value) {
         }
         worker["speed"] = parts(&m[3], 100.0);
     }
+    if message["ahead"].is_array() {
+        let forecast = |numbers: &Value| {
+            let n: Vec<f64> = numbers.as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect();
+            let part = |p: &[f64]| {
+                let [p_, x, y, sx, sy, tilt] = [1, 2, 3, 4, 5, 6].map(|i| p[i] / 100.0);
+                json!({"after_s": p[0], "p": p_, "x": x, "y": y, "sx": sx, "sy": sy, "tilt": tilt})
+            };
+            let worker = mirror["workers"][n[0] as usize]["id"].clone();
+            json!({"worker": worker, "parts": n[1..].chunks(7).map(part).collect::<Vec<_>>()})
+        };
+        let all: Vec<Value> = numbers("ahead").iter().map(forecast).collect();
+        mirror["forecasts"] = json!(all);
+    }
     for path in numbers("paths") {
         let path = path.as_array().unwrap();
         let worker = &mut mirror["workers"][row(&path[0])];
@@ -186,6 +215,7 @@ fn a_reader_of_patches_sees_what_a_reader_of_snapshots_sees() {
         texts.iter().for_each(|t| apply(&mut mirror, t));
         assert_eq!(mirror["robots"].as_array().unwrap().len(), 6);
         assert!(mirror["workers"][0]["path"].as_array().unwrap().len() > 2);
+        assert_eq!(mirror["forecasts"][0]["parts"].as_array().unwrap().len(), 6);
         assert_eq!(mirror, fresh(&live), "{shape:?}");
     }
 }
@@ -240,7 +270,10 @@ fn eight_hundred_moving_robots_and_twenty_people_are_150_kilobytes_a_second() {
     let moment = |t: usize| {
         let robots = (0..800).map(|r| robot(r, t)).collect();
         let workers = (0..20).map(|_| worker(t)).collect();
-        Moment { view: crate::fleet::View { robots, workers, ..Default::default() }, ..Default::default() }
+        // Twice a second, in as many parts as there can be.
+        let forecasts = Arc::new((0..20).map(|w| expected(w, t, 4)).collect());
+        let view = crate::fleet::View { robots, workers, ..Default::default() };
+        Moment { view, forecasts, ..Default::default() }
     };
     let live = live();
     live.publish(&moment(0), &[], 0.0);

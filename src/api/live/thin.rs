@@ -4,6 +4,7 @@
 //! millimetres from the base, which every reader has, spend none. It stays JSON. Refuses: to be read
 //! without the contract, which docs/api.md writes down.
 
+use super::forecast;
 use super::frame::{Frame, changes};
 use crate::api::dto::RobotDto;
 use crate::api::people::WorkerDto;
@@ -35,6 +36,9 @@ pub fn patch(old: &Frame, new: &Frame, base: u64) -> Value {
     put("workers", changes(&coarse(&old.workers), &coarse(&new.workers), &WORKER));
     put("racks", changes(&old.racks, &new.racks, &[]));
     put("stations", changes(&old.stations, &new.stations, &[]));
+    if old.forecasts != new.forecasts {
+        out.insert("ahead".into(), forecast::packed(&new.forecasts));
+    }
     Value::Object(out)
 }
 

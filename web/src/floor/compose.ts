@@ -1,5 +1,9 @@
 // What the floor looks like: puts the scene onto sheets, layer by layer, and only those that changed.
 // Ways and resting racks change with a patch; robots, people and words with every frame.
+import { timeOfDay } from '../format';
+import type { Cell } from '../heatmap';
+import { around } from '../sketch';
+import type { Closure } from '../wire';
 import { putHeat, type Forecast } from './heat';
 import type { Palette } from './palette';
 import type { Person } from './people';
@@ -12,6 +16,21 @@ export interface Chosen {
   robot: number;
   person: number;
   place: readonly [x: number, y: number] | null;
+}
+
+/** Words at a place, above everything. */
+export interface Note {
+  text: string;
+  x: number;
+  y: number;
+}
+
+/** From when on robots will keep out of the areas that are announced. */
+export function announced(closures: readonly Closure[]): Note[] {
+  return closures.filter((c) => c.state === 'announced').map(({ outline, from }) => {
+    const [x0, , x1, y1] = around(outline);
+    return { text: `closed from ${timeOfDay(from ?? null).slice(0, 5)}`, x: (x0 + x1) / 2, y: y1 };
+  });
 }
 
 /** Sizes in metres. */
@@ -42,15 +61,20 @@ function inksOf({ of: c, looks }: Palette) {
     chosen: inkOf(c.chosen), person: inkOf(c.person), pale: inkOf(c.person, 0.35), ahead: inkOf(c.ahead),
     region: inkOf(c.region), stopping: inkOf(c.region, 0.3), keeping: inkOf(c.region, 0.55), slowing: inkOf(c.region, 0.9),
     off: inkOf(c.off), stop: inkOf(c.stop), heat: inkOf(c.heat),
+    levels: (['heat-1', 'heat-2', 'heat-3', 'heat-4', 'heat-5'] as const).map((name) => inkOf(c[name], 0.78)),
   };
 }
 
 export class Composer {
   /** From the floor up. */
-  readonly sheets = { heat: new Sheet(), racks: new Sheet(), regions: new Sheet(), ways: new Sheet(), robots: new Sheet(), people: new Sheet() };
+  readonly sheets = { racks: new Sheet(), amounts: new Sheet(), heat: new Sheet(), regions: new Sheet(), ways: new Sheet(), robots: new Sheet(), people: new Sheet() };
   readonly words = new Words();
+  /** A map of heat; empty where none is shown. */
+  cells: readonly Cell[] = [];
+  /** What is written on the floor itself. */
+  notes: readonly Note[] = [];
   #inks: Inks;
-  #done = { racks: -1, ways: -1, edges: -1, chosen: -1, hair: 0, forecasts: null as readonly Forecast[] | null };
+  #done = { racks: -1, ways: -1, edges: -1, chosen: -1, hair: 0, forecasts: null as readonly Forecast[] | null, cells: null as readonly Cell[] | null };
 
   constructor(palette: Palette) {
     this.#inks = inksOf(palette);
@@ -58,7 +82,7 @@ export class Composer {
 
   recolour(palette: Palette): void {
     this.#inks = inksOf(palette);
-    Object.assign(this.#done, { racks: -1, ways: -1, forecasts: null });
+    Object.assign(this.#done, { racks: -1, ways: -1, forecasts: null, cells: null });
   }
 
   compose(scene: Scene, view: View, chosen: Chosen, forecasts: readonly Forecast[]): void {
@@ -66,9 +90,10 @@ export class Composer {
     const hair = 1 / view.scale;
     const edges = view.scale > 9 ? 1 : 0;
     if (done.forecasts !== forecasts) this.#heat(forecasts);
+    if (done.cells !== this.cells) this.#amounts();
     if (done.racks !== scene.rackTurn || done.edges !== edges) this.#racks(scene, edges);
     if (done.ways !== scene.wayTurn || done.hair !== hair || done.chosen !== chosen.robot) this.#ways(scene, hair, chosen.robot);
-    Object.assign(done, { racks: scene.rackTurn, ways: scene.wayTurn, edges, chosen: chosen.robot, hair, forecasts });
+    Object.assign(done, { racks: scene.rackTurn, ways: scene.wayTurn, edges, chosen: chosen.robot, hair, forecasts, cells: this.cells });
     this.#regions(scene.people, hair, chosen.person);
     this.#robots(scene, view, chosen);
     this.#people(scene.people, hair, chosen.person);
@@ -79,6 +104,12 @@ export class Composer {
     const sheet = this.sheets.heat;
     sheet.begin();
     putHeat(sheet, forecasts, this.#inks.heat);
+  }
+
+  #amounts(): void {
+    const sheet = this.sheets.amounts;
+    sheet.begin();
+    for (const { x, y, size, level } of this.cells) sheet.put(KIND.box, x, y, size, size, this.#inks.levels[level] ?? 0);
   }
 
   #racks(scene: Scene, edges: number): void {
@@ -275,6 +306,7 @@ export class Composer {
     } else if (chosen >= 0) {
       put(scene.ids[chosen]!, scene.x[chosen]!, scene.y[chosen]!, Math.max(scale * 0.9, 15));
     }
+    for (const n of this.notes) put(n.text, n.x, n.y, -9, 12);
     for (const p of scene.people) put(p.title, p.x, p.y, Math.max(scale * 0.75, 16));
   }
 }

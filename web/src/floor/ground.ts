@@ -45,9 +45,28 @@ function trace(ink: Ink, shapes: Point[][], view: View): void {
   }
 }
 
+/** Where robots will have to keep out: an outline in dashes. From when on is written above everything (compose.ts). */
+function drawAnnounced(ink: Ink, { outline }: Closure, view: View, palette: Palette): void {
+  ink.save();
+  trace(ink, [outline], view);
+  ink.strokeStyle = ink.fillStyle = palette.of.closed;
+  ink.globalAlpha = 0.05;
+  ink.fill();
+  ink.globalAlpha = 1;
+  ink.lineWidth = 2;
+  ink.setLineDash([7, 5]);
+  ink.stroke();
+  ink.restore();
+}
+
 /** Areas that robots keep out of: hatched, so that what lies below stays readable. */
 function drawClosures(ink: Ink, closures: readonly Closure[], view: View, palette: Palette): void {
-  for (const { outline } of closures) {
+  for (const closure of closures) {
+    const { outline } = closure;
+    if (closure.state === 'announced') {
+      drawAnnounced(ink, closure, view, palette);
+      continue;
+    }
     ink.save();
     trace(ink, [outline], view);
     ink.strokeStyle = ink.fillStyle = palette.of.closed;

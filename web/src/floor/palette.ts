@@ -4,7 +4,7 @@ import { LOOKS } from './scene';
 const NAMES = [
   'void', 'floor', 'edge', 'wall', 'lane', 'walkway', 'slot', 'queue', 'station', 'charger', 'parking', 'exit',
   'rack', 'rack-edge', 'carried', 'granted', 'held', 'tick', 'label', 'halo', 'chosen', 'low',
-  'person', 'region', 'ahead', 'closed', 'gauge', 'off', 'stop', 'heat',
+  'person', 'region', 'ahead', 'closed', 'gauge', 'off', 'stop', 'heat', 'heat-1', 'heat-2', 'heat-3', 'heat-4', 'heat-5',
 ] as const;
 type Name = (typeof NAMES)[number];
 

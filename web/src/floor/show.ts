@@ -2,8 +2,9 @@
 // it is given and knows no panel.
 import type { Mirror } from '../mirror';
 import type { Picked } from '../picked';
-import type { Closure, FloorMap } from '../wire';
-import { Composer, type Chosen } from './compose';
+import type { Cell } from '../heatmap';
+import type { Closure, FloorMap, Point } from '../wire';
+import { announced, Composer, type Chosen } from './compose';
 import { drawGround } from './ground';
 import { listen } from './hands';
 import type { Forecast } from './heat';
@@ -45,6 +46,7 @@ export class Show {
   #how: 'glide' | 'jump' = 'jump';
   #told = -1;
   #chosen: Picked | null = null;
+  #marked: Point | null = null;
   #closures: readonly Closure[] = [];
   #movedAt = 0;
   #dirty = true;
@@ -94,6 +96,7 @@ export class Show {
     this.#how = how;
     if (this.#closures !== mirror.closures) {
       this.#closures = mirror.closures;
+      this.#composer.notes = announced(mirror.closures);
       this.#paintGround();
     }
     this.#dirty = true;
@@ -101,18 +104,36 @@ export class Show {
 
   choose(picked: Picked | null): void {
     this.#chosen = picked;
+    if (picked !== null) this.#marked = null;
     this.#dirty = true;
   }
 
   /** Where people may be soon; an empty list shows nothing. */
   forecast(forecasts: readonly Forecast[]): void {
     this.#forecasts = forecasts;
+    this.#painter.element.dataset['forecasts'] = String(forecasts.filter((f) => f.parts.length > 0).length);
     this.#dirty = true;
+  }
+
+  /** A map of heat; an empty list shows none. */
+  amounts(cells: readonly Cell[]): void {
+    this.#composer.cells = cells;
+    this.#painter.element.dataset['cells'] = String(cells.length);
+    this.#dirty = true;
+  }
+
+  /** Marks a place where nothing need be, and brings it to the middle. */
+  mark(at: Point): void {
+    this.#marked = at;
+    this.#centre(at);
   }
 
   centreOn(picked: Picked): void {
     const at = placeOf(this.#options.map, this.#mirror, this.#stage.scene, picked);
-    if (!at) return;
+    if (at) this.#centre(at);
+  }
+
+  #centre(at: readonly [x: number, y: number]): void {
     this.#fitted = false;
     this.#move({ ...this.view, x: at[0], y: at[1], scale: Math.max(this.view.scale, CLOSE_SCALE) });
   }
@@ -157,7 +178,7 @@ export class Show {
     picks.robot = this.#chosen?.kind === 'robot' ? scene.ids.indexOf(this.#chosen.id) : -1;
     picks.person = this.#chosen?.kind === 'worker' ? scene.people.findIndex((p) => p.id === this.#chosen?.id) : -1;
     const stands = this.#chosen !== null && this.#chosen.kind !== 'robot' && this.#chosen.kind !== 'worker';
-    picks.place = stands ? placeOf(this.#options.map, this.#mirror, scene, this.#chosen!) : null;
+    picks.place = stands ? placeOf(this.#options.map, this.#mirror, scene, this.#chosen!) : this.#marked;
     this.#composer.compose(scene, this.view, picks, this.#forecasts);
     this.#drawn.view = this.view;
     this.#painter.draw(this.#drawn);

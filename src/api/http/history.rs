@@ -1,0 +1,207 @@
+//! `/v1/history`: deliveries, encounters, interruptions, planning and waiting over time, in buckets.
+//!
+//! Main types: [`HistoryDto`], [`BucketDto`]. Refuses: more than 2000 buckets at once, and buckets for times of which
+//! nothing is known.
+
+use crate::api::Api;
+use crate::api::dto::{parse_time, round3, time_text};
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::Params;
+use crate::history::{Bucket, TIERS, floor};
+use crate::time::{Span, Time};
+use axum::Json;
+use axum::extract::State;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+/// The most buckets of an answer.
+const MOST: i64 = 2000;
+
+/// Who does not say how long buckets are gets about so many at most.
+const USUAL: i64 = 400;
+
+/// Lengths for those who do not say, seconds.
+const LENGTHS_S: [i64; 5] = [10, 60, 600, 3600, 21_600];
+
+/// How far back one looks who does not say.
+const HOUR: Span = Span::from_secs(3600);
+
+/// Which time, in which steps.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct HistoryParams {
+    /// From when on, RFC 3339; an hour before the end where absent.
+    #[param(example = "2027-01-31T06:00:00Z")]
+    from: Option<String>,
+    /// Until when; now where absent.
+    to: Option<String>,
+    /// Length of a bucket, seconds: a multiple of 10 up to 86400. Where absent, one that makes at most 400 buckets.
+    #[param(example = 60)]
+    step: Option<i64>,
+}
+
+/// Figures over time.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct HistoryDto {
+    /// When the first bucket begins, or would, RFC 3339.
+    pub from: String,
+    /// The end.
+    pub to: String,
+    /// Length of a bucket, seconds.
+    pub step_s: i64,
+    /// When `time_s` of the live feed was zero, RFC 3339.
+    pub started: String,
+    /// How the fleet deals with people: nhir, shir, phir or giveway.
+    pub arm: &'static str,
+    /// In order of time. One of which nothing is known is left out: the server did not run.
+    pub buckets: Vec<BucketDto>,
+}
+
+/// What happened in one stretch of time.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct BucketDto {
+    /// When it began, RFC 3339.
+    pub at: String,
+    /// How much of it was seen, seconds: all of it, but for the last one and those at a restart.
+    pub covered_s: f64,
+    /// Racks served at stations.
+    pub robot_deliveries: u64,
+    /// Assignments completed by workers.
+    pub human_deliveries: u64,
+    /// Robots that came into region 1 of a worker.
+    pub encounters: u64,
+    /// How often a worker left the path.
+    pub deviations: u64,
+    /// How often a robot had to stop or to change its route because of a worker.
+    pub interruptions: u64,
+    /// Routes planned anew because of workers and closures.
+    pub replans: u64,
+    /// Routes planned.
+    pub plans: u64,
+    /// Searches that found none.
+    pub plan_failures: u64,
+    /// Seconds of workers on the floor, all together.
+    pub worker_s: f64,
+    /// Seconds that robots stood although they would have driven on, all together.
+    pub waiting_s: f64,
+    /// Length of a search, median, microseconds, to a tenth; null where nothing was searched.
+    pub plan_us_p50: Option<u64>,
+    /// The same, 95th percentile.
+    pub plan_us_p95: Option<u64>,
+    /// The longest search, exactly.
+    pub plan_us_max: Option<u64>,
+    /// The longest step, microseconds.
+    pub step_us_max: Option<u64>,
+}
+
+/// Deliveries, encounters, interruptions, planning and waiting over time. Kept are an hour in steps of ten seconds, a
+/// day in minutes, and 31 days in ten minutes; over a restart, too.
+#[utoipa::path(get, path = "/v1/history", tag = "floor", params(HistoryParams), responses(
+    (status = 200, description = "Figures over time", body = HistoryDto),
+    (status = 422, body = Problem, content_type = "application/problem+json")))]
+pub async fn history(
+    State(api): State<Api>,
+    Params(p): Params<HistoryParams>,
+) -> Result<Json<HistoryDto>, Problem> {
+    let (from, to) = stretch(&api, p.from.as_deref(), p.to.as_deref())?;
+    let step = match p.step {
+        Some(s) => checked_step(s, to - from)?,
+        None => usual_step(to - from),
+    };
+    let buckets = api.figures.with(|h| h.read(from, to, step));
+    Ok(Json(HistoryDto {
+        from: time_text(floor(from, step)),
+        to: time_text(to),
+        step_s: step.0 / 1_000_000,
+        started: time_text(api.figures.started),
+        arm: api.figures.arm,
+        buckets: buckets.iter().map(BucketDto::from).collect(),
+    }))
+}
+
+/// From when to when; the last hour for who does not say.
+pub fn stretch(api: &Api, from: Option<&str>, to: Option<&str>) -> Result<(Time, Time), Problem> {
+    let mut errors = Vec::new();
+    let mut time = |field: &str, text: Option<&str>| -> Option<Time> {
+        let time = parse_time(text?);
+        if time.is_none() {
+            let detail = format!("\"{}\" is no time like 2027-01-31T12:00:00Z", text.unwrap_or_default());
+            errors.push(FieldError::new(field, detail));
+        }
+        time
+    };
+    let (from, to) = (time("from", from), time("to", to));
+    // A recording has a time of its own. What happens at this very moment belongs to it.
+    let to = to.unwrap_or_else(|| api.moment().view.now + Span(1));
+    let from = from.unwrap_or(to - HOUR);
+    if errors.is_empty() && from >= to {
+        errors.push(FieldError::new("from", "must be before `to`"));
+    }
+    if errors.is_empty() { Ok((from, to)) } else { Err(Problem::invalid(errors)) }
+}
+
+fn checked_step(s: i64, stretch: Span) -> Result<Span, Problem> {
+    let refused = |detail: String| Problem::invalid(vec![FieldError::new("step", detail)]);
+    let finest_s = TIERS[0].0.0 / 1_000_000;
+    if !(finest_s..=86_400).contains(&s) || s % finest_s != 0 {
+        return Err(refused(format!("a multiple of {finest_s} up to 86400, in seconds")));
+    }
+    let step = Span::from_secs(s);
+    let buckets = stretch.0 / step.0;
+    if buckets > MOST {
+        return Err(refused(format!(
+            "{buckets} buckets are more than {MOST}: take longer ones, or less time"
+        )));
+    }
+    Ok(step)
+}
+
+fn usual_step(stretch: Span) -> Span {
+    let fits = |s: &i64| stretch.0 / Span::from_secs(*s).0 <= USUAL;
+    Span::from_secs(LENGTHS_S.into_iter().find(fits).unwrap_or(86_400))
+}
+
+impl From<&Bucket> for BucketDto {
+    fn from(b: &Bucket) -> BucketDto {
+        BucketDto {
+            at: time_text(b.start),
+            covered_s: round3(b.covered.as_secs_f64()),
+            robot_deliveries: b.robot_deliveries,
+            human_deliveries: b.human_deliveries,
+            encounters: b.encounters,
+            deviations: b.deviations,
+            interruptions: b.interruptions,
+            replans: b.replans,
+            plans: b.plans,
+            plan_failures: b.plan_failures,
+            worker_s: round3(b.worker_time.as_secs_f64()),
+            waiting_s: round3(b.waiting_time.as_secs_f64()),
+            plan_us_p50: b.searches.quantile_us(50),
+            plan_us_p95: b.searches.quantile_us(95),
+            plan_us_max: b.searches.quantile_us(100).map(|_| b.searches.max_us()),
+            step_us_max: (b.step_max_us > 0).then_some(b.step_max_us),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_does_not_say_gets_at_most_400_buckets() {
+        let step_s = |s: i64| usual_step(Span::from_secs(s)).0 / 1_000_000;
+        assert_eq!([900, 3600, 86_400, 31 * 86_400].map(step_s), [10, 10, 600, 21_600]);
+    }
+
+    #[test]
+    fn steps_that_nothing_is_kept_in_are_refused() {
+        let hour = Span::from_secs(3600);
+        for bad in [0, -10, 5, 15, 86_410, i64::MAX] {
+            assert!(checked_step(bad, hour).is_err(), "{bad}");
+        }
+        assert!(checked_step(10, hour).is_ok() && checked_step(30, hour).is_ok());
+        assert!(checked_step(10, Span::from_secs(86_400)).is_err(), "too many");
+    }
+}

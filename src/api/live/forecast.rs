@@ -1,0 +1,78 @@
+//! Where people may be in the coming seconds, as it travels: few bell curves each, in centimetres and percent.
+//!
+//! Main types: [`ForecastDto`], [`PartDto`]; [`packed`] is the thin form, which says the same. Refuses: to forecast.
+
+use crate::api::dto::round3;
+use crate::api::people::worker_name;
+use crate::fleet::Expected;
+use crate::human::Part;
+use crate::id::Dense;
+use crate::time::Span;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+/// What is forecast of one worker.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ForecastDto {
+    pub worker: String,
+    pub parts: Vec<PartDto>,
+    #[serde(skip)]
+    row: usize,
+}
+
+/// One bell curve: metres, standard deviations and correlation, and its share of the probability at that moment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PartDto {
+    pub after_s: f64,
+    pub p: f64,
+    pub x: f64,
+    pub y: f64,
+    pub sx: f64,
+    pub sy: f64,
+    pub tilt: f64,
+}
+
+pub fn forecasts(expected: &[Expected]) -> Vec<ForecastDto> {
+    let one = |e: &Expected| ForecastDto {
+        worker: worker_name(e.worker),
+        row: e.worker.ix(),
+        parts: e.ahead.iter().flat_map(|(after, m)| m.parts.iter().map(|p| part(*after, p))).collect(),
+    };
+    expected.iter().map(one).collect()
+}
+
+fn part(after: Span, part: &Part) -> PartDto {
+    let (sx, sy) = (part.cov[(0, 0)].max(0.0).sqrt(), part.cov[(1, 1)].max(0.0).sqrt());
+    let tilt = part.cov[(0, 1)] / (sx * sy).max(1e-9);
+    let hundredth = |x: f64| round3((x * 100.0).round() / 100.0);
+    PartDto {
+        after_s: round3(after.as_secs_f64()),
+        p: hundredth(part.weight),
+        x: hundredth(part.mean.x),
+        y: hundredth(part.mean.y),
+        sx: hundredth(sx),
+        sy: hundredth(sy),
+        tilt: hundredth(tilt.clamp(-0.99, 0.99)),
+    }
+}
+
+/// One list for each worker: row, then for each bell curve seconds ahead, percent, x, y, standard deviations along x
+/// and y in centimetres, and the correlation in percent.
+pub fn packed(all: &[ForecastDto]) -> Value {
+    let whole = |x: f64| (x * 100.0).round() as i64;
+    let one = |f: &ForecastDto| {
+        let part = |p: &PartDto| {
+            [
+                p.after_s.round() as i64,
+                whole(p.p),
+                whole(p.x),
+                whole(p.y),
+                whole(p.sx),
+                whole(p.sy),
+                whole(p.tilt),
+            ]
+        };
+        std::iter::once(f.row as i64).chain(f.parts.iter().flat_map(part)).collect::<Vec<i64>>()
+    };
+    json!(all.iter().map(one).collect::<Vec<_>>())
+}

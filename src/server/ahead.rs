@@ -1,0 +1,30 @@
+//! Where people may be in the coming seconds, worked out for dashboards and for the past that is kept, twice a second.
+//!
+//! Main type: [`Ahead`]. Refuses: work for every picture.
+
+use crate::fleet::{Expected, Fleet};
+use crate::time::{Span, Time};
+use std::sync::Arc;
+
+/// How often, a little less than half a second, so that a picture does not just miss it.
+const EVERY: Span = Span::from_millis(480);
+
+/// The last forecasts.
+#[derive(Debug, Default)]
+pub struct Ahead {
+    last: Option<(Time, Arc<Vec<Expected>>)>,
+}
+
+impl Ahead {
+    /// The forecasts for a picture.
+    pub fn of(&mut self, fleet: &Fleet, now: Time) -> Arc<Vec<Expected>> {
+        if let Some((at, kept)) = &self.last
+            && (Span::ZERO..EVERY).contains(&(now - *at))
+        {
+            return kept.clone();
+        }
+        let fresh = Arc::new(fleet.expectations(now));
+        self.last = Some((now, fresh.clone()));
+        fresh
+    }
+}

@@ -1,0 +1,112 @@
+// What the charts show: rates and averages from the sums in buckets, gaps where nothing is known. Pure.
+import { micros } from '../format';
+import type { Bucket, HistoryPage } from '../wire';
+
+export interface Line {
+  name: string;
+  /** A colour by its custom property. */
+  ink: string;
+  /** How it is dashed, so that nobody needs the colours. */
+  dash: string | null;
+  of(bucket: Bucket): number | null;
+}
+export interface Chart {
+  id: string;
+  title: string;
+  unit: string;
+  scale: 'linear' | 'log';
+  lines: readonly Line[];
+  format(value: number): string;
+}
+
+/** A bucket that was seen for less than this says nothing about a rate, seconds. */
+const LEAST_S = 4;
+const perHour = (count: (b: Bucket) => number) => (b: Bucket) => (b.covered_s < LEAST_S ? null : (3_600 * count(b)) / b.covered_s);
+const perMinute = (count: (b: Bucket) => number) => (b: Bucket) => (b.covered_s < LEAST_S ? null : (60 * count(b)) / b.covered_s);
+const average = (seconds: (b: Bucket) => number) => (b: Bucket) => (b.covered_s < LEAST_S ? null : seconds(b) / b.covered_s);
+
+const ROBOTS = 'var(--chart-1)';
+const PEOPLE = 'var(--chart-2)';
+const ALL = 'var(--text)';
+const short = new Intl.NumberFormat('en', { maximumSignificantDigits: 3 });
+const number = (value: number): string => short.format(value);
+
+export const CHARTS: readonly Chart[] = [
+  {
+    id: 'deliveries', title: 'Deliveries', unit: 'per hour', scale: 'linear', format: number,
+    lines: [
+      { name: 'robots', ink: ROBOTS, dash: null, of: perHour((b) => b.robot_deliveries) },
+      { name: 'people', ink: PEOPLE, dash: '5 3', of: perHour((b) => b.human_deliveries) },
+      { name: 'total', ink: ALL, dash: '1 2', of: perHour((b) => b.robot_deliveries + b.human_deliveries) },
+    ],
+  },
+  {
+    id: 'encounters', title: 'Encounters', unit: 'per worker-minute', scale: 'linear', format: number,
+    // Without anybody on the floor there is no rate, rather than a rate of zero.
+    lines: [{ name: 'encounters', ink: PEOPLE, dash: null, of: (b) => (b.worker_s < LEAST_S ? null : (60 * b.encounters) / b.worker_s) }],
+  },
+  {
+    id: 'interruptions', title: 'Interruptions and replans', unit: 'per minute', scale: 'linear', format: number,
+    lines: [
+      { name: 'interruptions', ink: PEOPLE, dash: null, of: perMinute((b) => b.interruptions) },
+      { name: 'replans', ink: ROBOTS, dash: '5 3', of: perMinute((b) => b.replans) },
+    ],
+  },
+  {
+    id: 'waiting', title: 'Robots that wait', unit: 'on average', scale: 'linear', format: number,
+    lines: [{ name: 'waiting robots', ink: ROBOTS, dash: null, of: average((b) => b.waiting_s) }],
+  },
+  {
+    id: 'plans', title: 'Length of a search', unit: 'logarithmic', scale: 'log', format: micros,
+    lines: [
+      { name: 'median', ink: ROBOTS, dash: null, of: (b) => b.plan_us_p50 },
+      { name: '95 %', ink: ALL, dash: '5 3', of: (b) => b.plan_us_p95 },
+      { name: 'longest', ink: PEOPLE, dash: '1 2', of: (b) => b.plan_us_max },
+    ],
+  },
+  {
+    id: 'people', title: 'People on the floor', unit: 'on average', scale: 'linear', format: number,
+    lines: [{ name: 'people on the floor', ink: PEOPLE, dash: null, of: average((b) => b.worker_s) }],
+  },
+];
+
+/** A place for each step of the time shown, with its bucket or nothing. */
+export interface Grid {
+  from: number;
+  to: number;
+  step: number;
+  /** When each begins, milliseconds. */
+  at: number[];
+  buckets: (Bucket | null)[];
+}
+
+/** Puts buckets onto an even grid over the last `span_s` seconds, so that what is missing stays missing. */
+export function gridOf(page: HistoryPage, span_s: number): Grid {
+  const step = 1_000 * page.step_s;
+  const to = Math.ceil(Date.parse(page.to) / step) * step;
+  const from = to - Math.round((1_000 * span_s) / step) * step;
+  const by = new Map(page.buckets.map((b) => [Date.parse(b.at), b]));
+  const at = Array.from({ length: Math.round((to - from) / step) }, (_, i) => from + i * step);
+  return { from, to, step, at, buckets: at.map((t) => by.get(t) ?? null) };
+}
+
+export const valuesOf = (line: Line, grid: Grid): (number | null)[] => grid.buckets.map((b) => (b === null ? null : line.of(b)));
+
+/** Runs of neighbours that have values: first and last index of each. */
+export function runs(values: readonly (number | null)[]): [first: number, last: number][] {
+  const found: [number, number][] = [];
+  values.forEach((value, i) => {
+    if (value === null) return;
+    const last = found.at(-1);
+    if (last && last[1] === i - 1) last[1] = i;
+    else found.push([i, i]);
+  });
+  return found;
+}
+
+/** Stretches of which nothing is known, as shares of the width. What has not come yet is not one. */
+export function gaps({ buckets }: Grid): [from: number, to: number][] {
+  const n = buckets.length;
+  const unknown = runs(buckets.map((b) => (b === null ? 1 : null)));
+  return unknown.filter(([, last]) => last < n - 1).map(([first, last]) => [first / n, (last + 1) / n]);
+}

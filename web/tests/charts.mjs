@@ -1,0 +1,237 @@
+// What the page shows over time, in a real browser against a real server that this test starts itself, with people on
+// the floor: node tests/charts.mjs PATH-TO-GIVEWAY
+// Charts, encounters, maps of heat, forecasts, and how somebody is seen.
+import { spawn } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdir } from 'node:fs/promises';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { fileURLToPath } from 'node:url';
+import { assert, check, finish, openBrowser } from './chromium.mjs';
+
+const program = process.argv[2];
+if (!program) {
+  console.error('Say where the program is: node tests/charts.mjs target/debug/giveway');
+  process.exit(2);
+}
+const HERE = (path) => fileURLToPath(new URL(path, import.meta.url));
+const SHOTS = HERE('./shots/');
+const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+await mkdir(SHOTS, { recursive: true });
+const scratch = mkdtempSync(`${tmpdir()}/giveway-charts-`);
+const { url, stop } = await serve();
+const browser = await openBrowser();
+const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
+const page = await context.newPage();
+const complaints = [];
+page.on('console', (message) => { if (message.type() === 'error') complaints.push(message.text()); });
+page.on('pageerror', (error) => complaints.push(error.message));
+const ask = async (path) => (await context.request.get(new URL(path, url).href)).json();
+const button = (name) => page.getByRole('button', { name, exact: true });
+const charts = page.getByRole('region', { name: 'Charts', exact: true });
+const encounters = page.getByRole('region', { name: 'Encounters', exact: true });
+const data = (name) => page.evaluate((n) => document.querySelector('canvas')?.dataset[n] ?? null, name);
+
+await page.goto(url);
+await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.people) > 0, null, { timeout: 60_000 });
+
+await check('Where people may be lies on the floor, and can be put away', async () => {
+  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.forecasts) > 0, null, { timeout: 30_000 });
+  await page.waitForTimeout(1_000);
+  await page.screenshot({ path: `${SHOTS}forecast.png` });
+  await page.getByText('Layers', { exact: true }).click();
+  await page.getByLabel('Where people may be').selectOption('none');
+  assert(await data('forecasts') === '0', 'they are still there');
+  await page.getByLabel('Where people may be').selectOption('all');
+  await page.getByText('Layers', { exact: true }).click();
+});
+await check('The forecast of somebody who walks lies ahead, as the feed has it', async () => {
+  const shape = await page.evaluate(() => new Promise((done) => {
+    const socket = new WebSocket(new URL('/v1/live', location.href.replace('http', 'ws')));
+    socket.onmessage = (event) => {
+      const message = JSON.parse(event.data);
+      if (message.forecasts?.length > 0) { socket.close(); done(message.forecasts[0]); }
+    };
+  }));
+  assert(new Set(shape.parts.map((p) => p.after_s)).size === 3, 'three moments ahead');
+  for (const s of [1, 2, 4]) {
+    const sum = shape.parts.filter((p) => p.after_s === s).reduce((a, p) => a + p.p, 0);
+    assert(Math.abs(sum - 1) < 0.06, `the shares at ${s} s add up to ${sum}`);
+  }
+  return `${shape.parts.length} parts`;
+});
+await check('Somebody’s card shows where to over time, and how well the feed is', async () => {
+  const id = (await ask('/v1/workers')).items[0].id;
+  await page.getByLabel('Find on the floor').fill(id);
+  await page.keyboard.press('Enter');
+  const card = page.getByRole('region', { name: 'Person', exact: true });
+  await card.getByText('Where to, over the last two minutes').waitFor({ timeout: 5_000 });
+  await card.getByText(/poses a second/).waitFor({ timeout: 10_000 });
+  await page.waitForTimeout(4_000);
+  assert(await card.locator('svg polygon').count() > 0, 'nothing is drawn');
+  await card.screenshot({ path: `${SHOTS}person.png` });
+  await page.screenshot({ path: `${SHOTS}person-page.png` });
+  await axe('person');
+  const words = (await card.locator('dl.wide').last().innerText()).replaceAll(/\s+/g, ' ');
+  await card.getByRole('button', { name: 'Close' }).click();
+  return words;
+});
+await check('A closed area that is announced is drawn in dashes with its time', async () => {
+  const { bounds: [x0, y0, x1, y1] } = await ask('/v1/map');
+  const at = (fx, fy) => [x0 + (x1 - x0) * fx, y0 + (y1 - y0) * fy];
+  const area = (fx, from) => ({
+    outline: [at(fx, 0.4), at(fx + 0.1, 0.4), at(fx + 0.1, 0.55), at(fx, 0.55)], reason: 'to be looked at',
+    ...(from ? { from, until: new Date(Date.now() + 7_200_000).toISOString() } : { until: new Date(Date.now() + 3_600_000).toISOString() }),
+  });
+  const post = async (body) => (await context.request.post(new URL('/v1/closures', url).href, { data: body })).json();
+  const made = [await post(area(0.25, new Date(Date.now() + 3_600_000).toISOString())), await post(area(0.6, null))];
+  await page.getByRole('list', { name: 'Legend' }).getByText('Will be closed').waitFor({ timeout: 10_000 });
+  await page.waitForTimeout(800);
+  await page.screenshot({ path: `${SHOTS}announced.png` });
+  for (const { id } of made) await context.request.delete(new URL(`/v1/closures/${id}`, url).href);
+});
+await check('Charts have values after deliveries, and follow the pointer and the keys', async () => {
+  await button('Charts').click();
+  await until('a delivery in the history', async () => (await ask('/v1/history?step=10')).buckets.some((b) => b.robot_deliveries > 0));
+  await charts.locator('[data-chart="deliveries"] polyline').first().waitFor({ state: 'attached', timeout: 15_000 });
+  await page.waitForFunction(() => document.querySelector('[data-chart="plans"] [data-value="median"]')?.textContent !== '–', null, { timeout: 15_000 });
+  const box = await charts.locator('[data-chart="deliveries"] .plot').boundingBox();
+  await page.mouse.move(box.x + box.width - 20, box.y + box.height / 2);
+  const pointed = await charts.getByRole('status').textContent();
+  assert(/^\d\d:\d\d:\d\d: /.test(pointed), pointed);
+  await page.mouse.move(5, 5);
+  await page.getByRole('application', { name: 'Charts over time' }).focus();
+  await page.keyboard.press('End');
+  await page.keyboard.press('ArrowLeft');
+  const words = await charts.getByRole('status').textContent();
+  assert(/robots [\d,.]+/.test(words), words);
+  const most = await charts.locator('[data-chart="deliveries"] .scale span').last().textContent();
+  assert(Number(most) > 1, `deliveries per hour reach to ${most}`);
+  await page.screenshot({ path: `${SHOTS}charts.png` });
+  await axe('charts');
+  return words;
+});
+await check('An encounter comes as a row, shows its place, and can be seen again', async () => {
+  await until('an encounter', async () => (await ask('/v1/encounters?limit=1')).items.length > 0);
+  await button('Encounters').click();
+  const row = encounters.locator('[data-encounter]').first();
+  await row.waitFor({ timeout: 15_000 });
+  await row.getByRole('button', { name: /show on the floor/ }).click();
+  const replay = await row.getByRole('link', { name: /^Replay/ }).getAttribute('href');
+  assert(/^#replay\?from=\d+&to=\d+$/.test(replay), replay);
+  const table = await context.request.get(new URL(await encounters.getByRole('link', { name: 'Table (CSV)' }).getAttribute('href'), url).href);
+  assert((await table.text()).startsWith('id,worker,robot'), 'the table is none');
+  await encounters.getByRole('button', { name: 'Closest' }).click();
+  await page.waitForTimeout(700);
+  await page.screenshot({ path: `${SHOTS}encounters.png` });
+  await axe('encounters');
+  const of = await encounters.getByLabel('What the fleet did');
+  await of.selectOption('kept');
+  await of.selectOption('');
+  return `${(await row.innerText()).replaceAll(/\s+/g, ' ')} ${replay}`;
+});
+await check('Maps of heat are put onto the floor, with what the colours mean', async () => {
+  await button('Show the whole floor').click();
+  await page.getByText('Layers', { exact: true }).click();
+  for (const [name, shot] of [['where robots waited', 'heat-waiting'], ['where robots met people', 'heat-encounters']]) {
+    await page.getByLabel(name).check();
+    await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.cells) > 0, null, { timeout: 60_000 });
+    await page.getByRole('group', { name: 'Meaning of the colours' }).waitFor({ timeout: 5_000 });
+    await page.waitForTimeout(600);
+    await page.screenshot({ path: `${SHOTS}${shot}.png` });
+  }
+  await axe('heat');
+  const words = await page.getByRole('group', { name: 'Meaning of the colours' }).innerText();
+  await page.getByLabel('none', { exact: true }).check();
+  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.cells === '0', null, { timeout: 5_000 });
+  await page.getByText('Layers', { exact: true }).click();
+  return words.replaceAll(/\s+/g, ' ');
+});
+await check('Figures over time come as a table, too', async () => {
+  await button('Charts').click();
+  await charts.getByLabel('As a table').check();
+  const rows = await charts.getByRole('region', { name: 'Table of figures over time' }).getByRole('row').count();
+  assert(rows > 1, 'the table is empty');
+  await axe('table of charts');
+  await charts.getByLabel('As a table').uncheck();
+  await button('1 day').click();
+  await charts.locator('[data-chart="deliveries"]').waitFor();
+  await page.waitForTimeout(600);
+  await page.screenshot({ path: `${SHOTS}charts-day.png` });
+  await button('15 min').click();
+  return `${rows - 1} rows`;
+});
+await check('The file of an experiment shows its arms side by side', async () => {
+  await button('Compare arms of an experiment').click();
+  const file = `${scratch}/table.json`;
+  const figures = (mean, sd) => ({ total_deliveries: { mean, sd }, encounters_per_worker_minute: { mean: mean / 100, sd: sd / 100 } });
+  const pair = (mean, low, high) => ({ total_deliveries: { mean, ci95: [low, high] }, encounters_per_worker_minute: { mean: -mean / 100, ci95: [-high / 100, -low / 100] } });
+  writeFileSync(file, JSON.stringify({ law_violations: 0, scenarios: [1, 5].map((workers) => ({
+    workers, arms: { nhir: figures(150 - workers, 9), shir: figures(155 - workers, 8), phir: figures(161 - workers, 7), giveway: figures(183 - workers, 6) },
+    paired: { 'giveway-phir': pair(22, 17, 27), 'phir-nhir': pair(5, -3, 13) },
+  })) }));
+  await charts.getByLabel(/^Open what/).setInputFiles(file);
+  await charts.getByText('giveway (runs here)').first().waitFor({ timeout: 5_000 });
+  await page.screenshot({ path: `${SHOTS}experiment.png` });
+  await axe('experiment');
+  await charts.getByLabel(/^Open what/).setInputFiles({ name: 'x.json', mimeType: 'application/json', buffer: Buffer.from('{}') });
+  await charts.getByRole('alert').waitFor({ timeout: 5_000 });
+  await button('Compare arms of an experiment').click();
+});
+
+await page.getByLabel('Theme').selectOption('light');
+await page.waitForTimeout(600);
+await page.screenshot({ path: `${SHOTS}charts-light.png` });
+await check('axe finds nothing wrong (charts, light)', () => axe('light'));
+await page.getByText('Layers', { exact: true }).click();
+await page.getByLabel('where robots waited').check();
+await page.waitForTimeout(1_200);
+await page.screenshot({ path: `${SHOTS}heat-light.png` });
+await page.setViewportSize({ width: 375, height: 740 });
+await page.waitForTimeout(600);
+await check('The page fits a phone without scrolling sideways', async () => {
+  for (const tab of ['Encounters', 'Charts']) {
+    await button(tab).click();
+    await page.waitForTimeout(600);
+    const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    assert(over <= 0, `${tab}: it is ${over} px too wide`);
+  }
+});
+await page.screenshot({ path: `${SHOTS}charts-phone.png`, fullPage: true });
+await check('axe finds nothing wrong (phone, light)', () => axe('phone'));
+await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
+await stop();
+await finish(browser);
+
+/** Asks twice a second until it is so, for four minutes. */
+async function until(what, so) {
+  for (let i = 0; i < 480; i++) {
+    if (await so()) return;
+    await new Promise((done) => { setTimeout(done, 500); });
+  }
+  throw new Error(`${what} never comes`);
+}
+
+async function axe(look) {
+  await page.evaluate(AXE);
+  const { violations } = await page.evaluate(() => globalThis.axe.run());
+  assert(violations.length === 0, `${look}: ${violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(' ')).slice(0, 3).join('; ')}`).join(' | ')}`);
+}
+
+/** A server with people on the floor, on any port. */
+async function serve() {
+  const server = spawn(program, ['serve', '--scenario', HERE('../../scenarios/people-3.json'), '--listen', '127.0.0.1:0', '--database', `${scratch}/db.sqlite`]);
+  let log = '';
+  server.stderr.on('data', (text) => { log += text; });
+  server.stdout.on('data', (text) => { log += text; });
+  const ended = new Promise((done) => { server.once('exit', done); });
+  for (let i = 0; i < 300; i++) {
+    const at = /^Giveway is at (http:\/\/[^/]*)\/$/m.exec(log)?.[1];
+    if (at) return { url: at, stop: async () => { server.kill('SIGTERM'); await ended; rmSync(scratch, { recursive: true, force: true }); } };
+    if (server.exitCode !== null) break;
+    await new Promise((done) => { setTimeout(done, 200); });
+  }
+  console.error(`The server did not start:\n${log}`);
+  server.kill();
+  process.exit(1);
+}
