@@ -56,7 +56,7 @@ impl Along<'_> {
     }
 
     /// Goes on by so many metres, to the next corner at most. Whether that was reached.
-    fn to_corner(&mut self, metres: f64) -> bool {
+    fn reach_corner(&mut self, metres: f64) -> bool {
         let Some((corner, rest)) = self.ahead.split_first() else { return false };
         let leg = corner - self.at;
         let length = leg.norm();
@@ -71,7 +71,7 @@ impl Along<'_> {
     fn go(&mut self, mut metres: f64) {
         while let Some(corner) = self.ahead.first() {
             let length = (corner - self.at).norm();
-            if !self.to_corner(metres) {
+            if !self.reach_corner(metres) {
                 return;
             }
             metres -= length;
