@@ -16,8 +16,8 @@ use crate::warehouse::NodeKind;
 
 /// What is closed within this is treated as closed by whoever chooses a job, a place for a rack, or one to rest.
 const SOON: Span = Span::from_secs(180);
-/// What somebody keeps robots from for longer than this, standing there, is as good as closed.
-const STANDS: Span = Span::from_secs(20);
+/// Whoever has stood for longer than this is not about to set off: the place is as good as closed.
+pub(super) const STANDS: Span = Span::from_secs(20);
 /// A robot whose route leads into a closed area looks for another one this often at most.
 const AGAIN: Span = Span::from_secs(5);
 /// A closure that is over stays in the list for so long.

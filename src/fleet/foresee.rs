@@ -106,10 +106,7 @@ impl Fleet {
         if far {
             return false;
         }
-        let chain = self.ledger.chain(robot);
-        let ahead = (chain.first() + 1..chain.granted()).filter_map(|s| chain.get(s));
-        let way: Vec<Point> =
-            std::iter::once(at).chain(ahead.map(|v| self.warehouse().nodes[v.node].at)).collect();
+        let way = self.granted_way(robot, at);
         if way.len() < 2 {
             return false;
         }

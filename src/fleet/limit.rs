@@ -4,6 +4,7 @@
 //! to be a safety function; robots' own scanners and brakes are.
 
 use super::Fleet;
+use super::closing::STANDS;
 use super::crowd::Mode;
 use super::fact::Fact;
 use super::io::Command;
@@ -23,8 +24,6 @@ const ROOM_M: f64 = 0.3;
 const CLEAR_M: f64 = 0.2;
 /// Whoever is farther away does not come into region 1 before a robot has stopped, metres.
 const PASSING_M: f64 = 6.0;
-/// Whoever has stood for longer than this is not about to set off.
-const LATELY: Span = Span::from_secs(20);
 /// How fast people walk once they set off, metres per second.
 const GAIT_MPS: f64 = 1.3;
 /// Robots are told their limit again after this long, until they say that they know it.
@@ -129,14 +128,14 @@ impl Fleet {
     fn is_caught_up(&self, robot: RobotId, worker: WorkerId, w: &Whereabouts, now: Time) -> bool {
         let Some(seen) = self.scene.robot(robot) else { return false };
         let at = seen.pose.at;
-        let walk = self.walk_of(worker, w, (robot, at), now);
-        if walk.speed_mps < STROLL_MPS || (at - w.at).norm() > PASSING_M {
+        let way = self.granted_way(robot, at);
+        if way.len() < 2 || (at - w.at).norm() > PASSING_M {
             return false;
         }
-        let chain = self.ledger.chain(robot);
-        let ahead = (chain.first() + 1..chain.granted()).filter_map(|s| chain.get(s));
-        let way: Vec<Point> =
-            std::iter::once(at).chain(ahead.map(|v| self.warehouse().nodes[v.node].at)).collect();
+        let walk = self.walk_of(worker, w, (robot, at), now);
+        if walk.speed_mps < STROLL_MPS {
+            return false;
+        }
         let loaded = self.ledger.rack_on(robot).is_some();
         let k = &self.settings.kinematics;
         let drive = Drive {
@@ -149,6 +148,13 @@ impl Fleet {
         };
         let radius_m = self.crowd.regions.stop_radius_m(loaded, w.sigma_m) + CLEAR_M;
         moves_within(&drive, &walk, radius_m)
+    }
+
+    /// Where a robot drives from `at` to the end of what it was granted.
+    pub(super) fn granted_way(&self, robot: RobotId, at: Point) -> Vec<Point> {
+        let chain = self.ledger.chain(robot);
+        let ahead = (chain.first() + 1..chain.granted()).filter_map(|s| chain.get(s));
+        std::iter::once(at).chain(ahead.map(|v| self.warehouse().nodes[v.node].at)).collect()
     }
 
     /// How a worker will walk on, as far as that is known: along the path, straight on without one, and from where
@@ -166,7 +172,7 @@ impl Fleet {
         let path = person.rest_of_path(w.at).filter(|p| follows && p.len() > 1);
         // Whoever has stopped on the way may set off again, unless it is to let the robot leave; whoever has stood for
         // long waits for something, maybe for the robot to go on.
-        let lately = person.stands_since.is_none_or(|t| now - t < LATELY);
+        let lately = person.stands_since.is_none_or(|t| now - t < STANDS);
         let sets_off = path.is_some() && lately && !self.drives_away(robot, at, w.at);
         let way = path.unwrap_or_else(|| vec![w.at, w.at + w.velocity * 5.0]);
         Walk { way, speed_mps: if sets_off && speed < STROLL_MPS { GAIT_MPS } else { speed }, waits_s: 0.0 }
