@@ -174,9 +174,9 @@ impl Metrics {
         let thinned = "Poses left out since they came faster than 60 a second";
         r.register("poses_thinned", thinned, self.poses_thinned.clone());
         r.register("poses_refused", "Poses refused before the fleet saw them", self.poses_refused.clone());
-        let to_worker = "From a pose received to the stop sent to the worker";
+        let to_worker = "From the newest pose taken into account, received, to the stop sent to the worker";
         r.register_with_unit("pose_to_stop", to_worker, Unit::Seconds, self.pose_to_stop.clone());
-        let to_robot = "From a pose received to a stop sent to a robot in the same step";
+        let to_robot = "From the first pose for which a robot has to stop, received, to the stop sent to it";
         r.register_with_unit("pose_to_robot_stop", to_robot, Unit::Seconds, self.pose_to_robot_stop.clone());
     }
 

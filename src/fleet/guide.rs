@@ -89,7 +89,7 @@ impl Fleet {
     }
 
     /// A robot within region 1 that comes nearer: whatever the fleet does about it, the worker should stand.
-    fn drives_up(&self, place: &Whereabouts, near: &[NearRobot]) -> Option<crate::id::RobotId> {
+    pub(super) fn drives_up(&self, place: &Whereabouts, near: &[NearRobot]) -> Option<crate::id::RobotId> {
         let comes = |n: &&NearRobot| {
             let loaded = self.ledger.rack_on(n.robot).is_some();
             let within =
@@ -105,7 +105,7 @@ impl Fleet {
         along.dot(&(place.at - seen.pose.at)) > 0.0
     }
 
-    fn near(&self, place: &Whereabouts) -> Vec<NearRobot> {
+    pub(super) fn near(&self, place: &Whereabouts) -> Vec<NearRobot> {
         let mut near: Vec<NearRobot> = (self.ledger.robots.ids())
             .filter_map(|robot| {
                 let seen = self.scene.robot(robot)?;

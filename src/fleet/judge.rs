@@ -21,11 +21,7 @@ const MARGIN_M: f64 = 3.0;
 impl Fleet {
     /// Takes a sighting in.
     pub(super) fn sight(&mut self, s: &Sighting, now: Time) {
-        let (low, high) = self.warehouse().bounds();
-        let is_on_map = |p: Point| {
-            let x = (low.x - MARGIN_M..=high.x + MARGIN_M).contains(&p.x);
-            x && (low.y - MARGIN_M..=high.y + MARGIN_M).contains(&p.y)
-        };
+        let is_on_map = self.is_on_map();
         let person = self.crowd.person(s.worker);
         let taken = person.track.see(s, now, is_on_map);
         match taken {
@@ -34,6 +30,15 @@ impl Fleet {
             Taken::Relocated => (person.fresh, person.relocated) = (true, true),
         }
         self.follow_motion(s, taken);
+    }
+
+    /// Tells whether anybody can be at a place at all.
+    pub(super) fn is_on_map(&self) -> impl Fn(Point) -> bool + use<> {
+        let (low, high) = self.warehouse().bounds();
+        move |p| {
+            let x = (low.x - MARGIN_M..=high.x + MARGIN_M).contains(&p.x);
+            x && (low.y - MARGIN_M..=high.y + MARGIN_M).contains(&p.y)
+        }
     }
 
     pub(super) fn judge(&mut self, now: Time) {

@@ -53,7 +53,7 @@ impl Fleet {
         }
     }
 
-    fn limit_for(
+    pub(super) fn limit_for(
         &self,
         robot: RobotId,
         present: &[(WorkerId, Whereabouts)],

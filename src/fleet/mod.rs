@@ -33,6 +33,7 @@ mod settle;
 mod staff;
 mod storage;
 mod strips;
+mod urgent;
 pub mod view;
 mod why;
 mod yielding;

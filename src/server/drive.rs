@@ -1,6 +1,7 @@
 //! The loop: one thread owns the fleet and the floor, and turns twenty times a second.
 //!
-//! Main type: [`Drive`]. Missed ticks are skipped, not caught up. Stops, and what workers are told, leave in
+//! Main type: [`Drive`]. Missed ticks are skipped, not caught up. A pose that calls for a stop does not wait for the
+//! next tick: the loop turns at once, unless it is at work for a third of the time already. Stops, and what workers are told, leave in
 //! the turn that decided them. Orders and answers leave when the journal has the facts behind them; where it
 //! has none of them for so long that no more may wait, every robot is told to stand and the floor goes on.
 //! Refuses: locks, waiting for the database, and decisions of its own.
@@ -13,7 +14,7 @@ use super::journal::Journal;
 use super::measure::Measure;
 use super::outbox::Outbox;
 use super::reels::Tap;
-use crate::api::feed::hub::Feeds;
+use crate::api::feed::hub::{Feeds, Heard};
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment, QUESTIONS_AT_ONCE, Question};
 use crate::fleet::{Command, Fleet, Guidance, Input};
@@ -23,11 +24,14 @@ use crate::time::{Span, Time};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{mpsc, watch};
-use tokio::time::{MissedTickBehavior, interval};
+use tokio::time::{MissedTickBehavior, interval, sleep};
 
 /// How often the picture is published; a little less than a tenth of a second, so that a tick does not just
 /// miss it.
 const PUBLISH: Span = Span::from_millis(95);
+
+/// After a turn the loop rests for so many times as long as that took, whatever pose calls.
+const REST: i64 = 2;
 
 /// The alarm that stands while all robots have to.
 const ALARM: &str = "halt";
@@ -68,6 +72,10 @@ pub struct Drive {
     pub halted: bool,
     /// Gets the picture.
     pub moments: watch::Sender<Arc<Moment>>,
+    /// When the pose came for which somebody has to stop, where one waits for the next turn.
+    pub called: Option<Time>,
+    /// Until when the loop does not turn but by its tick.
+    pub rests: Time,
 }
 
 impl Drive {
@@ -77,8 +85,11 @@ impl Drive {
         tick.set_missed_tick_behavior(MissedTickBehavior::Skip);
         let mut published = self.clock.started();
         while !*stop.borrow_and_update() {
+            let rest = (self.rests - self.clock.now()).max(Span::ZERO);
             tokio::select! {
                 _ = tick.tick() => self.turn(&mut published),
+                () = sleep(Duration::from_micros(rest.0.unsigned_abs())), if self.called.is_some() => self.turn(&mut published),
+                heard = self.inbox.hear() => self.listen(&heard, &mut published),
                 () = self.journal.confirmed() => {}
                 _ = stop.changed() => {}
             }
@@ -87,13 +98,25 @@ impl Drive {
         self.turn(&mut published);
     }
 
+    /// Turns at once where a pose calls for a stop and the loop has rested.
+    fn listen(&mut self, heard: &Heard, published: &mut Time) {
+        let now = self.clock.now();
+        if self.called.is_none() && self.fleet.calls_for_stop(&heard.sighting, now) {
+            self.called = Some(heard.received);
+            if now >= self.rests {
+                self.turn(published);
+            }
+        }
+    }
+
     /// One step: absorb, decide, record; publish where it is time.
     fn turn(&mut self, published: &mut Time) {
         let now = self.clock.now();
+        let called = self.called.take();
         self.metrics.poses_thinned.inc_by(self.feeds.pass(now));
         let mut inputs = self.inbox.drain(self.journal.is_failing());
         inputs.extend(self.world.advance(now, &self.fleet));
-        let heard = self.inbox.look(&mut inputs);
+        self.inbox.look(&mut inputs);
         if self.journal.is_full() {
             self.halt(now, &inputs);
             self.inbox.keep(inputs);
@@ -102,7 +125,7 @@ impl Drive {
             let began = self.clock.now();
             let step = self.fleet.step(now, inputs);
             self.note(self.clock.now() - began, step.facts.len());
-            self.hurry(now, heard, step.urgent, step.guidance);
+            self.hurry(now, called, step.urgent, step.guidance);
             self.tap.note(&step.facts);
             let after = self.journal.record(now, step.facts);
             self.outbox.put(after, step.commands, step.replies);
@@ -115,6 +138,8 @@ impl Drive {
             let Ok(question) = self.questions.try_recv() else { break };
             question.answer(&self.fleet, now);
         }
+        let done = self.clock.now();
+        self.rests = done + Span((done - now).0 * REST);
     }
 
     /// Tells all robots to stand, until they say that they do. A decision changes what is promised and must be
@@ -150,7 +175,7 @@ impl Drive {
     fn hurry(
         &mut self,
         now: Time,
-        heard: Option<Time>,
+        called: Option<Time>,
         urgent: Vec<(RobotId, Command)>,
         guidance: Vec<(WorkerId, Guidance)>,
     ) {
@@ -160,8 +185,8 @@ impl Drive {
         }
         self.world.tell(self.clock.now(), guidance.clone());
         self.feeds.tell(now, guidance);
-        if let Some(heard) = heard.filter(|_| stops) {
-            let took = self.clock.now() - heard;
+        if let Some(called) = called.filter(|_| stops) {
+            let took = self.clock.now() - called;
             self.metrics.pose_to_robot_stop.observe(took.as_secs_f64());
         }
         self.feeds.know(&self.fleet.ledger().workers);
@@ -202,20 +227,22 @@ impl Drive {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::port::Figures;
-    use crate::fleet::Fact;
+    use crate::api::port::{Ask, Figures, What};
+    use crate::fleet::{Fact, JobKind, JobRequest, Reply};
+    use crate::geometry::Point;
+    use crate::human::{Quality, Sighting};
+    use crate::id::NodeId;
     use crate::server::historian::historian;
     use crate::server::{inbox, journal, outbox};
     use crate::sim::Scenario;
     use crate::store::Store;
     use crate::warehouse::lab;
+    use tokio::sync::oneshot;
 
     const SCENARIO: &str = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 2, "jobs": "none"}"#;
 
     /// A loop whose journal is written only when the test lets the writer run.
-    async fn drive(
-        folder: &std::path::Path,
-    ) -> (Drive, journal::Writer, mpsc::Sender<crate::api::port::Ask>) {
+    async fn drive(folder: &std::path::Path) -> (Drive, journal::Writer, mpsc::Sender<Ask>) {
         let (map, scenario) = (Arc::new(lab()), Scenario::parse(SCENARIO).unwrap());
         let store = Arc::new(Store::open(&folder.join("t.sqlite"), &map).await.unwrap());
         let (clock, alarms) = (Arc::new(Clock::start(None)), Arc::new(Alarms::default()));
@@ -247,6 +274,8 @@ mod tests {
             alarms,
             halted,
             moments,
+            called: None,
+            rests: Time::ZERO,
         };
         (drive, writer, desk)
     }
@@ -282,6 +311,66 @@ mod tests {
         }
         until(&mut drive, None).await;
         assert!(!drive.alarms.list().iter().any(|a| a.id == ALARM));
+        writer.abort();
+        let _ = std::fs::remove_dir_all(&folder);
+    }
+
+    fn ask(desk: &mpsc::Sender<Ask>, what: What) -> oneshot::Receiver<Reply> {
+        let (reply, answer) = oneshot::channel();
+        desk.try_send(Ask { what, reply }).unwrap();
+        answer
+    }
+
+    #[tokio::test]
+    async fn a_pose_that_calls_for_a_stop_does_not_wait_for_the_next_tick() {
+        let folder = std::env::temp_dir().join(format!("giveway-called-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (mut drive, writer, desk) = drive(&folder).await;
+        let writer = tokio::spawn(writer.run());
+        let mut published = drive.clock.now();
+        until(&mut drive, None).await;
+        let robot = RobotId(0);
+        let from = drive.world.truth().next().unwrap().1.pose.at;
+        let away = |n: &NodeId| (drive.fleet.warehouse().nodes[*n].at - from).norm();
+        let node = drive.fleet.warehouse().nodes.ids().max_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
+        let kind = JobKind::Go { robot, node };
+        let request = JobRequest { kind, priority: 5, deadline: None, after: vec![], key: None };
+        let _answers = [ask(&desk, What::Submit(request)), ask(&desk, What::Hire("anna".into()))];
+        let seen = loop {
+            drive.turn(&mut published);
+            drive.release();
+            tokio::time::sleep(Duration::from_millis(10)).await;
+            let seen = drive.world.truth().next().unwrap().1;
+            if seen.speed_mps > 0.8 {
+                break seen;
+            }
+        };
+        let ahead = crate::geometry::Vector::new(seen.pose.heading.cos(), seen.pose.heading.sin());
+        let now = drive.clock.now();
+        let sighting = |seq: u64, at: Point| Sighting {
+            worker: WorkerId(0),
+            seen: now + Span::from_millis(10 * seq as i64),
+            epoch: seq as u32,
+            seq,
+            at,
+            heading: None,
+            accuracy_m: 0.05,
+            quality: Quality::Tracked,
+        };
+        let far = Heard { received: Time(1), sighting: sighting(1, from - ahead * 2.0) };
+        let near = Heard { received: Time(2), sighting: sighting(2, seen.pose.at + ahead) };
+        let stops =
+            |d: &Drive| d.metrics.text(&Moment::default()).contains("pose_to_robot_stop_seconds_count 1");
+        let (feed, heard) = mpsc::channel(8);
+        drive.inbox = inbox::Inbox::new(mpsc::channel(1).1, heard);
+        for (pose, stops_now) in [(far, false), (near, true)] {
+            feed.try_send(pose).unwrap();
+            let heard = drive.inbox.hear().await;
+            drive.rests = Time::ZERO;
+            drive.listen(&heard, &mut published);
+            assert_eq!(stops(&drive), stops_now, "{heard:?}");
+        }
+        assert!(drive.called.is_none() && drive.rests > drive.clock.started());
         writer.abort();
         let _ = std::fs::remove_dir_all(&folder);
     }

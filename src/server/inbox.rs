@@ -6,7 +6,7 @@
 use crate::api::feed::hub::Heard;
 use crate::api::port::{Ask, What};
 use crate::fleet::{Input, Reply};
-use crate::time::Time;
+use crate::human::Sighting;
 use std::collections::BTreeMap;
 use tokio::sync::{mpsc, oneshot};
 
@@ -26,13 +26,15 @@ pub struct Inbox {
     heard: mpsc::Receiver<Heard>,
     waiting: BTreeMap<u64, oneshot::Sender<Reply>>,
     kept: Vec<Input>,
+    /// Sightings that were taken out of the channel to look at them.
+    early: Vec<Sighting>,
     next: u64,
 }
 
 impl Inbox {
     /// An inbox that is filled from a desk and from feeds.
     pub fn new(desk: mpsc::Receiver<Ask>, heard: mpsc::Receiver<Heard>) -> Inbox {
-        Inbox { desk, heard, waiting: BTreeMap::new(), kept: Vec::new(), next: OURS }
+        Inbox { desk, heard, waiting: BTreeMap::new(), kept: Vec::new(), early: Vec::new(), next: OURS }
     }
 
     /// Everything that waits. While `refusing`, those who ask now are told so instead.
@@ -64,15 +66,19 @@ impl Inbox {
         inputs
     }
 
-    /// Takes all sightings that wait, whatever the journal does: stopping waits for nothing. When the first of them
-    /// was received.
-    pub fn look(&mut self, inputs: &mut Vec<Input>) -> Option<Time> {
-        let mut first = None;
+    /// The next sighting, as soon as it is there. It waits for the next step, too.
+    pub async fn hear(&mut self) -> Heard {
+        let Some(heard) = self.heard.recv().await else { return std::future::pending().await };
+        self.early.push(heard.sighting);
+        heard
+    }
+
+    /// Takes all sightings that wait, whatever the journal does: stopping waits for nothing.
+    pub fn look(&mut self, inputs: &mut Vec<Input>) {
+        inputs.extend(self.early.drain(..).map(Input::Sighted));
         while let Ok(heard) = self.heard.try_recv() {
-            first = Some(first.map_or(heard.received, |t: Time| t.min(heard.received)));
             inputs.push(Input::Sighted(heard.sighting));
         }
-        first
     }
 
     /// Keeps inputs for a later step. Observations are not kept: they will be seen again.

@@ -14,6 +14,7 @@ pub(super) struct Puppet {
     pub way: Vec<Point>,
     /// Whether the way is the puppet's own, not the one that it is shown.
     pub own: bool,
+    epoch: u32,
     seq: u64,
     pub waited_s: f64,
 }
@@ -24,13 +25,19 @@ impl Puppet {
         Input::Sighted(Sighting {
             worker: self.worker,
             seen: now,
-            epoch: 0,
+            epoch: self.epoch,
             seq: self.seq,
             at: self.at,
             heading: None,
             accuracy_m: 0.02,
             quality: Quality::Tracked,
         })
+    }
+
+    /// Seen where she did not walk to: the source's frame changed.
+    fn appear(&mut self, now: Time) -> Input {
+        self.epoch += 1;
+        self.sighting(now)
     }
 
     fn walk(&mut self, floor: &Floor) {
@@ -62,7 +69,7 @@ impl Floor {
     pub(super) fn hire(&mut self, at: Point) -> Puppet {
         let reply = self.step(vec![Input::Hire { token: 1, name: "Ana".into() }]).replies.remove(0);
         let Reply::Hired { worker, .. } = reply else { panic!("not hired: {reply:?}") };
-        Puppet { worker, at, way: vec![], own: false, seq: 0, waited_s: 0.0 }
+        Puppet { worker, at, way: vec![], own: false, epoch: 0, seq: 0, waited_s: 0.0 }
     }
 
     pub(super) fn assign(&mut self, puppet: &Puppet, place: NodeId, stay_s: i64) -> crate::id::AssignmentId {
@@ -165,6 +172,34 @@ fn whoever_leaves_the_path_is_found_out_within_a_second_and_shown_a_new_one() {
         floor.walk(&mut ana);
     }
     assert_eq!(floor.fleet.ledger().counts.human_deliveries, 1, "the new path leads there, too");
+}
+
+#[test]
+fn a_pose_calls_for_a_stop_while_nobody_was_told_and_only_if_it_can_be_true() {
+    let mut floor = Floor::thesis(6);
+    floor.submit_batch(20);
+    floor.run(40);
+    let calls = |floor: &Floor, input: &Input| {
+        let Input::Sighted(s) = input else { panic!("{input:?}") };
+        floor.fleet.calls_for_stop(s, floor.now)
+    };
+    let mut ana = floor.hire(floor.fleet.warehouse().bounds().0);
+    let first = ana.sighting(floor.now);
+    assert!(calls(&floor, &first), "nobody has seen her before");
+    floor.step(vec![first]);
+    assert!(!calls(&floor, &ana.sighting(floor.now)), "no robot is near");
+    ana.at = Point::new(1e6, 0.0);
+    assert!(!calls(&floor, &ana.sighting(floor.now)), "nobody can be there");
+    ana.worker = WorkerId(9);
+    assert!(!calls(&floor, &ana.sighting(floor.now)), "nobody hired her");
+    let (_, t) = floor.world.truth().find(|(_, t)| t.speed_mps > 1.0).expect("somebody drives");
+    let ahead = crate::geometry::Vector::new(t.pose.heading.cos(), t.pose.heading.sin());
+    (ana.worker, ana.at) = (WorkerId(0), t.pose.at + ahead * 1.4);
+    let near = ana.appear(floor.now);
+    assert!(calls(&floor, &near), "she is in front of a robot");
+    let step = floor.step(vec![near]);
+    assert!(step.urgent.iter().any(|(_, c)| *c == Command::Limit(Some(0.0))));
+    assert!(!calls(&floor, &ana.sighting(floor.now)), "all were told");
 }
 
 #[test]
