@@ -8,10 +8,11 @@ use giveway::server::{Floor, Server};
 use giveway::sim::Scenario;
 use giveway::time::Span;
 use giveway::warehouse::formats;
+use serde_json::json;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval};
 
@@ -25,44 +26,101 @@ fn seconds() -> u64 {
     std::env::var("GIVEWAY_LOAD_SECONDS").ok().and_then(|s| s.parse().ok()).unwrap_or(60)
 }
 
-/// What one headset saw: milliseconds from a pose that was sent to guidance that was decided with it.
+/// How long somebody walks before the next appearance in front of a robot, and stands there then.
+const WALKS: Duration = Duration::from_millis(3000);
+const STANDS: Duration = Duration::from_millis(1000);
+/// How far in front of the robot, metres: within region 1 of whoever drives faster than half of what it can.
+const IN_FRONT_M: f64 = 1.0;
+const FAST_MPS: f64 = 0.7;
+
+/// What one headset saw, in milliseconds.
 #[derive(Default)]
 struct Seen {
-    /// By the state that began: stop, redirected, …
-    turns: BTreeMap<String, Vec<f64>>,
-    /// Of every guidance: how old the pose was.
+    /// Of every guidance: how old the newest pose was that it took into account.
     ages: Vec<f64>,
+    /// From the first pose in front of a robot, sent, to "stop", received.
+    stops: Vec<f64>,
+    /// Appearances after which nobody said so: the robot had turned or was told to stand before.
+    without: u64,
     sent: u64,
 }
 
-/// Walks to and fro across the hall at walking speed and notes what it is told.
-async fn walk(at: SocketAddr, worker: String, from: [f64; 2], to: [f64; 2]) -> Seen {
+/// Robots as the live feed shows them: x, y, heading and speed by name.
+type Robots = Arc<Mutex<BTreeMap<String, BTreeMap<&'static str, f64>>>>;
+
+async fn watch_robots(at: SocketAddr, robots: Robots) {
+    let (mut socket, _) =
+        tokio_tungstenite::connect_async(format!("ws://{at}/v1/live")).await.expect("opens");
+    while let Some(Ok(message)) = socket.next().await {
+        let Ok(text) = message.to_text() else { continue };
+        let Ok(said) = serde_json::from_str::<serde_json::Value>(text) else { continue };
+        let mut robots = robots.lock().expect("nobody panics");
+        for robot in said["robots"].as_array().into_iter().flatten() {
+            let known = robots.entry(robot["id"].as_str().expect("a name").to_owned()).or_default();
+            for key in ["x", "y", "heading", "speed"] {
+                if let Some(value) = robot[key].as_f64() {
+                    known.insert(key, value);
+                }
+            }
+        }
+    }
+}
+
+/// A place in front of a robot that drives, another one each time.
+fn in_front(robots: &Robots, turn: usize) -> Option<[f64; 2]> {
+    let robots = robots.lock().expect("nobody panics");
+    let driving: Vec<_> = robots.values().filter(|r| r.get("speed").is_some_and(|v| *v > FAST_MPS)).collect();
+    let r = driving.get(turn.wrapping_mul(7919) % driving.len().max(1))?;
+    Some([r["x"] + IN_FRONT_M * r["heading"].cos(), r["y"] + IN_FRONT_M * r["heading"].sin()])
+}
+
+/// Walks to and fro across the hall at walking speed and appears in front of a robot now and then, as somebody does
+/// whose headset finds itself again.
+async fn walk(at: SocketAddr, (i, worker): (usize, String), way: [[f64; 2]; 2], robots: Robots) -> Seen {
     let mut headset = Headset::connect(at, &worker, "map").await;
     let mut tick = interval(Duration::from_micros(1_000_000 / 60));
     tick.set_missed_tick_behavior(MissedTickBehavior::Skip);
-    let (began, mut seen, mut state) = (Instant::now(), Seen::default(), String::new());
-    let mut sent: Vec<Instant> = vec![began];
+    let (began, mut seen) = (Instant::now(), Seen::default());
+    let mut sent: BTreeMap<(u64, u64), Instant> = BTreeMap::new();
+    let [from, to] = way;
     let length = (to[0] - from[0]).hypot(to[1] - from[1]).max(1.0);
+    // Not all at once.
+    let (mut turn, mut next) = (i, began + Duration::from_secs(5) + WALKS * i as u32 / WORKERS as u32);
+    // Where somebody stands, since when, and whether "stop" has come.
+    let mut stands: Option<([f64; 2], Instant, bool)> = None;
+    // Who was told already is not told anew.
+    let mut free = false;
     while began.elapsed() < Duration::from_secs(seconds() + 5) {
         tokio::select! {
             _ = tick.tick() => {
+                let place = in_front(&robots, turn).filter(|_| stands.is_none() && free && Instant::now() >= next);
+                let over = stands.is_some_and(|(_, since, _)| since.elapsed() > STANDS);
+                if place.is_some() || over {
+                    headset.say(json!({"type": "reset"})).await;
+                    headset.epoch = headset.next("epoch").await["epoch"].as_u64().unwrap();
+                    seen.without += u64::from(over && stands.is_some_and(|(_, _, told)| !told));
+                    (turn, next) = (turn + WORKERS, Instant::now() + WALKS);
+                    stands = place.map(|at| (at, Instant::now(), false));
+                }
                 let way = began.elapsed().as_secs_f64() * 1.2 / length;
                 let u = 1.0 - (way % 2.0 - 1.0).abs();
-                sent.push(Instant::now());
-                headset.stand(from[0] + u * (to[0] - from[0]), from[1] + u * (to[1] - from[1])).await;
+                let walks = [from[0] + u * (to[0] - from[0]), from[1] + u * (to[1] - from[1])];
+                let [x, y] = stands.map_or(walks, |(at, ..)| at);
+                headset.stand(x, y).await;
+                sent.insert((headset.epoch, headset.seq), Instant::now());
             }
             message = headset.any() => {
                 let message = message.expect("the feed stays open");
-                if message["type"] != "guidance" || began.elapsed() < Duration::from_secs(5) {
-                    continue;
+                let pose = [&message["pose"]["epoch"], &message["pose"]["seq"]].map(serde_json::Value::as_u64);
+                let [Some(epoch), Some(seq)] = pose else { continue };
+                if let Some(sent) = sent.get(&(epoch, seq)).filter(|_| began.elapsed().as_secs() >= 5) {
+                    seen.ages.push(sent.elapsed().as_secs_f64() * 1000.0);
                 }
-                let Some(seq) = message["pose"]["seq"].as_u64() else { continue };
-                let age = sent[seq as usize].elapsed().as_secs_f64() * 1000.0;
-                seen.ages.push(age);
-                let now = message["state"].as_str().unwrap();
-                if state != now {
-                    seen.turns.entry(now.into()).or_default().push(age);
-                    state = now.into();
+                free = message["state"] != "stop";
+                if let Some((_, since, told)) = &mut stands
+                    && (!free && !*told && epoch == headset.epoch)
+                {
+                    (*told, _) = (true, seen.stops.push(since.elapsed().as_secs_f64() * 1000.0));
                 }
             }
         }
@@ -76,7 +134,7 @@ fn told(what: &str, mut ms: Vec<f64>) {
     let at = |q: f64| ms.get(((ms.len() as f64 * q) as usize).min(ms.len().saturating_sub(1))).copied();
     let text = |q| at(q).map_or("-".into(), |x| format!("{x:.1}"));
     let (n, p50, p99) = (ms.len(), text(0.5), text(0.99));
-    println!("{what:<24} n={n:<6} p50={p50:<7} p99={p99:<7} max={:<7} ms", text(1.0));
+    println!("{what:<46} n={n:<6} p50={p50:<7} p99={p99:<7} max={:<7} ms", text(1.0));
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -94,7 +152,8 @@ async fn twenty_headsets_at_60_hz_beside_200_robots() {
     let floor = Floor { scenario, map: Arc::new(map), lines: Vec::new() };
     let server = Server::start(&config(&folder), floor).await.unwrap();
     let at = server.address();
-    let mut walks = Vec::new();
+    let (mut walks, robots) = (Vec::new(), Robots::default());
+    let eyes = tokio::spawn(watch_robots(at, robots.clone()));
     for i in 0..WORKERS {
         let worker = hire(at, &format!("worker-{i}")).await;
         // Across the hall in turn along x and along y, so that every path meets robots.
@@ -103,25 +162,24 @@ async fn twenty_headsets_at_60_hz_beside_200_robots() {
             0 => [low.x + v * (high.x - low.x), low.y + u * (high.y - low.y)],
             _ => [low.x + u * (high.x - low.x), low.y + v * (high.y - low.y)],
         };
-        walks.push(tokio::spawn(walk(at, worker, point(0.1), point(0.9))));
+        walks.push(tokio::spawn(walk(at, (i, worker), [point(0.1), point(0.9)], robots.clone())));
     }
     let mut all = Seen::default();
     for walk in walks {
         let seen = walk.await.unwrap();
         all.ages.extend(seen.ages);
-        all.sent += seen.sent;
-        seen.turns.into_iter().for_each(|(state, ms)| all.turns.entry(state).or_default().extend(ms));
+        all.stops.extend(seen.stops);
+        (all.sent, all.without) = (all.sent + seen.sent, all.without + seen.without);
     }
+    eyes.abort();
     let rate = all.sent as f64 / WORKERS as f64 / (seconds() + 5) as f64;
     println!(
         "{WORKERS} headsets, {ROBOTS} robots, turns of {PERIOD_MS} ms, {rate:.1} poses a second each, for {} s",
         seconds()
     );
-    println!("from the newest pose that was taken into account to guidance received:");
-    told("every guidance", all.ages);
-    for (state, ms) in all.turns {
-        told(&format!("the first of \"{state}\""), ms);
-    }
+    told("every guidance: age of the newest pose in it", all.ages);
+    told("first pose before a robot to \"stop\"", all.stops);
+    println!("{} appearances before robots that were about to turn or stand: no stop", all.without);
     let metrics = get(at, "/metrics").await.text;
     let figure = |l: &&str| l.starts_with("giveway_pose") || l.starts_with("giveway_step_seconds");
     metrics
