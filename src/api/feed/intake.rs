@@ -40,6 +40,8 @@ pub struct Intake {
     alignment: Option<Alignment>,
     epoch: u32,
     last_seq: Option<u64>,
+    /// The latest moment on the device's clock, milliseconds, and when that was.
+    latest: Option<(f64, Time)>,
     /// Where the device was last, and where the head faced, in the device's frame.
     stood: Option<Vector>,
     faced: Option<f64>,
@@ -145,6 +147,7 @@ impl Intake {
             alignment: (frame == Frame::Map).then(Alignment::identity),
             epoch: 1,
             last_seq: None,
+            latest: None,
             stood: None,
             faced: None,
             strode: None,
@@ -215,6 +218,7 @@ impl Intake {
         let late_m = WALKING_MPS * error.as_secs_f64();
         let accuracy_m = (accuracy_m.powi(2) + sigma_m.powi(2) + late_m.powi(2)).sqrt();
         let senses = senses(alignment, said);
+        let seen = self.in_order(said.t, seen);
         let fault = self.count(said.seq);
         if fault.is_none() && said.quality == QualitySaid::Tracked {
             self.stride(device);
@@ -224,6 +228,19 @@ impl Intake {
         let (worker, epoch, seq) = (self.worker, self.epoch, said.seq);
         let sighting = Sighting { worker, seen, epoch, seq, at, heading, accuracy_m, quality };
         Ok(Taken { sighting, senses, fault })
+    }
+
+    /// What is later by the device's clock stays later, also where its offset is corrected in between: else the
+    /// first poses after a correction would count as late.
+    fn in_order(&mut self, device_ms: f64, seen: Time) -> Time {
+        let seen = match self.latest {
+            Some((before, at)) if device_ms > before => seen.max(at + Span(1)),
+            _ => seen,
+        };
+        if self.latest.is_none_or(|(_, at)| seen > at) {
+            self.latest = Some((device_ms, seen));
+        }
+        seen
     }
 
     /// Where a pose is in the device's floor plan, and where the head faces.
@@ -359,6 +376,25 @@ mod tests {
             hands: None,
             battery: None,
         }
+    }
+
+    #[test]
+    fn poses_stay_in_order_where_the_clock_is_corrected_in_between() {
+        let mut intake = intake(Frame::Map);
+        let at = |seq: u64, t: f64| PoseSaid { t, ..pose(seq) };
+        let first = intake.take(&at(1, 1000.0), NOW).unwrap().sighting.seen;
+        // The answer was held up on its way there, not on its way back: the offset was too large by 15 ms.
+        intake.reset();
+        let asked = NOW + Span::from_millis(5);
+        intake.clock.take(Exchange { asked, got_ms: 1020.0, answered_ms: 1020.0, heard: asked });
+        let epoch = |p: PoseSaid| PoseSaid { epoch: 2, ..p };
+        let second = intake.take(&epoch(at(2, 1003.0)), asked).unwrap().sighting.seen;
+        let third = intake.take(&epoch(at(3, 1016.0)), asked).unwrap().sighting.seen;
+        assert!(first < second && second < third, "{first:?} {second:?} {third:?}");
+        let fourth = intake.take(&epoch(at(4, 1050.0)), asked + Span::from_millis(30)).unwrap().sighting.seen;
+        assert_eq!(fourth - asked, Span::from_millis(30), "soon it is the corrected clock that counts");
+        let old = intake.take(&epoch(at(5, 1001.0)), asked).unwrap().sighting.seen;
+        assert!(old < second, "what was seen before stays before");
     }
 
     #[test]
