@@ -117,15 +117,15 @@ impl Drive {
         let mut inputs = self.inbox.drain(self.journal.is_failing());
         inputs.extend(self.world.advance(now, &self.fleet));
         self.inbox.look(&mut inputs);
+        let looked = self.clock.now();
         if self.journal.is_full() {
             self.halt(now, &inputs);
             self.inbox.keep(inputs);
         } else {
             self.resume();
-            let began = self.clock.now();
             let step = self.fleet.step(now, inputs);
-            self.note(self.clock.now() - began, step.facts.len());
-            self.hurry(now, called, step.urgent, step.guidance);
+            self.note(self.clock.now() - looked, step.facts.len());
+            self.hurry((looked, called), step.urgent, step.guidance);
             self.tap.note(&step.facts);
             let after = self.journal.record(now, step.facts);
             self.outbox.put(after, step.commands, step.replies);
@@ -171,11 +171,11 @@ impl Drive {
         }
     }
 
-    /// Lets stops, and what workers are told, go at once.
+    /// Lets stops, and what workers are told, go at once: what was decided with the poses that were there `looked`, of
+    /// which one `called`.
     fn hurry(
         &mut self,
-        now: Time,
-        called: Option<Time>,
+        (looked, called): (Time, Option<Time>),
         urgent: Vec<(RobotId, Command)>,
         guidance: Vec<(WorkerId, Guidance)>,
     ) {
@@ -184,7 +184,7 @@ impl Drive {
             self.world.command(self.clock.now(), urgent);
         }
         self.world.tell(self.clock.now(), guidance.clone());
-        self.feeds.tell(now, guidance);
+        self.feeds.tell(looked, guidance);
         if let Some(called) = called.filter(|_| stops) {
             let took = self.clock.now() - called;
             self.metrics.pose_to_robot_stop.observe(took.as_secs_f64());

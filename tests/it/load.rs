@@ -74,6 +74,20 @@ fn in_front(robots: &Robots, turn: usize) -> Option<[f64; 2]> {
     Some([r["x"] + IN_FRONT_M * r["heading"].cos(), r["y"] + IN_FRONT_M * r["heading"].sin()])
 }
 
+/// The headset finds itself again. Whether nobody said "stop" meanwhile.
+async fn begin_epoch(headset: &mut Headset) -> bool {
+    let mut free = true;
+    headset.say(json!({"type": "reset"})).await;
+    loop {
+        let message = headset.any().await.expect("the feed stays open");
+        free &= message["state"] != "stop";
+        if message["type"] == "epoch" {
+            headset.epoch = message["epoch"].as_u64().unwrap();
+            return free;
+        }
+    }
+}
+
 /// Walks to and fro across the hall at walking speed and appears in front of a robot now and then, as somebody does
 /// whose headset finds itself again.
 async fn walk(at: SocketAddr, (i, worker): (usize, String), way: [[f64; 2]; 2], robots: Robots) -> Seen {
@@ -96,11 +110,10 @@ async fn walk(at: SocketAddr, (i, worker): (usize, String), way: [[f64; 2]; 2], 
                 let place = in_front(&robots, turn).filter(|_| stands.is_none() && free && Instant::now() >= next);
                 let over = stands.is_some_and(|(_, since, _)| since.elapsed() > STANDS);
                 if place.is_some() || over {
-                    headset.say(json!({"type": "reset"})).await;
-                    headset.epoch = headset.next("epoch").await["epoch"].as_u64().unwrap();
+                    free &= begin_epoch(&mut headset).await;
                     seen.without += u64::from(over && stands.is_some_and(|(_, _, told)| !told));
                     (turn, next) = (turn + WORKERS, Instant::now() + WALKS);
-                    stands = place.map(|at| (at, Instant::now(), false));
+                    stands = place.filter(|_| free).map(|at| (at, Instant::now(), false));
                 }
                 let way = began.elapsed().as_secs_f64() * 1.2 / length;
                 let u = 1.0 - (way % 2.0 - 1.0).abs();

@@ -33,7 +33,7 @@ pub struct Heard {
 /// What a worker is to be told.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Told {
-    /// The step that decided it.
+    /// When the poses were taken that it was decided with.
     pub at: Time,
     /// Nothing where the fleet has nothing to say.
     pub guidance: Option<Guidance>,
@@ -229,7 +229,7 @@ impl Feeds {
         self.slots().iter().map(|s| s.carried.clone()).collect()
     }
 
-    /// What a step decided, at once.
+    /// What a step decided with the poses that were there `at`, at once.
     pub fn tell(&self, at: Time, guidance: Vec<(WorkerId, Guidance)>) {
         let slots = self.slots();
         for (worker, guidance) in guidance {
@@ -242,12 +242,14 @@ impl Feeds {
     pub fn refresh(&self, view: &View) {
         for (worker, slot) in self.slots().pairs() {
             let seen = view.workers.get(worker.ix());
-            let told = Told {
-                at: view.now,
-                guidance: seen.map(|w| w.guidance.clone()),
-                counts: seen.map(|w| w.feed).unwrap_or_default(),
-            };
-            slot.told.send_replace(told);
+            slot.told.send_modify(|told| {
+                *told = Told {
+                    // Poses may have come in while the step was under way.
+                    at: told.at.max(view.now),
+                    guidance: seen.map(|w| w.guidance.clone()),
+                    counts: seen.map(|w| w.feed).unwrap_or_default(),
+                };
+            });
         }
     }
 
