@@ -4,13 +4,19 @@
 //! Costs one look at each robot and one close look at those nearby.
 
 use super::Fleet;
+use super::io::Telemetry;
 use super::people::GuidanceState;
-use crate::human::{Sighting, Taken};
+use crate::geometry::Vector;
+use crate::human::{Sighting, Taken, Whereabouts};
 use crate::id::Dense;
-use crate::time::Time;
+use crate::time::{Span, Time};
 
 /// Whoever is slower than this need not be told to stop, metres per second.
 const STANDS_MPS: f64 = 0.05;
+/// Robots farther away stop for nobody, metres.
+const NEAR_M: f64 = 8.0;
+/// Robots that were not seen for longer are not guessed to have driven on.
+const OLD: Span = Span::from_millis(200);
 
 impl Fleet {
     /// Whether a step that took in this sighting now would, as things were seen last, stop a robot that drives, or tell
@@ -25,12 +31,25 @@ impl Fleet {
             return false;
         }
         let Some(place) = track.whereabouts(now) else { return false };
-        let stops = |robot| {
-            let drives = self.scene.robot(robot).is_some_and(|t| t.speed_mps > STANDS_MPS);
-            let told = self.crowd.limits.get(&robot).is_some_and(|(limit, _)| *limit == Some(0.0));
-            drives && !told && self.limit_for(robot, &[(s.worker, place)], now).0 == Some(0.0)
-        };
         let stands = person.told.as_ref().is_some_and(|(told, _)| told.state == GuidanceState::Stop);
-        self.ledger.robots.ids().any(stops) || !stands && self.drives_up(&place, &self.near(&place)).is_some()
+        self.ledger.robots.ids().any(|robot| {
+            let Some(seen) = self.scene.robot(robot).filter(|t| t.speed_mps > STANDS_MPS) else {
+                return false;
+            };
+            let place = seen_from(&place, seen, now);
+            if (place.at - seen.pose.at).norm() - place.reach_m > NEAR_M {
+                return false;
+            }
+            let told = self.crowd.limits.get(&robot).is_some_and(|(limit, _)| *limit == Some(0.0));
+            let stops = || self.limit_for(robot, &[(s.worker, place)], now).0 == Some(0.0);
+            !told && stops() || !stands && self.drives_up(&place, &self.near(&place)) == Some(robot)
+        })
     }
+}
+
+/// Where somebody is from a robot's point of view, which drove on since it was seen.
+fn seen_from(place: &Whereabouts, robot: &Telemetry, now: Time) -> Whereabouts {
+    let age = (now - robot.seen).clamp(Span::ZERO, OLD);
+    let ahead = Vector::new(robot.pose.heading.cos(), robot.pose.heading.sin());
+    Whereabouts { at: place.at - ahead * (robot.speed_mps * age.as_secs_f64()), ..*place }
 }

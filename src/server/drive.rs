@@ -1,7 +1,7 @@
 //! The loop: one thread owns the fleet and the floor, and turns twenty times a second.
 //!
 //! Main type: [`Drive`]. Missed ticks are skipped, not caught up. A pose that calls for a stop does not wait for the
-//! next tick: the loop turns at once, unless it is at work for a third of the time already. Stops, and what workers are told, leave in
+//! next tick: the loop turns at once, and rests after that for as long as it took. Stops, and what workers are told, leave in
 //! the turn that decided them. Orders and answers leave when the journal has the facts behind them; where it
 //! has none of them for so long that no more may wait, every robot is told to stand and the floor goes on.
 //! Refuses: locks, waiting for the database, and decisions of its own.
@@ -29,9 +29,6 @@ use tokio::time::{MissedTickBehavior, interval, sleep};
 /// How often the picture is published; a little less than a tenth of a second, so that a tick does not just
 /// miss it.
 const PUBLISH: Span = Span::from_millis(95);
-
-/// After a turn the loop rests for so many times as long as that took, whatever pose calls.
-const REST: i64 = 2;
 
 /// The alarm that stands while all robots have to.
 const ALARM: &str = "halt";
@@ -74,7 +71,7 @@ pub struct Drive {
     pub moments: watch::Sender<Arc<Moment>>,
     /// When the pose came for which somebody has to stop, where one waits for the next turn.
     pub called: Option<Time>,
-    /// Until when the loop does not turn but by its tick.
+    /// Until when the loop turns by its tick only.
     pub rests: Time,
 }
 
@@ -88,7 +85,9 @@ impl Drive {
             let rest = (self.rests - self.clock.now()).max(Span::ZERO);
             tokio::select! {
                 _ = tick.tick() => self.turn(&mut published),
-                () = sleep(Duration::from_micros(rest.0.unsigned_abs())), if self.called.is_some() => self.turn(&mut published),
+                () = sleep(Duration::from_micros(rest.0.unsigned_abs())), if self.called.is_some() => {
+                    self.turn_early(&mut published);
+                }
                 heard = self.inbox.hear() => self.listen(&heard, &mut published),
                 () = self.journal.confirmed() => {}
                 _ = stop.changed() => {}
@@ -104,9 +103,17 @@ impl Drive {
         if self.called.is_none() && self.fleet.calls_for_stop(&heard.sighting, now) {
             self.called = Some(heard.received);
             if now >= self.rests {
-                self.turn(published);
+                self.turn_early(published);
             }
         }
+    }
+
+    /// Turns before its time, and rests then for as long as that took, whatever pose calls.
+    fn turn_early(&mut self, published: &mut Time) {
+        let began = self.clock.now();
+        self.turn(published);
+        let done = self.clock.now();
+        self.rests = done + (done - began);
     }
 
     /// One step: absorb, decide, record; publish where it is time.
@@ -138,8 +145,6 @@ impl Drive {
             let Ok(question) = self.questions.try_recv() else { break };
             question.answer(&self.fleet, now);
         }
-        let done = self.clock.now();
-        self.rests = done + Span((done - now).0 * REST);
     }
 
     /// Tells all robots to stand, until they say that they do. A decision changes what is promised and must be

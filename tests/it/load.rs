@@ -38,8 +38,11 @@ const FAST_MPS: f64 = 0.7;
 struct Seen {
     /// Of every guidance: how old the newest pose was that it took into account.
     ages: Vec<f64>,
-    /// From the first pose in front of a robot, sent, to "stop", received.
+    /// From the first pose in front of a robot, sent, to "stop" because of it, received.
     stops: Vec<f64>,
+    /// The same where "stop" came because of another robot, or where the live feed was late and this one was farther
+    /// away than it said: they may have driven up afterwards.
+    others: Vec<f64>,
     /// Appearances after which nobody said so: the robot had turned or was told to stand before.
     without: u64,
     sent: u64,
@@ -66,12 +69,16 @@ async fn watch_robots(at: SocketAddr, robots: Robots) {
     }
 }
 
-/// A place in front of a robot that drives, another one each time.
-fn in_front(robots: &Robots, turn: usize) -> Option<[f64; 2]> {
+/// A robot that drives, another one each time, and a place in front of it.
+fn in_front(robots: &Robots, turn: usize) -> Option<(String, [f64; 2])> {
     let robots = robots.lock().expect("nobody panics");
-    let driving: Vec<_> = robots.values().filter(|r| r.get("speed").is_some_and(|v| *v > FAST_MPS)).collect();
-    let r = driving.get(turn.wrapping_mul(7919) % driving.len().max(1))?;
-    Some([r["x"] + IN_FRONT_M * r["heading"].cos(), r["y"] + IN_FRONT_M * r["heading"].sin()])
+    let driving: Vec<_> =
+        robots.iter().filter(|(_, r)| r.get("speed").is_some_and(|v| *v > FAST_MPS)).collect();
+    let (name, r) = driving.get(turn.wrapping_mul(7919) % driving.len().max(1))?;
+    Some((
+        (*name).clone(),
+        [r["x"] + IN_FRONT_M * r["heading"].cos(), r["y"] + IN_FRONT_M * r["heading"].sin()],
+    ))
 }
 
 /// The headset finds itself again. Whether nobody said "stop" meanwhile.
@@ -100,25 +107,25 @@ async fn walk(at: SocketAddr, (i, worker): (usize, String), way: [[f64; 2]; 2], 
     let length = (to[0] - from[0]).hypot(to[1] - from[1]).max(1.0);
     // Not all at once.
     let (mut turn, mut next) = (i, began + Duration::from_secs(5) + WALKS * i as u32 / WORKERS as u32);
-    // Where somebody stands, since when, and whether "stop" has come.
-    let mut stands: Option<([f64; 2], Instant, bool)> = None;
+    // Before which robot somebody stands, where, since when, and whether "stop" has come.
+    let mut stands: Option<(String, [f64; 2], Instant, bool)> = None;
     // Who was told already is not told anew.
     let mut free = false;
     while began.elapsed() < Duration::from_secs(seconds() + 5) {
         tokio::select! {
             _ = tick.tick() => {
                 let place = in_front(&robots, turn).filter(|_| stands.is_none() && free && Instant::now() >= next);
-                let over = stands.is_some_and(|(_, since, _)| since.elapsed() > STANDS);
+                let over = stands.as_ref().is_some_and(|(_, _, since, _)| since.elapsed() > STANDS);
                 if place.is_some() || over {
                     free &= begin_epoch(&mut headset).await;
-                    seen.without += u64::from(over && stands.is_some_and(|(_, _, told)| !told));
+                    seen.without += u64::from(over && stands.as_ref().is_some_and(|(.., told)| !told));
                     (turn, next) = (turn + WORKERS, Instant::now() + WALKS);
-                    stands = place.filter(|_| free).map(|at| (at, Instant::now(), false));
+                    stands = place.filter(|_| free).map(|(robot, at)| (robot, at, Instant::now(), false));
                 }
                 let way = began.elapsed().as_secs_f64() * 1.2 / length;
                 let u = 1.0 - (way % 2.0 - 1.0).abs();
                 let walks = [from[0] + u * (to[0] - from[0]), from[1] + u * (to[1] - from[1])];
-                let [x, y] = stands.map_or(walks, |(at, ..)| at);
+                let [x, y] = stands.as_ref().map_or(walks, |(_, at, ..)| *at);
                 headset.stand(x, y).await;
                 sent.insert((headset.epoch, headset.seq), Instant::now());
             }
@@ -130,10 +137,17 @@ async fn walk(at: SocketAddr, (i, worker): (usize, String), way: [[f64; 2]; 2], 
                     seen.ages.push(sent.elapsed().as_secs_f64() * 1000.0);
                 }
                 free = message["state"] != "stop";
-                if let Some((_, since, told)) = &mut stands
+                if let Some((robot, _, since, told)) = &mut stands
                     && (!free && !*told && epoch == headset.epoch)
                 {
-                    (*told, _) = (true, seen.stops.push(since.elapsed().as_secs_f64() * 1000.0));
+                    let reason = message["reason"].as_str().unwrap_or_default();
+                    let near = message["near"].as_array().into_iter().flatten();
+                    let distance = near.filter(|n| n["id"] == robot.as_str()).find_map(|n| n["distance"].as_f64());
+                    let because = reason.split(' ').next() == Some(robot.as_str())
+                        && distance.is_some_and(|d| d < IN_FRONT_M + 0.3);
+                    let list = if because { &mut seen.stops } else { &mut seen.others };
+                    list.push(since.elapsed().as_secs_f64() * 1000.0);
+                    *told = true;
                 }
             }
         }
@@ -147,7 +161,7 @@ fn told(what: &str, mut ms: Vec<f64>) {
     let at = |q: f64| ms.get(((ms.len() as f64 * q) as usize).min(ms.len().saturating_sub(1))).copied();
     let text = |q| at(q).map_or("-".into(), |x| format!("{x:.1}"));
     let (n, p50, p99) = (ms.len(), text(0.5), text(0.99));
-    println!("{what:<46} n={n:<6} p50={p50:<7} p99={p99:<7} max={:<7} ms", text(1.0));
+    println!("{what:<48} n={n:<6} p50={p50:<7} p99={p99:<7} max={:<7} ms", text(1.0));
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -182,6 +196,7 @@ async fn twenty_headsets_at_60_hz_beside_200_robots() {
         let seen = walk.await.unwrap();
         all.ages.extend(seen.ages);
         all.stops.extend(seen.stops);
+        all.others.extend(seen.others);
         (all.sent, all.without) = (all.sent + seen.sent, all.without + seen.without);
     }
     eyes.abort();
@@ -192,6 +207,7 @@ async fn twenty_headsets_at_60_hz_beside_200_robots() {
     );
     told("every guidance: age of the newest pose in it", all.ages);
     told("first pose before a robot to \"stop\"", all.stops);
+    told("the same, robots that drove up later", all.others);
     println!("{} appearances before robots that were about to turn or stand: no stop", all.without);
     let metrics = get(at, "/metrics").await.text;
     let figure = |l: &&str| l.starts_with("giveway_pose") || l.starts_with("giveway_step_seconds");
