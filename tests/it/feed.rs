@@ -7,7 +7,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 use tokio::time::Instant;
 use tokio_tungstenite::tungstenite::{Error, Message};
-use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
+use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async_with_config};
 
 /// A headset as docs/headset.md describes it: its clock began a while ago.
 pub struct Headset {
@@ -19,7 +19,9 @@ pub struct Headset {
 
 impl Headset {
     pub async fn open(at: SocketAddr, worker: &str) -> Result<Headset, Error> {
-        let (socket, _) = connect_async(format!("ws://{at}/v1/workers/{worker}/feed")).await?;
+        let url = format!("ws://{at}/v1/workers/{worker}/feed");
+        // As browsers do: small messages leave at once.
+        let (socket, _) = connect_async_with_config(url, None, true).await?;
         Ok(Headset { socket, began: Instant::now() - Duration::from_secs(5), epoch: 1, seq: 0 })
     }
 
