@@ -279,6 +279,7 @@ pub fn guidance(told: Option<&Guidance>, beside: Beside<'_>) -> Value {
 fn reason(reason: GuidanceReason, names: Names<'_>) -> String {
     match reason {
         GuidanceReason::LeftPath => "you left the path".into(),
+        GuidanceReason::RobotComes(r) => format!("{} comes near: stand still", names.robot(r)),
         GuidanceReason::RobotInTheWay(r) => {
             format!("{} stands on the path and cannot leave", names.robot(r))
         }

@@ -68,7 +68,7 @@ impl Fleet {
             return (GuidanceState::Stop, Some(GuidanceReason::NotTracked));
         }
         if let Some(robot) = self.drives_up(place, near) {
-            return (GuidanceState::Stop, Some(GuidanceReason::RobotInTheWay(robot)));
+            return (GuidanceState::Stop, Some(GuidanceReason::RobotComes(robot)));
         }
         match person.mode {
             Mode::Idle => (GuidanceState::Idle, None),

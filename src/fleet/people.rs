@@ -169,6 +169,8 @@ impl GuidanceState {
 pub enum GuidanceReason {
     /// The worker left the path.
     LeftPath,
+    /// A robot comes nearer and is close already.
+    RobotComes(RobotId),
     /// A robot stands on the path and cannot leave.
     RobotInTheWay(RobotId),
     /// No way to the place is free.

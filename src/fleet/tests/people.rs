@@ -215,7 +215,8 @@ fn a_stop_leaves_in_the_step_in_which_the_pose_arrives() {
     let stop = step.urgent.iter().find(|(r, _)| *r == robot);
     assert_eq!(stop.map(|(_, c)| c.clone()), Some(Command::Limit(Some(0.0))));
     let told = &step.guidance.iter().find(|(w, _)| *w == ana.worker).unwrap().1;
-    assert_eq!(told.state, GuidanceState::Stop);
+    let because = Some(GuidanceReason::RobotComes(robot));
+    assert_eq!((told.state, told.reason), (GuidanceState::Stop, because));
     assert_eq!(told.near[0].robot, robot);
 }
 
