@@ -17,6 +17,9 @@ use crate::warehouse::walkway::Walkways;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// A worker this near to the end of the path is there, metres.
+const THERE_M: f64 = 0.6;
+
 /// How a worker's walk stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(super) enum Mode {
@@ -149,6 +152,13 @@ impl Crowd {
             let outline: Vec<Point> = area.outline.iter().map(|s| Point::from(*s)).collect();
             if area.nodes.is_empty() { nodes_in(warehouse, &outline) } else { area.nodes.clone() }
         })
+    }
+}
+
+impl Plan {
+    /// Whether somebody at this place is at the end of the path.
+    pub fn is_there(&self, at: Point) -> bool {
+        (at - self.follower.goal()).norm() <= THERE_M
     }
 }
 

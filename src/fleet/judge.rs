@@ -95,7 +95,10 @@ impl Fleet {
         let person = &mut self.crowd.people[worker];
         let Some(plan) = person.plan.as_mut() else { return };
         let conduct = plan.follower.observe(place.at, place.sigma_m);
+        // Nobody who works stands on a point, least of all beside a robot.
+        let works = stands && plan.assignment.is_some() && plan.is_there(place.at);
         match (conduct, person.mode) {
+            (Conduct::OnPath, _) if works => self.at_the_end(worker, place.at, now),
             (Conduct::Deviating, Mode::Deviating { .. }) => self.show_the_way_back(worker, place.at, now),
             // Told to stop off the path: the procedure tries again by itself.
             (Conduct::Deviating, Mode::Stopped { .. }) if self.settings.arm != Arm::Giveway => {}

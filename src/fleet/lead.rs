@@ -13,8 +13,6 @@ use crate::id::{RobotId, WorkerId};
 use crate::time::{Span, Time};
 use crate::warehouse::walkway::EdgeSet;
 
-/// A worker this near to the end of the path is there, metres.
-const THERE_M: f64 = 0.6;
 /// A worker off the path is shown a new one this often.
 pub(super) const REDIRECT: Span = Span::from_secs(1);
 /// A robot that stands on a worker's path for this long is walked round.
@@ -173,6 +171,10 @@ impl Fleet {
     /// A robot that stands where a worker would be within the next steps.
     fn robot_on_path(&self, worker: WorkerId, place: &Whereabouts) -> Option<RobotId> {
         let plan = self.crowd.people[worker].plan.as_ref()?;
+        // Who is there has no way ahead that a robot beside could block.
+        if plan.is_there(place.at) {
+            return None;
+        }
         let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
         let mut ahead = vec![place.at];
         ahead.extend(plan.follower.ahead().iter().take(3));
@@ -221,13 +223,13 @@ impl Fleet {
     pub(super) fn at_the_end(&mut self, worker: WorkerId, at: Point, now: Time) {
         let person = &mut self.crowd.people[worker];
         let plan = person.plan.as_ref().expect("only who has a path is at its end");
-        let (goal, stay) = (plan.follower.goal(), plan.stay);
+        let (is_there, stay) = (plan.is_there(at), plan.stay);
         let Some(id) = plan.assignment else {
             // A path that only led out of the way.
             person.mode = Mode::Following;
             return self.lead_on(worker, at, now);
         };
-        if (at - goal).norm() > THERE_M {
+        if !is_there {
             return;
         }
         person.mode = Mode::Following;

@@ -122,6 +122,42 @@ fn a_worker_who_follows_the_path_does_the_assignment_and_never_deviates() {
 }
 
 #[test]
+fn a_robot_beside_the_place_where_somebody_works_is_not_in_the_way() {
+    let mut floor = Floor::thesis(1);
+    let w = floor.fleet.warehouse().clone();
+    let place = w.nodes_where(|k| k == NodeKind::Storage)[20];
+    let request = JobRequest {
+        kind: JobKind::Go { robot: RobotId(0), node: place },
+        priority: 5,
+        deadline: None,
+        after: vec![],
+        key: None,
+    };
+    floor.step(vec![Input::Submit { token: 1, request }]);
+    let robot = |floor: &Floor| floor.world.truth().next().unwrap().1.pose.at;
+    while (robot(&floor) - w.nodes[place].at).norm() > 0.01 {
+        floor.step(vec![]);
+    }
+    floor.step(vec![Input::Halt { token: 2, robot: Some(RobotId(0)) }]);
+    // She cannot stand just where her path ends, which is too near to the robot.
+    let end = floor.fleet.crowd.walkways.on_floor(w.nodes[place].at).expect("people get there");
+    let mut ana = floor.hire(end + (end - w.nodes[place].at).normalize() * 0.3);
+    ana.own = true;
+    floor.assign(&ana, place, 10);
+    for _ in 0..200 {
+        floor.walk(&mut ana);
+    }
+    assert!((robot(&floor) - w.nodes[place].at).norm() < 0.1, "the robot had no reason to leave");
+    assert_eq!(
+        floor.fleet.ledger().counts.human_deliveries,
+        1,
+        "she is at {} of {}",
+        ana.at,
+        w.nodes[place].at
+    );
+}
+
+#[test]
 fn robots_deliver_and_a_worker_works_and_then_stands_about_on_the_same_floor() {
     let mut floor = Floor::thesis(8);
     floor.submit_batch(60);
