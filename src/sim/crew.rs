@@ -25,8 +25,10 @@ const WORKER_TOKEN: u64 = FIRST_TOKEN | 1 << 62;
 const AHEAD: u64 = 2;
 /// Workers come in one after another, so far apart.
 const APART: Span = Span::from_secs(3);
-/// A robot nearer to a door than this keeps a worker from coming in, metres.
+/// A robot nearer to a door than this keeps a worker from coming in, metres; one that drives, for as many seconds of its
+/// way more: nobody steps out in front of a robot that could not stop.
 const DOOR_M: f64 = 1.5;
+const DOOR_S: f64 = 2.5;
 /// Guidance that has not come through is sent again after this.
 const AGAIN: Span = Span::from_millis(300);
 
@@ -184,7 +186,8 @@ impl Crew {
             member.listen(now);
             if member.walker.is_none() {
                 let door = self.doors[i % self.doors.len()];
-                let free = robots.iter().all(|r| (r.at - door).norm() > DOOR_M);
+                let keeps = |r: &RobotNear| DOOR_M + DOOR_S * r.velocity.norm();
+                let free = robots.iter().all(|r| (r.at - door).norm() > keeps(r));
                 if now >= member.enters && now < member.leaves && free && member.id.is_some() {
                     member.walker =
                         Some(Walker::new(&self.workers, self.seed, i as u64, door, self.start, now));
