@@ -107,6 +107,8 @@ pub(super) struct Crowd {
     pub yielding: BTreeMap<RobotId, Yielding>,
     /// When each robot was told its limit last, and which.
     pub limits: BTreeMap<RobotId, (Option<f64>, Time)>,
+    /// For whom robots stand, or creep, and since when.
+    pub stands: BTreeMap<RobotId, (WorkerId, Time)>,
     /// When each robot last looked for another route because of somebody.
     pub rerouted: BTreeMap<RobotId, Time>,
     /// Nodes that are closed by hand, or will be soon, with when that begins.
@@ -131,6 +133,7 @@ impl Crowd {
             coverage: Coverage::default(),
             yielding: BTreeMap::new(),
             limits: BTreeMap::new(),
+            stands: BTreeMap::new(),
             rerouted: BTreeMap::new(),
             closing: BTreeMap::new(),
             looked_round: BTreeMap::new(),

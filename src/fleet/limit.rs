@@ -28,6 +28,8 @@ const PASSING_M: f64 = 6.0;
 const GAIT_MPS: f64 = 1.3;
 /// Robots are told their limit again after this long, until they say that they know it.
 const INSIST: Span = Span::from_millis(100);
+/// A robot that stood for somebody who might come for so long comes on slowly.
+const CREEPS: Span = Span::from_secs(40);
 /// Robots and workers farther apart than this are of no interest to one another, metres.
 const FAR_M: f64 = 12.0;
 
@@ -41,6 +43,7 @@ impl Fleet {
             if let Some(worker) = because.filter(|_| limit == Some(0.0) && seen.speed_mps > 0.05) {
                 self.gives_way(robot, worker, Reaction::Stopped, now);
             }
+            self.note_standing(robot, limit, because, now);
             let told = self.crowd.limits.get(&robot).copied();
             let same = told.map_or(limit.is_none(), |(l, _)| l == limit);
             let known = seen.limit_mps == limit;
@@ -104,7 +107,8 @@ impl Fleet {
         let nodes = self.ledger.chain(robot).visits().take(2).map(|v| v.node);
         if self.settings.arm == Arm::Giveway {
             if self.is_caught_up(robot, worker, w, now) {
-                return Some(0.0);
+                // Two who wait for one another for long get nowhere: the robot comes on slowly, as long as it may.
+                return Some(if self.stands_for_long(robot, worker, now) { SLOW_MPS } else { 0.0 });
             }
             // The separation distance counts speed towards the person, and there is none.
             if self.drives_away(robot, at, w.at) {
@@ -121,6 +125,20 @@ impl Fleet {
             Effect::Price(_) => None,
         });
         limits.min_by(f64::total_cmp)
+    }
+
+    /// Notes since when a robot has to stand for somebody; it may creep meanwhile.
+    fn note_standing(&mut self, robot: RobotId, limit: Option<f64>, because: Option<WorkerId>, now: Time) {
+        let stands = &mut self.crowd.stands;
+        match because.filter(|_| limit.is_some_and(|l| l <= SLOW_MPS)) {
+            Some(worker) if stands.get(&robot).is_some_and(|(w, _)| *w == worker) => {}
+            Some(worker) if limit == Some(0.0) => _ = stands.insert(robot, (worker, now)),
+            _ => _ = stands.remove(&robot),
+        }
+    }
+
+    fn stands_for_long(&self, robot: RobotId, worker: WorkerId, now: Time) -> bool {
+        self.crowd.stands.get(&robot).is_some_and(|(w, since)| *w == worker && now - *since > CREEPS)
     }
 
     /// Whether a robot that drives on to the end of what it was granted would still move when somebody comes into

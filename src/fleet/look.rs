@@ -126,6 +126,10 @@ impl Fleet {
             return Some(Why::GivesWay(yielding.worker));
         }
         let chain = self.ledger.chain(r);
+        let may_drive = chain.first() + 1 < chain.granted();
+        if let Some((worker, _)) = self.crowd.stands.get(&r).filter(|_| stands && may_drive) {
+            return Some(Why::GivesWay(*worker));
+        }
         let at_end = chain.first() + 1 == chain.granted();
         let held = chain.get(chain.granted()).filter(|v| at_end && v.enter <= now);
         match held.and_then(|v| self.grant_waits_for(r, v, now)) {
