@@ -107,8 +107,10 @@ impl Fleet {
         let nodes = self.ledger.chain(robot).visits().take(2).map(|v| v.node);
         if self.settings.arm == Arm::Giveway {
             if self.is_caught_up(robot, worker, w, now) {
-                // Two who wait for one another for long get nowhere: the robot comes on slowly, as long as it may.
-                return Some(if self.stands_for_long(robot, worker, now) { SLOW_MPS } else { 0.0 });
+                // Two who wait for one another for long get nowhere: the robot comes on while the other does not.
+                let comes = w.velocity.dot(&(at - w.at)) > STROLL_MPS * (at - w.at).norm();
+                let creeps = !comes && self.stands_for_long(robot, worker, now);
+                return Some(if creeps { SLOW_MPS } else { 0.0 });
             }
             // The separation distance counts speed towards the person, and there is none.
             if self.drives_away(robot, at, w.at) {

@@ -1,8 +1,8 @@
 //! The loop: one thread owns the fleet and the floor, and turns twenty times a second.
 //!
 //! Main type: [`Drive`]. Missed ticks are skipped, not caught up. A pose that calls for a stop does not wait for the
-//! next tick: the loop turns at once, and rests after that for as long as it took. Stops, and what workers are told, leave in
-//! the turn that decided them. Orders and answers leave when the journal has the facts behind them; where it
+//! next tick: the loop turns at once, and rests after that for as long as it took. Stops, and what workers are
+//! told, leave in the turn that decided them. Orders and answers leave when the journal has the facts behind them; where it
 //! has none of them for so long that no more may wait, every robot is told to stand and the floor goes on.
 //! Refuses: locks, waiting for the database, and decisions of its own.
 
@@ -65,14 +65,21 @@ pub struct Drive {
     pub tap: Tap,
     /// What stands.
     pub alarms: Arc<Alarms>,
-    /// Whether all robots were told to stand, since nothing can be decided.
-    pub halted: bool,
+    /// What lasts from one turn to the next.
+    pub pace: Pace,
     /// Gets the picture.
     pub moments: watch::Sender<Arc<Moment>>,
+}
+
+/// How the loop turns.
+#[derive(Debug, Default)]
+pub struct Pace {
+    /// Whether all robots were told to stand, since nothing can be decided.
+    halted: bool,
     /// When the pose came for which somebody has to stop, where one waits for the next turn.
-    pub called: Option<Time>,
+    called: Option<Time>,
     /// Until when the loop turns by its tick only.
-    pub rests: Time,
+    rests: Time,
 }
 
 impl Drive {
@@ -82,10 +89,10 @@ impl Drive {
         tick.set_missed_tick_behavior(MissedTickBehavior::Skip);
         let mut published = self.clock.started();
         while !*stop.borrow_and_update() {
-            let rest = (self.rests - self.clock.now()).max(Span::ZERO);
+            let rest = (self.pace.rests - self.clock.now()).max(Span::ZERO);
             tokio::select! {
                 _ = tick.tick() => self.turn(&mut published),
-                () = sleep(Duration::from_micros(rest.0.unsigned_abs())), if self.called.is_some() => {
+                () = sleep(Duration::from_micros(rest.0.unsigned_abs())), if self.pace.called.is_some() => {
                     self.turn_early(&mut published);
                 }
                 heard = self.inbox.hear() => self.listen(&heard, &mut published),
@@ -100,9 +107,9 @@ impl Drive {
     /// Turns at once where a pose calls for a stop and the loop has rested.
     fn listen(&mut self, heard: &Heard, published: &mut Time) {
         let now = self.clock.now();
-        if self.called.is_none() && self.fleet.calls_for_stop(&heard.sighting, now) {
-            self.called = Some(heard.received);
-            if now >= self.rests {
+        if self.pace.called.is_none() && self.fleet.calls_for_stop(&heard.sighting, now) {
+            self.pace.called = Some(heard.received);
+            if now >= self.pace.rests {
                 self.turn_early(published);
             }
         }
@@ -113,13 +120,13 @@ impl Drive {
         let began = self.clock.now();
         self.turn(published);
         let done = self.clock.now();
-        self.rests = done + (done - began);
+        self.pace.rests = done + (done - began);
     }
 
     /// One step: absorb, decide, record; publish where it is time.
     fn turn(&mut self, published: &mut Time) {
         let now = self.clock.now();
-        let called = self.called.take();
+        let called = self.pace.called.take();
         self.metrics.poses_thinned.inc_by(self.feeds.pass(now));
         let mut inputs = self.inbox.drain(self.journal.is_failing());
         inputs.extend(self.world.advance(now, &self.fleet));
@@ -150,7 +157,7 @@ impl Drive {
     /// Tells all robots to stand, until they say that they do. A decision changes what is promised and must be
     /// recorded, so there is none, while robots would finish what was granted and people walk on.
     fn halt(&mut self, now: Time, inputs: &[Input]) {
-        let robots: Vec<RobotId> = if self.halted {
+        let robots: Vec<RobotId> = if self.pace.halted {
             let drives = |i: &Input| match i {
                 Input::Telemetry(t) if t.limit_mps != Some(0.0) => Some(t.robot),
                 _ => None,
@@ -161,7 +168,7 @@ impl Drive {
                 "the journal is full: all robots were told to stand until the database takes facts again.";
             self.alarms.raise(ALARM, text.into(), now);
             tracing::error!("{text}");
-            self.halted = true;
+            self.pace.halted = true;
             self.fleet.ledger().robots.ids().collect()
         };
         let stops = robots.into_iter().map(|r| (r, Command::Limit(Some(0.0)))).collect();
@@ -170,7 +177,7 @@ impl Drive {
 
     /// The journal takes facts: the step that follows lifts the limits, which it did not set.
     fn resume(&mut self) {
-        if std::mem::take(&mut self.halted) {
+        if std::mem::take(&mut self.pace.halted) {
             self.alarms.clear(ALARM);
             tracing::info!("the journal has room again: robots go on");
         }
@@ -260,7 +267,7 @@ mod tests {
         let ((feeds, heard), (desk, asks)) = (Feeds::new(), mpsc::channel(8));
         let (measure, outbox, feeds) = (Measure::default(), outbox::Outbox::default(), Arc::new(feeds));
         let (inbox, moments) = (inbox::Inbox::new(asks, heard), watch::Sender::new(Arc::default()));
-        let (period, halted, (_, questions)) = (scenario.period, false, mpsc::channel(1));
+        let (period, (_, questions)) = (scenario.period, mpsc::channel(1));
         let drive = Drive {
             fleet,
             world,
@@ -277,10 +284,8 @@ mod tests {
             feeds,
             tap: Tap::default(),
             alarms,
-            halted,
+            pace: Pace::default(),
             moments,
-            called: None,
-            rests: Time::ZERO,
         };
         (drive, writer, desk)
     }
@@ -371,11 +376,11 @@ mod tests {
         for (pose, stops_now) in [(far, false), (near, true)] {
             feed.try_send(pose).unwrap();
             let heard = drive.inbox.hear().await;
-            drive.rests = Time::ZERO;
+            drive.pace.rests = Time::ZERO;
             drive.listen(&heard, &mut published);
             assert_eq!(stops(&drive), stops_now, "{heard:?}");
         }
-        assert!(drive.called.is_none() && drive.rests > drive.clock.started());
+        assert!(drive.pace.called.is_none() && drive.pace.rests > drive.clock.started());
         writer.abort();
         let _ = std::fs::remove_dir_all(&folder);
     }

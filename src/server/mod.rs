@@ -37,7 +37,7 @@ use crate::fleet::{Fleet, Settings};
 use crate::history::History;
 use crate::sim::{OrderLine, Scenario, World};
 use crate::store::{Store, StoreError};
-use crate::time::{Span, Time};
+use crate::time::Span;
 use crate::warehouse::Warehouse;
 use anyhow::{Context, anyhow};
 use axum::serve::ListenerExt;
@@ -238,9 +238,7 @@ async fn work(
         feeds: feeds.clone(),
         tap: past.tap,
         alarms: alarms.clone(),
-        halted: false,
-        called: None,
-        rests: Time::ZERO,
+        pace: drive::Pace::default(),
         moments,
     };
     let ((closing, closes), (halt, halted)) = (watch::channel(false), watch::channel(false));

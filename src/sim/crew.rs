@@ -25,9 +25,9 @@ const WORKER_TOKEN: u64 = FIRST_TOKEN | 1 << 62;
 const AHEAD: u64 = 2;
 /// Workers come in one after another, so far apart.
 const APART: Span = Span::from_secs(3);
-/// A robot nearer to a door than this keeps a worker from coming in, metres; one that drives, for as many seconds of its
-/// way more: nobody steps out in front of a robot that could not stop.
+/// A robot nearer to a door than this keeps a worker from coming in, metres.
 const DOOR_M: f64 = 1.5;
+/// One that drives does so from as many seconds farther away: nobody steps out in front of a robot that could not stop.
 const DOOR_S: f64 = 2.5;
 /// Guidance that has not come through is sent again after this.
 const AGAIN: Span = Span::from_millis(300);
