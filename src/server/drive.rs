@@ -1,8 +1,8 @@
 //! The loop: one thread owns the fleet and the floor, and turns twenty times a second.
 //!
 //! Main type: [`Drive`]. Missed ticks are skipped, not caught up. A pose that calls for a stop does not wait for the
-//! next tick: the loop turns at once, and rests after that for as long as it took. Stops, and what workers are
-//! told, leave in the turn that decided them. Orders and answers leave when the journal has the facts behind them; where it
+//! next tick: the loop turns at once, and rests after that for as long as it took. Stops, and what workers are told,
+//! leave in the turn that decided them. Orders and answers leave when the journal has the facts behind them; where it
 //! has none of them for so long that no more may wait, every robot is told to stand and the floor goes on.
 //! Refuses: locks, waiting for the database, and decisions of its own.
 
