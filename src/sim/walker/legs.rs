@@ -20,6 +20,8 @@ const WALL_M: f64 = 0.3;
 const SIDE_M: f64 = 0.1;
 /// A walker stops before a robot that drives towards it when it would be there after so many seconds.
 const COMES_S: f64 = 1.2;
+/// Whoever is caught between walls looks so far for a place from which to go on, metres.
+const LEAVE_M: f64 = 2.5;
 /// Nearer than this is there, metres.
 const THERE_M: f64 = 0.05;
 /// How fast a walker changes its speed, metres per second squared.
@@ -155,6 +157,7 @@ impl Legs {
             return;
         }
         let step = way.normalize() * length;
+        let mut robot = false;
         for turn in TRIES {
             let to = self.at + Rotation2::new(turn) * step;
             match self.taken(to, foresight, around) {
@@ -163,21 +166,31 @@ impl Legs {
                     self.at = to;
                     return;
                 }
-                Some(what) => self.blocked |= turn == 0.0 && what == Taken::Robot,
+                Some(what) => {
+                    robot |= what == Taken::Robot;
+                    self.blocked |= turn == 0.0 && what == Taken::Robot;
+                }
             }
         }
+        // Caught between a wall and a robot is kept by the robot.
+        self.blocked = robot;
         self.speed_mps = 0.0;
         if !self.blocked {
             self.leave_wall(around.walkways);
         }
     }
 
-    /// Walls on all sides of the way: back to the middle of the aisle first.
+    /// Walls on all sides of the way: first over the middle of an aisle, if possible from where the rest has room.
     fn leave_wall(&mut self, walkways: &Walkways) {
-        let near = walkways.near(self.at, 1.0).into_iter().filter(|(_, far)| *far > 2.0 * THERE_M);
-        let node = near.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        if let Some((n, _)) = node {
-            self.route.push_front(walkways.nodes()[n].at);
+        let Some(&aim) = self.route.front() else { return };
+        let near = walkways.near(self.at, LEAVE_M).into_iter().filter(|(_, far)| *far > 2.0 * THERE_M);
+        let near: Vec<(Point, f64)> = near.map(|(n, far)| (walkways.nodes()[n].at, far)).collect();
+        let others = near.iter().filter(|(at, _)| *at != aim);
+        let whole = |(at, far): &&(Point, f64)| far + (aim - at).norm();
+        let through = others.clone().filter(|(at, _)| roomy(*at, aim, walkways));
+        let through = through.min_by(|a, b| whole(a).total_cmp(&whole(b)));
+        if let Some((at, _)) = through.or_else(|| others.min_by(|a, b| a.1.total_cmp(&b.1))) {
+            self.route.push_front(*at);
         }
     }
 

@@ -4,6 +4,7 @@ use super::legs::BODY_M;
 use super::persona::SPEEDS;
 use super::*;
 use crate::geometry::{Vector, axis_distance};
+use crate::id::NodeId;
 use crate::sim::workforce::{Causes, Deviations, Personas, Rates};
 use crate::warehouse::walkway::Walkways;
 use crate::warehouse::{NodeKind, Warehouse, thesis};
@@ -244,4 +245,34 @@ fn who_ignores_a_redirection_keeps_the_old_path_and_the_log_says_so() {
         assert_eq!(w.log().segments().last().unwrap().cause, cause);
         assert_eq!(w.legs.heading < -1.0, ignore == 1.0, "heading {}", w.legs.heading);
     }
+}
+
+#[test]
+fn nobody_is_caught_at_the_corner_of_a_rack_on_the_way_to_a_place_in_sight() {
+    let hall = Hall::new();
+    let around = Around { walkways: &hall.walkways, half_m: hall.half_m, robots: &[] };
+    let fronts = hall.warehouse.nodes_where(|k| k == NodeKind::Storage);
+    let goal = |n: &NodeId| hall.walkways.on_floor(hall.warehouse.nodes[*n].at);
+    let goals: Vec<Point> = fronts.iter().filter_map(goal).map(|p| ease(p, &hall.walkways)).collect();
+    let mut walks = 0;
+    // Pushed anywhere, close to racks too, as robots and other people do.
+    for i in 0..130 * 150 {
+        let from = Point::new(f64::from(i % 130) * 0.1, f64::from(i / 130) * 0.1);
+        if hall.walkways.clearance_m(from) < 0.15 {
+            continue;
+        }
+        let seen = |g: &&Point| (0.5..2.5).contains(&(**g - from).norm()) && hall.walkways.sees(from, **g);
+        for &goal in goals.iter().filter(seen) {
+            let mut legs = legs::Legs::new(from, 0.6, 0.0);
+            legs.set_off([goal], &hall.walkways);
+            let mut ticks = 0;
+            while !legs.route.is_empty() && ticks < 1000 {
+                legs.walk(DT, 1.2, 1.0, &around);
+                ticks += 1;
+            }
+            assert!(legs.route.is_empty(), "from {from} to {goal} it is still at {}", legs.at);
+            walks += 1;
+        }
+    }
+    assert!(walks > 10_000, "{walks}");
 }
