@@ -335,3 +335,36 @@ fn fronts(warehouse: &Warehouse, assignments: &Assignments, walkways: &Walkways)
     let reached = |n: &NodeId| walkways.on_floor(warehouse.nodes[*n].at).is_some();
     all.into_iter().filter(reached).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fleet::Settings;
+    use crate::geometry::Vector;
+    use crate::warehouse::thesis;
+
+    #[test]
+    fn nobody_steps_through_a_door_in_front_of_a_robot_that_could_not_stop() {
+        let warehouse = Arc::new(thesis());
+        let workers = Workers { count: 1, ..Workers::default() };
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 60}"#;
+        let scenario = Scenario { workers, ..Scenario::parse(text).expect("it is one") };
+        let mut fleet = Fleet::new(warehouse.clone(), Settings::default());
+        let mut crew = Crew::new(&warehouse, &scenario, 1, Time::ZERO).expect("it has a worker");
+        let mut now = Time::ZERO;
+        let mut live = |speed_mps: f64, far_m: f64, crew: &mut Crew| {
+            now += Span::from_millis(100);
+            let inputs = crew.say(now, &fleet);
+            fleet.step(now, inputs);
+            let velocity = Vector::new(-speed_mps, 0.0);
+            let robot = RobotNear { at: crew.doors[0] + Vector::new(far_m, 0.0), velocity };
+            crew.tick(now, 0.1, &[robot]);
+            crew.present(now).count()
+        };
+        for _ in 0..50 {
+            assert_eq!(live(1.5, 4.0, &mut crew), 0, "it is there in three seconds");
+            assert_eq!(live(0.0, 1.0, &mut crew), 0, "it stands in the way");
+        }
+        assert_eq!(live(0.0, 4.0, &mut crew), 1, "one that stands elsewhere does not matter");
+    }
+}
