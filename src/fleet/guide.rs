@@ -6,15 +6,17 @@
 use super::Fleet;
 use super::crowd::{Mode, Person};
 use super::people::{Guidance, GuidanceReason, GuidanceState, NearRobot};
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 use crate::human::{Presence, Whereabouts};
-use crate::id::{Dense, WorkerId};
+use crate::id::{Dense, RobotId, WorkerId};
 use crate::time::{Span, Time};
 
 /// Robots nearer than this are shown, metres.
 const NEAR_M: f64 = 8.0;
 /// At most so many.
 const NEAR_MOST: usize = 8;
+/// A robot slower than this does not drive up to anybody, metres per second.
+const DRIVES_MPS: f64 = 0.1;
 /// Guidance is repeated this often.
 const REPEAT: Span = Span::from_millis(200);
 /// Usual walking speed, for the time of arrival, metres per second.
@@ -67,7 +69,7 @@ impl Fleet {
         if place.presence == Presence::Lost {
             return (GuidanceState::Stop, Some(GuidanceReason::NotTracked));
         }
-        if let Some(robot) = self.drives_up(place, near) {
+        if let Some(robot) = near.iter().map(|n| n.robot).find(|r| self.drives_up(*r, place)) {
             return (GuidanceState::Stop, Some(GuidanceReason::RobotComes(robot)));
         }
         match person.mode {
@@ -88,31 +90,24 @@ impl Fleet {
         }
     }
 
-    /// A robot within region 1 that comes nearer: whatever the fleet does about it, the worker should stand.
-    pub(super) fn drives_up(&self, place: &Whereabouts, near: &[NearRobot]) -> Option<crate::id::RobotId> {
-        let comes = |n: &&NearRobot| {
-            let loaded = self.ledger.rack_on(n.robot).is_some();
-            let within =
-                n.distance_m < self.crowd.regions.stop_radius_at_m(n.speed_mps, loaded, place.sigma_m);
-            within && n.speed_mps > 0.1 && self.comes_nearer(n, place)
-        };
-        near.iter().find(comes).map(|n| n.robot)
+    /// Whether a robot within region 1 comes nearer: whatever the fleet does about it, the worker should stand.
+    pub(super) fn drives_up(&self, robot: RobotId, place: &Whereabouts) -> bool {
+        let Some(seen) = self.scene.robot(robot).filter(|t| t.speed_mps > DRIVES_MPS) else { return false };
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let radius_m = self.crowd.regions.stop_radius_at_m(seen.speed_mps, loaded, place.sigma_m);
+        let to = place.at - seen.pose.at;
+        let along = Vector::new(seen.pose.heading.cos(), seen.pose.heading.sin());
+        to.norm() < radius_m && along.dot(&to) > 0.0
     }
 
-    fn comes_nearer(&self, n: &NearRobot, place: &Whereabouts) -> bool {
-        let Some(seen) = self.scene.robot(n.robot) else { return false };
-        let along = crate::geometry::Vector::new(seen.pose.heading.cos(), seen.pose.heading.sin());
-        along.dot(&(place.at - seen.pose.at)) > 0.0
-    }
-
-    pub(super) fn near(&self, place: &Whereabouts) -> Vec<NearRobot> {
+    fn near(&self, place: &Whereabouts) -> Vec<NearRobot> {
         let mut near: Vec<NearRobot> = (self.ledger.robots.ids())
             .filter_map(|robot| {
                 let seen = self.scene.robot(robot)?;
                 let to = seen.pose.at - place.at;
                 let distance_m = to.norm();
                 let heading = seen.pose.heading;
-                let velocity = crate::geometry::Vector::new(heading.cos(), heading.sin()) * seen.speed_mps;
+                let velocity = Vector::new(heading.cos(), heading.sin()) * seen.speed_mps;
                 let closest = closest_approach(to, velocity - place.velocity);
                 let (bearing, speed_mps) = (to.y.atan2(to.x), seen.speed_mps);
                 (distance_m < NEAR_M).then_some(NearRobot { robot, distance_m, bearing, closest, speed_mps })
@@ -125,7 +120,7 @@ impl Fleet {
 }
 
 /// When two that move evenly are nearest to one another; nothing where that is over.
-fn closest_approach(apart: crate::geometry::Vector, velocity: crate::geometry::Vector) -> Option<Span> {
+fn closest_approach(apart: Vector, velocity: Vector) -> Option<Span> {
     let speed = velocity.norm_squared();
     let t = if speed < 1e-4 { 0.0 } else { -apart.dot(&velocity) / speed };
     (t > 0.0 && t < 60.0).then(|| Span::from_secs_f64(t))

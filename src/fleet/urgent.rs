@@ -42,7 +42,7 @@ impl Fleet {
             }
             let told = self.crowd.limits.get(&robot).is_some_and(|(limit, _)| *limit == Some(0.0));
             let stops = || self.limit_for(robot, &[(s.worker, place)], now).0 == Some(0.0);
-            !told && stops() || !stands && self.drives_up(&place, &self.near(&place)) == Some(robot)
+            !told && stops() || !stands && self.drives_up(robot, &place)
         })
     }
 }
