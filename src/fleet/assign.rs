@@ -7,7 +7,7 @@ use super::job::{Job, JobFailure, JobKind, JobState};
 use super::matching::{NEVER, least_cost};
 use super::storage::along_axes;
 use super::{Fleet, RackAt, ledger};
-use crate::id::{JobId, NodeId, RackId, RobotId};
+use crate::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
 use std::collections::BTreeSet;
@@ -137,12 +137,14 @@ impl Fleet {
         let urgency = |j: &Job| urgency_ms(j, now, oldest[usize::from(j.request.priority)]);
         let mut ranked: Vec<(i64, JobId)> = waiting.iter().map(|(id, j)| (-urgency(j), *id)).collect();
         ranked.sort_unstable();
+        let enough = self.stations_with_enough();
         let mut found = Vec::new();
         for (urgency, id) in ranked {
             let Some(rack) = self.ledger.jobs[&id].request.kind.rack() else { continue };
             let RackAt::Stored(node) = self.ledger.racks[rack] else { continue };
             let kind = &self.ledger.jobs[&id].request.kind;
-            if self.is_ready(id) && !self.job_is_closed_off(kind, node) && seen.insert(rack) {
+            let can_wait = matches!(kind, JobKind::Deliver { station, .. } if enough.contains(station));
+            if !can_wait && self.is_ready(id) && !self.job_is_closed_off(kind, node) && seen.insert(rack) {
                 found.push((id, rack, node, -urgency));
                 if found.len() == JOBS {
                     break;
@@ -150,6 +152,18 @@ impl Fleet {
             }
         }
         found
+    }
+
+    /// Stations for which as many robots wait with their racks as the queue has places. Whoever fetched another one
+    /// would stand with it for long and be missed elsewhere.
+    fn stations_with_enough(&self) -> BTreeSet<StationId> {
+        let mut waiting = IdVec::filled(0, self.warehouse().stations.len());
+        for robot in self.ledger.robots.ids().filter(|r| self.waits_for_room(*r)) {
+            let station = self.station_of(robot).expect("it waits for one");
+            waiting[station] += 1;
+        }
+        let places = |s: StationId| self.warehouse().stations[s].queue.len() + 1;
+        waiting.pairs().filter(|(s, n)| **n >= places(*s)).map(|(s, _)| s).collect()
     }
 
     /// How long the robot's way to a rack takes, milliseconds; nothing if somebody else stands there for ever.

@@ -46,8 +46,8 @@ impl Fleet {
     /// Robots whose holds meet the windows of the route that `robot` would have if they all made way, most in the way
     /// first.
     fn influencers(&mut self, robot: RobotId, now: Time) -> Vec<RobotId> {
-        let movable =
-            |r: &RobotId| *r != robot && !self.ledger.robots[*r].failed && self.scene.fit(*r, now).is_some();
+        let fit = |r: &RobotId| !self.ledger.robots[*r].failed && self.scene.fit(*r, now).is_some();
+        let movable = |r: &RobotId| *r != robot && fit(r) && !self.waits_for_room(*r);
         let movable: Vec<RobotId> = self.ledger.robots.ids().filter(movable).collect();
         let mut without = self.ledger.timeline.clone();
         for r in movable.iter().chain([&robot]) {

@@ -160,6 +160,13 @@ impl Fleet {
         self.settings.ghosts || bound[station] <= self.warehouse().stations[station].queue.len()
     }
 
+    /// Whether a robot stands with its rack where it lifted it, until its station has room. It may step aside for
+    /// somebody and come back, but nobody sends it on its way before its turn.
+    pub(super) fn waits_for_room(&self, robot: RobotId) -> bool {
+        let here = self.warehouse().kind(self.ledger.node_of(robot));
+        here == NodeKind::Storage && self.station_of(robot).is_some() && self.lacks_route(robot)
+    }
+
     /// Looks for a better storage node before a rack leaves, and after each failed search.
     fn choose_storage(&mut self, robot: RobotId) {
         let tries = self.needs.waiting.get(&robot).map_or(0, |n| n.tries as usize);
@@ -388,20 +395,26 @@ impl Fleet {
 
     /// The legs to a place aside, and of the rest of the task from there.
     pub(super) fn stages_aside(&self, robot: RobotId, place: NodeId) -> SmallVec<[Stage; 4]> {
-        let rest = self.stages_left(robot);
+        let rest = self.stages_after(robot);
         let loaded = self.ledger.rack_on(robot).is_some();
-        let mut stages = smallvec![Stage { goal: place, loaded, stay: Span::ZERO }];
+        let leg = |goal| Stage { goal, loaded, stay: Span::ZERO };
+        let mut stages = smallvec![leg(place)];
         if rest.is_empty() {
-            stages.push(stay_at(self.ledger.chain(robot).last().expect("it stands somewhere").node));
+            stages.push(leg(self.ledger.chain(robot).last().expect("it stands somewhere").node));
         }
         stages.extend(rest);
         stages
     }
 
+    /// What a robot goes on with after it stepped aside.
+    fn stages_after(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
+        if self.waits_for_room(robot) { SmallVec::new() } else { self.stages_left(robot) }
+    }
+
     /// A route over [`Fleet::stages_aside`] with the stops of the task alone: nothing is done at the place.
     pub(super) fn with_own_stops(&self, robot: RobotId, mut route: Route) -> Route {
         route.stops.remove(0);
-        if self.stages_left(robot).is_empty() {
+        if self.stages_after(robot).is_empty() {
             route.stops.clear();
         }
         route
