@@ -73,6 +73,8 @@ pub(super) struct Person {
     pub version: u64,
     /// Since when the worker has been at the place of the assignment.
     pub there_since: Option<Time>,
+    /// How long the worker was at the place of an assignment before leaving it: who comes back goes on with it.
+    pub was_there: Option<(AssignmentId, Span)>,
     /// Since when the worker has been standing.
     pub stands_since: Option<Time>,
     /// Since when a robot has been standing on the path just ahead.
@@ -107,8 +109,10 @@ pub(super) struct Crowd {
     pub yielding: BTreeMap<RobotId, Yielding>,
     /// When each robot was told its limit last, and which.
     pub limits: BTreeMap<RobotId, (Option<f64>, Time)>,
-    /// For whom robots stand, or creep, and since when.
+    /// For whom robots stand, or come back slowly, and since when.
     pub stands: BTreeMap<RobotId, (WorkerId, Time)>,
+    /// When robots that stand for somebody were called back last.
+    pub called_back: BTreeMap<RobotId, Time>,
     /// When each robot last looked for another route because of somebody.
     pub rerouted: BTreeMap<RobotId, Time>,
     /// Nodes that are closed by hand, or will be soon, with when that begins.
@@ -134,6 +138,7 @@ impl Crowd {
             yielding: BTreeMap::new(),
             limits: BTreeMap::new(),
             stands: BTreeMap::new(),
+            called_back: BTreeMap::new(),
             rerouted: BTreeMap::new(),
             closing: BTreeMap::new(),
             looked_round: BTreeMap::new(),
@@ -168,9 +173,10 @@ impl Plan {
 impl Person {
     /// Gives the worker a path.
     pub fn give(&mut self, points: Vec<Point>, assignment: Option<AssignmentId>, stay: Span, now: Time) {
+        let left = self.plan.as_ref().and_then(|p| p.assignment).zip(self.there_since.take());
+        self.was_there = left.map(|(id, since)| (id, now - since)).or(self.was_there);
         self.plan = Some(Plan { follower: Follower::new(points), assignment, stay, made: now });
         self.version += 1;
-        self.there_since = None;
     }
 
     /// The rest of the path, from where the worker is.

@@ -85,6 +85,17 @@ pub enum Fact {
         /// New departure.
         depart: Time,
     },
+    /// A robot has come back and will not drive what it was granted after this visit; that is only held now.
+    Recalled {
+        /// Which.
+        robot: RobotId,
+        /// Serial number of the last visit that it keeps.
+        serial: u64,
+        /// How often it has been called back and came, by now.
+        recalls: u64,
+        /// When.
+        at: Time,
+    },
     /// These robots keep what they were granted, for ever for all we know, and nothing more.
     Cut {
         /// Which.

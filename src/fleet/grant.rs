@@ -6,12 +6,15 @@
 use super::fact::Fact;
 use super::io::{Command, Waypoint};
 use super::{Fleet, ledger};
+use crate::aware::SLOW_MPS;
 use crate::id::RobotId;
 use crate::time::{Span, Time};
 use crate::timeline::Holder;
 
 /// How long before its planned time a hold may be granted.
 const EARLY: Span = Span::from_secs(4);
+/// A node more than needed is granted, metres.
+const NODE_M: f64 = 1.0;
 /// Orders are repeated this often until the robot says that it knows them.
 const REPEAT: Span = Span::from_millis(600);
 /// A robot at a stop is reminded this often of what it is to do there.
@@ -79,13 +82,16 @@ impl Fleet {
         (whole - driven).max(0.0)
     }
 
-    /// How far ahead it must be sure of its way to go on at full speed: its braking distance, what it drives until
-    /// the next grant reaches it, and a node more.
-    fn needed_ahead_m(&self, robot: RobotId) -> f64 {
+    /// How far ahead it must be sure of its way to go on as fast as it may: its braking distance, what it drives
+    /// until the next grant reaches it, and a node more. That is less near people, so that it can still decide
+    /// otherwise there.
+    pub(super) fn needed_ahead_m(&self, robot: RobotId) -> f64 {
         let k = &self.settings.kinematics;
         let loaded = self.ledger.rack_on(robot).is_some();
+        let limit = self.crowd.limits.get(&robot).and_then(|(limit, _)| *limit);
+        let speed = k.top_mps(loaded).min(limit.unwrap_or(f64::INFINITY).max(SLOW_MPS));
         let latency = (self.settings.period * 2 + k.reaction).as_secs_f64();
-        k.braking_m(k.top_mps(loaded), loaded) + k.top_mps(loaded) * latency + 1.0
+        k.braking_m(speed, loaded) + speed * latency + NODE_M
     }
 
     /// Whether the robot may not know its orders: it does not say that it does, or it has been standing at a stop for a
@@ -112,7 +118,8 @@ impl Fleet {
                 act: stops.iter().find(|s| s.serial == serial).map(|s| s.act),
             })
             .collect();
-        self.out.commands.push((robot, Command::Drive { grant, waypoints }));
+        let recalls = self.ledger.robots[robot].recalls;
+        self.out.commands.push((robot, Command::Drive { grant, waypoints, recalls }));
         self.scene.robot_mut(robot).told = Some(now);
     }
 }

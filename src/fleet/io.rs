@@ -133,6 +133,8 @@ pub struct Telemetry {
     pub failed: bool,
     /// The limit of its speed that it was told last, metres per second; 0 is a stop.
     pub limit_mps: Option<f64>,
+    /// How many recalls it has followed to the end.
+    pub recalls: u64,
 }
 
 /// An order to a robot.
@@ -144,6 +146,17 @@ pub enum Command {
         grant: Reserved,
         /// Where, and what to do there.
         waypoints: Vec<Waypoint>,
+        /// How many recalls came before. A robot that has followed more of them, or is following one, ignores the
+        /// order: it is older.
+        recalls: u64,
+    },
+    /// If the robot stands, and this is the last visit whose centre it reached, it drives back there, forgets the
+    /// waypoints after it, and says so by the number of recalls that it has followed. Else it goes on as before.
+    Recall {
+        /// Serial number of the visit.
+        to: u64,
+        /// Which recall this is: one more than those that the robot has followed.
+        number: u64,
     },
     /// Drive no faster than this from now on, metres per second; 0 is a stop, nothing lifts the limit.
     Limit(Option<f64>),

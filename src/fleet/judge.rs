@@ -57,6 +57,7 @@ impl Fleet {
         self.set_conditions(now);
         self.note_closing(now);
         self.limit_robots(now);
+        self.call_back(now);
         self.meet(now);
         self.guide(now);
         for worker in (0..self.crowd.people.len()).map(WorkerId::at) {

@@ -233,7 +233,8 @@ impl Fleet {
             return;
         }
         person.mode = Mode::Following;
-        let since = *person.there_since.get_or_insert(now);
+        let before = person.was_there.filter(|(left, _)| *left == id).map_or(Span::ZERO, |(_, t)| t);
+        let since = *person.there_since.get_or_insert(now - before);
         let state = if now - since >= stay { AssignmentState::Done } else { AssignmentState::Working };
         if self.ledger.assignments.get(&id).is_some_and(|a| a.state != state) {
             self.record(Fact::Advanced { assignment: id, state, at: now });

@@ -32,6 +32,8 @@ pub struct Robot {
     pub interrupted: bool,
     /// Since when it is to stand, by hand.
     pub paused: Option<Time>,
+    /// How often it was called back and came.
+    pub recalls: u64,
 }
 
 /// Everything that was promised.
@@ -138,6 +140,10 @@ impl Ledger {
             Fact::Granted { robot, serial, at } => {
                 self.timeline.grant(Holder::Robot(*robot), *serial, *at);
             }
+            Fact::Recalled { robot, serial, recalls, .. } => {
+                self.robots[*robot].recalls = *recalls;
+                self.timeline.recall(Holder::Robot(*robot), *serial);
+            }
             Fact::Passed { robot, serial } => self.timeline.release(Holder::Robot(*robot), *serial),
             Fact::Acted { robot, serial } => self.act(*robot, *serial),
             Fact::Delayed { robot, serial, depart } => {
@@ -211,6 +217,7 @@ impl Ledger {
             failed: false,
             interrupted: false,
             paused: None,
+            recalls: 0,
         });
         assert_eq!(id, robot, "robots are numbered in order");
         let holder = Holder::Robot(robot);

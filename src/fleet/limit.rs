@@ -10,7 +10,7 @@ use super::fact::Fact;
 use super::io::Command;
 use super::people::{Encounter, Reaction};
 use crate::aware::{Arm, Drive, Near, SLOW_MPS, Walk, moves_within};
-use crate::geometry::{Point, to_mm};
+use crate::geometry::{Point, Segment, to_mm};
 use crate::human::{Presence, Whereabouts};
 use crate::id::{RobotId, WorkerId};
 use crate::route::{Cause, Effect};
@@ -28,8 +28,8 @@ const PASSING_M: f64 = 6.0;
 const GAIT_MPS: f64 = 1.3;
 /// Robots are told their limit again after this long, until they say that they know it.
 const INSIST: Span = Span::from_millis(100);
-/// A robot that stood for somebody who might come for so long comes on slowly.
-const CREEPS: Span = Span::from_secs(40);
+/// Who comes nearer by no more than this passes, metres.
+const NEARER_M: f64 = 0.05;
 /// Robots and workers farther apart than this are of no interest to one another, metres.
 const FAR_M: f64 = 12.0;
 
@@ -76,7 +76,7 @@ impl Fleet {
             }
             let stop = self.crowd.regions.stop_radius_at_m(speed, loaded, w.sigma_m);
             let limit = if distance < stop {
-                let off = w.presence != Presence::Lost && self.drives_away(robot, at, w.at);
+                let off = w.presence != Presence::Lost && self.drives_away(robot, at, w.at, now);
                 Some(if off && !self.is_caught_up(robot, *worker, w, now) { SLOW_MPS } else { 0.0 })
             } else {
                 self.limit_here(robot, at, *worker, w, now)
@@ -107,13 +107,10 @@ impl Fleet {
         let nodes = self.ledger.chain(robot).visits().take(2).map(|v| v.node);
         if self.settings.arm == Arm::Giveway {
             if self.is_caught_up(robot, worker, w, now) {
-                // Two who wait for one another for long get nowhere: the robot comes on while the other does not.
-                let comes = w.velocity.dot(&(at - w.at)) > STROLL_MPS * (at - w.at).norm();
-                let creeps = !comes && self.stands_for_long(robot, worker, now);
-                return Some(if creeps { SLOW_MPS } else { 0.0 });
+                return Some(0.0);
             }
             // The separation distance counts speed towards the person, and there is none.
-            if self.drives_away(robot, at, w.at) {
+            if self.drives_away(robot, at, w.at, now) {
                 return None;
             }
         }
@@ -129,18 +126,16 @@ impl Fleet {
         limits.min_by(f64::total_cmp)
     }
 
-    /// Notes since when a robot has to stand for somebody; it may creep meanwhile.
+    /// Notes since when a robot has to stand for somebody; it may come back slowly meanwhile.
     fn note_standing(&mut self, robot: RobotId, limit: Option<f64>, because: Option<WorkerId>, now: Time) {
         let stands = &mut self.crowd.stands;
         match because.filter(|_| limit.is_some_and(|l| l <= SLOW_MPS)) {
             Some(worker) if stands.get(&robot).is_some_and(|(w, _)| *w == worker) => {}
             Some(worker) if limit == Some(0.0) => _ = stands.insert(robot, (worker, now)),
+            // Who was called back has not left yet.
+            _ if self.crowd.called_back.contains_key(&robot) => {}
             _ => _ = stands.remove(&robot),
         }
-    }
-
-    fn stands_for_long(&self, robot: RobotId, worker: WorkerId, now: Time) -> bool {
-        self.crowd.stands.get(&robot).is_some_and(|(w, since)| *w == worker && now - *since > CREEPS)
     }
 
     /// Whether a robot that drives on to the end of what it was granted would still move when somebody comes into
@@ -172,6 +167,9 @@ impl Fleet {
 
     /// Where a robot drives from `at` to the end of what it was granted.
     pub(super) fn granted_way(&self, robot: RobotId, at: Point) -> Vec<Point> {
+        if let Some(back) = self.comes_back_to(robot) {
+            return vec![at, back];
+        }
         let chain = self.ledger.chain(robot);
         let ahead = (chain.first() + 1..chain.granted()).filter_map(|s| chain.get(s));
         std::iter::once(at).chain(ahead.map(|v| self.warehouse().nodes[v.node].at)).collect()
@@ -193,7 +191,7 @@ impl Fleet {
         // Whoever has stopped on the way may set off again, unless it is to let the robot leave; whoever has stood for
         // long waits for something, maybe for the robot to go on.
         let lately = person.stands_since.is_none_or(|t| now - t < STANDS);
-        let sets_off = path.is_some() && lately && !self.drives_away(robot, at, w.at);
+        let sets_off = path.is_some() && lately && !self.drives_away(robot, at, w.at, now);
         let way = path.unwrap_or_else(|| vec![w.at, w.at + w.velocity * 5.0]);
         Walk { way, speed_mps: if sets_off && speed < STROLL_MPS { GAIT_MPS } else { speed }, waits_s: 0.0 }
     }
@@ -208,15 +206,20 @@ impl Fleet {
         w.velocity.norm() < STROLL_MPS && leaves_room
     }
 
-    /// Whether what a robot was granted next leads away from a place.
-    fn drives_away(&self, robot: RobotId, at: Point, from: Point) -> bool {
+    /// Whether a robot's next piece of way leads away from a place: what it was granted, or back where it is called to.
+    /// Who comes back, or has stood there for long, may also pass, where that is not nearer than it is already.
+    pub(super) fn drives_away(&self, robot: RobotId, at: Point, from: Point, now: Time) -> bool {
         let chain = self.ledger.chain(robot);
         let next = chain.get(chain.first() + 1).filter(|_| chain.first() + 1 < chain.granted());
-        next.is_some_and(|v| {
-            let there = self.warehouse().nodes[v.node].at;
-            let (on, off) = (there - at, at - from);
-            on.dot(&off) > 0.5 * on.norm() * off.norm()
-        })
+        let back = self.comes_back_to(robot);
+        let Some(there) = back.or(next.map(|v| self.warehouse().nodes[v.node].at)) else { return false };
+        let (on, off) = (there - at, at - from);
+        let passes = || {
+            let nearest = Segment { a: at, b: there }.distance_to(from);
+            nearest > off.norm() - NEARER_M && (there - from).norm() > off.norm()
+        };
+        let lax = back.is_some() || self.stood_for(robot, now).is_some();
+        on.dot(&off) > 0.5 * on.norm() * off.norm() || lax && passes()
     }
 
     /// Notes that a robot gives way to somebody, once until it is on its way again.

@@ -20,6 +20,7 @@ impl Fleet {
             let Some(seen) = self.scene.robot(robot).copied() else { continue };
             self.settle_health(robot, seen.failed, now);
             self.settle_progress(robot, seen.reached, now);
+            self.settle_recall(robot, &seen, now);
             self.settle_stop(robot, seen.acted, now);
             self.settle_delay(robot, now);
         }

@@ -8,6 +8,7 @@ mod jobs;
 mod messages;
 mod people;
 mod published;
+mod recall;
 mod restart;
 mod stuck;
 mod why;

@@ -69,7 +69,8 @@ impl Fleet {
 
     /// Because of whom a visit cannot be granted now.
     pub(super) fn grant_waits_for(&self, robot: RobotId, visit: &Visit, now: Time) -> Option<Cause> {
-        self.holds_back(robot, visit, now).map(|c| c.cause)
+        let faced = self.faces(robot, visit.node, now).map(Cause::Worker);
+        faced.or_else(|| self.holds_back(robot, visit, now).map(|c| c.cause))
     }
 
     /// The condition that keeps a visit from being granted, if one does.
@@ -180,6 +181,9 @@ impl Fleet {
         if chain.first() + 1 != chain.granted() || self.ledger.robots[robot].failed {
             return None;
         }
+        if let Some(worker) = self.stood_for(robot, now) {
+            return Some(worker);
+        }
         let node = self.ledger.node_of(robot);
         let soon = Window::new(now, now + STOPPING);
         self.crowd.conditions.of(node).iter().find_map(|c| match (c.effect, c.cause) {
@@ -243,7 +247,7 @@ impl Fleet {
     /// Drives out of a worker's way to the nearest place where nobody is expected, and on with the task from
     /// there.
     fn evade(&mut self, robot: RobotId, worker: WorkerId, now: Time) -> u32 {
-        if !self.leaves(robot, worker, now) && self.insert(robot, now) {
+        if !self.leaves(robot, worker, now) && !self.waits_for_room(robot) && self.insert(robot, now) {
             self.gives_way(robot, worker, Reaction::Rerouted, now);
         }
         self.settings.expansions_per_plan

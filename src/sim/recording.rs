@@ -49,6 +49,9 @@ struct Line {
     /// Robots that say the same again, with the time they say it at where that is not `t`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     s: Vec<(u32, i64)>,
+    /// Robots among those of `r` that have followed another number of recalls than before, with that number.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    c: BTreeMap<u32, u64>,
     /// Workers that were seen.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     w: Vec<Seen>,
@@ -132,7 +135,7 @@ impl Recorder {
 
     /// The line of one step.
     pub fn step(&mut self, now: Time, inputs: &[Input]) -> String {
-        let mut line = Line { t: now.0, r: vec![], s: vec![], w: vec![], i: vec![] };
+        let mut line = Line { t: now.0, r: vec![], s: vec![], c: BTreeMap::new(), w: vec![], i: vec![] };
         for input in inputs {
             match input {
                 Input::Telemetry(t) => {
@@ -141,7 +144,10 @@ impl Recorder {
                         line.s.push((t.robot.0, t.seen.0));
                     } else {
                         line.r.push(said(t));
-                        self.last.insert(t.robot, *t);
+                        let before = self.last.insert(t.robot, *t).map_or(0, |o| o.recalls);
+                        if t.recalls != before {
+                            line.c.insert(t.robot.0, t.recalls);
+                        }
                     }
                 }
                 Input::Sighted(s) => line.w.push(sighted(s)),
@@ -284,7 +290,9 @@ impl Playback {
         }
         let line: Line = serde_json::from_str(text).map_err(|e| broken(e.to_string()))?;
         let mut inputs: Vec<Input> = line.i.into_iter().map(other).collect();
-        let mut seen: Vec<Telemetry> = line.r.into_iter().map(heard).collect();
+        let before = |robot| self.last.get(&RobotId(robot)).map_or(0, |t| t.recalls);
+        let recalls = |robot| line.c.get(&robot).copied().unwrap_or_else(|| before(robot));
+        let mut seen: Vec<Telemetry> = line.r.into_iter().map(|s| heard(s, recalls(s.0))).collect();
         for (robot, at) in line.s {
             let last = self.last.get(&RobotId(robot));
             let last = last.ok_or_else(|| broken(format!("robot {robot} repeats what it never said")))?;
@@ -297,7 +305,7 @@ impl Playback {
     }
 }
 
-fn heard(s: Said) -> Telemetry {
+fn heard(s: Said, recalls: u64) -> Telemetry {
     let (robot, seen, x, y, heading, speed_mps, reached, known, acted, rack, battery, failed, limit_mps) = s;
     Telemetry {
         robot: RobotId(robot),
@@ -311,6 +319,7 @@ fn heard(s: Said) -> Telemetry {
         battery,
         failed,
         limit_mps,
+        recalls,
     }
 }
 

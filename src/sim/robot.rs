@@ -48,6 +48,10 @@ pub(super) struct Body {
     pub failed_until: Option<Time>,
     /// The limit of its speed that it was told last.
     pub limit_mps: Option<f64>,
+    /// How many recalls it has followed to the end.
+    recalls: u64,
+    /// Whether it drives back to the node that it reached last, as it was told to.
+    returns: bool,
     battery: f64,
     acted: Option<u64>,
     /// What it is to do where it stands, and until when it is at it.
@@ -70,6 +74,8 @@ impl Body {
             rack: None,
             failed_until: None,
             limit_mps: None,
+            recalls: 0,
+            returns: false,
             battery,
             acted: None,
             acting: None,
@@ -80,8 +86,8 @@ impl Body {
     }
 
     /// Puts it where the ledger has it: a restarted simulation.
-    pub fn resume(&mut self, reached: u64, acted: Option<u64>, rack: Option<RackId>) {
-        (self.reached, self.acted, self.rack) = (reached, acted, rack);
+    pub fn resume(&mut self, reached: u64, acted: Option<u64>, recalls: u64, rack: Option<RackId>) {
+        (self.reached, self.acted, self.recalls, self.rack) = (reached, acted, recalls, rack);
     }
 
     /// Serial number of the last waypoint it knows.
@@ -92,9 +98,25 @@ impl Body {
     /// Takes an order.
     pub fn obey(&mut self, order: &Command, warehouse: &Warehouse) {
         match order {
-            Command::Drive { waypoints, .. } => self.learn(waypoints, warehouse),
+            Command::Drive { waypoints, recalls, .. } if *recalls >= self.recalls && !self.returns => {
+                self.recalls = *recalls;
+                self.learn(waypoints, warehouse);
+            }
+            Command::Drive { .. } => {}
             Command::Limit(limit) => self.limit_mps = *limit,
+            Command::Recall { to, number } => self.come_back(*to, *number, warehouse),
         }
+    }
+
+    /// Where it stands on the way to the next waypoint, it drives back to the one before.
+    fn come_back(&mut self, to: u64, number: u64, warehouse: &Warehouse) {
+        let stands = self.speed_mps == 0.0 && self.acting.is_none();
+        if self.failed_until.is_some() || !stands || to != self.reached || number != self.recalls + 1 {
+            return;
+        }
+        let (serial, node, at) = (self.reached, self.node, warehouse.nodes[self.node].at);
+        self.path = VecDeque::from([Target { serial, node, at, act: None, limit_mps: f64::INFINITY }]);
+        self.returns = true;
     }
 
     /// Waypoints that it knows already are skipped, an act for the place where it stands is begun.
@@ -128,6 +150,7 @@ impl Body {
             battery: self.battery,
             failed: self.failed_until.is_some(),
             limit_mps: self.limit_mps,
+            recalls: self.recalls,
         }
     }
 
@@ -245,6 +268,7 @@ impl Body {
             self.speed_mps = 0.0;
         }
         self.path.pop_front();
+        self.recalls += u64::from(std::mem::take(&mut self.returns));
         (self.reached, self.node, self.pose.at) = (target.serial, target.node, target.at);
         self.acting = target.act.map(|act| (target.serial, act, None));
     }

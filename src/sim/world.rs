@@ -204,7 +204,8 @@ impl World {
             let who = i as u64;
             let battery = 0.6 + 0.4 * Stream::new(self.seed, 4, who).unit();
             let mut body = Body::new(id, node, self.warehouse.nodes[node].at, battery, self.kinematics);
-            body.resume(fleet.ledger().chain(id).first(), record.acted, fleet.ledger().rack_on(id));
+            let (reached, rack) = (fleet.ledger().chain(id).first(), fleet.ledger().rack_on(id));
+            body.resume(reached, record.acted, record.recalls, rack);
             let delay = Span::from_millis(self.faults.message_delay_ms);
             let loss = self.faults.message_loss;
             self.robots.push(Robot {

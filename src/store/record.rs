@@ -104,6 +104,12 @@ enum Record {
         serial: u64,
         depart: i64,
     },
+    Recalled {
+        robot: u32,
+        serial: u64,
+        recalls: u64,
+        at: i64,
+    },
     Cut {
         robots: Vec<u32>,
     },
@@ -261,6 +267,9 @@ impl From<&Fact> for Record {
             Fact::Delayed { robot, serial, depart } => {
                 Record::Delayed { robot: robot.0, serial: *serial, depart: depart.0 }
             }
+            Fact::Recalled { robot, serial, recalls, at } => {
+                Record::Recalled { robot: robot.0, serial: *serial, recalls: *recalls, at: at.0 }
+            }
             Fact::Cut { robots } => Record::Cut { robots: robots.iter().map(|r| r.0).collect() },
             Fact::Failed { robot, at } => Record::Failed { robot: robot.0, at: at.0 },
             Fact::Repaired { robot, at } => Record::Repaired { robot: robot.0, at: at.0 },
@@ -318,6 +327,9 @@ impl From<Record> for Fact {
             Record::Acted { robot, serial } => Fact::Acted { robot: RobotId(robot), serial },
             Record::Delayed { robot, serial, depart } => {
                 Fact::Delayed { robot: RobotId(robot), serial, depart: Time(depart) }
+            }
+            Record::Recalled { robot, serial, recalls, at } => {
+                Fact::Recalled { robot: RobotId(robot), serial, recalls, at: Time(at) }
             }
             Record::Cut { robots } => Fact::Cut { robots: robots.into_iter().map(RobotId).collect() },
             Record::Failed { robot, at } => Fact::Failed { robot: RobotId(robot), at: Time(at) },

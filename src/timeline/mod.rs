@@ -437,6 +437,16 @@ impl Timeline {
         }
     }
 
+    /// Marks the visits after `serial` as held only: the holder will not be there before it is granted them anew.
+    ///
+    /// # Panics
+    /// If `serial` is not granted.
+    pub fn recall(&mut self, holder: Holder, serial: u64) {
+        let chain = self.chains.get_mut(&holder).expect("only holders are called back");
+        assert!((chain.first..chain.granted).contains(&serial), "{holder:?} keeps what it was granted");
+        chain.granted = serial + 1;
+    }
+
     /// Runs `f` as if `holder` held nothing, and puts everything back.
     pub fn without<T>(&mut self, holders: &[Holder], f: impl FnOnce(&Timeline) -> T) -> T {
         self.toggle(holders, false);

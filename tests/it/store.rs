@@ -84,6 +84,7 @@ fn every_fact() -> Vec<Fact> {
         Fact::Passed { robot, serial: 8 },
         Fact::Acted { robot, serial: 8 },
         Fact::Delayed { robot, serial: 8, depart: Time::MAX },
+        Fact::Recalled { robot, serial: 8, recalls: 3, at },
         Fact::Cut { robots: vec![robot, RobotId(0)] },
         Fact::Failed { robot, at },
         Fact::Repaired { robot, at },

@@ -1,0 +1,134 @@
+//! Robots that come back from what they were granted, and take their turn at stations, where people are in the way.
+
+use super::people::Puppet;
+use super::*;
+use crate::geometry::{Point, Vector};
+
+/// A robot on its way, and somebody who appears so far ahead of it and stands there.
+fn face_to_face(faults: Faults, ahead_m: f64) -> (Floor, Puppet) {
+    let mut floor = Floor::new(thesis(), &Scenario { faults, ..scenario(1) });
+    floor.submit(request(deliver(40)));
+    let drives = |f: &Floor| f.world.truth().next().is_some_and(|(_, t)| t.speed_mps > 1.2);
+    floor.until(60, "it drives", drives);
+    let at = floor.robot_at() + floor.ahead() * ahead_m;
+    let mut ana = floor.hire(at);
+    ana.own = true;
+    (floor, ana)
+}
+
+impl Floor {
+    fn robot_at(&self) -> Point {
+        self.world.truth().next().expect("there is one").1.pose.at
+    }
+
+    fn ahead(&self) -> Vector {
+        let heading = self.world.truth().next().expect("there is one").1.pose.heading;
+        Vector::new(heading.cos(), heading.sin())
+    }
+
+    fn place(&self, name: &str) -> Point {
+        self.fleet.warehouse().nodes[self.node(name)].at
+    }
+
+    fn came_back(&self) -> usize {
+        self.facts.iter().filter(|f| matches!(f, Fact::Recalled { .. })).count()
+    }
+}
+
+#[test]
+fn a_robot_that_faces_somebody_for_long_comes_back_and_takes_another_way() {
+    let (mut floor, mut ana) = face_to_face(Faults::default(), 3.0);
+    let robot = RobotId(0);
+    for _ in 0..150 {
+        floor.walk(&mut ana);
+    }
+    let chain = floor.fleet.ledger().chain(robot);
+    assert!(chain.first() + 1 < chain.granted(), "more was granted than where it stands");
+    let stood = floor.robot_at();
+    assert_eq!(floor.came_back(), 0, "she may set off any moment");
+    for _ in 0..150 {
+        floor.walk(&mut ana);
+    }
+    assert!(floor.came_back() > 0, "nobody called it back");
+    assert_eq!(floor.fleet.ledger().robots[robot].recalls, floor.came_back() as u64);
+    assert!((floor.robot_at() - ana.at).norm() > (stood - ana.at).norm() + 0.5, "it drove off");
+    for _ in 0..3000 {
+        floor.walk(&mut ana);
+    }
+    assert_eq!(floor.fleet.ledger().counts.robot_deliveries, 1, "it went round her");
+}
+
+#[test]
+fn laws_hold_while_recalls_and_orders_are_late_and_lost() {
+    let mut recalls = 0;
+    for (seed, ahead_m) in [(1, 3.0), (2, 3.1), (3, 3.2), (4, 3.3), (5, 3.4)] {
+        let faults = Faults { message_delay_ms: 100, message_loss: 0.3, ..Faults::default() };
+        let (mut floor, mut ana) = face_to_face(faults, ahead_m);
+        let home = ana.at;
+        for i in 0..1500 {
+            // She steps aside and back again, so that orders and recalls cross.
+            if i % 240 == 200 {
+                ana.way = vec![home + Vector::new(0.0, 0.3), home];
+            }
+            floor.walk(&mut ana);
+        }
+        recalls += floor.came_back();
+        let said = floor.world.truth().next().unwrap().1.recalls;
+        assert!(said >= floor.fleet.ledger().robots[RobotId(0)].recalls, "seed {seed}");
+    }
+    assert!(recalls > 0);
+}
+
+#[test]
+fn who_waits_for_a_place_in_a_queue_does_not_overtake_by_stepping_aside() {
+    let mut floor = Floor::thesis(12);
+    let racks = floor.fleet.warehouse().racks.len() as u32;
+    for i in 0..12 {
+        floor.submit(request(deliver(i * 5 % racks)));
+    }
+    let waiting = |f: &Floor| f.fleet.ledger().robots.ids().find(|r| f.fleet.waits_for_room(*r));
+    floor.until(120, "the queue is full", |f| waiting(f).is_some());
+    let robot = waiting(&floor).expect("just seen");
+    let here = floor.fleet.ledger().node_of(robot);
+    let (_, way) = floor.fleet.warehouse().ways(here).next().expect("it came somewhere");
+    assert!(floor.fleet.detour(robot, way.to, floor.now), "there is room beside it");
+    let chain = floor.fleet.ledger().chain(robot);
+    assert!(chain.end() > chain.granted() && chain.last().map(|v| v.node) == Some(here), "it comes back");
+    assert!(floor.fleet.lacks_route(robot), "and it stands in line as before");
+    floor.until_over(1200);
+}
+
+#[test]
+fn a_robot_that_may_only_drive_slowly_is_granted_less() {
+    let mut floor = Floor::thesis(1);
+    floor.submit(request(deliver(40)));
+    floor.run(2);
+    let needed = |limit: Option<f64>, floor: &mut Floor| {
+        floor.fleet.crowd.limits.insert(RobotId(0), (limit, floor.now));
+        floor.fleet.needed_ahead_m(RobotId(0))
+    };
+    let (free, slow, stop) =
+        (needed(None, &mut floor), needed(Some(0.5), &mut floor), needed(Some(0.0), &mut floor));
+    assert!(free > slow + 1.0, "{free} m at full speed, {slow} m at half a metre per second");
+    assert_eq!(slow, stop, "who is to stand now may be let go slowly in a moment");
+}
+
+#[test]
+fn whoever_comes_back_to_work_goes_on_with_it() {
+    let mut floor = Floor::thesis(1);
+    let (work, aside) = (floor.node("G3-7"), floor.place("G3-9"));
+    let mut ana = floor.hire(floor.place("G3-7"));
+    floor.assign(&ana, work, 20);
+    let done = |floor: &Floor| floor.fleet.ledger().counts.human_deliveries;
+    let spend = |seconds: usize, floor: &mut Floor, ana: &mut Puppet| {
+        (0..seconds * 10).for_each(|_| drop(floor.walk(ana)));
+    };
+    spend(12, &mut floor, &mut ana);
+    // Off for a while, and back where she is led.
+    (ana.own, ana.way) = (true, vec![aside]);
+    spend(6, &mut floor, &mut ana);
+    assert!(done(&floor) == 0 && floor.deviations() > 0);
+    ana.own = false;
+    spend(14, &mut floor, &mut ana);
+    assert_eq!(done(&floor), 1, "twelve seconds and ten are more than twenty");
+}
