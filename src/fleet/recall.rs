@@ -1,5 +1,5 @@
-//! Grants that are taken back: a robot and somebody who wait for one another get nowhere, since the robot may only go on
-//! to where the other stands. It is called back to the node that it reached last, and is free to leave from there.
+//! Grants that are taken back: a robot and somebody who wait for one another get nowhere, since the robot may only go
+//! on to where the other stands. It is called back to the node that it reached last, and is free to leave from there.
 //!
 //! What was granted stays granted until the robot says that it is back and has forgotten the rest, whatever is lost or
 //! late on the way. Refuses: to call back a robot that drives, or works.

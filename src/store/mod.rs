@@ -8,6 +8,7 @@
 //! after an unclear failure is written once. Refuses: observations, a second process on the same file, a map
 //! other than the one that the facts speak of.
 
+mod act_record;
 mod error;
 mod history;
 mod jobs;

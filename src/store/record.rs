@@ -4,10 +4,9 @@
 //! with another meaning: a journal outlives the program that wrote it. Visits are arrays, since they are most
 //! of the bytes. Refuses: to guess what a newer version means.
 
+use super::act_record::ActRecord;
 use super::people_record::{AssignmentRecord, AssignmentStateRecord, EncounterRecord, ReactionRecord};
-use crate::fleet::{
-    Act, Booking, Closure, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, Stop, Task,
-};
+use crate::fleet::{Booking, Closure, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, Stop, Task};
 use crate::geometry::Spot;
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time, Window};
@@ -232,15 +231,6 @@ enum PurposeRecord {
     Charge,
     Park,
     Go,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum ActRecord {
-    Lift(u32),
-    Set(u32),
-    Pick(i64),
-    Arrive,
 }
 
 impl From<&Fact> for Record {
@@ -574,28 +564,6 @@ impl From<TaskRecord> for Task {
                     PurposeRecord::Go => Purpose::Go,
                 },
             },
-        }
-    }
-}
-
-impl From<Act> for ActRecord {
-    fn from(a: Act) -> ActRecord {
-        match a {
-            Act::Lift(rack) => ActRecord::Lift(rack.0),
-            Act::Set(rack) => ActRecord::Set(rack.0),
-            Act::Pick(span) => ActRecord::Pick(span.0),
-            Act::Arrive => ActRecord::Arrive,
-        }
-    }
-}
-
-impl From<ActRecord> for Act {
-    fn from(a: ActRecord) -> Act {
-        match a {
-            ActRecord::Lift(rack) => Act::Lift(RackId(rack)),
-            ActRecord::Set(rack) => Act::Set(RackId(rack)),
-            ActRecord::Pick(span) => Act::Pick(Span(span)),
-            ActRecord::Arrive => Act::Arrive,
         }
     }
 }

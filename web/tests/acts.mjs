@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
-import { assert, check, finish, openBrowser } from './chromium.mjs';
+import { assert, check, finish, openBrowser, until } from './chromium.mjs';
 
 const url = process.argv[2];
 if (!url) {
@@ -156,7 +156,7 @@ await check('One click stops all robots, everybody sees it, and they go on only 
   const banner = page.getByText('All robots are stopped by hand', { exact: true });
   await banner.waitFor({ timeout: 15_000 });
   await page.getByRole('region', { name: 'Alarms' }).getByText(/stopped by hand/).waitFor({ timeout: 5_000 });
-  await page.waitForFunction(async () => (await (await fetch('/v1/robots')).json()).items.every((r) => r.speed === 0), null, { timeout: 15_000 });
+  await until('a floor on which all robots stand', async () => (await ask('/v1/robots')).items.every((r) => r.speed === 0), 15);
   await page.waitForTimeout(400);
   await page.screenshot({ path: `${SHOTS}stopped.png` });
   await axe('stopped');

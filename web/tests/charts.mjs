@@ -7,7 +7,7 @@ import { mkdir } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
-import { assert, check, finish, openBrowser } from './chromium.mjs';
+import { assert, check, finish, openBrowser, until } from './chromium.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -112,7 +112,7 @@ await check('Charts have values after deliveries, and follow the pointer and the
   return words;
 });
 await check('An encounter comes as a row, shows its place, and can be seen again', async () => {
-  await until('an encounter', async () => (await ask('/v1/encounters?limit=1')).items.length > 0);
+  await meet();
   await button('Encounters').click();
   const row = encounters.locator('[data-encounter]').first();
   await row.waitFor({ timeout: 15_000 });
@@ -203,13 +203,24 @@ await check('Nothing was complained about in the console', () => assert(complain
 await stop();
 await finish(browser);
 
-/** Asks twice a second until it is so, for four minutes. */
-async function until(what, so) {
-  for (let i = 0; i < 480; i++) {
-    if (await so()) return;
-    await new Promise((done) => { setTimeout(done, 500); });
-  }
-  throw new Error(`${what} never comes`);
+/** Somebody with a tag appears in front of robots that drive until an encounter is over and recorded: the people of the scenario
+ *  may walk about for long without one. */
+async function meet() {
+  const post = (path, data) => context.request.post(new URL(path, url).href, { data });
+  const { id } = await (await post('/v1/workers', { name: 'visitor' })).json();
+  await until('an encounter', async () => {
+    if ((await ask('/v1/encounters?limit=1')).items.length > 0) return true;
+    const robot = (await ask('/v1/robots')).items.find((r) => r.speed > 0.8);
+    if (robot) {
+      const at = { x: robot.x + 0.9 * Math.cos(robot.heading), y: robot.y + 0.9 * Math.sin(robot.heading), accuracy_m: 0.1 };
+      for (let i = 0; i < 4; i++) {
+        await post(`/v1/workers/${id}/position`, at);
+        await page.waitForTimeout(250);
+      }
+    }
+    await post(`/v1/workers/${id}/clear`, {});
+    return false;
+  });
 }
 
 async function axe(look) {

@@ -34,6 +34,15 @@ export function assert(truth, why) {
   if (!truth) throw new Error(why);
 }
 
+/** Asks twice a second until it is so. */
+export async function until(what, so, seconds = 240) {
+  for (let i = 0; i < 2 * seconds; i++) {
+    if (await so()) return;
+    await new Promise((done) => { setTimeout(done, 500); });
+  }
+  throw new Error(`${what} never comes`);
+}
+
 /** Says how many checks passed, and ends. */
 export async function finish(browser) {
   await browser.close();
