@@ -20,8 +20,8 @@ use crate::time::{Span, Time};
 pub(super) const STROLL_MPS: f64 = 0.3;
 /// Room beyond region 1 that a robot leaves to somebody who stands, metres.
 const ROOM_M: f64 = 0.3;
-/// Room beyond region 1 that is left to somebody who comes, metres.
-const CLEAR_M: f64 = 0.2;
+/// Room beyond region 1 that is left to somebody who comes: what is walked while a stop is on its way, metres.
+const CLEAR_M: f64 = 0.35;
 /// Whoever is farther away does not come into region 1 before a robot has stopped, metres.
 const PASSING_M: f64 = 6.0;
 /// How fast people walk once they set off, metres per second.
