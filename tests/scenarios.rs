@@ -124,6 +124,18 @@ fn robots_and_three_workers_keep_their_laws() {
 }
 
 #[test]
+fn three_workers_with_bad_headsets_never_bring_the_floor_to_a_standstill() {
+    for seed in 1..=3 {
+        let mut setup = Setup::read("people-3");
+        setup.scenario.seed = seed;
+        let whole = setup.run();
+        assert_eq!(whole.law_violations, 0, "seed {seed}: {}", whole.broken.join("; "));
+        let done = (whole.counts.robot_deliveries, whole.counts.human_deliveries);
+        assert!(done.0 >= 80 && done.1 >= 25, "seed {seed}: {done:?} in half an hour");
+    }
+}
+
+#[test]
 fn an_aisle_that_is_closed_for_ten_minutes_keeps_the_laws() {
     holds("closure");
 }

@@ -11,7 +11,7 @@ use std::collections::{BTreeSet, VecDeque};
 impl Fleet {
     /// Takes back what was promised, but not granted, to everybody who would have to pass a robot that stands still
     /// for an unknown time, and to everybody who would have to pass those in turn. They all keep what they were
-    /// granted: robots cannot be called back.
+    /// granted: nobody asks robots that may be broken to come back.
     pub(super) fn cut_for(&mut self, broken: RobotId) {
         let mut found = BTreeSet::from([broken]);
         let mut queue = VecDeque::from([broken]);
