@@ -126,13 +126,14 @@
 //!   picture, and the order of all stays free of cycles, although the robot may come before others now.
 //! - *A broken robot* keeps what it was granted without end. Whoever has to pass it, and whoever would have to pass
 //!   those, loses what was not granted yet (`fleet/cut.rs`) and is routed anew.
-//! - *A robot that was called back* (`fleet/recall.rs`) only holds again what it had been granted. It is first in the order
-//!   of all that, and nobody can come before a hold that began in the past, so it waits for nobody there.
+//! - *A robot that was called back* (`fleet/recall.rs`) only holds again what it had been granted. It is first in the
+//!   order of all that, and nobody can come before a hold that began in the past, so it waits for nobody there.
 //!
 //! *People* are outside of the argument on purpose. A worker holds nothing in the timeline: a grant that would meet
 //! a condition waits, which is a delay like any other, and the order of robots stays as it is. What can be stuck is a
-//! robot and a person who wait for one another; a robot on a person's path leaves it, one that stood for a person for
-//! long is called back and leaves another way, a person whose path is blocked is led round, or to a place aside, and is told to stop only where nothing else is left.
+//! robot and a person who wait for one another. A robot on a person's path leaves it; one that stood for a person for
+//! long is called back and leaves by another way; a person whose path is blocked is led round, or to a place aside,
+//! and is told to stop only where nothing else is left.
 //!
 //! One thing must be true of the floor for (a) to be possible at all: every place can be reached without crossing a
 //! place where somebody may stay for ever. `warehouse/check/floor.rs` refuses maps where that is not so.
