@@ -125,14 +125,13 @@ fn robots_and_three_workers_keep_their_laws() {
 
 #[test]
 fn three_workers_with_bad_headsets_never_bring_the_floor_to_a_standstill() {
-    for seed in 1..=3 {
-        let mut setup = Setup::read("people-3");
-        setup.scenario.seed = seed;
-        let whole = setup.run();
-        assert_eq!(whole.law_violations, 0, "seed {seed}: {}", whole.broken.join("; "));
-        let done = (whole.counts.robot_deliveries, whole.counts.human_deliveries);
-        assert!(done.0 >= 80 && done.1 >= 25, "seed {seed}: {done:?} in half an hour");
-    }
+    let mut setup = Setup::read("people-3");
+    // Of ten seeds this was the worst, before robots were called back.
+    setup.scenario.seed = 4;
+    let whole = setup.run();
+    assert_eq!(whole.law_violations, 0, "{}", whole.broken.join("; "));
+    let done = (whole.counts.robot_deliveries, whole.counts.human_deliveries);
+    assert!(done.0 >= 80 && done.1 >= 25, "{done:?} in half an hour");
 }
 
 #[test]
