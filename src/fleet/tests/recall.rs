@@ -99,6 +99,25 @@ fn who_waits_for_a_place_in_a_queue_does_not_overtake_by_stepping_aside() {
 }
 
 #[test]
+fn nobody_fetches_another_rack_for_a_station_for_which_enough_wait() {
+    let mut floor = Floor::thesis(20);
+    let racks = floor.fleet.warehouse().racks.len() as u32;
+    for i in 0..40 {
+        floor.submit(request(deliver(i % racks)));
+    }
+    floor.run(90);
+    let robots: Vec<RobotId> = floor.fleet.ledger().robots.ids().collect();
+    let places = floor.fleet.warehouse().stations[StationId(0)].queue.len() + 1;
+    let wait = robots.iter().filter(|r| floor.fleet.waits_for_room(**r)).count();
+    assert!(wait >= places, "{wait} wait for {places} places");
+    floor.run(5);
+    let fetches = |r: &&RobotId| matches!(floor.fleet.ledger().robots[**r].task, Task::Fetch { .. });
+    let jobs = floor.fleet.ledger().jobs.values().filter(|j| j.state == JobState::Waiting).count();
+    assert!(robots.iter().filter(fetches).count() == 0 && jobs > 0, "somebody is still sent for a rack");
+    assert!(robots.iter().any(|r| !floor.fleet.waits_for_room(*r)), "and some are free for others");
+}
+
+#[test]
 fn a_robot_that_may_only_drive_slowly_is_granted_less() {
     let mut floor = Floor::thesis(1);
     floor.submit(request(deliver(40)));
