@@ -143,8 +143,8 @@ impl Fleet {
             let Some(rack) = self.ledger.jobs[&id].request.kind.rack() else { continue };
             let RackAt::Stored(node) = self.ledger.racks[rack] else { continue };
             let kind = &self.ledger.jobs[&id].request.kind;
-            let can_wait = matches!(kind, JobKind::Deliver { station, .. } if enough.contains(station));
-            if !can_wait && self.is_ready(id) && !self.job_is_closed_off(kind, node) && seen.insert(rack) {
+            let has_enough = matches!(kind, JobKind::Deliver { station, .. } if enough.contains(station));
+            if !has_enough && self.is_ready(id) && !self.job_is_closed_off(kind, node) && seen.insert(rack) {
                 found.push((id, rack, node, -urgency));
                 if found.len() == JOBS {
                     break;

@@ -28,8 +28,8 @@ impl Fleet {
         if self.settings.arm != Arm::Giveway {
             return;
         }
-        let long: Vec<RobotId> = self.crowd.stands.keys().copied().collect();
-        for robot in long {
+        let standing: Vec<RobotId> = self.crowd.stands.keys().copied().collect();
+        for robot in standing {
             let called = self.crowd.called_back.get(&robot).is_some_and(|t| now - *t < AGAIN);
             let leaves = |w| self.drives_away(robot, self.place_of(robot), w, now);
             let stood_for = self.stood_for(robot, now).and_then(|w| self.whereabouts(w, now));
