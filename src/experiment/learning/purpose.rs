@@ -1,6 +1,8 @@
-//! Figures of goals: those under which recorded trips are most likely.
+//! Figures of goals: those that are likeliest after recorded trips.
 //!
-//! Main function: [`fit`]. Refuses: people whose goals nobody knows.
+//! Main function: [`fit`]. Samples of one trip hang together, so a trip counts as one observation, and a few of them
+//! move what is likely beforehand (the figures of [`PurposeModel::default`], give or take [`SPREAD`]) only so far.
+//! Refuses: people whose goals nobody knows.
 
 use super::{Lesson, RECORDED_M};
 use crate::experiment::recorded::{Ground, Subject, Trip, trips, visits};
@@ -16,13 +18,17 @@ const ROUNDS: i32 = 4;
 const IMAGINED: f64 = 4.0;
 /// A goal is never less probable than this.
 const FLOOR: f64 = 1e-6;
+/// One standard deviation, beforehand, of the logarithm of a figure.
+const SPREAD: f64 = 0.5;
+/// So many people's degrees of resoluteness have been seen beforehand.
+const KNOWN: f64 = 5.0;
 
 /// Fits all figures; the places are those of the first lesson with goals.
 pub fn fit(lessons: &[Lesson], start: &Model) -> PurposeModel {
     let known: Vec<(&Lesson, Vec<Trip>)> =
         lessons.iter().filter(|l| !l.goals.is_empty()).map(|l| (l, trips(&l.recording, &l.goals))).collect();
     // Without knowledge of places first: it would count the trips that it was counted from.
-    let mut best = PurposeModel { places: Vec::new(), ..(*start.purpose).clone() };
+    let mut best = PurposeModel { elsewhere: start.purpose.elsewhere, ..PurposeModel::default() };
     let mut least = loss(&known, start, &best);
     for round in 0..ROUNDS {
         let factor = 1.0 + 1.0 / f64::from(1 << round);
@@ -59,7 +65,8 @@ fn changed(mut m: PurposeModel, figure: usize, by: f64) -> PurposeModel {
     m
 }
 
-/// Mean of -ln of the true goal's probability over the interior samples of all trips.
+/// -ln of how likely figures are, up to a constant: the mean of -ln of the true goal's probability over the interior
+/// samples, once per trip, and how far the figures are from those beforehand.
 fn loss(known: &[(&Lesson, Vec<Trip>)], model: &Model, purpose: &PurposeModel) -> f64 {
     let model = Model { purpose: Arc::new(purpose.clone()), ..model.clone() };
     let (mut sum, mut n) = (0.0, 0);
@@ -80,7 +87,19 @@ fn loss(known: &[(&Lesson, Vec<Trip>)], model: &Model, purpose: &PurposeModel) -
             }
         }
     }
-    sum / f64::from(n.max(1))
+    let trips: usize = known.iter().map(|(_, trips)| trips.len()).sum();
+    sum / f64::from(n.max(1)) * trips as f64 + surprise(purpose)
+}
+
+/// -ln of how likely figures are before anybody is seen, up to a constant: log-normal, and Dirichlet for the shares.
+fn surprise(purpose: &PurposeModel) -> f64 {
+    let usual = PurposeModel::default();
+    let off = |a: f64, b: f64| ((a / b).ln() / SPREAD).powi(2) / 2.0;
+    let shares = purpose.beta_shares.iter().zip(usual.beta_shares).map(|(s, u)| KNOWN * u * (u / s).ln());
+    off(purpose.kappa, usual.kappa)
+        + off(purpose.betas_per_m[0], usual.betas_per_m[0])
+        + off(purpose.changes_per_s, usual.changes_per_s)
+        + shares.sum::<f64>()
 }
 
 /// How long people stay at each goal and where they go next.

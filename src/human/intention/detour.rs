@@ -31,6 +31,9 @@ const THERE_M: f64 = 1.0;
 const PLACE_M: f64 = 1.0;
 /// How often people change how resolute they are, per second.
 const TEMPER_PER_S: f64 = 0.02;
+/// So much of what steps say about resoluteness counts: those of one straight leg are one piece of evidence, and who
+/// took them for many would be too sure of somebody who turns at the end of it.
+const EVIDENCE: f64 = 0.25;
 
 /// Figures of the recogniser.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -69,10 +72,10 @@ pub struct Place {
 impl Default for PurposeModel {
     fn default() -> PurposeModel {
         PurposeModel {
-            betas_per_m: [1.0, 3.0, 8.0, 20.0],
+            betas_per_m: [1.0, 1.75, 3.0, 5.0],
             beta_shares: [0.25, 0.25, 0.25, 0.25],
-            changes_per_s: 0.05,
-            kappa: 2.0,
+            changes_per_s: 0.1,
+            kappa: 6.0,
             elsewhere: 0.05,
             dwell_s: 5.0,
             places: Vec::new(),
@@ -266,6 +269,7 @@ impl Detour {
 
     /// A step of `step` metres; `ways` says how far each goal was before and is now.
     fn weigh(&mut self, step: f64, ways: impl Fn(GoalId) -> Option<(f64, f64)>) {
+        let before = self.degrees();
         for (goal, p) in &mut self.goals {
             // Nobody can say how far it is: neither for nor against.
             let Some((then, now)) = ways(*goal) else { continue };
@@ -273,6 +277,32 @@ impl Detour {
             for (q, beta) in p.iter_mut().zip(self.model.betas_per_m) {
                 *q *= (-beta * detour).exp() / bessel0e(beta * step);
             }
+        }
+        self.temper(before);
+    }
+
+    /// Probabilities of the degrees, whatever the goal.
+    fn degrees(&self) -> [f64; DEGREES] {
+        let mut sums = [0.0; DEGREES];
+        for p in self.goals.values() {
+            sums.iter_mut().zip(p).for_each(|(sum, q)| *sum += q);
+        }
+        sums
+    }
+
+    /// Takes back what a step said about resoluteness but for [`EVIDENCE`] of it. Neither the sum over all goals nor
+    /// how the goals of one degree compare changes.
+    fn temper(&mut self, before: [f64; DEGREES]) {
+        let after = self.degrees();
+        let share = |i: usize| if after[i] > 0.0 { (before[i] / after[i]).powf(1.0 - EVIDENCE) } else { 0.0 };
+        let factors: [f64; DEGREES] = std::array::from_fn(share);
+        let tempered: f64 = factors.iter().zip(after).map(|(f, a)| f * a).sum();
+        if tempered <= 0.0 {
+            return;
+        }
+        let whole = after.iter().sum::<f64>() / tempered;
+        for p in self.goals.values_mut() {
+            p.iter_mut().zip(factors).for_each(|(q, f)| *q *= f * whole);
         }
     }
 
@@ -342,6 +372,27 @@ mod tests {
         let belief = person.belief();
         assert!(belief.of(GoalId(0)) < 0.1, "nobody goes where they are: {belief:?}");
         assert!(belief.of(GoalId(2)) > 4.0 * belief.of(GoalId(1)), "{belief:?}");
+    }
+
+    #[test]
+    fn a_step_says_less_about_resoluteness_than_about_the_goal() {
+        let mut person = Detour::new(Arc::new(PurposeModel::default()), MotionModel::default());
+        (0..2).for_each(|g| person.add_goal(GoalId(g), 1.0));
+        let before = person.degrees();
+        // Straight at the first goal, straight away from the second.
+        person.weigh(0.4, |g| Some(if g == GoalId(0) { (5.0, 4.6) } else { (5.0, 5.4) }));
+        let after = person.degrees();
+        let model = &person.model;
+        let says = |i: usize| {
+            let (beta, whole) = (model.betas_per_m[i] * 0.4, bessel0e(model.betas_per_m[i] * 0.4));
+            (1.0 + (-2.0 * beta).exp()) / whole
+        };
+        let odds = |p: [f64; DEGREES]| p[DEGREES - 1] / p[0];
+        let (said, taken) = (says(DEGREES - 1) / says(0), odds(after) / odds(before));
+        assert!(said > 1.1 && (taken / said.powf(EVIDENCE) - 1.0).abs() < 1e-9, "{said} {taken}");
+        let goals = |i: usize| person.goals[&GoalId(1)][i] / person.goals[&GoalId(0)][i];
+        let expected = (-0.8 * model.betas_per_m[3]).exp();
+        assert!((goals(3) / expected - 1.0).abs() < 1e-9, "{}", goals(3));
     }
 
     #[test]
