@@ -5,27 +5,21 @@
 
 use super::learn::{FormatArgument, read_goals, read_model, read_tracks};
 use super::write;
-use crate::aware::{BODY_M, Regions, SLOW_MPS};
 use crate::experiment::learning::RECORDED_M;
 use crate::experiment::plot::{LineChart, Series};
 use crate::experiment::recorded::forecasting::{self, ForecastScore, LEVELS, Predictor};
-use crate::experiment::recorded::meetings::{Judged, Meetings, Replay, THRESHOLDS};
+use crate::experiment::recorded::meetings::{Judged, Meetings, Replay, Said, THRESHOLDS};
 use crate::experiment::recorded::purposes::{self, BEFORE_S, PARTS, PurposeScore, Recogniser};
 use crate::experiment::recorded::{
     Degrade, PREDICTED, Recording, STEP_S, Seen, Stretch, Trip, scored, trips,
 };
 use crate::geometry::Point;
 use crate::human::{Method, Model};
-use crate::route::Kinematics;
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
-
-/// The usual robot: side of its footprint, metres, and control period, seconds.
-const FOOTPRINT_M: f64 = 0.9;
-const PERIOD_S: f64 = 0.05;
 
 /// What both experiments read.
 #[derive(Args)]
@@ -85,23 +79,10 @@ impl Encounters {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let case = self.source.read()?;
         anyhow::ensure!((1..=1000).contains(&self.robots), "--robots must be from 1 to 1000");
-        let kinematics = Kinematics::default();
-        let regions = Regions::new(kinematics, FOOTPRINT_M, PERIOD_S);
         let mut report = case.header();
-        let mut runs = Vec::new();
-        for speed_mps in [kinematics.top_mps(true), 1.0, SLOW_MPS] {
-            let times = regions.times(speed_mps, true);
-            let replay = Replay {
-                robots: self.robots,
-                speed_mps,
-                half_m: FOOTPRINT_M / 2.0,
-                lead_s: times.react_s + times.stop_s,
-                separation_m: BODY_M + FOOTPRINT_M / 2.0 + regions.separation_m(speed_mps, true, RECORDED_M),
-                seed: case.seed,
-            };
-            runs.push(outcome(&replay, &replay.run(&case.recording, &case.goals, &case.model)));
-        }
-        report["runs"] = runs.into();
+        let outcomes = Replay::of_speeds(self.robots, case.seed)
+            .map(|replay| outcome(&replay, &replay.run(&case.recording, &case.goals, &case.model)));
+        report["runs"] = outcomes.to_vec().into();
         println!("{}", serde_json::to_string_pretty(&report)?);
         Ok(ExitCode::SUCCESS)
     }
@@ -121,6 +102,11 @@ fn outcome(replay: &Replay, found: &Meetings) -> Value {
     };
     let by_threshold = THRESHOLDS.iter().zip(&found.by_threshold);
     let thresholds: Map<String, Value> = by_threshold.map(|(t, j)| (format!("{t}"), judged(j))).collect();
+    let mean = |s: &Said| {
+        let share = |sum: f64| (s.looks > 0).then(|| sum / s.looks as f64);
+        json!({"looks": s.looks, "said": share(s.stated), "came": share(s.came as f64)})
+    };
+    let said: Vec<Value> = found.said.iter().map(mean).collect();
     json!({
         "speed_mps": replay.speed_mps,
         "lead_s": replay.lead_s,
@@ -128,6 +114,7 @@ fn outcome(replay: &Replay, found: &Meetings) -> Value {
         "looks": found.looks,
         "thresholds": thresholds,
         "distance": judged(&found.by_distance),
+        "said_and_came": said,
     })
 }
 
@@ -285,8 +272,10 @@ impl Forecast {
         for view in self.source.views() {
             let mut models = Map::new();
             for predictor in Predictor::ALL {
-                let needs_goals =
-                    matches!(predictor, Predictor::Thesis | Predictor::Heading | Predictor::Free);
+                let needs_goals = matches!(
+                    predictor,
+                    Predictor::Thesis | Predictor::ByHand | Predictor::Heading | Predictor::Free
+                );
                 let main = matches!(predictor, Predictor::Giveway | Predictor::Constant);
                 if (needs_goals && case.goals.is_empty()) || (view.is_some() && !main) {
                     continue;

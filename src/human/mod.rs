@@ -25,7 +25,7 @@ pub use distance::{Distances, Vantage};
 pub use field::{Field, Graph};
 pub use forecast::{Band, Hypothesis, Passage, passages};
 pub use intention::{Belief, Intention, Method};
-pub use mixture::{Mixture, Part};
+pub use mixture::{Mixture, PLACES, Part};
 pub use model::{Model, ModelError};
 pub use outlook::Outlook;
 pub use sighting::{Quality, Sighting};

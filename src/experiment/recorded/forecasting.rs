@@ -3,6 +3,7 @@
 //! Main types: [`ForecastScore`], [`Predictor`]. The protocol is that of the public benchmarks: eight samples are
 //! observed, twelve predicted, one prediction each. Refuses: the best of several predictions, which no planner can use.
 
+use super::recipe;
 use super::subject::{Ground, Subject};
 use super::tracks::{Recording, Seen};
 use super::windows::{OBSERVED, PREDICTED, STEPS, Stretch};
@@ -24,6 +25,8 @@ pub enum Predictor {
     Free,
     /// The same with goals weighted by the published recogniser of chapter 4.
     Thesis,
+    /// The mean of straight ways to all goals, with figures set by hand.
+    ByHand,
     /// On with the last step.
     Constant,
     /// On with the mean of seven steps.
@@ -36,10 +39,11 @@ pub enum Predictor {
 
 impl Predictor {
     /// All of them.
-    pub const ALL: [Predictor; 7] = [
+    pub const ALL: [Predictor; 8] = [
         Predictor::Giveway,
         Predictor::Free,
         Predictor::Thesis,
+        Predictor::ByHand,
         Predictor::Constant,
         Predictor::Mean,
         Predictor::Heading,
@@ -52,6 +56,7 @@ impl Predictor {
             Predictor::Giveway => "giveway",
             Predictor::Free => "giveway_without_goals",
             Predictor::Thesis => "thesis",
+            Predictor::ByHand => "by_hand",
             Predictor::Constant => "cv",
             Predictor::Mean => "cv_mean",
             Predictor::Heading => "heading",
@@ -149,6 +154,12 @@ fn predict(
                 }
                 None => last.at + v * ahead(i),
             }))
+        }
+        Predictor::ByHand => {
+            let model = recipe::by_hand(model);
+            let mut subject = Subject::new(ground, &model, method, sigma_m);
+            seen.iter().for_each(|s| subject.see(s.t, s.at));
+            plain(recipe::mean_ways(&subject, &ground.goals, seen, later))
         }
         Predictor::Giveway | Predictor::Free | Predictor::Thesis => {
             let mut subject = Subject::new(ground, model, method, sigma_m);

@@ -6,14 +6,21 @@
 
 use super::subject::{Ground, Subject};
 use super::tracks::{Recording, Seen, Walk};
-use crate::aware::{BEYOND, BODY_M, Swept, collision};
+use crate::aware::{BEYOND, BODY_M, Regions, SLOW_MPS, Swept, collision};
 use crate::experiment::dice::Dice;
+use crate::experiment::learning::RECORDED_M;
 use crate::geometry::{Point, Vector};
 use crate::human::{Method, Model};
+use crate::route::Kinematics;
 use crate::time::{Span, Time};
 
 /// Probabilities from which a robot brakes, as they are compared.
 pub const THRESHOLDS: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.4];
+/// The usual robot: side of its footprint, metres, and control period, seconds.
+const FOOTPRINT_M: f64 = 0.9;
+const PERIOD_S: f64 = 0.05;
+/// Upper ends of the classes in which what was said is compared with what came.
+pub const CLASSES: [f64; 9] = [0.002, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0];
 /// A look every so often.
 const TICK: Span = Span::from_millis(100);
 /// Who is this far away is not looked at, metres.
@@ -65,6 +72,19 @@ pub struct Meetings {
     pub by_threshold: [Judged; 6],
     /// By distance alone.
     pub by_distance: Judged,
+    /// What was said, and after how many looks they met, by class of what was said ([`CLASSES`]).
+    pub said: [Said; CLASSES.len()],
+}
+
+/// Looks at which about the same probability of a meeting was stated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Said {
+    /// How many.
+    pub looks: u64,
+    /// The sum of what was stated.
+    pub stated: f64,
+    /// After how many of them the two touched before the robot could have stood.
+    pub came: u64,
 }
 
 /// A robot's way for ever on: corners of straight legs along the axes, driven at a constant speed.
@@ -124,6 +144,18 @@ struct Look {
 }
 
 impl Replay {
+    /// Loaded robots at their top speed, at walking speed, and as slow as near people.
+    pub fn of_speeds(robots: usize, seed: u64) -> [Replay; 3] {
+        let kinematics = Kinematics::default();
+        let regions = Regions::new(kinematics, FOOTPRINT_M, PERIOD_S);
+        [kinematics.top_mps(true), 1.0, SLOW_MPS].map(|speed_mps| {
+            let times = regions.times(speed_mps, true);
+            let half_m = FOOTPRINT_M / 2.0;
+            let separation_m = BODY_M + half_m + regions.separation_m(speed_mps, true, RECORDED_M);
+            Replay { robots, speed_mps, half_m, lead_s: times.react_s + times.stop_s, separation_m, seed }
+        })
+    }
+
     /// Replays all walks.
     pub fn run(&self, recording: &Recording, goals: &[Point], model: &Model) -> Meetings {
         let ground = Ground::new(goals);
@@ -148,8 +180,7 @@ impl Replay {
     /// All looks at one robot beside one person.
     fn looks(&self, walk: &Walk, way: &Timetable, ground: &Ground, model: &Model) -> Vec<Look> {
         let (start, end) = (walk.seen[0].t, walk.seen[walk.seen.len() - 1].t);
-        let mut subject =
-            Subject::new(ground, model, Method::Detour, crate::experiment::learning::RECORDED_M);
+        let mut subject = Subject::new(ground, model, Method::Detour, RECORDED_M);
         let (mut next, mut looks, mut t) = (0, Vec::new(), start);
         while t <= end {
             while let Some(s) = walk.seen.get(next).filter(|s| s.t <= t) {
@@ -194,6 +225,10 @@ impl Meetings {
             let Some(stated) = look.stated else { continue };
             self.looks += 1;
             let comes = looks[i..].iter().take_while(|l| l.t - look.t <= lead + BEYOND).any(|l| l.touches);
+            let class = CLASSES.iter().position(|high| stated <= *high).unwrap_or(CLASSES.len() - 1);
+            let said = &mut self.said[class];
+            (said.looks, said.stated, said.came) =
+                (said.looks + 1, said.stated + stated, said.came + u64::from(comes));
             let alarm = |judged: &mut Judged, is: bool| {
                 judged.alarms += u64::from(is);
                 judged.false_alarms += u64::from(is && !comes);
@@ -244,6 +279,10 @@ mod tests {
             assert!(pair[0].missed <= pair[1].missed && pair[0].alarms >= pair[1].alarms);
         }
         assert!(five.alarms < found.by_distance.alarms, "prediction alarms less than distance: {found:?}");
+        let often = found.said[8];
+        assert!(often.came * 2 > often.looks, "what is said to be probable happens: {often:?}");
+        let never = found.said[0];
+        assert!(never.came * 50 < never.looks, "what is said not to happen does not: {never:?}");
         assert_eq!(found, replay.run(&hall(), &[], &Model::builtin()), "the same seed, the same outcome");
     }
 }

@@ -6,6 +6,7 @@ mod degrade;
 pub mod forecasting;
 pub mod meetings;
 pub mod purposes;
+mod recipe;
 mod subject;
 mod tracks;
 mod windows;

@@ -3,6 +3,7 @@
 //! Main types: [`PurposeScore`], [`Recogniser`]. Refuses: credit for the goal where a trip began; it is left
 //! out and the others are scaled up.
 
+use super::recipe;
 use super::subject::{Ground, Subject};
 use super::tracks::{Recording, Seen};
 use super::windows::Trip;
@@ -28,6 +29,8 @@ const MISS: f64 = 0.05;
 pub enum Recogniser {
     /// One of the product's methods.
     Method(Method),
+    /// Ours with figures set by hand.
+    ByHand,
     /// By the direction of the last two steps alone.
     Heading,
     /// By distance alone.
@@ -38,10 +41,11 @@ pub enum Recogniser {
 
 impl Recogniser {
     /// All of them.
-    pub const ALL: [Recogniser; 6] = [
+    pub const ALL: [Recogniser; 7] = [
         Recogniser::Method(Method::Detour),
         Recogniser::Method(Method::Chapter4),
         Recogniser::Method(Method::Chapter3),
+        Recogniser::ByHand,
         Recogniser::Heading,
         Recogniser::Nearest,
         Recogniser::Chance,
@@ -53,6 +57,7 @@ impl Recogniser {
             Recogniser::Method(Method::Detour) => "giveway",
             Recogniser::Method(Method::Chapter4) => "thesis",
             Recogniser::Method(Method::Chapter3) => "thesis_chapter_3",
+            Recogniser::ByHand => "by_hand",
             Recogniser::Heading => "heading",
             Recogniser::Nearest => "nearest",
             Recogniser::Chance => "chance",
@@ -110,6 +115,8 @@ pub fn score(
     mut observe: impl FnMut(&[Seen]) -> Vec<Seen>,
 ) -> PurposeScore {
     let ground = Ground::new(goals);
+    let by_hand = recipe::by_hand(model);
+    let model = if recogniser == Recogniser::ByHand { &by_hand } else { model };
     let mut looks = Vec::new();
     for (number, trip) in trips.iter().enumerate() {
         let way = &recording.walks[trip.walk].seen[trip.first..=trip.last];
@@ -144,8 +151,10 @@ fn follow(
     seen: &[Seen],
 ) -> Vec<Vec<f64>> {
     let mut said = Vec::with_capacity(way.len());
-    let Recogniser::Method(method) = recogniser else {
-        return (1..way.len() - 1).map(|i| simple(recogniser, &ground.goals, &way[..=i])).collect();
+    let method = match recogniser {
+        Recogniser::Method(method) => method,
+        Recogniser::ByHand => Method::Detour,
+        _ => return (1..way.len() - 1).map(|i| simple(recogniser, &ground.goals, &way[..=i])).collect(),
     };
     let mut subject = Subject::new(ground, model, method, sigma_m);
     let mut next = 0;
