@@ -22,6 +22,8 @@ const AGE_SHARE: i64 = 4;
 const NEAR: Span = Span::from_secs(600);
 /// What it costs that the station has as many racks under way as places, per rack beyond.
 const CROWD_MS: i64 = 8_000;
+/// A rack that waits longer than this for a place at its station has waited for long.
+const LONG: Span = Span::from_secs(60);
 /// Below this, an idle robot that nobody needs goes to charge.
 const TOP_UP: f64 = 0.9;
 
@@ -137,7 +139,7 @@ impl Fleet {
         let urgency = |j: &Job| urgency_ms(j, now, oldest[usize::from(j.request.priority)]);
         let mut ranked: Vec<(i64, JobId)> = waiting.iter().map(|(id, j)| (-urgency(j), *id)).collect();
         ranked.sort_unstable();
-        let enough = self.stations_with_enough();
+        let enough = self.stations_with_enough(now);
         let mut found = Vec::new();
         for (urgency, id) in ranked {
             let Some(rack) = self.ledger.jobs[&id].request.kind.rack() else { continue };
@@ -154,16 +156,19 @@ impl Fleet {
         found
     }
 
-    /// Stations for which as many robots wait with their racks as the queue has places. Whoever fetched another one
-    /// would stand with it for long and be missed elsewhere.
-    fn stations_with_enough(&self) -> BTreeSet<StationId> {
-        let mut waiting = IdVec::filled(0, self.warehouse().stations.len());
+    /// Stations for which enough robots wait with their racks: twice as many as the queue has places, so that there are
+    /// some to choose from where ways are long and crowded; only as many once one of them has waited for long. Whoever
+    /// fetched another rack would stand with it and be missed elsewhere.
+    fn stations_with_enough(&self, now: Time) -> BTreeSet<StationId> {
+        let mut waiting = IdVec::filled((0, Span::ZERO), self.warehouse().stations.len());
         for robot in self.ledger.robots.ids().filter(|r| self.waits_for_room(*r)) {
             let station = self.station_of(robot).expect("it waits for one");
-            waiting[station] += 1;
+            let (number, longest): &mut (usize, Span) = &mut waiting[station];
+            (*number, *longest) = (*number + 1, self.needs.waited(robot, now).max(*longest));
         }
         let places = |s: StationId| self.warehouse().stations[s].queue.len() + 1;
-        waiting.pairs().filter(|(s, n)| **n >= places(*s)).map(|(s, _)| s).collect()
+        let enough = |s: StationId, longest: Span| if longest > LONG { places(s) } else { 2 * places(s) };
+        waiting.pairs().filter(|(s, w)| w.0 >= enough(*s, w.1)).map(|(s, _)| s).collect()
     }
 
     /// How long the robot's way to a rack takes, milliseconds; nothing if somebody else stands there for ever.

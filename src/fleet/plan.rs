@@ -47,6 +47,11 @@ impl Needs {
     pub fn failed_before(&self, robot: RobotId) -> bool {
         self.waiting.get(&robot).is_some_and(|n| n.tries > 0)
     }
+
+    /// How long a robot has needed a route.
+    pub fn waited(&self, robot: RobotId, now: Time) -> Span {
+        self.waiting.get(&robot).map_or(Span::ZERO, |n| now - n.since)
+    }
 }
 
 impl Fleet {
