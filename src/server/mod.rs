@@ -134,11 +134,25 @@ impl Server {
         let (period, next, feeds) = (scenario.period, loaded.next, Arc::new(feeds));
         let interop = config.massrobotics.clone();
         let live = Arc::new(Live::new(fleet.warehouse().clone(), clock.started().0.unsigned_abs()));
-        let past = Past::keep(config.past(), fleet.warehouse(), &live, &clock);
+        let alarms = Arc::new(Alarms::default());
+        let past = Past::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);
         let (notes, historian) = historian::historian(figures.clone(), store.clone());
         let charts = Charts { figures, notes, historian: tokio::spawn(historian.run()) };
-        let parts =
-            Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, live, past, charts };
+        let parts = Parts {
+            fleet,
+            world,
+            clock,
+            period,
+            next,
+            gate,
+            interop,
+            feeds,
+            heard,
+            live,
+            alarms,
+            past,
+            charts,
+        };
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
         let work = tokio::spawn(work(parts, store.clone(), door, stopping));
         Ok(Server { address, summary, identity, store, stop, work })
@@ -197,6 +211,7 @@ struct Parts {
     feeds: Arc<Feeds>,
     heard: mpsc::Receiver<Heard>,
     live: Arc<Live>,
+    alarms: Arc<Alarms>,
     past: Past,
     charts: Charts,
 }
@@ -215,8 +230,9 @@ async fn work(
     door: Door,
     mut stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
-    let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, live, past, charts } = parts;
-    let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
+    let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, live, past, charts, .. } =
+        parts;
+    let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
     let ((desk, requests), (ask, questions)) = (mpsc::channel(inbox::DESK), mpsc::channel(QUESTIONS));
@@ -243,8 +259,7 @@ async fn work(
     };
     let ((closing, closes), (halt, halted)) = (watch::channel(false), watch::channel(false));
     let mut feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
-    let mut writer = tokio::spawn(writer.run());
-    let mut thread = spawn_loop(drive, halted)?;
+    let (mut writer, mut thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
     let api = Api {
         map,
         moments: picture,

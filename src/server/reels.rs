@@ -1,11 +1,12 @@
 //! Keeps the past: a thread of its own writes the pictures of the live feed to disk, five a second.
 //!
-//! Main types: [`Past`], [`Tap`] (the loop's end, which never waits). Where the disk takes no more, the log says so,
-//! the fleet goes on, and the thread tries again. Refuses: to hold anybody up; a fact that comes too fast loses its
-//! bookmark, not its place in the journal.
+//! Main types: [`Past`], [`Tap`] (the loop's end, which never waits). Where the disk takes no more, an alarm and the
+//! log say so, the fleet goes on, and the thread tries again. Refuses: to hold anybody up; a fact that comes too fast
+//! loses its bookmark, not its place in the journal.
 
 use super::clock::Clock;
 use crate::api::live::Live;
+use crate::api::port::Alarms;
 use crate::api::reel::{EVERY, Folder, Limits, Roll, is_notable};
 use crate::fleet::Fact;
 use crate::time::{Span, Time};
@@ -18,6 +19,9 @@ use std::time::Duration;
 
 /// So many facts may wait for their bookmarks.
 const WAITING: usize = 1024;
+
+/// The alarm that pictures are lost.
+const ALARM: &str = "past";
 
 /// How long it rests after the disk refused something.
 const REST: Span = Span::from_secs(10);
@@ -53,6 +57,7 @@ impl Past {
         map: &Arc<Warehouse>,
         live: &Arc<Live>,
         clock: &Arc<Clock>,
+        alarms: &Arc<Alarms>,
     ) -> Past {
         let Some((path, limits)) = wanted else { return Past::default() };
         let begin = || -> io::Result<Past> {
@@ -60,12 +65,15 @@ impl Past {
             let folder = Arc::new(folder);
             let (send, facts) = sync_channel(WAITING);
             let roll = Roll::new(folder.clone(), limits);
-            let keeper = Keeper { roll, live: live.clone(), clock: clock.clone(), rest: None };
+            let (live, clock, alarms) = (live.clone(), clock.clone(), alarms.clone());
+            let keeper = Keeper { roll, live, clock, alarms, rest: None };
             std::thread::Builder::new().name("past".into()).spawn(move || keeper.run(&facts))?;
             Ok(Past { folder: Some(folder), tap: Tap(Some(send)) })
         };
         begin().unwrap_or_else(|e| {
-            tracing::error!("the past is not kept: {}: {e}. The fleet goes on.", path.display());
+            let text = format!("the past is not kept: {}: {e}. The fleet goes on.", path.display());
+            tracing::error!("{text}");
+            alarms.raise(ALARM, text, clock.now());
             Past::default()
         })
     }
@@ -75,6 +83,7 @@ struct Keeper {
     roll: Roll,
     live: Arc<Live>,
     clock: Arc<Clock>,
+    alarms: Arc<Alarms>,
     /// Until when nothing is written, since the disk refused something.
     rest: Option<Time>,
 }
@@ -105,14 +114,55 @@ impl Keeper {
         }
         let Some(frame) = self.live.frame() else { return };
         match self.roll.take(&frame) {
-            Ok(()) if self.rest.take().is_some() => tracing::info!("the past is kept again"),
+            Ok(()) if self.rest.take().is_some() => {
+                self.alarms.clear(ALARM);
+                tracing::info!("the past is kept again");
+            }
             Ok(()) => {}
             Err(e) => {
-                if self.rest.is_none() {
-                    tracing::error!("the past is not kept: {e}. The fleet goes on; make room on the disk.");
+                let text = format!("the past is not kept: {e}. The fleet goes on; make room on the disk.");
+                if self.alarms.raise(ALARM, text.clone(), now) {
+                    tracing::error!("{text}");
                 }
                 self.rest = Some(now + REST);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::port::Moment;
+    use crate::fleet::{Fleet, Settings};
+    use crate::warehouse::lab;
+    use std::fs;
+
+    #[test]
+    fn a_disk_that_takes_no_more_is_an_alarm_until_it_does_again() {
+        let path = std::env::temp_dir().join(format!("giveway-past-{}", std::process::id()));
+        let (map, clock, alarms) =
+            (Arc::new(lab()), Arc::new(Clock::start(None)), Arc::new(Alarms::default()));
+        let live = Arc::new(Live::new(map.clone(), 1));
+        let view = Fleet::new(map.clone(), Settings::default()).view(Time::ZERO);
+        live.publish(&Moment { view, ..Moment::default() }, &[], 0.0);
+        let folder = Arc::new(Folder::open(path.clone(), map, "lab".into(), None).unwrap());
+        let roll = Roll::new(folder, Limits { age_s: 60.0, bytes: 1 << 20 });
+        let mut keeper = Keeper { roll, live, clock: clock.clone(), alarms: alarms.clone(), rest: None };
+        let standing = || alarms.list().into_iter().find(|a| a.id == ALARM).map(|a| a.text);
+        // A file where the folder was refuses every file in it.
+        fs::remove_dir_all(&path).unwrap();
+        fs::write(&path, "in the way").unwrap();
+        keeper.shoot();
+        let said = standing().expect("an alarm stands");
+        assert!(said.contains("the past is not kept") && said.contains("The fleet goes on"), "{said}");
+        fs::remove_file(&path).unwrap();
+        fs::create_dir(&path).unwrap();
+        keeper.shoot();
+        assert!(standing().is_some(), "it rests before it tries again");
+        keeper.rest = Some(clock.now());
+        keeper.shoot();
+        assert_eq!(standing(), None);
+        fs::remove_dir_all(&path).unwrap();
     }
 }
