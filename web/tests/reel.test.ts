@@ -6,6 +6,7 @@ import { readReel } from '../src/reel/reel';
 import { replayRoute } from '../src/reel/route';
 import { seek, type Shown } from '../src/reel/seek';
 import { linesOf } from '../src/reel/unpack';
+import { chainOf, heldAround, jobsUnderWay } from '../src/reel/was';
 import { moment, momentOf } from '../src/reel/words';
 import type { FloorMap } from '../src/wire';
 import { robot, snapshot } from './samples';
@@ -146,5 +147,48 @@ describe('addresses and times', () => {
     expect(momentOf(start, 7_200, 'noon')).toBeNull();
     expect(moment(start, 1_800)).toBe('12:30:00');
     expect(moment(null, 1_800)).toBe('00:30:00');
+  });
+});
+
+describe('what pictures say beyond the floor', () => {
+  const places = [0, 1, 2].map((i) => ({ id: `N${i}`, x: i, y: 0, kind: 'aisle' as const }));
+  const withPlaces = { ...map, nodes: places };
+  /** One robot goes from place to place, one second each, and is promised the next; pictures five times a second. */
+  function goingReel(): string[] {
+    const lines = [header()];
+    for (let i = 0; i <= 15; i++) {
+      const on = Math.min(2, Math.floor(i / 5));
+      const robots = [robot('r1', { granted: [on], held: on < 2 ? [on, on + 1] : [on] })];
+      const whole = JSON.stringify(snapshot({ version: i + 1, time_s: i / 5, robots }));
+      const patch = { type: 'patch', base: i, version: i + 1, time_s: i / 5, robots: [{ id: 'r1', granted: [on], held: on < 2 ? [on, on + 1] : [on] }] };
+      if (i > 0) lines.push(`{"at":${i / 5},"patch":${JSON.stringify(patch)}}`);
+      if (i % 10 === 0) lines.push(`{"at":${i / 5},"key":${whole}}`);
+    }
+    return lines;
+  }
+
+  test('who held a place from when to when', () => {
+    const strips = heldAround(readReel(goingReel()).shots, withPlaces, [0.5, -1, 2.5, 1], 1, 60);
+    expect(strips.map((s) => s.id)).toEqual(['N1', 'N2']);
+    const of = (id: string) => strips.find((s) => s.id === id)?.holds.map((h) => [h.by, h.granted, Math.round(h.from_s * 10) / 10, Math.round((h.to_s ?? 0) * 10) / 10]);
+    expect(of('N1')).toEqual([['r1', false, -0.8, -0.2], ['r1', true, 0, 0.8]]);
+    expect(of('N2')).toEqual([['r1', false, 0, 0.8], ['r1', true, 1, 2]]);
+  });
+
+  test('a chain leads from who waits to the root, and ends where it would turn round', () => {
+    const said = (robots: ReturnType<typeof robot>[]) => seek(readReel([header(), `{"at":0,"key":${JSON.stringify(snapshot({ robots }))}}`]).shots, 0, null)!.mirror;
+    const mirror = said([
+      robot('r-1', { why: 'waits for N2, held by r-2' }), robot('r-2', { why: 'waits for N3, held by r-3' }), robot('r-3', { doing: 'picking' }),
+    ]);
+    expect(chainOf(mirror, 'r-1').map((l) => [l.who, l.root])).toEqual([['r-1', false], ['r-2', false], ['r-3', true]]);
+    expect(chainOf(mirror, 'r-3')).toEqual([]);
+    const round = said([robot('r-1', { why: 'waits for N2, held by r-2' }), robot('r-2', { why: 'waits for N1, held by r-1' })]);
+    expect(chainOf(round, 'r-1').map((l) => l.who)).toEqual(['r-1', 'r-2']);
+  });
+
+  test('jobs under way are in the order of their numbers', () => {
+    const robots = [robot('r-1', { job: 'job-10' }), robot('r-2'), robot('r-3', { job: 'job-9' })];
+    const mirror = seek(readReel([header(), `{"at":0,"key":${JSON.stringify(snapshot({ robots }))}}`]).shots, 0, null)!.mirror;
+    expect(jobsUnderWay(mirror).map((r) => r.job)).toEqual(['job-9', 'job-10']);
   });
 });

@@ -85,6 +85,30 @@ await check('A bookmark leads to the deviation, and shows who it was', async () 
   assert((await moment()) > before, 'the next bookmark is not later');
   return words;
 });
+await check('The jobs of then are listed, and why their robots waited, down to the root', async () => {
+  await button('Pause').click();
+  await bar().getByRole('button', { name: 'Jobs', exact: true }).click();
+  const list = page.getByRole('region', { name: 'Jobs then' });
+  const waits = () => list.locator('tbody tr', { hasText: /held by robot-/ }).first();
+  for (let steps = 0; steps < 40 && !(await waits().isVisible()); steps++) await page.locator('body').press('ArrowLeft');
+  const words = (await waits().innerText()).replaceAll(/\s+/g, ' ');
+  await waits().getByRole('button').click();
+  const chain = page.getByRole('region', { name: 'Why it waited' }).getByRole('listitem');
+  await chain.nth(1).waitFor({ timeout: 3_000 });
+  await page.screenshot({ path: `${SHOTS}replay-jobs.png` });
+  return `${words}: ${await chain.count()} links`;
+});
+await check('Timelines of then show who held the places on the screen', async () => {
+  await bar().getByRole('button', { name: 'Timelines', exact: true }).click();
+  await button('What is on the screen').click();
+  const bars = page.getByRole('application', { name: 'Timelines of the area' }).locator('.bar');
+  await bars.nth(20).waitFor({ timeout: 5_000 });
+  const looks = await bars.evaluateAll((all) => [...new Set(all.map((bar) => bar.dataset.look))].sort());
+  assert(looks.join() === 'granted,held', `bars are ${looks.join()}`);
+  await page.screenshot({ path: `${SHOTS}replay-timelines.png` });
+  return `${await bars.count()} bars`;
+});
+await axe('a file with timelines, dark');
 await check('At 64 times the speed it comes to the end and stands', async () => {
   await bar().getByLabel('Speed').selectOption('64');
   await page.getByRole('slider', { name: 'Moment' }).press('Home');
@@ -105,6 +129,34 @@ await check('It fits onto a phone', async () => {
   assert(over <= 0, `it is ${over} px too wide`);
 });
 await page.close();
+
+await check('Seeking among 800 robots shows the moment at once', async () => {
+  await giveway('sim', here('../../scenarios/kiva-800.json'), '--duration', '60', '--no-bound', '--reel', file('many.reel'));
+  await giveway('replay', file('many.reel'), '--page', file('many.html'));
+  page = await open();
+  await page.goto(pathToFileURL(file('many.html')).href);
+  await drawn();
+  await button('Pause').click();
+  const took = await page.evaluate(async () => {
+    const [slider, canvas] = [document.querySelector('input[type="range"]'), document.querySelector('canvas')];
+    const turn = () => new Promise((done) => { requestAnimationFrame(done); });
+    const times = [];
+    // Forth and back, never to where it is: a third of a minute at least lies between.
+    for (let i = 0; i < 20; i++) {
+      const shown = canvas.dataset.version;
+      slider.value = String((i * 23 + 3) % 59);
+      const began = performance.now();
+      slider.dispatchEvent(new Event('input', { bubbles: true }));
+      while (canvas.dataset.version === shown && performance.now() - began < 5_000) await turn();
+      times.push(performance.now() - began);
+    }
+    return times.sort((a, b) => a - b);
+  });
+  const robots = await page.evaluate(() => document.querySelector('canvas').dataset.robots);
+  assert(robots === '800' && took.at(-1) < 5_000, `${robots} robots, the longest seek took ${took.at(-1).toFixed(0)} ms`);
+  await page.close();
+  return `median ${took[10].toFixed(0)} ms, longest ${took.at(-1).toFixed(0)} ms of 20`;
+});
 
 let server = await start('replay', file('run.jsonl.gz'), '--listen', '127.0.0.1:0');
 await check('A recording opens as a replay whose scrubber grows to all of it', async () => {

@@ -3,7 +3,9 @@
 import { EMPTY, type Mirror } from '../mirror';
 import { begins, ends, snap, type Film, type Span } from './film';
 import type { Mark } from './reel';
+import type { FloorMap, Timelines } from '../wire';
 import { seek, type Shown } from './seek';
+import { heldAround } from './was';
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16, 32, 64] as const;
 /** How much of the past the scrubber shows, seconds; 0 is all of it. */
@@ -83,6 +85,12 @@ export class Replay {
     this.#until = null;
     this.#aim = null;
     this.#follow();
+  }
+
+  /** Who held the places of an area around the moment; null while pictures are fetched. */
+  timelines(map: FloorMap, area: readonly number[], ahead: number): Timelines | null {
+    const shots = this.film.shots(this.t);
+    return shots && { at: '', ahead_s: ahead, nodes: heldAround(shots, map, area, this.t, ahead) };
   }
 
   /** How much the scrubber shows, with the moment in the middle. */
