@@ -50,6 +50,9 @@ impl Timeline {
 
     /// Moves one departure and, along the holder's own chain, whatever waiting does not absorb. Gives the serial
     /// numbers of the visits that changed.
+    ///
+    /// Each visit begins no earlier than the one before. As planned they do when both slide; but granting lets several
+    /// begin at one moment, and those that were called back then slide by what each has to give.
     fn slide_chain(&mut self, h: Holder, s: u64, mut depart: Time) -> Range<u64> {
         let chain = self.chains.get_mut(&h).expect("only holders are late");
         let mut end = s;
@@ -70,6 +73,18 @@ impl Timeline {
             next.arrive += by;
             depart = next.arrive + next.stay;
             end = serial + 2;
+        }
+        let mut begins = Time(i64::MIN);
+        for serial in s.max(chain.first)..chain.end() {
+            let visit = &mut chain.visits[(serial - chain.first) as usize];
+            if visit.enter >= begins && serial >= end {
+                break;
+            }
+            if serial >= chain.granted {
+                visit.enter = visit.enter.max(begins);
+            }
+            begins = visit.enter;
+            end = end.max(serial + 1);
         }
         s..end
     }

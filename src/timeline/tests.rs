@@ -106,10 +106,41 @@ proptest! {
         prop_assert_eq!(orders(&timeline), before);
         prop_assert!(timeline.chain(who).unwrap().get(1).unwrap().depart >= depart);
     }
+
+    #[test]
+    fn what_was_granted_early_recalled_and_is_late_then_is_entered_in_order(
+        starts in proptest::collection::vec(0i64..6, 1..4),
+        (granted, kept) in (1u64..6, 0u64..4),
+        now in 0i64..30,
+        late in proptest::collection::vec(1i64..30, 1..4),
+        (dense, lead) in (any::<bool>(), 0i64..25),
+    ) {
+        let mut timeline = convoy_with(lead, &starts, dense);
+        let before = orders(&timeline);
+        let first = robot(0);
+        let last = (1..=granted).take_while(|s| timeline.waits_for(first, *s).is_none()).last().unwrap_or(0);
+        timeline.grant(first, last, Time(now));
+        let kept = kept.min(last);
+        timeline.recall(first, kept);
+        timeline.assert_sound();
+        for by in late {
+            let depart = timeline.chain(first).unwrap().get(kept).unwrap().depart + Span(by);
+            timeline.postpone(first, kept, depart);
+            timeline.assert_sound();
+            prop_assert_eq!(orders(&timeline), before.clone());
+        }
+        timeline.grant(first, last, Time(now));
+        timeline.assert_sound();
+    }
 }
 
 /// Robots standing in a row, two nodes apart, that drive up the row one after the other.
 fn convoy(waits: &[i64], dense: bool) -> Timeline {
+    convoy_with(0, waits, dense)
+}
+
+/// A convoy whose first robot must be sure of a node so long before it drives to it.
+fn convoy_with(lead: i64, waits: &[i64], dense: bool) -> Timeline {
     let robots = waits.len() as u32;
     let length = 4 * robots + 4;
     let mut timeline = Timeline::new(row(length as usize, dense), Span(1));
@@ -119,6 +150,10 @@ fn convoy(waits: &[i64], dense: bool) -> Timeline {
         let (first, last) = (2 * (robots - 1 - i), length - 1 - 2 * i);
         let mut visits: Vec<Visit> =
             (first..=last).map(|n| pass(n, start + 10 * i64::from(n), n == last)).collect();
+        if i == 0 {
+            let begins = visits[1].enter;
+            visits.iter_mut().skip(2).for_each(|v| v.enter = (v.enter + Span(-lead)).max(begins));
+        }
         (visits[0].enter, visits[0].arrive) = (Time(0), Time(0));
         timeline.reserve(robot(i), visits).expect("spaced so that they fit");
         timeline.grant(robot(i), 0, Time(0));
