@@ -5,8 +5,8 @@
 //! [`Alarms`], [`Moment`], [`Figures`], [`Now`]. Refuses: to know who answers.
 
 use crate::fleet::{
-    Area, Assignment, AssignmentRequest, Closure, Encounter, Expected, Fleet, Job, JobRequest, Reply, Strip,
-    View, Waiting, Why,
+    Area, Assignment, AssignmentRequest, Backlog, Closure, Encounter, Expected, Fleet, Job, JobRequest,
+    Reply, Strip, View, Waiting, Why,
 };
 use crate::history::{History, Times};
 use crate::id::{AssignmentId, ClosureId, JobId, RobotId, WorkerId};
@@ -134,6 +134,8 @@ pub enum What {
     Assign(WorkerId, AssignmentRequest),
     /// The end of it.
     Unassign(AssignmentId),
+    /// That a worker is done with it.
+    Finish(WorkerId, AssignmentId),
     /// An area to keep out of.
     Close(Closure),
     /// The end of that.
@@ -204,6 +206,8 @@ pub struct Moment {
     pub measured: Measured,
     /// Where people may be in the coming seconds; nothing while nobody reads it.
     pub forecasts: Arc<Vec<Expected>>,
+    /// The first of the jobs that wait, as they were a second ago at most; nothing where no past is kept.
+    pub backlog: Arc<Backlog>,
 }
 
 /// Figures of the loop over the last minutes.

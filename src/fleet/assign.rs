@@ -129,15 +129,8 @@ impl Fleet {
                 _ => None,
             })
             .collect();
-        let waiting = self.ledger.jobs.iter().filter(|(_, j)| j.state == JobState::Waiting);
-        let waiting: Vec<(JobId, &Job)> = waiting.map(|(id, j)| (*id, j)).collect();
-        let mut oldest = [now; 10];
-        for (_, job) in waiting.iter().filter(|(_, j)| !self.is_blocked(&j.request.after)) {
-            let first = &mut oldest[usize::from(job.request.priority)];
-            *first = job.accepted.min(*first);
-        }
-        let urgency = |j: &Job| urgency_ms(j, now, oldest[usize::from(j.request.priority)]);
-        let mut ranked: Vec<(i64, JobId)> = waiting.iter().map(|(id, j)| (-urgency(j), *id)).collect();
+        let waiting: Vec<(JobId, &Job)> = self.waiting_jobs().collect();
+        let mut ranked = self.ranks(&waiting, now);
         ranked.sort_unstable();
         let enough = self.stations_with_enough(now);
         let mut found = Vec::new();
@@ -156,9 +149,19 @@ impl Fleet {
         found
     }
 
-    /// Stations for which enough robots wait with their racks: twice as many as the queue has places, so that there are
-    /// some to choose from where ways are long and crowded; only as many once one of them has waited for long. Whoever
-    /// fetched another rack would stand with it and be missed elsewhere.
+    /// Waiting jobs with their urgency turned round, so that the smallest comes first; in no order.
+    pub(super) fn ranks(&self, waiting: &[(JobId, &Job)], now: Time) -> Vec<(i64, JobId)> {
+        let mut oldest = [now; 10];
+        for (_, job) in waiting.iter().filter(|(_, j)| !self.is_blocked(&j.request.after)) {
+            let first = &mut oldest[usize::from(job.request.priority)];
+            *first = job.accepted.min(*first);
+        }
+        let urgency = |j: &Job| urgency_ms(j, now, oldest[usize::from(j.request.priority)]);
+        waiting.iter().map(|(id, j)| (-urgency(j), *id)).collect()
+    }
+
+    /// Stations for which enough robots wait with their racks. Whoever fetched another one would stand with it and be
+    /// missed elsewhere.
     fn stations_with_enough(&self, now: Time) -> BTreeSet<StationId> {
         let mut waiting = IdVec::filled((0, Span::ZERO), self.warehouse().stations.len());
         for robot in self.ledger.robots.ids().filter(|r| self.waits_for_room(*r)) {
@@ -167,7 +170,8 @@ impl Fleet {
             (*number, *longest) = (*number + 1, self.needs.waited(robot, now).max(*longest));
         }
         let places = |s: StationId| self.warehouse().stations[s].queue.len() + 1;
-        let enough = |s: StationId, longest: Span| if longest > LONG { places(s) } else { 2 * places(s) };
+        let enough =
+            |s: StationId, longest: Span| enough(places(s), self.needs.set_off.get(&s).copied(), longest);
         waiting.pairs().filter(|(s, w)| w.0 >= enough(*s, w.1)).map(|(s, _)| s).collect()
     }
 
@@ -212,6 +216,17 @@ impl Fleet {
     }
 }
 
+/// How many robots with their racks may wait for a station, whose queue takes `places`, before nobody fetches another:
+/// twice as many where the line moves, so that there are some to choose from where ways are long and crowded; as many
+/// once one has waited for long, or the last one to set off had, or nobody has yet; none while the line stands.
+fn enough(places: usize, last: Option<Span>, longest: Span) -> usize {
+    match () {
+        () if longest > LONG * 3 => 0,
+        () if longest > LONG || last.is_none_or(|waited| waited > LONG) => places,
+        () => 2 * places,
+    }
+}
+
 /// Priority, nearness of the deadline and age, milliseconds. A job whose deadline is near stands in line as if it
 /// were the `oldest` of its priority, and the nearer the deadline, the farther before it: however long others have
 /// waited, they can wait a little longer, and the deadline cannot.
@@ -225,4 +240,19 @@ fn urgency_ms(job: &Job, now: Time, oldest: Time) -> i64 {
 
 fn stage(goal: NodeId) -> crate::route::Stage {
     crate::route::Stage { goal, loaded: false, stay: Span::ZERO }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn racks_wait_for_a_station_as_its_line_moves() {
+        let [moment, long, stands] = [10, 100, 200].map(Span::from_secs);
+        assert_eq!(enough(5, None, Span::ZERO), 5, "nobody knows yet how fast it goes");
+        assert_eq!(enough(5, Some(moment), moment), 10);
+        assert_eq!(enough(5, Some(long), moment), 5);
+        assert_eq!(enough(5, Some(moment), long), 5);
+        assert_eq!(enough(5, Some(moment), stands), 0);
+    }
 }

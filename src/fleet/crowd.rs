@@ -20,6 +20,19 @@ use std::sync::Arc;
 /// A worker this near to the end of the path is there, metres.
 const THERE_M: f64 = 0.6;
 
+/// A robot that stands for somebody.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Standing {
+    /// For whom, the last of several.
+    pub worker: WorkerId,
+    /// Since when it stands.
+    pub since: Time,
+    /// Since when it does so for this one.
+    pub facing_since: Time,
+    /// Where it came to stand.
+    pub node: NodeId,
+}
+
 /// How a worker's walk stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(super) enum Mode {
@@ -109,8 +122,8 @@ pub(super) struct Crowd {
     pub yielding: BTreeMap<RobotId, Yielding>,
     /// When each robot was told its limit last, and which.
     pub limits: BTreeMap<RobotId, (Option<f64>, Time)>,
-    /// For whom robots stand, or come back slowly, and since when.
-    pub stands: BTreeMap<RobotId, (WorkerId, Time)>,
+    /// Robots that stand for somebody, or come back slowly.
+    pub stands: BTreeMap<RobotId, Standing>,
     /// When robots that stand for somebody were called back last.
     pub called_back: BTreeMap<RobotId, Time>,
     /// When each robot last looked for another route because of somebody.

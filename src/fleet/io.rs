@@ -69,6 +69,15 @@ pub enum Input {
         /// Which.
         assignment: AssignmentId,
     },
+    /// A worker is done with an assignment, and says so.
+    Finish {
+        /// Comes back with the reply.
+        token: u64,
+        /// Who.
+        worker: WorkerId,
+        /// With which.
+        assignment: AssignmentId,
+    },
     /// Robots are to keep out of an area.
     Close {
         /// Comes back with the reply.

@@ -5,7 +5,7 @@
 
 use super::Fleet;
 use super::closing::STANDS;
-use super::crowd::Mode;
+use super::crowd::{Mode, Standing};
 use super::fact::Fact;
 use super::io::Command;
 use super::people::{Encounter, Reaction};
@@ -126,12 +126,17 @@ impl Fleet {
         limits.min_by(f64::total_cmp)
     }
 
-    /// Notes since when a robot has to stand for somebody; it may come back slowly meanwhile.
+    /// Notes since when a robot has to stand for somebody; it may come back slowly meanwhile. Who stands for one and
+    /// then for another has stood all the while.
     fn note_standing(&mut self, robot: RobotId, limit: Option<f64>, because: Option<WorkerId>, now: Time) {
-        let stands = &mut self.crowd.stands;
+        let (node, stands) = (self.ledger.node_of(robot), &mut self.crowd.stands);
+        let before = stands.get(&robot).copied();
         match because.filter(|_| limit.is_some_and(|l| l <= SLOW_MPS)) {
-            Some(worker) if stands.get(&robot).is_some_and(|(w, _)| *w == worker) => {}
-            Some(worker) if limit == Some(0.0) => _ = stands.insert(robot, (worker, now)),
+            Some(worker) if before.is_some_and(|s| s.worker == worker) => {}
+            Some(worker) if limit == Some(0.0) => {
+                let since = before.filter(|s| s.node == node).map_or(now, |s| s.since);
+                stands.insert(robot, Standing { worker, since, facing_since: now, node });
+            }
             // Who was called back has not left yet.
             _ if self.crowd.called_back.contains_key(&robot) => {}
             _ => _ = stands.remove(&robot),
@@ -176,12 +181,19 @@ impl Fleet {
     }
 
     /// How a worker will walk on, as far as that is known: along the path, straight on without one, and from where
-    /// there is work to do in any direction as soon as it is done.
-    fn walk_of(&self, worker: WorkerId, w: &Whereabouts, (robot, at): (RobotId, Point), now: Time) -> Walk {
+    /// there is work to do in any direction as soon as it is done, or a while later.
+    pub(super) fn walk_of(
+        &self,
+        worker: WorkerId,
+        w: &Whereabouts,
+        (robot, at): (RobotId, Point),
+        now: Time,
+    ) -> Walk {
         let person = &self.crowd.people[worker];
         let speed = w.velocity.norm();
         if let (Some(since), Some(plan)) = (person.there_since, &person.plan)
             && speed < STROLL_MPS
+            && now - (since + plan.stay) < STANDS
         {
             let waits_s = (since + plan.stay - now).max(Span::ZERO).as_secs_f64();
             return Walk { way: vec![w.at, at], speed_mps: GAIT_MPS, waits_s };

@@ -2,10 +2,11 @@
 //!
 //! Main function: [`Fleet::view`]. Refuses: to change anything.
 
+use super::Fleet;
+use super::crowd::Standing;
 use super::fact::{Act, Purpose, Task};
 use super::people::{ClosureView, Presence, WorkerView};
 use super::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
-use super::{Fleet, Job, JobState};
 use crate::geometry::{Point, Pose};
 use crate::human::Belief;
 use crate::id::{JobId, NodeId, RobotId, StationId, WorkerId};
@@ -20,7 +21,7 @@ impl Fleet {
     pub fn view(&self, now: Time) -> View {
         let robots: Vec<RobotView> = self.ledger.robots.ids().map(|r| self.robot_view(r, now)).collect();
         let stations = self.warehouse().stations.ids().map(|s| self.station_view(s)).collect();
-        let waiting = self.ledger.jobs.values().filter(|j| j.state == JobState::Waiting).count() as u64;
+        let waiting = self.waiting_jobs().count() as u64;
         let active = self.ledger.jobs.len() as u64 - waiting;
         let counts = Counts { waiting, active, ..self.ledger.counts };
         let racks = self.ledger.racks.iter().copied().collect();
@@ -33,9 +34,7 @@ impl Fleet {
 
     /// Waiting jobs that come after others, each with the first one that is not over yet.
     fn blocked(&self) -> BTreeMap<JobId, JobId> {
-        let first = |j: &Job| j.request.after.iter().copied().find(|a| self.ledger.jobs.contains_key(a));
-        let waiting = self.ledger.jobs.iter().filter(|(_, j)| j.state == JobState::Waiting);
-        waiting.filter_map(|(id, j)| Some((*id, first(j)?))).collect()
+        self.waiting_jobs().filter_map(|(id, j)| Some((id, self.first_before(j)?))).collect()
     }
 
     fn robot_view(&self, r: RobotId, now: Time) -> RobotView {
@@ -127,7 +126,7 @@ impl Fleet {
         }
         let chain = self.ledger.chain(r);
         let may_drive = chain.first() + 1 < chain.granted();
-        if let Some((worker, _)) = self.crowd.stands.get(&r).filter(|_| stands && may_drive) {
+        if let Some(Standing { worker, .. }) = self.crowd.stands.get(&r).filter(|_| stands && may_drive) {
             return Some(Why::GivesWay(*worker));
         }
         let at_end = chain.first() + 1 == chain.granted();

@@ -7,6 +7,7 @@
 
 mod absorb;
 mod assign;
+mod backlog;
 mod closing;
 mod crowd;
 mod cut;
@@ -39,6 +40,7 @@ pub mod view;
 mod why;
 mod yielding;
 
+pub use backlog::{Backlog, Pending};
 pub use fact::{Act, Booking, Fact, Purpose, Stop, Task};
 pub use foresee::{AHEAD_S, Expected};
 pub use io::{Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};

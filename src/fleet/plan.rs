@@ -40,6 +40,8 @@ struct Need {
 pub(super) struct Needs {
     waiting: BTreeMap<RobotId, Need>,
     looked: BTreeMap<RobotId, Time>,
+    /// How long the last one waited for room at a station before it set off.
+    pub set_off: BTreeMap<StationId, Span>,
 }
 
 impl Needs {
@@ -66,9 +68,11 @@ impl Fleet {
             if self.scene.fit(robot, now).is_none() || !self.station_has_room(robot, &bound) {
                 continue;
             }
+            let waited = self.needs.waited(robot, now);
             let spent = self.plan_one(robot, now);
             budget = budget.saturating_sub(spent);
             if let Some(station) = self.station_of(robot).filter(|_| !self.lacks_route(robot)) {
+                self.needs.set_off.insert(station, waited);
                 bound[station] += 1;
             }
         }

@@ -74,19 +74,23 @@ impl Fleet {
             .then(|| self.warehouse().nodes[self.ledger.node_of(robot)].at)
     }
 
-    /// For whom a robot has been standing for so long that it should leave.
+    /// For whom a robot has been standing for so long that it should leave: for one, or for some who take turns.
     pub(super) fn stood_for(&self, robot: RobotId, now: Time) -> Option<WorkerId> {
-        let (worker, since) = self.crowd.stands.get(&robot)?;
-        (now - *since > LEAVES).then_some(*worker)
+        let standing = self.crowd.stands.get(&robot)?;
+        let long = now - standing.facing_since > LEAVES || now - standing.since > LEAVES * 2;
+        long.then_some(standing.worker)
     }
 
     /// The one for whom the robot has been standing for long and to whom this place is nearer than its own: nobody
-    /// is helped if it drives up again.
+    /// is helped if it drives up again. Between those who take turns, it has to go nearer to one of them.
     pub(super) fn faces(&self, robot: RobotId, node: NodeId, now: Time) -> Option<WorkerId> {
-        let worker = self.stood_for(robot, now).filter(|_| self.settings.arm == Arm::Giveway)?;
-        let w = self.whereabouts(worker, now)?.at;
+        let standing = self.crowd.stands.get(&robot)?;
+        if now - standing.facing_since <= LEAVES || self.settings.arm != Arm::Giveway {
+            return None;
+        }
+        let w = self.whereabouts(standing.worker, now)?.at;
         let (there, here) = (self.warehouse().nodes[node].at, self.place_of(robot));
         let near = (there - w).norm();
-        (near < (here - w).norm() && near < FACES_M).then_some(worker)
+        (near < (here - w).norm() && near < FACES_M).then_some(standing.worker)
     }
 }

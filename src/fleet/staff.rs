@@ -17,6 +17,9 @@ impl Fleet {
             Input::Hire { token, name } => (token, Ok(self.hire(token, name, now))),
             Input::Assign { token, worker, request } => (token, self.hand_out(token, worker, request, now)),
             Input::Unassign { token, assignment } => (token, self.take_back(token, assignment, now)),
+            Input::Finish { token, worker, assignment } => {
+                (token, self.finish(token, worker, assignment, now))
+            }
             Input::Close { token, area } => (token, self.close(token, area)),
             Input::Reopen { token, closure } => (token, self.reopen(token, closure, now)),
             Input::Clear { token, worker } => (token, self.clear(token, worker)),
@@ -74,6 +77,21 @@ impl Fleet {
             return Err(Refusal::UnknownAssignment(id));
         }
         self.record(Fact::Advanced { assignment: id, state: AssignmentState::Cancelled, at: now });
+        Ok(Reply::Done { token })
+    }
+
+    /// Takes a worker's word for it: whoever did the work knows, and where devices see somebody may be wrong.
+    fn finish(
+        &mut self,
+        token: u64,
+        worker: WorkerId,
+        id: AssignmentId,
+        now: Time,
+    ) -> Result<Reply, Refusal> {
+        if self.ledger.assignments.get(&id).is_none_or(|a| a.worker != worker) {
+            return Err(Refusal::UnknownAssignment(id));
+        }
+        self.record(Fact::Advanced { assignment: id, state: AssignmentState::Done, at: now });
         Ok(Reply::Done { token })
     }
 

@@ -56,6 +56,7 @@ impl Inbox {
                 What::Clear(worker) => Input::Clear { token, worker },
                 What::Assign(worker, request) => Input::Assign { token, worker, request },
                 What::Unassign(assignment) => Input::Unassign { token, assignment },
+                What::Finish(worker, assignment) => Input::Finish { token, worker, assignment },
                 What::Close(area) => Input::Close { token, area },
                 What::Reopen(closure) => Input::Reopen { token, closure },
                 What::Halt(robot) => Input::Halt { token, robot },

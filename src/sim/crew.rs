@@ -29,7 +29,7 @@ const APART: Span = Span::from_secs(3);
 const DOOR_M: f64 = 1.5;
 /// One that drives does so from as many seconds farther away: nobody steps out in front of a robot that could not stop.
 const DOOR_S: f64 = 2.5;
-/// Guidance that has not come through is sent again after this.
+/// What has not come through, either way, is sent again after this.
 const AGAIN: Span = Span::from_millis(300);
 
 /// One worker with device and radio.
@@ -49,6 +49,9 @@ struct Member {
     sent: Time,
     heard: u64,
     radio: Link<(u64, Guidance)>,
+    /// The other way: what it is done with, and when it last said so.
+    button: Link<AssignmentId>,
+    pressed: Time,
     /// What it may do next, and places that everybody knows.
     job: Option<Job>,
     known: Vec<Point>,
@@ -108,6 +111,7 @@ impl Crew {
         for i in 0..self.members.len() {
             self.join(i, fleet, &mut inputs);
             self.ask(i, now, fleet, &mut inputs);
+            self.confirm(i, now, fleet, &mut inputs);
             self.members[i].look_up(fleet, &self.doors, &self.walkways);
             let member = &mut self.members[i];
             if let Some(device) = &mut member.device {
@@ -166,6 +170,20 @@ impl Crew {
             let stay = Span::from_secs_f64(stay_s);
             let request = AssignmentRequest { place, stay, what: "pick".into(), key };
             inputs.push(Input::Assign { token: self.token(), worker, request });
+        }
+    }
+
+    /// A worker says what it is done with, until the fleet knows.
+    fn confirm(&mut self, i: usize, now: Time, fleet: &Fleet, inputs: &mut Vec<Input>) {
+        let member = &mut self.members[i];
+        let Some(worker) = member.id else { return };
+        let open = |id: &AssignmentId| fleet.ledger().assignments.contains_key(id);
+        if let Some(id) = member.done.iter().copied().find(open).filter(|_| now - member.pressed >= AGAIN) {
+            member.pressed = now;
+            member.button.send(now, id);
+        }
+        if let Some(assignment) = member.button.receive(now).filter(open) {
+            inputs.push(Input::Finish { token: self.token(), worker, assignment });
         }
     }
 
@@ -255,6 +273,8 @@ impl Member {
             sent: now,
             heard: 0,
             radio: Link::new(delay, faults.message_loss, Stream::new(seed, 21, who)),
+            button: Link::new(delay, faults.message_loss, Stream::new(seed, 22, who)),
+            pressed: now,
             job: None,
             known: Vec::new(),
         }
@@ -366,5 +386,33 @@ mod tests {
             assert_eq!(live(0.0, 1.0, &mut crew), 0, "it stands in the way");
         }
         assert_eq!(live(0.0, 4.0, &mut crew), 1, "one that stands elsewhere does not matter");
+    }
+
+    #[test]
+    fn a_worker_says_to_be_done_until_the_fleet_knows_whatever_the_radio_loses() {
+        let warehouse = Arc::new(thesis());
+        let workers = Workers { count: 1, enter_s: 0.0, ..Workers::default() };
+        let faults = Faults { message_loss: 0.7, message_delay_ms: 100, ..Faults::default() };
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 60}"#;
+        let scenario = Scenario { workers, faults, ..Scenario::parse(text).expect("it is one") };
+        let mut fleet = Fleet::new(warehouse.clone(), Settings::default());
+        let mut crew = Crew::new(&warehouse, &scenario, 1, Time::ZERO).expect("it has a worker");
+        let mut now = Time::ZERO;
+        let mut asked = 0;
+        let mut done = |crew: &mut Crew| {
+            now += Span::from_millis(100);
+            let inputs = crew.say(now, &fleet);
+            asked += inputs.iter().filter(|i| matches!(i, Input::Finish { .. })).count();
+            fleet.step(now, inputs);
+            let open: Vec<AssignmentId> = fleet.ledger().assignments.keys().copied().collect();
+            (fleet.ledger().counts.human_deliveries, open, asked)
+        };
+        let open = (0..10).map(|_| done(&mut crew).1).last().expect("ten times");
+        assert_eq!(open.len() as u64, AHEAD);
+        crew.members[0].done.insert(open[0]);
+        let told = (0..100).map(|_| done(&mut crew)).find(|(n, ..)| *n > 0).expect("it came through");
+        assert!(!told.1.contains(&open[0]));
+        let later = (0..20).map(|_| done(&mut crew)).last().expect("twenty times");
+        assert_eq!((later.0, later.2), (1, told.2), "said once, whatever was lost before");
     }
 }

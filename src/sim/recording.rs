@@ -89,6 +89,7 @@ enum Other {
         key: Option<String>,
     },
     Unassign(u64, u64),
+    Finish(u64, u32, u64),
     Close {
         token: u64,
         outline: Vec<(i64, i64)>,
@@ -211,6 +212,7 @@ fn asked(input: &Input) -> Other {
             Other::Assign { token: *token, worker: worker.0, place: r.place.0, stay: r.stay.0, what, key }
         }
         Input::Unassign { token, assignment } => Other::Unassign(*token, assignment.0),
+        Input::Finish { token, worker, assignment } => Other::Finish(*token, worker.0, assignment.0),
         Input::Close { token, area } => Other::Close {
             token: *token,
             outline: area.outline.iter().map(|p| (p.x_mm, p.y_mm)).collect(),
@@ -348,6 +350,9 @@ fn other(o: Other) -> Input {
             Input::Assign { token, worker: WorkerId(worker), request }
         }
         Other::Unassign(token, assignment) => Input::Unassign { token, assignment: AssignmentId(assignment) },
+        Other::Finish(token, worker, assignment) => {
+            Input::Finish { token, worker: WorkerId(worker), assignment: AssignmentId(assignment) }
+        }
         Other::Close { token, outline, nodes, from, until, reason } => {
             let outline = outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect();
             let nodes = nodes.into_iter().map(NodeId).collect();

@@ -367,3 +367,44 @@ async fn a_worker_with_an_assignment_gets_a_path_and_is_done_at_its_end() {
     }
     panic!("never done");
 }
+
+#[tokio::test]
+async fn who_says_to_be_done_is_done_wherever_the_device_believes_to_be() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    hire(at, "anna").await;
+    hire(at, "ben").await;
+    let map = crate::helper::map();
+    let at_name = |name: &str| map.nodes[map.node_named(name).unwrap()].clone();
+    let (here, there) = (at_name("R106"), at_name("R111"));
+    let mut headset = Headset::connect(at, "w1", "map").await;
+    headset.stand(here.at.x, here.at.y).await;
+    let json = [("content-type", "application/json")];
+    for worker in ["w1", "w2"] {
+        let body = json!({"place": there.name, "stay_s": 600}).to_string();
+        let made =
+            send(at, "POST", &format!("/v1/workers/{worker}/assignments"), &json, &body).await.unwrap();
+        assert_eq!(made.status, 201, "{made:?}");
+    }
+    while headset.next("guidance").await["assignment"] != "a1" {}
+    headset.say(json!({"type": "done", "assignment": "a1"})).await;
+    assert_eq!(headset.next("done").await, json!({"type": "done", "assignment": "a1", "refused": null}));
+    assert_eq!(get(at, "/v1/assignments/a1").await.json()["state"], "done");
+    while !headset.next("guidance").await["assignment"].is_null() {}
+
+    for not_hers in ["a1", "a2", "a77"] {
+        headset.say(json!({"type": "done", "assignment": not_hers})).await;
+        let answer = headset.next("done").await;
+        assert!(answer["refused"].as_str().is_some_and(|why| why.contains("over")), "{answer}");
+    }
+    headset.say(json!({"type": "done", "assignment": "everything"})).await;
+    assert_eq!(headset.next("warning").await["code"], "done");
+    assert_ne!(get(at, "/v1/assignments/a2").await.json()["state"], "done", "that is another's");
+
+    let said = send(at, "POST", "/v1/assignments/a2/done", &json, "").await.unwrap();
+    assert_eq!((said.status, &said.json()["state"]), (200, &json!("done")));
+    assert_eq!(send(at, "POST", "/v1/assignments/a2/done", &json, "").await.unwrap().status, 409);
+    assert_eq!(send(at, "POST", "/v1/assignments/a77/done", &json, "").await.unwrap().status, 404);
+    server.stop().await.unwrap();
+}

@@ -11,10 +11,14 @@ use super::warn::Warnings;
 use super::wire::{AnchorSaid, HelloSaid, PoseSaid, Said, VERSIONS};
 use crate::api::error::Problem;
 use crate::api::extract::Segment;
-use crate::api::people::{Beside, GuidanceKey, guidance, parse_worker, worker_name};
+use crate::api::people::{
+    Beside, GuidanceKey, assignment_name, guidance, parse_assignment, parse_worker, worker_name,
+};
+use crate::api::port::What;
+use crate::api::refusal::refused;
 use crate::api::{Api, dto::Names};
-use crate::fleet::GuidanceState;
-use crate::id::WorkerId;
+use crate::fleet::{GuidanceState, Reply};
+use crate::id::{AssignmentId, WorkerId};
 use crate::time::{Span, Time};
 use axum::extract::State;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
@@ -24,6 +28,7 @@ use axum::response::Response;
 use serde_json::{Value, json};
 use std::collections::VecDeque;
 use std::time::Duration;
+use tokio::task::JoinSet;
 use tokio::time::timeout;
 
 /// How long a message may be: both hands with all joints, twice.
@@ -46,6 +51,9 @@ const MOST_UNREADABLE: u32 = 100;
 
 /// Pings whose answers are awaited.
 const MOST_PINGS: usize = 8;
+
+/// So many reports wait for their answers.
+const MOST_REPORTS: usize = 4;
 
 /// So many poses are looked back upon, to say which were taken into account.
 const RECENT: usize = 256;
@@ -104,6 +112,8 @@ struct Session<'a> {
     counted: (u64, u64),
     last_heard: Time,
     unreadable: u32,
+    /// Assignments that the wearer is done with, until the fleet has answered.
+    reports: JoinSet<(AssignmentId, Option<String>)>,
     sent: Option<GuidanceKey>,
     sent_at: Time,
 }
@@ -132,6 +142,7 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
                 counted: (counts.jumps, counts.absurd),
                 last_heard: now,
                 unreadable: 0,
+                reports: JoinSet::new(),
                 sent: None,
                 sent_at: Time(0),
             };
@@ -206,6 +217,7 @@ impl Session<'_> {
                 () = async { _ = closing.wait_for(|closing| *closing).await.is_ok() } => {
                     return Err(End::Bye(close_code::AWAY, "the server goes down".into()));
                 }
+                Some(Ok((id, refused))) = self.reports.join_next() => self.reported(id, refused).await?,
                 () = tokio::time::sleep(wait) => self.tick().await?,
                 message = self.socket.recv() => self.hear(message).await?,
             }
@@ -261,12 +273,38 @@ impl Session<'_> {
                 self.intake.clock.resync();
                 Ok(())
             }
+            Said::Done { assignment } => self.done(&assignment).await,
             Said::Ack { version } => {
                 self.api.feeds.acknowledge(self.worker, version);
                 Ok(())
             }
             Said::Hello(_) => self.warn("hello", 1, "hello is the first message only").await,
         }
+    }
+
+    /// Asks the fleet to note that the wearer is done. Poses do not wait for the journal, so the answer comes later.
+    async fn done(&mut self, said: &str) -> Result<(), End> {
+        let Some(id) = parse_assignment(said) else {
+            return self.warn("done", 1, "name the assignment as guidance does, such as a3").await;
+        };
+        if self.reports.len() >= MOST_REPORTS {
+            return self.warn("done", 1, "too many at once: wait for the answers").await;
+        }
+        let (api, worker) = (self.api.clone(), self.worker);
+        self.reports.spawn(async move {
+            let problem = match api.ask(What::Finish(worker, id)).await {
+                Ok(Reply::Done { .. }) => None,
+                Ok(Reply::Refused { why, .. }) => Some(refused(&api.map, why)),
+                Ok(_) => Some(Problem::internal()),
+                Err(problem) => Some(problem),
+            };
+            (id, problem.map(|p| p.detail))
+        });
+        Ok(())
+    }
+
+    async fn reported(&mut self, id: AssignmentId, refused: Option<String>) -> Result<(), End> {
+        self.send(json!({"type": "done", "assignment": assignment_name(id), "refused": refused})).await
     }
 
     /// Reads a pose and hands it on.

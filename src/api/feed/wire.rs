@@ -34,6 +34,11 @@ pub enum Said {
     Resync,
     /// A pose.
     Pose(Box<PoseSaid>),
+    /// The wearer is done with an assignment.
+    Done {
+        /// Its number, as guidance names it.
+        assignment: String,
+    },
     /// The guidance of this version is on the screen.
     Ack {
         /// Of the guidance.
@@ -191,10 +196,10 @@ mod tests {
             .flat_map(|text| serde_json::Deserializer::from_str(text).into_iter())
             .map(|value| value.expect("docs/headset.md shows JSON"))
             .collect();
-        let ours = ["hello", "pong", "anchors", "pose"];
+        let ours = ["hello", "pong", "anchors", "pose", "done"];
         let said = shown.iter().filter(|m| ours.iter().any(|t| m["type"] == *t));
         let read: Vec<Said> = said.map(|m| serde_json::from_value(m.clone()).expect("as shown")).collect();
-        assert_eq!(read.len(), 4, "docs/headset.md shows each");
+        assert_eq!(read.len(), 5, "docs/headset.md shows each");
         for bad in [r#"{"type":"jump"}"#, "{}", r#"{"type":"pose","epoch":-1}"#] {
             assert!(serde_json::from_str::<Said>(bad).is_err(), "{bad}");
         }

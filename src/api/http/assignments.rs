@@ -145,11 +145,31 @@ pub async fn assign(
     (status = 503, description = "Not now; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn cancel(State(api): State<Api>, Segment(id): Segment) -> Result<Json<AssignmentDto>, Problem> {
-    let id = parse_id(&id)?;
-    // Whoever asks for one that never was learns that first.
-    read(&api, id).await?;
-    match api.ask(What::Unassign(id)).await? {
-        Reply::Done { .. } => Ok(Json(dto(&api, &read(&api, id).await?))),
+    end(&api, parse_id(&id)?, |_, id| What::Unassign(id)).await
+}
+
+/// Say that the worker is done with an assignment, wherever devices saw the worker. Headsets say it over the feed.
+#[utoipa::path(post, path = "/v1/assignments/{id}/done", tag = "people",
+    params(("id" = String, Path, example = "a3")), responses(
+    (status = 200, description = "It is done", body = AssignmentDto),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 409, description = "It was over already", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 503, description = "Not now; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn finish(State(api): State<Api>, Segment(id): Segment) -> Result<Json<AssignmentDto>, Problem> {
+    end(&api, parse_id(&id)?, What::Finish).await
+}
+
+/// Ends an assignment one way or the other. Whoever asks for one that never was learns that first.
+async fn end(
+    api: &Api,
+    id: AssignmentId,
+    how: fn(WorkerId, AssignmentId) -> What,
+) -> Result<Json<AssignmentDto>, Problem> {
+    let worker = read(api, id).await?.assignment.worker;
+    match api.ask(how(worker, id)).await? {
+        Reply::Done { .. } => Ok(Json(dto(api, &read(api, id).await?))),
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
         _ => Err(Problem::internal()),
     }

@@ -54,6 +54,28 @@ fn an_urgent_job_overtakes_those_that_waited_before() {
     }
 }
 
+#[test]
+fn the_backlog_has_the_most_urgent_jobs_first_and_no_more_than_asked_for() {
+    let mut floor = Floor::lab(1);
+    floor.submit(JobRequest { priority: 9, ..request(deliver(0)) });
+    floor.until(300, "the robot has the first one", |f| f.fleet.backlog(9, f.now).jobs.is_empty());
+    let low: Vec<JobId> = (1..6).map(|rack| floor.submit(request(deliver(rack)))).collect();
+    let high = floor.submit(JobRequest { priority: 5, ..request(deliver(7)) });
+    let later = floor.submit(JobRequest { priority: 7, after: vec![high], ..request(deliver(8)) });
+    let backlog = floor.fleet.backlog(4, floor.now);
+    let jobs: Vec<JobId> = backlog.jobs.iter().map(|p| p.job).collect();
+    assert_eq!(jobs, [later, high, low[0], low[1]]);
+    assert_eq!((backlog.at, backlog.jobs[0].after, backlog.jobs[1].after), (floor.now, Some(high), None));
+    assert_eq!((backlog.jobs[2].kind, backlog.jobs[2].priority), (deliver(1), 0));
+    assert!(backlog.jobs[2].accepted < floor.now);
+    assert_eq!(floor.fleet.backlog(100, floor.now).jobs.len(), 7);
+    assert!(floor.fleet.backlog(0, floor.now).jobs.is_empty());
+    // The robot takes them in this order.
+    let order = |f: &Floor, job| f.state(job).is_some_and(|s| s.robot().is_some());
+    floor.until(600, "the next one is taken", |f| order(f, high) || order(f, low[0]));
+    assert!(order(&floor, high));
+}
+
 /// One robot has `picks` long picks to do, of high priority, while three jobs wait; during the last pick comes a job
 /// that is due `due` seconds later.
 fn with_a_deadline(picks: u32, due: i64) -> (Floor, Vec<JobId>, JobId, Time) {

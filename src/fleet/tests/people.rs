@@ -20,7 +20,7 @@ pub(super) struct Puppet {
 }
 
 impl Puppet {
-    fn sighting(&mut self, now: Time) -> Input {
+    pub(super) fn sighting(&mut self, now: Time) -> Input {
         self.seq += 1;
         Input::Sighted(Sighting {
             worker: self.worker,
@@ -35,7 +35,7 @@ impl Puppet {
     }
 
     /// Seen where she did not walk to: the source's frame changed.
-    fn appear(&mut self, now: Time) -> Input {
+    pub(super) fn appear(&mut self, now: Time) -> Input {
         self.epoch += 1;
         self.sighting(now)
     }
@@ -67,7 +67,11 @@ impl Puppet {
 
 impl Floor {
     pub(super) fn hire(&mut self, at: Point) -> Puppet {
-        let reply = self.step(vec![Input::Hire { token: 1, name: "Ana".into() }]).replies.remove(0);
+        self.hire_as("Ana", at)
+    }
+
+    pub(super) fn hire_as(&mut self, name: &str, at: Point) -> Puppet {
+        let reply = self.step(vec![Input::Hire { token: 1, name: name.into() }]).replies.remove(0);
         let Reply::Hired { worker, .. } = reply else { panic!("not hired: {reply:?}") };
         Puppet { worker, at, way: vec![], own: false, epoch: 0, seq: 0, waited_s: 0.0 }
     }

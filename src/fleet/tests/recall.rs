@@ -59,6 +59,40 @@ fn a_robot_that_faces_somebody_for_long_comes_back_and_takes_another_way() {
 }
 
 #[test]
+fn a_robot_that_stands_for_one_and_then_for_another_comes_back_as_for_one() {
+    let (mut floor, mut ana) = face_to_face(Faults::default(), 3.0);
+    let here = ana.at;
+    let far = |p: &Point| (p - here).norm();
+    let places = floor.fleet.warehouse().nodes.iter().map(|n| n.at);
+    let away = places.max_by(|a, b| far(a).total_cmp(&far(b))).expect("there are some");
+    let mut ben = floor.hire_as("Ben", away);
+    let spend = |seconds: u32, floor: &mut Floor, both: [&mut Puppet; 2]| {
+        for _ in 0..seconds * 10 {
+            let seen = [both[0].sighting(floor.now), both[1].sighting(floor.now)];
+            floor.step(seen.into());
+        }
+    };
+    spend(15, &mut floor, [&mut ana, &mut ben]);
+    let robot = RobotId(0);
+    let stood = floor.robot_at();
+    // Seven times they take turns, as those who pass one another do; none of them stands there for long.
+    for turn in 0..7 {
+        (ana.at, ben.at) = if turn % 2 == 0 { (away, here) } else { (here, away) };
+        let seen = [ana.appear(floor.now), ben.appear(floor.now)];
+        floor.step(seen.into());
+        assert_eq!(
+            (floor.came_back(), floor.robot_at()),
+            (0, stood),
+            "turn {turn}: they may set off any moment"
+        );
+        spend(5, &mut floor, [&mut ana, &mut ben]);
+    }
+    spend(15, &mut floor, [&mut ana, &mut ben]);
+    assert!(floor.came_back() > 0, "nobody called it back");
+    assert!(floor.fleet.ledger().robots[robot].recalls > 0);
+}
+
+#[test]
 fn laws_hold_while_recalls_and_orders_are_late_and_lost() {
     let mut recalls = 0;
     for (seed, ahead_m) in [(1, 3.0), (2, 3.1), (3, 3.2), (4, 3.3), (5, 3.4)] {
@@ -150,4 +184,22 @@ fn whoever_comes_back_to_work_goes_on_with_it() {
     ana.own = false;
     spend(14, &mut floor, &mut ana);
     assert_eq!(done(&floor), 1, "twelve seconds and ten are more than twenty");
+}
+
+#[test]
+fn who_stands_for_long_after_the_work_should_be_done_is_not_about_to_set_off() {
+    let mut floor = Floor::thesis(1);
+    let mut ana = floor.hire(floor.place("G3-7"));
+    floor.assign(&ana, floor.node("G3-7"), 20);
+    for _ in 0..100 {
+        floor.walk(&mut ana);
+    }
+    let (robot, there) = ((RobotId(0), floor.robot_at()), ana.worker);
+    let seen = floor.fleet.whereabouts(there, floor.now).expect("she is seen");
+    let speed = |later_s: i64| {
+        let later = floor.now + Span::from_secs(later_s);
+        floor.fleet.walk_of(there, &seen, robot, later).speed_mps
+    };
+    assert!(speed(0) > 1.0 && speed(20) > 1.0, "she sets off when it is done, or a little later");
+    assert!(speed(60) < 0.1, "something else keeps her, maybe the robot");
 }
