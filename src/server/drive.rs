@@ -230,7 +230,8 @@ impl Drive {
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let time_s = (now - self.clock.started()).as_secs_f64();
         let forecasts = self.ahead.of(&self.fleet, now);
-        let moment = Arc::new(Moment { view, time_s, measured, forecasts });
+        let backlog = self.tap.backlog(&self.fleet, now);
+        let moment = Arc::new(Moment { view, time_s, measured, forecasts, backlog });
         self.notes.send(&moment);
         self.moments.send_replace(moment);
     }

@@ -4,6 +4,7 @@
 
 use super::ahead::Ahead;
 use super::measure::Measure;
+use super::queue::Queue;
 use crate::api::live::Frame;
 use crate::api::port::{Alarms, Moment};
 use crate::api::reel::EVERY;
@@ -17,6 +18,7 @@ pub struct Film {
     alarms: Alarms,
     measure: Measure,
     ahead: Ahead,
+    queue: Queue,
     due: Option<Time>,
 }
 
@@ -31,7 +33,8 @@ impl Film {
         self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let forecasts = self.ahead.of(fleet, now);
-        let moment = Moment { view, time_s: now.as_secs_f64(), measured, forecasts };
+        let backlog = self.queue.of(fleet, now);
+        let moment = Moment { view, time_s: now.as_secs_f64(), measured, forecasts, backlog };
         Some(Arc::new(Frame::of(fleet.warehouse(), &moment, &self.alarms.list(), 0.0)))
     }
 }

@@ -16,6 +16,7 @@ mod journal;
 mod measure;
 mod outbox;
 mod past;
+mod queue;
 mod records;
 mod reels;
 mod show;

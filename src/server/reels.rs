@@ -5,10 +5,11 @@
 //! loses its bookmark, not its place in the journal.
 
 use super::clock::Clock;
+use super::queue::Queue;
 use crate::api::live::Live;
 use crate::api::port::Alarms;
 use crate::api::reel::{EVERY, Folder, Limits, Roll, is_notable};
-use crate::fleet::Fact;
+use crate::fleet::{Backlog, Fact, Fleet};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use std::io;
@@ -28,15 +29,23 @@ const REST: Span = Span::from_secs(10);
 
 /// Where the loop tells what happened.
 #[derive(Debug, Default)]
-pub struct Tap(Option<SyncSender<Fact>>);
+pub struct Tap {
+    facts: Option<SyncSender<Fact>>,
+    queue: Queue,
+}
 
 impl Tap {
     /// Tells of the facts of a step, as far as they make bookmarks.
     pub fn note(&self, facts: &[Fact]) {
-        let Some(send) = &self.0 else { return };
+        let Some(send) = &self.facts else { return };
         for fact in facts.iter().filter(|fact| is_notable(fact)) {
             let _ = send.try_send(fact.clone());
         }
+    }
+
+    /// The jobs that wait, for the next picture; none where no past is kept.
+    pub fn backlog(&mut self, fleet: &Fleet, now: Time) -> Arc<Backlog> {
+        self.facts.as_ref().map_or_else(Arc::default, |_| self.queue.of(fleet, now))
     }
 }
 
@@ -68,7 +77,7 @@ impl Past {
             let (live, clock, alarms) = (live.clone(), clock.clone(), alarms.clone());
             let keeper = Keeper { roll, live, clock, alarms, rest: None };
             std::thread::Builder::new().name("past".into()).spawn(move || keeper.run(&facts))?;
-            Ok(Past { folder: Some(folder), tap: Tap(Some(send)) })
+            Ok(Past { folder: Some(folder), tap: Tap { facts: Some(send), queue: Queue::default() } })
         };
         begin().unwrap_or_else(|e| {
             let text = format!("the past is not kept: {}: {e}. The fleet goes on.", path.display());
@@ -134,7 +143,7 @@ impl Keeper {
 mod tests {
     use super::*;
     use crate::api::port::Moment;
-    use crate::fleet::{Fleet, Settings};
+    use crate::fleet::Settings;
     use crate::warehouse::lab;
     use std::fs;
 

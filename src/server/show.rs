@@ -191,7 +191,8 @@ impl Screen {
         self.alarms.note(&view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let forecasts = self.ahead.of(&player.fleet, now);
-        let moment = Arc::new(Moment { view, time_s: now.as_secs_f64(), measured, forecasts });
+        let (time_s, backlog) = (now.as_secs_f64(), Arc::default());
+        let moment = Arc::new(Moment { view, time_s, measured, forecasts, backlog });
         self.live.publish(&moment, &self.alarms.list(), 0.0);
         self.moments.send_replace(moment);
     }

@@ -53,6 +53,13 @@ async fn a_server_shows_what_happened_before_and_after_a_restart() {
     let first = found.iter().find_map(|l| l.get("key")).expect("a whole picture");
     assert!(first["robots"].as_array().is_some_and(|r| !r.is_empty()), "{first}");
     assert!(found.iter().any(|l| l.get("patch").is_some()));
+    assert!(found.iter().any(|l| l["waiting"].is_array()) && found.iter().any(|l| l["sum"].is_object()));
+    let sums = get(at, "/v1/past/figures?from=0&step=60").await.json();
+    assert_eq!(sums["start"], kept["start"]);
+    assert_eq!(
+        (&sums["sums"][0]["covered_s"], &sums["sums"][0]["robot_deliveries"]),
+        (&json!(0.0), &json!(0))
+    );
     server.stop().await.unwrap();
 
     let server = start(&folder).await;
@@ -81,6 +88,9 @@ async fn wrong_spans_and_a_server_without_a_past_are_said_in_words() {
     }
     get(at, "/v1/past/reel?from=-90&to=-80").await.problem(404);
     get(at, "/v1/past?since=1").await.problem(400);
+    get(at, "/v1/past/figures?map=false").await.problem(400);
+    let problem = get(at, "/v1/past/figures?step=0").await.problem(422);
+    assert_eq!(problem["errors"][0]["field"], "step");
     server.stop().await.unwrap();
 
     let folder = Folder::new();
@@ -88,6 +98,7 @@ async fn wrong_spans_and_a_server_without_a_past_are_said_in_words() {
     let server = Server::start(&none, floor()).await.unwrap();
     let problem = get(server.address(), "/v1/past").await.problem(404);
     assert!(problem["detail"].as_str().unwrap().contains("--past-hours"), "{problem}");
+    get(server.address(), "/v1/past/figures").await.problem(404);
     assert!(!folder.path().join("giveway.past").exists());
     server.stop().await.unwrap();
 }

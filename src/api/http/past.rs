@@ -1,12 +1,12 @@
-//! `/v1/past`: what is kept of the past, and the pictures themselves.
+//! `/v1/past`: what is kept of the past, figures of it, and the pictures themselves.
 //!
-//! Main types: [`PastDto`], [`SpanParams`]. Refuses: spans of more than an hour in one answer.
+//! Main types: [`PastDto`], [`FiguresDto`], [`SpanParams`]. Refuses: pictures of more than an hour in one answer.
 
 use crate::api::Api;
 use crate::api::dto::{parse_time, round3, time_text};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
-use crate::api::reel::{Cut, Folder, Mark};
+use crate::api::reel::{Cut, Folder, Mark, Sum, thinned};
 use crate::time::{Span, Time};
 use axum::Json;
 use axum::body::{Body, Bytes};
@@ -30,8 +30,8 @@ const USUAL_S: f64 = 300.0;
 /// So many bytes are packed before some of them leave.
 const CHUNK: usize = 128 * 1024;
 
-/// The most bookmarks in one answer: the newest.
-const MOST_MARKS: usize = 2000;
+/// The most bookmarks, or sums, in one answer: the newest.
+const MOST: usize = 2000;
 
 /// From when to when: RFC 3339, or seconds from the server's start as `time_s` of the live feed has them, below 0 for
 /// runs before this one.
@@ -85,11 +85,11 @@ struct SpanDto {
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn past(State(api): State<Api>, Params(p): Params<SpanParams>) -> Result<Json<PastDto>, Problem> {
     let folder = folder(&api)?;
-    let (from, to) = span(folder, &p)?;
+    let (from, to) = span(folder, &p.from, &p.to)?;
     let past = folder.past(from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY));
     let text = |s: f64| folder.start.map(|start| time_text(start + Span::from_secs_f64(s)));
     let span = |(from_s, to_s)| SpanDto { from_s, to_s, from: text(from_s), to: text(to_s) };
-    let surplus = past.marks.len().saturating_sub(MOST_MARKS);
+    let surplus = past.marks.len().saturating_sub(MOST);
     Ok(Json(PastDto {
         start: folder.start.map(time_text),
         now_s: round3(api.moment().time_s),
@@ -97,6 +97,55 @@ pub async fn past(State(api): State<Api>, Params(p): Params<SpanParams>) -> Resu
         spans: past.spans.into_iter().map(span).collect(),
         bookmarks: past.marks.into_iter().skip(surplus).collect(),
     }))
+}
+
+/// From when to when, as for spans, and how many.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct FigureParams {
+    /// The beginning; of all that is kept, where absent.
+    #[param(example = "2027-01-31T14:05:00Z")]
+    from: Option<String>,
+    /// The end; of all that is kept, where absent.
+    #[param(example = "2027-01-31T14:10:00Z")]
+    to: Option<String>,
+    /// One sum for so many seconds is enough, 1 to 86400; all of them, where absent.
+    #[param(example = 60)]
+    step: Option<f64>,
+}
+
+/// What was counted in the past.
+#[derive(Serialize, ToSchema)]
+pub struct FiguresDto {
+    /// The time of day from which seconds count, RFC 3339; null in a recorded simulation.
+    start: Option<String>,
+    /// Running sums, in order, with the last one before the span and the first one after it: the 2000 last ones.
+    sums: Vec<Sum>,
+}
+
+/// What was counted from `from` to `to`: running sums, one every ten seconds, whose differences make charts. Where
+/// `covered_s` falls, or grows by less than the clock, there is a gap. What versions before this one kept has none.
+#[utoipa::path(get, path = "/v1/past/figures", tag = "past", params(FigureParams), responses(
+    (status = 200, description = "Running sums", body = FiguresDto),
+    (status = 404, description = "This server keeps no past", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, body = Problem, content_type = "application/problem+json")))]
+pub async fn figures(
+    State(api): State<Api>,
+    Params(p): Params<FigureParams>,
+) -> Result<Json<FiguresDto>, Problem> {
+    let folder = folder(&api)?;
+    let (from, to) = span(folder, &p.from, &p.to)?;
+    let step = p.step.unwrap_or(1.0);
+    if !(1.0..=86_400.0).contains(&step) {
+        return Err(Problem::invalid(vec![FieldError::new("step", "1 to 86400, in seconds")]));
+    }
+    let sums = folder.sums(from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY));
+    let sums = thinned(&sums, step);
+    let surplus = sums.len().saturating_sub(MOST);
+    let start = folder.start.map(time_text);
+    Ok(Json(FiguresDto { start, sums: sums.into_iter().skip(surplus).collect() }))
 }
 
 /// The pictures of a span, as a reel: JSON lines, packed with gzip. It begins with the last whole picture before
@@ -108,7 +157,7 @@ pub async fn past(State(api): State<Api>, Params(p): Params<SpanParams>) -> Resu
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn reel(State(api): State<Api>, Params(p): Params<SpanParams>) -> Result<Response, Problem> {
     let folder = folder(&api)?;
-    let (from, to) = span(folder, &p)?;
+    let (from, to) = span(folder, &p.from, &p.to)?;
     let from = from.or_else(|| Some(folder.past(0.0, 0.0).spans.first()?.0)).unwrap_or(0.0);
     let to = to.unwrap_or(from + USUAL_S);
     if to < from || to - from > LONGEST_S {
@@ -135,7 +184,11 @@ fn file_name(folder: &Folder, from_s: f64) -> String {
 }
 
 /// Both ends, in seconds from the start.
-fn span(folder: &Folder, p: &SpanParams) -> Result<(Option<f64>, Option<f64>), Problem> {
+fn span(
+    folder: &Folder,
+    from: &Option<String>,
+    to: &Option<String>,
+) -> Result<(Option<f64>, Option<f64>), Problem> {
     let mut errors = Vec::new();
     let mut read = |field: &str, text: &Option<String>| {
         let text = text.as_deref()?;
@@ -148,7 +201,7 @@ fn span(folder: &Folder, p: &SpanParams) -> Result<(Option<f64>, Option<f64>), P
         }
         found
     };
-    let ends = (read("from", &p.from), read("to", &p.to));
+    let ends = (read("from", from), read("to", to));
     if errors.is_empty() { Ok(ends) } else { Err(Problem::invalid(errors)) }
 }
 

@@ -6,9 +6,13 @@ use super::forecast::{ForecastDto, forecasts};
 use crate::api::dto::{JobCountsDto, Names, RackDto, RobotDto, StationDto, round3};
 use crate::api::people::WorkerDto;
 use crate::api::port::{Alarm, Moment};
+use crate::fleet::{Backlog, Presence};
+use crate::history::waits;
+use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+use std::sync::Arc;
 
 /// One row, or what changed of it.
 pub type Item = Map<String, Value>;
@@ -26,6 +30,33 @@ pub struct Frame {
     pub(in crate::api) counters: Value,
     pub(in crate::api) alarms: Value,
     pub(in crate::api) time_s: f64,
+    /// What only reels have: nobody who looks at the present gets it.
+    pub(in crate::api) beside: Beside,
+}
+
+/// What a picture has beside what travels to those who look at the present.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Beside {
+    /// The time from which the seconds of the picture count.
+    pub(in crate::api) zero: Time,
+    /// The first of the jobs that wait.
+    pub(in crate::api) backlog: Arc<Backlog>,
+    /// Robots that stand and would drive on, as the figures over time have them.
+    pub(in crate::api) waiting: usize,
+    /// Workers on the floor.
+    pub(in crate::api) people: usize,
+}
+
+impl Beside {
+    fn of(moment: &Moment) -> Beside {
+        let view = &moment.view;
+        Beside {
+            zero: view.now - Span::from_secs_f64(moment.time_s),
+            backlog: moment.backlog.clone(),
+            waiting: view.robots.iter().filter(|r| waits(r)).count(),
+            people: view.workers.iter().filter(|w| w.presence != Presence::Absent).count(),
+        }
+    }
 }
 
 impl Frame {
@@ -56,6 +87,7 @@ impl Frame {
                 })
                 .collect(),
             time_s: round3(moment.time_s),
+            beside: Beside::of(moment),
         }
     }
 

@@ -4,7 +4,7 @@
 //! run that asks; earlier runs lie before 0. Beside each file lies its index, which is made again where it is missing.
 //! Refuses: to keep pictures in memory.
 
-use super::{Limits, Mark, Out, header, lines, split};
+use super::{Limits, Mark, Out, Shot, Sum, Tally, header, lines, split};
 use crate::api::dto::round3;
 use crate::time::Time;
 use crate::warehouse::Warehouse;
@@ -41,6 +41,9 @@ pub struct Piece {
     from_s: f64,
     to_s: f64,
     marks: Vec<Mark>,
+    /// None in what versions before this one wrote.
+    #[serde(default)]
+    sums: Vec<Sum>,
 }
 
 /// What there is of the past, in seconds from the start.
@@ -87,11 +90,24 @@ impl Folder {
                 Some(last) if from - last.1 < SEAM_S => last.1 = last.1.max(to),
                 _ => past.spans.push((from, to)),
             }
-            let moved = piece.marks.iter().map(|m| Mark { at_s: round3(m.at_s + shift), ..m.clone() });
+            let moved = piece.marks.iter().map(|m| m.moved(shift));
             past.marks.extend(moved.filter(|m| (from_s..=to_s).contains(&m.at_s)));
         }
         past.marks.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
         past
+    }
+
+    /// The sums from one time to another, with the last one before and the first one after, in order.
+    pub fn sums(&self, from_s: f64, to_s: f64) -> Vec<Sum> {
+        let mut all: Vec<Sum> = Vec::new();
+        for piece in self.pieces().iter() {
+            let shift = self.shift(piece);
+            all.extend(piece.sums.iter().map(|s| Sum { at_s: round3(s.at_s + shift), ..*s }));
+        }
+        all.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+        let first = all.partition_point(|s| s.at_s < from_s).saturating_sub(1);
+        let end = all.len().min(all.partition_point(|s| s.at_s <= to_s) + 1);
+        all[first.min(end)..end].to_vec()
     }
 
     /// A span, to be cut out; nothing where there is no picture of it.
@@ -117,7 +133,7 @@ impl Folder {
         let path = self.path.join(format!("{}.reel", name.unwrap_or_else(|| format!("{at_s:012.3}"))));
         let start = self.start.map(|start| round3(start.as_secs_f64()));
         let out = Out::create(&path)?;
-        let piece = Piece { path, start, from_s: at_s, to_s: at_s, marks: Vec::new() };
+        let piece = Piece { path, start, from_s: at_s, to_s: at_s, marks: Vec::new(), sums: Vec::new() };
         self.pieces().push(piece);
         Ok(out)
     }
@@ -130,12 +146,13 @@ impl Folder {
         }
     }
 
-    /// The last file reaches so far now.
-    pub(super) fn grow(&self, to_s: f64, marks: Vec<Mark>) {
+    /// The last file has this, too.
+    pub(super) fn grow(&self, news: Shot) {
         if let Some(piece) = self.pieces().last_mut() {
-            piece.to_s = to_s;
+            piece.to_s = news.at_s;
             let room = MOST_MARKS.saturating_sub(piece.marks.len());
-            piece.marks.extend(marks.into_iter().take(room));
+            piece.marks.extend(news.marks.into_iter().take(room));
+            piece.sums.extend(news.sums);
         }
     }
 
@@ -203,15 +220,20 @@ impl Piece {
         let head: serde_json::Value = serde_json::from_str(&lines.next()?).ok()?;
         head.get("reel")?;
         let start = head["start"].as_f64();
-        let (mut from_s, mut to_s, mut marks) = (f64::INFINITY, f64::NEG_INFINITY, Vec::new());
+        let (mut from_s, mut to_s) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut marks, mut sums) = (Vec::new(), Vec::new());
         for line in lines {
             let Some((at, rest)) = split(&line) else { continue };
-            match rest.strip_prefix("\"mark\":") {
-                Some(mark) => marks.extend(serde_json::from_str::<Mark>(mark.strip_suffix('}')?).ok()),
-                None => (from_s, to_s) = (from_s.min(at), to_s.max(at)),
+            match rest.strip_suffix('}').and_then(|rest| rest.split_once(':')) {
+                Some(("\"mark\"", mark)) => marks.extend(serde_json::from_str::<Mark>(mark).ok()),
+                Some(("\"sum\"", sum)) => {
+                    sums.extend(serde_json::from_str::<Tally>(sum).ok().map(|tally| Sum { at_s: at, tally }));
+                }
+                Some(("\"key\"" | "\"patch\"", _)) => (from_s, to_s) = (from_s.min(at), to_s.max(at)),
+                _ => {}
             }
         }
-        (from_s <= to_s).then(|| Piece { path: path.into(), start, from_s, to_s, marks })
+        (from_s <= to_s).then(|| Piece { path: path.into(), start, from_s, to_s, marks, sums })
     }
 
     fn index(&self) -> PathBuf {

@@ -1,6 +1,7 @@
 //! Bookmarks: what somebody who looks back looks for.
 //!
-//! Main types: [`Mark`], [`Kind`]. Most follow from facts; alarms and lost workers from two pictures that differ.
+//! Main types: [`Mark`], [`Kind`], [`Met`] (the details of an encounter). Most follow from facts; alarms and lost
+//! workers from two pictures that differ.
 //! Refuses: what happens all the time, such as robots that wait for one another.
 
 use crate::api::dto::round3;
@@ -26,6 +27,46 @@ pub struct Mark {
     pub who: Vec<String>,
     /// Where, metres.
     pub place: Option<[f64; 2]>,
+    /// The details of an encounter; absent from other kinds, and from what versions before this one wrote.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub encounter: Option<Met>,
+}
+
+/// The details of an encounter, as `GET /v1/encounters` has them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Met {
+    /// Who.
+    #[schema(example = "w1")]
+    pub worker: String,
+    /// Name of the robot.
+    pub robot: String,
+    /// When it was over, seconds from the start.
+    pub ended_s: f64,
+    /// Where the worker was, metres.
+    pub x: f64,
+    /// Metres.
+    pub y: f64,
+    /// Radius of region 1 then, metres.
+    pub radius: f64,
+    /// Closest distance between the centres, metres.
+    pub closest: f64,
+    /// Speed of the robot when it came in, metres per second.
+    pub robot_speed: f64,
+    /// Speed of the worker then.
+    pub worker_speed: f64,
+    /// What the fleet did about the robot: kept, slowed, held, rerouted or stopped.
+    pub reaction: String,
+    /// How long the robot stood because of it, seconds.
+    pub delay_s: f64,
+}
+
+impl Mark {
+    /// The same, so many seconds later.
+    pub(super) fn moved(&self, by_s: f64) -> Mark {
+        let later = |s: f64| round3(s + by_s);
+        let met = |e: &Met| Met { ended_s: later(e.ended_s), ..e.clone() };
+        Mark { at_s: later(self.at_s), encounter: self.encounter.as_ref().map(met), ..self.clone() }
+    }
 }
 
 /// What kind of thing happened.
@@ -71,17 +112,20 @@ pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
     let of_robot = |kind, at: &Time, r: &RobotId, what: &str| {
         let (id, place) = robot(r)?;
         let words = format!("{id} {what}");
-        Some(Mark { at_s: seconds(at), kind, words, who: vec![id], place: Some(place) })
+        Some(Mark { at_s: seconds(at), kind, words, who: vec![id], place: Some(place), encounter: None })
     };
-    let of_all = |kind, at_s, words: String, place| Mark { at_s, kind, words, who: Vec::new(), place };
+    let of_all = |kind, at_s, words: String, place| {
+        let (who, encounter) = (Vec::new(), None);
+        Mark { at_s, kind, words, who, place, encounter }
+    };
     match fact {
         Fact::Deviated { worker, at } => {
             let place = frame.workers.get(worker.ix()).and_then(|w| Some([w.x?, w.y?]));
             let words = format!("{} left the path", called(*worker, frame));
             let who = vec![worker_name(*worker)];
-            Some(Mark { at_s: seconds(at), kind: Kind::Deviation, words, who, place })
+            Some(Mark { at_s: seconds(at), kind: Kind::Deviation, words, who, place, encounter: None })
         }
-        Fact::Encountered(e) => Some(met(e, seconds(&e.began), robot(&e.robot)?.0, frame)),
+        Fact::Encountered(e) => Some(met(e, seconds, robot(&e.robot)?.0, frame)),
         Fact::Halted { robot: Some(r), at } => of_robot(Kind::Stop, at, r, "was paused by hand"),
         Fact::Released { robot: Some(r), at } => of_robot(Kind::Stop, at, r, "goes on"),
         Fact::Halted { robot: None, at } => {
@@ -110,8 +154,8 @@ fn called(worker: WorkerId, frame: &Frame) -> String {
     frame.workers.get(worker.ix()).map_or_else(|| worker_name(worker), |w| w.name.clone())
 }
 
-fn met(e: &Encounter, at_s: f64, robot: String, frame: &Frame) -> Mark {
-    let worker = called(e.worker, frame);
+fn met(e: &Encounter, seconds: impl Fn(&Time) -> f64, robot: String, frame: &Frame) -> Mark {
+    let name = called(e.worker, frame);
     let metres = |mm: i64| mm as f64 / 1000.0;
     let then = match e.reaction {
         Reaction::Kept => "drove on",
@@ -120,10 +164,25 @@ fn met(e: &Encounter, at_s: f64, robot: String, frame: &Frame) -> Mark {
         Reaction::Rerouted => "went another way",
         Reaction::Stopped => "was stopped",
     };
-    let words =
-        format!("{worker} met {robot}, at the closest {:.2} m; the robot {then}", metres(e.closest_mm));
-    let place = Some([metres(e.at.x_mm), metres(e.at.y_mm)]);
-    Mark { at_s, kind: Kind::Encounter, words, who: vec![worker_name(e.worker), robot], place }
+    let words = format!("{name} met {robot}, at the closest {:.2} m; the robot {then}", metres(e.closest_mm));
+    let [x, y] = [e.at.x_mm, e.at.y_mm].map(metres);
+    let worker = worker_name(e.worker);
+    let who = vec![worker.clone(), robot.clone()];
+    let details = Met {
+        worker,
+        robot,
+        ended_s: seconds(&e.ended),
+        x,
+        y,
+        radius: metres(e.radius_mm),
+        closest: metres(e.closest_mm),
+        robot_speed: metres(e.robot_mmps),
+        worker_speed: metres(e.worker_mmps),
+        reaction: e.reaction.word().into(),
+        delay_s: e.delay.as_secs_f64(),
+    };
+    let (at_s, place, encounter) = (seconds(&e.began), Some([x, y]), Some(details));
+    Mark { at_s, kind: Kind::Encounter, words, who, place, encounter }
 }
 
 /// What a picture says that the one before did not.
@@ -137,7 +196,8 @@ pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
             let by_fact = alarm["id"].as_str().is_some_and(|id| BY_FACT.contains(&id));
             if let (false, Some(text)) = (by_fact, alarm["text"].as_str()) {
                 let (words, who) = (text.to_owned(), Vec::new());
-                found.push(Mark { at_s: new.time_s, kind: Kind::Alarm, words, who, place: None });
+                let (place, encounter) = (None, None);
+                found.push(Mark { at_s: new.time_s, kind: Kind::Alarm, words, who, place, encounter });
             }
         }
     }
@@ -145,7 +205,8 @@ pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
         if now.presence == "lost" && before.presence != "lost" {
             let words = format!("{} is lost: nobody knows where, and robots stand all round", now.name);
             let place = now.x.zip(now.y).map(|(x, y)| [x, y]);
-            found.push(Mark { at_s: new.time_s, kind: Kind::Alarm, words, who: vec![now.id.clone()], place });
+            let (who, encounter) = (vec![now.id.clone()], None);
+            found.push(Mark { at_s: new.time_s, kind: Kind::Alarm, words, who, place, encounter });
         }
     }
     found

@@ -1,21 +1,24 @@
 //! Reels: moving pictures of a fleet on file, so that what happened at 14:07 can be looked at again.
 //!
-//! Main types: [`Reel`] (pictures and facts → lines), [`Mark`] (a bookmark), [`Out`] (a file of them), [`Folder`]
-//! (many, by time), [`Roll`] (writes a folder), [`page()`] (a page that needs no server). A reel is JSON lines,
-//! packed with gzip; docs/replay.md writes the contract down. Patches are those of the thin live feed. Refuses: to
-//! compare pictures in a way of its own, and to hold back whoever runs the fleet.
+//! Main types: [`Reel`] (pictures and facts → lines), [`Mark`] (a bookmark), [`Sum`] (figures so far), [`Out`] (a file
+//! of them), [`Folder`] (many, by time), [`Roll`] (writes a folder), [`page()`] (a page that needs no server). A reel
+//! is JSON lines, packed with gzip; docs/replay.md writes the contract down. Patches are those of the thin live feed.
+//! Refuses: to compare pictures in a way of its own, and to hold back whoever runs the fleet.
 
 mod file;
 mod folder;
 mod mark;
 mod page;
+mod pending;
 mod roll;
+mod sum;
 
 pub use file::{Out, is_reel, lines};
 pub use folder::{Cut, Folder, Past, Piece};
-pub use mark::{Kind, Mark, is_notable};
+pub use mark::{Kind, Mark, Met, is_notable};
 pub use page::page;
 pub use roll::{Limits, Roll};
+pub use sum::{Sum, Tally, thinned};
 
 use super::dto::round3;
 use super::http::map_text;
@@ -26,6 +29,7 @@ use crate::warehouse::Warehouse;
 use serde_json::json;
 use std::fmt::Write;
 use std::sync::Arc;
+use sum::Counting;
 
 /// How often there is a picture.
 pub const EVERY: Span = Span::from_millis(200);
@@ -45,6 +49,7 @@ pub struct Reel {
     version: u64,
     keyed_s: f64,
     facts: Vec<Fact>,
+    counting: Counting,
 }
 
 /// What one picture adds to a reel.
@@ -56,13 +61,16 @@ pub struct Shot {
     pub lines: String,
     /// The bookmarks among the lines.
     pub marks: Vec<Mark>,
+    /// The sums among the lines.
+    pub sums: Vec<Sum>,
 }
 
 impl Reel {
     /// A reel of this fleet. `start` is the time of day at which its pictures count from 0; nothing in a simulation.
     pub fn new(map: Arc<Warehouse>, name: String, start: Option<Time>) -> Reel {
         let keyed_s = f64::NEG_INFINITY;
-        Reel { map, name, start, last: None, version: 0, keyed_s, facts: Vec::new() }
+        let counting = Counting::default();
+        Reel { map, name, start, last: None, version: 0, keyed_s, facts: Vec::new(), counting }
     }
 
     /// The first line of a file. The next picture begins with a whole one.
@@ -85,11 +93,12 @@ impl Reel {
             return None;
         }
         let mut lines = String::new();
-        let mut marks = Vec::new();
+        let (mut marks, mut sums) = (Vec::new(), Vec::new());
         if let Some(last) = &self.last {
             let patch = thin::patch(last, frame, self.version);
             writeln!(lines, "{{\"at\":{at_s},\"patch\":{patch}}}").expect("texts take everything");
             marks = mark::between(last, frame);
+            self.counting.go(last, frame);
         }
         self.version += 1;
         // Beside the patch, so that whoever plays on need not begin anew.
@@ -97,6 +106,10 @@ impl Reel {
             let whole = frame.snapshot(self.version);
             writeln!(lines, "{{\"at\":{at_s},\"key\":{whole}}}").expect("texts take everything");
             self.keyed_s = at_s;
+            let sum = self.counting.sum(frame);
+            writeln!(lines, "{{\"at\":{at_s},\"sum\":{}}}", json!(sum.tally)).expect("texts take everything");
+            sums.push(sum);
+            lines += &pending::line(frame, &self.map);
         }
         let zero = self.start.unwrap_or(Time::ZERO);
         marks.extend(self.facts.drain(..).filter_map(|fact| mark::of(&fact, zero, frame)));
@@ -105,7 +118,7 @@ impl Reel {
                 .expect("texts take everything");
         }
         self.last = Some(frame.clone());
-        Some(Shot { at_s, lines, marks })
+        Some(Shot { at_s, lines, marks, sums })
     }
 }
 
@@ -122,5 +135,7 @@ fn split(line: &str) -> Option<(f64, &str)> {
     Some((at.parse().ok()?, rest))
 }
 
+#[cfg(test)]
+mod beside_tests;
 #[cfg(test)]
 mod tests;

@@ -86,6 +86,7 @@ impl Roll {
         out.put(&shot.lines)?;
         self.pending.at_s = shot.at_s;
         self.pending.marks.extend(shot.marks);
+        self.pending.sums.extend(shot.sums);
         if fresh || shot.at_s - self.flushed_s >= FLUSH_EVERY_S {
             self.flushed_s = shot.at_s;
             out.flush()?;
@@ -96,9 +97,9 @@ impl Roll {
 
     /// Lets readers know what there is.
     fn tell(&mut self) {
-        let Shot { at_s, marks, .. } = std::mem::take(&mut self.pending);
-        self.pending.at_s = at_s;
-        self.folder.grow(at_s, marks);
+        let news = std::mem::take(&mut self.pending);
+        self.pending.at_s = news.at_s;
+        self.folder.grow(news);
     }
 
     fn close(&mut self) -> io::Result<()> {

@@ -11,19 +11,19 @@ use std::path::PathBuf;
 const NO_LIMITS: Limits = Limits { age_s: f64::INFINITY, bytes: u64::MAX };
 
 /// A folder that goes with the test.
-struct Place(PathBuf);
+pub(super) struct Place(PathBuf);
 
 impl Place {
-    fn new(name: &str) -> Place {
+    pub(super) fn new(name: &str) -> Place {
         Place(std::env::temp_dir().join(format!("giveway-reel-{name}-{}", std::process::id())))
     }
 
-    fn folder(&self, start_s: i64) -> Arc<Folder> {
+    pub(super) fn folder(&self, start_s: i64) -> Arc<Folder> {
         let start = Some(Time(start_s * 1_000_000));
         Arc::new(Folder::open(self.0.clone(), Arc::new(lab()), "lab".into(), start).unwrap())
     }
 
-    fn reels(&self) -> Vec<PathBuf> {
+    pub(super) fn reels(&self) -> Vec<PathBuf> {
         let files = std::fs::read_dir(&self.0).unwrap().map(|f| f.unwrap().path());
         let mut reels: Vec<_> = files.filter(|f| f.extension().is_some_and(|e| e == "reel")).collect();
         reels.sort();
@@ -60,7 +60,7 @@ fn film(folder: &Arc<Folder>, from_s: u32, to_s: u32) -> Roll {
 }
 
 /// The lines of a span, read.
-fn cut(folder: &Folder, from_s: f64, to_s: f64) -> Vec<Value> {
+pub(super) fn cut(folder: &Folder, from_s: f64, to_s: f64) -> Vec<Value> {
     let mut text = String::new();
     folder.cut(from_s, to_s, true).expect("something is kept").each(|lines| {
         text += lines;

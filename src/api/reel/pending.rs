@@ -1,0 +1,55 @@
+//! Waiting jobs as reels list them.
+//!
+//! Main function: [`line()`]. Refuses: to say how many wait, which the picture does.
+
+use crate::api::dto::{job_name, round3};
+use crate::api::live::Frame;
+use crate::fleet::{JobKind, Pending};
+use crate::id::Dense;
+use crate::time::Time;
+use crate::warehouse::Warehouse;
+use serde::Serialize;
+use serde_json::json;
+
+/// A job that nobody had yet.
+#[derive(Serialize)]
+struct PendingDto {
+    id: String,
+    kind: &'static str,
+    /// Names of the rack or robot, and of the station or node it is to go to.
+    what: Vec<String>,
+    priority: u8,
+    submitted_s: f64,
+    /// A job that had to be over first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    after: Option<String>,
+}
+
+/// The line that lists the waiting jobs of a picture. Its time is that of the list.
+pub fn line(frame: &Frame, map: &Warehouse) -> String {
+    let seconds = |at: Time| round3((at - frame.beside.zero).as_secs_f64());
+    let backlog = &frame.beside.backlog;
+    let job = |p: &Pending| PendingDto {
+        id: job_name(p.job),
+        kind: p.kind.word(),
+        what: what(p.kind, frame, map),
+        priority: p.priority,
+        submitted_s: seconds(p.accepted),
+        after: p.after.map(job_name),
+    };
+    let jobs: Vec<PendingDto> = backlog.jobs.iter().map(job).collect();
+    format!("{{\"at\":{},\"waiting\":{}}}\n", seconds(backlog.at), json!(jobs))
+}
+
+fn what(kind: JobKind, frame: &Frame, map: &Warehouse) -> Vec<String> {
+    let robot = kind.robot().and_then(|r| Some(frame.robots.get(r.ix())?.id.clone()));
+    let rack = kind.rack().and_then(|r| Some(map.racks.get(r)?.name.clone()));
+    let goal = match kind {
+        JobKind::Deliver { station, .. } => map.stations.get(station).map(|s| s.name.clone()),
+        JobKind::Relocate { node, .. } | JobKind::Go { node, .. } => {
+            map.nodes.get(node).map(|n| n.name.clone())
+        }
+        JobKind::Return { .. } | JobKind::Charge { .. } | JobKind::Park { .. } => None,
+    };
+    [robot, rack, goal].into_iter().flatten().collect()
+}

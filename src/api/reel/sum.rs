@@ -1,0 +1,129 @@
+//! Running sums: what was counted since a reel was begun, for charts over any stretch of it.
+//!
+//! Main types: [`Tally`] (the sums), [`Sum`] (with their time), [`Counting`] (adds them up from picture to picture).
+//! Differences of sums make figures, and any of them may be left out ([`thinned`]). Counters are those of the fleet,
+//! which go on after a restart; seconds begin anew. Refuses: rates.
+
+use crate::api::dto::round3;
+use crate::api::live::Frame;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// Pictures farther apart have a gap between them, of which nothing is counted, seconds.
+const GAP_S: f64 = 1.0;
+
+/// Sums farther apart have a gap between them, seconds.
+const APART_S: f64 = 15.0;
+
+/// What was counted so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Tally {
+    /// Seconds of which there are pictures.
+    pub covered_s: f64,
+    /// Racks served at stations.
+    pub robot_deliveries: u64,
+    /// Assignments completed by workers.
+    pub human_deliveries: u64,
+    /// Robots that came into region 1 of a worker.
+    pub encounters: u64,
+    /// How often a worker left the path.
+    pub deviations: u64,
+    /// How often a robot had to stop or to change its route because of a worker.
+    pub interruptions: u64,
+    /// Routes planned anew because of workers and closures.
+    pub replans: u64,
+    /// Seconds that robots stood although they would have driven on, all together.
+    pub waiting_s: f64,
+    /// Seconds of workers on the floor, all together.
+    pub worker_s: f64,
+    /// Length of the last 1200 searches, median, microseconds; 0 where nobody measured it. No sum.
+    pub plan_us_p50: u64,
+    /// The same, 99th percentile. No sum.
+    pub plan_us_p99: u64,
+}
+
+/// The sums at a moment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Sum {
+    /// When, seconds from the start.
+    pub at_s: f64,
+    /// What was counted so far.
+    #[serde(flatten)]
+    pub tally: Tally,
+}
+
+/// Adds up what lies between pictures.
+#[derive(Debug, Default)]
+pub(super) struct Counting {
+    covered_s: f64,
+    waiting_s: f64,
+    worker_s: f64,
+}
+
+impl Counting {
+    /// Goes on from one picture to the next.
+    pub(super) fn go(&mut self, old: &Frame, new: &Frame) {
+        let span = new.time_s - old.time_s;
+        if span <= GAP_S {
+            self.covered_s += span;
+            self.waiting_s += span * new.beside.waiting as f64;
+            self.worker_s += span * new.beside.people as f64;
+        }
+    }
+
+    /// The sums at a picture.
+    pub(super) fn sum(&self, frame: &Frame) -> Sum {
+        let count = |name: &str| frame.counters[name].as_u64().unwrap_or(0);
+        let tally = Tally {
+            covered_s: round3(self.covered_s),
+            robot_deliveries: count("robot_deliveries"),
+            human_deliveries: count("human_deliveries"),
+            encounters: count("encounters"),
+            deviations: count("deviations"),
+            interruptions: count("interruptions"),
+            replans: count("replans"),
+            waiting_s: round3(self.waiting_s),
+            worker_s: round3(self.worker_s),
+            plan_us_p50: count("plan_us_p50"),
+            plan_us_p99: count("plan_us_p99"),
+        };
+        Sum { at_s: frame.time_s, tally }
+    }
+}
+
+/// One of these for each `step_s` seconds: the first, and beside it the last of all and both ends of each gap, so that
+/// differences tell the same.
+pub fn thinned(sums: &[Sum], step_s: f64) -> Vec<Sum> {
+    let apart = |a: &Sum, b: &Sum| b.at_s - a.at_s > APART_S || b.tally.covered_s < a.tally.covered_s;
+    let step = |s: &Sum| (s.at_s / step_s).floor();
+    let kept = |i: &usize| {
+        let here = &sums[*i];
+        let before = i.checked_sub(1).map(|b| &sums[b]);
+        let first = before.is_none_or(|b| step(b) != step(here) || apart(b, here));
+        first || sums.get(i + 1).is_none_or(|next| apart(here, next))
+    };
+    (0..sums.len()).filter(kept).map(|i| sums[i]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_the_first_of_each_step_and_the_ends_of_gaps() {
+        let sum = |at_s: f64, covered_s: f64| Sum { at_s, tally: Tally { covered_s, ..Tally::default() } };
+        let mut sums: Vec<Sum> = (0..12).map(|i| sum(10.0 * f64::from(i), 10.0 * f64::from(i))).collect();
+        // A restart within seconds, then a gap.
+        sums.extend([
+            sum(113.0, 0.0),
+            sum(123.0, 10.0),
+            sum(300.0, 10.0),
+            sum(310.0, 20.0),
+            sum(320.0, 30.0),
+        ]);
+        let times: Vec<f64> = thinned(&sums, 60.0).iter().map(|s| s.at_s).collect();
+        assert_eq!(times, [0.0, 60.0, 110.0, 113.0, 123.0, 300.0, 320.0]);
+        assert_eq!(thinned(&sums, 10.0), sums);
+        assert!(thinned(&[], 10.0).is_empty());
+    }
+}
