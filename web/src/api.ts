@@ -1,6 +1,7 @@
 // Requests to the public API. Every answer is a value, never an exception: done, refused with a reason,
 // or unreachable. It keeps the access token, and tells the page when the server wants one.
 import type { Socket, SocketEvents } from './link';
+import type { Sum } from './reel/reel';
 import type {
   Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobPage, JobState, NewClosure, NewJob, Past,
   Problem, Timelines, Why, WorkerDetail,
@@ -44,6 +45,9 @@ export class Api {
 
   /** What is kept of the past, with the bookmarks since a moment. */
   past = (since: number | null) => this.#ask<Past>('GET', since === null ? '/v1/past' : `/v1/past?from=${since}`);
+
+  /** Running sums of a span, one for so many seconds. */
+  figures = (from: number, to: number, step: number) => this.#ask<{ sums: Sum[] }>('GET', `/v1/past/figures?from=${from}&to=${to}&step=${step}`);
 
   /** The pictures of a span. */
   async reel(from: number, to: number, map: 'with map' | 'without map'): Promise<Answer<Blob>> {

@@ -63,6 +63,31 @@ export function rows(strips: readonly Strip[], ahead: number): Row[] {
   });
 }
 
+/** Where somebody looks: a place, and a bar of it, if it has any. */
+export interface Look {
+  readonly row: string;
+  readonly index: number;
+  readonly bar: Bar | null;
+}
+
+/** A look at the bar of this number of a row, or at the nearest there is. */
+export function lookAt(row: Row, index: number): Look {
+  const nearest = Math.min(row.bars.length - 1, Math.max(0, index));
+  return { row: row.id, index: Math.max(0, nearest), bar: row.bars[nearest] ?? null };
+}
+
+/** The same look after a while: at the bar of the same holder, wherever it is by now, else at what took its place. */
+export function lookAgain(all: readonly Row[], look: Look): Look | null {
+  const row = all.find((r) => r.id === look.row);
+  if (!row) return null;
+  const { bar } = look;
+  const theirs = bar ? row.bars.flatMap((b, i) => (b.by === bar.by && b.kind === bar.kind ? [i] : [])) : [];
+  const away = (i: number): number => Math.abs(i - look.index);
+  return lookAt(row, theirs.reduce((best, i) => (away(i) < away(best) ? i : best), theirs[0] ?? look.index));
+}
+
+export const lookWords = (look: Look): string => look.bar?.words ?? `${look.row}: nobody, and nothing, in this time`;
+
 /** Seconds at which the axis has marks: four to eight of them. */
 export function marks(ahead: number): number[] {
   const step = [2, 5, 10, 15, 20, 30].find((s) => ahead / s <= 8) ?? 30;

@@ -31,6 +31,18 @@ export function cellsOf({ kind, size, cells }: HeatPage): { cells: Cell[]; borde
   return { cells: found.filter((c) => c.level >= 0), borders: lower };
 }
 
+/** Places of encounters, by square metre. */
+export function heatOfPlaces(places: readonly (readonly [number, number])[]): HeatPage['cells'] {
+  const cells = new Map<string, HeatPage['cells'][number]>();
+  for (const place of places) {
+    const [x, y] = [Math.floor(place[0]) + 0.5, Math.floor(place[1]) + 0.5];
+    const cell = cells.get(`${x} ${y}`) ?? { x, y, node: null, amount: 0 };
+    cell.amount += 1;
+    cells.set(`${x} ${y}`, cell);
+  }
+  return [...cells.values()];
+}
+
 /** A class in words: from one border up to the next. */
 export function words(kind: HeatKind, lower: readonly number[], level: number): string {
   const [from, to] = [lower[level]!, lower[level + 1]];

@@ -1,7 +1,8 @@
 // What lies on the floor besides what is there: forecasts, and where robots waited or met people. Fetches maps of
 // heat while one is shown; forecasts come with the live feed.
 import { trouble, type Api } from './api';
-import { cellsOf, type Cell } from './heatmap';
+import { cellsOf, heatOfPlaces, type Cell } from './heatmap';
+import type { Film } from './reel/film';
 import type { HeatKind } from './wire';
 
 const EVERY_MS = 10_000;
@@ -18,6 +19,8 @@ export class Layers {
   /** From when on it is added up. */
   from = $state.raw<string | null>(null);
   trouble = $state.raw<string | null>(null);
+  /** What the cells of the past are of. */
+  #cellsOf: HeatKind | 'none' = 'none';
   #api: Api;
 
   constructor(api: Api) {
@@ -27,6 +30,7 @@ export class Layers {
   /** Keeps the map of heat fresh; to be called in an effect, returns what ends it. */
   keep(): () => void {
     const [kind, period] = [this.heat, this.period];
+    this.#cellsOf = 'none';
     if (kind === 'none') {
       this.cells = [];
       return () => {};
@@ -53,5 +57,34 @@ export class Layers {
       left = true;
       clearTimeout(timer);
     };
+  }
+
+  /** The same for seconds of a film: where robots met people from the bookmarks, where they waited from the server that
+   *  filmed it. In an effect as well. */
+  keepThen(film: Film, from: number, to: number): () => void {
+    const kind = this.heat;
+    const put = (cells: readonly Cell[], borders: readonly number[], from: string | null, wrong: string | null): void => {
+      [this.cells, this.borders, this.from, this.trouble, this.#cellsOf] = [cells, borders, from, wrong, kind];
+    };
+    // What is there stays until there is something newer, unless it was something else.
+    if (kind !== this.#cellsOf) put([], [], null, null);
+    if (kind === 'none') return () => {};
+    let gone = false;
+    if (kind === 'encounters') {
+      const met = film.marks.filter((mark) => mark.kind === 'encounter' && mark.at_s >= from && mark.at_s <= to);
+      const places = met.flatMap((mark) => (mark.place ? [mark.place] : []));
+      const { cells, borders } = cellsOf({ kind, from: '', to: '', size: 1, cells: heatOfPlaces(places) });
+      put(cells, borders, null, null);
+    } else if (film.source !== 'server' || film.start === null) {
+      put([], [], null, 'Where robots waited is known of a running server only.');
+    } else {
+      const time = (s: number): string => new Date(1_000 * (film.start! + s)).toISOString();
+      void this.#api.heat(kind, { from: time(from), to: time(to) }).then((answer) => {
+        if (gone) return;
+        const { cells, borders } = answer.kind === 'ok' ? cellsOf(answer.value) : { cells: [], borders: [] };
+        put(cells, borders, answer.kind === 'ok' ? answer.value.from : null, trouble(answer));
+      });
+    }
+    return () => { gone = true; };
   }
 }

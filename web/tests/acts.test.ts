@@ -2,7 +2,7 @@
 import { describe, expect, it } from 'vitest';
 import { buildClosure } from '../src/closureform';
 import { cells, readJobs, type Known } from '../src/csv';
-import { marks, place, rows, when } from '../src/gantt';
+import { lookAgain, lookAt, lookWords, marks, place, rows, when } from '../src/gantt';
 import { around, corner, rectangle } from '../src/sketch';
 import type { Point, Strip } from '../src/wire';
 
@@ -96,6 +96,17 @@ describe('the picture of what the planner sees', () => {
     expect(rows([old], 60)[0]!.bars).toEqual([]);
     expect(rows([strip], 60)[0]!.bars.at(-1)!.words).toBe('R1: robot-2 is promised it, from in 5.0 s on');
     expect(when(-1, 2)).toBe('from now to in 2.0 s');
+  });
+  it('keeps looking at the same holder while bars come and go, and at the place where nobody is left', () => {
+    const of = (holds: Strip['holds']) => rows([{ ...strip, conditions: [], holds }, { ...strip, id: 'R2', conditions: [], holds: [] }], 60);
+    const [first, second] = strip.holds;
+    const before = of(strip.holds);
+    const look = lookAt(before[0]!, before[0]!.bars.findIndex((b) => b.by === 'robot-2'));
+    expect(lookAgain(of([second!]), look)).toMatchObject({ row: 'R1', index: 0, bar: { by: 'robot-2' } });
+    expect(lookAgain(of([first!]), look)?.bar?.by, 'what took its place').toBe(first!.by);
+    expect(lookWords(lookAgain(of([]), look)!)).toMatch(/^R1: nobody/);
+    expect(lookWords(lookAt(before[1]!, 3))).toMatch(/^R2: nobody/);
+    expect(lookAgain([], look)).toBeNull();
   });
   it('has four to nine marks', () => {
     for (const ahead of [15, 30, 60, 120]) expect(marks(ahead).length).toBeGreaterThanOrEqual(4);

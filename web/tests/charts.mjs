@@ -130,6 +130,21 @@ await check('An encounter comes as a row, shows its place, and can be seen again
   await of.selectOption('');
   return `${(await row.innerText()).replaceAll(/\s+/g, ' ')} ${replay}`;
 });
+await check('Its replay lists it, too, and goes there', async () => {
+  await encounters.locator('[data-encounter]').first().getByRole('link', { name: /^Replay/ }).click();
+  const bar = page.getByRole('region', { name: 'Replay', exact: true });
+  await bar.getByRole('button', { name: 'Encounters', exact: true }).click();
+  const row = encounters.locator('[data-encounter]').first();
+  await row.waitFor({ timeout: 15_000 });
+  const words = (await row.innerText()).replaceAll(/\s+/g, ' ');
+  const seconds = (text) => text.split(':').reduce((sum, n) => sum * 60 + Number(n), 0);
+  await row.getByRole('button', { name: /^Replay/ }).click();
+  const shown = await bar.locator('output b').innerText();
+  assert(Math.abs(seconds(words.split(' ')[0]) - seconds(shown) - 5) < 4, `${words}, but it is ${shown}`);
+  await button('Back to live').click();
+  await button('Encounters').waitFor();
+  return words;
+});
 await check('Maps of heat are put onto the floor, with what the colours mean', async () => {
   await button('Show the whole floor').click();
   await page.getByText('Layers', { exact: true }).click();

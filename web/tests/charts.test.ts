@@ -7,7 +7,7 @@ import { CHARTS, gaps, gridOf, runs, valuesOf } from '../src/charts/series';
 import { placeNear, replayOf, sorted } from '../src/encounters';
 import { feedWords } from '../src/feedwords';
 import { forecastsOf } from '../src/floor/heat';
-import { borders, cellsOf, words } from '../src/heatmap';
+import { borders, cellsOf, heatOfPlaces, words } from '../src/heatmap';
 import { EMPTY, reduce, type Mirror } from '../src/mirror';
 import type { Bucket, Encounter, HistoryPage, WorkerDetail } from '../src/wire';
 import { snapshot, worker } from './samples';
@@ -82,6 +82,10 @@ describe('encounters', () => {
 });
 
 describe('maps of heat', () => {
+  test('places of encounters are counted by square metre', () => {
+    const cells = heatOfPlaces([[1.2, 3.9], [1.8, 3.1], [-0.2, 0.4]]);
+    expect(cells).toEqual([{ x: 1.5, y: 3.5, node: null, amount: 2 }, { x: -0.5, y: 0.5, node: null, amount: 1 }]);
+  });
   test('classes have round borders, and the most is in the last one', () => {
     expect(borders('waiting', 75)).toEqual([2, 5, 10, 30, 60]);
     expect(borders('encounters', 1)).toEqual([1, 2, 3, 4, 5]);

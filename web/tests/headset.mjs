@@ -222,6 +222,24 @@ await check('Who leaves the path is told so, and redirected', async () => {
   assert(seen.includes('deviating') || seen.includes('redirected'), `it showed ${seen.join(', ')} (the way was ${dx.toFixed(1)}, ${dy.toFixed(1)})`);
   return seen.join(', ');
 });
+await check('Who is at the place says to be done with a press', async () => {
+  await ask(`/v1/workers/${worker}/assignments`, { place: 'R106', stay_s: 600 });
+  for (let tries = 0; !(await board()).includes('Done here?') && tries < 60; tries += 1) {
+    const { path } = await ask(`/v1/workers/${worker}`);
+    for (const corner of path) if (Math.hypot(corner[0] - here[0], corner[1] - here[1]) > 0.05) await walk(corner);
+    await page.waitForTimeout(250);
+  }
+  await shot('done');
+  const { assignment } = await ask(`/v1/workers/${worker}`);
+  await press();
+  let state = '';
+  for (const began = Date.now(); state !== 'done' && Date.now() - began < PATIENCE;) {
+    ({ state } = await ask(`/v1/assignments/${assignment}`));
+    await page.waitForTimeout(100);
+  }
+  assert(state === 'done', `${assignment} is ${state}; ${await board()}`);
+  return assignment;
+});
 await check('A guessed position is said to be one', async () => {
   await page.evaluate(() => { globalThis.headset.emulated = true; });
   await page.locator('.banner', { hasText: 'guess' }).waitFor({ timeout: PATIENCE, state: 'attached' });
@@ -313,6 +331,16 @@ await check('A phone shows the same guidance on a map, with a place that the wea
   // Said once a second: between two words it may be called stale.
   assert(['tracked', 'stale'].includes(presence), presence);
   return `at ${x}, ${y}; ${(await phone.locator('.banner').innerText()).replaceAll('\n', ': ')}`;
+});
+await check('A phone has a button for being done, and the fleet takes the word for it', async () => {
+  const { items } = await ask('/v1/workers');
+  const second = items.find((w) => w.name === 'picker-8').id;
+  const open = async () => (await ask(`/v1/workers/${second}/assignments`)).items.filter((a) => a.state !== 'done').length;
+  assert((await open()) === 1, `${await open()} are open`);
+  await phone.getByRole('button', { name: 'Done' }).click();
+  for (const began = Date.now(); (await open()) > 0 && Date.now() - began < PATIENCE;) await phone.waitForTimeout(100);
+  assert((await open()) === 0, 'it is open still');
+  await phone.getByRole('button', { name: 'Done' }).waitFor({ state: 'hidden', timeout: PATIENCE });
 });
 await accessible('phone', phone);
 await check('A second device takes the place of the first, which does not fight for it', async () => {

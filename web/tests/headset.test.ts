@@ -320,6 +320,32 @@ describe('a wearer', () => {
     world.look();
     expect(world.line.sent.at(-1)).toMatchObject({ type: 'pose', epoch: 2, seq: 1 });
   });
+  test('work is said to be done where its place is near, once, and again where that was not heard', () => {
+    world.welcome();
+    world.align();
+    world.look();
+    world.hear({ ...guidance({ path: [[0, 0], [3, 4]] }), type: 'guidance' });
+    world.wearer.confirm([0, 0, 0]);
+    expect(world.said, 'five metres away').not.toContain('done');
+    world.hear({ ...guidance({ path: [[2, 3], [3, 4]] }), type: 'guidance' });
+    expect(world.wearer.due()).toBe('a1');
+    world.wearer.confirm([0, 0, 0]);
+    expect(world.line.sent.at(-1)).toEqual({ type: 'done', assignment: 'a1' });
+    expect(world.wearer.due(), 'it was said').toBeNull();
+    world.hear({ type: 'done', assignment: 'a1', refused: 'nothing was accepted' });
+    expect(world.wearer.due()).toBe('a1');
+    expect(world.wearer.notTaken).toBe('nothing was accepted');
+    world.wearer.confirm([0, 0, 0]);
+    expect(world.wearer.notTaken, 'it was said again').toBeNull();
+    world.hear({ type: 'done', assignment: 'a1', refused: 'nothing was accepted' });
+    world.hear({ ...guidance({ assignment: 'a2' }), type: 'guidance' });
+    expect(world.wearer.notTaken, 'that was of another assignment').toBeNull();
+    world.hear({ ...guidance({ path: [[2, 3], [3, 4]] }), type: 'guidance' });
+    world.hear({ ...guidance({ state: 'stop', path: [] }), type: 'guidance' });
+    expect(world.wearer.due(), 'no gesture during a stop').toBeNull();
+    world.hear({ ...guidance({ assignment: null, path: [] }), type: 'guidance' });
+    expect(world.wearer.due()).toBeNull();
+  });
   test('a line that says nothing is given up, and one that never opens too', () => {
     world.welcome();
     world.pass(DEAD_MS + 2_000);

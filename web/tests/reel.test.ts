@@ -6,9 +6,10 @@ import { readReel } from '../src/reel/reel';
 import { replayRoute } from '../src/reel/route';
 import { seek, type Shown } from '../src/reel/seek';
 import { linesOf } from '../src/reel/unpack';
-import { chainOf, heldAround, jobsUnderWay } from '../src/reel/was';
+import { HeldThen } from '../src/reel/held';
+import { chainOf, jobsUnderWay } from '../src/reel/was';
 import { moment, momentOf } from '../src/reel/words';
-import type { FloorMap } from '../src/wire';
+import type { FloorMap, Strip } from '../src/wire';
 import { robot, snapshot } from './samples';
 
 const map: FloorMap = { name: 'm', bounds: [0, 0, 9, 9], footprint_m: 1, nodes: [], lanes: [], stations: [], racks: [], obstacles: [], walkable: [] };
@@ -128,6 +129,21 @@ describe('the past of a server', () => {
     film.shots(105);
     await settled();
     expect(place(seek(film.shots(105)!, 105, null))).toBeCloseTo(52.5);
+
+    asked.length = 0;
+    film.between(30, 200);
+    expect(asked, 'the minute before is not here yet; there is none after the end').toEqual([[0, 60.5]]);
+    await settled();
+    const joined = film.between(30, 200);
+    expect(film.between(30, 200), 'nothing came meanwhile').toBe(joined);
+    const times = joined.map((shot) => shot.at);
+    expect(times).toEqual([...times].sort((a, b) => a - b));
+    expect([times[0], times.at(-1)]).toEqual([0, 110]);
+    let shown: Shown | null = null;
+    for (const t of [58, 59.8, 60, 60.4, 60.6, 61, 109]) {
+      shown = seek(joined, t, shown);
+      expect(place(shown), `at ${t}`).toBeCloseTo(t / 2);
+    }
   });
 });
 
@@ -167,12 +183,37 @@ describe('what pictures say beyond the floor', () => {
     return lines;
   }
 
+  const AREA = [0.5, -1, 2.5, 1];
+  const held = (strips: Strip[], id: string) =>
+    strips.find((s) => s.id === id)?.holds.map((h) => [h.by, h.granted, Math.round(h.from_s * 10) / 10, Math.round((h.to_s ?? 0) * 10) / 10]);
+
   test('who held a place from when to when', () => {
-    const strips = heldAround(readReel(goingReel()).shots, withPlaces, [0.5, -1, 2.5, 1], 1, 60);
-    expect(strips.map((s) => s.id)).toEqual(['N1', 'N2']);
-    const of = (id: string) => strips.find((s) => s.id === id)?.holds.map((h) => [h.by, h.granted, Math.round(h.from_s * 10) / 10, Math.round((h.to_s ?? 0) * 10) / 10]);
-    expect(of('N1')).toEqual([['r1', false, -0.8, -0.2], ['r1', true, 0, 0.8]]);
-    expect(of('N2')).toEqual([['r1', false, 0, 0.8], ['r1', true, 1, 2]]);
+    const { nodes, whole } = new HeldThen().around(readReel(goingReel()).shots, withPlaces, AREA, 1, 60);
+    expect(whole).toBe(true);
+    expect(nodes.map((s) => s.id)).toEqual(['N1', 'N2']);
+    expect(held(nodes, 'N1')).toEqual([['r1', false, -0.8, -0.2], ['r1', true, 0, 0.8]]);
+    expect(held(nodes, 'N2')).toEqual([['r1', false, 0, 0.8], ['r1', true, 1, 2]]);
+  });
+
+  test('going on says the same as beginning anew, and so does going back', () => {
+    const { shots } = readReel(goingReel());
+    const reader = new HeldThen();
+    for (const t of [0.4, 0.6, 1.6, 5.5, 6.3, 1, 2.2]) {
+      const anew = new HeldThen().around(shots, withPlaces, AREA, t, 1);
+      expect(reader.around(shots, withPlaces, AREA, t, 1), `at ${t}`).toEqual(anew);
+    }
+  });
+
+  test('a large past is read in slices, and what was read is shown meanwhile', () => {
+    let ms = 0;
+    const slow = () => (ms += 15);
+    const reader = new HeldThen();
+    const { shots } = readReel(goingReel());
+    const seen = [];
+    for (let asked = 0; asked < 20; asked += 1) seen.push(reader.around(shots, withPlaces, AREA, 1, 60, slow));
+    expect(seen[0]!.whole).toBe(false);
+    expect(held(seen[0]!.nodes, 'N2'), 'not come to yet').toEqual([]);
+    expect(seen.at(-1)).toEqual(new HeldThen().around(shots, withPlaces, AREA, 1, 60));
   });
 
   test('a chain leads from who waits to the root, and ends where it would turn round', () => {
@@ -180,7 +221,7 @@ describe('what pictures say beyond the floor', () => {
     const mirror = said([
       robot('r-1', { why: 'waits for N2, held by r-2' }), robot('r-2', { why: 'waits for N3, held by r-3' }), robot('r-3', { doing: 'picking' }),
     ]);
-    expect(chainOf(mirror, 'r-1').map((l) => [l.who, l.root])).toEqual([['r-1', false], ['r-2', false], ['r-3', true]]);
+    expect(chainOf(mirror, 'r-1').map((l) => l.who)).toEqual(['r-1', 'r-2', 'r-3']);
     expect(chainOf(mirror, 'r-3')).toEqual([]);
     const round = said([robot('r-1', { why: 'waits for N2, held by r-2' }), robot('r-2', { why: 'waits for N1, held by r-1' })]);
     expect(chainOf(round, 'r-1').map((l) => l.who)).toEqual(['r-1', 'r-2']);

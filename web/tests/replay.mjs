@@ -19,6 +19,7 @@ const SHOTS = here('./shots/');
 const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const PATIENCE = 30_000;
 const SECONDS = 150;
+const LONG = 600;
 
 await mkdir(SHOTS, { recursive: true });
 const folder = await mkdtemp(join(tmpdir(), 'giveway-replay-'));
@@ -32,6 +33,7 @@ let page = await open();
 const button = (name) => page.getByRole('button', { name, exact: true });
 const bar = () => page.getByRole('region', { name: 'Replay', exact: true });
 const bookmarks = () => page.getByRole('region', { name: 'Bookmarks' });
+const charts = () => page.getByRole('region', { name: 'Charts', exact: true });
 const badge = () => page.getByText('this is the past');
 /** The moment that is shown, in seconds of the day. */
 const moment = async () => (await bar().locator('output b').innerText()).split(':').reduce((sum, n) => sum * 60 + Number(n), 0);
@@ -109,6 +111,23 @@ await check('Timelines of then show who held the places on the screen', async ()
   return `${await bars.count()} bars`;
 });
 await axe('a file with timelines, dark');
+await check('Jobs that waited are listed below those under way, as of a moment', async () => {
+  await then('Jobs');
+  const waited = page.getByRole('table', { name: 'Jobs that waited then' }).locator('tbody tr');
+  await waited.first().waitFor({ timeout: 5_000 });
+  const heading = await page.getByRole('heading', { name: /Jobs that waited for a robot/ }).innerText();
+  assert(/^Jobs that waited for a robot: \d+ \(the list is as of \d\d:\d\d:\d\d/.test(heading), heading);
+  const words = (await waited.first().innerText()).replaceAll(/\s+/g, ' ');
+  assert(/^j\d+ \w+ \S+ → \S+ \d \d\d:\d\d:\d\d/.test(words), words);
+  const under = new Set(await page.getByRole('table', { name: 'Jobs under way then' }).locator('tbody tr').evaluateAll((all) => all.map((row) => row.dataset.job)));
+  const names = await waited.evaluateAll((all) => all.map((row) => row.dataset.waited));
+  assert(names.every((name) => !under.has(name)), 'a job is under way and waits');
+  await waited.first().scrollIntoViewIfNeeded();
+  await page.screenshot({ path: `${SHOTS}replay-waiting.png` });
+  return `${heading.replaceAll('\n', ' ')}: ${words}`;
+});
+await axe('a file with jobs, dark');
+await then('Timelines');
 await check('At 64 times the speed it comes to the end and stands', async () => {
   await bar().getByLabel('Speed').selectOption('64');
   await page.getByRole('slider', { name: 'Moment' }).press('Home');
@@ -124,10 +143,80 @@ await page.screenshot({ path: `${SHOTS}replay-file-light.png` });
 await page.setViewportSize({ width: 390, height: 844 });
 await page.waitForTimeout(500);
 await check('It fits onto a phone', async () => {
-  const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-  await page.screenshot({ path: `${SHOTS}replay-phone.png`, fullPage: true });
-  assert(over <= 0, `it is ${over} px too wide`);
+  for (const one of ['Timelines', 'Jobs', 'Charts', 'Encounters']) {
+    if (one !== 'Timelines') await then(one);
+    await page.waitForTimeout(500);
+    const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    await page.screenshot({ path: `${SHOTS}replay-phone-${one.toLowerCase()}.png`, fullPage: true });
+    assert(over <= 0, `${one}: it is ${over} px too wide`);
+  }
 });
+await page.close();
+
+await check('Ten minutes with a fleet whose robots meet people are made into a page', async () => {
+  // The published method foresees people, and meets them more often than Giveway does.
+  const scenario = JSON.parse(await readFile(here('../../scenarios/people-3.json'), 'utf8'));
+  await writeFile(file('long.json'), JSON.stringify({ ...scenario, arm: 'phir', map: here('../../maps/thesis.json') }));
+  await giveway('sim', file('long.json'), '--duration', String(LONG), '--no-bound', '--reel', file('long.reel'));
+  await giveway('replay', file('long.reel'), '--page', file('long.html'));
+  page = await open();
+  await page.emulateMedia({ colorScheme: 'dark' });
+  await page.goto(pathToFileURL(file('long.html')).href);
+  await drawn();
+  await button('Pause').click();
+});
+await check('Charts of what is in sight have values and the moment, and a click goes to a time', async () => {
+  await page.getByRole('slider', { name: 'Moment' }).press('End');
+  await then('Charts');
+  const values = await chartsShow();
+  const plot = charts().locator('[data-chart="deliveries"] .plot');
+  const box = await plot.boundingBox();
+  const left = await charts().locator('[data-chart="deliveries"] .moment').getAttribute('x1');
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  await page.waitForTimeout(600);
+  assert(Math.abs((await moment()) - LONG / 2) < 12, `the middle is ${await moment()}`);
+  const right = await charts().locator('[data-chart="deliveries"] .moment').getAttribute('x1');
+  assert(Number(right) < Number(left), `the line stays at ${left}`);
+  const told = await charts().getByRole('status').textContent();
+  assert(/^00:0\d:\d\d: .*robots/.test(told), told);
+  await page.mouse.move(box.x + box.width * 0.72, box.y + box.height / 2);
+  await page.waitForTimeout(300);
+  await page.screenshot({ path: `${SHOTS}replay-charts.png` });
+  await page.mouse.move(5, 5);
+  await charts().getByLabel('As a table').check();
+  const rows = await charts().getByRole('region', { name: 'Table of figures over time' }).getByRole('row').count();
+  assert(rows >= LONG / 30, `${rows} rows`);
+  await charts().getByLabel('As a table').uncheck();
+  return `${values}; ${told}`;
+});
+await axe('a file with charts, dark');
+await check('Encounters of then are a table: a row goes there, its names choose, its place is shown', async () => {
+  await then('Encounters');
+  const words = await encounterGoes();
+  await page.screenshot({ path: `${SHOTS}replay-encounters.png` });
+  return words;
+});
+await axe('a file with encounters, dark');
+await check('A map of heat shows where robots met people in what is in sight', async () => {
+  await page.getByText('Layers', { exact: true }).click();
+  await page.getByLabel('where robots met people').check();
+  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.cells) > 0, null, { timeout: 10_000 });
+  const cells = await page.locator('canvas').first().getAttribute('data-cells');
+  await page.getByRole('group', { name: 'Meaning of the colours' }).waitFor({ timeout: 5_000 });
+  await axe('a file with a map of heat');
+  await page.getByLabel('where robots waited').check();
+  await page.getByText('known of a running server only').waitFor({ timeout: 5_000 });
+  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.cells === '0', null, { timeout: 5_000 });
+  await page.getByLabel('none', { exact: true }).check();
+  await page.getByText('Layers', { exact: true }).click();
+  return `${cells} places`;
+});
+await page.emulateMedia({ colorScheme: 'light' });
+await then('Charts');
+await chartsShow();
+await page.waitForTimeout(500);
+await axe('a file with charts, light');
+await page.screenshot({ path: `${SHOTS}replay-charts-light.png` });
 await page.close();
 
 await check('Seeking among 800 robots shows the moment at once', async () => {
@@ -169,6 +258,12 @@ await check('A recording opens as a replay whose scrubber grows to all of it', a
   await page.waitForTimeout(1_500);
   assert((await moment()) > 60, `it is ${await moment()}`);
   await page.screenshot({ path: `${SHOTS}replay-recording.png` });
+  await then('Charts');
+  await chartsShow();
+  await then('Encounters');
+  await page.getByRole('region', { name: 'Encounters', exact: true }).getByText(/\d+ shown/).waitFor({ timeout: 5_000 });
+  await then('Jobs');
+  await page.getByRole('table', { name: 'Jobs that waited then' }).locator('tbody tr').first().waitFor({ timeout: 5_000 });
   await button('As it was played').click();
   await badge().waitFor({ state: 'detached', timeout: 5_000 });
   await page.close();
@@ -194,6 +289,24 @@ await check('A running server shows its own past, in which nothing can be change
   await page.screenshot({ path: `${SHOTS}replay-server.png` });
 });
 await axe('a server');
+await check('A server has charts and jobs of its past', async () => {
+  await then('Jobs');
+  await page.getByRole('heading', { name: /the list is as of \d\d:\d\d:\d\d/ }).waitFor({ timeout: 10_000 });
+  await then('Charts');
+  await charts().locator('[data-chart="deliveries"] .moment').first().waitFor({ state: 'attached', timeout: 30_000 });
+  await charts().locator('[data-chart="waiting"] polyline').first().waitFor({ state: 'attached', timeout: 30_000 });
+  const said = await charts().locator('[data-chart="plans"] [data-value]').allInnerTexts();
+  await page.screenshot({ path: `${SHOTS}replay-server-charts.png` });
+  await then('Encounters');
+  await page.getByText('None in this time.').waitFor({ timeout: 5_000 });
+  await then('Encounters');
+  await page.getByText('Layers', { exact: true }).click();
+  await page.getByLabel('where robots waited').check();
+  await page.getByRole('group', { name: 'Meaning of the colours' }).waitFor({ timeout: 10_000 });
+  await page.getByLabel('none', { exact: true }).check();
+  await page.getByText('Layers', { exact: true }).click();
+  return `searches ${said.join(', ')}`;
+});
 await check('What is in sight is saved as a file', async () => {
   const saving = page.waitForEvent('download', { timeout: 10_000 });
   await button('Save as a file').click();
@@ -256,6 +369,41 @@ await check('Nothing was complained about in the console', () => assert(complain
 await server.kill();
 await rm(folder, { recursive: true, force: true });
 await finish(browser);
+
+/** Shows what was, below the scrubber. */
+async function then(what) {
+  await bar().getByRole('button', { name: what, exact: true }).click();
+}
+
+/** Charts with a line for deliveries and one for the moment that is shown; what they say. */
+async function chartsShow() {
+  await charts().locator('[data-chart="deliveries"] polyline').first().waitFor({ state: 'attached', timeout: 10_000 });
+  assert((await charts().locator('figure').count()) === 6, 'charts are missing');
+  assert((await charts().locator('.moment').count()) === 6, 'the moment is not marked');
+  const values = await charts().locator('[data-chart="deliveries"] [data-value], [data-chart="people"] [data-value]').allInnerTexts();
+  assert(values.every((value) => /^[\d,.]+$/.test(value)), `it says ${values.join(', ')}`);
+  return values.join(', ');
+}
+
+/** The last encounter of the list is gone to, its robot chosen, its place shown. */
+async function encounterGoes() {
+  const list = page.getByRole('region', { name: 'Encounters', exact: true });
+  const row = list.locator('[data-encounter]').last();
+  await row.waitFor({ timeout: 5_000 });
+  const words = (await row.innerText()).replaceAll(/\s+/g, ' ');
+  const at = words.split(' ')[0].split(':').reduce((sum, n) => sum * 60 + Number(n), 0);
+  await page.locator('body').press('End');
+  await row.getByRole('button', { name: /^Replay/ }).click();
+  assert(Math.abs((await moment()) - Math.max(0, at - 5)) <= 1.5, `${words}, but it is ${await moment()}`);
+  await page.locator('body').press('End');
+  await row.getByRole('rowheader').getByRole('button').click();
+  assert(Math.abs((await moment()) - Math.max(0, at - 5)) <= 1.5, `${words}, but the time goes to ${await moment()}`);
+  await row.getByRole('button', { name: /^robot-/ }).click();
+  await page.getByRole('region', { name: 'Robot', exact: true }).waitFor({ timeout: 3_000 });
+  await row.getByRole('button', { name: /show on the floor/ }).click();
+  await page.waitForTimeout(700);
+  return words;
+}
 
 /** Starts the program, and reads where it is from its first line. */
 async function start(...words) {

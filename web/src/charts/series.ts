@@ -8,8 +8,10 @@ export interface Line {
   ink: string;
   /** How it is dashed, so that nobody needs the colours. */
   dash: string | null;
-  of(bucket: Bucket): number | null;
+  of(figures: Figures): number | null;
 }
+/** What a bucket has; of the past, another share of searches is known. */
+export type Figures = Omit<Bucket, 'at'> & { plan_us_p99?: number | null };
 export interface Chart {
   id: string;
   title: string;
@@ -21,9 +23,9 @@ export interface Chart {
 
 /** A bucket that was seen for less than this says nothing about a rate, seconds. */
 const LEAST_S = 4;
-const perHour = (count: (b: Bucket) => number) => (b: Bucket) => (b.covered_s < LEAST_S ? null : (3_600 * count(b)) / b.covered_s);
-const perMinute = (count: (b: Bucket) => number) => (b: Bucket) => (b.covered_s < LEAST_S ? null : (60 * count(b)) / b.covered_s);
-const average = (seconds: (b: Bucket) => number) => (b: Bucket) => (b.covered_s < LEAST_S ? null : seconds(b) / b.covered_s);
+const perHour = (count: (b: Figures) => number) => (b: Figures) => (b.covered_s < LEAST_S ? null : (3_600 * count(b)) / b.covered_s);
+const perMinute = (count: (b: Figures) => number) => (b: Figures) => (b.covered_s < LEAST_S ? null : (60 * count(b)) / b.covered_s);
+const average = (seconds: (b: Figures) => number) => (b: Figures) => (b.covered_s < LEAST_S ? null : seconds(b) / b.covered_s);
 
 const ROBOTS = 'var(--chart-1)';
 const PEOPLE = 'var(--chart-2)';
@@ -77,7 +79,9 @@ export interface Grid {
   step: number;
   /** When each begins, milliseconds. */
   at: number[];
-  buckets: (Bucket | null)[];
+  buckets: (Figures | null)[];
+  /** Milliseconds are since 1970, rather than since a simulation began. */
+  ofDay: boolean;
 }
 
 /** Puts buckets onto an even grid over the last `span_s` seconds, so that what is missing stays missing. */
@@ -87,7 +91,7 @@ export function gridOf(page: HistoryPage, span_s: number): Grid {
   const from = to - Math.round((1_000 * span_s) / step) * step;
   const by = new Map(page.buckets.map((b) => [Date.parse(b.at), b]));
   const at = Array.from({ length: Math.round((to - from) / step) }, (_, i) => from + i * step);
-  return { from, to, step, at, buckets: at.map((t) => by.get(t) ?? null) };
+  return { from, to, step, at, buckets: at.map((t) => by.get(t) ?? null), ofDay: true };
 }
 
 export const valuesOf = (line: Line, grid: Grid): (number | null)[] => grid.buckets.map((b) => (b === null ? null : line.of(b)));

@@ -17,6 +17,7 @@ export type FeedEvent =
   | { kind: 'aligned'; epoch: number; fit: Aligned }
   | { kind: 'refused'; text: string; aligned: boolean }
   | { kind: 'guidance'; guidance: Guidance }
+  | { kind: 'done'; assignment: string; refused: string | null }
   | { kind: 'clock'; error_ms: number }
   | { kind: 'warning'; code: string; text: string };
 
@@ -105,6 +106,9 @@ export class Feed {
   resync(): void {
     this.#say({ type: 'resync' });
   }
+  done(assignment: string): void {
+    this.#say({ type: 'done', assignment });
+  }
   seen(version: number): void {
     this.#say({ type: 'ack', version });
   }
@@ -159,6 +163,8 @@ export class Feed {
         return this.#tell({ kind: 'refused', text: `${String(m['reason'])}: ${String(m['remedy'])}`, aligned: m['aligned'] === true });
       case 'guidance':
         return this.#tell({ kind: 'guidance', guidance: m as unknown as Guidance });
+      case 'done':
+        return this.#tell({ kind: 'done', assignment: String(m['assignment']), refused: typeof m['refused'] === 'string' ? m['refused'] : null });
       case 'clock':
         return this.#tell({ kind: 'clock', error_ms: Number(m['error_ms']) });
       case 'warning':

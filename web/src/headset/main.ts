@@ -3,7 +3,7 @@ import '../app.css';
 import './headset.css';
 import { applyTheme, storedTheme } from '../theme';
 import type { FloorMap } from '../wire';
-import { metres, suggest, type Marking, type Place } from './align';
+import { metres, suggest, type Place } from './align';
 import type { Aim } from './arrow';
 import { buzz, type Shown } from './guide';
 import { field, make } from './dom';
@@ -179,8 +179,9 @@ const write = (element: HTMLElement, text: string): void => {
 };
 
 /** What the board says: taking marks goes before guidance, but not before STOP and a broken connection. */
-function board(shown: Shown, marking: Marking): readonly [title: string, detail: string] {
+function board(shown: Shown, wearer: Wearer): readonly [title: string, detail: string] {
   if (shown.kind === 'stop' || shown.kind === 'offline' || shown.kind === 'lost') return [shown.title, shown.detail];
+  const { marking } = wearer;
   const { names, taken } = marking;
   switch (marking.kind) {
     case 'taking':
@@ -190,9 +191,13 @@ function board(shown: Shown, marking: Marking): readonly [title: string, detail:
     case 'refused':
       return ['The marks do not fit', `${marking.text} Confirm to take them again.`];
     case 'done':
+      if (wearer.due() !== null) return [shown.title, `${shown.detail} ${refusal(wearer)}Done here? Pinch, pull the trigger or tap.`];
       return [shown.title, shown.kind === 'idle' ? `${shown.detail} Marks fit within ${metres(marking.rms_m)}; hold the trigger to take them anew.` : shown.detail];
   }
 }
+
+/** Why being done was not taken, to stand before what comes next. */
+const refusal = ({ notTaken }: Wearer): string => (notTaken === null ? '' : `Not taken: ${notTaken} `);
 
 /** The view into the room. Answers with what went wrong at the start, if anything. */
 async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[], name: string): Promise<string> {
@@ -206,7 +211,7 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
   const screen = new Screen(host, wearer);
   const refresh = (): void => {
     const shown = wearer.shown();
-    const [title, detail] = board(shown, wearer.marking);
+    const [title, detail] = board(shown, wearer);
     screen.say(shown, title, detail);
   };
   let view: RoomView;
@@ -225,7 +230,7 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
       },
       scene: () => {
         const shown = wearer.shown();
-        const [title, detail] = board(shown, wearer.marking);
+        const [title, detail] = board(shown, wearer);
         const marking = wearer.marking.kind === 'taking' || wearer.marking.kind === 'refused';
         return { shown, alignment: wearer.alignment, marking, title, detail };
       },
@@ -286,13 +291,15 @@ function phone(map: FloorMap, id: string, name: string): void {
   const where = make('p', { className: 'where' });
   const near = make('ul', { className: 'near', ariaLabel: 'Robots nearby' });
   const gone = make('button', { textContent: 'I have left the floor' });
+  const done = make('button', { textContent: 'Done', className: 'main', hidden: true });
   const back = make('button', { textContent: 'Connect again', className: 'main', hidden: true });
   let [self, seen, shot]: [Self | null, Self | null, Lens | null] = [null, null, null];
   const refresh = (): void => {
     const shown = wearer.shown();
     const ended = wearer.feed.kind === 'ended' ? wearer.feed.text : '';
-    screen.say(shown, shown.title, ended || shown.detail);
+    screen.say(shown, shown.title, ended || `${refusal(wearer)}${shown.detail}`);
     back.hidden = ended === '';
+    done.hidden = wearer.due() === null;
     self = wearer.placed ? { at: wearer.placed.at, heading: null } : seen;
     const for_s = wearer.placed ? Math.ceil((PLACED_MS - (clock.now() - wearer.placed.since)) / 1000) : 0;
     write(where, wearer.placed ? `You said that you stand here. That holds for ${for_s} s: tap again when you walk on.`
@@ -317,6 +324,7 @@ function phone(map: FloorMap, id: string, name: string): void {
     if (shot) wearer.place(onMap(shot, [event.clientX - box.left, event.clientY - box.top], box.width, box.height));
   });
   back.addEventListener('click', () => wearer.retryNow());
+  done.addEventListener('click', () => wearer.done());
   gone.addEventListener('click', () => {
     beats.forEach(clearInterval);
     screen.close();
@@ -324,7 +332,7 @@ function phone(map: FloorMap, id: string, name: string): void {
   });
   host.dataset['screen'] = 'phone';
   host.replaceChildren(make('main', { className: 'phone' }, screen.banner, canvas, where, near, screen.stop,
-    make('div', { className: 'row wrap' }, make('span', { className: 'dim grow', textContent: name }), back, gone),
+    make('div', { className: 'row wrap' }, make('span', { className: 'dim grow', textContent: name }), back, done, gone),
     make('p', { className: 'safety', textContent: SAFETY })));
   wearer.start();
   refresh();

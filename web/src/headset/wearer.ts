@@ -3,7 +3,7 @@
 import { mark, type Mark, type MarkEvent, type Marking } from './align';
 import { Feed, type FeedEvent, type FeedOptions, type FeedState } from './feed';
 import { distance, type Alignment, type Vec2, type Vec3 } from './frame';
-import { show, type Guidance, type Shown, type Standing } from './guide';
+import { lengthOf, show, type Guidance, type Shown, type Standing } from './guide';
 import { Pump, type Sample } from './pump';
 
 export interface WearerOptions extends Pick<FeedOptions, 'frame' | 'open' | 'clock' | 'random'> {
@@ -15,6 +15,8 @@ export interface WearerOptions extends Pick<FeedOptions, 'frame' | 'open' | 'clo
 /** A place that the wearer pointed out on a map is believed for so long. */
 export const PLACED_MS = 60_000;
 const PLACED_EVERY_MS = 1_000;
+/** So much of the path may be left for the wearer to be at the place already: metres. */
+const THERE_M = 2.5;
 /** Who points at a map is right to about a metre. */
 const PLACED_ACCURACY_M = 1;
 
@@ -25,6 +27,8 @@ export class Wearer {
   feed: FeedState = { kind: 'connecting' };
   /** The last thing that the server found wrong with what it got. */
   warning: string | null = null;
+  /** Why the last word that work is done was not taken. */
+  notTaken: string | null = null;
   /** Poses that were sent. */
   sent = 0;
   placed: { at: Vec2; since: number } | null = null;
@@ -36,6 +40,8 @@ export class Wearer {
   #quality: 'tracked' | 'emulated' = 'tracked';
   #acked = -1;
   #placedAt = -Infinity;
+  /** The assignment that was said to be done, until the server has another one. */
+  #reported: string | null = null;
 
   constructor(options: WearerOptions) {
     this.#options = options;
@@ -86,10 +92,28 @@ export class Wearer {
     this.#options.onChange();
   }
 
-  /** The wearer confirms the mark that is due, here. */
+  /** The wearer confirms: the mark that is due, here; or, once the marks fit, that the work is done. */
   confirm(at: Vec3): void {
+    if (this.marking.kind === 'done') return this.done();
     const due = this.#options.marks[this.marking.taken.length];
     this.#mark({ kind: 'confirm', at, map: due?.at ?? [0, 0] });
+  }
+  /**
+   * The assignment that the wearer can say to be done with. In the room that is where its place is near, so that no
+   * chance gesture ends it; a phone often knows no place, and has a button.
+   */
+  due(): string | null {
+    const assignment = this.guidance?.assignment ?? null;
+    const guided = ['following', 'deviating', 'redirected'].includes(this.shown().kind);
+    if (!guided || assignment === null || assignment === this.#reported) return null;
+    return this.#options.frame === 'map' || lengthOf(this.guidance?.path ?? []) < THERE_M ? assignment : null;
+  }
+  done(): void {
+    const due = this.due();
+    if (due === null) return;
+    [this.#reported, this.notTaken] = [due, null];
+    this.#feed.done(due);
+    this.#options.onChange();
   }
   /** Takes the marks anew; until then the alignment from before stands. */
   remark(): void {
@@ -145,6 +169,8 @@ export class Wearer {
       case 'welcome':
         this.pump.enter(event.epoch, event.aligned);
         this.#acked = -1;
+        // What was said on the old connection may never have arrived.
+        this.#reported = null;
         // The marks are still where they were in the device's frame; the new connection has to hear of them.
         if (this.#options.frame === 'device') this.#mark({ kind: 'again' });
         return;
@@ -160,7 +186,11 @@ export class Wearer {
         if (!event.aligned) this.alignment = null;
         return this.#mark({ kind: 'refused', text: event.text });
       case 'guidance':
+        if (event.guidance.assignment !== this.guidance?.assignment) this.notTaken = null;
         [this.guidance, this.#heardAt] = [event.guidance, this.#options.clock.now()];
+        return;
+      case 'done':
+        if (event.refused !== null) [this.#reported, this.notTaken] = [null, event.refused];
         return;
       case 'warning':
         this.warning = event.text;

@@ -3,7 +3,7 @@
 import type { Api } from '../api';
 import { trouble } from '../api';
 import type { FloorMap } from '../wire';
-import { readReel, type Mark, type Reel, type Shot } from './reel';
+import { readReel, type Listed, type Mark, type Reel, type Shot, type Sum } from './reel';
 import { linesOf } from './unpack';
 
 export interface Span {
@@ -24,6 +24,12 @@ export interface Film {
   readonly wrong: string | null;
   /** The pictures round a moment; null while they are fetched. */
   shots(t: number): readonly Shot[] | null;
+  /** The pictures from one moment to another, as far as they are here; the others are fetched. */
+  between(from: number, to: number): readonly Shot[];
+  /** Lists of the jobs that waited round a moment, in order; null while they are fetched. */
+  lists(t: number): readonly Listed[] | null;
+  /** Sums from one moment to another, one for so many seconds at least; or what is wrong, in words. */
+  sums(from: number, to: number, step: number): Promise<readonly Sum[] | string>;
   /** Looks whether there is more by now. */
   refresh(): Promise<void>;
 }
@@ -46,7 +52,7 @@ export class FileFilm implements Film {
   readonly spans: readonly Span[];
   readonly marks: readonly Mark[];
   readonly wrong = null;
-  #shots: readonly Shot[];
+  #reel: Reel;
 
   constructor(reel: Reel) {
     if (!reel.map) throw new Error('There is no map in this reel, so nothing to show it on.');
@@ -54,7 +60,7 @@ export class FileFilm implements Film {
     this.map = reel.map;
     this.start = reel.start;
     this.marks = reel.marks;
-    this.#shots = reel.shots;
+    this.#reel = reel;
     this.spans = spansOf(reel.shots);
   }
 
@@ -62,7 +68,10 @@ export class FileFilm implements Film {
     return new FileFilm(readReel(await linesOf(bytes)));
   }
 
-  shots = (): readonly Shot[] => this.#shots;
+  shots = (): readonly Shot[] => this.#reel.shots;
+  between = (): readonly Shot[] => this.#reel.shots;
+  lists = (): readonly Listed[] => this.#reel.lists;
+  sums = (): Promise<readonly Sum[]> => Promise.resolve(this.#reel.sums);
   refresh = (): Promise<void> => Promise.resolve();
 }
 
@@ -87,6 +96,7 @@ const AGAIN_MS = 2_000;
 
 interface Piece {
   shots: readonly Shot[];
+  lists: readonly Listed[];
   to: number;
 }
 
@@ -103,6 +113,8 @@ export class ServerFilm implements Film {
   #pieces = new Map<number, Piece>();
   #asked = new Map<number, number>();
   #fetching = new Set<number>();
+  /** Pieces that were put together last. */
+  #joined: { pieces: readonly Piece[]; shots: readonly Shot[] } = { pieces: [], shots: [] };
 
   private constructor(api: Api, now: () => number) {
     this.#api = api;
@@ -139,6 +151,30 @@ export class ServerFilm implements Film {
     return piece?.shots ?? null;
   }
 
+  /** The same array as before where no piece has come. */
+  between(from: number, to: number): readonly Shot[] {
+    const pieces: Piece[] = [];
+    for (let n = Math.floor(from / PIECE_S); n * PIECE_S <= to; n += 1) {
+      if (!this.spans.some((span) => span.from_s < (n + 1) * PIECE_S && span.to_s >= n * PIECE_S)) continue;
+      const piece = this.#pieces.get(n);
+      if (!piece || piece.to + 0.5 < Math.min(to, (n + 1) * PIECE_S, ends(this))) void this.#fetch(n);
+      if (piece) pieces.push(piece);
+    }
+    if (pieces.length !== this.#joined.pieces.length || pieces.some((piece, i) => piece !== this.#joined.pieces[i])) {
+      // Each begins with a whole picture, from before the end of the one that it follows.
+      const shots = pieces.flatMap((piece, i) => (i === 0 ? piece.shots : piece.shots.filter((shot) => shot.at > pieces[i - 1]!.to)));
+      this.#joined = { pieces, shots };
+    }
+    return this.#joined.shots;
+  }
+
+  lists = (t: number): readonly Listed[] | null => this.#pieces.get(Math.floor(t / PIECE_S))?.lists ?? null;
+
+  async sums(from: number, to: number, step: number): Promise<readonly Sum[] | string> {
+    const answer = await this.#api.figures(from, to, step);
+    return answer.kind === 'ok' ? answer.value.sums : (trouble(answer) ?? '');
+  }
+
   async #fetch(number: number): Promise<void> {
     const now = this.#now();
     if (this.#fetching.has(number) || now - (this.#asked.get(number) ?? -Infinity) < AGAIN_MS) return;
@@ -149,9 +185,9 @@ export class ServerFilm implements Film {
     this.wrong = trouble(answer);
     if (answer.kind !== 'ok') return;
     try {
-      const { shots } = readReel(await linesOf(answer.value));
+      const { shots, lists } = readReel(await linesOf(answer.value));
       this.#pieces.delete(number);
-      this.#pieces.set(number, { shots, to: shots.at(-1)?.at ?? 0 });
+      this.#pieces.set(number, { shots, lists, to: shots.at(-1)?.at ?? 0 });
     } catch (error) {
       this.wrong = error instanceof Error ? error.message : String(error);
     }

@@ -1,6 +1,6 @@
-// A reel as it is read: lines of JSON to pictures and bookmarks. Pictures stay text until somebody looks at them: a
+// A reel as it is read: lines of JSON to pictures, bookmarks, sums and lists of jobs. Pictures and lists stay text until somebody looks at them: a
 // minute of a large floor is megabytes, and most of it is only passed over. What is wrong is said in words.
-import type { FloorMap } from '../wire';
+import type { Encounter, FloorMap } from '../wire';
 
 export const KINDS = ['deviation', 'encounter', 'stop', 'failure', 'closure', 'alarm'] as const;
 export type Kind = (typeof KINDS)[number];
@@ -10,6 +10,30 @@ export interface Mark {
   words: string;
   who: string[];
   place: [x: number, y: number] | null;
+  /** The details of an encounter; older versions wrote none. */
+  encounter?: Met;
+}
+/** An encounter in the seconds of the reel; its bookmark says when it began. */
+export type Met = Omit<Encounter, 'id' | 'began' | 'lasted_s'> & { ended_s: number };
+/** What was counted so far: differences are figures. */
+export interface Sum {
+  at_s: number;
+  /** Seconds of which there are pictures. */
+  covered_s: number;
+  robot_deliveries: number;
+  human_deliveries: number;
+  encounters: number;
+  interruptions: number;
+  replans: number;
+  waiting_s: number;
+  worker_s: number;
+  plan_us_p50: number;
+  plan_us_p99: number;
+}
+/** The jobs that waited at a moment, in JSON. */
+export interface Listed {
+  at: number;
+  text: string;
 }
 export interface Shot {
   at: number;
@@ -26,23 +50,27 @@ export interface Reel {
   map: FloorMap | null;
   shots: Shot[];
   marks: Mark[];
+  sums: Sum[];
+  lists: Listed[];
 }
 
 const NO_REEL = 'This is no reel. Reels are made by “giveway replay --reel” or saved from a replay; they end in .reel.';
-const LINE = /^\{"at":(-?[\d.e+]+),"(key|patch|mark)":/;
+const LINE = /^\{"at":(-?[\d.e+]+),"(key|patch|mark|sum|waiting)":/;
 
 /** Reads lines; a last one that was cut off is left out. */
 export function readReel(lines: Iterable<string>): Reel {
   const all = lines[Symbol.iterator]();
-  const reel: Reel = { ...headerOf(all.next().value), shots: [], marks: [] };
+  const reel: Reel = { ...headerOf(all.next().value), shots: [], marks: [], sums: [], lists: [] };
   for (let next = all.next(); !next.done; next = all.next()) {
     const line = next.value;
     const found = LINE.exec(line);
     if (!found || !line.endsWith('}')) continue;
     const at = Number(found[1]);
     const text = line.slice(found[0].length, -1);
-    const kind = found[2] as Shot['kind'] | 'mark';
+    const kind = found[2] as Shot['kind'] | 'mark' | 'sum' | 'waiting';
     if (kind === 'mark') addMark(reel.marks, text);
+    else if (kind === 'sum') addSum(reel.sums, at, text);
+    else if (kind === 'waiting') reel.lists.push({ at, text });
     else reel.shots.push({ at, kind, text });
   }
   if (!reel.shots.some((shot) => shot.kind === 'key')) throw new Error('There is no whole picture in this reel: it was cut off too soon.');
@@ -65,6 +93,14 @@ function headerOf(line: unknown): Pick<Reel, 'name' | 'start' | 'map'> {
   if (header.reel !== 1) throw new Error(`This reel has format ${String(header.reel)}; this page knows format 1. Take a newer Giveway.`);
   const { name, start, map } = header as { name?: unknown; start?: unknown; map?: FloorMap | null };
   return { name: String(name ?? ''), start: typeof start === 'number' ? start : null, map: map ?? null };
+}
+
+function addSum(sums: Sum[], at_s: number, text: string): void {
+  try {
+    sums.push({ ...(JSON.parse(text) as Sum), at_s });
+  } catch {
+    // The charts have a gap there.
+  }
 }
 
 function addMark(marks: Mark[], text: string): void {

@@ -1,11 +1,12 @@
 // The past being played: which moment, how fast, and what of it is in sight on the scrubber. It gives mirrors to whoever
 // shows them, by the same door as the live link.
+import { BACK_S } from '../gantt';
 import { EMPTY, type Mirror } from '../mirror';
 import { begins, ends, snap, type Film, type Span } from './film';
 import type { Mark } from './reel';
 import type { FloorMap, Timelines } from '../wire';
 import { seek, type Shown } from './seek';
-import { heldAround } from './was';
+import { HeldThen, type Around } from './held';
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16, 32, 64] as const;
 /** How much of the past the scrubber shows, seconds; 0 is all of it. */
@@ -35,6 +36,9 @@ export class Replay {
   #aim = $state.raw<Mark | null>(null);
 
   #shown: Shown | null = null;
+  #held = new HeldThen();
+  /** What was said last: the same again while nothing changes. */
+  #told: (Timelines & Around & { asked: readonly unknown[] }) | null = null;
   #give: (mirror: Mirror, how: 'glide' | 'jump') => void;
   #until: number | null;
   #frame = 0;
@@ -87,10 +91,15 @@ export class Replay {
     this.#follow();
   }
 
-  /** Who held the places of an area around the moment; null while pictures are fetched. */
-  timelines(map: FloorMap, area: readonly number[], ahead: number): Timelines | null {
-    const shots = this.film.shots(this.t);
-    return shots && { at: '', ahead_s: ahead, nodes: heldAround(shots, map, area, this.t, ahead) };
+  /** Who held the places of an area around the moment, and whether that is all; null while pictures are fetched. */
+  timelines(map: FloorMap, area: readonly number[], ahead: number): (Timelines & Pick<Around, 'whole'>) | null {
+    if (!this.film.shots(this.t)) return null;
+    const shots = this.film.between(this.t - BACK_S, this.t + ahead);
+    const asked = [shots, map, this.t, ahead, ...area];
+    if (!this.#told?.whole || this.#told.asked.some((one, i) => one !== asked[i])) {
+      this.#told = { asked, at: '', ahead_s: ahead, ...this.#held.around(shots, map, area, this.t, ahead) };
+    }
+    return this.#told;
   }
 
   /** How much the scrubber shows, with the moment in the middle. */

@@ -31,7 +31,7 @@ export function seek(shots: readonly Shot[], t: number, shown: Shown | null): Sh
 }
 
 /** The number of the first picture after `t`. */
-function after(shots: readonly Shot[], t: number): number {
+export function after(shots: readonly Shot[], t: number): number {
   let [low, high] = [0, shots.length];
   while (low < high) {
     const middle = (low + high) >> 1;
