@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
-import { assert, check, finish, openBrowser, until } from './chromium.mjs';
+import { PATIENCE, assert, check, finish, openBrowser, until } from './chromium.mjs';
 
 const url = process.argv[2];
 if (!url) {
@@ -30,7 +30,7 @@ const closures = page.getByRole('region', { name: 'Closed areas' });
 const timelines = page.getByRole('region', { name: 'Timelines', exact: true });
 
 await page.goto(url);
-await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: 30_000 });
+await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
 const map = await ask('/v1/map');
 
 await check('A job that comes after another says so, to the root', async () => {
@@ -39,10 +39,10 @@ await check('A job that comes after another says so, to the root', async () => {
   const first = await post({ kind: 'deliver', rack: rack.id, station: map.stations[0].id, pick_s: 60 });
   const second = await post({ kind: 'deliver', rack: other.id, station: map.stations[0].id, after: [first.id] });
   const table = page.getByRole('region', { name: 'Table of jobs' });
-  await table.getByRole('button', { name: second.id, exact: true }).click({ timeout: 15_000 });
+  await table.getByRole('button', { name: second.id, exact: true }).click({ timeout: PATIENCE });
   const card = page.getByRole('region', { name: 'Job', exact: true });
   const chain = card.getByRole('region', { name: 'Why it waits' });
-  await chain.getByText(`waits for ${first.id} to be over`).waitFor({ timeout: 10_000 });
+  await chain.getByText(`waits for ${first.id} to be over`).waitFor({ timeout: PATIENCE });
   await page.waitForTimeout(1_500);
   await page.screenshot({ path: `${SHOTS}why-job.png` });
   const words = (await chain.innerText()).replaceAll(/\s+/g, ' ');
@@ -61,7 +61,7 @@ await check('A robot that waits says for what, in its card', async () => {
   await page.getByLabel('Find on the floor').fill(id);
   await page.keyboard.press('Enter');
   const card = page.getByRole('region', { name: 'Robot', exact: true });
-  await card.getByRole('heading', { name: id, exact: true }).waitFor({ timeout: 5_000 });
+  await card.getByRole('heading', { name: id, exact: true }).waitFor({ timeout: PATIENCE });
   await page.waitForTimeout(800);
   await page.screenshot({ path: `${SHOTS}why-robot.png` });
   const words = (await card.innerText()).replaceAll(/\s+/g, ' ');
@@ -79,20 +79,20 @@ await check('Timelines show who holds the places of what is drawn, and a click c
   await page.mouse.move(x + 160, y + 70, { steps: 4 });
   await page.mouse.up();
   const bars = timelines.locator('.bar[data-kind="robot"]');
-  await bars.first().waitFor({ timeout: 30_000 });
+  await bars.first().waitFor({ timeout: PATIENCE });
   await bars.first().hover({ force: true });
   const words = await timelines.getByRole('status').textContent();
   await page.waitForTimeout(1_200);
   await page.screenshot({ path: `${SHOTS}timelines.png` });
-  const by = await bars.first().getAttribute('data-by');
-  await bars.first().click({ force: true });
-  await page.locator('.card').getByRole('heading', { name: by, exact: true }).waitFor({ timeout: 5_000 });
+  // Bars come and go: read and click in one go.
+  const by = await bars.first().evaluate((bar) => { bar.click(); return bar.dataset.by; });
+  await page.locator('.card').getByRole('heading', { name: by, exact: true }).waitFor({ timeout: PATIENCE });
   return words;
 });
 await check('Timelines are reached by keys, and there is a table of them', async () => {
   await page.getByRole('application', { name: 'Timelines of the area' }).focus();
   for (const key of ['ArrowDown', 'ArrowRight', 'ArrowDown', '+']) await page.keyboard.press(key);
-  await timelines.getByRole('status').filter({ hasText: /:/ }).waitFor({ timeout: 5_000 });
+  await timelines.getByRole('status').filter({ hasText: /^\S+: / }).waitFor({ timeout: PATIENCE });
   await axe('timelines');
   await timelines.getByLabel('As a table').check();
   const rows = await timelines.getByRole('region', { name: 'Table of timelines' }).getByRole('row').count();
@@ -110,41 +110,41 @@ await check('An area drawn by pointer is closed with a reason, and opened again 
   await page.mouse.move(box.x + box.width / 2 + 30, box.y + box.height / 2 + 25, { steps: 5 });
   await page.mouse.up();
   await closures.getByRole('button', { name: 'Close the area' }).click();
-  await closures.getByText('Say why').waitFor({ timeout: 5_000 });
+  await closures.getByText('Say why').waitFor({ timeout: PATIENCE });
   await closures.getByLabel('Why').fill('oil on the floor');
   await closures.getByLabel('Lasts, minutes').fill('10');
   await page.screenshot({ path: `${SHOTS}closing.png` });
   await closures.getByRole('button', { name: 'Close the area' }).click();
-  await closures.getByText(/c\d+ is closed/).waitFor({ timeout: 15_000 });
-  await closures.getByText('oil on the floor').waitFor({ timeout: 5_000 });
+  await closures.getByText(/c\d+ is closed/).waitFor({ timeout: PATIENCE });
+  await closures.getByText('oil on the floor').waitFor({ timeout: PATIENCE });
   await page.waitForTimeout(600);
   await page.screenshot({ path: `${SHOTS}closed.png` });
   await closures.getByRole('button', { name: 'Undo' }).click();
-  await closures.getByText(/is open again/).waitFor({ timeout: 15_000 });
-  await closures.getByText('oil on the floor').waitFor({ state: 'detached', timeout: 5_000 });
+  await closures.getByText(/is open again/).waitFor({ timeout: PATIENCE });
+  await closures.getByText('oil on the floor').waitFor({ state: 'detached', timeout: PATIENCE });
 });
 await check('An area is drawn by keys alone, announced, and opened from the list', async () => {
   await closures.getByRole('button', { name: 'Close a polygon' }).focus();
   await page.keyboard.press('Enter');
-  await page.getByRole('application', { name: 'Drawing on the floor' }).waitFor({ timeout: 5_000 });
+  await page.getByRole('application', { name: 'Drawing on the floor' }).waitFor({ timeout: PATIENCE });
   for (const key of ['Enter', 'ArrowRight', 'ArrowRight', 'Enter', 'ArrowUp', 'ArrowUp', 'Enter', 'Enter']) await page.keyboard.press(key);
   await closures.getByLabel('Why').fill('cleaning');
   await closures.getByLabel('Begins in, minutes').fill('30');
   await closures.getByLabel('Lasts, minutes').fill('5');
   await page.keyboard.press('Enter');
-  await closures.getByText(/c\d+ is announced/).waitFor({ timeout: 15_000 });
+  await closures.getByText(/c\d+ is announced/).waitFor({ timeout: PATIENCE });
   await closures.getByRole('button', { name: /^Open c\d+ again$/ }).first().click();
-  await closures.getByText(/is open again/).waitFor({ timeout: 15_000 });
+  await closures.getByText(/is open again/).waitFor({ timeout: PATIENCE });
 });
 await check('A table of jobs is read line by line, and only what is right is sent', async () => {
   await button('Many jobs from a table').click();
   const dialog = page.getByRole('dialog');
   const [rack, station] = [map.racks.at(-1).id, map.stations[0].id];
   await dialog.getByLabel('Or paste it here').fill(`kind,rack,station\ndeliver,${rack},${station}\ndeliver,no-such-rack,${station}\nreturn,${rack},\n`);
-  await dialog.getByText('There is no rack “no-such-rack”.').waitFor({ timeout: 5_000 });
+  await dialog.getByText('There is no rack “no-such-rack”.').waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}csv.png` });
   await dialog.getByRole('button', { name: 'Submit 2 jobs' }).click();
-  await dialog.getByText('2 accepted').waitFor({ timeout: 20_000 });
+  await dialog.getByText('2 accepted').waitFor({ timeout: PATIENCE });
   await axe('table of jobs');
   const ids = (await dialog.getByText(/^accepted as j\d+$/).allTextContents()).map((t) => t.split(' ').at(-1));
   for (const id of ids) await context.request.delete(new URL(`/v1/jobs/${id}`, url).href);
@@ -154,9 +154,9 @@ await check('A table of jobs is read line by line, and only what is right is sen
 await check('One click stops all robots, everybody sees it, and they go on only after it was asked about', async () => {
   await button('Stop all robots').click();
   const banner = page.getByText('All robots are stopped by hand', { exact: true });
-  await banner.waitFor({ timeout: 15_000 });
-  await page.getByRole('region', { name: 'Alarms' }).getByText(/stopped by hand/).waitFor({ timeout: 5_000 });
-  await until('a floor on which all robots stand', async () => (await ask('/v1/robots')).items.every((r) => r.speed === 0), 15);
+  await banner.waitFor({ timeout: PATIENCE });
+  await page.getByRole('region', { name: 'Alarms' }).getByText(/stopped by hand/).waitFor({ timeout: PATIENCE });
+  await until('a floor on which all robots stand', async () => (await ask('/v1/robots')).items.every((r) => r.speed === 0));
   await page.waitForTimeout(400);
   await page.screenshot({ path: `${SHOTS}stopped.png` });
   await axe('stopped');
@@ -165,7 +165,7 @@ await check('One click stops all robots, everybody sees it, and they go on only 
   assert((await ask('/v1/fleet')).stopped !== null, 'they went on although they were to stay');
   await button('Let them go on').click();
   await page.getByRole('dialog').getByRole('button', { name: 'Let them go on' }).click();
-  await banner.waitFor({ state: 'detached', timeout: 15_000 });
+  await banner.waitFor({ state: 'detached', timeout: PATIENCE });
 });
 await check('One robot is paused and goes on again', async () => {
   const id = map.racks.length > 0 ? (await ask('/v1/robots')).items[0].id : '';
@@ -173,10 +173,10 @@ await check('One robot is paused and goes on again', async () => {
   await page.keyboard.press('Enter');
   const card = page.getByRole('region', { name: 'Robot', exact: true });
   await card.getByRole('button', { name: 'Pause this robot' }).click();
-  await card.getByRole('paragraph').filter({ hasText: 'paused by hand' }).waitFor({ timeout: 15_000 });
+  await card.getByRole('paragraph').filter({ hasText: 'paused by hand' }).waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}paused.png` });
   await card.getByRole('button', { name: 'Let it go on' }).click();
-  await card.getByRole('button', { name: 'Pause this robot' }).waitFor({ timeout: 15_000 });
+  await card.getByRole('button', { name: 'Pause this robot' }).waitFor({ timeout: PATIENCE });
   await card.getByRole('button', { name: 'Close' }).click();
   return id;
 });
@@ -184,11 +184,12 @@ await check('A waiting job gets another priority in its card', async () => {
   const post = async (job) => (await context.request.post(new URL('/v1/jobs', url).href, { data: job })).json();
   const first = await post({ kind: 'deliver', rack: map.racks[0].id, station: map.stations[0].id });
   const second = await post({ kind: 'deliver', rack: map.racks[1].id, station: map.stations[0].id, after: [first.id] });
+  await button('Jobs').click();
   const table = page.getByRole('region', { name: 'Table of jobs' });
-  await table.getByRole('button', { name: second.id, exact: true }).click({ timeout: 15_000 });
+  await table.getByRole('button', { name: second.id, exact: true }).click({ timeout: PATIENCE });
   const card = page.getByRole('region', { name: 'Job', exact: true });
   await card.getByLabel('Priority, 0 to 9').selectOption('9');
-  await table.locator(`[data-job="${second.id}"]`).getByRole('cell', { name: '9', exact: true }).waitFor({ timeout: 10_000 });
+  await table.locator(`[data-job="${second.id}"]`).getByRole('cell', { name: '9', exact: true }).waitFor({ timeout: PATIENCE });
   assert((await ask(`/v1/jobs/${second.id}`)).priority === 9, 'the server has another priority');
   await card.getByRole('button', { name: 'Close' }).click();
   for (const job of [second, first]) await context.request.delete(new URL(`/v1/jobs/${job.id}`, url).href);
@@ -204,7 +205,7 @@ await check('A person is sent where somebody clicks', async () => {
   await page.getByRole('application', { name: 'Drawing on the floor' }).press('Enter');
   await card.getByLabel(/What to do at/).fill('count racks');
   await card.getByRole('button', { name: /^Send to/ }).click();
-  await card.getByText(/a\d+: on the way/).or(card.getByRole('alert')).first().waitFor({ timeout: 15_000 });
+  await card.getByText(/a\d+: on the way/).or(card.getByRole('alert')).first().waitFor({ timeout: PATIENCE });
   const words = (await card.getByRole('status').innerText()) + (await card.getByRole('alert').allInnerTexts()).join('');
   await card.getByRole('button', { name: 'Close' }).click();
   assert(/a\d+:/.test(words), words);

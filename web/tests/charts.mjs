@@ -7,7 +7,7 @@ import { mkdir } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
-import { assert, check, finish, openBrowser, until } from './chromium.mjs';
+import { PATIENCE, assert, check, finish, openBrowser, until } from './chromium.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -36,7 +36,7 @@ await page.goto(url);
 await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.people) > 0, null, { timeout: 60_000 });
 
 await check('Where people may be lies on the floor, and can be put away', async () => {
-  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.forecasts) > 0, null, { timeout: 30_000 });
+  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.forecasts) > 0, null, { timeout: PATIENCE });
   await page.waitForTimeout(1_000);
   await page.screenshot({ path: `${SHOTS}forecast.png` });
   await page.getByText('Layers', { exact: true }).click();
@@ -65,8 +65,8 @@ await check('Somebody’s card shows where to over time, and how well the feed i
   await page.getByLabel('Find on the floor').fill(id);
   await page.keyboard.press('Enter');
   const card = page.getByRole('region', { name: 'Person', exact: true });
-  await card.getByText('Where to, over the last two minutes').waitFor({ timeout: 5_000 });
-  await card.getByText(/poses a second/).waitFor({ timeout: 10_000 });
+  await card.getByText('Where to, over the last two minutes').waitFor({ timeout: PATIENCE });
+  await card.getByText(/poses a second/).waitFor({ timeout: PATIENCE });
   await page.waitForTimeout(4_000);
   assert(await card.locator('svg polygon').count() > 0, 'nothing is drawn');
   await card.screenshot({ path: `${SHOTS}person.png` });
@@ -85,7 +85,7 @@ await check('A closed area that is announced is drawn in dashes with its time', 
   });
   const post = async (body) => (await context.request.post(new URL('/v1/closures', url).href, { data: body })).json();
   const made = [await post(area(0.25, new Date(Date.now() + 3_600_000).toISOString())), await post(area(0.6, null))];
-  await page.getByRole('list', { name: 'Legend' }).getByText('Will be closed').waitFor({ timeout: 10_000 });
+  await page.getByRole('list', { name: 'Legend' }).getByText('Will be closed').waitFor({ timeout: PATIENCE });
   await page.waitForTimeout(800);
   await page.screenshot({ path: `${SHOTS}announced.png` });
   for (const { id } of made) await context.request.delete(new URL(`/v1/closures/${id}`, url).href);
@@ -93,8 +93,8 @@ await check('A closed area that is announced is drawn in dashes with its time', 
 await check('Charts have values after deliveries, and follow the pointer and the keys', async () => {
   await button('Charts').click();
   await until('a delivery in the history', async () => (await ask('/v1/history?step=10')).buckets.some((b) => b.robot_deliveries > 0));
-  await charts.locator('[data-chart="deliveries"] polyline').first().waitFor({ state: 'attached', timeout: 15_000 });
-  await page.waitForFunction(() => document.querySelector('[data-chart="plans"] [data-value="median"]')?.textContent !== '–', null, { timeout: 15_000 });
+  await charts.locator('[data-chart="deliveries"] polyline').first().waitFor({ state: 'attached', timeout: PATIENCE });
+  await page.waitForFunction(() => document.querySelector('[data-chart="plans"] [data-value="median"]')?.textContent !== '–', null, { timeout: PATIENCE });
   const box = await charts.locator('[data-chart="deliveries"] .plot').boundingBox();
   await page.mouse.move(box.x + box.width - 20, box.y + box.height / 2);
   const pointed = await charts.getByRole('status').textContent();
@@ -115,7 +115,7 @@ await check('An encounter comes as a row, shows its place, and can be seen again
   await meet();
   await button('Encounters').click();
   const row = encounters.locator('[data-encounter]').first();
-  await row.waitFor({ timeout: 15_000 });
+  await row.waitFor({ timeout: PATIENCE });
   await row.getByRole('button', { name: /show on the floor/ }).click();
   const replay = await row.getByRole('link', { name: /^Replay/ }).getAttribute('href');
   assert(/^#replay\?from=\d+&to=\d+$/.test(replay), replay);
@@ -135,7 +135,7 @@ await check('Its replay lists it, too, and goes there', async () => {
   const bar = page.getByRole('region', { name: 'Replay', exact: true });
   await bar.getByRole('button', { name: 'Encounters', exact: true }).click();
   const row = encounters.locator('[data-encounter]').first();
-  await row.waitFor({ timeout: 15_000 });
+  await row.waitFor({ timeout: PATIENCE });
   const words = (await row.innerText()).replaceAll(/\s+/g, ' ');
   const seconds = (text) => text.split(':').reduce((sum, n) => sum * 60 + Number(n), 0);
   await row.getByRole('button', { name: /^Replay/ }).click();
@@ -151,14 +151,14 @@ await check('Maps of heat are put onto the floor, with what the colours mean', a
   for (const [name, shot] of [['where robots waited', 'heat-waiting'], ['where robots met people', 'heat-encounters']]) {
     await page.getByLabel(name).check();
     await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.cells) > 0, null, { timeout: 60_000 });
-    await page.getByRole('group', { name: 'Meaning of the colours' }).waitFor({ timeout: 5_000 });
+    await page.getByRole('group', { name: 'Meaning of the colours' }).waitFor({ timeout: PATIENCE });
     await page.waitForTimeout(600);
     await page.screenshot({ path: `${SHOTS}${shot}.png` });
   }
   await axe('heat');
   const words = await page.getByRole('group', { name: 'Meaning of the colours' }).innerText();
   await page.getByLabel('none', { exact: true }).check();
-  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.cells === '0', null, { timeout: 5_000 });
+  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.cells === '0', null, { timeout: PATIENCE });
   await page.getByText('Layers', { exact: true }).click();
   return words.replaceAll(/\s+/g, ' ');
 });
@@ -186,11 +186,11 @@ await check('The file of an experiment shows its arms side by side', async () =>
     paired: { 'giveway-phir': pair(22, 17, 27), 'phir-nhir': pair(5, -3, 13) },
   })) }));
   await charts.getByLabel(/^Open what/).setInputFiles(file);
-  await charts.getByText('giveway (runs here)').first().waitFor({ timeout: 5_000 });
+  await charts.getByText('giveway (runs here)').first().waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}experiment.png` });
   await axe('experiment');
   await charts.getByLabel(/^Open what/).setInputFiles({ name: 'x.json', mimeType: 'application/json', buffer: Buffer.from('{}') });
-  await charts.getByRole('alert').waitFor({ timeout: 5_000 });
+  await charts.getByRole('alert').waitFor({ timeout: PATIENCE });
   await button('Compare arms of an experiment').click();
 });
 

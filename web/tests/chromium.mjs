@@ -16,6 +16,9 @@ export async function openBrowser() {
   return chromium.launch({ executablePath, args: ARGS });
 }
 
+/** How long something may take before it counts as never, milliseconds: machines are slow when they do much at once. */
+export const PATIENCE = 45_000;
+
 let passed = 0;
 let failed = 0;
 

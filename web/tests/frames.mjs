@@ -5,7 +5,7 @@
 import { mkdir } from 'node:fs/promises';
 import { fileURLToPath } from 'node:url';
 import { startMock } from '../dev/mock.mjs';
-import { assert, check, finish, openBrowser } from './chromium.mjs';
+import { PATIENCE, assert, check, finish, openBrowser } from './chromium.mjs';
 
 const ROBOTS = 800;
 const PEOPLE = 20;
@@ -57,7 +57,7 @@ for (const painter of ['webgl', 'canvas2d']) {
   const page = await browser.newPage({ viewport: { width: 1440, height: 900 }, colorScheme: painter === 'webgl' ? 'dark' : 'light' });
   await page.addInitScript(spy);
   await page.goto(`http://127.0.0.1:${mock.port}/?painter=${painter}`);
-  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: 30_000 });
+  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
   await page.waitForTimeout(3_000);
   // In processor time, which other programs on the machine do not stretch.
   const devtools = await page.context().newCDPSession(page);

@@ -6,7 +6,7 @@ import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { assert, check, finish, openBrowser } from './chromium.mjs';
+import { PATIENCE, assert, check, finish, openBrowser } from './chromium.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -19,7 +19,6 @@ const SCENARIO = fileURLToPath(new URL('../../tests/it/quiet.json', import.meta.
 const IWER = await readFile(join(require.resolve('iwer'), '../../build/iwer.min.js'), 'utf8');
 const AXE = await readFile(require.resolve('axe-core/axe.min.js'), 'utf8');
 const TOKEN = 'a-token-for-the-headset-test';
-const PATIENCE = 15_000;
 /** People walk so fast: metres per second, and so often they move here. */
 const [WALK, STEP_MS] = [1.2, 40];
 

@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
-import { assert, check, finish, openBrowser } from './chromium.mjs';
+import { PATIENCE, assert, check, finish, openBrowser } from './chromium.mjs';
 
 const url = process.argv[2];
 if (!url) {
@@ -30,17 +30,17 @@ const jobsTable = page.getByRole('region', { name: 'Table of jobs' });
 
 await check('The page opens and draws robots', async () => {
   await page.goto(url);
-  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: 30_000 });
+  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
   return `${await read('robots')} robots, ${await read('racks')} racks, painted with ${await read('painter')}`;
 });
 await check('The link is live and the floor keeps changing', async () => {
-  await page.getByRole('status').filter({ hasText: 'Live' }).waitFor({ timeout: 10_000 });
+  await page.getByRole('status').filter({ hasText: 'Live' }).waitFor({ timeout: PATIENCE });
   const before = Number(await read('version'));
-  await page.waitForFunction((v) => Number(document.querySelector('canvas')?.dataset.version) > v, before, { timeout: 15_000 });
+  await page.waitForFunction((v) => Number(document.querySelector('canvas')?.dataset.version) > v, before, { timeout: PATIENCE });
   return `version ${before} to ${await read('version')}`;
 });
 await check('The counters agree with the robots drawn', async () => {
-  await page.getByRole('heading', { name: `${Number(await read('robots')).toLocaleString('en')} robots` }).waitFor({ timeout: 5_000 });
+  await page.getByRole('heading', { name: `${Number(await read('robots')).toLocaleString('en')} robots` }).waitFor({ timeout: PATIENCE });
 });
 await page.screenshot({ path: `${SHOTS}dark.png` });
 
@@ -50,7 +50,7 @@ await check('The first paint of a visitor who was never here is measured', async
     const visitor = await browser.newContext({ viewport: { width: 1440, height: 900 } });
     const first = await visitor.newPage();
     await first.goto(url);
-    await first.waitForFunction(() => performance.getEntriesByName('first-contentful-paint').length > 0, null, { timeout: 30_000 });
+    await first.waitForFunction(() => performance.getEntriesByName('first-contentful-paint').length > 0, null, { timeout: PATIENCE });
     paints.push(await first.evaluate(() => performance.getEntriesByName('first-contentful-paint')[0].startTime));
     await visitor.close();
   }
@@ -66,11 +66,11 @@ await check('A job submitted through the form is accepted and carried out', asyn
   await form.getByLabel('Priority, 0 to 9').fill('9');
   await form.getByRole('button', { name: 'Submit job' }).click();
   const link = form.getByRole('link');
-  await link.waitFor({ timeout: 15_000 });
+  await link.waitFor({ timeout: PATIENCE });
   const id = await link.textContent();
   const began = Date.now();
   const line = jobsTable.locator(`[data-job="${id}"]`);
-  await line.waitFor({ timeout: 10_000 });
+  await line.waitFor({ timeout: PATIENCE });
   await page.waitForFunction(
     (job) => ['done', 'failed', 'cancelled'].includes(document.querySelector(`[data-job="${job}"]`)?.dataset.state), id, { timeout: JOB_DONE_MS },
   ).catch(async () => { throw new Error(`${id} is still ${await line.getAttribute('data-state')} after ${JOB_DONE_MS / 1000} s`); });
@@ -82,7 +82,7 @@ await check('A wrong rack is refused in words, beside the field', async () => {
   await rack.fill(WRONG_RACK);
   await form.getByRole('button', { name: 'Submit job' }).click();
   const error = form.locator('#job-rack-error');
-  await error.waitFor({ timeout: 10_000 });
+  await error.waitFor({ timeout: PATIENCE });
   const words = (await error.textContent()) ?? '';
   assert(words.split(/\s+/).length >= 3 && !/[{}[\]]/.test(words), `these are no words: ${words}`);
   assert((await rack.getAttribute('aria-invalid')) === 'true', 'the field is not marked as wrong');
@@ -92,16 +92,16 @@ await check('A job is cancelled only after it was asked about', async () => {
   await form.getByLabel('Rack', { exact: true }).fill(map.racks.at(-1).id);
   await form.getByRole('button', { name: 'Submit job' }).click();
   const link = form.getByRole('link');
-  await link.waitFor({ timeout: 15_000 });
+  await link.waitFor({ timeout: PATIENCE });
   const id = await link.textContent();
   const line = jobsTable.locator(`[data-job="${id}"]`);
   const dialog = page.getByRole('dialog');
-  await line.getByRole('button', { name: `Cancel ${id}` }).click({ timeout: 10_000 });
+  await line.getByRole('button', { name: `Cancel ${id}` }).click({ timeout: PATIENCE });
   await dialog.getByRole('button', { name: 'Keep it' }).click();
   assert((await line.getAttribute('data-state')) !== 'cancelled', 'it was cancelled although it was to be kept');
-  await line.getByRole('button', { name: `Cancel ${id}` }).click({ timeout: 10_000 });
+  await line.getByRole('button', { name: `Cancel ${id}` }).click({ timeout: PATIENCE });
   await dialog.getByRole('button', { name: 'Cancel the job' }).click();
-  await page.locator(`[data-job="${id}"][data-state="cancelled"]`).waitFor({ timeout: 15_000 });
+  await page.locator(`[data-job="${id}"][data-state="cancelled"]`).waitFor({ timeout: PATIENCE });
   return id;
 });
 await check('The map answers to the keyboard', async () => {
@@ -115,7 +115,7 @@ await check('A robot found by name shows what it is doing', async () => {
   await page.getByLabel('Find on the floor').fill(robot);
   await page.keyboard.press('Enter');
   const panel = page.getByRole('region', { name: 'Robot', exact: true });
-  await panel.getByRole('heading', { name: robot, exact: true }).waitFor({ timeout: 5_000 });
+  await panel.getByRole('heading', { name: robot, exact: true }).waitFor({ timeout: PATIENCE });
   await page.waitForTimeout(1_000);
   await page.screenshot({ path: `${SHOTS}robot.png` });
   await panel.getByRole('button', { name: 'Close', exact: true }).click();
@@ -126,11 +126,11 @@ await check('Keys choose one thing after the other, and Escape lets go', async (
   const titles = [];
   for (const key of ['n', 'n', 'p']) {
     await page.keyboard.press(key);
-    titles.push(await page.locator('.card h2').textContent({ timeout: 5_000 }));
+    titles.push(await page.locator('.card h2').textContent({ timeout: PATIENCE }));
   }
   assert(titles[0] === titles[2] && titles[0] !== titles[1], `it went through ${titles.join(', ')}`);
   await page.keyboard.press('Escape');
-  await page.locator('.card h2').waitFor({ state: 'detached', timeout: 5_000 });
+  await page.locator('.card h2').waitFor({ state: 'detached', timeout: PATIENCE });
   return titles.slice(0, 2).join(', ');
 });
 await check('A station, a rack and a charger tell about themselves', async () => {
@@ -140,7 +140,7 @@ await check('A station, a rack and a charger tell about themselves', async () =>
     await page.getByLabel('Find on the floor').fill(id);
     await page.keyboard.press('Enter');
     const card = page.getByRole('region', { name: label, exact: true });
-    await card.getByRole('heading', { name: id, exact: true }).waitFor({ timeout: 5_000 });
+    await card.getByRole('heading', { name: id, exact: true }).waitFor({ timeout: PATIENCE });
     told.push(`${id}: ${(await card.locator('dl').innerText()).replaceAll(/\s+/g, ' ')}`);
   }
   await page.screenshot({ path: `${SHOTS}place.png` });
@@ -155,7 +155,7 @@ await check('A click on the floor chooses what is there', async () => {
   // What was found is in the middle now.
   const box = await page.getByRole('application', { name: 'Map of the floor' }).boundingBox();
   await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
-  await page.locator('.card h2').waitFor({ timeout: 5_000 });
+  await page.locator('.card h2').waitFor({ timeout: PATIENCE });
   const name = await page.locator('.card h2').textContent();
   await page.getByRole('button', { name: 'Close', exact: true }).click();
   await page.getByRole('button', { name: 'Show the whole floor' }).click();
@@ -185,7 +185,7 @@ for (const painter of ['webgl', 'canvas2d']) await check(`The ${painter} painter
   address.searchParams.set('painter', painter);
   await other.setViewportSize({ width: 1440, height: 900 });
   await other.goto(address.href);
-  await other.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: 30_000 });
+  await other.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
   const painted = await other.locator('canvas[data-robots]').evaluate((element) => ({ ...element.dataset }));
   assert(painted.painter === painter, `it was painted with ${painted.painter}`);
   assert(painted.robots === (await read('robots')), `it shows ${painted.robots} robots`);
@@ -198,7 +198,7 @@ await check('Who wants less motion sees robots where they were last seen, not sl
   const still = await browser.newContext({ reducedMotion: 'reduce' });
   const other = await still.newPage();
   await other.goto(url);
-  await other.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.version) > 0, null, { timeout: 30_000 });
+  await other.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.version) > 0, null, { timeout: PATIENCE });
   await other.waitForTimeout(1_000);
   const motion = await other.locator('canvas[data-robots]').getAttribute('data-motion');
   assert(motion === 'jump' && (await read('motion')) === 'glide', `it is ${motion}, and ${await read('motion')} where motion is welcome`);
@@ -213,11 +213,11 @@ await check('A lost connection is said plainly and the data is shown as old', as
     server.onMessage((message) => { if (silent.length === 0) socket.send(message); });
   });
   await lost.goto(url);
-  await lost.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: 30_000 });
+  await lost.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
   silent.push('from now on');
-  await lost.getByText(/The link is slow, showing \d+ s old data/).waitFor({ timeout: 15_000 });
+  await lost.getByText(/The link is slow, showing \d+ s old data/).waitFor({ timeout: PATIENCE });
   await lost.screenshot({ path: `${SHOTS}slow.png` });
-  await lost.getByText(/Connection lost, showing \d+ s old data/).waitFor({ timeout: 20_000 });
+  await lost.getByText(/Connection lost, showing \d+ s old data/).waitFor({ timeout: PATIENCE });
   await lost.close();
 });
 

@@ -7,7 +7,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 import { promisify } from 'node:util';
-import { assert, check, finish, openBrowser } from './chromium.mjs';
+import { PATIENCE, assert, check, finish, openBrowser } from './chromium.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -17,7 +17,6 @@ if (!program) {
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 const SHOTS = here('./shots/');
 const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-const PATIENCE = 30_000;
 const SECONDS = 150;
 const LONG = 600;
 
@@ -61,7 +60,7 @@ await check('The page opens from the file and plays, without asking any network'
 });
 await check('Space stands still, arrow keys go five seconds, and the end is the end', async () => {
   await page.locator('body').press('Space');
-  await button('Play').waitFor({ timeout: 2_000 });
+  await button('Play').waitFor({ timeout: PATIENCE });
   const t = await moment();
   await page.locator('body').press('ArrowRight');
   assert(Math.abs((await moment()) - t - 5) <= 1, `from ${t} to ${await moment()}`);
@@ -77,10 +76,10 @@ await check('A bookmark leads to the deviation, and shows who it was', async () 
   await first.click();
   const at = words.split(' ')[0].split(':').reduce((sum, n) => sum * 60 + Number(n), 0);
   assert(Math.abs((await moment()) - (at - 5)) <= 1, `${words}, but it is ${await moment()}`);
-  await page.getByRole('region', { name: 'Person', exact: true }).waitFor({ timeout: 3_000 });
+  await page.getByRole('region', { name: 'Person', exact: true }).waitFor({ timeout: PATIENCE });
   await button('Play').click();
   await page.waitForTimeout(6_000);
-  await page.getByRole('region', { name: 'Person', exact: true }).getByText(/Off the path|On a new path|Told to stop/).first().waitFor({ timeout: 5_000 });
+  await page.getByRole('region', { name: 'Person', exact: true }).getByText(/Off the path|On a new path|Told to stop/).first().waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}replay-file.png` });
   const before = await moment();
   await button('Next bookmark').click();
@@ -96,7 +95,7 @@ await check('The jobs of then are listed, and why their robots waited, down to t
   const words = (await waits().innerText()).replaceAll(/\s+/g, ' ');
   await waits().getByRole('button').click();
   const chain = page.getByRole('region', { name: 'Why it waited' }).getByRole('listitem');
-  await chain.nth(1).waitFor({ timeout: 3_000 });
+  await chain.nth(1).waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}replay-jobs.png` });
   return `${words}: ${await chain.count()} links`;
 });
@@ -104,7 +103,7 @@ await check('Timelines of then show who held the places on the screen', async ()
   await bar().getByRole('button', { name: 'Timelines', exact: true }).click();
   await button('What is on the screen').click();
   const bars = page.getByRole('application', { name: 'Timelines of the area' }).locator('.bar');
-  await bars.nth(20).waitFor({ timeout: 5_000 });
+  await bars.nth(20).waitFor({ timeout: PATIENCE });
   const looks = await bars.evaluateAll((all) => [...new Set(all.map((bar) => bar.dataset.look))].sort());
   assert(looks.join() === 'granted,held', `bars are ${looks.join()}`);
   await page.screenshot({ path: `${SHOTS}replay-timelines.png` });
@@ -114,7 +113,7 @@ await axe('a file with timelines, dark');
 await check('Jobs that waited are listed below those under way, as of a moment', async () => {
   await then('Jobs');
   const waited = page.getByRole('table', { name: 'Jobs that waited then' }).locator('tbody tr');
-  await waited.first().waitFor({ timeout: 5_000 });
+  await waited.first().waitFor({ timeout: PATIENCE });
   const heading = await page.getByRole('heading', { name: /Jobs that waited for a robot/ }).innerText();
   assert(/^Jobs that waited for a robot: \d+ \(the list is as of \d\d:\d\d:\d\d/.test(heading), heading);
   const words = (await waited.first().innerText()).replaceAll(/\s+/g, ' ');
@@ -200,13 +199,13 @@ await axe('a file with encounters, dark');
 await check('A map of heat shows where robots met people in what is in sight', async () => {
   await page.getByText('Layers', { exact: true }).click();
   await page.getByLabel('where robots met people').check();
-  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.cells) > 0, null, { timeout: 10_000 });
+  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.cells) > 0, null, { timeout: PATIENCE });
   const cells = await page.locator('canvas').first().getAttribute('data-cells');
-  await page.getByRole('group', { name: 'Meaning of the colours' }).waitFor({ timeout: 5_000 });
+  await page.getByRole('group', { name: 'Meaning of the colours' }).waitFor({ timeout: PATIENCE });
   await axe('a file with a map of heat');
   await page.getByLabel('where robots waited').check();
-  await page.getByText('known of a running server only').waitFor({ timeout: 5_000 });
-  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.cells === '0', null, { timeout: 5_000 });
+  await page.getByText('known of a running server only').waitFor({ timeout: PATIENCE });
+  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.cells === '0', null, { timeout: PATIENCE });
   await page.getByLabel('none', { exact: true }).check();
   await page.getByText('Layers', { exact: true }).click();
   return `${cells} places`;
@@ -261,11 +260,11 @@ await check('A recording opens as a replay whose scrubber grows to all of it', a
   await then('Charts');
   await chartsShow();
   await then('Encounters');
-  await page.getByRole('region', { name: 'Encounters', exact: true }).getByText(/\d+ shown/).waitFor({ timeout: 5_000 });
+  await page.getByRole('region', { name: 'Encounters', exact: true }).getByText(/\d+ shown/).waitFor({ timeout: PATIENCE });
   await then('Jobs');
-  await page.getByRole('table', { name: 'Jobs that waited then' }).locator('tbody tr').first().waitFor({ timeout: 5_000 });
+  await page.getByRole('table', { name: 'Jobs that waited then' }).locator('tbody tr').first().waitFor({ timeout: PATIENCE });
   await button('As it was played').click();
-  await badge().waitFor({ state: 'detached', timeout: 5_000 });
+  await badge().waitFor({ state: 'detached', timeout: PATIENCE });
   await page.close();
 });
 await server.kill();
@@ -282,7 +281,7 @@ await check('A running server shows its own past, in which nothing can be change
   await page.waitForTimeout(4_000);
   await button('Replay').click();
   await badge().waitFor({ timeout: PATIENCE });
-  await bookmarks().getByText("all robots were stopped by hand").waitFor({ timeout: 10_000 });
+  await bookmarks().getByText("all robots were stopped by hand").waitFor({ timeout: PATIENCE });
   assert(await button('Stop all robots').isDisabled(), 'the stop is no button of the past');
   assert((await page.getByRole('button', { name: 'Submit' }).count()) === 0, 'jobs can be handed in');
   await page.waitForTimeout(1_000);
@@ -291,31 +290,31 @@ await check('A running server shows its own past, in which nothing can be change
 await axe('a server');
 await check('A server has charts and jobs of its past', async () => {
   await then('Jobs');
-  await page.getByRole('heading', { name: /the list is as of \d\d:\d\d:\d\d/ }).waitFor({ timeout: 10_000 });
+  await page.getByRole('heading', { name: /the list is as of \d\d:\d\d:\d\d/ }).waitFor({ timeout: PATIENCE });
   await then('Charts');
-  await charts().locator('[data-chart="deliveries"] .moment').first().waitFor({ state: 'attached', timeout: 30_000 });
-  await charts().locator('[data-chart="waiting"] polyline').first().waitFor({ state: 'attached', timeout: 30_000 });
+  await charts().locator('[data-chart="deliveries"] .moment').first().waitFor({ state: 'attached', timeout: PATIENCE });
+  await charts().locator('[data-chart="waiting"] polyline').first().waitFor({ state: 'attached', timeout: PATIENCE });
   const said = await charts().locator('[data-chart="plans"] [data-value]').allInnerTexts();
   await page.screenshot({ path: `${SHOTS}replay-server-charts.png` });
   await then('Encounters');
-  await page.getByText('None in this time.').waitFor({ timeout: 5_000 });
+  await page.getByText('None in this time.').waitFor({ timeout: PATIENCE });
   await then('Encounters');
   await page.getByText('Layers', { exact: true }).click();
   await page.getByLabel('where robots waited').check();
-  await page.getByRole('group', { name: 'Meaning of the colours' }).waitFor({ timeout: 10_000 });
+  await page.getByRole('group', { name: 'Meaning of the colours' }).waitFor({ timeout: PATIENCE });
   await page.getByLabel('none', { exact: true }).check();
   await page.getByText('Layers', { exact: true }).click();
   return `searches ${said.join(', ')}`;
 });
 await check('What is in sight is saved as a file', async () => {
-  const saving = page.waitForEvent('download', { timeout: 10_000 });
+  const saving = page.waitForEvent('download', { timeout: PATIENCE });
   await button('Save as a file').click();
   await (await saving).saveAs(file('saved.reel'));
   return `${(await stat(file('saved.reel'))).size} bytes`;
 });
 await check('Back to live is live', async () => {
   await button('Back to live').click();
-  await badge().waitFor({ state: 'detached', timeout: 5_000 });
+  await badge().waitFor({ state: 'detached', timeout: PATIENCE });
   const before = await version();
   await page.waitForTimeout(1_000);
   assert((await version()) > before, 'nothing moves');
@@ -324,19 +323,19 @@ await check('Back to live is live', async () => {
 await check('The address opens a span of the past, and stands at its end', async () => {
   await page.evaluate(() => { location.hash = '#replay?from=2&to=4'; });
   await badge().waitFor({ timeout: PATIENCE });
-  await button('Play').waitFor({ timeout: 10_000 });
+  await button('Play').waitFor({ timeout: PATIENCE });
   const { min, max, value } = await page.getByRole('slider', { name: 'Moment' }).evaluate((input) => ({ min: input.min, max: input.max, value: input.value }));
   assert(Number(min) === 2 && Number(max) === 4 && Math.abs(Number(value) - 4) < 0.3, `${min} to ${max} at ${value}`);
   await page.evaluate(() => { location.hash = ''; });
-  await badge().waitFor({ state: 'detached', timeout: 5_000 });
+  await badge().waitFor({ state: 'detached', timeout: PATIENCE });
 });
 await check('A saved reel opens in the page; another file is refused in words', async () => {
   const chooser = page.locator('input[type="file"][accept=".reel"]');
   await chooser.setInputFiles(file('saved.reel'));
-  await badge().waitFor({ timeout: 10_000 });
+  await badge().waitFor({ timeout: PATIENCE });
   await writeFile(file('no.reel'), 'hello\n');
   await chooser.setInputFiles(file('no.reel'));
-  await page.getByRole('alert').filter({ hasText: 'This is no reel' }).waitFor({ timeout: 5_000 });
+  await page.getByRole('alert').filter({ hasText: 'This is no reel' }).waitFor({ timeout: PATIENCE });
   await button('Dismiss').click();
   await button('Back to live').click();
 });
@@ -348,10 +347,10 @@ await check('A reel that is dropped onto the page plays, with the map it was mad
     return carried;
   }, base64);
   await page.dispatchEvent('main', 'drop', { dataTransfer: dropped });
-  await badge().waitFor({ timeout: 10_000 });
-  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.robots === '20', null, { timeout: 10_000 });
+  await badge().waitFor({ timeout: PATIENCE });
+  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.robots === '20', null, { timeout: PATIENCE });
   await button('Back to live').click();
-  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.robots === '2', null, { timeout: 10_000 });
+  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.robots === '2', null, { timeout: PATIENCE });
 });
 await check('What a killed server kept is there when it is back', async () => {
   await server.kill();
@@ -361,7 +360,7 @@ await check('What a killed server kept is there when it is back', async () => {
   await page.goto(`${server.url}/#replay?from=${spans[0].from_s}&to=${spans[0].to_s}`);
   await badge().waitFor({ timeout: PATIENCE });
   await drawn();
-  await bookmarks().getByText("all robots were stopped by hand").waitFor({ timeout: 5_000 });
+  await bookmarks().getByText("all robots were stopped by hand").waitFor({ timeout: PATIENCE });
   return `${(spans[0].to_s - spans[0].from_s).toFixed(1)} s`;
 });
 await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
@@ -377,7 +376,7 @@ async function then(what) {
 
 /** Charts with a line for deliveries and one for the moment that is shown; what they say. */
 async function chartsShow() {
-  await charts().locator('[data-chart="deliveries"] polyline').first().waitFor({ state: 'attached', timeout: 10_000 });
+  await charts().locator('[data-chart="deliveries"] polyline').first().waitFor({ state: 'attached', timeout: PATIENCE });
   assert((await charts().locator('figure').count()) === 6, 'charts are missing');
   assert((await charts().locator('.moment').count()) === 6, 'the moment is not marked');
   const values = await charts().locator('[data-chart="deliveries"] [data-value], [data-chart="people"] [data-value]').allInnerTexts();
@@ -389,7 +388,7 @@ async function chartsShow() {
 async function encounterGoes() {
   const list = page.getByRole('region', { name: 'Encounters', exact: true });
   const row = list.locator('[data-encounter]').last();
-  await row.waitFor({ timeout: 5_000 });
+  await row.waitFor({ timeout: PATIENCE });
   const words = (await row.innerText()).replaceAll(/\s+/g, ' ');
   const at = words.split(' ')[0].split(':').reduce((sum, n) => sum * 60 + Number(n), 0);
   await page.locator('body').press('End');
@@ -399,7 +398,7 @@ async function encounterGoes() {
   await row.getByRole('rowheader').getByRole('button').click();
   assert(Math.abs((await moment()) - Math.max(0, at - 5)) <= 1.5, `${words}, but the time goes to ${await moment()}`);
   await row.getByRole('button', { name: /^robot-/ }).click();
-  await page.getByRole('region', { name: 'Robot', exact: true }).waitFor({ timeout: 3_000 });
+  await page.getByRole('region', { name: 'Robot', exact: true }).waitFor({ timeout: PATIENCE });
   await row.getByRole('button', { name: /show on the floor/ }).click();
   await page.waitForTimeout(700);
   return words;
