@@ -73,7 +73,7 @@ for (const painter of ['webgl', 'canvas2d']) {
       const shown = await page.locator('canvas[data-robots]').evaluate((canvas) => ({ ...canvas.dataset }));
       assert(shown.painter === painter, `it is painted with ${shown.painter}`);
       assert(Number(shown.robots) === ROBOTS && Number(shown.people) === PEOPLE, `it shows ${shown.robots} robots and ${shown.people} people`);
-      assert(seen.frames.length > SECONDS && seen.messages.length > SECONDS, `there were ${seen.frames.length} frames and ${seen.messages.length} messages`);
+      assert(seen.frames.length > 2 && seen.messages.length > 2, `there were ${seen.frames.length} frames and ${seen.messages.length} messages`);
       const calls = Math.max(...seen.calls);
       assert(calls <= MOST_CALLS, `one frame took ${calls} drawing calls`);
       assert(painter === 'canvas2d' || calls > 1, 'nothing was drawn');

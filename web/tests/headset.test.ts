@@ -320,6 +320,16 @@ describe('a wearer', () => {
     world.look();
     expect(world.line.sent.at(-1)).toMatchObject({ type: 'pose', epoch: 2, seq: 1 });
   });
+  test('what the server finds wrong is shown for as long as it says so', () => {
+    world.welcome();
+    expect(world.wearer.notice()).toBeNull();
+    world.hear({ type: 'warning', code: 'future', count: 3, text: '3 poses were from the future' });
+    expect(world.wearer.notice()).toBe('3 poses were from the future');
+    world.pass(3_000);
+    expect(world.wearer.notice()).not.toBeNull();
+    world.pass(4_000);
+    expect(world.wearer.notice()).toBeNull();
+  });
   test('work is said to be done where its place is near, once, and again where that was not heard', () => {
     world.welcome();
     world.align();

@@ -3,12 +3,12 @@ import '../app.css';
 import './headset.css';
 import { applyTheme, storedTheme } from '../theme';
 import type { FloorMap } from '../wire';
-import { metres, suggest, type Place } from './align';
+import { suggest, type Place } from './align';
 import type { Aim } from './arrow';
-import { buzz, type Shown } from './guide';
 import { field, make } from './dom';
 import { inkOf, roomInk } from './ink';
 import { drawMap, onMap, type Lens, type Self } from './phone';
+import { board, refusal, Screen, write } from './screen';
 import { Server } from './server';
 import { Wearer, PLACED_MS } from './wearer';
 import { hasRoomView, RoomView } from './xr';
@@ -120,85 +120,6 @@ function locked(wantsToken: boolean, text: string): HTMLElement {
   return make('main', {}, form);
 }
 
-/** What both views have in common: the wearer, the words, the shaking, the light that stays on. */
-class Screen {
-  readonly title = make('h1', { className: 'title' });
-  readonly detail = make('p', { className: 'detail' });
-  readonly banner = make('div', { className: 'banner', role: 'status' }, this.title, this.detail);
-  readonly stop = make('div', { className: 'stop', role: 'alert', hidden: true });
-  #kind: Shown['kind'] | null = null;
-  #light: WakeLockSentinel | null = null;
-
-  constructor(readonly root: HTMLElement, readonly wearer: Wearer) {
-    document.addEventListener('visibilitychange', this.#sight);
-    void this.#keepLight();
-  }
-
-  say(shown: Shown, title: string, detail: string): void {
-    const pattern = buzz(this.#kind, shown.kind);
-    if (pattern.length > 0) navigator.vibrate?.(pattern);
-    this.#kind = shown.kind;
-    Object.assign(this.root.dataset, {
-      shown: shown.kind, link: this.wearer.feed.kind, marking: this.wearer.marking.kind, sent: String(this.wearer.sent),
-      epoch: String(this.wearer.pump.epoch), near: String(shown.near.length), path: String(shown.path.length),
-    });
-    this.banner.dataset['tone'] = shown.tone;
-    write(this.title, title);
-    write(this.detail, detail);
-    if (this.stop.hidden === (shown.kind === 'stop')) {
-      this.stop.hidden = shown.kind !== 'stop';
-      this.stop.replaceChildren(...(shown.kind === 'stop' ? [make('strong', { textContent: 'STOP' }), make('span', { className: 'why' })] : []));
-    }
-    const why = this.stop.querySelector<HTMLElement>('.why');
-    if (why) write(why, shown.detail);
-  }
-
-  close(): void {
-    document.removeEventListener('visibilitychange', this.#sight);
-    this.wearer.stop();
-    void this.#light?.release().catch(() => {});
-  }
-
-  #sight = (): void => {
-    if (document.visibilityState !== 'visible') return;
-    this.wearer.woke();
-    void this.#keepLight();
-  };
-
-  async #keepLight(): Promise<void> {
-    try {
-      this.#light = (await navigator.wakeLock?.request('screen')) ?? null;
-    } catch {
-      // Not every browser keeps the light on; the wearer does then.
-    }
-  }
-}
-
-const write = (element: HTMLElement, text: string): void => {
-  if (element.textContent !== text) element.textContent = text;
-};
-
-/** What the board says: taking marks goes before guidance, but not before STOP and a broken connection. */
-function board(shown: Shown, wearer: Wearer): readonly [title: string, detail: string] {
-  if (shown.kind === 'stop' || shown.kind === 'offline' || shown.kind === 'lost') return [shown.title, shown.detail];
-  const { marking } = wearer;
-  const { names, taken } = marking;
-  switch (marking.kind) {
-    case 'taking':
-      return [`Mark ${taken.length + 1} of ${names.length}: ${names[taken.length]}`, 'Stand on it or point at it: the ring must lie on the mark. Then pinch, pull the trigger or tap.'];
-    case 'asking':
-      return ['Checking the marks', ''];
-    case 'refused':
-      return ['The marks do not fit', `${marking.text} Confirm to take them again.`];
-    case 'done':
-      if (wearer.due() !== null) return [shown.title, `${shown.detail} ${refusal(wearer)}Done here? Pinch, pull the trigger or tap.`];
-      return [shown.title, shown.kind === 'idle' ? `${shown.detail} Marks fit within ${metres(marking.rms_m)}; hold the trigger to take them anew.` : shown.detail];
-  }
-}
-
-/** Why being done was not taken, to stand before what comes next. */
-const refusal = ({ notTaken }: Wearer): string => (notTaken === null ? '' : `Not taken: ${notTaken} `);
-
 /** The view into the room. Answers with what went wrong at the start, if anything. */
 async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[], name: string): Promise<string> {
   if (!host) return '';
@@ -247,7 +168,7 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
   const leave = make('button', { textContent: 'End the view' });
   leave.addEventListener('click', () => void view.leave());
   host.dataset['screen'] = 'room';
-  host.replaceChildren(make('main', { className: 'room' }, screen.banner, screen.stop,
+  host.replaceChildren(make('main', { className: 'room' }, screen.banner, screen.note, screen.stop,
     make('p', { className: 'dim', textContent: `${name} sees guidance in the room.${view.wide ? '' : ' This device follows within some 15 m of where it began only.'}` }),
     make('div', { className: 'row' }, leave), canvas));
   const worker = await hired;
@@ -331,7 +252,7 @@ function phone(map: FloorMap, id: string, name: string): void {
     void server.clear(id).then(() => signIn(`${name} has left the floor.`));
   });
   host.dataset['screen'] = 'phone';
-  host.replaceChildren(make('main', { className: 'phone' }, screen.banner, canvas, where, near, screen.stop,
+  host.replaceChildren(make('main', { className: 'phone' }, screen.banner, canvas, where, near, screen.note, screen.stop,
     make('div', { className: 'row wrap' }, make('span', { className: 'dim grow', textContent: name }), back, done, gone),
     make('p', { className: 'safety', textContent: SAFETY })));
   wearer.start();

@@ -15,6 +15,7 @@ export interface WearerOptions extends Pick<FeedOptions, 'frame' | 'open' | 'clo
 /** A place that the wearer pointed out on a map is believed for so long. */
 export const PLACED_MS = 60_000;
 const PLACED_EVERY_MS = 1_000;
+const NOTICE_MS = 6_000;
 /** So much of the path may be left for the wearer to be at the place already: metres. */
 const THERE_M = 2.5;
 /** Who points at a map is right to about a metre. */
@@ -25,8 +26,6 @@ export class Wearer {
   alignment: Alignment | null = null;
   guidance: Guidance | null = null;
   feed: FeedState = { kind: 'connecting' };
-  /** The last thing that the server found wrong with what it got. */
-  warning: string | null = null;
   /** Why the last word that work is done was not taken. */
   notTaken: string | null = null;
   /** Poses that were sent. */
@@ -42,6 +41,8 @@ export class Wearer {
   #placedAt = -Infinity;
   /** The assignment that was said to be done, until the server has another one. */
   #reported: string | null = null;
+  /** The last thing that the server found wrong with what it got. */
+  #warning: { text: string; at: number } | null = null;
 
   constructor(options: WearerOptions) {
     this.#options = options;
@@ -145,6 +146,11 @@ export class Wearer {
     return show(this.guidance, { age_ms, link, tracking, aligned: this.#options.frame === 'map' || this.alignment !== null });
   }
 
+  /** What the server finds wrong with what it gets. It says so every two seconds while it lasts. */
+  notice(): string | null {
+    return this.#warning && this.#options.clock.now() - this.#warning.at < NOTICE_MS ? this.#warning.text : null;
+  }
+
   /** Guidance of this version is on the screen. */
   drawn(): void {
     const version = this.guidance?.version;
@@ -193,7 +199,7 @@ export class Wearer {
         if (event.refused !== null) [this.#reported, this.notTaken] = [null, event.refused];
         return;
       case 'warning':
-        this.warning = event.text;
+        this.#warning = { text: event.text, at: this.#options.clock.now() };
         return;
       case 'clock':
         return;
