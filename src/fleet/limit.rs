@@ -15,13 +15,19 @@ use crate::human::{Presence, Whereabouts};
 use crate::id::{RobotId, WorkerId};
 use crate::route::{Cause, Effect};
 use crate::time::{Span, Time};
+use crate::timeline::Visit;
 
 /// Whoever is slower than this stands, more or less, metres per second.
 pub(super) const STROLL_MPS: f64 = 0.3;
+/// A robot slower than this stands, metres per second.
+const STANDS_MPS: f64 = 0.05;
 /// Room beyond region 1 that a robot leaves to somebody who stands, metres.
 const ROOM_M: f64 = 0.3;
 /// Room beyond region 1 that is left to somebody who comes: what is walked while a stop is on its way, metres.
 const CLEAR_M: f64 = 0.35;
+/// Who stands sets off only with so much more room, metres: poses and speeds waver, and a robot that starts and stops by
+/// turns creeps just when somebody comes.
+const SET_OFF_M: f64 = 0.3;
 /// Whoever is farther away does not come into region 1 before a robot has stopped, metres.
 const PASSING_M: f64 = 6.0;
 /// How fast people walk once they set off, metres per second.
@@ -40,7 +46,7 @@ impl Fleet {
         for robot in self.ledger.robots.ids().collect::<Vec<_>>() {
             let Some(seen) = self.scene.robot(robot).copied() else { continue };
             let (limit, because) = self.limit_for(robot, &present, now);
-            if let Some(worker) = because.filter(|_| limit == Some(0.0) && seen.speed_mps > 0.05) {
+            if let Some(worker) = because.filter(|_| limit == Some(0.0) && seen.speed_mps > STANDS_MPS) {
                 self.gives_way(robot, worker, Reaction::Stopped, now);
             }
             self.note_standing(robot, limit, because, now);
@@ -74,9 +80,11 @@ impl Fleet {
             if distance > FAR_M {
                 continue;
             }
-            let stop = self.crowd.regions.stop_radius_at_m(speed, loaded, w.sigma_m);
+            let off = w.presence != Presence::Lost && self.drives_away(robot, at, w.at, now);
+            // Who drives away needs no room to brake towards anybody, and braking would let the other catch up.
+            let towards_mps = if off { 0.0 } else { speed };
+            let stop = self.crowd.regions.stop_radius_at_m(towards_mps, loaded, w.sigma_m);
             let limit = if distance < stop {
-                let off = w.presence != Presence::Lost && self.drives_away(robot, at, w.at, now);
                 Some(if off && !self.is_caught_up(robot, *worker, w, now) { SLOW_MPS } else { 0.0 })
             } else {
                 self.limit_here(robot, at, *worker, w, now)
@@ -104,7 +112,8 @@ impl Fleet {
         now: Time,
     ) -> Option<f64> {
         let loaded = self.ledger.rack_on(robot).is_some();
-        let nodes = self.ledger.chain(robot).visits().take(2).map(|v| v.node);
+        let (chain, reached) = (self.ledger.chain(robot), self.reached(robot));
+        let nodes = (reached..).map_while(|serial| chain.get(serial)).take(2).map(|v| v.node);
         if self.settings.arm == Arm::Giveway {
             if self.is_caught_up(robot, worker, w, now) {
                 return Some(0.0);
@@ -166,8 +175,10 @@ impl Fleet {
             heading: seen.pose.heading,
             turn_radps: k.turn_radps,
         };
-        let radius_m = self.crowd.regions.stop_radius_m(loaded, w.sigma_m) + CLEAR_M;
-        moves_within(&drive, &walk, radius_m)
+        let told_to = self.crowd.limits.get(&robot).is_some_and(|(limit, _)| *limit == Some(0.0));
+        let stands = told_to || seen.speed_mps < STANDS_MPS;
+        let room_m = CLEAR_M + if stands { SET_OFF_M } else { 0.0 };
+        moves_within(&drive, &walk, self.crowd.regions.stop_radius_m(loaded, w.sigma_m) + room_m)
     }
 
     /// Where a robot drives from `at` to the end of what it was granted.
@@ -175,9 +186,22 @@ impl Fleet {
         if let Some(back) = self.comes_back_to(robot) {
             return vec![at, back];
         }
-        let chain = self.ledger.chain(robot);
-        let ahead = (chain.first() + 1..chain.granted()).filter_map(|s| chain.get(s));
+        let ahead = self.granted_ahead(robot);
         std::iter::once(at).chain(ahead.map(|v| self.warehouse().nodes[v.node].at)).collect()
+    }
+
+    /// The number of the visit whose centre a robot has reached, by its own word: the ledger follows later in the step,
+    /// and whoever drove on meanwhile would seem to turn back.
+    fn reached(&self, robot: RobotId) -> u64 {
+        let chain = self.ledger.chain(robot);
+        let said = self.scene.robot(robot).map_or(0, |t| t.reached);
+        said.clamp(chain.first(), chain.granted() - 1)
+    }
+
+    /// What a robot was granted and has not reached.
+    fn granted_ahead(&self, robot: RobotId) -> impl Iterator<Item = &Visit> {
+        let chain = self.ledger.chain(robot);
+        (self.reached(robot) + 1..chain.granted()).filter_map(|serial| chain.get(serial))
     }
 
     /// How a worker will walk on, as far as that is known: along the path, straight on without one, and from where
@@ -211,18 +235,16 @@ impl Fleet {
     /// Whether a robot within region 2 may drive on to the end of what it was granted: the worker stands, and
     /// it does not lead into region 1. Else it could not be at rest when the worker comes.
     fn may_finish(&self, robot: RobotId, w: &Whereabouts, loaded: bool) -> bool {
-        let chain = self.ledger.chain(robot);
         let clear_m = self.crowd.regions.stop_radius_m(loaded, w.sigma_m) + ROOM_M;
-        let mut ahead = (chain.first() + 1..chain.granted()).filter_map(|s| chain.get(s));
-        let leaves_room = ahead.all(|v| (self.warehouse().nodes[v.node].at - w.at).norm() > clear_m);
+        let leaves_room =
+            self.granted_ahead(robot).all(|v| (self.warehouse().nodes[v.node].at - w.at).norm() > clear_m);
         w.velocity.norm() < STROLL_MPS && leaves_room
     }
 
     /// Whether a robot's next piece of way leads away from a place: what it was granted, or back where it is called to.
     /// Who comes back, or has stood there for long, may also pass, where that is not nearer than it is already.
     pub(super) fn drives_away(&self, robot: RobotId, at: Point, from: Point, now: Time) -> bool {
-        let chain = self.ledger.chain(robot);
-        let next = chain.get(chain.first() + 1).filter(|_| chain.first() + 1 < chain.granted());
+        let next = self.granted_ahead(robot).next();
         let back = self.comes_back_to(robot);
         let Some(there) = back.or(next.map(|v| self.warehouse().nodes[v.node].at)) else { return false };
         let (on, off) = (there - at, at - from);

@@ -10,6 +10,7 @@ mod people;
 mod published;
 mod recall;
 mod restart;
+mod setting_off;
 mod stuck;
 mod why;
 

@@ -17,11 +17,11 @@ fn face_to_face(faults: Faults, ahead_m: f64) -> (Floor, Puppet) {
 }
 
 impl Floor {
-    fn robot_at(&self) -> Point {
+    pub(super) fn robot_at(&self) -> Point {
         self.world.truth().next().expect("there is one").1.pose.at
     }
 
-    fn ahead(&self) -> Vector {
+    pub(super) fn ahead(&self) -> Vector {
         let heading = self.world.truth().next().expect("there is one").1.pose.heading;
         Vector::new(heading.cos(), heading.sin())
     }
