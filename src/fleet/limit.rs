@@ -25,8 +25,8 @@ const STANDS_MPS: f64 = 0.05;
 const ROOM_M: f64 = 0.3;
 /// Room beyond region 1 that is left to somebody who comes: what is walked while a stop is on its way, metres.
 const CLEAR_M: f64 = 0.35;
-/// Who stands sets off only with so much more room, metres: poses and speeds waver, and a robot that starts and stops by
-/// turns creeps just when somebody comes.
+/// Who stands sets off only with so much more room, metres: poses and speeds waver, and a robot that starts and stops
+/// by turns creeps just when somebody comes.
 const SET_OFF_M: f64 = 0.3;
 /// Whoever is farther away does not come into region 1 before a robot has stopped, metres.
 const PASSING_M: f64 = 6.0;
