@@ -235,7 +235,7 @@ impl Names<'_> {
 
     fn why_of_job(&self, record: &JobRecord) -> Option<String> {
         if let JobState::Failed(why) = record.job.state {
-            return Some(why_failed(why));
+            return Some(why_failed(why, self.map));
         }
         Some(self.why_job(self.view.why_job(record.id, &record.job)?))
     }
@@ -334,12 +334,16 @@ fn doing_word(d: Doing) -> &'static str {
     }
 }
 
-fn why_failed(why: JobFailure) -> String {
+fn why_failed(why: JobFailure, warehouse: &Warehouse) -> String {
     match why {
         JobFailure::Predecessor(job) => {
             format!("{}, which had to be over first, was cancelled or failed", job_name(job))
         }
         JobFailure::Unreachable => "no way leads there, even on an empty floor".into(),
+        JobFailure::StorageTaken(node) => {
+            let node = &warehouse.nodes[node].name;
+            format!("{node} has another rack, or is promised to one: the rack was put elsewhere")
+        }
     }
 }
 

@@ -29,9 +29,9 @@ const TOP_UP: f64 = 0.9;
 
 impl Fleet {
     pub(super) fn assign(&mut self, now: Time) {
+        self.assign_named(now);
         let (working, resting): (Vec<RobotId>, Vec<RobotId>) =
             self.idle_robots(now).into_iter().partition(|r| self.is_charged(*r));
-        self.assign_named(now);
         let left = self.assign_racks(working, now);
         for robot in left.into_iter().chain(resting) {
             self.rest(robot);
@@ -54,34 +54,40 @@ impl Fleet {
         battery >= if self.at_charger(robot) { s.battery_enough } else { s.battery_low }
     }
 
-    /// Jobs for a robot that the customer named.
+    /// Jobs for a robot that the customer named: one for each idle robot, before any rack.
     fn assign_named(&mut self, now: Time) {
-        let named = self
-            .ledger
-            .jobs
-            .iter()
-            .filter_map(|(id, j)| Some((*id, j.request.kind.robot()?, j.request.kind)));
-        let ready: Vec<_> = named.filter(|(id, _, _)| self.is_ready(*id)).collect();
-        for (job, robot, kind) in ready {
-            if self.ledger.robots[robot].task != Task::Idle || self.scene.fit(robot, now).is_none() {
-                continue;
+        for robot in self.idle_robots(now) {
+            if let Some(job) = self.named_job_for(robot) {
+                self.begin_named(robot, job, now);
             }
-            let (goal, stay, purpose) = match kind {
-                JobKind::Charge { .. } => (None, self.free_place(robot, NodeKind::Charger), Purpose::Charge),
-                JobKind::Park { .. } => (None, self.free_place(robot, NodeKind::Parking), Purpose::Park),
-                JobKind::Go { node, .. } => (Some(node), self.stay_for(robot, node), Purpose::Go),
-                _ => continue,
-            };
-            let Some(stay) = stay else { continue };
-            let goal = goal.unwrap_or(stay);
-            if self.planner.free_flow(self.ledger.node_of(robot), &[stage(goal), stage(stay)]).is_none() {
-                let state = JobState::Failed(JobFailure::Unreachable);
-                self.record(Fact::Progressed { job, state, at: now });
-                continue;
-            }
-            self.record(Fact::Tasked { robot, task: Task::Move { job: Some(job), goal, stay, purpose } });
-            self.record(Fact::Progressed { job, state: JobState::Assigned { robot }, at: now });
         }
+    }
+
+    /// The job that a robot is to do next by name: the highest priority first, then the nearest deadline, then the
+    /// oldest. Nothing where none can start.
+    pub(super) fn named_job_for(&self, robot: RobotId) -> Option<JobId> {
+        let named = self.ledger.named.get(&robot)?.iter().map(|id| (*id, &self.ledger.jobs[id]));
+        let ready = named.filter(|(_, j)| !self.is_blocked(&j.request.after));
+        let rank = |j: &Job| (std::cmp::Reverse(j.request.priority), j.request.deadline.unwrap_or(Time::MAX));
+        ready.min_by_key(|(id, j)| (rank(j), *id)).map(|(id, _)| id)
+    }
+
+    /// Sends an idle robot where a job says. The job waits while there is no place for it, and fails where no way
+    /// leads.
+    fn begin_named(&mut self, robot: RobotId, job: JobId, now: Time) {
+        let (goal, stay, purpose) = match self.ledger.jobs[&job].request.kind {
+            JobKind::Charge { .. } => (None, self.free_place(robot, NodeKind::Charger), Purpose::Charge),
+            JobKind::Park { .. } => (None, self.free_place(robot, NodeKind::Parking), Purpose::Park),
+            JobKind::Go { node, .. } => (Some(node), self.stay_for(robot, node), Purpose::Go),
+            kind => unreachable!("{kind:?} names no robot"),
+        };
+        let Some(stay) = stay else { return };
+        let goal = goal.unwrap_or(stay);
+        if self.planner.free_flow(self.ledger.node_of(robot), &[stage(goal), stage(stay)]).is_none() {
+            return self.progress(job, JobState::Failed(JobFailure::Unreachable), None, now);
+        }
+        let task = Task::Move { job: Some(job), goal, stay, purpose };
+        self.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
     }
 
     /// The node itself if the robot may stay there, else some other place to stay.
@@ -112,8 +118,8 @@ impl Fleet {
         for (robot, column) in few.into_iter().zip(least_cost(&cost)) {
             match column.and_then(|c| jobs.get(c)) {
                 Some(&(job, rack, node, _)) => {
-                    self.record(Fact::Progressed { job, state: JobState::Assigned { robot }, at: now });
-                    self.record(Fact::Tasked { robot, task: Task::Fetch { job, rack, node } });
+                    let task = Task::Fetch { job: Some(job), rack, node };
+                    self.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
                 }
                 None => left.push(robot),
             }

@@ -32,16 +32,19 @@ pub enum Fact {
         /// When.
         at: Time,
     },
-    /// A job came to another state.
+    /// A job came to another state, and the robot that serves it, or served it, to another task: one fact, so that
+    /// the two never disagree.
     Progressed {
         /// Which.
         job: JobId,
         /// The new state.
         state: JobState,
+        /// The robot whose task changes with it, and that task.
+        tasked: Option<(RobotId, Task)>,
         /// When.
         at: Time,
     },
-    /// A robot has something else to do.
+    /// A robot has something else to do, of which no job's state depends.
     Tasked {
         /// Which.
         robot: RobotId,
@@ -248,8 +251,8 @@ pub enum Task {
     Idle,
     /// It goes to a rack and lifts it.
     Fetch {
-        /// The job.
-        job: JobId,
+        /// The job; nothing where that is over, but the robot may drive to the rack and lift it already.
+        job: Option<JobId>,
         /// The rack.
         rack: RackId,
         /// Where the rack stands.
@@ -303,8 +306,8 @@ impl Task {
     /// The job behind it.
     pub fn job(&self) -> Option<JobId> {
         match *self {
-            Task::Fetch { job, .. } | Task::Deliver { job, .. } => Some(job),
-            Task::Store { job, .. } | Task::Move { job, .. } => job,
+            Task::Deliver { job, .. } => Some(job),
+            Task::Fetch { job, .. } | Task::Store { job, .. } | Task::Move { job, .. } => job,
             Task::Idle => None,
         }
     }

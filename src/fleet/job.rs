@@ -95,8 +95,7 @@ pub struct JobRequest {
     pub key: Option<String>,
 }
 
-/// How far a job has come. `Waiting → Assigned → Carrying → Picking → Done`; relocations skip `Picking`, jobs without
-/// a rack skip `Carrying` too; a failed robot sends `Assigned` back to `Waiting`; `Cancelled` and `Failed` end any.
+/// How far a job has come. `Waiting → Assigned → Carrying → Picking → Done`; [`super::life`] has the whole table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum JobState {
     /// Nobody has it yet.
@@ -131,6 +130,8 @@ pub enum JobFailure {
     Predecessor(JobId),
     /// No way leads there, even on an empty floor.
     Unreachable,
+    /// Another rack has come to stand on the storage node, or is promised it.
+    StorageTaken(NodeId),
 }
 
 impl JobState {

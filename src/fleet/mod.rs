@@ -22,6 +22,7 @@ pub mod job;
 mod judge;
 mod lead;
 pub mod ledger;
+pub mod life;
 mod limit;
 mod look;
 mod matching;

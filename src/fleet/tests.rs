@@ -5,6 +5,7 @@ mod closures;
 mod failure;
 mod hand;
 mod jobs;
+mod life;
 mod messages;
 mod people;
 mod published;
@@ -153,7 +154,7 @@ impl Floor {
 
     fn progress(&self, job: JobId) -> impl Iterator<Item = (JobState, Time)> {
         self.facts.iter().filter_map(move |f| match f {
-            Fact::Progressed { job: j, state, at } if *j == job => Some((*state, *at)),
+            Fact::Progressed { job: j, state, at, .. } if *j == job => Some((*state, *at)),
             _ => None,
         })
     }

@@ -107,7 +107,7 @@ impl Laws {
             self.shadow.evolve(fact);
         }
         if self.steps.is_multiple_of(AUDIT_EVERY) {
-            fleet.ledger().timeline.assert_sound();
+            fleet.ledger().assert_sound();
             let mut folded = self.shadow.clone();
             let (own, folding) = (&fleet.ledger().counts, &mut folded.counts);
             (folding.plans, folding.plan_failures, folding.replans) =

@@ -76,6 +76,8 @@ enum Record {
     Progressed {
         job: u64,
         state: StateRecord,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        tasked: Option<(u32, TaskRecord)>,
         at: i64,
     },
     Tasked {
@@ -213,13 +215,14 @@ enum StateRecord {
 enum FailureRecord {
     Predecessor(u64),
     Unreachable,
+    StorageTaken(u32),
 }
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum TaskRecord {
     Idle,
-    Fetch { job: u64, rack: u32, node: u32 },
+    Fetch { job: Option<u64>, rack: u32, node: u32 },
     Deliver { job: u64, rack: u32, station: u32, store: u32 },
     Store { job: Option<u64>, rack: u32, store: u32 },
     Move { job: Option<u64>, goal: u32, stay: u32, purpose: PurposeRecord },
@@ -242,9 +245,12 @@ impl From<&Fact> for Record {
             Fact::Accepted { job, request, at } => {
                 Record::Accepted { job: job.0, request: request.into(), at: at.0 }
             }
-            Fact::Progressed { job, state, at } => {
-                Record::Progressed { job: job.0, state: (*state).into(), at: at.0 }
-            }
+            Fact::Progressed { job, state, tasked, at } => Record::Progressed {
+                job: job.0,
+                state: (*state).into(),
+                tasked: tasked.map(|(robot, task)| (robot.0, task.into())),
+                at: at.0,
+            },
             Fact::Tasked { robot, task } => Record::Tasked { robot: robot.0, task: (*task).into() },
             Fact::Routed { bookings } => {
                 Record::Routed { bookings: bookings.iter().map(BookingRecord::from).collect() }
@@ -303,9 +309,12 @@ impl From<Record> for Fact {
             Record::Accepted { job, request, at } => {
                 Fact::Accepted { job: JobId(job), request: request.into(), at: Time(at) }
             }
-            Record::Progressed { job, state, at } => {
-                Fact::Progressed { job: JobId(job), state: state.into(), at: Time(at) }
-            }
+            Record::Progressed { job, state, tasked, at } => Fact::Progressed {
+                job: JobId(job),
+                state: state.into(),
+                tasked: tasked.map(|(robot, task)| (RobotId(robot), task.into())),
+                at: Time(at),
+            },
             Record::Tasked { robot, task } => Fact::Tasked { robot: RobotId(robot), task: task.into() },
             Record::Routed { bookings } => {
                 Fact::Routed { bookings: bookings.into_iter().map(Booking::from).collect() }
@@ -490,6 +499,7 @@ impl From<JobFailure> for FailureRecord {
         match f {
             JobFailure::Predecessor(job) => FailureRecord::Predecessor(job.0),
             JobFailure::Unreachable => FailureRecord::Unreachable,
+            JobFailure::StorageTaken(node) => FailureRecord::StorageTaken(node.0),
         }
     }
 }
@@ -499,6 +509,7 @@ impl From<FailureRecord> for JobFailure {
         match f {
             FailureRecord::Predecessor(job) => JobFailure::Predecessor(JobId(job)),
             FailureRecord::Unreachable => JobFailure::Unreachable,
+            FailureRecord::StorageTaken(node) => JobFailure::StorageTaken(NodeId(node)),
         }
     }
 }
@@ -517,7 +528,9 @@ impl From<Task> for TaskRecord {
     fn from(t: Task) -> TaskRecord {
         match t {
             Task::Idle => TaskRecord::Idle,
-            Task::Fetch { job, rack, node } => TaskRecord::Fetch { job: job.0, rack: rack.0, node: node.0 },
+            Task::Fetch { job, rack, node } => {
+                TaskRecord::Fetch { job: job.map(|j| j.0), rack: rack.0, node: node.0 }
+            }
             Task::Deliver { job, rack, station, store } => {
                 TaskRecord::Deliver { job: job.0, rack: rack.0, station: station.0, store: store.0 }
             }
@@ -543,7 +556,7 @@ impl From<TaskRecord> for Task {
         match t {
             TaskRecord::Idle => Task::Idle,
             TaskRecord::Fetch { job, rack, node } => {
-                Task::Fetch { job: JobId(job), rack: RackId(rack), node: NodeId(node) }
+                Task::Fetch { job: job.map(JobId), rack: RackId(rack), node: NodeId(node) }
             }
             TaskRecord::Deliver { job, rack, station, store } => Task::Deliver {
                 job: JobId(job),
