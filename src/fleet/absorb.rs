@@ -83,6 +83,14 @@ impl Fleet {
         if !known {
             return Err(Refusal::UnknownPlace);
         }
+        let place = match kind {
+            JobKind::Charge { .. } => Some(NodeKind::Charger),
+            JobKind::Park { .. } => Some(NodeKind::Parking),
+            _ => None,
+        };
+        if let Some(place) = place.filter(|p| !w.nodes.iter().any(|n| n.kind == *p)) {
+            return Err(Refusal::NoSuchPlace(place));
+        }
         if let JobKind::Relocate { rack, node } = *kind {
             if w.nodes[node].kind != NodeKind::Storage {
                 return Err(Refusal::NotStorage(node));
@@ -110,7 +118,9 @@ impl Fleet {
             Task::Idle | Task::Fetch { .. } | Task::Move { .. } => false,
         };
         let wanted = |j: &Job| matches!(j.request.kind, JobKind::Relocate { node: n, rack: k } if n == node && k != rack);
-        stands || self.ledger.robots.iter().any(|r| promised(&r.task)) || self.ledger.jobs.values().any(wanted)
+        stands
+            || self.ledger.robots.iter().any(|r| promised(&r.task))
+            || self.ledger.jobs.values().any(wanted)
     }
 
     /// Cancels a job at any stage: the job is over at once; a robot at work on it brings its rack to storage.
@@ -121,6 +131,9 @@ impl Fleet {
         let Some(record) = self.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
         let tasked = record.state.robot().map(|robot| (robot, self.task_without_job(robot)));
         self.progress(job, JobState::Cancelled, tasked, now);
+        if let Some((robot, _)) = tasked {
+            self.end_cancelled_pick(robot);
+        }
         Ok(())
     }
 

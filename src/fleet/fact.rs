@@ -5,7 +5,7 @@
 
 use super::job::{JobRequest, JobState};
 use super::people::{AssignmentRequest, AssignmentState, Closure, Encounter, Reaction};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::Visit;
 
@@ -175,6 +175,20 @@ pub enum Fact {
         /// When.
         at: Time,
     },
+    /// Nobody picks at a station until further notice.
+    StationPaused {
+        /// Which.
+        station: StationId,
+        /// When.
+        at: Time,
+    },
+    /// Picking at a station goes on.
+    StationResumed {
+        /// Which.
+        station: StationId,
+        /// When.
+        at: Time,
+    },
     /// A waiting job has another priority.
     Prioritised {
         /// Which.
@@ -228,7 +242,7 @@ pub enum Act {
     Lift(RackId),
     /// Sets its rack down.
     Set(RackId),
-    /// Waits while a person picks from its rack.
+    /// Waits until the person at the station says that the pick has ended; planned to take so long.
     Pick(Span),
     /// Nothing: it has arrived.
     Arrive,

@@ -132,6 +132,8 @@ pub enum JobFailure {
     Unreachable,
     /// Another rack has come to stand on the storage node, or is promised it.
     StorageTaken(NodeId),
+    /// The rack came to its station, where goods were missing.
+    Short,
 }
 
 impl JobState {

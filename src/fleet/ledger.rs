@@ -68,6 +68,8 @@ pub struct Ledger {
     pub closures: BTreeMap<ClosureId, Closure>,
     /// The number of the next closure.
     pub next_closure: u64,
+    /// Stations at which nobody picks, since when.
+    pub paused_stations: BTreeMap<StationId, Time>,
     /// Since when the whole fleet is to stand, by hand.
     pub stopped: Option<Time>,
     /// Sums.
@@ -95,6 +97,7 @@ impl Ledger {
             assignment_keys: BTreeMap::new(),
             closures: BTreeMap::new(),
             next_closure: 1,
+            paused_stations: BTreeMap::new(),
             stopped: None,
             counts: Counts::default(),
         }
@@ -178,6 +181,12 @@ impl Ledger {
             }
             Fact::Halted { robot, at } => *self.halted(*robot) = Some(*at),
             Fact::Released { robot, .. } => *self.halted(*robot) = None,
+            Fact::StationPaused { station, at } => {
+                self.paused_stations.insert(*station, *at);
+            }
+            Fact::StationResumed { station, .. } => {
+                self.paused_stations.remove(station);
+            }
             Fact::Prioritised { job, priority, .. } => {
                 self.jobs.get_mut(job).expect("only live jobs change").request.priority = *priority;
             }
@@ -310,7 +319,14 @@ impl Ledger {
         }
     }
 
+    /// # Panics
+    /// If a route clashes, or drops what a robot was granted to do: the robot would do it all the same.
     fn route(&mut self, bookings: &[Booking]) {
+        for b in bookings {
+            let next = self.robots[b.robot].stops.first();
+            let granted = next.is_some_and(|s| s.serial < self.chain(b.robot).granted());
+            assert!(!granted, "{:?} gets a route in place of the one on which it is to do {next:?}", b.robot);
+        }
         let routes = (bookings.iter())
             .map(|b| (Holder::Robot(b.robot), b.keep, b.kept.clone(), b.visits.clone()))
             .collect();

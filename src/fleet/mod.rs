@@ -8,6 +8,7 @@
 mod absorb;
 mod assign;
 mod backlog;
+pub mod charging;
 mod closing;
 mod crowd;
 mod cut;
@@ -34,6 +35,7 @@ mod recall;
 pub mod scene;
 mod settle;
 mod staff;
+pub mod station;
 mod storage;
 mod strips;
 mod urgent;
@@ -42,6 +44,7 @@ mod why;
 mod yielding;
 
 pub use backlog::{Backlog, Pending};
+pub use charging::Charging;
 pub use fact::{Act, Booking, Fact, Purpose, Stop, Task};
 pub use foresee::{AHEAD_S, Expected};
 pub use io::{Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
@@ -51,6 +54,7 @@ pub use people::{
     Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
     FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
 };
+pub use station::StationOrder;
 pub use strips::{Area, MOST_STRIPS, Strip};
 pub use view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
 pub use why::{Because, Waiting, Who};
@@ -76,10 +80,8 @@ pub struct Settings {
     pub expansions_per_plan: u32,
     /// Labels that all searches of one step may expand together.
     pub expansions_per_step: u32,
-    /// Below this charge an idle robot goes to charge first.
-    pub battery_low: f64,
-    /// Above this charge a charging robot may take jobs again.
-    pub battery_enough: f64,
+    /// When robots charge.
+    pub charging: Charging,
     /// How many jobs may wait.
     pub waiting_max: usize,
     /// How the fleet deals with people.
@@ -101,8 +103,7 @@ impl Default for Settings {
             period: Span::from_millis(50),
             expansions_per_plan: 2_000,
             expansions_per_step: 30_000,
-            battery_low: 0.3,
-            battery_enough: 0.5,
+            charging: Charging::default(),
             waiting_max: 100_000,
             arm: Arm::default(),
             method: Method::Detour,

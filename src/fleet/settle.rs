@@ -18,7 +18,7 @@ impl Fleet {
     pub(super) fn settle(&mut self, now: Time) {
         for robot in ledger::all(&self.ledger.robots) {
             let Some(seen) = self.scene.robot(robot).copied() else { continue };
-            self.settle_health(robot, seen.failed, now);
+            self.settle_health(robot, seen.cannot_drive(), now);
             self.settle_progress(robot, seen.reached, now);
             self.settle_recall(robot, &seen, now);
             self.settle_stop(robot, seen.acted, now);
@@ -79,7 +79,8 @@ impl Fleet {
     fn settle_stop(&mut self, robot: RobotId, acted: Option<u64>, now: Time) {
         let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return };
         let there = self.ledger.chain(robot).first() == stop.serial;
-        if !there || acted < Some(stop.serial) {
+        // The station says when a pick has ended.
+        if !there || acted < Some(stop.serial) || matches!(stop.act, Act::Pick(_)) {
             return;
         }
         self.record(Fact::Acted { robot, serial: stop.serial });
@@ -89,11 +90,6 @@ impl Fleet {
             (Act::Lift(rack), Task::Fetch { job: None, .. }) => {
                 let task = self.put_away(robot, None, rack);
                 self.record(Fact::Tasked { robot, task });
-            }
-            (Act::Pick(_), Task::Deliver { job, rack, store, .. }) => {
-                let task = Task::Store { job: None, rack, store };
-                self.progress(job, JobState::Done, Some((robot, task)), now);
-                self.chain_next_delivery(robot, rack, store, now);
             }
             (Act::Set(_), Task::Store { job: None, .. }) => {
                 self.record(Fact::Tasked { robot, task: Task::Idle });
@@ -155,8 +151,8 @@ impl Fleet {
     }
 
     /// If the rack that was just picked from is wanted at a station again, it need not be put away first.
-    fn chain_next_delivery(&mut self, robot: RobotId, rack: RackId, store: NodeId, now: Time) {
-        if self.named_job_for(robot).is_some() {
+    pub(super) fn chain_next_delivery(&mut self, robot: RobotId, rack: RackId, store: NodeId, now: Time) {
+        if self.named_job_for(robot).is_some() || self.is_critical(robot) {
             return;
         }
         let wanted = self.ledger.jobs.iter().filter(|(_, j)| j.state == JobState::Waiting);

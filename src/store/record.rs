@@ -159,6 +159,14 @@ enum Record {
         robot: Option<u32>,
         at: i64,
     },
+    StationPaused {
+        station: u32,
+        at: i64,
+    },
+    StationResumed {
+        station: u32,
+        at: i64,
+    },
     Prioritised {
         job: u64,
         priority: u8,
@@ -216,6 +224,7 @@ enum FailureRecord {
     Predecessor(u64),
     Unreachable,
     StorageTaken(u32),
+    Short,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -285,6 +294,8 @@ impl From<&Fact> for Record {
             Fact::Reopened { closure, at } => Record::Reopened { closure: closure.0, at: at.0 },
             Fact::Halted { robot, at } => Record::Halted { robot: robot.map(|r| r.0), at: at.0 },
             Fact::Released { robot, at } => Record::Released { robot: robot.map(|r| r.0), at: at.0 },
+            Fact::StationPaused { station, at } => Record::StationPaused { station: station.0, at: at.0 },
+            Fact::StationResumed { station, at } => Record::StationResumed { station: station.0, at: at.0 },
             Fact::Prioritised { job, priority, at } => {
                 Record::Prioritised { job: job.0, priority: *priority, at: at.0 }
             }
@@ -354,6 +365,12 @@ impl From<Record> for Fact {
             Record::Reopened { closure, at } => Fact::Reopened { closure: ClosureId(closure), at: Time(at) },
             Record::Halted { robot, at } => Fact::Halted { robot: robot.map(RobotId), at: Time(at) },
             Record::Released { robot, at } => Fact::Released { robot: robot.map(RobotId), at: Time(at) },
+            Record::StationPaused { station, at } => {
+                Fact::StationPaused { station: StationId(station), at: Time(at) }
+            }
+            Record::StationResumed { station, at } => {
+                Fact::StationResumed { station: StationId(station), at: Time(at) }
+            }
             Record::Prioritised { job, priority, at } => {
                 Fact::Prioritised { job: JobId(job), priority, at: Time(at) }
             }
@@ -499,6 +516,7 @@ impl From<JobFailure> for FailureRecord {
         match f {
             JobFailure::Predecessor(job) => FailureRecord::Predecessor(job.0),
             JobFailure::Unreachable => FailureRecord::Unreachable,
+            JobFailure::Short => FailureRecord::Short,
             JobFailure::StorageTaken(node) => FailureRecord::StorageTaken(node.0),
         }
     }
@@ -509,6 +527,7 @@ impl From<FailureRecord> for JobFailure {
         match f {
             FailureRecord::Predecessor(job) => JobFailure::Predecessor(JobId(job)),
             FailureRecord::Unreachable => JobFailure::Unreachable,
+            FailureRecord::Short => JobFailure::Short,
             FailureRecord::StorageTaken(node) => JobFailure::StorageTaken(NodeId(node)),
         }
     }

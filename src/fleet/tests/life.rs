@@ -114,6 +114,7 @@ fn a_robot_that_breaks_down_on_its_way_to_a_rack_gives_the_job_away() {
 #[test]
 fn a_robot_that_breaks_down_at_the_station_goes_on_when_it_is_repaired() {
     break_down(|f, r| {
-        matches!(f.fleet.ledger().robots[r].task, Task::Deliver { .. }) && f.fleet.view(f.now).robots[r.ix()].doing == Doing::Picking
+        matches!(f.fleet.ledger().robots[r].task, Task::Deliver { .. })
+            && f.fleet.view(f.now).robots[r.ix()].doing == Doing::Picking
     });
 }
