@@ -133,6 +133,7 @@ impl Fleet {
         self.progress(job, JobState::Cancelled, tasked, now);
         if let Some((robot, _)) = tasked {
             self.end_cancelled_pick(robot);
+            self.needs.left_early(robot);
         }
         Ok(())
     }

@@ -326,6 +326,18 @@ impl Task {
         }
     }
 
+    /// Whether this task asks for what a route has its robot do somewhere.
+    pub fn asks_for(&self, act: Act) -> bool {
+        match (act, *self) {
+            (Act::Lift(rack), Task::Fetch { rack: wanted, .. }) => rack == wanted,
+            (Act::Set(rack), Task::Store { rack: wanted, .. } | Task::Deliver { rack: wanted, .. }) => {
+                rack == wanted
+            }
+            (Act::Pick(_), Task::Deliver { .. }) | (Act::Arrive, Task::Move { .. }) => true,
+            (Act::Lift(_) | Act::Set(_) | Act::Pick(_) | Act::Arrive, _) => false,
+        }
+    }
+
     /// The rack that the robot carries while on this task.
     pub fn carried(&self) -> Option<RackId> {
         match *self {

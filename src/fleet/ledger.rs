@@ -252,7 +252,7 @@ impl Ledger {
         if let Some((robot, task)) = tasked {
             let old = self.robots[robot].task;
             assert!(old.job().is_none_or(|j| j == id), "{robot:?} serves another job than {id:?}: {old:?}");
-            self.robots[robot].task = task;
+            self.give(robot, task);
         }
         self.assert_served(id, &kind, state);
         let left = robots.0.filter(|r| self.robots[*r].task.job() == Some(id));
@@ -287,9 +287,19 @@ impl Ledger {
 
     /// Gives a robot another task that changes no job's state.
     fn task(&mut self, robot: RobotId, task: Task) {
-        let old = std::mem::replace(&mut self.robots[robot].task, task);
+        let old = self.robots[robot].task;
+        self.give(robot, task);
         let same = old.job() == task.job() && Work::of(&old) == Work::of(&task);
         assert!(same, "{robot:?} cannot go from {old:?} to {task:?} without its job");
+    }
+
+    /// A robot gets a task. What it does not ask for any more is not done on the route that the robot has, which it
+    /// drives on until there is a better one; what was granted is done all the same.
+    fn give(&mut self, robot: RobotId, task: Task) {
+        let granted = self.chain(robot).granted();
+        let record = &mut self.robots[robot];
+        record.task = task;
+        record.stops.retain(|s| s.serial < granted || task.asks_for(s.act));
     }
 
     /// Asserts that the robot of a job does what the job's stage asks for.

@@ -95,8 +95,7 @@ impl Fleet {
     /// Robots whose stop ended before it was to end look for an earlier route.
     fn plan_early(&mut self, now: Time, budget: &mut u32) {
         for robot in std::mem::take(&mut self.needs.early) {
-            let planned = self.ledger.chain(robot).visits().next().map_or(now, |v| v.depart);
-            if planned > now + WORTH && !self.lacks_route(robot) && self.scene.fit(robot, now).is_some() {
+            if !self.lacks_route(robot) && self.scene.fit(robot, now).is_some() {
                 *budget = budget.saturating_sub(self.improve_one(robot, now));
             }
         }
@@ -131,7 +130,10 @@ impl Fleet {
             Task::Fetch { .. } => !has(|a| matches!(a, Act::Lift(_))),
             Task::Deliver { .. } => !has(pick),
             Task::Store { .. } => !has(|a| matches!(a, Act::Set(_))) || has(pick),
-            Task::Move { .. } => !has(|a| matches!(a, Act::Arrive)),
+            Task::Move { goal, .. } => {
+                let at = |serial: u64| self.ledger.chain(robot).get(serial).map(|v| v.node);
+                !record.stops.iter().any(|s| s.act == Act::Arrive && at(s.serial) == Some(goal))
+            }
         }
     }
 

@@ -97,7 +97,7 @@ impl Fleet {
             (Act::Set(_), Task::Store { job: Some(job), .. }) => {
                 self.progress(job, JobState::Done, Some((robot, Task::Idle)), now);
             }
-            (Act::Arrive, Task::Move { job, goal, stay, purpose }) => {
+            (Act::Arrive, Task::Move { job, goal, stay, purpose }) if goal == self.ledger.node_of(robot) => {
                 self.arrived(robot, job, goal == stay, stay, purpose, now);
             }
             (Act::Set(_), Task::Deliver { job, .. }) => {
