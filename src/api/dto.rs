@@ -79,6 +79,10 @@ pub struct StationDto {
     pub queue: Vec<String>,
     /// Racks served so far.
     pub served: u64,
+    /// Whether a rack stands there to be picked from: POST /v1/stations/{id}/done ends the pick.
+    pub picking: bool,
+    /// Since when nobody picks, by hand, RFC 3339; null where somebody does.
+    pub paused: Option<String>,
 }
 
 /// How many jobs are in which state.
@@ -198,6 +202,8 @@ impl Names<'_> {
                 robot: seen.robot.map(|r| self.robot(r)),
                 queue: seen.queue.iter().map(|r| self.robot(*r)).collect(),
                 served: seen.served,
+                picking: seen.picking,
+                paused: seen.paused.map(time_text),
             }
         };
         stations.map(station).collect()

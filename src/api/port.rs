@@ -6,10 +6,10 @@
 
 use crate::fleet::{
     Area, Assignment, AssignmentRequest, Backlog, Closure, Encounter, Expected, Fleet, Job, JobRequest,
-    Reply, Strip, View, Waiting, Why,
+    Reply, StationOrder, Strip, View, Waiting, Why,
 };
 use crate::history::{History, Times};
-use crate::id::{AssignmentId, ClosureId, JobId, RobotId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
 use std::pin::Pin;
@@ -144,6 +144,8 @@ pub enum What {
     Halt(Option<RobotId>),
     /// The end of that.
     Release(Option<RobotId>),
+    /// What the person at a station says.
+    Station(StationId, StationOrder),
     /// Another priority for a waiting job.
     Prioritise(JobId, u8),
 }

@@ -210,6 +210,8 @@ impl Fleet {
         let stands = |n: NodeId| self.ledger.robots.ids().find(|r| self.ledger.node_of(*r) == n);
         StationView {
             robot: stands(station.node),
+            picking: stands(station.node).is_some_and(|r| self.is_picked_from(r)),
+            paused: self.ledger.paused_stations.get(&s).copied(),
             queue: station.queue.iter().filter_map(|q| stands(*q)).collect(),
             served: self.ledger.served[s],
         }

@@ -1,6 +1,7 @@
 //! The core as a whole, step by step, on a simulated floor whose laws are checked at every step.
 
 mod cancel;
+mod charging;
 mod closures;
 mod failure;
 mod hand;
@@ -12,6 +13,7 @@ mod published;
 mod recall;
 mod restart;
 mod setting_off;
+mod station;
 mod stuck;
 mod why;
 

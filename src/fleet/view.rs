@@ -140,6 +140,10 @@ pub enum RackAt {
 pub struct StationView {
     /// The robot at the picking place.
     pub robot: Option<RobotId>,
+    /// Whether a rack stands there to be picked from.
+    pub picking: bool,
+    /// Since when nobody picks, by hand.
+    pub paused: Option<Time>,
     /// Robots in its queue places, first in line first.
     pub queue: Vec<RobotId>,
     /// Racks served so far.

@@ -210,6 +210,7 @@ impl Drive {
         if !commands.is_empty() {
             self.world.command(self.clock.now(), commands);
         }
+        self.world.answer(self.clock.now(), &replies);
         replies.into_iter().for_each(|reply| self.inbox.answer(reply));
     }
 

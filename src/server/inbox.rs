@@ -61,6 +61,7 @@ impl Inbox {
                 What::Reopen(closure) => Input::Reopen { token, closure },
                 What::Halt(robot) => Input::Halt { token, robot },
                 What::Release(robot) => Input::Release { token, robot },
+                What::Station(station, order) => Input::Station { token, station, order },
                 What::Prioritise(job, priority) => Input::Prioritise { token, job, priority },
             });
         }

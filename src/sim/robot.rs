@@ -155,6 +155,12 @@ impl Body {
         }
     }
 
+    /// Its battery is flat from now on.
+    #[cfg(test)]
+    pub fn empty_battery(&mut self) {
+        self.battery = 0.0;
+    }
+
     /// Whether the picker has all that was wanted from the rack on it.
     pub fn is_picked(&self, serial: u64) -> bool {
         self.acting.is_none() && self.acted >= Some(serial)

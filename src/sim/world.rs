@@ -269,6 +269,12 @@ impl World {
         self.robots[robot.ix()].body.failed_until = Some(until);
     }
 
+    /// Empties the battery of a robot, for tests of what happens then.
+    #[cfg(test)]
+    pub fn drain(&mut self, robot: RobotId) {
+        self.robots[robot.ix()].body.empty_battery();
+    }
+
     /// Bodies for robots that the fleet knows by now.
     fn meet(&mut self, fleet: &Fleet) {
         for i in self.robots.len()..fleet.ledger().robots.len() {

@@ -65,6 +65,10 @@ export interface Station {
   robot: string | null;
   queue: string[];
   served: number;
+  /** Whether a rack stands there to be picked from. Older recordings do not say. */
+  picking?: boolean;
+  /** Since when nobody picks, by hand. */
+  paused?: string | null;
 }
 export type Presence = 'absent' | 'tracked' | 'stale' | 'lost';
 export type GuidanceState = 'idle' | 'following' | 'deviating' | 'redirected' | 'stop';

@@ -17,6 +17,7 @@ mod page;
 mod past;
 mod positions;
 mod reports;
+mod stations;
 mod timelines;
 mod why;
 mod workers;
@@ -71,6 +72,10 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(halt::resume))
         .routes(routes!(halt::pause))
         .routes(routes!(halt::go_on))
+        .routes(routes!(stations::done))
+        .routes(routes!(stations::short))
+        .routes(routes!(stations::pause))
+        .routes(routes!(stations::resume))
         .routes(routes!(workers::list, workers::hire))
         .routes(routes!(workers::get))
         .routes(routes!(workers::clear))

@@ -1,0 +1,70 @@
+//! Charging: low robots come to a charger, full ones leave it, flat ones stand, and jobs go on meanwhile.
+
+use super::*;
+use crate::sim::Closing;
+
+/// The hall of the thesis with so many chargers, and batteries that last for an hour of driving.
+fn few_chargers(robots: usize, chargers: usize) -> Scenario {
+    let closed = (chargers + 1..=10).map(|i| format!("C{i}-15")).collect();
+    let closing =
+        Closing { outline: Vec::new(), nodes: closed, from_s: 0.0, until_s: None, reason: "no power".into() };
+    let charging = Charging { driving_h: 1.0, ..Charging::default() };
+    Scenario { demand: Demand::Backlog(robots), closures: vec![closing], charging, ..scenario(robots) }
+}
+
+#[test]
+fn with_one_charger_for_eight_robots_the_floor_delivers_for_hours() {
+    let mut floor = Floor::new(thesis(), &few_chargers(8, 1));
+    let mut before = 0;
+    for hour in 1..=3 {
+        floor.run(3600);
+        let delivered = floor.fleet.ledger().counts.robot_deliveries;
+        assert!(delivered > before + 20, "hour {hour}: {delivered} after {before}");
+        before = delivered;
+    }
+    let c7 = floor.node("C1-15");
+    let came = |f: &&Fact| matches!(f, Fact::Tasked { task: Task::Move { stay, .. }, .. } if *stay == c7);
+    assert!(floor.facts.iter().filter(came).count() > 5, "robots take turns at the charger");
+}
+
+#[test]
+fn a_robot_that_has_enough_leaves_its_charger_for_one_that_is_low() {
+    let mut floor = Floor::new(thesis(), &Scenario { demand: Demand::None, ..few_chargers(2, 1) });
+    floor.run(30);
+    let charger = floor.node("C1-15");
+    floor.until(2_000, "a robot is at the charger", |f| {
+        (0..2).any(|r| f.fleet.ledger().node_of(RobotId::at(r)) == charger && f.is_idle(RobotId::at(r)))
+    });
+    let at =
+        (0..2).map(RobotId::at).find(|r| floor.fleet.ledger().node_of(*r) == charger).expect("just seen");
+    let other = RobotId::at(1 - at.ix());
+    floor.until(20_000, "the other one had to charge and came", |f| {
+        f.fleet.ledger().node_of(other) == charger
+    });
+}
+
+#[test]
+fn a_robot_with_a_flat_battery_has_failed_and_another_one_does_its_job() {
+    let mut floor = Floor::lab(2);
+    let job = floor.submit(request(deliver(3)));
+    floor.until(60, "a robot has it", |f| f.is(job, "assigned"));
+    let robot = floor.state(job).and_then(|s| s.robot()).expect("it is assigned");
+    // Off the charger on which it began.
+    floor.run(4);
+    floor.world.drain(robot);
+    floor.until(10, "it has failed", |f| f.fleet.ledger().robots[robot].failed);
+    floor.until_over(3_000);
+    assert_eq!(floor.story(job).last(), Some(&"done"));
+}
+
+#[test]
+fn a_critical_robot_gives_its_job_back_and_goes_to_charge() {
+    let critical = Charging { critical: 0.99, low: 0.99, enough: 0.995, full: 1.0, ..Charging::default() };
+    let mut floor = Floor::new(lab(), &Scenario { charging: critical, ..scenario(1) });
+    let job = floor.submit(request(deliver(3)));
+    floor.run(60);
+    assert!(floor.is(job, "waiting"), "{:?}", floor.state(job));
+    floor.until(4_000, "it has charged and begins", |f| f.is(job, "assigned"));
+    floor.until_over(600);
+    assert_eq!(floor.story(job).last(), Some(&"done"));
+}
