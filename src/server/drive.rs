@@ -128,7 +128,8 @@ impl Drive {
         let now = self.clock.now();
         let called = self.pace.called.take();
         self.metrics.poses_thinned.inc_by(self.feeds.pass(now));
-        let mut inputs = self.inbox.drain(self.journal.is_failing());
+        let refusing = self.journal.is_failing() || self.journal.is_full();
+        let mut inputs = self.inbox.drain(refusing);
         inputs.extend(self.world.advance(now, &self.fleet));
         self.inbox.look(&mut inputs);
         let looked = self.clock.now();

@@ -26,7 +26,7 @@ mod workforce;
 mod world;
 
 pub use closures::Closing;
-pub use customers::OrderLine;
+pub use customers::{FIRST_TOKEN, OrderLine};
 pub use digest::Digest;
 pub use laws::Violation;
 pub use run::{Outcome, People, Simulation};
