@@ -67,6 +67,8 @@ pub struct Drive {
     pub alarms: Arc<Alarms>,
     /// What lasts from one turn to the next.
     pub pace: Pace,
+    /// Whether the database is not where it was: then nothing is asked for and nothing leaves.
+    pub displaced: watch::Receiver<bool>,
     /// Gets the picture.
     pub moments: watch::Sender<Arc<Moment>>,
 }
@@ -128,7 +130,7 @@ impl Drive {
         let now = self.clock.now();
         let called = self.pace.called.take();
         self.metrics.poses_thinned.inc_by(self.feeds.pass(now));
-        let refusing = self.journal.is_failing() || self.journal.is_full();
+        let refusing = self.journal.is_failing() || self.journal.is_full() || *self.displaced.borrow();
         let mut inputs = self.inbox.drain(refusing);
         inputs.extend(self.world.advance(now, &self.fleet));
         self.inbox.look(&mut inputs);
@@ -207,6 +209,9 @@ impl Drive {
 
     /// Lets go what is durable.
     fn release(&mut self) {
+        if *self.displaced.borrow() {
+            return;
+        }
         let (commands, replies) = self.outbox.take(self.journal.durable());
         if !commands.is_empty() {
             self.world.command(self.clock.now(), commands);
@@ -287,6 +292,7 @@ mod tests {
             tap: Tap::default(),
             alarms,
             pace: Pace::default(),
+            displaced: watch::channel(false).1,
             moments,
         };
         (drive, writer, desk)

@@ -234,7 +234,9 @@ mod tests {
         assert_eq!(by_hand(&inputs), ["halt", "release", "halt"]);
         assert_eq!(inputs.len(), MOST_ORDERS + 3, "orders have a limit, what is done by hand is beside it");
         for (input, answer) in inputs.iter().filter(|i| !is_simulated(i)).zip(&mut answers) {
-            let (Input::Halt { token, .. } | Input::Release { token, .. }) = input else { panic!("{input:?}") };
+            let (Input::Halt { token, .. } | Input::Release { token, .. }) = input else {
+                panic!("{input:?}")
+            };
             inbox.answer(Reply::Cancelled { token: *token, job: JobId(1) });
             assert!(answer.try_recv().is_ok(), "it is answered");
         }

@@ -6,7 +6,10 @@
 
 mod api;
 mod command;
+mod custody;
+mod database;
 mod feed;
+mod guard;
 mod helper;
 mod history;
 mod live;
