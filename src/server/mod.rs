@@ -298,9 +298,11 @@ async fn work(
     };
     drain(http, &closing).await;
     halt.send_replace(true);
-    let abort = writer.abort_handle();
-    let flushed =
-        if ended.is_ok() { flush(thread, writer, charts.historian, *gone.borrow()).await } else { Ok(()) };
+    let (abort, displaced) = (writer.abort_handle(), *gone.borrow());
+    let flushed = match ended {
+        Ok(()) => flush(thread, writer, charts.historian, displaced).await,
+        Err(_) => Ok(()),
+    };
     // The files are given back whatever happened: nothing that still knows the store can use it from here on.
     for task in [feed.abort_handle(), custody.abort_handle(), abort] {
         task.abort();
