@@ -105,6 +105,13 @@ impl Inbox {
         }
     }
 
+    /// Tells those who asked that nothing came of it.
+    pub fn forget(&mut self, tokens: &[u64]) {
+        for token in tokens {
+            self.waiting.remove(token);
+        }
+    }
+
     /// Answers the one who asked; simulated customers want no answer.
     pub fn answer(&mut self, reply: Reply) {
         if let Some(waiting) = self.waiting.remove(&reply.token()) {
@@ -134,21 +141,7 @@ fn input(token: u64, what: What) -> Input {
 
 /// Whether an input comes from the simulated floor.
 fn is_simulated(input: &Input) -> bool {
-    match input {
-        Input::Telemetry(_) | Input::Sighted(_) | Input::Enlist { .. } => true,
-        Input::Submit { token, .. }
-        | Input::Cancel { token, .. }
-        | Input::Hire { token, .. }
-        | Input::Clear { token, .. }
-        | Input::Assign { token, .. }
-        | Input::Unassign { token, .. }
-        | Input::Finish { token, .. }
-        | Input::Close { token, .. }
-        | Input::Reopen { token, .. }
-        | Input::Halt { token, .. }
-        | Input::Release { token, .. }
-        | Input::Prioritise { token, .. } => *token >= FIRST_TOKEN,
-    }
+    input.token().is_none_or(|token| token >= FIRST_TOKEN)
 }
 
 /// Whether it is a simulated customer's order, or the end of one: those come again, since customers look at what waits.

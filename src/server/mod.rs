@@ -22,6 +22,7 @@ mod past;
 mod queue;
 mod records;
 mod reels;
+mod rescue;
 mod show;
 mod start;
 mod tls;
@@ -265,6 +266,8 @@ async fn work(
         alarms: alarms.clone(),
         pace: drive::Pace::default(),
         displaced: gone.clone(),
+        rescue: rescue::Rescue::default(),
+        store: store.clone(),
         moments,
     };
     let (halt, halted) = watch::channel(false);

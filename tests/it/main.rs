@@ -9,6 +9,7 @@ mod command;
 mod custody;
 mod database;
 mod feed;
+mod fence;
 mod guard;
 mod helper;
 mod history;
