@@ -176,7 +176,7 @@
 //! | what is kept of the past; its bookmarks | `api/reel/`, `server/reels.rs`; `api/reel/mark.rs`; `web/src/reel/` |
 //! | a figure over time, how long it is kept | `history/`, `api/http/history.rs`, `migrations/` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
-//! | which file is the database, what is left of one; its lock | `store/opening.rs`; `store/lock.rs`, `store/identity.rs` |
+//! | which file is the database; its lock | `store/opening.rs`, `store/identity.rs`; `store/lock.rs` |
 //! | what happens where a step panics | `server/rescue.rs`, `fleet/fence.rs` |
 //! | a command | `cli/` |
 //! | a wall | `tests/walls.rs`, and the picture above |

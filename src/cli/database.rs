@@ -1,8 +1,8 @@
 //! `giveway database`: checks the server's database, copies it while the server runs, puts a copy back.
 //!
 //! Main type: [`Database`]. Exit codes: 0 all is well, 1 something is wrong or was refused. A copy is checked before it
-//! gets its name, a source before anything is moved. Refuses: to overwrite a file, and to touch a database that a server
-//! has.
+//! gets its name, a source before anything is moved. Refuses: to overwrite a file, and to touch a database that a
+//! server has.
 
 use super::sim::Setup;
 use crate::fleet::Fleet;

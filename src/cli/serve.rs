@@ -81,8 +81,8 @@ async fn serve(config: &Config, floor: Floor) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A file that may not grow any more (RLIMIT_FSIZE, `ulimit -f`) is a full disk and not the end: whoever handles SIGXFSZ
-/// gets an error for what is written beyond the limit. The handler stays for good; nobody has to wait for the signal.
+/// A file that may not grow any more (RLIMIT_FSIZE, `ulimit -f`) is a full disk and not the end: a process that handles
+/// SIGXFSZ gets an error for what it writes beyond the limit. The handler stays for good; nothing waits for the signal.
 #[cfg(unix)]
 fn outlive_limits() -> std::io::Result<()> {
     use tokio::signal::unix::{SignalKind, signal};

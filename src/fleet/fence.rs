@@ -1,8 +1,8 @@
 //! A robot about which the ledger contradicts itself is fenced off, so that the others go on.
 //!
 //! Main function: [`Fleet::fence`]. It is treated like a robot that failed, whatever it says: it keeps what it was
-//! granted, those behind it get other ways, its job goes to another. It stays so over a restart, until a person releases
-//! it. Refuses: to repair anything; what is wrong is for a person to see.
+//! granted, those behind it get other ways, its job goes to another. It stays so over a restart, until a person
+//! releases it. Refuses: to repair anything; what is wrong is for a person to see.
 
 use super::Fleet;
 use super::fact::Fact;

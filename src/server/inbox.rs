@@ -1,8 +1,8 @@
 //! Requests and sightings on their way into a step, and whom to answer.
 //!
-//! Main type: [`Inbox`]. Tokens below [`FIRST_TOKEN`] belong to requests from outside, the others to the simulated floor,
-//! so that no reply to the one can answer the other. Refuses: requests while the journal takes no facts; but stops and
-//! releases by hand are kept in their order, however many simulated orders wait.
+//! Main type: [`Inbox`]. Tokens below [`FIRST_TOKEN`] belong to requests from outside, the others to the simulated
+//! floor, so that no reply to the one can answer the other. Refuses: requests while the journal takes no facts; but
+//! stops and releases by hand are kept in their order, however many simulated orders wait.
 
 use crate::api::feed::hub::Heard;
 use crate::api::port::{Ask, What};

@@ -1,9 +1,9 @@
 //! The running server: reads settings, restores the fleet, wires the parts, and takes them down in order.
 //!
-//! Main types: [`Server`] (started, with its address), [`Config`]. `drive` is the loop. The port answers first, and says
-//! "starting" until the journal is loaded. Going down: no new requests, those on their way are answered, one last step,
-//! the journal flushed, sockets and files closed. Refuses: to start where anything is wrong with map, database, address
-//! or tokens.
+//! Main types: [`Server`] (started, with its address), [`Config`]. `drive` is the loop. The port answers first, and
+//! says "starting" until the journal is loaded. Going down: no new requests, those on their way are answered, one last
+//! step, the journal flushed, sockets and files closed. Refuses: to start where anything is wrong with map, database,
+//! address or tokens.
 
 mod ahead;
 mod certificate;
@@ -230,15 +230,15 @@ async fn explain(
     Ok(())
 }
 
-/// Runs everything until told to stop, or until something cannot go on; then takes it down in order.
+/// Wires the parts and runs them.
 async fn work(
     parts: Parts,
     store: Arc<Store>,
     front: Front,
-    mut stopping: watch::Receiver<bool>,
+    stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
     let Parts { fleet, world, clock, period, next, interop, feeds, heard, live, past, charts, .. } = parts;
-    let Front { entrance, mut http, gate, ready, closing, closes } = front;
+    let Front { entrance, http, gate, ready, closing, closes } = front;
     let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
@@ -271,8 +271,9 @@ async fn work(
         moments,
     };
     let (halt, halted) = watch::channel(false);
-    let mut feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
-    let (mut writer, mut thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
+    let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
+    let (writer, thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
+    let tasks = Tasks { http, writer, thread, feed, custody, historian: charts.historian };
     let api = Api {
         map,
         moments: picture,
@@ -292,26 +293,50 @@ async fn work(
     };
     entrance.open(router(api).0);
     drop(ready);
-    let ended: anyhow::Result<()> = tokio::select! {
-        _ = stopping.wait_for(|stop| *stop) => Ok(()),
-        _ = &mut thread => Err(anyhow!("the control loop broke, as said above; nothing is lost")),
-        out = &mut writer => Err(written(out)),
-        out = &mut http => Err(anyhow!("the HTTP server ended: {out:?}")),
-        out = &mut feed => Err(anyhow!("the live feed broke: {out:?}")),
-    };
-    drain(http, &closing).await;
-    halt.send_replace(true);
-    let (abort, displaced) = (writer.abort_handle(), *gone.borrow());
-    let flushed = match ended {
-        Ok(()) => flush(thread, writer, charts.historian, displaced).await,
-        Err(_) => Ok(()),
-    };
-    // The files are given back whatever happened: nothing that still knows the store can use it from here on.
-    for task in [feed.abort_handle(), custody.abort_handle(), abort] {
-        task.abort();
+    tasks.run(&store, stopping, (&closing, &halt), &gone).await
+}
+
+/// What runs side by side.
+struct Tasks {
+    http: JoinHandle<std::io::Result<()>>,
+    writer: JoinHandle<Result<(), StoreError>>,
+    thread: oneshot::Receiver<()>,
+    feed: JoinHandle<()>,
+    custody: JoinHandle<()>,
+    historian: JoinHandle<()>,
+}
+
+impl Tasks {
+    /// Lets all of it run until told to stop, or until something cannot go on; then takes it down in order.
+    async fn run(
+        self,
+        store: &Store,
+        mut stopping: watch::Receiver<bool>,
+        (closing, halt): (&watch::Sender<bool>, &watch::Sender<bool>),
+        displaced: &watch::Receiver<bool>,
+    ) -> anyhow::Result<()> {
+        let Tasks { mut http, mut writer, mut thread, mut feed, custody, historian } = self;
+        let ended: anyhow::Result<()> = tokio::select! {
+            _ = stopping.wait_for(|stop| *stop) => Ok(()),
+            _ = &mut thread => Err(anyhow!("the control loop broke, as said above; nothing is lost")),
+            out = &mut writer => Err(written(out)),
+            out = &mut http => Err(anyhow!("the HTTP server ended: {out:?}")),
+            out = &mut feed => Err(anyhow!("the live feed broke: {out:?}")),
+        };
+        drain(http, closing).await;
+        halt.send_replace(true);
+        let (abort, displaced) = (writer.abort_handle(), *displaced.borrow());
+        let flushed = match ended {
+            Ok(()) => flush(thread, writer, historian, displaced).await,
+            Err(_) => Ok(()),
+        };
+        // The files are given back whatever happened: nothing that still knows the store can use it from here on.
+        for task in [feed.abort_handle(), custody.abort_handle(), abort] {
+            task.abort();
+        }
+        store.close().await;
+        ended.and(flushed)
     }
-    store.close().await;
-    ended.and(flushed)
 }
 
 /// Lets the last step, its facts and the figures over time be written.

@@ -1,11 +1,11 @@
 //! The lock: one Giveway at a time has a database, whatever name it was given; and what is known about the database
 //! beside it.
 //!
-//! Main types: [`Lock`], [`Record`] (the text in the lock file). Two files are locked: `FILE-lock`, which is there before
-//! the database is, and on Linux the main file itself, which has one identity under all its names. The record says
-//! how many facts were durable; it is written after each commit and before that is acknowledged, and never before the
-//! commit, so that a crash at any instant leaves a number that the database has reached. Refuses: a second holder, in
-//! this process or another.
+//! Main types: [`Lock`], [`Record`] (the text in the lock file). Two files are locked: `FILE-lock`, which is there
+//! before the database is, and on Linux the main file itself, which has one identity under all its names. The record
+//! says how many facts were durable; it is written after each commit and before that is acknowledged, and never before
+//! the commit, so that a crash at any instant leaves a number that the database has reached. Refuses: a second holder,
+//! in this process or another.
 
 use super::StoreError;
 use super::identity::{Key, beside};
@@ -130,7 +130,7 @@ impl Lock {
         self.run
     }
 
-    /// Notes that facts up to this one are durable. A record that cannot be written is an older one, which is true, too.
+    /// Notes that facts up to this one are durable. A record that cannot be written is an older one, which is as true.
     pub fn note(&self, last: i64) {
         if let Some(held) = &mut *self.held() {
             held.record.last = last;

@@ -57,8 +57,8 @@ impl Store {
     }
 }
 
-/// Traces of a database that is not there, in words. An empty main file is none: SQLite makes that before anything else,
-/// and throws away a log that it finds beside it.
+/// Traces of a database that is not there, in words. An empty main file is none: SQLite makes that before anything
+/// else, and throws away a log that it finds beside it.
 fn traces(lock: &Lock, folders: &[PathBuf]) -> Vec<String> {
     let size = |path: &Path| std::fs::metadata(path).map_or(0, |m| m.len());
     let mut found = Vec::new();
@@ -80,7 +80,7 @@ fn traces(lock: &Lock, folders: &[PathBuf]) -> Vec<String> {
     found
 }
 
-/// Moves all that is left of a database aside, the main file first: nothing is left that could be taken for a whole one.
+/// Moves all that is left of a database aside, the main file first: nothing is left that could pass for a whole one.
 pub(super) fn set_aside(lock: &Lock, folders: &[PathBuf], stamp: &str) -> Result<Vec<PathBuf>, StoreError> {
     lock.note(0);
     lock.let_main_go();

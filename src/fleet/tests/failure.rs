@@ -113,7 +113,10 @@ fn a_robot_that_is_fenced_off_stands_whatever_it_says_and_others_take_over_until
     let fences = |f: &Floor| f.facts.iter().filter(|f| matches!(f, Fact::Fenced { .. })).count();
     assert_eq!(fences(&floor), 1, "once, and in the facts of the next step");
     floor.until_over(600);
-    let about = |fact: &&Fact| matches!(fact, Fact::Passed { robot, .. } | Fact::Acted { robot, .. } if *robot == fenced);
+    let about = |fact: &&Fact| match fact {
+        Fact::Passed { robot, .. } | Fact::Acted { robot, .. } => *robot == fenced,
+        _ => false,
+    };
     let fence = floor.facts.iter().position(|f| matches!(f, Fact::Fenced { .. })).expect("just seen");
     assert_eq!(floor.facts[fence..].iter().find(about), None, "what it says changes nothing");
     let (map, settings) = (floor.fleet.warehouse().clone(), floor.fleet.settings().clone());
