@@ -342,12 +342,15 @@ mod tests {
     async fn while_the_journal_is_full_all_robots_are_told_to_stand_and_go_on_when_it_is_back() {
         let folder = std::env::temp_dir().join(format!("giveway-drive-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let (mut drive, writer, _desk) = drive(&folder).await;
+        let (mut drive, writer, desk) = drive(&folder).await;
         until(&mut drive, None).await;
         let fact = |i: u32| Fact::Deviated { worker: WorkerId(i), at: Time(1) };
         drive.journal.record(Time(1), (0..20_000).map(fact).collect());
         assert!(drive.journal.is_full());
+        let mut job = ask(&desk, What::Cancel(crate::id::JobId(1)));
+        let mut by_hand = [What::Halt(None), What::Release(None)].map(|what| ask(&desk, what));
         until(&mut drive, Some(0.0)).await;
+        assert_eq!(job.try_recv(), Err(oneshot::error::TryRecvError::Closed), "it is answered");
         assert!(drive.alarms.list().iter().any(|a| a.id == ALARM));
         let writer = tokio::spawn(writer.run());
         while drive.journal.is_full() {
@@ -355,6 +358,13 @@ mod tests {
         }
         until(&mut drive, None).await;
         assert!(!drive.alarms.list().iter().any(|a| a.id == ALARM));
+        while !drive.journal.is_settled() {
+            drive.journal.confirmed().await;
+        }
+        drive.release();
+        for answer in &mut by_hand {
+            assert!(answer.try_recv().is_ok(), "what is done by hand is kept, and done in its order");
+        }
         writer.abort();
         let _ = std::fs::remove_dir_all(&folder);
     }
