@@ -78,6 +78,9 @@
 //! finish what was granted and stand. After a restart the ledger is folded from the journal and the scene is empty: to
 //! the step that is a floor of silent robots, and nothing special.
 //!
+//! A step that panics is undone: the fleet is folded from the journal again, and the robot at hand is fenced off
+//! (`fleet/fence.rs`), that is, taken for failed whatever it says, until a person releases it.
+//!
 //! # What is not there
 //!
 //! - Above the line nothing reads a clock, a file, a socket or the environment, starts a thread or takes a lock.
@@ -173,6 +176,8 @@
 //! | what is kept of the past; its bookmarks | `api/reel/`, `server/reels.rs`; `api/reel/mark.rs`; `web/src/reel/` |
 //! | a figure over time, how long it is kept | `history/`, `api/http/history.rs`, `migrations/` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
+//! | which file is the database; its lock | `store/opening.rs`, `store/identity.rs`; `store/lock.rs` |
+//! | what happens where a step panics | `server/rescue.rs`, `fleet/fence.rs` |
 //! | a command | `cli/` |
 //! | a wall | `tests/walls.rs`, and the picture above |
 //!

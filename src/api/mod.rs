@@ -22,7 +22,7 @@ mod refusal;
 pub mod waits;
 mod ws;
 
-pub use http::router;
+pub use http::{alive, router};
 
 use crate::fleet::Reply;
 use crate::warehouse::Warehouse;

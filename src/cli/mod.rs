@@ -1,9 +1,14 @@
 //! The command line: reads files, calls the library, prints tables or JSON.
 //!
 //! Main function: [`run`]. One file per command. Refuses: to contain anything that a library user would miss. Exit
-//! codes: 0 done, 1 the work failed or a law was broken, 2 wrong arguments.
+//! codes: 0 done, 1 the work failed or a law was broken, 2 wrong arguments, 141 the reader of the output has left.
+
+// First, since its `println!` holds in all that follow.
+#[macro_use]
+mod out;
 
 mod bench;
+mod database;
 mod experiment;
 mod learn;
 mod map;
@@ -47,6 +52,8 @@ enum Command {
     /// Measure planning on this machine.
     #[command(subcommand)]
     Bench(bench::Bench),
+    /// Check, copy and put back the server's database.
+    Database(database::Database),
     /// Learn about people from recorded tracks; the server and simulations use what was learned.
     Learn(learn::Learn),
     /// Run published experiments again.
@@ -63,6 +70,7 @@ pub fn run() -> ExitCode {
         Some(Command::Replay(replay)) => replay.run(),
         Some(Command::Serve(serve)) => serve.run(),
         Some(Command::Bench(bench)) => bench.run(),
+        Some(Command::Database(database)) => database.run(),
         Some(Command::Learn(learn)) => learn.run(),
         Some(Command::Experiment(experiment)) => experiment.run(),
         None => arguments.serve.run(),
@@ -85,8 +93,8 @@ fn write(path: Option<&std::path::Path>, text: &str) -> anyhow::Result<()> {
     match path {
         Some(path) => std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display())),
         None => {
-            use std::io::Write;
-            Ok(std::io::stdout().write_all(text.as_bytes())?)
+            out::bytes(text.as_bytes());
+            Ok(())
         }
     }
 }

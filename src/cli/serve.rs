@@ -47,28 +47,52 @@ pub(super) fn trace_to_stderr() {
         .init();
 }
 
+/// A line for whoever reads it: a server goes on though its output was closed.
+macro_rules! say {
+    ($($argument:tt)*) => { super::out::tell(format_args!($($argument)*)) };
+}
+
 async fn serve(config: &Config, floor: Floor) -> anyhow::Result<()> {
+    outlive_limits().context("cannot prepare for a limit on the size of files")?;
     let mut server = Server::start(config, floor).await?;
     let found = server.summary();
     let scheme = if server.identity().is_some() { "https" } else { "http" };
-    println!("Giveway is at {scheme}://{}/", server.address());
+    say!("Giveway is at {scheme}://{}/", server.address());
     if let Some(identity) = server.identity() {
-        println!("tls      {}, SHA-256 {}", identity.certificate.display(), identity.fingerprint);
+        say!("tls      {}, SHA-256 {}", identity.certificate.display(), identity.fingerprint);
         if !identity.names.is_empty() {
-            println!("         signed by itself, for {}", identity.names.join(", "));
+            say!("         signed by itself, for {}", identity.names.join(", "));
         }
     }
-    println!("map      {}, {} robots (simulated)", found.map, found.robots);
-    println!("database {}", config.database.display());
-    println!("restored {} jobs ({} not over) from {} facts", found.jobs, found.open_jobs, found.facts);
-    println!("Giveway is an efficiency layer and no safety function.");
+    say!("map      {}, {} robots (simulated)", found.map, found.robots);
+    say!("database {}", config.database.display());
+    say!("restored {} jobs ({} not over) from {} facts", found.jobs, found.open_jobs, found.facts);
+    if let Some(trouble) = &found.trouble {
+        say!("BROKEN   {trouble}");
+    }
+    say!("Giveway is an efficiency layer and no safety function.");
     tokio::select! {
         ended = server.ended() => return ended,
         signal = asked_to_stop() => signal?,
     }
-    println!("stopping");
+    say!("stopping");
     server.stop().await?;
-    println!("stopped; everything is written");
+    say!("stopped; everything is written");
+    Ok(())
+}
+
+/// A file that may not grow any more (RLIMIT_FSIZE, `ulimit -f`) is a full disk and not the end: a process that handles
+/// SIGXFSZ gets an error for what it writes beyond the limit. The handler stays for good; nothing waits for the signal.
+#[cfg(unix)]
+fn outlive_limits() -> std::io::Result<()> {
+    use tokio::signal::unix::{SignalKind, signal};
+    /// The same on Linux for all but MIPS, on macOS and the BSDs.
+    const SIGXFSZ: i32 = 25;
+    signal(SignalKind::from_raw(SIGXFSZ)).map(drop)
+}
+
+#[cfg(not(unix))]
+fn outlive_limits() -> std::io::Result<()> {
     Ok(())
 }
 

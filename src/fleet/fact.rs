@@ -118,6 +118,14 @@ pub enum Fact {
         /// When.
         at: Time,
     },
+    /// What is promised about a robot contradicts itself: it is taken for failed, whatever it says, until a person
+    /// releases it.
+    Fenced {
+        /// Which.
+        robot: RobotId,
+        /// When.
+        at: Time,
+    },
     /// A worker is known from now on. Workers are numbered in order of joining.
     Hired {
         /// The new number.

@@ -13,9 +13,10 @@ use crate::id::{Dense, JobId, RobotId};
 use crate::time::Time;
 
 impl Fleet {
-    /// Whether a robot is to stand, by itself or with all others.
+    /// Whether a robot is to stand, by itself or with all others, or since it is fenced off.
     pub(super) fn is_halted(&self, robot: RobotId) -> bool {
-        self.ledger.stopped.is_some() || self.ledger.robots[robot].paused.is_some()
+        let record = &self.ledger.robots[robot];
+        self.ledger.stopped.is_some() || record.paused.is_some() || record.fenced.is_some()
     }
 
     /// One robot, or the whole fleet, is to stand.
@@ -26,14 +27,15 @@ impl Fleet {
         Ok(Reply::Done { token })
     }
 
-    /// It may go on. A robot that was paused stays so when the fleet goes on.
+    /// It may go on. A robot that was paused, or is fenced off, stays so when the fleet goes on.
     pub(super) fn release(
         &mut self,
         token: u64,
         robot: Option<RobotId>,
         now: Time,
     ) -> Result<Reply, Refusal> {
-        if self.halted_since(robot)?.is_some() {
+        let fenced = robot.is_some_and(|r| self.ledger.robots.get(r).is_some_and(|r| r.fenced.is_some()));
+        if self.halted_since(robot)?.is_some() || fenced {
             self.record(Fact::Released { robot, at: now });
         }
         Ok(Reply::Done { token })

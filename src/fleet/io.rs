@@ -128,6 +128,28 @@ pub enum Input {
     },
 }
 
+impl Input {
+    /// The token under which a request is answered; observations have none.
+    pub fn token(&self) -> Option<u64> {
+        match self {
+            Input::Telemetry(_) | Input::Sighted(_) | Input::Enlist { .. } => None,
+            Input::Submit { token, .. }
+            | Input::Cancel { token, .. }
+            | Input::Hire { token, .. }
+            | Input::Clear { token, .. }
+            | Input::Assign { token, .. }
+            | Input::Unassign { token, .. }
+            | Input::Finish { token, .. }
+            | Input::Close { token, .. }
+            | Input::Reopen { token, .. }
+            | Input::Halt { token, .. }
+            | Input::Release { token, .. }
+            | Input::Station { token, .. }
+            | Input::Prioritise { token, .. } => Some(*token),
+        }
+    }
+}
+
 /// How a robot is. Observations of one robot may be late, repeated or out of order; the newest by `seen` counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Telemetry {

@@ -33,6 +33,8 @@ pub struct Robot {
     pub interrupted: bool,
     /// Since when it is to stand, by hand.
     pub paused: Option<Time>,
+    /// Since when it is fenced off, since what is promised about it contradicts itself.
+    pub fenced: Option<Time>,
     /// How often it was called back and came.
     pub recalls: u64,
 }
@@ -163,6 +165,10 @@ impl Ledger {
                 self.robots[*robot].failed = false;
                 self.robots[*robot].interrupted = true;
             }
+            Fact::Fenced { robot, at } => {
+                self.robots[*robot].failed = true;
+                self.robots[*robot].fenced = Some(*at);
+            }
             Fact::Hired { worker, name, .. } => {
                 let id = self.workers.push(name.clone());
                 assert_eq!(id, *worker, "workers are numbered in order");
@@ -180,7 +186,12 @@ impl Ledger {
                 self.closures.remove(closure).expect("only what is closed is opened again");
             }
             Fact::Halted { robot, at } => *self.halted(*robot) = Some(*at),
-            Fact::Released { robot, .. } => *self.halted(*robot) = None,
+            Fact::Released { robot, .. } => {
+                *self.halted(*robot) = None;
+                if let Some(robot) = robot {
+                    self.robots[*robot].fenced = None;
+                }
+            }
             Fact::StationPaused { station, at } => {
                 self.paused_stations.insert(*station, *at);
             }
@@ -231,6 +242,7 @@ impl Ledger {
             failed: false,
             interrupted: false,
             paused: None,
+            fenced: None,
             recalls: 0,
         });
         assert_eq!(id, robot, "robots are numbered in order");

@@ -13,6 +13,7 @@ mod closing;
 mod crowd;
 mod cut;
 pub mod fact;
+mod fence;
 mod foresee;
 mod grant;
 mod guide;
@@ -61,6 +62,7 @@ pub use why::{Because, Waiting, Who};
 
 use crate::aware::{Arm, Regions};
 use crate::human::{Method, Model};
+use crate::id::RobotId;
 use crate::route::{Kinematics, Planner, Rules};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
@@ -124,6 +126,8 @@ pub struct Fleet {
     demand: storage::Demand,
     crowd: Crowd,
     plan_times: Vec<u64>,
+    /// The robot that is being dealt with: named where a contradiction ends the step.
+    at_hand: Option<RobotId>,
     out: Step,
 }
 
@@ -141,6 +145,7 @@ impl Fleet {
             needs: Needs::default(),
             demand: storage::Demand::new(&warehouse),
             plan_times: Vec::new(),
+            at_hand: None,
             out: Step::default(),
             settings,
         }
@@ -165,6 +170,7 @@ impl Fleet {
 
     /// Takes all inputs in, then decides once from what is known now.
     pub fn step(&mut self, now: Time, inputs: Vec<Input>) -> Step {
+        self.at_hand = None;
         self.absorb(now, inputs);
         self.judge(now);
         self.settle(now);
@@ -196,6 +202,7 @@ impl Fleet {
 
     /// Takes a fact into the ledger and into the step's result.
     fn record(&mut self, fact: Fact) {
+        self.at_hand = fence::robot_of(&fact).or(self.at_hand);
         self.demand.note(&fact);
         self.ledger.evolve(&fact);
         self.out.facts.push(fact);

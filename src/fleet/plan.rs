@@ -265,6 +265,7 @@ impl Fleet {
 
     /// A route from where the robot's grants end.
     pub(super) fn search(&mut self, robot: RobotId, stages: &[Stage], now: Time) -> Result<Route, NoRoute> {
+        self.at_hand = Some(robot);
         let holder = Holder::Robot(robot);
         let (from, heading) = self.grant_end(robot);
         let ready = now.max(from.arrive) + self.settings.period;

@@ -17,13 +17,19 @@ const GUESS: Span = Span::from_millis(1000);
 impl Fleet {
     pub(super) fn settle(&mut self, now: Time) {
         for robot in ledger::all(&self.ledger.robots) {
+            self.at_hand = Some(robot);
             let Some(seen) = self.scene.robot(robot).copied() else { continue };
+            // What a robot reports that is fenced off would only meet the same contradiction.
+            if self.ledger.robots[robot].fenced.is_some() {
+                continue;
+            }
             self.settle_health(robot, seen.cannot_drive(), now);
             self.settle_progress(robot, seen.reached, now);
             self.settle_recall(robot, &seen, now);
             self.settle_stop(robot, seen.acted, now);
             self.settle_delay(robot, now);
         }
+        self.at_hand = None;
         self.settle_orphans(now);
     }
 
@@ -39,6 +45,11 @@ impl Fleet {
     /// leads over its place lose that way.
     fn fail(&mut self, robot: RobotId, now: Time) {
         self.record(Fact::Failed { robot, at: now });
+        self.give_up(robot, now);
+    }
+
+    /// What others take over from a robot that stands for good.
+    pub(super) fn give_up(&mut self, robot: RobotId, now: Time) {
         if let Task::Fetch { job: Some(job), .. } = self.ledger.robots[robot].task
             && !self.next_stop_is_granted(robot)
         {

@@ -13,7 +13,7 @@ use figment::Figment;
 use figment::providers::{Format, Serialized, Toml};
 use serde::{Deserialize, Serialize};
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Settings that the environment may give.
 const FROM_ENVIRONMENT: [&str; 10] = [
@@ -28,6 +28,9 @@ const FROM_ENVIRONMENT: [&str; 10] = [
     "tls_cert",
     "tls_key",
 ];
+
+/// Schemes of other databases, which are told apart from the names of files even without `//`.
+const OTHERS: [&str; 4] = ["postgres", "postgresql", "mysql", "file"];
 
 /// The shortest token.
 const SHORTEST_TOKEN: usize = 16;
@@ -47,10 +50,16 @@ pub struct Flags {
     #[arg(long, value_name = "HOST:PORT")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub listen: Option<String>,
-    /// The database; made where there is none [default: giveway.sqlite] [env: GIVEWAY_DATABASE]
+    /// The database, as FILE or sqlite:FILE; made where there never was one [default: giveway.sqlite]
+    /// [env: GIVEWAY_DATABASE]
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub database: Option<PathBuf>,
+    /// Start with an empty database though there are traces of another one, which are moved aside; a whole database is
+    /// never replaced
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub new: bool,
     /// So much of the past can be looked at again, from a folder beside the database; 0 keeps none [default: 24]
     /// [env: GIVEWAY_PAST_HOURS]
     #[arg(long, value_name = "HOURS")]
@@ -92,6 +101,9 @@ pub struct Config {
     pub listen: String,
     /// The database.
     pub database: PathBuf,
+    /// Whether to start empty where traces of a database are.
+    #[serde(default)]
+    pub new: bool,
     /// How many hours of the past are kept.
     pub past_hours: u32,
     /// How many megabytes of the past are kept.
@@ -120,6 +132,7 @@ impl Default for Config {
             scenario: "scenarios/kiva-50.json".into(),
             listen: "127.0.0.1:8080".into(),
             database: "giveway.sqlite".into(),
+            new: false,
             past_hours: 24,
             past_mb: 1000,
             token: None,
@@ -165,7 +178,9 @@ impl Config {
                 };
             }
         }
-        figment.merge(Serialized::defaults(flags)).extract().map_err(|e| anyhow::anyhow!("settings: {e}"))
+        let merged = figment.merge(Serialized::defaults(flags)).extract();
+        let config: Config = merged.map_err(|e| anyhow::anyhow!("settings: {e}"))?;
+        Ok(Config { database: database_file(&config.database)?, ..config })
     }
 
     /// The gate that the tokens make.
@@ -217,7 +232,12 @@ impl Config {
         let limits =
             Limits { age_s: f64::from(self.past_hours) * 3600.0, bytes: u64::from(self.past_mb) * 1_000_000 };
         let any = self.past_hours > 0 && self.past_mb > 0;
-        any.then(|| (self.database.with_extension("past"), limits))
+        any.then(|| (self.past_folder(), limits))
+    }
+
+    /// Where the past is, if any was kept.
+    pub(super) fn past_folder(&self) -> PathBuf {
+        self.database.with_extension("past")
     }
 
     /// Where certificate and key are; nothing where plain HTTP is spoken.
@@ -241,6 +261,28 @@ impl Config {
             (None, None) => Ok(None),
         }
     }
+}
+
+/// The file that `--database` names: a path, or a URL that begins with `sqlite:`.
+fn database_file(given: &Path) -> anyhow::Result<PathBuf> {
+    const REMEDY: &str = "--database takes FILE or sqlite:FILE";
+    let Some(text) = given.to_str() else { return Ok(given.into()) };
+    if let Some(rest) = text.strip_prefix("sqlite:") {
+        let file = rest.strip_prefix("//").unwrap_or(rest);
+        ensure!(!file.is_empty(), "\"{text}\" names no file: {REMEDY}");
+        ensure!(file != ":memory:", "\"{text}\" would be gone with the process: {REMEDY}");
+        ensure!(!file.contains('?'), "\"{text}\" has parameters, and none are known: {REMEDY}");
+        return Ok(file.into());
+    }
+    let scheme = text.split_once("://").map(|(scheme, _)| scheme);
+    let scheme = scheme
+        .or_else(|| OTHERS.into_iter().find(|s| text.strip_prefix(s).is_some_and(|t| t.starts_with(':'))));
+    if let Some(scheme) =
+        scheme.filter(|s| s.bytes().all(|b| b.is_ascii_alphanumeric() || b"+-.".contains(&b)))
+    {
+        bail!("databases of the kind \"{scheme}\" are not supported: {REMEDY}");
+    }
+    Ok(given.into())
 }
 
 #[cfg(test)]
@@ -290,6 +332,37 @@ mod tests {
         assert!(read(&half, "0").unwrap_err().to_string().contains("--tls-key"));
         let both = Flags { tls_key: Some("b.pem".into()), ..half };
         assert!(matches!(read(&both, "0").unwrap(), Some(Place::Given { .. })));
+    }
+
+    #[test]
+    fn the_database_is_a_file_or_a_sqlite_url_and_others_are_refused_in_words() {
+        let read = |text: &str| {
+            let flags = Flags { database: Some(text.into()), ..Flags::default() };
+            Config::merge(&flags, nothing).map(|c| c.database)
+        };
+        for (given, file) in [
+            ("a/b.sqlite", "a/b.sqlite"),
+            ("sqlite:b.sqlite", "b.sqlite"),
+            ("sqlite://b.sqlite", "b.sqlite"),
+            ("sqlite:///var/b.sqlite", "/var/b.sqlite"),
+            ("sqlite:/var/b.sqlite", "/var/b.sqlite"),
+            ("night:shift.sqlite", "night:shift.sqlite"),
+        ] {
+            assert_eq!(read(given).unwrap(), PathBuf::from(file), "{given}");
+        }
+        for given in [
+            "postgres://host/db",
+            "postgresql:db",
+            "mysql://host",
+            "sqlite:",
+            "sqlite::memory:",
+            "sqlite:a?mode=ro",
+        ] {
+            let error = read(given).unwrap_err().to_string();
+            assert!(error.contains("--database takes FILE or sqlite:FILE"), "{given}: {error}");
+        }
+        let variable = |name: &str| (name == "GIVEWAY_DATABASE").then(|| "sqlite:c.sqlite".to_owned());
+        assert_eq!(Config::merge(&Flags::default(), variable).unwrap().database, PathBuf::from("c.sqlite"));
     }
 
     #[tokio::test]

@@ -14,12 +14,14 @@ use super::journal::Journal;
 use super::measure::Measure;
 use super::outbox::Outbox;
 use super::reels::Tap;
+use super::rescue::{Rescue, drivers};
 use crate::api::feed::hub::{Feeds, Heard};
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment, QUESTIONS_AT_ONCE, Question};
 use crate::fleet::{Command, Fleet, Guidance, Input};
 use crate::id::{RobotId, WorkerId};
 use crate::sim::World;
+use crate::store::Store;
 use crate::time::{Span, Time};
 use std::sync::Arc;
 use std::time::Duration;
@@ -67,6 +69,12 @@ pub struct Drive {
     pub alarms: Arc<Alarms>,
     /// What lasts from one turn to the next.
     pub pace: Pace,
+    /// Whether the database is not where it was: then nothing is asked for and nothing leaves.
+    pub displaced: watch::Receiver<bool>,
+    /// What is remembered of steps that ended in a panic.
+    pub rescue: Rescue,
+    /// The journal, to make the fleet anew from.
+    pub store: Arc<Store>,
     /// Gets the picture.
     pub moments: watch::Sender<Arc<Moment>>,
 }
@@ -99,6 +107,9 @@ impl Drive {
                 () = self.journal.confirmed() => {}
                 _ = stop.changed() => {}
             }
+            if self.rescue.is_needed() {
+                self.rebuild(&mut stop).await;
+            }
             self.release();
         }
         self.turn(&mut published);
@@ -107,7 +118,10 @@ impl Drive {
     /// Turns at once where a pose calls for a stop and the loop has rested.
     fn listen(&mut self, heard: &Heard, published: &mut Time) {
         let now = self.clock.now();
-        if self.pace.called.is_none() && self.fleet.calls_for_stop(&heard.sighting, now) {
+        if !self.rescue.is_broken()
+            && self.pace.called.is_none()
+            && self.fleet.calls_for_stop(&heard.sighting, now)
+        {
             self.pace.called = Some(heard.received);
             if now >= self.pace.rests {
                 self.turn_early(published);
@@ -127,8 +141,12 @@ impl Drive {
     fn turn(&mut self, published: &mut Time) {
         let now = self.clock.now();
         let called = self.pace.called.take();
+        if self.rescue.is_broken() {
+            return self.turn_broken(now);
+        }
         self.metrics.poses_thinned.inc_by(self.feeds.pass(now));
-        let mut inputs = self.inbox.drain(self.journal.is_failing());
+        let refusing = self.refuses();
+        let mut inputs = self.inbox.drain(refusing);
         inputs.extend(self.world.advance(now, &self.fleet));
         self.inbox.look(&mut inputs);
         let looked = self.clock.now();
@@ -137,7 +155,7 @@ impl Drive {
             self.inbox.keep(inputs);
         } else {
             self.resume();
-            let step = self.fleet.step(now, inputs);
+            let Some(step) = self.step(now, inputs) else { return };
             self.note(self.clock.now() - looked, step.facts.len());
             self.hurry((looked, called), step.urgent, step.guidance);
             self.tap.note(&step.facts);
@@ -154,15 +172,17 @@ impl Drive {
         }
     }
 
+    /// Whether those who ask now are told that nothing is accepted.
+    fn refuses(&self) -> bool {
+        let facts_stay = self.journal.is_failing() || self.journal.is_full();
+        facts_stay || *self.displaced.borrow()
+    }
+
     /// Tells all robots to stand, until they say that they do. A decision changes what is promised and must be
     /// recorded, so there is none, while robots would finish what was granted and people walk on.
     fn halt(&mut self, now: Time, inputs: &[Input]) {
-        let robots: Vec<RobotId> = if self.pace.halted {
-            let drives = |i: &Input| match i {
-                Input::Telemetry(t) if t.limit_mps != Some(0.0) => Some(t.robot),
-                _ => None,
-            };
-            inputs.iter().filter_map(drives).collect()
+        let robots = if self.pace.halted {
+            drivers(inputs).collect()
         } else {
             let text =
                 "the journal is full: all robots were told to stand until the database takes facts again.";
@@ -171,6 +191,11 @@ impl Drive {
             self.pace.halted = true;
             self.fleet.ledger().robots.ids().collect()
         };
+        self.stand(robots);
+    }
+
+    /// Tells robots to stand.
+    pub(super) fn stand(&mut self, robots: Vec<RobotId>) {
         let stops = robots.into_iter().map(|r| (r, Command::Limit(Some(0.0)))).collect();
         self.world.command(self.clock.now(), stops);
     }
@@ -206,6 +231,9 @@ impl Drive {
 
     /// Lets go what is durable.
     fn release(&mut self) {
+        if *self.displaced.borrow() {
+            return;
+        }
         let (commands, replies) = self.outbox.take(self.journal.durable());
         if !commands.is_empty() {
             self.world.command(self.clock.now(), commands);
@@ -228,6 +256,7 @@ impl Drive {
         let view = self.fleet.view(now);
         self.feeds.refresh(&view);
         self.alarms.note(&view);
+        self.note_fences(now);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let time_s = (now - self.clock.started()).as_secs_f64();
         let forecasts = self.ahead.of(&self.fleet, now);
@@ -263,7 +292,8 @@ mod tests {
         let metrics = Arc::new(Metrics::default());
         let figures = Arc::new(Figures::new(Time::ZERO, "giveway", Default::default()));
         let (notes, _) = historian(figures, store.clone());
-        let (journal, writer) = journal::journal(store, 1, clock.clone(), alarms.clone(), metrics.clone());
+        let (journal, writer) =
+            journal::journal(store.clone(), 1, clock.clone(), alarms.clone(), metrics.clone());
         let fleet = Fleet::new(map.clone(), scenario.settings());
         let world = World::new(map, &scenario, &[], 1, &fleet, clock.now());
         let ((feeds, heard), (desk, asks)) = (Feeds::new(), mpsc::channel(8));
@@ -287,6 +317,9 @@ mod tests {
             tap: Tap::default(),
             alarms,
             pace: Pace::default(),
+            displaced: watch::channel(false).1,
+            rescue: Rescue::default(),
+            store: store.clone(),
             moments,
         };
         (drive, writer, desk)
@@ -310,12 +343,15 @@ mod tests {
     async fn while_the_journal_is_full_all_robots_are_told_to_stand_and_go_on_when_it_is_back() {
         let folder = std::env::temp_dir().join(format!("giveway-drive-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let (mut drive, writer, _desk) = drive(&folder).await;
+        let (mut drive, writer, desk) = drive(&folder).await;
         until(&mut drive, None).await;
         let fact = |i: u32| Fact::Deviated { worker: WorkerId(i), at: Time(1) };
         drive.journal.record(Time(1), (0..20_000).map(fact).collect());
         assert!(drive.journal.is_full());
+        let mut job = ask(&desk, What::Cancel(crate::id::JobId(1)));
+        let mut by_hand = [What::Halt(None), What::Release(None)].map(|what| ask(&desk, what));
         until(&mut drive, Some(0.0)).await;
+        assert_eq!(job.try_recv(), Err(oneshot::error::TryRecvError::Closed), "it is answered");
         assert!(drive.alarms.list().iter().any(|a| a.id == ALARM));
         let writer = tokio::spawn(writer.run());
         while drive.journal.is_full() {
@@ -323,6 +359,60 @@ mod tests {
         }
         until(&mut drive, None).await;
         assert!(!drive.alarms.list().iter().any(|a| a.id == ALARM));
+        while !drive.journal.is_settled() {
+            drive.journal.confirmed().await;
+        }
+        drive.release();
+        for answer in &mut by_hand {
+            assert!(answer.try_recv().is_ok(), "what is done by hand is kept, and done in its order");
+        }
+        writer.abort();
+        let _ = std::fs::remove_dir_all(&folder);
+    }
+
+    /// An input that ends a step in a panic: a robot joins on a node that there is not.
+    fn impossible() -> Vec<Input> {
+        vec![Input::Enlist { name: "ghost".into(), node: NodeId(9_999) }]
+    }
+
+    #[tokio::test]
+    async fn a_step_that_panics_is_undone_and_where_it_happens_again_and_again_all_robots_stand() {
+        let folder = std::env::temp_dir().join(format!("giveway-panics-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (mut drive, writer, desk) = drive(&folder).await;
+        let writer = tokio::spawn(writer.run());
+        until(&mut drive, None).await;
+        let (_stop, mut stop) = watch::channel(false);
+        let known = drive.fleet.ledger().robots.clone();
+        let mut halt = ask(&desk, What::Halt(None));
+        let mut job = ask(&desk, What::Cancel(crate::id::JobId(1)));
+        let mut inputs = drive.inbox.drain(false);
+        inputs.extend(impossible());
+        let now = drive.clock.now();
+        assert!(drive.step(now, inputs).is_none());
+        drive.rebuild(&mut stop).await;
+        assert!(!drive.rescue.is_broken());
+        assert_eq!(drive.fleet.ledger().robots.len(), known.len(), "made anew from what is durable");
+        assert!(job.try_recv().is_err(), "nothing came of it, and that is said");
+        let mut published = drive.clock.now();
+        while halt.try_recv().is_err() {
+            drive.turn(&mut published);
+            drive.journal.confirmed().await;
+            drive.release();
+        }
+        assert!(drive.fleet.ledger().stopped.is_some(), "a stop by hand outlasts it");
+        for _ in 0..3 {
+            let now = drive.clock.now();
+            assert!(drive.step(now, impossible()).is_none());
+            drive.rebuild(&mut stop).await;
+        }
+        assert!(drive.rescue.is_broken());
+        until(&mut drive, Some(0.0)).await;
+        let said = drive.alarms.list().into_iter().find(|a| a.id == "broken").expect("it says so").text;
+        assert!(said.contains("again and again"), "{said}");
+        let mut refused = ask(&desk, What::Cancel(crate::id::JobId(1)));
+        drive.turn(&mut published);
+        assert_eq!(refused.try_recv(), Err(oneshot::error::TryRecvError::Closed));
         writer.abort();
         let _ = std::fs::remove_dir_all(&folder);
     }

@@ -1,23 +1,26 @@
 //! Requests and sightings on their way into a step, and whom to answer.
 //!
-//! Main type: [`Inbox`]. Refuses: requests while the journal does not take facts, and tokens that the
-//! simulated customers could use.
+//! Main type: [`Inbox`]. Tokens below [`FIRST_TOKEN`] belong to requests from outside, the others to the simulated
+//! floor, so that no reply to the one can answer the other. Refuses: requests while the journal takes no facts; but
+//! stops and releases by hand are kept in their order, however many simulated orders wait.
 
 use crate::api::feed::hub::Heard;
 use crate::api::port::{Ask, What};
 use crate::fleet::{Input, Reply};
 use crate::human::Sighting;
+use crate::sim::FIRST_TOKEN;
 use std::collections::BTreeMap;
 use tokio::sync::{mpsc, oneshot};
 
 /// How many requests may wait on the desk.
 pub const DESK: usize = 1024;
 
-/// How many inputs may wait while the fleet stands.
-const MOST_KEPT: usize = 10_000;
+/// How many simulated orders may wait while the fleet stands.
+const MOST_ORDERS: usize = 10_000;
 
-/// Tokens of requests from outside have this bit.
-const OURS: u64 = 1 << 63;
+/// How many requests from outside may be kept while the fleet stands. Beyond, they wait on the desk, which refuses more
+/// than it holds.
+const MOST_REQUESTS: usize = 10_000;
 
 /// Requests, and whom to answer.
 #[derive(Debug)]
@@ -34,38 +37,36 @@ pub struct Inbox {
 impl Inbox {
     /// An inbox that is filled from a desk and from feeds.
     pub fn new(desk: mpsc::Receiver<Ask>, heard: mpsc::Receiver<Heard>) -> Inbox {
-        Inbox { desk, heard, waiting: BTreeMap::new(), kept: Vec::new(), early: Vec::new(), next: OURS }
+        Inbox { desk, heard, waiting: BTreeMap::new(), kept: Vec::new(), early: Vec::new(), next: 0 }
     }
 
     /// Everything that waits. While `refusing`, those who ask now are told so instead.
     pub fn drain(&mut self, refusing: bool) -> Vec<Input> {
         let mut inputs = std::mem::take(&mut self.kept);
-        while let Ok(ask) = self.desk.try_recv() {
-            // Dropping the reply tells the handler; nobody waits for those who have left. Stopping waits for nothing.
-            let stop = matches!(ask.what, What::Halt(_));
-            if !stop && (refusing || ask.reply.is_closed()) {
+        let mut room = MOST_REQUESTS.saturating_sub(inputs.iter().filter(|i| !is_simulated(i)).count());
+        while room > 0
+            && let Ok(ask) = self.desk.try_recv()
+        {
+            // What is done by hand is neither refused nor overtaken: a release that was refused while the stop before
+            // it waits would leave the floor standing.
+            let by_hand = matches!(ask.what, What::Halt(_) | What::Release(_));
+            // Dropping the reply tells the handler; no one waits for those who have left.
+            if !by_hand && (refusing || ask.reply.is_closed()) {
                 continue;
             }
-            let token = self.next;
-            self.next += 1;
+            room -= 1;
+            let token = self.token();
             self.waiting.insert(token, ask.reply);
-            inputs.push(match ask.what {
-                What::Submit(request) => Input::Submit { token, request },
-                What::Cancel(job) => Input::Cancel { token, job },
-                What::Hire(name) => Input::Hire { token, name },
-                What::Clear(worker) => Input::Clear { token, worker },
-                What::Assign(worker, request) => Input::Assign { token, worker, request },
-                What::Unassign(assignment) => Input::Unassign { token, assignment },
-                What::Finish(worker, assignment) => Input::Finish { token, worker, assignment },
-                What::Close(area) => Input::Close { token, area },
-                What::Reopen(closure) => Input::Reopen { token, closure },
-                What::Halt(robot) => Input::Halt { token, robot },
-                What::Release(robot) => Input::Release { token, robot },
-                What::Station(station, order) => Input::Station { token, station, order },
-                What::Prioritise(job, priority) => Input::Prioritise { token, job, priority },
-            });
+            inputs.push(input(token, ask.what));
         }
         inputs
+    }
+
+    fn token(&mut self) -> u64 {
+        let token = self.next;
+        assert!(token < FIRST_TOKEN, "tokens from there on are those of the simulated floor");
+        self.next += 1;
+        token
     }
 
     /// The next sighting, as soon as it is there. It waits for the next step, too.
@@ -83,24 +84,172 @@ impl Inbox {
         }
     }
 
-    /// Keeps inputs for a later step. Observations are not kept: they will be seen again.
+    /// Keeps inputs for a later step, in their order. Observations are not kept: they will be seen again. Nor are
+    /// simulated orders beyond a limit: their customers order again. Requests from outside all are.
     pub fn keep(&mut self, inputs: Vec<Input>) {
-        self.kept
-            .extend(inputs.into_iter().filter(|i| !matches!(i, Input::Telemetry(_) | Input::Sighted(_))));
-        if self.kept.len() > MOST_KEPT {
-            tracing::warn!(
-                dropped = self.kept.len() - MOST_KEPT,
-                "simulated orders are dropped: the journal is full"
-            );
-            self.kept.truncate(MOST_KEPT);
+        let mut orders = self.kept.iter().filter(|i| is_order(i)).count();
+        let before = orders;
+        let mut dropped = 0;
+        for input in inputs {
+            match input {
+                Input::Telemetry(_) | Input::Sighted(_) => {}
+                // Simulated pickers say it until their screen shows that it was heard.
+                Input::Station { .. } if is_simulated(&input) => {}
+                order if is_order(&order) && orders >= MOST_ORDERS => dropped += 1,
+                other => {
+                    orders += usize::from(is_order(&other));
+                    self.kept.push(other);
+                }
+            }
+        }
+        if dropped > 0 && before < MOST_ORDERS {
+            tracing::warn!(dropped, "simulated orders are dropped: the journal is full");
         }
     }
 
-    /// Answers whoever asked; simulated customers want no answer.
+    /// Tells those who asked that nothing came of it.
+    pub fn forget(&mut self, tokens: &[u64]) {
+        for token in tokens {
+            self.waiting.remove(token);
+        }
+    }
+
+    /// Answers the one who asked; simulated customers want no answer.
     pub fn answer(&mut self, reply: Reply) {
         if let Some(waiting) = self.waiting.remove(&reply.token()) {
-            // Whoever has left meanwhile finds the job in the list.
+            // Those who have left meanwhile find the job in the list.
             let _ = waiting.send(reply);
         }
+    }
+}
+
+/// A request as the step takes it.
+fn input(token: u64, what: What) -> Input {
+    match what {
+        What::Submit(request) => Input::Submit { token, request },
+        What::Cancel(job) => Input::Cancel { token, job },
+        What::Hire(name) => Input::Hire { token, name },
+        What::Clear(worker) => Input::Clear { token, worker },
+        What::Assign(worker, request) => Input::Assign { token, worker, request },
+        What::Unassign(assignment) => Input::Unassign { token, assignment },
+        What::Finish(worker, assignment) => Input::Finish { token, worker, assignment },
+        What::Close(area) => Input::Close { token, area },
+        What::Reopen(closure) => Input::Reopen { token, closure },
+        What::Halt(robot) => Input::Halt { token, robot },
+        What::Release(robot) => Input::Release { token, robot },
+        What::Station(station, order) => Input::Station { token, station, order },
+        What::Prioritise(job, priority) => Input::Prioritise { token, job, priority },
+    }
+}
+
+/// Whether an input comes from the simulated floor.
+fn is_simulated(input: &Input) -> bool {
+    input.token().is_none_or(|token| token >= FIRST_TOKEN)
+}
+
+/// Whether it is a simulated customer's order, or the end of one: those come again, since customers look at what waits.
+fn is_order(input: &Input) -> bool {
+    matches!(input, Input::Submit { .. } | Input::Cancel { .. }) && is_simulated(input)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fleet::Fleet;
+    use crate::id::JobId;
+    use crate::sim::{Scenario, World};
+    use crate::time::Time;
+    use crate::warehouse::lab;
+    use std::sync::Arc;
+
+    const SCENARIO: &str =
+        r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "jobs": {"backlog": 3}}"#;
+
+    /// An inbox with the ends that feed it.
+    fn inbox() -> (Inbox, mpsc::Sender<Ask>, mpsc::Sender<Heard>) {
+        let ((desk, asks), (feed, heard)) = (mpsc::channel(DESK), mpsc::channel(1));
+        (Inbox::new(asks, heard), desk, feed)
+    }
+
+    fn ask(desk: &mpsc::Sender<Ask>, what: What) -> oneshot::Receiver<Reply> {
+        let (reply, answer) = oneshot::channel();
+        desk.try_send(Ask { what, reply }).unwrap();
+        answer
+    }
+
+    /// What the simulated customers order at first.
+    fn orders() -> Vec<Input> {
+        let (map, scenario) = (Arc::new(lab()), Scenario::parse(SCENARIO).unwrap());
+        let fleet = Fleet::new(map.clone(), scenario.settings());
+        World::new(map, &scenario, &[], 1, &fleet, Time(1)).advance(Time(2), &fleet)
+    }
+
+    #[test]
+    fn a_reply_to_a_simulated_customer_answers_no_request_from_outside() {
+        let (mut inbox, desk, _feed) = inbox();
+        let mut answers: Vec<_> = (1..5).map(|job| ask(&desk, What::Cancel(JobId(job)))).collect();
+        assert_eq!(inbox.drain(false).len(), 4);
+        let tokens = orders().into_iter().filter_map(|i| match i {
+            Input::Submit { token, .. } => Some(token),
+            _ => None,
+        });
+        let tokens: Vec<u64> = tokens.collect();
+        assert_eq!(tokens.len(), 3, "the customers order");
+        for token in tokens {
+            inbox.answer(Reply::Cancelled { token, job: JobId(99) });
+        }
+        for answer in &mut answers {
+            assert_eq!(answer.try_recv(), Err(oneshot::error::TryRecvError::Empty));
+        }
+    }
+
+    /// Stops and releases among inputs, in order.
+    fn by_hand(inputs: &[Input]) -> Vec<&'static str> {
+        let word = |i: &Input| match i {
+            Input::Halt { .. } => Some("halt"),
+            Input::Release { .. } => Some("release"),
+            _ => None,
+        };
+        inputs.iter().filter_map(word).collect()
+    }
+
+    #[test]
+    fn stops_and_releases_by_hand_outlast_any_load_of_simulated_orders_in_their_order() {
+        let (mut inbox, desk, _feed) = inbox();
+        let order = orders().into_iter().find(|i| matches!(i, Input::Submit { .. })).unwrap();
+        let flood = |n: usize| vec![order.clone(); n];
+        let mut answers = Vec::new();
+        for what in [What::Halt(None), What::Release(None), What::Halt(None)] {
+            inbox.keep(flood(MOST_ORDERS));
+            answers.push(ask(&desk, what));
+            let inputs = inbox.drain(true);
+            inbox.keep(inputs);
+            inbox.keep(flood(3));
+        }
+        let inputs = inbox.drain(true);
+        assert_eq!(by_hand(&inputs), ["halt", "release", "halt"]);
+        assert_eq!(inputs.len(), MOST_ORDERS + 3, "orders have a limit, what is done by hand is beside it");
+        for (input, answer) in inputs.iter().filter(|i| !is_simulated(i)).zip(&mut answers) {
+            let (Input::Halt { token, .. } | Input::Release { token, .. }) = input else {
+                panic!("{input:?}")
+            };
+            inbox.answer(Reply::Cancelled { token: *token, job: JobId(1) });
+            assert!(answer.try_recv().is_ok(), "it is answered");
+        }
+    }
+
+    #[test]
+    fn requests_that_are_refused_are_told_so_at_once_and_those_beyond_the_limit_wait_on_the_desk() {
+        let (mut inbox, desk, _feed) = inbox();
+        let mut refused = ask(&desk, What::Cancel(JobId(1)));
+        assert_eq!(inbox.drain(true), vec![]);
+        assert_eq!(refused.try_recv(), Err(oneshot::error::TryRecvError::Closed));
+        for token in 0..MOST_REQUESTS as u64 {
+            inbox.kept.push(Input::Halt { token, robot: None });
+        }
+        let _answer = ask(&desk, What::Halt(None));
+        let inputs = inbox.drain(true);
+        assert_eq!(inputs.len(), MOST_REQUESTS);
+        assert_eq!(inbox.drain(true).len(), 1, "it is taken as soon as there is room");
     }
 }

@@ -93,6 +93,11 @@ impl Journal {
         *self.failing.borrow()
     }
 
+    /// Whether everything that was recorded is durable.
+    pub fn is_settled(&self) -> bool {
+        self.recorded == self.durable()
+    }
+
     /// Whether so many facts wait that there may be no more.
     pub fn is_full(&self) -> bool {
         self.recorded - self.durable() >= MOST_PENDING

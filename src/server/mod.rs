@@ -1,14 +1,17 @@
 //! The running server: reads settings, restores the fleet, wires the parts, and takes them down in order.
 //!
-//! Main types: [`Server`] (started, with its address), [`Config`]. `drive` is the loop. Going down: no new
-//! requests, those on their way are answered, one last step, the journal flushed, sockets and files closed.
-//! Refuses: to start where anything is wrong with map, database, address or tokens.
+//! Main types: [`Server`] (started, with its address), [`Config`]. `drive` is the loop. The port answers first, and
+//! says "starting" until the journal is loaded. Going down: no new requests, those on their way are answered, one last
+//! step, the journal flushed, sockets and files closed. Refuses: to start where anything is wrong with map, database,
+//! address or tokens.
 
 mod ahead;
 mod certificate;
 mod clock;
 mod config;
+mod custody;
 mod drive;
+mod entrance;
 mod film;
 mod historian;
 mod inbox;
@@ -19,7 +22,9 @@ mod past;
 mod queue;
 mod records;
 mod reels;
+mod rescue;
 mod show;
+mod start;
 mod tls;
 
 pub use certificate::Identity;
@@ -28,21 +33,19 @@ pub use config::{Config, Flags};
 pub use film::Film;
 pub use show::Show;
 
-use crate::api::feed::hub::{Feeds, Heard};
 use crate::api::live::Live;
-use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, Figures, Moment, QUESTIONS};
+use crate::api::port::{Alarms, Moment, QUESTIONS};
 use crate::api::{Api, auth::Gate, router};
-use crate::fleet::{Fleet, Settings};
-use crate::history::History;
-use crate::sim::{OrderLine, Scenario, World};
+use crate::sim::{OrderLine, Scenario};
 use crate::store::{Store, StoreError};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
 use anyhow::{Context, anyhow};
+use axum::Router;
 use axum::serve::ListenerExt;
-use reels::Past;
+use entrance::Entrance;
+use start::{Built, Parts};
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
@@ -93,6 +96,8 @@ pub struct Summary {
     pub jobs: u64,
     /// Of them, jobs that are not over.
     pub open_jobs: u64,
+    /// Why the server does nothing but say so.
+    pub trouble: Option<String>,
 }
 
 impl Server {
@@ -103,59 +108,34 @@ impl Server {
     pub async fn start(config: &Config, floor: Floor) -> anyhow::Result<Server> {
         let gate = config.gate()?;
         let address = config.address(&gate).await?;
-        let Floor { scenario, map, lines } = floor;
         let listener = TcpListener::bind(address).await.with_context(|| {
             let remedy = "stop the program that does, or choose another with --listen HOST:PORT";
             format!("cannot listen on {address}: {remedy}")
         })?;
         let address = listener.local_addr()?;
-        let place = config.tls(address)?;
-        let store = Arc::new(Store::open(&config.database, &map).await?);
-        let loaded = store.load().await?;
-        let (jobs, open_jobs) = store.count_jobs().await?;
-        let summary = Summary {
-            map: map.name.clone(),
-            robots: scenario.robots,
-            facts: loaded.facts.len(),
-            jobs,
-            open_jobs,
-        };
-        let clock = Arc::new(Clock::start(loaded.last));
-        let today = jiff::Timestamp::from_microsecond(clock.started().0)?.to_zoned(jiff::tz::TimeZone::UTC);
-        let identity = place.map(|place| Identity::open(&place, today.date())).transpose()?;
-        let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
-        let (buckets, heat) = store.load_history().await?;
-        let history = History::restore(buckets, heat);
-        let figures = Arc::new(Figures::new(clock.started(), settings.arm.word(), history));
-        let fleet = Fleet::restore(map.clone(), settings, loaded.facts);
-        let world = World::new(map, &scenario, &lines, scenario.seed, &fleet, clock.now());
-        let (stop, stopping) = watch::channel(false);
-        let (feeds, heard) = Feeds::new();
-        feeds.know(&fleet.ledger().workers);
-        let (period, next, feeds) = (scenario.period, loaded.next, Arc::new(feeds));
-        let interop = config.massrobotics.clone();
-        let live = Arc::new(Live::new(fleet.warehouse().clone(), clock.started().0.unsigned_abs()));
-        let alarms = Arc::new(Alarms::default());
-        let past = Past::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);
-        let (notes, historian) = historian::historian(figures.clone(), store.clone());
-        let charts = Charts { figures, notes, historian: tokio::spawn(historian.run()) };
-        let parts = Parts {
-            fleet,
-            world,
-            clock,
-            period,
-            next,
-            gate,
-            interop,
-            feeds,
-            heard,
-            live,
-            alarms,
-            past,
-            charts,
-        };
+        let identity = identity(config, address)?;
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
-        let work = tokio::spawn(work(parts, store.clone(), door, stopping));
+        let (ready, is_ready) = oneshot::channel();
+        let front = Front::open(door, gate, ready);
+        tracing::info!("listening on {address}; the journal is being loaded");
+        let store = match start::open(config, &floor).await {
+            Ok(store) => store,
+            Err(e) => return Err(front.shut(e).await),
+        };
+        let (built, summary) = match start::build(config, floor, &store).await {
+            Ok(built) => built,
+            Err(e) => {
+                store.close().await;
+                return Err(front.shut(e).await);
+            }
+        };
+        let (stop, stopping) = watch::channel(false);
+        let work = match built {
+            Built::Whole(parts) => tokio::spawn(work(*parts, store.clone(), front, stopping)),
+            Built::Broken(why) => tokio::spawn(explain(why, store.clone(), front, stopping)),
+        };
+        // It says nothing: being dropped is enough, and happens also where the work ends at once.
+        let _ = is_ready.await;
         Ok(Server { address, summary, identity, store, stop, work })
     }
 
@@ -200,43 +180,72 @@ impl Server {
 /// Where connections come in, and whether by TLS.
 type Door = (TcpListener, Option<Arc<rustls::ServerConfig>>);
 
-/// What the parts of the server are made of.
-struct Parts {
-    fleet: Fleet,
-    world: World,
-    clock: Arc<Clock>,
-    period: Span,
-    next: i64,
+/// The side of the server that faces the network: it is there from the beginning to the end.
+struct Front {
+    entrance: Entrance,
+    http: JoinHandle<std::io::Result<()>>,
     gate: Gate,
-    interop: Interop,
-    feeds: Arc<Feeds>,
-    heard: mpsc::Receiver<Heard>,
-    live: Arc<Live>,
-    alarms: Arc<Alarms>,
-    past: Past,
-    charts: Charts,
+    /// Dropped when it no longer says "starting".
+    ready: oneshot::Sender<()>,
+    closing: watch::Sender<bool>,
+    closes: watch::Receiver<bool>,
 }
 
-/// Figures over time, and who keeps them.
-struct Charts {
-    figures: Arc<Figures>,
-    notes: historian::Notes,
-    historian: JoinHandle<()>,
+impl Front {
+    fn open(door: Door, gate: Gate, ready: oneshot::Sender<()>) -> Front {
+        let (entrance, (closing, closes)) = (Entrance::default(), watch::channel(false));
+        let http = tokio::spawn(listen(door, entrance.router(), closes.clone()));
+        Front { entrance, http, gate, ready, closing, closes }
+    }
+
+    /// Closes the port, since the server cannot start.
+    async fn shut(self, why: anyhow::Error) -> anyhow::Error {
+        self.http.abort();
+        let _ = self.http.await;
+        why
+    }
 }
 
-/// Runs everything until told to stop, or until something cannot go on; then takes it down in order.
+/// What it shows itself with, where it speaks HTTPS.
+fn identity(config: &Config, address: SocketAddr) -> anyhow::Result<Option<Identity>> {
+    let Some(place) = config.tls(address)? else { return Ok(None) };
+    let now = jiff::Timestamp::from_microsecond(Clock::start(None).started().0)?;
+    Ok(Some(Identity::open(&place, now.to_zoned(jiff::tz::TimeZone::UTC).date())?))
+}
+
+/// Says why the server does not work until it is told to stop: a process that ended would be started again, and
+/// again, and could tell no one.
+async fn explain(
+    why: String,
+    store: Arc<Store>,
+    front: Front,
+    mut stopping: watch::Receiver<bool>,
+) -> anyhow::Result<()> {
+    tracing::error!("{why}");
+    front.entrance.shut(why);
+    drop(front.ready);
+    let _ = stopping.wait_for(|stop| *stop).await;
+    drain(front.http, &front.closing).await;
+    store.close().await;
+    Ok(())
+}
+
+/// Wires the parts and runs them.
 async fn work(
     parts: Parts,
     store: Arc<Store>,
-    door: Door,
-    mut stopping: watch::Receiver<bool>,
+    front: Front,
+    stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
-    let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, live, past, charts, .. } =
-        parts;
+    let Parts { fleet, world, clock, period, next, interop, feeds, heard, live, past, charts, .. } = parts;
+    let Front { entrance, http, gate, ready, closing, closes } = front;
     let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
     let ((desk, requests), (ask, questions)) = (mpsc::channel(inbox::DESK), mpsc::channel(QUESTIONS));
+    let (displaced, gone) = watch::channel(false);
+    let custody = custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced);
+    let custody = tokio::spawn(custody);
     let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
     let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
     let drive = drive::Drive {
@@ -256,11 +265,15 @@ async fn work(
         tap: past.tap,
         alarms: alarms.clone(),
         pace: drive::Pace::default(),
+        displaced: gone.clone(),
+        rescue: rescue::Rescue::default(),
+        store: store.clone(),
         moments,
     };
-    let ((closing, closes), (halt, halted)) = (watch::channel(false), watch::channel(false));
-    let mut feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
-    let (mut writer, mut thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
+    let (halt, halted) = watch::channel(false);
+    let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
+    let (writer, thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
+    let tasks = Tasks { http, writer, thread, feed, custody, historian: charts.historian };
     let api = Api {
         map,
         moments: picture,
@@ -276,24 +289,54 @@ async fn work(
         now: Arc::new(move || clock.now()),
         metrics,
         gate: Arc::new(gate),
-        closing: closes.clone(),
+        closing: closes,
     };
-    let mut http = tokio::spawn(listen(door, api, closes));
-    let ended: anyhow::Result<()> = tokio::select! {
-        _ = stopping.wait_for(|stop| *stop) => Ok(()),
-        _ = &mut thread => Err(anyhow!("the control loop broke, as said above; nothing is lost")),
-        out = &mut writer => Err(written(out)),
-        out = &mut http => Err(anyhow!("the HTTP server ended: {out:?}")),
-        out = &mut feed => Err(anyhow!("the live feed broke: {out:?}")),
-    };
-    drain(http, &closing).await;
-    halt.send_replace(true);
-    if ended.is_ok() {
-        flush(thread, writer, charts.historian).await?;
+    entrance.open(router(api).0);
+    drop(ready);
+    tasks.run(&store, stopping, (&closing, &halt), &gone).await
+}
+
+/// What runs side by side.
+struct Tasks {
+    http: JoinHandle<std::io::Result<()>>,
+    writer: JoinHandle<Result<(), StoreError>>,
+    thread: oneshot::Receiver<()>,
+    feed: JoinHandle<()>,
+    custody: JoinHandle<()>,
+    historian: JoinHandle<()>,
+}
+
+impl Tasks {
+    /// Lets all of it run until told to stop, or until something cannot go on; then takes it down in order.
+    async fn run(
+        self,
+        store: &Store,
+        mut stopping: watch::Receiver<bool>,
+        (closing, halt): (&watch::Sender<bool>, &watch::Sender<bool>),
+        displaced: &watch::Receiver<bool>,
+    ) -> anyhow::Result<()> {
+        let Tasks { mut http, mut writer, mut thread, mut feed, custody, historian } = self;
+        let ended: anyhow::Result<()> = tokio::select! {
+            _ = stopping.wait_for(|stop| *stop) => Ok(()),
+            _ = &mut thread => Err(anyhow!("the control loop broke, as said above; nothing is lost")),
+            out = &mut writer => Err(written(out)),
+            out = &mut http => Err(anyhow!("the HTTP server ended: {out:?}")),
+            out = &mut feed => Err(anyhow!("the live feed broke: {out:?}")),
+        };
+        drain(http, closing).await;
+        halt.send_replace(true);
+        let (abort, displaced) = (writer.abort_handle(), *displaced.borrow());
+        let flushed = match ended {
+            Ok(()) => flush(thread, writer, historian, displaced).await,
+            Err(_) => Ok(()),
+        };
+        // The files are given back whatever happened: nothing that still knows the store can use it from here on.
+        for task in [feed.abort_handle(), custody.abort_handle(), abort] {
+            task.abort();
+        }
+        store.close().await;
+        ended.and(flushed)
     }
-    feed.abort();
-    store.close().await;
-    ended
 }
 
 /// Lets the last step, its facts and the figures over time be written.
@@ -301,11 +344,14 @@ async fn flush(
     thread: oneshot::Receiver<()>,
     writer: JoinHandle<Result<(), StoreError>>,
     historian: JoinHandle<()>,
+    displaced: bool,
 ) -> anyhow::Result<()> {
     let _ = thread.await;
+    // A database that was taken away is hardly brought back now.
+    let patience = if displaced { FLUSH / 10 } else { FLUSH };
     let lost = "the journal did not take the last facts. None of them was acknowledged";
-    timeout(FLUSH, writer).await.context(lost)?.context(lost)?.context(lost)?;
-    if timeout(FLUSH, historian).await.is_err() {
+    timeout(patience, writer).await.context(lost)?.context(lost)?.context(lost)?;
+    if timeout(patience, historian).await.is_err() {
         tracing::warn!("the last figures over time were not written down");
     }
     Ok(())
@@ -332,8 +378,7 @@ fn spawn_loop(drive: drive::Drive, halted: watch::Receiver<bool>) -> anyhow::Res
     Ok(end)
 }
 
-async fn listen(door: Door, api: Api, mut closes: watch::Receiver<bool>) -> std::io::Result<()> {
-    let (router, _) = router(api);
+async fn listen(door: Door, router: Router, mut closes: watch::Receiver<bool>) -> std::io::Result<()> {
     let closed = async move { _ = closes.wait_for(|closing| *closing).await.is_ok() };
     let (listener, tls) = door;
     if let Some(config) = tls {

@@ -35,6 +35,13 @@ impl Outbox {
         }
     }
 
+    /// Drops the orders to a robot that is not trusted any more.
+    pub fn forget_orders(&mut self, robot: RobotId) {
+        for parcel in &mut self.parcels {
+            parcel.commands.retain(|(to, _)| *to != robot);
+        }
+    }
+
     /// Everything that may leave now that so many facts are durable.
     pub fn take(&mut self, durable: u64) -> (Vec<(RobotId, Command)>, Vec<Reply>) {
         let ready = self.parcels.partition_point(|p| p.after <= durable);

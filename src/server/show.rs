@@ -5,7 +5,6 @@
 //! memory; requests are refused, since the past takes none. Refuses: a database.
 
 use super::{ahead::Ahead, clock::Clock, film::Film, listen, measure::Measure, past::Past};
-use crate::api::Api;
 use crate::api::auth::Gate;
 use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
@@ -13,6 +12,7 @@ use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Figures, Moment, QUESTIONS, Question};
 use crate::api::reel::{Folder, Limits, Roll};
+use crate::api::{Api, router};
 use crate::fleet::Fleet;
 use crate::history::{History, Times};
 use crate::sim::replay::{Player, Turn};
@@ -100,7 +100,7 @@ impl Show {
             gate: Arc::new(Gate::default()),
             closing: closes.clone(),
         };
-        let http = tokio::spawn(listen((listener, None), api, closes));
+        let http = tokio::spawn(listen((listener, None), router(api).0, closes));
         let (measure, ahead) = (Measure::default(), Ahead::default());
         let screen = Screen { live, feeds, alarms, moments, past, figures, ahead, measure, speed, questions };
         let play = Some(tokio::spawn(screen.play(player)));

@@ -11,8 +11,9 @@ use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use std::collections::BTreeMap;
 
-/// Requests of simulated customers carry tokens from here on.
-pub(super) const FIRST_TOKEN: u64 = 1 << 63;
+/// Every request of the simulated floor carries a token from here on. A driver that takes requests from elsewhere, too,
+/// numbers those below.
+pub const FIRST_TOKEN: u64 = 1 << 63;
 
 /// One line of an order.
 #[derive(Clone, Debug, PartialEq, Eq)]

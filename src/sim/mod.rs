@@ -29,7 +29,7 @@ mod workforce;
 mod world;
 
 pub use closures::Closing;
-pub use customers::OrderLine;
+pub use customers::{FIRST_TOKEN, OrderLine};
 pub use digest::Digest;
 pub use habits::Habits;
 pub use laws::Violation;

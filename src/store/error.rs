@@ -31,6 +31,72 @@ pub enum StoreError {
         /// What the system said.
         why: std::io::Error,
     },
+    /// There was a database here, and it is gone.
+    #[error(
+        "there is no database {path}, but there was one: {found} is still there. Put the file back, or run \
+         `giveway database restore BACKUP`; to start empty, start with --new, which moves what is left aside"
+    )]
+    Missing {
+        /// The main file.
+        path: PathBuf,
+        /// What is left of the database.
+        found: String,
+    },
+    /// The database has fewer facts than were acknowledged.
+    #[error(
+        "the database {path} ends with fact {found}, but {known} facts were written: its write-ahead log \
+         {path}-wal was lost, or an older file was put in its place. Put the right files back, or run `giveway \
+         database restore BACKUP`; to go on with what is there, delete {path}-lock; to start empty, start with \
+         --new, which moves what is there aside"
+    )]
+    Lost {
+        /// The main file.
+        path: PathBuf,
+        /// The last fact that is there.
+        found: i64,
+        /// The last fact that was acknowledged.
+        known: i64,
+    },
+    /// A new database is wanted where there is a whole one.
+    #[error(
+        "--new starts an empty database only where none is, and {path} has {facts} facts: start without --new, \
+         or choose another file with --database"
+    )]
+    NotNew {
+        /// The main file.
+        path: PathBuf,
+        /// How many facts it has.
+        facts: i64,
+    },
+    /// A file that is open is no longer where it was.
+    #[error(
+        "{path} {what} while Giveway has it open: nothing is acknowledged any more. Move the same file back, or \
+         stop Giveway, put a backup in place with `giveway database restore BACKUP`, and start it again"
+    )]
+    Displaced {
+        /// Which file.
+        path: PathBuf,
+        /// What happened to it.
+        what: &'static str,
+    },
+    /// A copy cannot be written.
+    #[error(
+        "cannot write {path}: {why}: name a file that is not there yet, in a folder that can be written to"
+    )]
+    Target {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        why: std::io::Error,
+    },
+    /// A file cannot be moved aside.
+    #[error("cannot move {path} aside: {why}")]
+    Aside {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        why: std::io::Error,
+    },
     /// The tables cannot be brought up to date.
     #[error(
         "cannot bring the tables of {path} up to date: {why}: use the Giveway that wrote it, or another \
@@ -110,7 +176,7 @@ impl StoreError {
     /// Whether the connection may be used again: the database was locked, full, or refused what it was told.
     pub(super) fn leaves_connection_sound(&self) -> bool {
         match self {
-            StoreError::OutOfStep { .. } => true,
+            StoreError::OutOfStep { .. } | StoreError::Displaced { .. } => true,
             StoreError::Sql(e) => matches!(primary_code(e), Some(5 | 6 | 13 | 19)),
             _ => false,
         }
@@ -123,11 +189,19 @@ fn primary_code(e: &sqlx::Error) -> Option<i64> {
     code.parse::<i64>().ok().map(|c| c & 0xff)
 }
 
+/// Whether the system did not take what was written, as beyond a limit on the size of files (SQLITE_IOERR_WRITE).
+fn is_refused_write(e: &sqlx::Error) -> bool {
+    e.as_database_error().and_then(|e| e.code()).is_some_and(|code| code == "778")
+}
+
 /// What to do, as the end of a sentence.
 fn remedy(e: &sqlx::Error) -> &'static str {
     match primary_code(e) {
         Some(5 | 6) => ": another program holds a lock on the database; end it or let it finish",
         Some(8) => ": the file or its folder is read-only; change that",
+        Some(10) if is_refused_write(e) => {
+            ": the file cannot grow: the disk or a limit on the size of files (`ulimit -f`) is in the way; make room"
+        }
         Some(10) => ": the disk does not answer properly; check it",
         Some(11) => ": the file is damaged; restore a backup",
         Some(13) => ": the disk is full; make room",

@@ -6,34 +6,43 @@
 //! constants with `$1`, and nobody outside sees a row. What is guaranteed: an [`Store::append`] that returned
 //! `Ok` survives loss of power; the journal and the lists never differ; a batch that is appended again
 //! after an unclear failure is written once. Refuses: observations, a second process on the same file, a map
-//! other than the one that the facts speak of.
+//! other than the one that the facts speak of, to acknowledge what goes into a file that was taken away.
 
 mod act_record;
+mod check;
 mod error;
 mod history;
+mod identity;
 mod jobs;
+mod lock;
+mod opening;
 mod people;
 mod people_record;
 pub mod record;
 mod seal;
 
+pub use check::Belongs;
 pub use error::StoreError;
 pub use jobs::{JobQuery, JobRow};
+pub use opening::Opening;
 pub use people::{AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow};
 pub use seal::seal;
 
 use crate::fleet::Fact;
 use crate::time::Time;
 use crate::warehouse::Warehouse;
+use identity::Place;
+use lock::{Lock, Record};
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{
     SqliteConnectOptions, SqliteConnection, SqliteJournalMode, SqlitePool, SqlitePoolOptions,
     SqliteSynchronous,
 };
 use sqlx::{AssertSqlSafe, Row, SqlSafeStr};
-use std::fs::{File, TryLockError};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
+use uuid::Uuid;
 
 /// How long a statement waits for another program's lock.
 const BUSY: Duration = Duration::from_secs(5);
@@ -45,6 +54,7 @@ const ABOUT: &str = "SELECT value FROM about WHERE key = $1";
 const SET_ABOUT: &str = "INSERT INTO about (key, value) VALUES ($1, $2)";
 const FACTS: &str = "SELECT seq, at, wire, fact FROM journal ORDER BY seq";
 const LAST: &str = "SELECT coalesce(max(seq), 0) FROM journal";
+const JOURNALS: &str = "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = 'journal'";
 const BEGIN: &str = "BEGIN IMMEDIATE";
 const COMMIT: &str = "COMMIT";
 const ROLLBACK: &str = "ROLLBACK";
@@ -73,10 +83,12 @@ pub struct Loaded {
 /// The database: one connection that writes, some that read.
 #[derive(Debug)]
 pub struct Store {
-    path: PathBuf,
     writer: SqlitePool,
     readers: SqlitePool,
-    _lock: File,
+    place: Place,
+    /// The number of the last fact when it was opened.
+    last: i64,
+    lock: Arc<Lock>,
 }
 
 impl Store {
@@ -85,7 +97,12 @@ impl Store {
     /// # Errors
     /// Where the file cannot be used, another process uses it, or it belongs to another map.
     pub async fn open(path: &Path, map: &Warehouse) -> Result<Store, StoreError> {
-        let lock = lock(path)?;
+        Store::open_as(path, map, &Opening::default()).await
+    }
+
+    /// Opens the database whose lock is held. It must have the facts that the lock file knows of.
+    async fn connect(lock: &Arc<Lock>, known: Option<&Record>, map: &Warehouse) -> Result<Store, StoreError> {
+        let path = lock.path();
         let open = |why| StoreError::Open { path: path.into(), why };
         let options = SqliteConnectOptions::new()
             .filename(path)
@@ -97,23 +114,55 @@ impl Store {
             .max_connections(1)
             .max_lifetime(None)
             .idle_timeout(None)
-            .connect_with(options.clone().create_if_missing(true))
+            .connect_with(options.clone())
             .await
             .map_err(open)?;
+        let (last, known) = (last_fact(&writer).await?, known.map_or(0, |r| r.last));
+        if last < known {
+            writer.close().await;
+            return Err(StoreError::Lost { path: path.into(), found: last, known });
+        }
         migrator().run(&writer).await.map_err(|why| StoreError::Migrate { path: path.into(), why })?;
         check_seal(&writer, path, map).await?;
+        // One of them is always open: with its last connection SQLite would remove the write-ahead log.
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
+            .min_connections(1)
+            .max_lifetime(None)
+            .idle_timeout(None)
             .acquire_timeout(BUSY)
             .connect_with(options.read_only(true))
             .await
             .map_err(open)?;
-        Ok(Store { path: path.into(), writer, readers, _lock: lock })
+        let place = Place::of(path).map_err(|why| StoreError::Lock { path: path.into(), why })?;
+        lock.note(last);
+        Ok(Store { writer, readers, place, last, lock: lock.clone() })
+    }
+
+    /// Whether the files that it writes to are still the database. What is appended is acknowledged only then.
+    ///
+    /// # Errors
+    /// Where they were deleted, moved or replaced.
+    pub fn check_place(&self) -> Result<(), StoreError> {
+        self.place.check()
+    }
+
+    /// Makes what the lock file knows outlast a loss of power.
+    ///
+    /// # Errors
+    /// Where the disk refuses.
+    pub fn sync_lock(&self) -> std::io::Result<()> {
+        self.lock.sync()
+    }
+
+    /// A name for all that is written between opening and closing.
+    pub fn run(&self) -> Uuid {
+        self.lock.run()
     }
 
     /// The file.
     pub fn path(&self) -> &Path {
-        &self.path
+        self.lock.path()
     }
 
     /// Everything that happened.
@@ -140,6 +189,7 @@ impl Store {
     /// # Errors Where the database does not take them. Then nothing was written, and it may be tried again
     /// with the same facts unless [`StoreError::is_fatal`].
     pub async fn append(&self, next: i64, entries: &[Entry]) -> Result<(), StoreError> {
+        self.place.check()?;
         let mut connection = self.writer.acquire().await?;
         let result = write(&mut connection, next, entries).await;
         if let Err(e) = &result {
@@ -149,7 +199,9 @@ impl Store {
                 let _ = connection.close().await;
             }
         }
-        result
+        result?;
+        self.lock.note(next - 1 + entries.len() as i64);
+        self.place.check()
     }
 
     /// Lets the file grow to so many pages of 4 KiB and no further: beyond, it behaves like a full disk.
@@ -162,10 +214,11 @@ impl Store {
         Ok(())
     }
 
-    /// Writes everything into the main file and closes it.
+    /// Writes everything into the main file, closes it and lets go of it, whatever else still knows this store.
     pub async fn close(&self) {
         self.readers.close().await;
         self.writer.close().await;
+        self.lock.release();
     }
 }
 
@@ -193,18 +246,13 @@ async fn write(connection: &mut SqliteConnection, next: i64, entries: &[Entry]) 
     Ok(())
 }
 
-/// Takes the lock beside the database. It falls with the process, however that ends.
-fn lock(path: &Path) -> Result<File, StoreError> {
-    let mut name = path.as_os_str().to_owned();
-    name.push("-lock");
-    let path_of_lock = PathBuf::from(name);
-    let fail = |why| StoreError::Lock { path: path_of_lock.clone(), why };
-    let file = File::options().create(true).truncate(false).write(true).open(&path_of_lock).map_err(fail)?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(StoreError::InUse(path.into())),
-        Err(TryLockError::Error(why)) => Err(fail(why)),
+/// The number of the last fact; 0 in a database that has no tables yet.
+async fn last_fact(pool: &SqlitePool) -> Result<i64, StoreError> {
+    let tables: i64 = sqlx::query_scalar(JOURNALS).fetch_one(pool).await?;
+    if tables == 0 {
+        return Ok(0);
     }
+    Ok(sqlx::query_scalar(LAST).fetch_one(pool).await?)
 }
 
 fn migrator() -> Migrator {

@@ -122,6 +122,10 @@ enum Record {
         robot: u32,
         at: i64,
     },
+    Fenced {
+        robot: u32,
+        at: i64,
+    },
     Hired {
         worker: u32,
         name: String,
@@ -278,6 +282,7 @@ impl From<&Fact> for Record {
             Fact::Cut { robots } => Record::Cut { robots: robots.iter().map(|r| r.0).collect() },
             Fact::Failed { robot, at } => Record::Failed { robot: robot.0, at: at.0 },
             Fact::Repaired { robot, at } => Record::Repaired { robot: robot.0, at: at.0 },
+            Fact::Fenced { robot, at } => Record::Fenced { robot: robot.0, at: at.0 },
             Fact::Hired { worker, name, at } => {
                 Record::Hired { worker: worker.0, name: name.clone(), at: at.0 }
             }
@@ -344,6 +349,7 @@ impl From<Record> for Fact {
             Record::Cut { robots } => Fact::Cut { robots: robots.into_iter().map(RobotId).collect() },
             Record::Failed { robot, at } => Fact::Failed { robot: RobotId(robot), at: Time(at) },
             Record::Repaired { robot, at } => Fact::Repaired { robot: RobotId(robot), at: Time(at) },
+            Record::Fenced { robot, at } => Fact::Fenced { robot: RobotId(robot), at: Time(at) },
             Record::Hired { worker, name, at } => {
                 Fact::Hired { worker: WorkerId(worker), name, at: Time(at) }
             }

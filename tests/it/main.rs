@@ -6,7 +6,11 @@
 
 mod api;
 mod command;
+mod custody;
+mod database;
 mod feed;
+mod fence;
+mod guard;
 mod helper;
 mod history;
 mod live;

@@ -88,6 +88,7 @@ fn every_fact() -> Vec<Fact> {
         Fact::Cut { robots: vec![robot, RobotId(0)] },
         Fact::Failed { robot, at },
         Fact::Repaired { robot, at },
+        Fact::Fenced { robot, at },
         Fact::Halted { robot: None, at },
         Fact::Halted { robot: Some(robot), at },
         Fact::Released { robot: Some(robot), at },

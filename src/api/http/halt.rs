@@ -67,7 +67,7 @@ pub async fn pause(State(api): State<Api>, Segment(id): Segment) -> Result<Statu
     done(&api, What::Halt(Some(robot))).await
 }
 
-/// Let a paused robot go on.
+/// Let a robot go on that is paused, or fenced off since what is known about it contradicted itself.
 #[utoipa::path(post, path = "/v1/robots/{id}/resume", tag = "floor",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It goes on, unless the whole fleet stands"),

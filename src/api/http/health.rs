@@ -1,6 +1,6 @@
 //! `/v1/health` and `/metrics`: whether the server does its work.
 //!
-//! Main type: [`Health`]. Refuses: to say ok while an alarm stands.
+//! Main types: [`Health`], [`Alive`]. Refuses: to say ok while an alarm stands.
 
 use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
@@ -30,7 +30,7 @@ pub struct Health {
 /// Whether the server does its work: 200, or 503 with every alarm that stands. Needs no token.
 #[utoipa::path(get, path = "/v1/health", tag = "server", responses(
     (status = 200, description = "All is well", body = Health),
-    (status = 503, description = "An alarm stands", body = Problem,
+    (status = 503, description = "An alarm stands, or the server is starting", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn health(State(api): State<Api>) -> Result<Json<Health>, Problem> {
     let alarms = api.alarms.list();
@@ -47,6 +47,24 @@ pub async fn health(State(api): State<Api>) -> Result<Json<Health>, Problem> {
         robots: moment.view.robots.len(),
         time_s: moment.time_s,
     }))
+}
+
+/// That the process lives.
+#[derive(Serialize, ToSchema)]
+pub struct Alive {
+    /// Always "alive".
+    #[schema(example = "alive")]
+    status: &'static str,
+    /// Version of the program.
+    version: &'static str,
+}
+
+/// Whether the process lives: 200 from the moment at which it listens, also while it starts and while an alarm stands.
+/// A watchdog may restart a process that does not answer this; 503 from `/v1/health` is no reason to. Needs no token.
+#[utoipa::path(get, path = "/v1/health/live", tag = "server", responses(
+    (status = 200, description = "The process lives", body = Alive)))]
+pub async fn alive() -> Json<Alive> {
+    Json(Alive { status: "alive", version: env!("CARGO_PKG_VERSION") })
 }
 
 /// Figures for Prometheus, as OpenMetrics text.

@@ -22,6 +22,7 @@ mod timelines;
 mod why;
 mod workers;
 
+pub use health::alive;
 pub(super) use map::map_text;
 pub(super) use page::single;
 
@@ -58,6 +59,7 @@ struct Description;
 pub fn router(api: Api) -> (Router, Document) {
     let (v1, mut document) = OpenApiRouter::with_openapi(Description::openapi())
         .routes(routes!(health::health))
+        .routes(routes!(health::alive))
         .routes(routes!(map::map))
         .routes(routes!(lists::racks))
         .routes(routes!(lists::stations))
@@ -116,7 +118,7 @@ pub fn router(api: Api) -> (Router, Document) {
 
 /// Lets requests in that may come in; health is for everyone.
 async fn authorise(State(api): State<Api>, request: Request, next: Next) -> Response {
-    let open = request.uri().path() == "/v1/health";
+    let open = matches!(request.uri().path(), "/v1/health" | "/v1/health/live");
     match api.gate.check(request.headers()) {
         Err(problem) if !open || problem.status != StatusCode::UNAUTHORIZED.as_u16() => {
             problem.into_response()

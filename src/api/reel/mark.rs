@@ -100,6 +100,7 @@ pub fn is_notable(fact: &Fact) -> bool {
             | Fact::Released { .. }
             | Fact::Failed { .. }
             | Fact::Repaired { .. }
+            | Fact::Fenced { .. }
             | Fact::Closed { .. }
             | Fact::Reopened { .. }
     )
@@ -136,6 +137,7 @@ pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
         }
         Fact::Failed { robot: r, at } => of_robot(Kind::Failure, at, r, "broke down"),
         Fact::Repaired { robot: r, at } => of_robot(Kind::Failure, at, r, "works again"),
+        Fact::Fenced { robot: r, at } => of_robot(Kind::Failure, at, r, "was fenced off"),
         Fact::Closed { closure, area } => {
             let words = format!("{} was closed: {}", closure_name(*closure), area.reason);
             let place = area.outline.first().map(|p| [p.x_mm as f64 / 1000.0, p.y_mm as f64 / 1000.0]);

@@ -99,3 +99,34 @@ fn a_batch_is_done_although_robots_fail_again_and_again() {
     let failures = floor.facts.iter().filter(|f| matches!(f, Fact::Failed { .. })).count();
     assert!(failures >= 5, "only {failures} failures");
 }
+
+#[test]
+fn a_robot_that_is_fenced_off_stands_whatever_it_says_and_others_take_over_until_it_is_released() {
+    let mut floor = Floor::thesis(3);
+    let job = floor.submit(request(deliver(40)));
+    floor.until(10, "a robot has the job", |f| f.is(job, "assigned"));
+    let fenced = floor.state(job).and_then(|s| s.robot()).expect("assigned jobs have a robot");
+    floor.run(4);
+    floor.fleet.fence(fenced, floor.now);
+    floor.fleet.fence(fenced, floor.now);
+    floor.until(5, "another has it", |f| f.state(job).and_then(|s| s.robot()).is_some_and(|r| r != fenced));
+    let fences = |f: &Floor| f.facts.iter().filter(|f| matches!(f, Fact::Fenced { .. })).count();
+    assert_eq!(fences(&floor), 1, "once, and in the facts of the next step");
+    floor.until_over(600);
+    let about = |fact: &&Fact| match fact {
+        Fact::Passed { robot, .. } | Fact::Acted { robot, .. } => *robot == fenced,
+        _ => false,
+    };
+    let fence = floor.facts.iter().position(|f| matches!(f, Fact::Fenced { .. })).expect("just seen");
+    assert_eq!(floor.facts[fence..].iter().find(about), None, "what it says changes nothing");
+    let (map, settings) = (floor.fleet.warehouse().clone(), floor.fleet.settings().clone());
+    floor.fleet = Fleet::restore(map, settings, floor.facts.iter().cloned());
+    floor.run(2);
+    assert_eq!(floor.fleet.why(fenced, floor.now), Some(Why::Failed), "also after a restart");
+    let released = floor.step(vec![Input::Release { token: 6, robot: Some(fenced) }]);
+    assert_eq!(released.replies, [Reply::Done { token: 6 }]);
+    let kind = JobKind::Go { robot: fenced, node: floor.fleet.warehouse().racks[RackId(3)].home };
+    let job = floor.submit(request(kind));
+    floor.until_over(600);
+    assert_eq!(floor.story(job).last(), Some(&"done"), "it works again");
+}

@@ -1,0 +1,113 @@
+//! The door while the server starts: it answers at once, and leads inside as soon as there is an inside.
+//!
+//! Main type: [`Entrance`]. Until then every request gets 503 with the reason, but the one that asks whether the
+//! process lives. Refuses: to keep anyone waiting for a journal.
+
+use crate::api::alive;
+use crate::api::error::Problem;
+use axum::Router;
+use axum::extract::{Request, State};
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use std::sync::Arc;
+use tokio::sync::watch;
+use tower::ServiceExt;
+
+/// Seconds after which a new try makes sense while the journal loads.
+const AGAIN_S: u32 = 1;
+
+/// Seconds after which a new try makes sense where a person has to act first.
+const MENDED_S: u32 = 60;
+
+/// What is behind the door.
+#[derive(Clone, Debug)]
+enum Inside {
+    /// The journal is being loaded.
+    Starting,
+    /// The server.
+    Open(Router),
+    /// Nothing, and why.
+    Shut(String),
+}
+
+/// The door. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Entrance(Arc<watch::Sender<Inside>>);
+
+impl Default for Entrance {
+    fn default() -> Entrance {
+        Entrance(Arc::new(watch::Sender::new(Inside::Starting)))
+    }
+}
+
+impl Entrance {
+    /// What the listener serves, from the start to the end.
+    pub fn router(&self) -> Router {
+        Router::new().fallback(enter).with_state(self.clone())
+    }
+
+    /// Leads inside from now on.
+    pub fn open(&self, inside: Router) {
+        self.0.send_replace(Inside::Open(inside));
+    }
+
+    /// Says from now on why the server does not work.
+    pub fn shut(&self, why: String) {
+        self.0.send_replace(Inside::Shut(why));
+    }
+}
+
+async fn enter(State(entrance): State<Entrance>, request: Request) -> Response {
+    let inside = entrance.0.borrow().clone();
+    let problem = match inside {
+        Inside::Open(router) => return router.oneshot(request).await.into_response(),
+        Inside::Starting => {
+            let detail = "the server is starting: it loads its journal. Try again soon.";
+            problem("starting", "The server is starting", detail.into(), AGAIN_S)
+        }
+        Inside::Shut(why) => problem("broken", "The server cannot work", why, MENDED_S),
+    };
+    let path = request.uri().path().to_owned();
+    let lives = Router::new().route("/v1/health/live", get(alive)).fallback(async move || problem.at(&path));
+    lives.oneshot(request).await.into_response()
+}
+
+fn problem(kind: &str, title: &'static str, detail: String, again_s: u32) -> Problem {
+    let problem = Problem::new(StatusCode::SERVICE_UNAVAILABLE, kind, title, detail);
+    Problem { retry_after: Some(again_s), ..problem }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use axum::body::Body;
+    use axum::http::header;
+
+    async fn ask(entrance: &Entrance, path: &str) -> (u16, Option<String>, String) {
+        let request = Request::builder().uri(path).body(Body::empty()).unwrap();
+        let response = entrance.router().oneshot(request).await.unwrap();
+        let again = response.headers().get(header::RETRY_AFTER).map(|v| v.to_str().unwrap().to_owned());
+        let status = response.status().as_u16();
+        let body = axum::body::to_bytes(response.into_body(), 10_000).await.unwrap();
+        (status, again, String::from_utf8_lossy(&body).into_owned())
+    }
+
+    #[tokio::test]
+    async fn it_says_that_it_starts_until_there_is_an_inside_and_why_there_is_none() {
+        let entrance = Entrance::default();
+        for path in ["/v1/health", "/v1/jobs", "/", "/nowhere"] {
+            let (status, again, text) = ask(&entrance, path).await;
+            assert_eq!((status, again.as_deref()), (503, Some("1")), "{path}");
+            assert!(text.contains("/problems/starting") && text.contains(path), "{text}");
+        }
+        assert_eq!(ask(&entrance, "/v1/health/live").await.0, 200, "the process lives");
+        entrance.open(Router::new().route("/v1/health", get(async || "inside")));
+        assert_eq!(ask(&entrance, "/v1/health").await, (200, None, "inside".into()));
+        assert_eq!(ask(&entrance, "/nowhere").await.0, 404);
+        entrance.shut("the journal contradicts itself".into());
+        let (status, _, text) = ask(&entrance, "/v1/health").await;
+        assert!(status == 503 && text.contains("the journal contradicts itself"), "{text}");
+        assert_eq!(ask(&entrance, "/v1/health/live").await.0, 200);
+    }
+}

@@ -1,0 +1,195 @@
+//! What happens when a step ends in a panic: the fleet in memory is not trusted any more, and made anew from what is
+//! durable; the robot that was being dealt with is fenced off; the others go on.
+//!
+//! Main types: [`Rescue`] (what is remembered of panics), [`Asked`]. Where no robot can be named, where it happens too
+//! often, or where the journal cannot be folded, all robots are told to stand, and the process stays up to say so.
+//! Refuses: to go on with a fleet that a panic left half-way, and to lose a stop given by hand in that step.
+
+use super::drive::Drive;
+use super::start::panic_text;
+use crate::fleet::{Fleet, Input, Step};
+use crate::id::RobotId;
+use crate::sim::FIRST_TOKEN;
+use crate::time::{Span, Time};
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use tokio::sync::watch;
+
+/// The alarm while a robot is fenced off.
+const FENCED: &str = "fenced";
+
+/// The alarm while all robots have to stand, since the fleet cannot be trusted.
+const BROKEN: &str = "broken";
+
+/// So many panics within [`WHILE`] are survived.
+const MOST: usize = 3;
+
+/// For so long a panic counts.
+const WHILE: Span = Span::from_secs(60);
+
+/// A step that ended in a panic.
+#[derive(Debug)]
+struct Panicked {
+    robot: Option<RobotId>,
+    said: String,
+}
+
+/// What is remembered of panics.
+#[derive(Debug, Default)]
+pub struct Rescue {
+    open: Option<Panicked>,
+    recent: VecDeque<Time>,
+    broken: bool,
+}
+
+impl Rescue {
+    /// Whether nothing is decided any more.
+    pub fn is_broken(&self) -> bool {
+        self.broken
+    }
+
+    /// Whether the fleet must be made anew before the next step.
+    pub fn is_needed(&self) -> bool {
+        self.open.is_some()
+    }
+}
+
+/// Robots that do not say that they were told to stand.
+pub fn drivers(inputs: &[Input]) -> impl Iterator<Item = RobotId> {
+    inputs.iter().filter_map(|i| match i {
+        Input::Telemetry(t) if t.limit_mps != Some(0.0) => Some(t.robot),
+        _ => None,
+    })
+}
+
+/// What was asked from outside in a step: had it ended in a panic, nothing of it would have happened.
+pub struct Asked {
+    /// Tokens of all else that was asked.
+    pub tokens: Vec<u64>,
+    /// Stops and releases, which are asked again.
+    pub by_hand: Vec<Input>,
+}
+
+impl Asked {
+    /// Looks through the inputs of a step.
+    pub fn of(inputs: &[Input]) -> Asked {
+        let mut asked = Asked { tokens: Vec::new(), by_hand: Vec::new() };
+        for input in inputs {
+            match input.token().filter(|token| *token < FIRST_TOKEN) {
+                Some(_) if matches!(input, Input::Halt { .. } | Input::Release { .. }) => {
+                    asked.by_hand.push(input.clone());
+                }
+                Some(token) => asked.tokens.push(token),
+                None => {}
+            }
+        }
+        asked
+    }
+
+    /// Tokens of all of it.
+    pub fn all(&self) -> Vec<u64> {
+        self.tokens.iter().copied().chain(self.by_hand.iter().filter_map(Input::token)).collect()
+    }
+}
+
+impl Drive {
+    /// One step, unless it ends in a panic: then there is work for [`Drive::rebuild`].
+    pub(super) fn step(&mut self, now: Time, inputs: Vec<Input>) -> Option<Step> {
+        let asked = Asked::of(&inputs);
+        match catch_unwind(AssertUnwindSafe(|| self.fleet.step(now, inputs))) {
+            Ok(step) => Some(step),
+            Err(panic) => {
+                let (robot, said) = (self.fleet.at_hand(), panic_text(&*panic));
+                tracing::error!(?robot, "a step ended in a panic, nothing of it happened: {said}");
+                self.inbox.forget(&asked.tokens);
+                self.inbox.keep(asked.by_hand);
+                self.rescue.open = Some(Panicked { robot, said });
+                None
+            }
+        }
+    }
+
+    /// Makes the fleet anew from what is durable, without the robot that was being dealt with.
+    pub(super) async fn rebuild(&mut self, stop: &mut watch::Receiver<bool>) {
+        let Some(Panicked { robot, said }) = self.rescue.open.take() else { return };
+        let now = self.clock.now();
+        self.rescue.recent.retain(|at| now - *at < WHILE);
+        self.rescue.recent.push_back(now);
+        let Some(robot) = robot else { return self.give_up(&said, "no robot can be named") };
+        if self.rescue.recent.len() > MOST {
+            return self.give_up(&said, "it happens again and again");
+        }
+        // What was decided before is in the journal soon, or the journal's own alarm says why not.
+        while !self.journal.is_settled() {
+            tokio::select! {
+                () = self.journal.confirmed() => {}
+                _ = stop.wait_for(|stop| *stop) => {
+                    // The last step must not be one of a fleet that a panic left half-way.
+                    self.rescue.broken = true;
+                    return;
+                }
+            }
+        }
+        let loaded = match self.store.load().await {
+            Ok(loaded) => loaded,
+            Err(e) => return self.give_up(&said, &format!("the journal cannot be read: {e}")),
+        };
+        let (map, settings) = (self.fleet.warehouse().clone(), self.fleet.settings().clone());
+        let now = self.clock.now();
+        let anew = catch_unwind(AssertUnwindSafe(|| {
+            let mut fleet = Fleet::restore(map, settings, loaded.facts);
+            fleet.fence(robot, now);
+            fleet
+        }));
+        match anew {
+            Ok(fleet) => {
+                tracing::error!(
+                    ?robot,
+                    "the fleet was made anew from the journal, and the robot is fenced off"
+                );
+                self.fleet = fleet;
+                self.outbox.forget_orders(robot);
+            }
+            Err(again) => self.give_up(&panic_text(&*again), "the journal contradicts itself"),
+        }
+    }
+
+    /// Nothing is decided any more; what is left is to tell the robots to stand, and to say so.
+    fn give_up(&mut self, said: &str, why: &str) {
+        let text = format!(
+            "the fleet contradicts itself ({said}), and {why}: all robots were told to stand, nothing is accepted. \
+             Keep a copy of the database, restart Giveway, and restore a backup if that does not help."
+        );
+        tracing::error!("{text}");
+        self.alarms.raise(BROKEN, text, self.clock.now());
+        // Nothing may look at what a panic left half-way.
+        self.fleet = Fleet::new(self.fleet.warehouse().clone(), self.fleet.settings().clone());
+        self.rescue.broken = true;
+    }
+
+    /// What is left of a turn when nothing is decided: those who ask are told so, robots that drive are told to stand.
+    pub(super) fn turn_broken(&mut self, now: Time) {
+        let asked = self.inbox.drain(true);
+        self.inbox.forget(&Asked::of(&asked).all());
+        let seen = catch_unwind(AssertUnwindSafe(|| self.world.advance(now, &self.fleet)));
+        self.inbox.look(&mut Vec::new());
+        self.stand(drivers(&seen.unwrap_or_default()).collect());
+    }
+
+    /// Raises or ends the alarm about robots that are fenced off.
+    pub(super) fn note_fences(&self, now: Time) {
+        let robots = self.fleet.ledger().robots.iter().filter(|r| r.fenced.is_some());
+        let names: Vec<&str> = robots.map(|r| r.name.as_str()).collect();
+        match names.first() {
+            None => _ = self.alarms.clear(FENCED),
+            Some(first) => {
+                let text = format!(
+                    "what is known about {} contradicts itself: fenced off, and others go round. See where the robot \
+                     and its rack are, then POST /v1/robots/{first}/resume.",
+                    names.join(", ")
+                );
+                self.alarms.raise(FENCED, text, now);
+            }
+        }
+    }
+}

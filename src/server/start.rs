@@ -1,0 +1,114 @@
+//! From files to parts: opens the database, folds the journal, makes what the server consists of.
+//!
+//! Main types: [`Parts`], [`Built`]. The fold is work for a thread of its own, so that the port answers meanwhile.
+//! Refuses: to end the process where the journal contradicts itself; then the server stays up and says so.
+
+use super::clock::{self, Clock};
+use super::reels::Past;
+use super::{Config, Floor, Summary, historian};
+use crate::api::feed::hub::{Feeds, Heard};
+use crate::api::live::Live;
+use crate::api::massrobotics::Interop;
+use crate::api::port::{Alarms, Figures};
+use crate::fleet::{Fleet, Settings};
+use crate::history::History;
+use crate::sim::World;
+use crate::store::{Opening, Store};
+use crate::time::Span;
+use anyhow::Context;
+use std::any::Any;
+use std::sync::Arc;
+use tokio::sync::mpsc;
+use tokio::task::JoinHandle;
+
+/// What the parts of the server are made of.
+pub struct Parts {
+    pub fleet: Fleet,
+    pub world: World,
+    pub clock: Arc<Clock>,
+    pub period: Span,
+    pub next: i64,
+    pub interop: Interop,
+    pub feeds: Arc<Feeds>,
+    pub heard: mpsc::Receiver<Heard>,
+    pub live: Arc<Live>,
+    pub alarms: Arc<Alarms>,
+    pub past: Past,
+    pub charts: Charts,
+}
+
+/// Figures over time, and what keeps them.
+pub struct Charts {
+    pub figures: Arc<Figures>,
+    pub notes: historian::Notes,
+    pub historian: JoinHandle<()>,
+}
+
+/// What became of the files.
+pub enum Built {
+    /// All parts.
+    Whole(Box<Parts>),
+    /// No fleet: the journal contradicts itself, as this says.
+    Broken(String),
+}
+
+/// Opens the database.
+pub async fn open(config: &Config, floor: &Floor) -> anyhow::Result<Arc<Store>> {
+    let stamp = || {
+        let now = jiff::Timestamp::from_microsecond(Clock::start(None).started().0)?;
+        anyhow::Ok(now.strftime("%Y-%m-%dT%H%M%SZ").to_string())
+    };
+    let new = config.new.then(stamp).transpose()?;
+    let opening = Opening { new, traces: vec![config.past_folder()] };
+    Ok(Arc::new(Store::open_as(&config.database, &floor.map, &opening).await?))
+}
+
+/// Makes the parts from what the database has.
+pub async fn build(config: &Config, floor: Floor, store: &Arc<Store>) -> anyhow::Result<(Built, Summary)> {
+    let Floor { scenario, map, lines } = floor;
+    let loaded = store.load().await?;
+    let (jobs, open_jobs) = store.count_jobs().await?;
+    let (facts, robots) = (loaded.facts.len(), scenario.robots);
+    let summary = Summary { map: map.name.clone(), robots, facts, jobs, open_jobs, trouble: None };
+    let clock = Arc::new(Clock::start(loaded.last));
+    let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
+    let (buckets, heat) = store.load_history().await?;
+    let history = History::restore(buckets, heat);
+    let figures = Arc::new(Figures::new(clock.started(), settings.arm.word(), history));
+    let (now, floor) = (clock.now(), map.clone());
+    let (period, next) = (scenario.period, loaded.next);
+    let fold = move || {
+        let fleet = Fleet::restore(floor.clone(), settings, loaded.facts);
+        let world = World::new(floor, &scenario, &lines, scenario.seed, &fleet, now);
+        (fleet, world)
+    };
+    let (fleet, world) = match tokio::task::spawn_blocking(fold).await {
+        Ok(folded) => folded,
+        Err(e) => {
+            let said = e.try_into_panic().map(|p| panic_text(&*p)).context("the fold was given up")?;
+            let why = format!(
+                "the journal of {} contradicts itself: {said}. Nothing was changed. Robots finish what they were \
+                 granted and stand. Keep a copy of the file, then run `giveway database restore BACKUP`",
+                store.path().display()
+            );
+            return Ok((Built::Broken(why.clone()), Summary { trouble: Some(why), ..summary }));
+        }
+    };
+    let (feeds, heard) = Feeds::new();
+    feeds.know(&fleet.ledger().workers);
+    let (interop, feeds) = (config.massrobotics.clone(), Arc::new(feeds));
+    let live = Arc::new(Live::new(map, clock.started().0.unsigned_abs()));
+    let alarms = Arc::new(Alarms::default());
+    let past = Past::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);
+    let (notes, historian) = historian::historian(figures.clone(), store.clone());
+    let charts = Charts { figures, notes, historian: tokio::spawn(historian.run()) };
+    let parts =
+        Parts { fleet, world, clock, period, next, interop, feeds, heard, live, alarms, past, charts };
+    Ok((Built::Whole(Box::new(parts)), summary))
+}
+
+/// What a panic said.
+pub fn panic_text(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("it does not say why").to_owned()
+}

@@ -1,0 +1,110 @@
+//! A database that is only looked at, copied, or put in the place of another.
+//!
+//! Main functions: [`Store::inspect`], [`Store::integrity`], [`Store::copy_to`], [`Store::restore`]. A copy is what was
+//! committed when it began, also while a server writes. Refuses: to overwrite anything.
+
+use super::identity::{Place, beside};
+use super::lock::Lock;
+use super::opening::set_aside;
+use super::{ABOUT, BUSY, Store, StoreError, last_fact};
+use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+const INTEGRITY: &str = "PRAGMA integrity_check(20)";
+const COPY: &str = "VACUUM INTO $1";
+
+/// To which map a database belongs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Belongs {
+    /// The map's name.
+    pub map: String,
+    /// Its seal; see [`super::seal`].
+    pub seal: String,
+}
+
+impl Store {
+    /// Opens a database to be read, also while a server has it. Nothing can be written to it.
+    ///
+    /// # Errors
+    /// Where there is none, or it cannot be read.
+    pub async fn inspect(path: &Path) -> Result<Store, StoreError> {
+        let open = |why| StoreError::Open { path: path.into(), why };
+        let options = SqliteConnectOptions::new().filename(path).read_only(true).busy_timeout(BUSY);
+        let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.map_err(open)?;
+        let last = last_fact(&pool).await?;
+        let lock = Arc::new(Lock::none(path));
+        Ok(Store { writer: pool.clone(), readers: pool, place: Place::default(), last, lock })
+    }
+
+    /// The number of the last fact when it was opened.
+    pub fn last(&self) -> i64 {
+        self.last
+    }
+
+    /// What SQLite finds wrong with the file; nothing where it is whole.
+    ///
+    /// # Errors
+    /// Where the file cannot be read.
+    pub async fn integrity(&self) -> Result<Vec<String>, StoreError> {
+        let found: Vec<String> = sqlx::query_scalar(INTEGRITY).fetch_all(&self.readers).await?;
+        Ok(found.into_iter().filter(|line| line != "ok").collect())
+    }
+
+    /// The map to which the database belongs; none where it is no database of Giveway.
+    ///
+    /// # Errors
+    /// Where the file cannot be read.
+    pub async fn belongs(&self) -> Result<Option<Belongs>, StoreError> {
+        let about = async |key| -> Result<Option<String>, StoreError> {
+            Ok(sqlx::query_scalar(ABOUT).bind(key).fetch_optional(&self.readers).await?)
+        };
+        let (map, seal) = (about("map").await?, about("seal").await?);
+        Ok(map.zip(seal).map(|(map, seal)| Belongs { map, seal }))
+    }
+
+    /// Writes everything that is committed into a new file, and makes it outlast a loss of power.
+    ///
+    /// # Errors
+    /// Where the file is there already, or cannot be written.
+    pub async fn copy_to(&self, target: &Path) -> Result<(), StoreError> {
+        let fail = |why| StoreError::Target { path: target.into(), why };
+        let name = target.to_str().ok_or_else(|| fail(io::ErrorKind::InvalidFilename.into()))?;
+        if target.exists() {
+            return Err(fail(io::ErrorKind::AlreadyExists.into()));
+        }
+        sqlx::query(COPY).bind(name).execute(&self.readers).await?;
+        File::open(target).and_then(|f| f.sync_all()).map_err(fail)?;
+        sync_folder(target).map_err(fail)
+    }
+
+    /// Puts a copy of this database in the place of another, which is moved aside with all its files. Gives their new
+    /// names. A crash half-way leaves no database in the place, and a start refuses that.
+    ///
+    /// # Errors
+    /// Where a server has the other database, or a file cannot be written or moved.
+    pub async fn restore(&self, path: &Path, stamp: &str) -> Result<Vec<PathBuf>, StoreError> {
+        let lock = Lock::take(path)?;
+        let path = lock.path().to_owned();
+        let fail = |why| StoreError::Target { path: path.clone(), why };
+        let fresh = beside(&path, ".restoring");
+        match std::fs::remove_file(&fresh) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(fail(e)),
+            _ => {}
+        }
+        self.copy_to(&fresh).await?;
+        let moved = set_aside(&lock, &[], stamp)?;
+        std::fs::rename(&fresh, &path).and_then(|()| sync_folder(&path)).map_err(fail)?;
+        lock.note(self.last);
+        lock.release();
+        Ok(moved)
+    }
+}
+
+/// Makes the names in the folder of a file outlast a loss of power.
+fn sync_folder(path: &Path) -> io::Result<()> {
+    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
+}

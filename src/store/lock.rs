@@ -1,0 +1,218 @@
+//! The lock: one Giveway at a time has a database, whatever name it was given; and what is known about the database
+//! beside it.
+//!
+//! Main types: [`Lock`], [`Record`] (the text in the lock file). Two files are locked: `FILE-lock`, which is there
+//! before the database is, and on Linux the main file itself, which has one identity under all its names. The record
+//! says how many facts were durable; it is written after each commit and before that is acknowledged, and never before
+//! the commit, so that a crash at any instant leaves a number that the database has reached. Refuses: a second holder,
+//! in this process or another.
+
+use super::StoreError;
+use super::identity::{Key, beside};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::fs::{File, TryLockError};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard};
+use uuid::Uuid;
+
+/// Main files that this process has. A second look at one of them must not even open it: closing any handle of a file
+/// gives up all of the process's locks on it, those of SQLite, too (POSIX).
+static HELD: Mutex<BTreeSet<Key>> = Mutex::new(BTreeSet::new());
+
+/// The record has always this length, so that writing it again asks the disk for nothing.
+const RECORD_BYTES: usize = 256;
+
+/// How many symbolic links may lead to a database that is not there yet.
+const MOST_LINKS: usize = 8;
+
+/// What the lock file says about the database beside it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Record {
+    /// The run that wrote this.
+    pub run: String,
+    /// The number of the last fact that is durable, or of one shortly before it.
+    pub last: i64,
+    /// Whether the database was closed in order.
+    pub closed: bool,
+}
+
+/// What falls when the lock does.
+#[derive(Debug)]
+struct Held {
+    side: File,
+    main: Option<(Key, File)>,
+    record: Record,
+}
+
+/// The right to write to one database, until it is released, or the process ends.
+#[derive(Debug)]
+pub(super) struct Lock {
+    path: PathBuf,
+    found: Option<Record>,
+    run: Uuid,
+    held: Mutex<Option<Held>>,
+}
+
+impl Lock {
+    /// Takes the lock of a database that need not be there yet.
+    pub fn take(path: &Path) -> Result<Lock, StoreError> {
+        let path = canonical(path)?;
+        let name = beside(&path, "-lock");
+        let fail = |why| StoreError::Lock { path: name.clone(), why };
+        let mut options = File::options();
+        let mut side =
+            options.read(true).write(true).create(true).truncate(false).open(&name).map_err(fail)?;
+        lock(&side, &path, &name)?;
+        let mut text = String::new();
+        // Whatever is no record claims nothing: an older Giveway left the file empty.
+        let found = side.read_to_string(&mut text).ok().and_then(|_| serde_json::from_str(&text).ok());
+        let run = Uuid::new_v4();
+        let record = Record { run: run.to_string(), last: 0, closed: false };
+        let lock = Lock { path, found, run, held: Mutex::new(Some(Held { side, main: None, record })) };
+        if lock.path.exists() {
+            lock.hold_main()?;
+        }
+        Ok(lock)
+    }
+
+    /// Locks the main file itself, which is made where there is none, unless that is done already.
+    pub fn hold_main(&self) -> Result<(), StoreError> {
+        let fail = |why| StoreError::Lock { path: self.path.clone(), why };
+        if self.held().as_ref().is_some_and(|h| h.main.is_some()) {
+            return Ok(());
+        }
+        if let Ok(key) = Key::of(&self.path)
+            && held().contains(&key)
+        {
+            return Err(StoreError::InUse(self.path.clone()));
+        }
+        let mut options = File::options();
+        let main =
+            options.read(true).write(true).create(true).truncate(false).open(&self.path).map_err(fail)?;
+        let key = Key::of(&self.path).map_err(fail)?;
+        // Elsewhere such a lock and those of SQLite would keep each other out.
+        if cfg!(target_os = "linux") {
+            lock(&main, &self.path, &self.path)?;
+        }
+        held().insert(key);
+        if let Some(held) = &mut *self.held() {
+            held.main = Some((key, main));
+        }
+        Ok(())
+    }
+
+    /// No lock at all, for those who only read.
+    pub fn none(path: &Path) -> Lock {
+        Lock { path: path.into(), found: None, run: Uuid::nil(), held: Mutex::new(None) }
+    }
+
+    /// Gives the main file up, since it is moved away.
+    pub fn let_main_go(&self) {
+        if let Some(held) = &mut *self.held() {
+            held.let_main_go();
+        }
+    }
+
+    /// The database, by the one name that leads to no link.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What the lock file said.
+    pub fn found(&self) -> Option<&Record> {
+        self.found.as_ref()
+    }
+
+    /// A name for what is written while this lock is held.
+    pub fn run(&self) -> Uuid {
+        self.run
+    }
+
+    /// Notes that facts up to this one are durable. A record that cannot be written is an older one, which is as true.
+    pub fn note(&self, last: i64) {
+        if let Some(held) = &mut *self.held() {
+            held.record.last = last;
+            held.write();
+        }
+    }
+
+    /// Makes what was noted outlast a loss of power.
+    pub fn sync(&self) -> io::Result<()> {
+        let side = self.held().as_ref().map(|h| h.side.try_clone()).transpose()?;
+        side.map_or(Ok(()), |file| file.sync_data())
+    }
+
+    /// Lets go. Said aloud, since a child process that is being started has a copy of each open file, and with it the
+    /// lock, for a moment.
+    pub fn release(&self) {
+        let Some(mut held) = self.held().take() else { return };
+        held.record.closed = true;
+        held.write();
+        let _ = held.side.sync_data();
+        held.let_main_go();
+        let _ = held.side.unlock();
+    }
+
+    fn held(&self) -> MutexGuard<'_, Option<Held>> {
+        self.held.lock().expect("nothing panics with this lock")
+    }
+}
+
+impl Held {
+    fn write(&mut self) {
+        let mut text = serde_json::to_vec(&self.record).expect("a record is plain");
+        text.resize(RECORD_BYTES, b'\n');
+        if let Err(e) = self.side.seek(SeekFrom::Start(0)).and_then(|_| self.side.write_all(&text)) {
+            tracing::debug!("the lock file is not written: {e}");
+        }
+    }
+
+    fn let_main_go(&mut self) {
+        if let Some((key, main)) = self.main.take() {
+            let _ = main.unlock();
+            held().remove(&key);
+        }
+    }
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        self.let_main_go();
+    }
+}
+
+fn held() -> MutexGuard<'static, BTreeSet<Key>> {
+    HELD.lock().expect("nothing panics with this lock")
+}
+
+fn lock(file: &File, database: &Path, name: &Path) -> Result<(), StoreError> {
+    match file.try_lock() {
+        Ok(()) => Ok(()),
+        Err(TryLockError::WouldBlock) => Err(StoreError::InUse(database.into())),
+        Err(TryLockError::Error(why)) => Err(StoreError::Lock { path: name.into(), why }),
+    }
+}
+
+/// The path without links, also where there is no file at its end yet.
+fn canonical(path: &Path) -> Result<PathBuf, StoreError> {
+    let fail = |why| StoreError::Lock { path: path.into(), why };
+    let mut path = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        match path.canonicalize() {
+            Err(e) if e.kind() == io::ErrorKind::NotFound => {}
+            found => return found.map_err(fail),
+        }
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+            _ => PathBuf::from("."),
+        };
+        let Some(name) = path.file_name() else { return Err(fail(io::ErrorKind::InvalidFilename.into())) };
+        let Ok(target) = path.read_link() else {
+            return Ok(folder.canonicalize().map_err(fail)?.join(name));
+        };
+        path = folder.join(target);
+    }
+    Err(fail(io::Error::other("too many symbolic links")))
+}

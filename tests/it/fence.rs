@@ -1,0 +1,131 @@
+//! A journal that contradicts itself: the robot in question is fenced off, the others go on, the process stays up.
+
+use crate::helper::{Folder, all_jobs, delivery, get, map, post, send, start};
+use giveway::fleet::{Fact, JobState, Task};
+use giveway::id::RobotId;
+use giveway::store::{Entry, Store};
+use giveway::time::Time;
+use serde_json::json;
+use std::net::SocketAddr;
+use std::time::Duration;
+
+/// Asks until it is so.
+async fn until(what: &str, mut so: impl AsyncFnMut() -> bool) {
+    for _ in 0..1200 {
+        if so().await {
+            return;
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    panic!("not in time: {what}");
+}
+
+async fn count(at: SocketAddr, state: &str) -> usize {
+    all_jobs(at, 500).await.iter().filter(|j| j["state"] == state).count()
+}
+
+/// The facts of a floor up to and with the one by which a robot lifts a rack, and that robot: the job does not know of it.
+async fn cut_after_a_lift() -> (Vec<Fact>, RobotId) {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    for rack in 0..6 {
+        let mut job = delivery(rack);
+        job["pick_s"] = json!(0.1);
+        assert_eq!(post(at, None, &job).await.unwrap().status, 201);
+    }
+    until("a robot lifts a rack", async || {
+        count(at, "waiting").await <= 4 && count(at, "assigned").await < 2
+    })
+    .await;
+    server.stop().await.unwrap();
+    let store = Store::open(&folder.database(), &map()).await.unwrap();
+    let mut facts = store.load().await.unwrap().facts;
+    store.close().await;
+    let lifts = |pair: &[Fact]| match pair {
+        [Fact::Acted { robot, .. }, Fact::Progressed { state: JobState::Carrying { .. }, .. }] => {
+            Some(*robot)
+        }
+        _ => None,
+    };
+    let found = facts.windows(2).enumerate().find_map(|(i, pair)| lifts(pair).map(|robot| (i, robot)));
+    let (last, robot) = found.expect("a robot lifted a rack");
+    facts.truncate(last + 1);
+    (facts, robot)
+}
+
+/// The rack that a robot was sent for last.
+fn rack_of(facts: &[Fact], robot: RobotId) -> String {
+    let fetch = |fact: &Fact| match fact {
+        Fact::Tasked { robot: r, task: Task::Fetch { rack, .. } } if *r == robot => Some(*rack),
+        _ => None,
+    };
+    map().racks[facts.iter().rev().find_map(fetch).expect("it was sent for a rack")].name.clone()
+}
+
+/// A folder with a database of these facts.
+async fn database(facts: Vec<Fact>) -> Folder {
+    let folder = Folder::new();
+    let store = Store::open(&folder.database(), &map()).await.unwrap();
+    let entries: Vec<Entry> = facts.into_iter().map(|fact| Entry { at: Time(1), fact }).collect();
+    store.append(1, &entries).await.unwrap();
+    store.close().await;
+    folder
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_robot_that_the_journal_contradicts_is_fenced_off_and_the_others_go_on_delivering() {
+    let (facts, robot) = cut_after_a_lift().await;
+    let rack = rack_of(&facts, robot);
+    let folder = database(facts).await;
+    let server = start(&folder).await;
+    let at = server.address();
+    // Jobs that the cut left out.
+    for i in 1..6 {
+        let mut job = delivery(i);
+        job["pick_s"] = json!(0.1);
+        if job["rack"] != *rack {
+            assert_eq!(post(at, None, &job).await.unwrap().status, 201);
+        }
+    }
+    let name = format!("robot-{}", robot.0 + 1);
+    until("an alarm names the robot", async || {
+        let health = get(at, "/v1/health").await;
+        health.status == 503 && health.text.contains(&format!("{name} contradicts itself: fenced off"))
+    })
+    .await;
+    let before = count(at, "done").await;
+    until("the other robot goes on delivering", async || count(at, "done").await >= before + 2).await;
+    let robots = get(at, "/v1/robots").await.json();
+    let states: Vec<_> =
+        robots["items"].as_array().unwrap().iter().filter(|r| r["state"] == "failed").collect();
+    assert_eq!((states.len(), &states[0]["id"]), (1, &json!(name)), "{robots}");
+    server.stop().await.unwrap();
+
+    let server = start(&folder).await;
+    let at = server.address();
+    until("it is fenced off after a restart, too", async || {
+        get(at, "/v1/health").await.text.contains("fenced off")
+    })
+    .await;
+    let released = send(at, "POST", &format!("/v1/robots/{name}/resume"), &[], "").await.unwrap();
+    assert_eq!(released.status, 204, "{released:?}");
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_journal_that_cannot_be_folded_leaves_a_server_that_says_so() {
+    let (mut facts, robot) = cut_after_a_lift().await;
+    facts.push(Fact::Acted { robot, serial: 1_000_000 });
+    let folder = database(facts).await;
+    for _ in 0..2 {
+        let server = start(&folder).await;
+        let at = server.address();
+        let health = get(at, "/v1/health").await;
+        health.problem(503);
+        assert!(health.text.contains("contradicts itself") && health.text.contains("restore"), "{health:?}");
+        post(at, None, &delivery(0)).await.unwrap().problem(503);
+        assert_eq!(get(at, "/v1/health/live").await.status, 200);
+        server.stop().await.unwrap();
+    }
+}
