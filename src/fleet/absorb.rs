@@ -2,10 +2,10 @@
 //!
 //! Refuses: to decide anything about robots.
 
+use super::Fleet;
 use super::fact::{Fact, Task};
 use super::io::{Input, Refusal, Reply};
 use super::job::{JobKind, JobRequest, JobState};
-use super::{Fleet, RackAt};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
@@ -101,14 +101,15 @@ impl Fleet {
 
     /// Whether another rack than `rack` stands on a storage node, or is promised to it.
     pub(super) fn storage_taken(&self, node: NodeId, rack: RackId) -> bool {
-        let stands = self.ledger.racks.pairs().any(|(k, at)| k != rack && *at == RackAt::Stored(node));
+        let places = &self.ledger.index.places;
+        let stands = places.rack_on(node).is_some_and(|k| k != rack);
         let promised = |t: &Task| match *t {
             Task::Deliver { store, rack: k, .. } | Task::Store { store, rack: k, .. } => {
                 store == node && k != rack
             }
             Task::Idle | Task::Fetch { .. } | Task::Move { .. } => false,
         };
-        stands || self.ledger.robots.iter().any(|r| promised(&r.task))
+        stands || places.bound_for(node).iter().any(|r| promised(&self.ledger.robots[*r].task))
     }
 
     /// Cancels a job at any stage: the job is over at once; a robot at work on it brings its rack to storage.

@@ -3,7 +3,8 @@
 //! Refuses: first come, first served; and to give a job to a robot that should charge first.
 
 use super::fact::{Fact, Purpose, Task};
-use super::job::{Job, JobFailure, JobKind, JobState};
+use super::index::Goal;
+use super::job::{JobFailure, JobKind, JobState};
 use super::matching::{NEVER, least_cost};
 use super::storage::along_axes;
 use super::{Fleet, RackAt, ledger};
@@ -15,11 +16,6 @@ use std::collections::BTreeSet;
 /// How many waiting jobs and idle robots one step matches at most.
 const JOBS: usize = 128;
 const ROBOTS: usize = 64;
-/// What one step of priority is worth, what a second of waiting is worth, milliseconds.
-const PRIORITY_MS: i64 = 120_000;
-const AGE_SHARE: i64 = 4;
-/// A deadline counts from this long before it.
-const NEAR: Span = Span::from_secs(600);
 /// What it costs that the station has as many racks under way as places, per rack beyond.
 const CROWD_MS: i64 = 8_000;
 /// A rack that waits longer than this for a place at its station has waited for long.
@@ -31,6 +27,7 @@ impl Fleet {
     pub(super) fn assign(&mut self, now: Time) {
         let (working, resting): (Vec<RobotId>, Vec<RobotId>) =
             self.idle_robots(now).into_iter().partition(|r| self.is_charged(*r));
+        self.ledger.index.queue.advance(now);
         self.assign_named(now);
         let left = self.assign_racks(working, now);
         for robot in left.into_iter().chain(resting) {
@@ -56,16 +53,16 @@ impl Fleet {
 
     /// Jobs for a robot that the customer named.
     fn assign_named(&mut self, now: Time) {
-        let named = self
-            .ledger
-            .jobs
-            .iter()
-            .filter_map(|(id, j)| Some((*id, j.request.kind.robot()?, j.request.kind)));
-        let ready: Vec<_> = named.filter(|(id, _, _)| self.is_ready(*id)).collect();
-        for (job, robot, kind) in ready {
+        let idle = |(robot, _): &(RobotId, _)| self.ledger.robots[*robot].task == Task::Idle;
+        let named = self.ledger.index.queue.named().filter(idle);
+        let mut ready: Vec<(JobId, RobotId)> =
+            named.flat_map(|(robot, jobs)| jobs.iter().map(move |id| (*id, robot))).collect();
+        ready.sort_unstable();
+        for (job, robot) in ready {
             if self.ledger.robots[robot].task != Task::Idle || self.scene.fit(robot, now).is_none() {
                 continue;
             }
+            let kind = self.ledger.jobs[&job].request.kind;
             let (goal, stay, purpose) = match kind {
                 JobKind::Charge { .. } => (None, self.free_place(robot, NodeKind::Charger), Purpose::Charge),
                 JobKind::Park { .. } => (None, self.free_place(robot, NodeKind::Parking), Purpose::Park),
@@ -92,14 +89,19 @@ impl Fleet {
 
     /// Gives rack jobs to robots; gives back the robots that got none.
     fn assign_racks(&mut self, robots: Vec<RobotId>, now: Time) -> Vec<RobotId> {
-        if robots.is_empty() || self.ledger.jobs.is_empty() {
+        if robots.is_empty() || self.ledger.index.queue.is_empty() {
             return robots;
         }
         let jobs = self.candidates(now);
         let (few, mut left) =
             (robots[..robots.len().min(ROBOTS)].to_vec(), robots[robots.len().min(ROBOTS)..].to_vec());
-        let worth: Vec<i64> =
-            jobs.iter().map(|(id, _, _, urgency_ms)| self.crowd(*id) - urgency_ms).collect();
+        if jobs.is_empty() {
+            left.extend(few);
+            return left;
+        }
+        let under_way = self.under_way();
+        let crowd = |id: &JobId| self.crowd(*id, &under_way);
+        let worth: Vec<i64> = jobs.iter().map(|(id, _, _, urgency_ms)| crowd(id) - urgency_ms).collect();
         let cost: Vec<Vec<i64>> = (few.iter())
             .map(|r| {
                 let known = jobs
@@ -123,41 +125,30 @@ impl Fleet {
 
     /// Waiting jobs whose rack stands in storage and is nobody's, with their urgency, most urgent first; one per rack.
     fn candidates(&self, now: Time) -> Vec<(JobId, RackId, NodeId, i64)> {
-        let mut seen: BTreeSet<RackId> = (self.ledger.robots.iter())
-            .filter_map(|r| match r.task {
-                Task::Fetch { rack, .. } => Some(rack),
-                _ => None,
-            })
-            .collect();
-        let waiting: Vec<(JobId, &Job)> = self.waiting_jobs().collect();
-        let mut ranked = self.ranks(&waiting, now);
-        ranked.sort_unstable();
+        let queue = &self.ledger.index.queue;
+        let (oldest, wanted) = (queue.oldest(now), queue.racks_wanted());
         let enough = self.stations_with_enough(now);
+        let is_open = |goal| !matches!(goal, Goal::Station(s) if enough.contains(&s));
+        let mut seen: BTreeSet<RackId> = BTreeSet::new();
         let mut found = Vec::new();
-        for (urgency, id) in ranked {
-            let Some(rack) = self.ledger.jobs[&id].request.kind.rack() else { continue };
+        for id in queue.offers(now, is_open) {
+            if found.len() == JOBS || seen.len() == wanted {
+                break;
+            }
+            let rack = self.ledger.jobs[&id].request.kind.rack().expect("offers are for racks");
             let RackAt::Stored(node) = self.ledger.racks[rack] else { continue };
-            let kind = &self.ledger.jobs[&id].request.kind;
-            let has_enough = matches!(kind, JobKind::Deliver { station, .. } if enough.contains(station));
-            if !has_enough && self.is_ready(id) && !self.job_is_closed_off(kind, node) && seen.insert(rack) {
-                found.push((id, rack, node, -urgency));
-                if found.len() == JOBS {
-                    break;
-                }
+            if seen.contains(&rack) {
+                continue;
+            }
+            let closed = |id: &JobId| self.job_is_closed_off(&self.ledger.jobs[id].request.kind, node);
+            // Behind a job whose goal is closed may be one whose goal is not.
+            let open = std::iter::once(id).chain(queue.behind(id)).find(|id| !closed(id));
+            if let Some(id) = open {
+                seen.insert(rack);
+                found.push((id, rack, node, queue.urgency_ms(id, now, &oldest)));
             }
         }
         found
-    }
-
-    /// Waiting jobs with their urgency turned round, so that the smallest comes first; in no order.
-    pub(super) fn ranks(&self, waiting: &[(JobId, &Job)], now: Time) -> Vec<(i64, JobId)> {
-        let mut oldest = [now; 10];
-        for (_, job) in waiting.iter().filter(|(_, j)| !self.is_blocked(&j.request.after)) {
-            let first = &mut oldest[usize::from(job.request.priority)];
-            *first = job.accepted.min(*first);
-        }
-        let urgency = |j: &Job| urgency_ms(j, now, oldest[usize::from(j.request.priority)]);
-        waiting.iter().map(|(id, j)| (-urgency(j), *id)).collect()
     }
 
     /// Stations for which enough robots wait with their racks. Whoever fetched another one would stand with it and be
@@ -185,16 +176,23 @@ impl Fleet {
         Some((along_axes(at(here), at(node)) / self.settings.kinematics.speed_mps * 1000.0) as i64)
     }
 
+    /// For each station, how many robots work on deliveries to it.
+    fn under_way(&self) -> IdVec<StationId, usize> {
+        let mut under_way = IdVec::filled(0, self.warehouse().stations.len());
+        let jobs = self.ledger.robots.iter().filter_map(|r| self.ledger.jobs.get(&r.task.job()?));
+        for job in jobs {
+            if let JobKind::Deliver { station, .. } = job.request.kind {
+                under_way[station] += 1;
+            }
+        }
+        under_way
+    }
+
     /// What it costs that many racks are on their way to the job's station already.
-    fn crowd(&self, job: JobId) -> i64 {
+    fn crowd(&self, job: JobId, under_way: &IdVec<StationId, usize>) -> i64 {
         let JobKind::Deliver { station, .. } = self.ledger.jobs[&job].request.kind else { return 0 };
         let places = self.warehouse().stations[station].queue.len() + 1;
-        let under_way = (self.ledger.robots.iter())
-            .filter_map(|r| r.task.job())
-            .filter_map(|j| self.ledger.jobs.get(&j))
-            .filter(|j| matches!(j.request.kind, JobKind::Deliver { station: s, .. } if s == station))
-            .count();
-        CROWD_MS * (under_way.saturating_sub(places / 2)) as i64
+        CROWD_MS * (under_way[station].saturating_sub(places / 2)) as i64
     }
 
     /// What an idle robot without a job does: charge if it should, leave the floor if it stands in the way.
@@ -225,17 +223,6 @@ fn enough(places: usize, last: Option<Span>, longest: Span) -> usize {
         () if longest > LONG || last.is_none_or(|waited| waited > LONG) => places,
         () => 2 * places,
     }
-}
-
-/// Priority, nearness of the deadline and age, milliseconds. A job whose deadline is near stands in line as if it
-/// were the `oldest` of its priority, and the nearer the deadline, the farther before it: however long others have
-/// waited, they can wait a little longer, and the deadline cannot.
-fn urgency_ms(job: &Job, now: Time, oldest: Time) -> i64 {
-    let left = job.request.deadline.map_or(Span::MAX, |d| (d - now).max(Span::from_secs(-3600)));
-    let since = if Span::ZERO < left && left < NEAR { oldest } else { job.accepted };
-    let age = (now - since).0 / 1000;
-    let deadline = (NEAR.0.saturating_sub(left.0) / 1000).clamp(0, 1_200_000) / 4;
-    i64::from(job.request.priority) * PRIORITY_MS + age / AGE_SHARE + deadline
 }
 
 fn stage(goal: NodeId) -> crate::route::Stage {

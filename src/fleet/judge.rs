@@ -120,8 +120,7 @@ impl Fleet {
 
     /// The assignment that a worker is at, or is to begin.
     pub(super) fn next_assignment(&self, worker: WorkerId) -> Option<AssignmentId> {
-        let own = self.ledger.assignments.iter().filter(|(_, a)| a.worker == worker);
-        own.map(|(id, _)| *id).next()
+        self.ledger.index.assignments_of(worker).next()
     }
 
     /// Where a robot is, as far as it was seen.

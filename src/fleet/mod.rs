@@ -16,6 +16,7 @@ mod foresee;
 mod grant;
 mod guide;
 mod hand;
+pub mod index;
 mod insert;
 pub mod io;
 pub mod job;
