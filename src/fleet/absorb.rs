@@ -4,7 +4,7 @@
 
 use super::Fleet;
 use super::fact::{Fact, Task};
-use super::io::{Input, Refusal, Reply};
+use super::io::{Bounded, Input, Refusal, Reply};
 use super::job::{JobKind, JobRequest, JobState};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId};
 use crate::time::Time;
@@ -58,11 +58,14 @@ impl Fleet {
         if request.priority > 9 {
             return Err(Refusal::Priority(request.priority));
         }
+        if request.after.len() > self.settings.after_max {
+            return Err(Refusal::TooManyBefore(self.settings.after_max));
+        }
         if let Some(job) = request.after.iter().find(|j| j.0 == 0 || j.0 >= self.ledger.next_job) {
             return Err(Refusal::UnknownPredecessor(*job));
         }
         if self.ledger.jobs.len() >= self.settings.waiting_max {
-            return Err(Refusal::TooMany(self.ledger.jobs.len()));
+            return Err(Refusal::TooMany(Bounded::Jobs, self.ledger.jobs.len()));
         }
         let job = JobId(self.ledger.next_job);
         self.record(Fact::Accepted { job, request, at: now });

@@ -6,6 +6,7 @@
 //! late ones do no harm).
 
 mod absorb;
+mod areas;
 mod assign;
 mod backlog;
 mod closing;
@@ -44,7 +45,7 @@ mod yielding;
 pub use backlog::{Backlog, Pending};
 pub use fact::{Act, Booking, Fact, Purpose, Stop, Task};
 pub use foresee::{AHEAD_S, Expected};
-pub use io::{Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
+pub use io::{Bounded, Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
 pub use job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use ledger::Ledger;
 pub use people::{
@@ -80,8 +81,18 @@ pub struct Settings {
     pub battery_low: f64,
     /// Above this charge a charging robot may take jobs again.
     pub battery_enough: f64,
-    /// How many jobs may wait.
+    /// How many jobs may be open.
     pub waiting_max: usize,
+    /// How many assignments may be open.
+    pub assignments_max: usize,
+    /// How many workers may be known.
+    pub workers_max: usize,
+    /// How many closures there may be, announced, closed, or over since less than a day.
+    pub closures_max: usize,
+    /// After how many others a job may come.
+    pub after_max: usize,
+    /// How many corners an area may have.
+    pub corners_max: usize,
     /// How the fleet deals with people.
     pub arm: Arm,
     /// How our own arm recognises intentions.
@@ -104,6 +115,11 @@ impl Default for Settings {
             battery_low: 0.3,
             battery_enough: 0.5,
             waiting_max: 100_000,
+            assignments_max: 10_000,
+            workers_max: 1_000,
+            closures_max: 2_000,
+            after_max: 100,
+            corners_max: 100,
             arm: Arm::default(),
             method: Method::Detour,
             model: Model::builtin(),
