@@ -26,6 +26,8 @@ pub enum Bench {
     Distances(Distances),
     /// What one step of the fleet costs where much exists and little changes.
     Steps(super::bench_steps::Steps),
+    /// Whether memory stays flat while days go by.
+    Memory(super::bench_memory::Memory),
 }
 
 /// Pebble rules, with or without turns.
@@ -216,6 +218,7 @@ impl Bench {
             Bench::Plan(arguments) => arguments.run(),
             Bench::Distances(arguments) => arguments.run(),
             Bench::Steps(arguments) => arguments.run(),
+            Bench::Memory(arguments) => arguments.run(),
         }
     }
 }

@@ -4,6 +4,7 @@
 //! codes: 0 done, 1 the work failed or a law was broken, 2 wrong arguments.
 
 mod bench;
+mod bench_memory;
 mod bench_steps;
 mod experiment;
 mod learn;

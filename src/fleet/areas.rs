@@ -18,6 +18,10 @@ pub(super) const SOON: Span = Span::from_secs(180);
 /// A closure that is over stays in the list for so long.
 const KEPT: Span = Span::from_secs(24 * 3600);
 
+/// The search is told of a closure so long before it begins: no route takes longer, and closures of months ahead would
+/// only be in its way.
+const AHEAD: Span = Span::from_secs(24 * 3600);
+
 /// An area with its nodes.
 #[derive(Debug)]
 struct Area {
@@ -25,7 +29,7 @@ struct Area {
     window: Window,
 }
 
-/// Closures that are not over.
+/// Closures that are in force or begin within a day.
 #[derive(Debug, Default)]
 pub(super) struct Areas {
     open: BTreeMap<ClosureId, Area>,
@@ -58,7 +62,8 @@ impl Areas {
         for (id, area) in self.open.extract_if(.., |id, a| over(id, a)) {
             area.nodes.iter().for_each(|n| conditions.lift(*n, Cause::Closure(id)));
         }
-        for (id, closure) in closures.iter().filter(|(_, c)| now < c.window.end()) {
+        let ahead = Window::new(now, now + AHEAD);
+        for (id, closure) in closures.iter().filter(|(_, c)| c.window.overlaps(ahead)) {
             let window = closure.window;
             self.open.entry(*id).or_insert_with(|| {
                 let nodes = nodes_of(closure, warehouse);
@@ -68,7 +73,7 @@ impl Areas {
             });
         }
         self.note_closing(warehouse, now);
-        self.next = self.open.values().map(|a| a.next_change(now)).min();
+        self.next = closures.values().filter_map(|c| next_change(c.window, now)).min();
         self.forget = closures.values().map(|c| c.window.end() + KEPT).min();
     }
 
@@ -109,12 +114,11 @@ impl Areas {
     }
 }
 
-impl Area {
-    /// When the area begins to count, or ends.
-    fn next_change(&self, now: Time) -> Time {
-        let counts = self.window.start() - SOON + Span(1);
-        if now < counts { counts } else { self.window.end() }
-    }
+/// When a closure is told to the search, begins to count, or ends, whichever is next.
+fn next_change(window: Window, now: Time) -> Option<Time> {
+    let told = window.start() - AHEAD + Span(1);
+    let counts = window.start() - SOON + Span(1);
+    [told, counts, window.end()].into_iter().find(|t| now < *t)
 }
 
 /// Storage nodes beside a closed node whose racks have no other way out, with when the last way is closed.

@@ -1,11 +1,14 @@
 //! The core as a whole, step by step, on a simulated floor whose laws are checked at every step.
 
+mod after;
 mod cancel;
 mod closures;
 mod failure;
 mod hand;
 mod jobs;
+mod limits;
 mod messages;
+mod order;
 mod people;
 mod published;
 mod recall;

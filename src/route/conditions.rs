@@ -93,10 +93,12 @@ impl Conditions {
         }
     }
 
-    /// Adds one that lasts until it is lifted. To be called while there are no passing ones.
+    /// Adds one that lasts until it is lifted, in order of causes. To be called while there are no passing ones.
     pub fn announce(&mut self, node: NodeId, condition: Condition) {
         debug_assert!(self.touched.is_empty(), "lasting conditions stand before all passing ones");
-        self.nodes[node].push(condition);
+        let list = &mut self.nodes[node];
+        let at = list.partition_point(|c| c.cause <= condition.cause);
+        list.insert(at, condition);
         *self.lasting.entry(node).or_default() += 1;
         self.mark(node, true);
     }
