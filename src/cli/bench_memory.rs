@@ -28,6 +28,19 @@ pub struct Memory {
     json: bool,
 }
 
+/// What a row shows, and under which name.
+const COLUMNS: [(&str, &str); 9] = [
+    ("day", "day"),
+    ("memory kB", "memory_kb"),
+    ("jobs", "accepted"),
+    ("done", "done"),
+    ("open", "open_jobs"),
+    ("bad ends", "bad_ends"),
+    ("assignments", "assignments"),
+    ("closures", "closures"),
+    ("kept", "kept_closures"),
+];
+
 impl Memory {
     /// Lets the days go by and prints a row for each.
     pub fn run(self) -> anyhow::Result<ExitCode> {
@@ -48,23 +61,9 @@ impl Memory {
             return Ok(ExitCode::SUCCESS);
         }
         println!("{command}");
-        println!(
-            "{:>4} {:>9} {:>8} {:>8} {:>11} {:>8} {:>5} {:>8} {:>8}",
-            "day", "memory kB", "accepted", "done", "assignments", "closures", "open", "kept", "bad ends"
-        );
-        for r in &rows {
-            println!(
-                "{:>4} {:>9} {:>8} {:>8} {:>11} {:>8} {:>5} {:>8} {:>8}",
-                r["day"],
-                r["memory_kb"],
-                r["accepted"],
-                r["done"],
-                r["assignments"],
-                r["closures"],
-                r["open_jobs"],
-                r["kept_closures"],
-                r["bad_ends"]
-            );
+        println!("{}", COLUMNS.map(|(title, _)| format!("{title:>11}")).join(" "));
+        for row in &rows {
+            println!("{}", COLUMNS.map(|(_, key)| format!("{:>11}", row[key].to_string())).join(" "));
         }
         Ok(ExitCode::SUCCESS)
     }

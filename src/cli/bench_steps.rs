@@ -111,8 +111,8 @@ impl Steps {
             let figure = |key: &str| us[key].as_f64().unwrap_or_default();
             println!(
                 "{name:28} {:>6} {:>8} {:>9.1} {:>9.1} {:>9.1}",
-                row["robots"],
-                row["open"],
+                row["robots"].to_string(),
+                row["open"].to_string(),
                 figure("p50"),
                 figure("p99"),
                 figure("max")

@@ -89,10 +89,10 @@ impl Fleet {
 
     /// Gives rack jobs to robots; gives back the robots that got none.
     fn assign_racks(&mut self, robots: Vec<RobotId>, now: Time) -> Vec<RobotId> {
-        if robots.is_empty() || self.ledger.index.queue.is_empty() {
+        if robots.is_empty() || self.ledger.jobs.is_empty() {
             return robots;
         }
-        let jobs = self.candidates(now);
+        let jobs = if self.ledger.index.queue.has_offers() { self.candidates(now) } else { Vec::new() };
         let (few, mut left) =
             (robots[..robots.len().min(ROBOTS)].to_vec(), robots[robots.len().min(ROBOTS)..].to_vec());
         if jobs.is_empty() {

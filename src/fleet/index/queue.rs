@@ -107,6 +107,11 @@ impl Queue {
         self.entries.is_empty()
     }
 
+    /// Whether any job could start if a robot were free and its goal open.
+    pub fn has_offers(&self) -> bool {
+        !self.heads.is_empty()
+    }
+
     /// Up to when deadlines were looked at.
     pub fn as_of(&self) -> Time {
         self.as_of
