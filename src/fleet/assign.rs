@@ -128,10 +128,10 @@ impl Fleet {
         let queue = &self.ledger.index.queue;
         let (oldest, wanted) = (queue.oldest(now), queue.racks_wanted());
         let enough = self.stations_with_enough(now);
-        let is_open = |goal| !matches!(goal, Goal::Station(s) if enough.contains(&s));
+        let has_room = |goal| !matches!(goal, Goal::Station(s) if enough.contains(&s));
         let mut seen: BTreeSet<RackId> = BTreeSet::new();
         let mut found = Vec::new();
-        for id in queue.offers(now, is_open) {
+        for id in queue.offers(now, has_room) {
             if found.len() == JOBS || seen.len() == wanted {
                 break;
             }
@@ -140,12 +140,15 @@ impl Fleet {
             if seen.contains(&rack) {
                 continue;
             }
-            let closed = |id: &JobId| self.job_is_closed_off(&self.ledger.jobs[id].request.kind, node);
-            // Behind a job whose goal is closed may be one whose goal is not.
-            let open = std::iter::once(id).chain(queue.behind(id)).find(|id| !closed(id));
-            if let Some(id) = open {
+            let is_open = |id: &JobId| !self.job_is_closed_off(&self.ledger.jobs[id].request.kind, node);
+            // Only relocations in one line have goals of their own: behind one that is closed may be one that is not.
+            let is_shut = self.is_closing(node) || self.ledger.jobs[&id].request.kind.station().is_some();
+            let others = queue.behind(id).take_while(|_| !is_shut);
+            if let Some(id) = std::iter::once(id).chain(others).find(is_open) {
                 seen.insert(rack);
                 found.push((id, rack, node, queue.urgency_ms(id, now, &oldest)));
+            } else if self.is_closing(node) {
+                seen.insert(rack);
             }
         }
         found
