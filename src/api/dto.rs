@@ -9,7 +9,7 @@ use crate::fleet::{Counts, Doing, JobFailure, JobKind, JobState, JobWhy, RackAt,
 use crate::id::{Dense, JobId, NodeId, RobotId};
 use crate::time::Time;
 use crate::timeline::Holder;
-use crate::warehouse::Warehouse;
+use crate::warehouse::{NodeKind, Warehouse};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -235,7 +235,7 @@ impl Names<'_> {
 
     fn why_of_job(&self, record: &JobRecord) -> Option<String> {
         if let JobState::Failed(why) = record.job.state {
-            return Some(why_failed(why));
+            return Some(why_failed(why, self.map));
         }
         Some(self.why_job(self.view.why_job(record.id, &record.job)?))
     }
@@ -243,6 +243,7 @@ impl Names<'_> {
     /// Why a job does not go on, in words.
     pub fn why_job(&self, why: JobWhy) -> String {
         let rack = |r| self.map.racks.get(r).map_or_else(|| format!("{r:?}"), |rack| rack.name.clone());
+        let station = |s| self.map.stations.get(s).map_or_else(|| format!("{s:?}"), |s| s.name.clone());
         match why {
             JobWhy::After(job) => format!("waiting for {} to be over", job_name(job)),
             JobWhy::RackBusy(k, r, Some(job)) => {
@@ -258,6 +259,17 @@ impl Names<'_> {
                 format!("waiting for {}, which is on its way somewhere", self.robot(r))
             }
             JobWhy::NoRobot => "no robot is free".into(),
+            JobWhy::StationFull(s) => {
+                format!("waiting for room at {}: enough racks wait for it already", station(s))
+            }
+            JobWhy::StationPaused(s) => format!("waiting for {} to go on: it is paused", station(s)),
+            JobWhy::ClosedOff => "waiting for the way to its rack, or to where that goes, to be open".into(),
+            JobWhy::RackBlocked(k, r) => {
+                format!("waiting for rack {}, beneath which {} stands", rack(k), self.robot(r))
+            }
+            JobWhy::NoPlace(NodeKind::Charger) => "waiting for a charger to be free".into(),
+            JobWhy::NoPlace(_) => "waiting for a parking place to be free".into(),
+            JobWhy::RobotLow(r) => format!("waiting for {} to have charged", self.robot(r)),
             JobWhy::Robot(r, why) => format!("{}: {}", self.robot(r), self.why(why)),
         }
     }
@@ -334,12 +346,17 @@ fn doing_word(d: Doing) -> &'static str {
     }
 }
 
-fn why_failed(why: JobFailure) -> String {
+fn why_failed(why: JobFailure, warehouse: &Warehouse) -> String {
     match why {
         JobFailure::Predecessor(job) => {
             format!("{}, which had to be over first, was cancelled or failed", job_name(job))
         }
         JobFailure::Unreachable => "no way leads there, even on an empty floor".into(),
+        JobFailure::Short => "the station said that goods were missing".into(),
+        JobFailure::StorageTaken(node) => {
+            let node = &warehouse.nodes[node].name;
+            format!("{node} has another rack, or is promised to one: the rack was put elsewhere")
+        }
     }
 }
 

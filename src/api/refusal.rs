@@ -7,7 +7,7 @@ use super::error::{FieldError, Problem};
 use super::people::{assignment_name, closure_name, worker_name};
 use crate::fleet::{Bounded, Refusal};
 use crate::id::NodeId;
-use crate::warehouse::Warehouse;
+use crate::warehouse::{NodeKind, Warehouse};
 
 /// A refusal as a problem.
 pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
@@ -34,6 +34,15 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         Refusal::StorageTaken(n) => {
             let detail = format!("{} has a rack, or is promised to one: choose another node", node(n));
             Problem::conflict("storage-taken", "The storage node is taken", detail)
+        }
+        Refusal::NoSuchPlace(kind) => {
+            let place = if kind == NodeKind::Charger { "charger" } else { "parking place" };
+            field("kind", format!("the map has no {place}: add one, or send the robot to a node with `go`"))
+        }
+        Refusal::NothingToPick(station) => {
+            let name = map.stations.get(station).map_or_else(|| format!("{station:?}"), |s| s.name.clone());
+            let detail = format!("no rack stands at {name}: GET /v1/stations says what is on its way");
+            Problem::conflict("nothing-to-pick", "There is nothing to pick from", detail)
         }
         Refusal::Priority(p) => field("priority", format!("{p} is not between 0 and 9")),
         Refusal::TooMany(kind, n) => too_many(kind, n),

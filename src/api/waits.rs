@@ -36,7 +36,8 @@ pub struct LinkDto {
     pub who: String,
     /// robot or job.
     pub kind: &'static str,
-    /// What the link is about: resource, queue, person, closure, route, failed, silent, job, rack, robot, no_robot;
+    /// What the link is about: resource, queue, person, closure, route, failed, silent, job, rack, robot, no_robot,
+    /// station, closed, blocked, place, battery;
     /// or, for somebody who waits for nobody, stop, drives, later, stays.
     pub cause: &'static str,
     /// In words, without the name of who it is.
@@ -107,6 +108,14 @@ impl Names<'_> {
                         ("robot", Some((self.robot(r), "robot")))
                     }
                     JobWhy::NoRobot => ("no_robot", None),
+                    JobWhy::StationFull(s) | JobWhy::StationPaused(s) => {
+                        let name = self.map.stations.get(s).map(|s| (s.name.clone(), "station"));
+                        ("station", name)
+                    }
+                    JobWhy::ClosedOff => ("closed", None),
+                    JobWhy::RackBlocked(_, r) => ("blocked", Some((self.robot(r), "robot"))),
+                    JobWhy::NoPlace(_) => ("place", None),
+                    JobWhy::RobotLow(r) => ("battery", Some((self.robot(r), "robot"))),
                 };
                 link(cause, by, active(&self.why_job(why)))
             }

@@ -7,7 +7,7 @@ use super::reel::Reeler;
 use super::{progress, read, read_map, stopwatch};
 use crate::human::Model;
 use crate::sim::recording::{Header, Recorder};
-use crate::sim::{Demand, OrderLine, Outcome, Scenario, Simulation};
+use crate::sim::{Demand, OrderLine, Outcome, Scenario, Simulation, Tally};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use anyhow::Context;
@@ -202,8 +202,21 @@ fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) 
         "plan_us": quantiles(&o.plan_ns),
         "plan_failures": o.counts.plan_failures,
         "step_us": quantiles(&o.step_ns),
+        "jobs": o.jobs.iter().map(|(kind, t)| (kind.to_string(), tally(t))).collect::<serde_json::Map<_, _>>(),
+        "drained": o.drained,
+        "drain_seconds": o.drained.map(|_| o.drain.as_secs_f64()),
         "law_violations": o.law_violations,
         "trace_hash": format!("{:016x}", o.trace_hash),
+    })
+}
+
+fn tally(t: &Tally) -> Value {
+    json!({
+        "accepted": t.accepted,
+        "done": t.done,
+        "failed": t.failed,
+        "cancelled": t.cancelled,
+        "open_at_end": t.open_at_end,
     })
 }
 

@@ -6,9 +6,12 @@
 
 use super::statistics::{Paired, Summary};
 use crate::aware::Arm;
+use crate::fleet::Charging;
 use crate::route::Kinematics;
 use crate::sim::detection::Score;
-use crate::sim::{Causes, Demand, Deviations, Faults, Outcome, Scenario, Sensor, Simulation, Workers};
+use crate::sim::{
+    Causes, Demand, Deviations, Faults, Habits, Outcome, Scenario, Sensor, Simulation, Workers,
+};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
 use std::sync::Arc;
@@ -137,6 +140,9 @@ impl Setup {
             period: Span::from_millis(100),
             seed,
             demand: Demand::Backlog(self.robots),
+            customers: Habits::default(),
+            drain: Span::ZERO,
+            charging: Charging::default(),
             faults: Faults::default(),
             kinematics: Kinematics::default(),
             workers,

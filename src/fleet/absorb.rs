@@ -3,7 +3,7 @@
 //! Refuses: to decide anything about robots.
 
 use super::Fleet;
-use super::fact::{Fact, Task};
+use super::fact::{Fact, Purpose, Task};
 use super::io::{Bounded, Input, Refusal, Reply};
 use super::job::{JobKind, JobRequest, JobState};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId};
@@ -86,6 +86,14 @@ impl Fleet {
         if !known {
             return Err(Refusal::UnknownPlace);
         }
+        let place = match kind {
+            JobKind::Charge { .. } => Some(NodeKind::Charger),
+            JobKind::Park { .. } => Some(NodeKind::Parking),
+            _ => None,
+        };
+        if let Some(place) = place.filter(|p| !w.nodes.iter().any(|n| n.kind == *p)) {
+            return Err(Refusal::NoSuchPlace(place));
+        }
         if let JobKind::Relocate { rack, node } = *kind {
             if w.nodes[node].kind != NodeKind::Storage {
                 return Err(Refusal::NotStorage(node));
@@ -97,12 +105,13 @@ impl Fleet {
         Ok(())
     }
 
-    fn next_stop_is_granted(&self, robot: RobotId) -> bool {
+    /// Whether a robot may drive up to its next stop already, and will do there what it was told.
+    pub(super) fn next_stop_is_granted(&self, robot: RobotId) -> bool {
         let next = self.ledger.robots[robot].stops.first();
         next.is_some_and(|s| s.serial < self.ledger.chain(robot).granted())
     }
 
-    /// Whether another rack than `rack` stands on a storage node, or is promised to it.
+    /// Whether another rack than `rack` stands on a storage node, or is to come there.
     pub(super) fn storage_taken(&self, node: NodeId, rack: RackId) -> bool {
         let places = &self.ledger.index.places;
         let stands = places.rack_on(node).is_some_and(|k| k != rack);
@@ -112,7 +121,9 @@ impl Fleet {
             }
             Task::Idle | Task::Fetch { .. } | Task::Move { .. } => false,
         };
-        stands || places.bound_for(node).iter().any(|r| promised(&self.ledger.robots[*r].task))
+        stands
+            || places.bound_for(node).iter().any(|r| promised(&self.ledger.robots[*r].task))
+            || places.is_wanted_for_another(node, rack)
     }
 
     /// Cancels a job at any stage: the job is over at once; a robot at work on it brings its rack to storage.
@@ -121,23 +132,30 @@ impl Fleet {
             return Err(Refusal::UnknownJob(job));
         }
         let Some(record) = self.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
-        let robot = record.state.robot();
-        self.record(Fact::Progressed { job, state: JobState::Cancelled, at: now });
-        if let Some(robot) = robot {
-            let task = match self.ledger.robots[robot].task {
-                Task::Deliver { rack, store, .. } | Task::Store { rack, store, .. } => {
-                    Task::Store { job: None, rack, store }
-                }
-                // A robot that may drive to the rack already will lift it, and puts it back then.
-                fetch @ Task::Fetch { .. } if self.next_stop_is_granted(robot) => fetch,
-                Task::Fetch { node, .. } => {
-                    Task::Move { job: None, goal: node, stay: node, purpose: super::Purpose::Park }
-                }
-                Task::Move { stay, purpose, .. } => Task::Move { job: None, goal: stay, stay, purpose },
-                Task::Idle => Task::Idle,
-            };
-            self.record(Fact::Tasked { robot, task });
+        let tasked = record.state.robot().map(|robot| (robot, self.task_without_job(robot)));
+        self.progress(job, JobState::Cancelled, tasked, now);
+        if let Some((robot, _)) = tasked {
+            self.end_cancelled_pick(robot);
         }
         Ok(())
+    }
+
+    /// What a robot goes on with when its job is over before its task is: it brings its rack to storage, or goes to
+    /// where it may stay.
+    fn task_without_job(&self, robot: RobotId) -> Task {
+        match self.ledger.robots[robot].task {
+            Task::Deliver { rack, store, .. } | Task::Store { rack, store, .. } => {
+                Task::Store { job: None, rack, store }
+            }
+            // A robot that may drive to the rack already will lift it, and puts it back then.
+            Task::Fetch { rack, node, .. } if self.next_stop_is_granted(robot) => {
+                Task::Fetch { job: None, rack, node }
+            }
+            Task::Fetch { node, .. } => {
+                Task::Move { job: None, goal: node, stay: node, purpose: Purpose::Park }
+            }
+            Task::Move { stay, purpose, .. } => Task::Move { job: None, goal: stay, stay, purpose },
+            Task::Idle => Task::Idle,
+        }
     }
 }

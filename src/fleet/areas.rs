@@ -95,6 +95,11 @@ impl Areas {
         self.closing.get(&node).copied()
     }
 
+    /// Nodes that are closed by hand, or will be soon, and those that are cut off by that.
+    pub fn nodes(&self) -> impl Iterator<Item = NodeId> + '_ {
+        self.closing.keys().chain(self.cut_off.keys()).copied()
+    }
+
     /// Whether nothing is closed by hand, now or soon.
     pub fn is_empty(&self) -> bool {
         self.closing.is_empty()

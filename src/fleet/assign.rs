@@ -2,9 +2,9 @@
 //!
 //! Refuses: first come, first served; and to give a job to a robot that should charge first.
 
-use super::fact::{Fact, Purpose, Task};
+use super::fact::{Purpose, Task};
 use super::index::Goal;
-use super::job::{JobFailure, JobKind, JobState};
+use super::job::{Job, JobFailure, JobKind, JobState};
 use super::matching::{NEVER, least_cost};
 use super::storage::along_axes;
 use super::{Fleet, RackAt, ledger};
@@ -20,19 +20,17 @@ const ROBOTS: usize = 64;
 const CROWD_MS: i64 = 8_000;
 /// A rack that waits longer than this for a place at its station has waited for long.
 const LONG: Span = Span::from_secs(60);
-/// Below this, an idle robot that nobody needs goes to charge.
-const TOP_UP: f64 = 0.9;
 
 impl Fleet {
     pub(super) fn assign(&mut self, now: Time) {
-        let (working, resting): (Vec<RobotId>, Vec<RobotId>) =
-            self.idle_robots(now).into_iter().partition(|r| self.is_charged(*r));
         self.ledger.index.queue.advance(now);
+        self.give_back_jobs(now);
         self.assign_named(now);
-        let left = self.assign_racks(working, now);
-        for robot in left.into_iter().chain(resting) {
-            self.rest(robot);
-        }
+        let charger_is_free = self.a_charger_is_free();
+        let (working, mut resting): (Vec<RobotId>, Vec<RobotId>) =
+            self.idle_robots(now).into_iter().partition(|r| self.is_charged(*r, charger_is_free));
+        resting.extend(self.assign_racks(working, now));
+        self.rest(resting, now);
     }
 
     /// Robots with nothing to do that could do something.
@@ -45,40 +43,40 @@ impl Fleet {
         ledger::all(&self.ledger.robots).filter(idle).collect()
     }
 
-    pub(super) fn is_charged(&self, robot: RobotId) -> bool {
-        let battery = self.scene.robot(robot).map_or(0.0, |t| t.battery);
-        let s = &self.settings;
-        battery >= if self.at_charger(robot) { s.battery_enough } else { s.battery_low }
+    /// Jobs for a robot that the customer named: one for each idle robot, before any rack.
+    fn assign_named(&mut self, now: Time) {
+        for robot in self.idle_robots(now) {
+            if let Some(job) = self.named_job_for(robot).filter(|j| self.may_begin(robot, *j)) {
+                self.begin_named(robot, job, now);
+            }
+        }
     }
 
-    /// Jobs for a robot that the customer named.
-    fn assign_named(&mut self, now: Time) {
-        let idle = |(robot, _): &(RobotId, _)| self.ledger.robots[*robot].task == Task::Idle;
-        let named = self.ledger.index.queue.named().filter(idle);
-        let mut ready: Vec<(JobId, RobotId)> =
-            named.flat_map(|(robot, jobs)| jobs.iter().map(move |id| (*id, robot))).collect();
-        ready.sort_unstable();
-        for (job, robot) in ready {
-            if self.ledger.robots[robot].task != Task::Idle || self.scene.fit(robot, now).is_none() {
-                continue;
-            }
-            let kind = self.ledger.jobs[&job].request.kind;
-            let (goal, stay, purpose) = match kind {
-                JobKind::Charge { .. } => (None, self.free_place(robot, NodeKind::Charger), Purpose::Charge),
-                JobKind::Park { .. } => (None, self.free_place(robot, NodeKind::Parking), Purpose::Park),
-                JobKind::Go { node, .. } => (Some(node), self.stay_for(robot, node), Purpose::Go),
-                _ => continue,
-            };
-            let Some(stay) = stay else { continue };
-            let goal = goal.unwrap_or(stay);
-            if self.planner.free_flow(self.ledger.node_of(robot), &[stage(goal), stage(stay)]).is_none() {
-                let state = JobState::Failed(JobFailure::Unreachable);
-                self.record(Fact::Progressed { job, state, at: now });
-                continue;
-            }
-            self.record(Fact::Tasked { robot, task: Task::Move { job: Some(job), goal, stay, purpose } });
-            self.record(Fact::Progressed { job, state: JobState::Assigned { robot }, at: now });
+    /// The job that a robot is to do next by name: the highest priority first, then the nearest deadline, then the
+    /// oldest. Nothing where none can start.
+    pub(super) fn named_job_for(&self, robot: RobotId) -> Option<JobId> {
+        let named = self.ledger.named.get(&robot)?.iter().map(|id| (*id, &self.ledger.jobs[id]));
+        let ready = named.filter(|(id, _)| !self.ledger.index.waits.is_blocked(*id));
+        let rank = |j: &Job| (std::cmp::Reverse(j.request.priority), j.request.deadline.unwrap_or(Time::MAX));
+        ready.min_by_key(|(id, j)| (rank(j), *id)).map(|(id, _)| id)
+    }
+
+    /// Sends an idle robot where a job says. The job waits while there is no place for it, and fails where no way
+    /// leads.
+    fn begin_named(&mut self, robot: RobotId, job: JobId, now: Time) {
+        let (goal, stay, purpose) = match self.ledger.jobs[&job].request.kind {
+            JobKind::Charge { .. } => (None, self.free_place(robot, NodeKind::Charger), Purpose::Charge),
+            JobKind::Park { .. } => (None, self.free_place(robot, NodeKind::Parking), Purpose::Park),
+            JobKind::Go { node, .. } => (Some(node), self.stay_for(robot, node), Purpose::Go),
+            kind => unreachable!("{kind:?} names no robot"),
+        };
+        let Some(stay) = stay else { return };
+        let goal = goal.unwrap_or(stay);
+        if self.planner.free_flow(self.ledger.node_of(robot), &[stage(goal), stage(stay)]).is_none() {
+            return self.progress(job, JobState::Failed(JobFailure::Unreachable), None, now);
         }
+        let task = Task::Move { job: Some(job), goal, stay, purpose };
+        self.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
     }
 
     /// The node itself if the robot may stay there, else some other place to stay.
@@ -107,15 +105,15 @@ impl Fleet {
                 let known = jobs
                     .iter()
                     .zip(&worth)
-                    .map(|((_, _, node, _), w)| self.way_ms(*r, *node).map_or(NEVER, |way| way + w));
+                    .map(|((id, _, node, _), w)| self.way_ms(*r, *id, *node).map_or(NEVER, |way| way + w));
                 known.chain(std::iter::repeat_n(NEVER, few.len())).collect()
             })
             .collect();
         for (robot, column) in few.into_iter().zip(least_cost(&cost)) {
             match column.and_then(|c| jobs.get(c)) {
                 Some(&(job, rack, node, _)) => {
-                    self.record(Fact::Progressed { job, state: JobState::Assigned { robot }, at: now });
-                    self.record(Fact::Tasked { robot, task: Task::Fetch { job, rack, node } });
+                    let task = Task::Fetch { job: Some(job), rack, node };
+                    self.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
                 }
                 None => left.push(robot),
             }
@@ -154,9 +152,9 @@ impl Fleet {
         found
     }
 
-    /// Stations for which enough robots wait with their racks. Whoever fetched another one would stand with it and be
-    /// missed elsewhere.
-    fn stations_with_enough(&self, now: Time) -> BTreeSet<StationId> {
+    /// Stations for which enough robots wait with their racks, or which are paused: fetching another rack now would
+    /// leave its robot waiting while others need it.
+    pub(super) fn stations_with_enough(&self, now: Time) -> BTreeSet<StationId> {
         let mut waiting = IdVec::filled((0, Span::ZERO), self.warehouse().stations.len());
         for robot in self.ledger.robots.ids().filter(|r| self.waits_for_room(*r)) {
             let station = self.station_of(robot).expect("it waits for one");
@@ -166,17 +164,30 @@ impl Fleet {
         let places = |s: StationId| self.warehouse().stations[s].queue.len() + 1;
         let enough =
             |s: StationId, longest: Span| enough(places(s), self.needs.set_off.get(&s).copied(), longest);
-        waiting.pairs().filter(|(s, w)| w.0 >= enough(*s, w.1)).map(|(s, _)| s).collect()
+        let paused = self.ledger.paused_stations.keys().copied();
+        let full = waiting.pairs().filter(|(s, w)| w.0 >= enough(*s, w.1)).map(|(s, _)| s);
+        full.chain(paused).collect()
     }
 
-    /// How long the robot's way to a rack takes, milliseconds; nothing if somebody else stands there for ever.
-    fn way_ms(&self, robot: RobotId, node: NodeId) -> Option<i64> {
+    /// How long the robot's way to a rack takes, milliseconds; nothing if another robot stands there for ever, or the
+    /// robot's charge does not last for the job.
+    fn way_ms(&self, robot: RobotId, job: JobId, node: NodeId) -> Option<i64> {
         if self.ledger.resident(node).is_some_and(|r| r != robot) {
             return None;
         }
         let at = |n: NodeId| self.warehouse().nodes[n].at;
         let here = self.ledger.node_of(robot);
-        Some((along_axes(at(here), at(node)) / self.settings.kinematics.speed_mps * 1000.0) as i64)
+        let way_m = along_axes(at(here), at(node));
+        let goal = match self.ledger.jobs[&job].request.kind {
+            JobKind::Deliver { station, .. } => self.warehouse().stations[station].node,
+            JobKind::Relocate { node, .. } => node,
+            _ => node,
+        };
+        let whole_m = way_m + 2.0 * along_axes(at(node), at(goal));
+        if self.battery(robot) - self.charge_for(whole_m) < self.settings.charging.critical / 2.0 {
+            return None;
+        }
+        Some((way_m / self.settings.kinematics.speed_mps * 1000.0) as i64)
     }
 
     /// For each station, how many robots work on deliveries to it.
@@ -196,24 +207,6 @@ impl Fleet {
         let JobKind::Deliver { station, .. } = self.ledger.jobs[&job].request.kind else { return 0 };
         let places = self.warehouse().stations[station].queue.len() + 1;
         CROWD_MS * (under_way[station].saturating_sub(places / 2)) as i64
-    }
-
-    /// What an idle robot without a job does: charge if it should, leave the floor if it stands in the way.
-    fn rest(&mut self, robot: RobotId) {
-        let node = self.ledger.node_of(robot);
-        let here = self.warehouse().nodes[node].kind;
-        let battery = self.scene.robot(robot).map_or(1.0, |t| t.battery);
-        let purpose =
-            if battery < TOP_UP && here != NodeKind::Charger { Purpose::Charge } else { Purpose::Park };
-        let stay = match purpose {
-            Purpose::Charge => self.free_place(robot, NodeKind::Charger),
-            _ => None,
-        };
-        let may_stay = here.is_lasting() && !self.is_closing(node);
-        let stay = stay.or_else(|| if may_stay { None } else { self.any_stay(robot) });
-        if let Some(stay) = stay {
-            self.record(Fact::Tasked { robot, task: Task::Move { job: None, goal: stay, stay, purpose } });
-        }
     }
 }
 

@@ -147,15 +147,13 @@ impl Fleet {
 
     /// A robot that would fetch a rack from a closed place lets others have the job, later. Whether it does.
     fn gives_job_back(&mut self, robot: RobotId, now: Time) -> bool {
-        let Task::Fetch { job, node, .. } = self.ledger.robots[robot].task else { return false };
-        let known = self.ledger.jobs.get(&job).map(|j| j.request.kind);
-        if !known.is_some_and(|k| self.job_is_closed_off(&k, node)) {
+        let Task::Fetch { job: Some(job), node, .. } = self.ledger.robots[robot].task else { return false };
+        if !self.job_is_closed_off(&self.ledger.jobs[&job].request.kind, node) {
             return false;
         }
         let Some(stay) = self.any_stay(robot) else { return false };
-        self.record(Fact::Progressed { job, state: JobState::Waiting, at: now });
         let task = Task::Move { job: None, goal: stay, stay, purpose: Purpose::Park };
-        self.record(Fact::Tasked { robot, task });
+        self.progress(job, JobState::Waiting, Some((robot, task)), now);
         true
     }
 

@@ -15,7 +15,7 @@ use crate::route::Conditions;
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use crate::warehouse::walkway::Walkways;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// A worker this near to the end of the path is there, metres.
@@ -167,6 +167,13 @@ impl Crowd {
             self.people.push(Person::default());
         }
         &mut self.people[worker]
+    }
+}
+
+impl Crowd {
+    /// Nodes that are closed, will be soon, or are as good as closed.
+    pub fn closing_nodes(&self) -> BTreeSet<NodeId> {
+        self.areas.nodes().chain(self.closing.keys().copied()).collect()
     }
 }
 

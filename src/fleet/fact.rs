@@ -5,7 +5,7 @@
 
 use super::job::{JobRequest, JobState};
 use super::people::{AssignmentRequest, AssignmentState, Closure, Encounter, Reaction};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::Visit;
 
@@ -32,16 +32,19 @@ pub enum Fact {
         /// When.
         at: Time,
     },
-    /// A job came to another state.
+    /// A job came to another state, and the robot that serves it, or served it, to another task: one fact, so that
+    /// the two never disagree.
     Progressed {
         /// Which.
         job: JobId,
         /// The new state.
         state: JobState,
+        /// The robot whose task changes with it, and that task.
+        tasked: Option<(RobotId, Task)>,
         /// When.
         at: Time,
     },
-    /// A robot has something else to do.
+    /// A robot has something else to do, of which no job's state depends.
     Tasked {
         /// Which.
         robot: RobotId,
@@ -172,6 +175,20 @@ pub enum Fact {
         /// When.
         at: Time,
     },
+    /// Nobody picks at a station until further notice.
+    StationPaused {
+        /// Which.
+        station: StationId,
+        /// When.
+        at: Time,
+    },
+    /// Picking at a station goes on.
+    StationResumed {
+        /// Which.
+        station: StationId,
+        /// When.
+        at: Time,
+    },
     /// A waiting job has another priority.
     Prioritised {
         /// Which.
@@ -225,7 +242,7 @@ pub enum Act {
     Lift(RackId),
     /// Sets its rack down.
     Set(RackId),
-    /// Waits while a person picks from its rack.
+    /// Waits until the person at the station says that the pick has ended; planned to take so long.
     Pick(Span),
     /// Nothing: it has arrived.
     Arrive,
@@ -248,8 +265,8 @@ pub enum Task {
     Idle,
     /// It goes to a rack and lifts it.
     Fetch {
-        /// The job.
-        job: JobId,
+        /// The job; nothing where that is over, but the robot may drive to the rack and lift it already.
+        job: Option<JobId>,
         /// The rack.
         rack: RackId,
         /// Where the rack stands.
@@ -303,8 +320,8 @@ impl Task {
     /// The job behind it.
     pub fn job(&self) -> Option<JobId> {
         match *self {
-            Task::Fetch { job, .. } | Task::Deliver { job, .. } => Some(job),
-            Task::Store { job, .. } | Task::Move { job, .. } => job,
+            Task::Deliver { job, .. } => Some(job),
+            Task::Fetch { job, .. } | Task::Store { job, .. } | Task::Move { job, .. } => job,
             Task::Idle => None,
         }
     }

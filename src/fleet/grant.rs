@@ -4,7 +4,7 @@
 //! are silent or halted; and to grant more than a robot needs to keep its speed, since a grant can be called back only
 //! from a robot that stands, and on its word.
 
-use super::fact::Fact;
+use super::fact::{Act, Fact, Task};
 use super::io::{Command, Waypoint};
 use super::{Fleet, ledger};
 use crate::aware::SLOW_MPS;
@@ -59,9 +59,25 @@ impl Fleet {
         let Some(visit) = self.ledger.chain(robot).get(serial) else { return false };
         let undone = record.stops.first().is_some_and(|s| s.serial < serial);
         !undone
+            && self.stop_is_wanted(robot, serial)
             && visit.enter <= now + EARLY
             && self.ledger.timeline.waits_for(Holder::Robot(robot), serial).is_none()
             && self.grant_waits_for(robot, visit, now).is_none()
+    }
+
+    /// Whether the robot's task asks for what its route has it do at this visit. A route that was planned for another
+    /// task is driven on until there is a new one, but nothing is done on it that is not wanted any more.
+    fn stop_is_wanted(&self, robot: RobotId, serial: u64) -> bool {
+        let record = &self.ledger.robots[robot];
+        let stop = record.stops.first().filter(|s| s.serial == serial);
+        stop.is_none_or(|s| match (s.act, record.task) {
+            (Act::Lift(rack), Task::Fetch { rack: wanted, .. }) => rack == wanted,
+            (Act::Set(rack), Task::Store { rack: wanted, .. } | Task::Deliver { rack: wanted, .. }) => {
+                rack == wanted
+            }
+            (Act::Pick(_), Task::Deliver { .. }) | (Act::Arrive, _) => true,
+            (Act::Lift(_) | Act::Set(_) | Act::Pick(_), _) => false,
+        })
     }
 
     /// Distance from the visit before to this one, metres.

@@ -21,6 +21,9 @@ type Found = (RobotId, Route);
 impl Fleet {
     /// Plans `robot` together with the few robots that stand most in its way. Whether that worked.
     pub(super) fn insert(&mut self, robot: RobotId, now: Time) -> bool {
+        if self.next_stop_is_granted(robot) {
+            return false;
+        }
         let start = (self.settings.stopwatch)();
         let others = self.influencers(robot, now);
         let mut best: Option<(i64, Vec<Found>)> = None;
@@ -47,7 +50,8 @@ impl Fleet {
     /// first.
     fn influencers(&mut self, robot: RobotId, now: Time) -> Vec<RobotId> {
         let fit = |r: &RobotId| !self.ledger.robots[*r].failed && self.scene.fit(*r, now).is_some();
-        let movable = |r: &RobotId| *r != robot && fit(r) && !self.waits_for_room(*r);
+        let busy = |r: &RobotId| self.next_stop_is_granted(*r);
+        let movable = |r: &RobotId| *r != robot && fit(r) && !busy(r) && !self.waits_for_room(*r);
         let movable: Vec<RobotId> = self.ledger.robots.ids().filter(movable).collect();
         let mut without = self.ledger.timeline.clone();
         for r in movable.iter().chain([&robot]) {

@@ -5,11 +5,13 @@
 use super::fact::{Act, Fact};
 use super::job::JobRequest;
 use super::people::{AssignmentRequest, Closure, Guidance};
+use super::station::StationOrder;
 use crate::geometry::Pose;
 use crate::human::Sighting;
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use crate::timeline::Reserved;
+use crate::warehouse::NodeKind;
 
 /// An observation or a request from outside.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,6 +108,15 @@ pub enum Input {
         /// Which; nothing for the whole fleet.
         robot: Option<RobotId>,
     },
+    /// The person at a station says how it goes there.
+    Station {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        station: StationId,
+        /// What.
+        order: StationOrder,
+    },
     /// A waiting job is to come earlier, or later.
     Prioritise {
         /// Comes back with the reply.
@@ -144,6 +155,13 @@ pub struct Telemetry {
     pub limit_mps: Option<f64>,
     /// How many recalls it has followed to the end.
     pub recalls: u64,
+}
+
+impl Telemetry {
+    /// Whether it stands until a person helps: it is broken, or its battery is flat.
+    pub fn cannot_drive(&self) -> bool {
+        self.failed || self.battery <= 0.0
+    }
 }
 
 /// An order to a robot.
@@ -286,6 +304,10 @@ pub enum Refusal {
     NotStorage(NodeId),
     /// The storage node has a rack, or is promised to one.
     StorageTaken(NodeId),
+    /// The map has no charger, or no parking place.
+    NoSuchPlace(NodeKind),
+    /// No robot stands at the station with a rack to pick from.
+    NothingToPick(StationId),
     /// A priority is a number from 0 to 9.
     Priority(u8),
     /// There are as many of a kind as the fleet takes.

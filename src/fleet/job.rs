@@ -103,8 +103,7 @@ pub struct JobRequest {
     pub key: Option<String>,
 }
 
-/// How far a job has come. `Waiting → Assigned → Carrying → Picking → Done`; relocations skip `Picking`, jobs without
-/// a rack skip `Carrying` too; a failed robot sends `Assigned` back to `Waiting`; `Cancelled` and `Failed` end any.
+/// How far a job has come. `Waiting → Assigned → Carrying → Picking → Done`; [`super::life`] has the whole table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum JobState {
     /// Nobody has it yet.
@@ -139,6 +138,10 @@ pub enum JobFailure {
     Predecessor(JobId),
     /// No way leads there, even on an empty floor.
     Unreachable,
+    /// Another rack has come to stand on the storage node, or is promised it.
+    StorageTaken(NodeId),
+    /// The rack came to its station, where goods were missing.
+    Short,
 }
 
 impl JobState {

@@ -7,13 +7,14 @@
 use super::fact::{Act, Booking, Fact, Stop, Task};
 use super::index::Index;
 use super::job::{Job, JobKind, JobState};
+use super::life::{self, Stage, Work};
 use super::people::{Assignment, AssignmentRequest, AssignmentState, Closure};
 use super::view::{Counts, RackAt};
 use crate::id::{AssignmentId, ClosureId, Dense, IdVec, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::{Chain, Holder, Timeline, Visit};
 use crate::warehouse::Warehouse;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// A robot as it was told to be.
@@ -46,6 +47,8 @@ pub struct Ledger {
     pub next_job: u64,
     /// Customers' keys of jobs, over or not.
     pub keys: BTreeMap<String, JobId>,
+    /// Waiting jobs for a robot that the customer named.
+    pub named: BTreeMap<RobotId, BTreeSet<JobId>>,
     /// All robots.
     pub robots: IdVec<RobotId, Robot>,
     /// Where each rack is.
@@ -66,6 +69,8 @@ pub struct Ledger {
     pub closures: BTreeMap<ClosureId, Closure>,
     /// The number of the next closure.
     pub next_closure: u64,
+    /// Stations at which nobody picks, since when.
+    pub paused_stations: BTreeMap<StationId, Time>,
     /// Since when the whole fleet is to stand, by hand.
     pub stopped: Option<Time>,
     /// Jobs that were cancelled or failed lately, with when: jobs that are to come after them fail as well.
@@ -87,6 +92,7 @@ impl Ledger {
             jobs: BTreeMap::new(),
             next_job: 1,
             keys: BTreeMap::new(),
+            named: BTreeMap::new(),
             robots: IdVec::new(),
             racks,
             timeline,
@@ -97,6 +103,7 @@ impl Ledger {
             assignment_keys: BTreeMap::new(),
             closures: BTreeMap::new(),
             next_closure: 1,
+            paused_stations: BTreeMap::new(),
             stopped: None,
             ended_badly: BTreeMap::new(),
             counts: Counts::default(),
@@ -148,9 +155,10 @@ impl Ledger {
                 }
                 let job_record = Job { request: request.clone(), state: JobState::Waiting, accepted: *at };
                 self.jobs.insert(*job, job_record);
+                self.note_named(*job, &request.kind, JobState::Waiting);
             }
-            Fact::Progressed { job, state, .. } => self.progress(*job, *state),
-            Fact::Tasked { robot, task } => self.robots[*robot].task = *task,
+            Fact::Progressed { job, state, tasked, .. } => self.progress(*job, *state, *tasked),
+            Fact::Tasked { robot, task } => self.task(*robot, *task),
             Fact::Routed { bookings } => self.route(bookings),
 
             Fact::Granted { robot, serial, at } => {
@@ -189,6 +197,12 @@ impl Ledger {
             }
             Fact::Halted { robot, at } => *self.halted(*robot) = Some(*at),
             Fact::Released { robot, .. } => *self.halted(*robot) = None,
+            Fact::StationPaused { station, at } => {
+                self.paused_stations.insert(*station, *at);
+            }
+            Fact::StationResumed { station, .. } => {
+                self.paused_stations.remove(station);
+            }
             Fact::Prioritised { job, priority, .. } => {
                 self.jobs.get_mut(job).expect("only live jobs change").request.priority = *priority;
             }
@@ -241,9 +255,24 @@ impl Ledger {
         self.timeline.grant(holder, 0, at);
     }
 
-    fn progress(&mut self, id: JobId, state: JobState) {
+    /// Brings a job to another state, and its robot to the task that goes with it.
+    fn progress(&mut self, id: JobId, state: JobState, tasked: Option<(RobotId, Task)>) {
         let job = self.jobs.get_mut(&id).expect("only live jobs progress");
+        let (kind, before) = (job.request.kind, job.state);
+        let event = life::event(&kind, Stage::of(before), Stage::of(state));
+        assert!(event.is_some(), "{id:?} ({kind:?}) cannot go from {before:?} to {state:?}");
+        let robots = (before.robot(), state.robot());
+        assert!(!matches!(robots, (Some(a), Some(b)) if a != b), "{id:?} changes its robot: {robots:?}");
         job.state = state;
+        self.note_named(id, &kind, state);
+        if let Some((robot, task)) = tasked {
+            let old = self.robots[robot].task;
+            assert!(old.job().is_none_or(|j| j == id), "{robot:?} serves another job than {id:?}: {old:?}");
+            self.robots[robot].task = task;
+        }
+        self.assert_served(id, &kind, state);
+        let left = robots.0.filter(|r| self.robots[*r].task.job() == Some(id));
+        assert!(state.robot() == left.or(state.robot()), "{left:?} still serves {id:?}, which is {state:?}");
         if !state.is_over() {
             return;
         }
@@ -259,7 +288,61 @@ impl Ledger {
         }
     }
 
+    /// Keeps the list of jobs that wait for a robot that the customer named.
+    fn note_named(&mut self, id: JobId, kind: &JobKind, state: JobState) {
+        let Some(robot) = kind.robot() else { return };
+        let waiting = self.named.entry(robot).or_default();
+        match state {
+            JobState::Waiting => waiting.insert(id),
+            _ => waiting.remove(&id),
+        };
+        if waiting.is_empty() {
+            self.named.remove(&robot);
+        }
+    }
+
+    /// Gives a robot another task that changes no job's state.
+    fn task(&mut self, robot: RobotId, task: Task) {
+        let old = std::mem::replace(&mut self.robots[robot].task, task);
+        let same = old.job() == task.job() && Work::of(&old) == Work::of(&task);
+        assert!(same, "{robot:?} cannot go from {old:?} to {task:?} without its job");
+    }
+
+    /// Asserts that the robot of a job does what the job's stage asks for.
+    fn assert_served(&self, id: JobId, kind: &JobKind, state: JobState) {
+        let wanted = life::work(kind, Stage::of(state)).expect("the table leads to stages that the kind has");
+        let Some(robot) = state.robot() else { return };
+        let task = self.robots[robot].task;
+        let serves = task.job() == Some(id) && Work::of(&task) == wanted;
+        assert!(serves, "{id:?} is {state:?}, but {robot:?} has the task {task:?}");
+    }
+
+    /// Asserts for everything open what each fact asserts for itself: for laws, looks at everything.
+    pub fn assert_sound(&self) {
+        self.timeline.assert_sound();
+        for (id, job) in &self.jobs {
+            assert!(!job.state.is_over(), "{id:?} is over and still open");
+            self.assert_served(*id, &job.request.kind, job.state);
+        }
+        for (robot, record) in self.robots.pairs() {
+            let job = record.task.job().map(|j| self.jobs.get(&j).and_then(|j| j.state.robot()));
+            assert!(job.is_none_or(|r| r == Some(robot)), "{robot:?} serves a job that does not know it");
+        }
+        for (rack, at) in self.racks.pairs() {
+            let RackAt::On(robot) = at else { continue };
+            let task = self.robots[*robot].task;
+            assert_eq!(task.carried(), Some(rack), "{robot:?} has {rack:?} on it and the task {task:?}");
+        }
+    }
+
+    /// # Panics
+    /// If a route clashes, or drops what a robot was granted to do: the robot would do it all the same.
     fn route(&mut self, bookings: &[Booking]) {
+        for b in bookings {
+            let next = self.robots[b.robot].stops.first();
+            let granted = next.is_some_and(|s| s.serial < self.chain(b.robot).granted());
+            assert!(!granted, "{:?} gets a route in place of the one on which it is to do {next:?}", b.robot);
+        }
         let routes = (bookings.iter())
             .map(|b| (Holder::Robot(b.robot), b.keep, b.kept.clone(), b.visits.clone()))
             .collect();

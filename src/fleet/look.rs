@@ -26,10 +26,32 @@ impl Fleet {
         let counts = Counts { waiting, active, ..self.ledger.counts };
         let racks = self.ledger.racks.iter().copied().collect();
         let (workers, closures) = (self.worker_views(now), self.closure_views());
-        let free = self.idle_robots(now).into_iter().filter(|r| self.is_charged(*r)).count();
+        let charger_is_free = self.a_charger_is_free();
+        let idle = self.idle_robots(now).into_iter();
+        let free = idle.filter(|r| self.is_charged(*r, charger_is_free)).count();
         let foresight = self.crowd.coverage.foresight().to_vec();
         let (blocked, stopped) = (self.blocked(), self.ledger.stopped);
-        View { now, robots, racks, stations, workers, closures, blocked, free, stopped, counts, foresight }
+        let full = self.stations_with_enough(now);
+        let paused_stations = self.ledger.paused_stations.clone();
+        let closing = self.crowd.closing_nodes();
+        let critical = self.settings.charging.critical;
+        View {
+            now,
+            robots,
+            racks,
+            stations,
+            workers,
+            closures,
+            blocked,
+            free,
+            full,
+            paused_stations,
+            closing,
+            critical,
+            stopped,
+            counts,
+            foresight,
+        }
     }
 
     /// Waiting jobs that come after others, each with the first one that is not over yet.

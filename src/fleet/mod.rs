@@ -9,6 +9,7 @@ mod absorb;
 mod areas;
 mod assign;
 mod backlog;
+pub mod charging;
 mod closing;
 mod crowd;
 mod cut;
@@ -24,6 +25,7 @@ pub mod job;
 mod judge;
 mod lead;
 pub mod ledger;
+pub mod life;
 mod limit;
 mod look;
 mod matching;
@@ -35,6 +37,7 @@ mod recall;
 pub mod scene;
 mod settle;
 mod staff;
+pub mod station;
 mod storage;
 mod strips;
 mod urgent;
@@ -43,6 +46,7 @@ mod why;
 mod yielding;
 
 pub use backlog::{Backlog, Pending};
+pub use charging::Charging;
 pub use fact::{Act, Booking, Fact, Purpose, Stop, Task};
 pub use foresee::{AHEAD_S, Expected};
 pub use io::{Bounded, Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
@@ -52,6 +56,7 @@ pub use people::{
     Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
     FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
 };
+pub use station::StationOrder;
 pub use strips::{Area, MOST_STRIPS, Strip};
 pub use view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
 pub use why::{Because, Waiting, Who};
@@ -77,10 +82,8 @@ pub struct Settings {
     pub expansions_per_plan: u32,
     /// Labels that all searches of one step may expand together.
     pub expansions_per_step: u32,
-    /// Below this charge an idle robot goes to charge first.
-    pub battery_low: f64,
-    /// Above this charge a charging robot may take jobs again.
-    pub battery_enough: f64,
+    /// When robots charge.
+    pub charging: Charging,
     /// How many jobs may be open.
     pub waiting_max: usize,
     /// How many assignments may be open.
@@ -112,8 +115,7 @@ impl Default for Settings {
             period: Span::from_millis(50),
             expansions_per_plan: 2_000,
             expansions_per_step: 30_000,
-            battery_low: 0.3,
-            battery_enough: 0.5,
+            charging: Charging::default(),
             waiting_max: 100_000,
             assignments_max: 10_000,
             workers_max: 1_000,

@@ -15,7 +15,7 @@ use crate::time::{Span, Time};
 use crate::timeline::{Holder, Visit};
 use crate::warehouse::NodeKind;
 use smallvec::{SmallVec, smallvec};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The first pause after a failed search; it doubles up to [`RETRY_MAX`].
 const RETRY: Span = Span::from_millis(400);
@@ -40,6 +40,8 @@ struct Need {
 pub(super) struct Needs {
     waiting: BTreeMap<RobotId, Need>,
     looked: BTreeMap<RobotId, Time>,
+    /// Robots that may go on earlier than planned.
+    early: BTreeSet<RobotId>,
     /// How long the last one waited for room at a station before it set off.
     pub set_off: BTreeMap<StationId, Span>,
 }
@@ -48,6 +50,11 @@ impl Needs {
     /// Whether a search for this robot failed lately.
     pub fn failed_before(&self, robot: RobotId) -> bool {
         self.waiting.get(&robot).is_some_and(|n| n.tries > 0)
+    }
+
+    /// A robot may go on earlier than planned.
+    pub fn left_early(&mut self, robot: RobotId) {
+        self.early.insert(robot);
     }
 
     /// How long a robot has needed a route.
@@ -65,7 +72,9 @@ impl Fleet {
             if budget == 0 {
                 return;
             }
-            if self.scene.fit(robot, now).is_none() || !self.station_has_room(robot, &bound) {
+            // What is granted is done before anything else is planned: the robot may be at it already.
+            let fit = self.scene.fit(robot, now).is_some() && !self.next_stop_is_granted(robot);
+            if !fit || !self.station_has_room(robot, &bound) {
                 continue;
             }
             let waited = self.needs.waited(robot, now);
@@ -76,10 +85,21 @@ impl Fleet {
                 bound[station] += 1;
             }
         }
+        self.plan_early(now, &mut budget);
         self.plan_interrupted(now, &mut budget);
         self.route_round_closures(now, &mut budget);
         self.give_way(now, &mut budget);
         self.improve(now, budget);
+    }
+
+    /// Robots whose stop ended before it was to end look for an earlier route.
+    fn plan_early(&mut self, now: Time, budget: &mut u32) {
+        for robot in std::mem::take(&mut self.needs.early) {
+            let planned = self.ledger.chain(robot).visits().next().map_or(now, |v| v.depart);
+            if planned > now + WORTH && !self.lacks_route(robot) && self.scene.fit(robot, now).is_some() {
+                *budget = budget.saturating_sub(self.improve_one(robot, now));
+            }
+        }
     }
 
     /// Robots whose task asks for a route that they do not have, longest waiting first.
@@ -166,7 +186,9 @@ impl Fleet {
     /// station, nobody who is on the way there has to wait outside.
     pub(super) fn station_has_room(&self, robot: RobotId, bound: &IdVec<StationId, usize>) -> bool {
         let Some(station) = self.station_of(robot) else { return true };
-        self.settings.ghosts || bound[station] <= self.warehouse().stations[station].queue.len()
+        let paused = self.ledger.paused_stations.contains_key(&station);
+        let room = bound[station] <= self.warehouse().stations[station].queue.len();
+        self.settings.ghosts || (room && !paused)
     }
 
     /// Whether a robot stands with its rack where it lifted it, until its station has room. It may step aside for

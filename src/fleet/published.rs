@@ -185,7 +185,8 @@ impl Fleet {
     fn evasions(&mut self, worker: WorkerId, robots: &[RobotId], now: Time) -> Option<Vec<(RobotId, Route)>> {
         let stands = |r: &RobotId| {
             let chain = self.ledger.chain(*r);
-            chain.first() + 1 == chain.granted() && !self.ledger.robots[*r].failed
+            let at_rest = chain.first() + 1 == chain.granted() && !self.next_stop_is_granted(*r);
+            at_rest && !self.ledger.robots[*r].failed
         };
         if !robots.iter().all(stands) {
             return None;

@@ -40,7 +40,7 @@ impl Scene {
 
     /// A robot that was heard of lately and can drive.
     pub fn fit(&self, robot: RobotId, now: Time) -> Option<&Telemetry> {
-        self.robot(robot).filter(|t| !t.failed && now - t.seen <= SILENCE)
+        self.robot(robot).filter(|t| !t.cannot_drive() && now - t.seen <= SILENCE)
     }
 
     /// The record of a robot.

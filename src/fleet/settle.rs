@@ -5,7 +5,7 @@
 use super::fact::{Act, Fact, Purpose, Task};
 use super::job::{JobFailure, JobKind, JobState};
 use super::{Fleet, ledger};
-use crate::id::{JobId, RackId, RobotId};
+use crate::id::{JobId, NodeId, RackId, RobotId};
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
 
@@ -20,7 +20,7 @@ impl Fleet {
     pub(super) fn settle(&mut self, now: Time) {
         for robot in ledger::all(&self.ledger.robots) {
             let Some(seen) = self.scene.robot(robot).copied() else { continue };
-            self.settle_health(robot, seen.failed, now);
+            self.settle_health(robot, seen.cannot_drive(), now);
             self.settle_progress(robot, seen.reached, now);
             self.settle_recall(robot, &seen, now);
             self.settle_stop(robot, seen.acted, now);
@@ -37,22 +37,14 @@ impl Fleet {
         }
     }
 
-    /// A robot stops for good: its job goes to another if it has not lifted the rack yet, and everybody whose way
-    /// leads over its place loses that way.
+    /// A robot stops for good: its job goes to another if it cannot lift the rack any more, and all robots whose way
+    /// leads over its place lose that way.
     fn fail(&mut self, robot: RobotId, now: Time) {
         self.record(Fact::Failed { robot, at: now });
-        let task = self.ledger.robots[robot].task;
-        if let (Task::Fetch { job, .. } | Task::Move { job: Some(job), .. }, Some(_)) = (task, task.job())
-            && self.ledger.rack_on(robot).is_none()
+        if let Task::Fetch { job: Some(job), .. } = self.ledger.robots[robot].task
+            && !self.next_stop_is_granted(robot)
         {
-            let again = matches!(task, Task::Fetch { .. });
-            let state = if again { JobState::Waiting } else { JobState::Assigned { robot } };
-            if self.ledger.jobs.contains_key(&job) {
-                self.record(Fact::Progressed { job, state, at: now });
-            }
-            if again {
-                self.record(Fact::Tasked { robot, task: Task::Idle });
-            }
+            self.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
         }
         self.cut_for(robot);
     }
@@ -68,79 +60,80 @@ impl Fleet {
         if let (Task::Deliver { job, .. }, Some(stop)) = (self.ledger.robots[robot].task, next)
             && matches!(stop.act, Act::Pick(_))
             && stop.serial == reached
+            && self.ledger.jobs[&job].state == (JobState::Carrying { robot })
         {
-            self.progress(job, JobState::Picking { robot }, now);
+            self.progress(job, JobState::Picking { robot }, None, now);
         }
     }
 
-    fn progress(&mut self, job: JobId, state: JobState, now: Time) {
-        if self.ledger.jobs.contains_key(&job) {
-            self.record(Fact::Progressed { job, state, at: now });
-        }
+    /// A job comes to another state, and its robot to another task with it.
+    pub(super) fn progress(
+        &mut self,
+        job: JobId,
+        state: JobState,
+        tasked: Option<(RobotId, Task)>,
+        now: Time,
+    ) {
+        self.record(Fact::Progressed { job, state, tasked, at: now });
     }
 
     /// The robot says that it did what it was to do at its next stop.
     fn settle_stop(&mut self, robot: RobotId, acted: Option<u64>, now: Time) {
         let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return };
         let there = self.ledger.chain(robot).first() == stop.serial;
-        if !there || acted < Some(stop.serial) {
+        // The station says when a pick has ended.
+        if !there || acted < Some(stop.serial) || matches!(stop.act, Act::Pick(_)) {
             return;
         }
         self.record(Fact::Acted { robot, serial: stop.serial });
         let task = self.ledger.robots[robot].task;
         match (stop.act, task) {
-            (Act::Lift(rack), Task::Fetch { job, .. }) => self.lifted(robot, job, rack, now),
-            (Act::Lift(rack), _) => self.put_away(robot, None, rack),
-            (Act::Pick(_), Task::Deliver { job, rack, store, .. }) => {
-                self.progress(job, JobState::Done, now);
-                self.record(Fact::Tasked { robot, task: Task::Store { job: None, rack, store } });
-                self.chain_next_delivery(robot, rack, store, now);
+            (Act::Lift(rack), Task::Fetch { job: Some(job), .. }) => self.lifted(robot, job, rack, now),
+            (Act::Lift(rack), Task::Fetch { job: None, .. }) => {
+                let task = self.put_away(robot, None, rack);
+                self.record(Fact::Tasked { robot, task });
             }
-            (Act::Set(_), Task::Store { job, .. }) => {
+            (Act::Set(_), Task::Store { job: None, .. }) => {
                 self.record(Fact::Tasked { robot, task: Task::Idle });
-                if let Some(job) = job {
-                    self.progress(job, JobState::Done, now);
-                }
+            }
+            (Act::Set(_), Task::Store { job: Some(job), .. }) => {
+                self.progress(job, JobState::Done, Some((robot, Task::Idle)), now);
             }
             (Act::Arrive, Task::Move { job, goal, stay, purpose }) => {
                 self.arrived(robot, job, goal == stay, stay, purpose, now);
             }
             (Act::Set(_), Task::Deliver { job, .. }) => {
                 // It was to go on to another station, but found no way there before it was back in storage.
-                self.progress(job, JobState::Waiting, now);
-                self.record(Fact::Tasked { robot, task: Task::Idle });
+                self.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
             }
-            (Act::Pick(_) | Act::Set(_) | Act::Arrive, _) => {}
+            // What was granted is done although the job was cancelled meanwhile.
+            (Act::Pick(_) | Act::Arrive, _) => {}
+            (Act::Lift(_) | Act::Set(_), task) => panic!("{robot:?} did {:?} during {task:?}", stop.act),
         }
     }
 
     fn lifted(&mut self, robot: RobotId, job: JobId, rack: RackId, now: Time) {
-        let Some(record) = self.ledger.jobs.get(&job) else { return self.put_away(robot, None, rack) };
-        match record.request.kind {
+        let here = self.ledger.node_of(robot);
+        let task = match self.ledger.jobs[&job].request.kind {
             JobKind::Deliver { station, .. } => {
                 let station = self.warehouse().stations[station].node;
-                let store = self.ledger.node_of(robot);
-                self.progress(job, JobState::Carrying { robot }, now);
-                self.record(Fact::Tasked { robot, task: Task::Deliver { job, rack, station, store } });
+                Task::Deliver { job, rack, station, store: here }
             }
-            JobKind::Relocate { node, .. } => {
-                self.progress(job, JobState::Carrying { robot }, now);
-                let free = !self.storage_taken(node, rack);
-                let store = if free { node } else { self.ledger.node_of(robot) };
-                self.record(Fact::Tasked { robot, task: Task::Store { job: Some(job), rack, store } });
+            JobKind::Relocate { node, .. } if self.storage_taken(node, rack) => {
+                let state = JobState::Failed(JobFailure::StorageTaken(node));
+                let task = self.put_away(robot, None, rack);
+                return self.progress(job, state, Some((robot, task)), now);
             }
-            _ => {
-                self.progress(job, JobState::Carrying { robot }, now);
-                self.put_away(robot, Some(job), rack);
-            }
-        }
+            JobKind::Relocate { node, .. } => Task::Store { job: Some(job), rack, store: node },
+            _ => self.put_away(robot, Some(job), rack),
+        };
+        self.progress(job, JobState::Carrying { robot }, Some((robot, task)), now);
     }
 
-    /// The rack goes to the best free storage node.
-    fn put_away(&mut self, robot: RobotId, job: Option<JobId>, rack: RackId) {
+    /// To bring the rack to the best free storage node.
+    fn put_away(&self, robot: RobotId, job: Option<JobId>, rack: RackId) -> Task {
         let here = self.ledger.node_of(robot);
-        let store = self.best_storage(robot, rack, here, 0);
-        self.record(Fact::Tasked { robot, task: Task::Store { job, rack, store } });
+        Task::Store { job, rack, store: self.best_storage(robot, rack, here, 0) }
     }
 
     fn arrived(
@@ -148,24 +141,27 @@ impl Fleet {
         robot: RobotId,
         job: Option<JobId>,
         is_end: bool,
-        stay: crate::id::NodeId,
+        stay: NodeId,
         purpose: Purpose,
         now: Time,
     ) {
-        if let Some(job) = job {
-            self.progress(job, JobState::Done, now);
-        }
         let task = if is_end { Task::Idle } else { Task::Move { job: None, goal: stay, stay, purpose } };
-        self.record(Fact::Tasked { robot, task });
+        match job {
+            Some(job) => self.progress(job, JobState::Done, Some((robot, task)), now),
+            None => self.record(Fact::Tasked { robot, task }),
+        }
     }
 
     /// If the rack that was just picked from is wanted at a station again, it need not be put away first.
-    fn chain_next_delivery(&mut self, robot: RobotId, rack: RackId, store: crate::id::NodeId, now: Time) {
+    pub(super) fn chain_next_delivery(&mut self, robot: RobotId, rack: RackId, store: NodeId, now: Time) {
+        if self.named_job_for(robot).is_some() || self.is_critical(robot) {
+            return;
+        }
         let Some(job) = self.ledger.index.queue.next_delivery(rack) else { return };
         let JobKind::Deliver { station, .. } = self.ledger.jobs[&job].request.kind else { return };
         let station = self.warehouse().stations[station].node;
-        self.progress(job, JobState::Carrying { robot }, now);
-        self.record(Fact::Tasked { robot, task: Task::Deliver { job, rack, station, store } });
+        let task = Task::Deliver { job, rack, station, store };
+        self.progress(job, JobState::Carrying { robot }, Some((robot, task)), now);
     }
 
     /// Notes that a robot is late, so that everybody who comes after it is planned with what is true.
@@ -187,7 +183,7 @@ impl Fleet {
         for _ in 0..ORPHANS_PER_STEP {
             let Some((job, bad)) = self.ledger.index.waits.next_doomed() else { return };
             let state = JobState::Failed(JobFailure::Predecessor(bad));
-            self.record(Fact::Progressed { job, state, at: now });
+            self.progress(job, state, None, now);
         }
     }
 

@@ -25,6 +25,9 @@ impl Fleet {
             Input::Clear { token, worker } => (token, self.clear(token, worker)),
             Input::Halt { token, robot } => (token, self.halt(token, robot, now)),
             Input::Release { token, robot } => (token, self.release(token, robot, now)),
+            Input::Station { token, station, order } => {
+                (token, self.hear_station(token, station, order, now))
+            }
             Input::Prioritise { token, job, priority } => (token, self.prioritise(token, job, priority, now)),
             _ => unreachable!("telemetry, sightings and jobs are taken in elsewhere"),
         };

@@ -6,6 +6,7 @@ mod closures;
 mod failure;
 mod hand;
 mod jobs;
+mod life;
 mod limits;
 mod messages;
 mod order;
@@ -20,7 +21,7 @@ mod why;
 use super::*;
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};
 use crate::sim::laws::Laws;
-use crate::sim::{Demand, Faults, Scenario, Workers, World};
+use crate::sim::{Demand, Faults, Habits, Scenario, Workers, World};
 use crate::warehouse::NodeKind;
 use crate::warehouse::{lab, thesis};
 
@@ -42,6 +43,9 @@ fn scenario(robots: usize) -> Scenario {
         period: Span::from_millis(100),
         seed: 1,
         demand: Demand::None,
+        customers: Habits::default(),
+        drain: Span::ZERO,
+        charging: Charging::default(),
         faults: Faults::default(),
         kinematics: Kinematics::default(),
         workers: Workers::default(),
@@ -94,8 +98,14 @@ impl Floor {
         step
     }
 
+    /// The answer to a request with this token; simulated pickers are answered in the same step.
+    fn answer_to(&mut self, token: u64, extra: Vec<Input>) -> Reply {
+        let replies = self.step(extra).replies;
+        replies.into_iter().find(|r| r.token() == token).expect("every request is answered")
+    }
+
     fn ask(&mut self, request: JobRequest) -> Reply {
-        self.step(vec![Input::Submit { token: 7, request }]).replies.remove(0)
+        self.answer_to(7, vec![Input::Submit { token: 7, request }])
     }
 
     fn submit(&mut self, request: JobRequest) -> JobId {
@@ -125,7 +135,7 @@ impl Floor {
     }
 
     fn cancel(&mut self, job: JobId) -> Reply {
-        self.step(vec![Input::Cancel { token: 8, job }]).replies.remove(0)
+        self.answer_to(8, vec![Input::Cancel { token: 8, job }])
     }
 
     fn run(&mut self, seconds: i64) {
@@ -156,7 +166,7 @@ impl Floor {
 
     fn progress(&self, job: JobId) -> impl Iterator<Item = (JobState, Time)> {
         self.facts.iter().filter_map(move |f| match f {
-            Fact::Progressed { job: j, state, at } if *j == job => Some((*state, *at)),
+            Fact::Progressed { job: j, state, at, .. } if *j == job => Some((*state, *at)),
             _ => None,
         })
     }

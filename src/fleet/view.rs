@@ -4,14 +4,15 @@
 //! a simulation of an hour needs none of the 72 000 it could have. Refuses: to be an input of any decision.
 
 use super::fact::Task;
-use super::job::{Job, JobState};
+use super::job::{Job, JobKind, JobState};
 use super::people::{ClosureView, WorkerView};
 use crate::geometry::Pose;
 use crate::human::Foresight;
 use crate::id::{ClosureId, Dense, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use crate::timeline::Holder;
-use std::collections::BTreeMap;
+use crate::warehouse::NodeKind;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The fleet at one moment.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -32,6 +33,14 @@ pub struct View {
     pub blocked: BTreeMap<JobId, JobId>,
     /// How many robots could take a job now.
     pub free: usize,
+    /// Stations for which no more racks are fetched at present.
+    pub full: BTreeSet<StationId>,
+    /// Stations at which nobody picks, since when.
+    pub paused_stations: BTreeMap<StationId, Time>,
+    /// Nodes that are closed, or will be soon.
+    pub closing: BTreeSet<NodeId>,
+    /// Below this charge a robot takes no job.
+    pub critical: f64,
     /// Since when the whole fleet is to stand, by hand.
     pub stopped: Option<Time>,
     /// Sums.
@@ -171,6 +180,18 @@ pub enum JobWhy {
     RobotBusy(RobotId, Option<JobId>),
     /// No robot is free.
     NoRobot,
+    /// Enough racks wait for the station already.
+    StationFull(StationId),
+    /// Nobody picks at the station.
+    StationPaused(StationId),
+    /// The rack, or where it is to go, is closed off, or will be soon.
+    ClosedOff,
+    /// A robot that cannot take the job stands beneath the rack.
+    RackBlocked(RackId, RobotId),
+    /// No charger, or no parking place, is free.
+    NoPlace(NodeKind),
+    /// The robot that the customer named has too little charge for it.
+    RobotLow(RobotId),
     /// The robot at work on it does not go on.
     Robot(RobotId, Why),
 }
@@ -193,14 +214,40 @@ impl View {
                 Some(why @ (Why::Failed | Why::Silent | Why::Paused | Why::Stopped)) => {
                     Some(JobWhy::Robot(named, why))
                 }
-                _ => (robot.task != Task::Idle).then_some(JobWhy::RobotBusy(named, robot.job)),
+                _ if robot.task != Task::Idle => Some(JobWhy::RobotBusy(named, robot.job)),
+                _ => match job.request.kind {
+                    JobKind::Charge { .. } => Some(JobWhy::NoPlace(NodeKind::Charger)),
+                    _ if robot.battery < self.critical => Some(JobWhy::RobotLow(named)),
+                    _ => Some(JobWhy::NoPlace(NodeKind::Parking)),
+                },
             };
         }
         let rack_busy = job.request.kind.rack().and_then(|rack| {
             let robot = self.robot_at_work_on(rack)?;
             Some(JobWhy::RackBusy(rack, robot, self.robots.get(robot.ix())?.job))
         });
-        rack_busy.or((self.free == 0).then_some(JobWhy::NoRobot))
+        rack_busy.or_else(|| self.why_not_fetched(&job.request.kind))
+    }
+
+    /// Why no robot fetches a rack that stands in storage.
+    fn why_not_fetched(&self, kind: &JobKind) -> Option<JobWhy> {
+        let rack = kind.rack()?;
+        let RackAt::Stored(node) = *self.racks.get(rack.ix())? else { return None };
+        let closed = |n: &NodeId| self.closing.contains(n);
+        match kind {
+            JobKind::Deliver { station, .. } if self.paused_stations.contains_key(station) => {
+                return Some(JobWhy::StationPaused(*station));
+            }
+            JobKind::Deliver { station, .. } if self.full.contains(station) => {
+                return Some(JobWhy::StationFull(*station));
+            }
+            JobKind::Relocate { node, .. } if closed(node) => return Some(JobWhy::ClosedOff),
+            _ if closed(&node) => return Some(JobWhy::ClosedOff),
+            _ => {}
+        }
+        let stays = |r: &RobotView| r.held.last().or(r.granted.last()) == Some(&node);
+        let blocked = self.robots.iter().position(stays).map(|r| JobWhy::RackBlocked(rack, RobotId::at(r)));
+        blocked.or((self.free == 0).then_some(JobWhy::NoRobot))
     }
 
     /// The robot that carries a rack, or is on its way to it.

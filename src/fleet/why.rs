@@ -97,7 +97,13 @@ impl Fleet {
             JobWhy::RackBusy(_, robot, _) | JobWhy::RobotBusy(robot, _) | JobWhy::Robot(robot, _) => {
                 Some(robot)
             }
-            JobWhy::After(_) | JobWhy::NoRobot => None,
+            JobWhy::RackBlocked(_, robot) | JobWhy::RobotLow(robot) => Some(robot),
+            JobWhy::After(_)
+            | JobWhy::NoRobot
+            | JobWhy::StationFull(_)
+            | JobWhy::StationPaused(_)
+            | JobWhy::ClosedOff
+            | JobWhy::NoPlace(_) => None,
         };
         let until = None;
         // A job that has its robot waits for what the robot waits for: the robot's own link says it.

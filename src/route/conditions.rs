@@ -235,7 +235,7 @@ mod tests {
     fn what_is_announced_lasts_until_it_is_lifted_and_what_people_mean_passes() {
         let warehouse = crate::warehouse::lab();
         let mut conditions = Conditions::none(&warehouse);
-        let [a, b] = [NodeId(0), NodeId(70)];
+        let [a, b] = [NodeId(0), NodeId(9)];
         let of = |cause| Condition { window: window(0, 9), effect: Effect::Closed, cause };
         let (one, two) = (of(Cause::Closure(ClosureId(1))), of(Cause::Closure(ClosureId(2))));
         let person = of(Cause::Worker(WorkerId(0)));

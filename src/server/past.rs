@@ -41,7 +41,7 @@ impl Lists {
                 let job = Job { request: request.clone(), state: JobState::Waiting, accepted: *at };
                 self.jobs.insert(*id, JobRecord { id: *id, job, robot: None, updated: *at });
             }
-            Fact::Progressed { job, state, at } => {
+            Fact::Progressed { job, state, at, .. } => {
                 if let Some(record) = self.jobs.get_mut(job) {
                     record.job.state = *state;
                     record.robot = state.robot().or(record.robot);

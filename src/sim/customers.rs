@@ -2,10 +2,11 @@
 //!
 //! Main type: [`Customers`]. Refuses: to look at anything a customer could not see (it counts waiting jobs, no more).
 
+use super::habits::Choices;
 use super::random::Stream;
-use super::scenario::Demand;
-use crate::fleet::{Fleet, Input, JobKind, JobRequest, JobState};
-use crate::id::{Dense, RackId, StationId};
+use super::scenario::{Demand, Scenario};
+use crate::fleet::{Fleet, Input, JobKind, JobState, Reply};
+use crate::id::{Dense, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use std::collections::BTreeMap;
@@ -77,12 +78,14 @@ pub(super) struct Customers {
     stations: usize,
     random: Stream,
     sent: u64,
-    /// Jobs sent, but not yet seen in the ledger.
-    last_seen: u64,
+    choices: Choices,
+    /// Whether they want nothing new.
+    stopped: bool,
 }
 
 impl Customers {
-    pub fn new(demand: Demand, lines: &[OrderLine], warehouse: &Warehouse, seed: u64) -> Customers {
+    pub fn new(scenario: &Scenario, lines: &[OrderLine], warehouse: &Warehouse, seed: u64) -> Customers {
+        let demand = scenario.demand.clone();
         let (racks, stations) = (warehouse.racks.len(), warehouse.stations.len());
         Customers {
             demand: if racks == 0 || stations == 0 { Demand::None } else { demand },
@@ -93,38 +96,67 @@ impl Customers {
             stations,
             random: Stream::new(seed, 3, 0),
             sent: 0,
-            last_seen: 0,
+            choices: Choices::new(scenario.customers, warehouse, seed),
+            stopped: false,
         }
     }
 
-    /// What they order now.
-    pub fn order(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
-        let accepted = fleet.ledger().next_job - 1;
+    /// They want nothing new from now on.
+    pub fn stop(&mut self) {
+        self.stopped = true;
+    }
+
+    /// What the fleet answered.
+    pub fn hear(&mut self, reply: &Reply, now: Time) {
+        self.choices.hear(reply, now);
+    }
+
+    /// What they order, and what else is said, now.
+    pub fn order(&mut self, now: Time, period: Span, fleet: &Fleet) -> Vec<Input> {
+        let mut inputs = if self.stopped { Vec::new() } else { self.jobs(now, fleet) };
+        for said in self.choices.meddle(now, period, self.stopped, fleet) {
+            let token = self.token();
+            inputs.push(said.input(token));
+        }
+        inputs
+    }
+
+    /// What the picker says of a rack that stands at a station, once all that was wanted is picked from it.
+    pub fn pick(&mut self, station: StationId, robot: RobotId, serial: u64) -> Input {
+        let order = self.choices.pick(station, robot, serial);
+        Input::Station { token: self.token(), station, order }
+    }
+
+    fn token(&mut self) -> u64 {
+        self.sent += 1;
+        FIRST_TOKEN + self.sent
+    }
+
+    fn jobs(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
         let waiting = fleet.ledger().jobs.values().filter(|j| j.state == JobState::Waiting).count();
         let count = match &self.demand {
             Demand::None => 0,
             // Orders of the step before are in the ledger by now: every step takes its inputs in.
             Demand::Backlog(n) | Demand::File { backlog: n, .. } => n.saturating_sub(waiting),
-            Demand::PerHour(rate) => return self.at_random(now, *rate),
+            Demand::PerHour(rate) => return self.at_random(now, *rate, fleet),
         };
-        self.last_seen = accepted;
-        (0..count).map(|_| self.one()).collect()
+        (0..count).map(|_| self.one(now, fleet)).collect()
     }
 
-    fn at_random(&mut self, now: Time, per_hour: f64) -> Vec<Input> {
+    fn at_random(&mut self, now: Time, per_hour: f64, fleet: &Fleet) -> Vec<Input> {
         let mut orders = Vec::new();
         let mean_s = 3600.0 / per_hour.max(1e-9);
         let mut next =
             self.next_order.unwrap_or_else(|| now + Span::from_secs_f64(self.random.exponential(mean_s)));
         while next <= now {
-            orders.push(self.one());
+            orders.push(self.one(now, fleet));
             next += Span::from_secs_f64(self.random.exponential(mean_s));
         }
         self.next_order = Some(next);
         orders
     }
 
-    fn one(&mut self) -> Input {
+    fn one(&mut self, now: Time, fleet: &Fleet) -> Input {
         let (rack, station) = match self.lines.get(self.next_line) {
             Some(line) => {
                 self.next_line = (self.next_line + 1) % self.lines.len();
@@ -138,10 +170,9 @@ impl Customers {
                 (RackId::at(rack * 7919 % self.racks), StationId::at(self.random.below(self.stations)))
             }
         };
-        self.sent += 1;
-        let kind = JobKind::Deliver { rack, station, pick: None };
-        let request = JobRequest { kind, priority: 0, deadline: None, after: Vec::new(), key: None };
-        Input::Submit { token: FIRST_TOKEN + self.sent, request }
+        let token = self.token();
+        let plain = JobKind::Deliver { rack, station, pick: None };
+        Input::Submit { token, request: self.choices.request(plain, token, now, fleet) }
     }
 }
 

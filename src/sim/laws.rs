@@ -3,10 +3,11 @@
 //! Main types: [`Laws`], [`Violation`]. They look at where robots truly are, not at what the fleet believes.
 //! Refuses: to mend anything; one violation fails the run.
 
+use super::job_laws::{DELIVERS, JobLaws, OVERDUE, undrained};
 use super::world::World;
-use crate::fleet::{Fact, Fleet, JobState, Ledger, Task, Why};
+use crate::fleet::{Fact, Fleet, JobKind, JobState, JobWhy, Ledger, Task, Why};
 use crate::geometry::{Point, axis_distance};
-use crate::id::{Dense, JobId, RobotId};
+use crate::id::{Dense, JobId, RackId, RobotId};
 use crate::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -31,6 +32,16 @@ pub enum Violation {
     JobLost(JobId),
     /// A job was done twice.
     DoneTwice(JobId),
+    /// A rack was lifted where it did not stand, or set down onto another one.
+    Misplaced(RobotId, RackId),
+    /// A job ended as what did not happen.
+    UntrueEnd(JobId, JobKind),
+    /// A job has been in one state for too long without a reason that is true.
+    Unexplained(JobId, JobState, Option<JobWhy>),
+    /// Jobs wait and robots can drive, but nothing has been delivered for too long.
+    NothingDelivered,
+    /// After the customers stopped, so many jobs did not end, and so many racks are not in storage.
+    NotDrained(usize, usize),
     /// A robot drove into a worker and did not brake.
     RunOver(RobotId, usize),
     /// The ledger is not the fold of the facts.
@@ -47,6 +58,21 @@ impl fmt::Display for Violation {
             }
             Violation::JobLost(j) => write!(f, "job {j:?} was lost"),
             Violation::DoneTwice(j) => write!(f, "job {j:?} was done twice"),
+            Violation::Misplaced(r, k) => {
+                write!(f, "robot {} lifted rack {k:?} where it was not, or set it onto another one", r.0 + 1)
+            }
+            Violation::UntrueEnd(j, kind) => {
+                write!(f, "job {j:?} ({kind:?}) is done, but that did not happen")
+            }
+            Violation::Unexplained(j, state, why) => {
+                write!(f, "job {j:?} has been {state:?} for {OVERDUE:?} without a true reason: {why:?}")
+            }
+            Violation::NothingDelivered => {
+                write!(f, "jobs wait and robots can drive, but nothing was delivered for {DELIVERS:?}")
+            }
+            Violation::NotDrained(jobs, racks) => {
+                write!(f, "the floor did not drain: {jobs} jobs are open, {racks} racks are not in storage")
+            }
             Violation::RunOver(r, w) => {
                 write!(f, "robot {} drove into worker {} and did not brake", r.0 + 1, w + 1)
             }
@@ -63,6 +89,8 @@ pub struct Laws {
     accepted: u64,
     progress: BTreeMap<RobotId, (u64, Option<u64>, Time)>,
     run_over: usize,
+    misplaced: usize,
+    jobs: JobLaws,
     steps: u64,
     reach_m: f64,
     /// What was broken, and when; the first hundred.
@@ -80,6 +108,8 @@ impl Laws {
             accepted: fleet.ledger().next_job - 1,
             progress: BTreeMap::new(),
             run_over: 0,
+            misplaced: 0,
+            jobs: JobLaws::new(fleet),
             steps: 0,
             reach_m: fleet.warehouse().footprint_m - SLACK_M,
             broken: Vec::new(),
@@ -102,12 +132,15 @@ impl Laws {
         self.check_people(now, world);
         self.check_grants(now, world, fleet);
         self.check_jobs(now, facts, fleet);
+        self.check_racks(now, world);
+        let broken = self.jobs.check(now, world, fleet, facts);
+        broken.into_iter().for_each(|v| self.break_law(now, v));
         self.check_progress(now, fleet);
         for fact in facts {
             self.shadow.evolve(fact);
         }
         if self.steps.is_multiple_of(AUDIT_EVERY) {
-            fleet.ledger().timeline.assert_sound();
+            fleet.ledger().assert_sound();
             fleet.ledger().assert_indexed();
             let mut folded = self.shadow.clone();
             let (own, folding) = (&fleet.ledger().counts, &mut folded.counts);
@@ -155,6 +188,23 @@ impl Laws {
         new.into_iter().for_each(|(r, w)| self.break_law(now, Violation::RunOver(r, w)));
     }
 
+    /// Racks are lifted where they stand, and set down where none is.
+    fn check_racks(&mut self, now: Time, world: &World) {
+        let all = world.misplaced();
+        let new: Vec<(RobotId, RackId)> = all[self.misplaced..].to_vec();
+        self.misplaced = all.len();
+        new.into_iter().for_each(|(r, k)| self.break_law(now, Violation::Misplaced(r, k)));
+    }
+
+    /// The time is up in which everything was to end after the customers stopped. Whether it has.
+    pub fn check_drained(&mut self, now: Time, world: &World, fleet: &Fleet) -> bool {
+        let (jobs, racks) = undrained(world, fleet);
+        if jobs + racks > 0 {
+            self.break_law(now, Violation::NotDrained(jobs, racks));
+        }
+        jobs + racks == 0
+    }
+
     fn check_grants(&mut self, now: Time, world: &World, fleet: &Fleet) {
         let beyond: Vec<RobotId> = (world.truth())
             .filter(|(r, t)| t.reached.max(t.known) >= fleet.ledger().chain(*r).granted())
@@ -188,7 +238,8 @@ impl Laws {
         for (r, record) in fleet.ledger().robots.pairs() {
             let here = (fleet.ledger().chain(r).first(), record.acted);
             let entry = self.progress.entry(r).or_insert((here.0, here.1, now));
-            if (entry.0, entry.1) != here || record.task == Task::Idle || record.failed {
+            let halted = record.paused.is_some() || fleet.ledger().stopped.is_some();
+            if (entry.0, entry.1) != here || record.task == Task::Idle || record.failed || halted {
                 *entry = (here.0, here.1, now);
             } else if now - entry.2 > STUCK {
                 entry.2 = now;

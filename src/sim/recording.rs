@@ -4,7 +4,7 @@
 //! the header, then a line per step, then the digest of all facts. What a robot says twice in the same words is
 //! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
-use crate::fleet::{AssignmentRequest, Closure, Input, JobKind, JobRequest, Telemetry};
+use crate::fleet::{AssignmentRequest, Closure, Input, JobKind, JobRequest, StationOrder, Telemetry};
 use crate::geometry::{Point, Pose, Spot};
 use crate::human::{Quality, Sighting};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
@@ -37,6 +37,38 @@ pub struct Broken {
     pub line: usize,
     /// What.
     pub message: String,
+}
+
+/// What a station says.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Says {
+    Done,
+    Short,
+    Pause,
+    Resume,
+}
+
+impl From<StationOrder> for Says {
+    fn from(order: StationOrder) -> Says {
+        match order {
+            StationOrder::Done => Says::Done,
+            StationOrder::Short => Says::Short,
+            StationOrder::Pause => Says::Pause,
+            StationOrder::Resume => Says::Resume,
+        }
+    }
+}
+
+impl From<Says> for StationOrder {
+    fn from(says: Says) -> StationOrder {
+        match says {
+            Says::Done => StationOrder::Done,
+            Says::Short => StationOrder::Short,
+            Says::Pause => StationOrder::Pause,
+            Says::Resume => StationOrder::Resume,
+        }
+    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -103,6 +135,8 @@ enum Other {
     Halt(u64, Option<u32>),
     Release(u64, Option<u32>),
     Prioritise(u64, u64, u8),
+    /// Token, station, what it says.
+    Station(u64, u32, Says),
 }
 
 #[derive(Serialize, Deserialize)]
@@ -225,6 +259,7 @@ fn asked(input: &Input) -> Other {
         Input::Halt { token, robot } => Other::Halt(*token, robot.map(|r| r.0)),
         Input::Release { token, robot } => Other::Release(*token, robot.map(|r| r.0)),
         Input::Prioritise { token, job, priority } => Other::Prioritise(*token, job.0, *priority),
+        Input::Station { token, station, order } => Other::Station(*token, station.0, (*order).into()),
         Input::Telemetry(_) | Input::Sighted(_) => unreachable!("they have places of their own in a line"),
     }
 }
@@ -342,6 +377,9 @@ fn other(o: Other) -> Input {
         Other::Halt(token, robot) => Input::Halt { token, robot: robot.map(RobotId) },
         Other::Release(token, robot) => Input::Release { token, robot: robot.map(RobotId) },
         Other::Prioritise(token, job, priority) => Input::Prioritise { token, job: JobId(job), priority },
+        Other::Station(token, station, order) => {
+            Input::Station { token, station: StationId(station), order: order.into() }
+        }
         Other::Cancel(token, job) => Input::Cancel { token, job: JobId(job) },
         Other::Hire(token, name) => Input::Hire { token, name },
         Other::Clear(token, worker) => Input::Clear { token, worker: WorkerId(worker) },

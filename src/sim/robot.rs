@@ -18,10 +18,11 @@ const TICK_S: f64 = 0.02;
 const THERE_M: f64 = 1e-4;
 /// Headings closer than this are the same, radians.
 const STRAIGHT: f64 = 0.1;
-/// Hours of driving on a full charge (safety.md 1.5).
-const BATTERY_H: f64 = 8.0;
 /// Share of the drain while standing.
 const STANDING_DRAIN: f64 = 0.2;
+/// Somebody exchanges a flat battery after this long, for one with this charge.
+const EXCHANGE: Span = Span::from_secs(900);
+const EXCHANGED: f64 = 0.5;
 /// Charge gained per second at a charger: a quarter in ten minutes.
 const CHARGE_PER_S: f64 = 0.25 / 600.0;
 
@@ -53,6 +54,10 @@ pub(super) struct Body {
     /// Whether it drives back to the node that it reached last, as it was told to.
     returns: bool,
     battery: f64,
+    /// Hours of driving on a full charge.
+    driving_h: f64,
+    /// Since when its battery has been flat.
+    flat_since: Option<Time>,
     acted: Option<u64>,
     /// What it is to do where it stands, and until when it is at it.
     acting: Option<(u64, Act, Option<Time>)>,
@@ -64,7 +69,13 @@ pub(super) struct Body {
 
 impl Body {
     /// A robot standing on a node.
-    pub fn new(id: RobotId, node: NodeId, at: Point, battery: f64, kinematics: Kinematics) -> Body {
+    pub fn new(
+        id: RobotId,
+        node: NodeId,
+        at: Point,
+        (battery, driving_h): (f64, f64),
+        kinematics: Kinematics,
+    ) -> Body {
         Body {
             id,
             pose: Pose { at, heading: 0.0 },
@@ -77,6 +88,8 @@ impl Body {
             recalls: 0,
             returns: false,
             battery,
+            driving_h,
+            flat_since: None,
             acted: None,
             acting: None,
             path: VecDeque::new(),
@@ -121,6 +134,12 @@ impl Body {
 
     /// Waypoints that it knows already are skipped, an act for the place where it stands is begun.
     fn learn(&mut self, waypoints: &[Waypoint], warehouse: &Warehouse) {
+        // It is sent on: the pick has ended, whatever was planned.
+        if let Some((serial, Act::Pick(_), _)) = self.acting
+            && waypoints.iter().any(|w| w.serial > serial)
+        {
+            (self.acted, self.acting) = (Some(serial), None);
+        }
         for w in waypoints {
             if w.serial == self.reached {
                 if let Some(act) = w.act.filter(|_| self.acted < Some(w.serial) && self.acting.is_none()) {
@@ -134,6 +153,11 @@ impl Body {
                 self.path.push_back(Target { serial: w.serial, node: w.node, at, act: w.act, limit_mps });
             }
         }
+    }
+
+    /// Whether the picker has all that was wanted from the rack on it.
+    pub fn is_picked(&self, serial: u64) -> bool {
+        self.acting.is_none() && self.acted >= Some(serial)
     }
 
     /// What it says of itself.
@@ -181,21 +205,27 @@ impl Body {
             let now = from + Span::from_secs_f64(dt * (i + 1) as f64);
             self.tick(now, dt);
         }
-        self.drain(seconds, charging);
+        self.drain(to, seconds, charging);
     }
 
-    fn drain(&mut self, seconds: f64, charging: bool) {
+    fn drain(&mut self, now: Time, seconds: f64, charging: bool) {
         let standing = self.speed_mps == 0.0;
         let change = match (standing, charging) {
             (true, true) => seconds * CHARGE_PER_S,
-            (true, false) => -seconds * STANDING_DRAIN / (BATTERY_H * 3600.0),
-            (false, _) => -seconds / (BATTERY_H * 3600.0),
+            (true, false) => -seconds * STANDING_DRAIN / (self.driving_h * 3600.0),
+            (false, _) => -seconds / (self.driving_h * 3600.0),
         };
         self.battery = (self.battery + change).clamp(0.0, 1.0);
+        match self.flat_since {
+            None if self.battery <= 0.0 => self.flat_since = Some(now),
+            Some(since) if now - since >= EXCHANGE => (self.battery, self.flat_since) = (EXCHANGED, None),
+            Some(_) => self.battery = 0.0,
+            None => {}
+        }
     }
 
     fn tick(&mut self, now: Time, dt: f64) {
-        if self.failed_until.is_some() {
+        if self.failed_until.is_some() || self.flat_since.is_some() {
             return self.coast(dt);
         }
         if self.acting.is_some() {

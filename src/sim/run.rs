@@ -7,12 +7,16 @@ use super::customers::OrderLine;
 use super::detection::{Score, Watch};
 use super::digest::Digest;
 use super::encounter::Figures;
+use super::job_laws::undrained;
 use super::laws::Laws;
 use super::scenario::Scenario;
+use super::tally::Tallies;
+pub use super::tally::Tally;
 use super::world::World;
 use crate::fleet::{Counts, Fleet, Input, Settings, Step};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A run in progress.
@@ -25,6 +29,9 @@ pub struct Simulation {
     now: Time,
     period: Span,
     end: Time,
+    drain: Span,
+    measured: Option<(Counts, u64)>,
+    tallies: Tallies,
     ghosts: bool,
     stopwatch: fn() -> u64,
     plan_ns: Vec<u64>,
@@ -48,7 +55,13 @@ pub struct Outcome {
     pub law_violations: u64,
     /// The first of them, in words.
     pub broken: Vec<String>,
-    /// A digest of all facts: same build, same seed, same digest.
+    /// Whether every job ended and every rack came to storage after the customers stopped; nothing where they did not.
+    pub drained: Option<bool>,
+    /// How long that took.
+    pub drain: Span,
+    /// What became of jobs of each kind, to the very end.
+    pub jobs: BTreeMap<&'static str, Tally>,
+    /// A digest of all facts of the duration: same build, same seed, same digest.
     pub trace_hash: u64,
     /// What became of people, measured where they truly were.
     pub people: People,
@@ -85,6 +98,9 @@ impl Simulation {
             now: Time::ZERO,
             period: scenario.period,
             end: Time::ZERO + scenario.duration,
+            drain: if ghosts { Span::ZERO } else { scenario.drain },
+            measured: None,
+            tallies: Tallies::default(),
             ghosts,
             stopwatch,
             plan_ns: Vec::new(),
@@ -101,11 +117,17 @@ impl Simulation {
 
     /// Whether the time is up.
     pub fn is_over(&self) -> bool {
-        self.now >= self.end
+        let drained = || undrained(&self.world, &self.fleet) == (0, 0);
+        self.now >= self.end && (self.now >= self.end + self.drain || drained())
     }
 
     /// One control period. Gives the inputs and what the step made of them, for recordings.
     pub fn step(&mut self) -> (Vec<Input>, Step) {
+        if self.now >= self.end && self.measured.is_none() {
+            // What is counted is counted until here; then everything has to end.
+            self.measured = Some((self.fleet.view(self.now).counts, self.trace.value()));
+            self.world.stop_customers();
+        }
         let inputs = self.world.advance(self.now, &self.fleet);
         let start = (self.stopwatch)();
         let step = self.fleet.step(self.now, inputs.clone());
@@ -115,6 +137,8 @@ impl Simulation {
             self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
         }
         self.trace.add(&step.facts);
+        self.tallies.note(&step.facts);
+        self.world.answer(self.now, &step.replies);
         self.watch.note(self.now, &step.facts, &step.guidance);
         self.watch.look(self.now, &self.fleet);
         self.world.command(self.now, step.urgent.clone());
@@ -134,14 +158,21 @@ impl Simulation {
         self.plan_ns.sort_unstable();
         self.step_ns.sort_unstable();
         let people = self.people();
+        let drains = self.drain > Span::ZERO;
+        let drained = drains.then(|| self.laws.check_drained(self.now, &self.world, &self.fleet));
+        let (counts, trace_hash) =
+            self.measured.unwrap_or_else(|| (self.fleet.view(self.now).counts, self.trace.value()));
         Outcome {
-            simulated: self.now - Time::ZERO,
-            counts: self.fleet.view(self.now).counts,
+            simulated: self.now.min(self.end) - Time::ZERO,
+            drained,
+            drain: (self.now - self.end).max(Span::ZERO),
+            jobs: self.tallies.all(&self.fleet),
+            counts,
             plan_ns: self.plan_ns,
             step_ns: self.step_ns,
             law_violations: self.laws.count,
             broken: self.laws.broken.iter().map(|(t, v)| format!("{t}: {v}")).collect(),
-            trace_hash: self.trace.value(),
+            trace_hash,
             people,
         }
     }

@@ -4,8 +4,10 @@
 //! numbers that cannot be.
 
 use super::closures::Closing;
+use super::habits::Habits;
 use super::workforce::Workers;
 use crate::aware::Arm;
+use crate::fleet::Charging;
 use crate::human::Model;
 use crate::route::Kinematics;
 use crate::time::Span;
@@ -29,8 +31,15 @@ pub struct Scenario {
     pub seed: u64,
     /// Where jobs come from.
     pub demand: Demand,
+    /// What customers want beside deliveries, and what is done by hand.
+    pub customers: Habits,
+    /// How long everything may take to end after the customers have stopped, which they do at the end of the
+    /// duration; zero for no such phase.
+    pub drain: Span,
     /// What goes wrong.
     pub faults: Faults,
+    /// When robots charge.
+    pub charging: Charging,
     /// The robots' figures.
     pub kinematics: Kinematics,
     /// The people on the floor.
@@ -126,6 +135,10 @@ struct File {
     #[serde(default = "none")]
     jobs: Demand,
     #[serde(default)]
+    customers: Habits,
+    #[serde(default)]
+    drain_s: f64,
+    #[serde(default)]
     faults: Faults,
     #[serde(default)]
     fleet: Fleet,
@@ -169,6 +182,26 @@ struct Fleet {
     accel_unloaded_mps2: Option<f64>,
     accel_loaded_mps2: Option<f64>,
     lift_s: Option<f64>,
+    battery: Battery,
+}
+
+/// [`Charging`] as files name it.
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Battery {
+    critical: f64,
+    low: f64,
+    enough: f64,
+    full: f64,
+    opportunity: bool,
+    driving_h: f64,
+}
+
+impl Default for Battery {
+    fn default() -> Battery {
+        let Charging { critical, low, enough, full, opportunity, driving_h } = Charging::default();
+        Battery { critical, low, enough, full, opportunity, driving_h }
+    }
 }
 
 fn hour() -> f64 {
@@ -212,6 +245,8 @@ impl Scenario {
         check("faults.message_delay_ms", f.message_delay_ms as f64, 0.0..=2000.0, "from 0 to 2000")?;
         check("faults.failures_per_hour", f.failures_per_hour, 0.0..=1000.0, "from 0 to 1000")?;
         check("faults.repair_s", f.repair_s, 1.0..=1e6, "from 1 to 1000000")?;
+        check("drain_s", file.drain_s, 0.0..=1e6, "from 0 to 1000000")?;
+        file.customers.check()?;
         file.workers.check()?;
         file.closures.iter().try_for_each(Closing::check)?;
         Ok(Scenario {
@@ -222,6 +257,9 @@ impl Scenario {
             period: Span::from_millis(file.period_ms),
             seed: file.seed,
             demand: file.jobs,
+            customers: file.customers,
+            drain: Span::from_secs_f64(file.drain_s),
+            charging: file.fleet.battery.charging()?,
             faults: file.faults,
             kinematics: file.fleet.kinematics()?,
             workers: file.workers,
@@ -234,9 +272,21 @@ impl Scenario {
 
     /// The settings of the core for this scenario.
     pub fn settings(&self) -> crate::fleet::Settings {
-        let Scenario { kinematics, period, arm, .. } = *self;
+        let Scenario { kinematics, period, arm, charging, .. } = *self;
         let model = self.learned.clone();
-        crate::fleet::Settings { kinematics, period, arm, model, ..Default::default() }
+        crate::fleet::Settings { kinematics, period, arm, charging, model, ..Default::default() }
+    }
+}
+
+impl Battery {
+    fn charging(&self) -> Result<Charging, ScenarioError> {
+        let Battery { critical, low, enough, full, opportunity, driving_h } = *self;
+        check("fleet.battery.critical", critical, 0.0..=1.0, "from 0 to 1")?;
+        check("fleet.battery.low", low, critical..=1.0, "from `critical` to 1")?;
+        check("fleet.battery.enough", enough, low..=1.0, "from `low` to 1")?;
+        check("fleet.battery.full", full, enough..=1.0, "from `enough` to 1")?;
+        check("fleet.battery.driving_h", driving_h, 0.01..=1000.0, "from 0.01 to 1000")?;
+        Ok(Charging { critical, low, enough, full, opportunity, driving_h })
     }
 }
 

@@ -11,9 +11,9 @@ use super::random::Stream;
 use super::robot::Body;
 use super::scenario::{Faults, Scenario};
 use super::walker::{RobotNear, Walker};
-use crate::fleet::{Closure, Command, Fleet, Guidance, Input, Telemetry};
+use crate::fleet::{Closure, Command, Fleet, Guidance, Input, RackAt, Reply, Telemetry};
 use crate::geometry::Point;
-use crate::id::{Dense, NodeId, RobotId, WorkerId};
+use crate::id::{Dense, IdVec, NodeId, RackId, RobotId, WorkerId};
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
@@ -26,6 +26,8 @@ const TICK: Span = Span::from_millis(20);
 #[derive(Debug)]
 struct Robot {
     body: Body,
+    /// The rack that was on it when it was looked at last.
+    had: Option<RackId>,
     orders: Link<Command>,
     reports: Link<Telemetry>,
     luck: Stream,
@@ -36,6 +38,7 @@ struct Robot {
 pub struct World {
     warehouse: Arc<Warehouse>,
     kinematics: Kinematics,
+    driving_h: f64,
     faults: Faults,
     seed: u64,
     robots: Vec<Robot>,
@@ -43,6 +46,10 @@ pub struct World {
     crew: Option<Crew>,
     meter: Meter,
     joining: Vec<(String, NodeId)>,
+    /// Where each rack truly is.
+    racks: IdVec<RackId, RackAt>,
+    /// Racks that were lifted where they did not stand, or set down onto another one.
+    misplaced: Vec<(RobotId, RackId)>,
     closing: Vec<Closure>,
     now: Time,
 }
@@ -64,7 +71,8 @@ impl World {
         let places = starting_places(&warehouse, scenario.robots);
         let joining = places.into_iter().enumerate().skip(known);
         let joining = joining.map(|(i, n)| (format!("robot-{}", i + 1), n)).collect();
-        let customers = Customers::new(scenario.demand.clone(), lines, &warehouse, seed);
+        let customers = Customers::new(scenario, lines, &warehouse, seed);
+        let racks = fleet.ledger().racks.clone();
         let (kinematics, faults) = (scenario.kinematics, scenario.faults);
         // The bound on throughput is without people.
         let crew = if fleet.settings().ghosts { None } else { Crew::new(&warehouse, scenario, seed, now) };
@@ -74,6 +82,9 @@ impl World {
         let mut world = World {
             warehouse,
             kinematics,
+            driving_h: scenario.charging.driving_h,
+            racks,
+            misplaced: Vec::new(),
             faults,
             seed,
             robots,
@@ -91,7 +102,7 @@ impl World {
     /// Moves everything to `now` and says what is seen and ordered.
     pub fn advance(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
         self.meet(fleet);
-        let mut inputs = self.customers.order(now, fleet);
+        let mut inputs = self.customers.order(now, now - self.now, fleet);
         inputs.extend(self.joining.drain(..).map(|(name, node)| Input::Enlist { name, node }));
         inputs.extend(announce(std::mem::take(&mut self.closing), fleet));
         let from = self.now;
@@ -102,6 +113,8 @@ impl World {
             robot.break_down(&self.faults, from, now);
         }
         self.live(from, now);
+        self.note_racks();
+        inputs.extend(self.picks(fleet));
         for robot in &mut self.robots {
             robot.reports.send(now, robot.body.report(now));
             while let Some(report) = robot.reports.receive(now) {
@@ -113,6 +126,67 @@ impl World {
             inputs.extend(crew.say(now, fleet));
         }
         inputs
+    }
+
+    /// Customers want nothing new from now on.
+    pub fn stop_customers(&mut self) {
+        self.customers.stop();
+    }
+
+    /// Hands over answers to customers.
+    pub fn answer(&mut self, now: Time, replies: &[Reply]) {
+        replies.iter().for_each(|reply| self.customers.hear(reply, now));
+    }
+
+    /// Notes which racks were lifted and set down.
+    fn note_racks(&mut self) {
+        for robot in &mut self.robots {
+            let (id, has) = (robot.body.id, robot.body.rack);
+            let had = std::mem::replace(&mut robot.had, has);
+            if had == has {
+                continue;
+            }
+            let here = RackAt::Stored(robot.body.node);
+            if let Some(rack) = had {
+                let taken = self.racks.iter().any(|at| *at == here);
+                self.racks[rack] = here;
+                self.misplaced.extend(taken.then_some((id, rack)));
+            }
+            if let Some(rack) = has {
+                let there = std::mem::replace(&mut self.racks[rack], RackAt::On(id)) == here;
+                self.misplaced.extend((!there).then_some((id, rack)));
+            }
+        }
+    }
+
+    /// What pickers say who have all that was wanted. They say it until their screen shows that it was heard.
+    fn picks(&mut self, fleet: &Fleet) -> Vec<Input> {
+        let mut said = Vec::new();
+        for robot in &self.robots {
+            let NodeKind::Station(station) = self.warehouse.nodes[robot.body.node].kind else { continue };
+            let id = robot.body.id;
+            let serial = fleet.ledger().chain(id).first();
+            let works = !fleet.ledger().paused_stations.contains_key(&station);
+            if works && robot.body.is_picked(serial) && fleet.is_picked_from(id) {
+                said.push(self.customers.pick(station, id, serial));
+            }
+        }
+        said
+    }
+
+    /// Where each rack truly is.
+    pub fn racks(&self) -> &IdVec<RackId, RackAt> {
+        &self.racks
+    }
+
+    /// Racks that were lifted where they did not stand, or set down onto another one: for the laws.
+    pub fn misplaced(&self) -> &[(RobotId, RackId)] {
+        &self.misplaced
+    }
+
+    /// The node on which a robot truly stands or which it passed last.
+    pub fn node_of(&self, robot: RobotId) -> Option<NodeId> {
+        self.robots.get(robot.ix()).map(|r| r.body.node)
     }
 
     /// Robots and people move. Without people each robot goes alone, which is the same and quicker.
@@ -203,12 +277,14 @@ impl World {
             let node = fleet.ledger().node_of(id);
             let who = i as u64;
             let battery = 0.6 + 0.4 * Stream::new(self.seed, 4, who).unit();
-            let mut body = Body::new(id, node, self.warehouse.nodes[node].at, battery, self.kinematics);
+            let at = self.warehouse.nodes[node].at;
+            let mut body = Body::new(id, node, at, (battery, self.driving_h), self.kinematics);
             let (reached, rack) = (fleet.ledger().chain(id).first(), fleet.ledger().rack_on(id));
             body.resume(reached, record.acted, record.recalls, rack);
             let delay = Span::from_millis(self.faults.message_delay_ms);
             let loss = self.faults.message_loss;
             self.robots.push(Robot {
+                had: body.rack,
                 body,
                 orders: Link::new(delay, loss, Stream::new(self.seed, 1, who)),
                 reports: Link::new(delay, loss, Stream::new(self.seed, 2, who)),

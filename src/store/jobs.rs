@@ -87,7 +87,7 @@ impl Store {
 pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<(), sqlx::Error> {
     match fact {
         Fact::Accepted { job, request, at } => accept(db, *job, request, *at).await,
-        Fact::Progressed { job, state, at } => progress(db, *job, *state, *at).await,
+        Fact::Progressed { job, state, at, .. } => progress(db, *job, *state, *at).await,
         Fact::Prioritised { job, priority, at } => prioritise(db, *job, *priority, *at).await,
         _ => Ok(()),
     }

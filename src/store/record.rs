@@ -76,6 +76,8 @@ enum Record {
     Progressed {
         job: u64,
         state: StateRecord,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        tasked: Option<(u32, TaskRecord)>,
         at: i64,
     },
     Tasked {
@@ -157,6 +159,14 @@ enum Record {
         robot: Option<u32>,
         at: i64,
     },
+    StationPaused {
+        station: u32,
+        at: i64,
+    },
+    StationResumed {
+        station: u32,
+        at: i64,
+    },
     Prioritised {
         job: u64,
         priority: u8,
@@ -213,13 +223,15 @@ enum StateRecord {
 enum FailureRecord {
     Predecessor(u64),
     Unreachable,
+    StorageTaken(u32),
+    Short,
 }
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum TaskRecord {
     Idle,
-    Fetch { job: u64, rack: u32, node: u32 },
+    Fetch { job: Option<u64>, rack: u32, node: u32 },
     Deliver { job: u64, rack: u32, station: u32, store: u32 },
     Store { job: Option<u64>, rack: u32, store: u32 },
     Move { job: Option<u64>, goal: u32, stay: u32, purpose: PurposeRecord },
@@ -242,9 +254,12 @@ impl From<&Fact> for Record {
             Fact::Accepted { job, request, at } => {
                 Record::Accepted { job: job.0, request: request.into(), at: at.0 }
             }
-            Fact::Progressed { job, state, at } => {
-                Record::Progressed { job: job.0, state: (*state).into(), at: at.0 }
-            }
+            Fact::Progressed { job, state, tasked, at } => Record::Progressed {
+                job: job.0,
+                state: (*state).into(),
+                tasked: tasked.map(|(robot, task)| (robot.0, task.into())),
+                at: at.0,
+            },
             Fact::Tasked { robot, task } => Record::Tasked { robot: robot.0, task: (*task).into() },
             Fact::Routed { bookings } => {
                 Record::Routed { bookings: bookings.iter().map(BookingRecord::from).collect() }
@@ -279,6 +294,8 @@ impl From<&Fact> for Record {
             Fact::Reopened { closure, at } => Record::Reopened { closure: closure.0, at: at.0 },
             Fact::Halted { robot, at } => Record::Halted { robot: robot.map(|r| r.0), at: at.0 },
             Fact::Released { robot, at } => Record::Released { robot: robot.map(|r| r.0), at: at.0 },
+            Fact::StationPaused { station, at } => Record::StationPaused { station: station.0, at: at.0 },
+            Fact::StationResumed { station, at } => Record::StationResumed { station: station.0, at: at.0 },
             Fact::Prioritised { job, priority, at } => {
                 Record::Prioritised { job: job.0, priority: *priority, at: at.0 }
             }
@@ -303,9 +320,12 @@ impl From<Record> for Fact {
             Record::Accepted { job, request, at } => {
                 Fact::Accepted { job: JobId(job), request: request.into(), at: Time(at) }
             }
-            Record::Progressed { job, state, at } => {
-                Fact::Progressed { job: JobId(job), state: state.into(), at: Time(at) }
-            }
+            Record::Progressed { job, state, tasked, at } => Fact::Progressed {
+                job: JobId(job),
+                state: state.into(),
+                tasked: tasked.map(|(robot, task)| (RobotId(robot), task.into())),
+                at: Time(at),
+            },
             Record::Tasked { robot, task } => Fact::Tasked { robot: RobotId(robot), task: task.into() },
             Record::Routed { bookings } => {
                 Fact::Routed { bookings: bookings.into_iter().map(Booking::from).collect() }
@@ -345,6 +365,12 @@ impl From<Record> for Fact {
             Record::Reopened { closure, at } => Fact::Reopened { closure: ClosureId(closure), at: Time(at) },
             Record::Halted { robot, at } => Fact::Halted { robot: robot.map(RobotId), at: Time(at) },
             Record::Released { robot, at } => Fact::Released { robot: robot.map(RobotId), at: Time(at) },
+            Record::StationPaused { station, at } => {
+                Fact::StationPaused { station: StationId(station), at: Time(at) }
+            }
+            Record::StationResumed { station, at } => {
+                Fact::StationResumed { station: StationId(station), at: Time(at) }
+            }
             Record::Prioritised { job, priority, at } => {
                 Fact::Prioritised { job: JobId(job), priority, at: Time(at) }
             }
@@ -490,6 +516,8 @@ impl From<JobFailure> for FailureRecord {
         match f {
             JobFailure::Predecessor(job) => FailureRecord::Predecessor(job.0),
             JobFailure::Unreachable => FailureRecord::Unreachable,
+            JobFailure::Short => FailureRecord::Short,
+            JobFailure::StorageTaken(node) => FailureRecord::StorageTaken(node.0),
         }
     }
 }
@@ -499,6 +527,8 @@ impl From<FailureRecord> for JobFailure {
         match f {
             FailureRecord::Predecessor(job) => JobFailure::Predecessor(JobId(job)),
             FailureRecord::Unreachable => JobFailure::Unreachable,
+            FailureRecord::Short => JobFailure::Short,
+            FailureRecord::StorageTaken(node) => JobFailure::StorageTaken(NodeId(node)),
         }
     }
 }
@@ -517,7 +547,9 @@ impl From<Task> for TaskRecord {
     fn from(t: Task) -> TaskRecord {
         match t {
             Task::Idle => TaskRecord::Idle,
-            Task::Fetch { job, rack, node } => TaskRecord::Fetch { job: job.0, rack: rack.0, node: node.0 },
+            Task::Fetch { job, rack, node } => {
+                TaskRecord::Fetch { job: job.map(|j| j.0), rack: rack.0, node: node.0 }
+            }
             Task::Deliver { job, rack, station, store } => {
                 TaskRecord::Deliver { job: job.0, rack: rack.0, station: station.0, store: store.0 }
             }
@@ -543,7 +575,7 @@ impl From<TaskRecord> for Task {
         match t {
             TaskRecord::Idle => Task::Idle,
             TaskRecord::Fetch { job, rack, node } => {
-                Task::Fetch { job: JobId(job), rack: RackId(rack), node: NodeId(node) }
+                Task::Fetch { job: job.map(JobId), rack: RackId(rack), node: NodeId(node) }
             }
             TaskRecord::Deliver { job, rack, station, store } => Task::Deliver {
                 job: JobId(job),

@@ -59,7 +59,7 @@ fn every_fact() -> Vec<Fact> {
     let moves = [Purpose::Charge, Purpose::Park, Purpose::Go];
     let tasks = [
         Task::Idle,
-        Task::Fetch { job, rack, node },
+        Task::Fetch { job: Some(job), rack, node },
         Task::Deliver { job, rack, station: node, store: NodeId(9) },
         Task::Store { job: Some(job), rack, store: node },
         Task::Store { job: None, rack, store: node },
@@ -100,7 +100,7 @@ fn every_fact() -> Vec<Fact> {
         request.key = Some("a key".into());
         facts.push(Fact::Accepted { job: JobId(i as u64 + 1), request, at });
     }
-    facts.extend(states.map(|state| Fact::Progressed { job, state, at }));
+    facts.extend(states.map(|state| Fact::Progressed { job, state, tasked: None, at }));
     facts.extend(facts_about_people(at));
     facts.extend(tasks.map(|task| Fact::Tasked { robot, task }));
     facts.extend(moves.map(|purpose| {

@@ -153,7 +153,10 @@ impl Ledger {
             Fact::Routed { bookings } => bookings.iter().for_each(|b| self.index_robot(b.robot)),
             Fact::Cut { robots } => robots.iter().for_each(|r| self.index_robot(*r)),
             Fact::Accepted { job, .. } | Fact::Prioritised { job, .. } => self.index_job(*job),
-            Fact::Progressed { job, state, at, .. } => {
+            Fact::Progressed { job, state, tasked, at } => {
+                if let Some((robot, _)) = tasked {
+                    self.index_robot(*robot);
+                }
                 self.index_job(*job);
                 self.index_end(*job, *state, *at);
             }

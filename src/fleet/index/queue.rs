@@ -5,7 +5,7 @@
 //! first job of each line is offered. Refuses: to say whether a station has room; whoever looks leaves lines out.
 
 use crate::fleet::job::Job;
-use crate::id::{IdVec, JobId, RackId, RobotId, StationId};
+use crate::id::{IdVec, JobId, RackId, StationId};
 use crate::time::{Span, Time};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
@@ -61,7 +61,6 @@ struct Entry {
     deadline: Option<Time>,
     is_blocked: bool,
     rack: Option<(RackId, Goal)>,
-    robot: Option<RobotId>,
 }
 
 /// All waiting jobs.
@@ -75,8 +74,8 @@ pub struct Queue {
     /// The first ones of each line for racks that are free.
     heads: BTreeMap<(Goal, Line), BTreeMap<Rank, RackId>>,
     free: IdVec<RackId, bool>,
-    /// Ready jobs for which the customer named a robot.
-    named: BTreeMap<RobotId, BTreeSet<JobId>>,
+    /// Jobs per rack, ready or not.
+    wanted: BTreeMap<RackId, BTreeSet<JobId>>,
     /// When a deadline comes to another stage.
     changes: BTreeSet<(Time, JobId)>,
     as_of: Time,
@@ -91,7 +90,7 @@ impl Queue {
             racks: BTreeMap::new(),
             heads: BTreeMap::new(),
             free: IdVec::filled(false, racks),
-            named: BTreeMap::new(),
+            wanted: BTreeMap::new(),
             changes: BTreeSet::new(),
             as_of: Time::ZERO,
         }
@@ -127,9 +126,9 @@ impl Queue {
         oldest
     }
 
-    /// Robots that customers named, with the jobs for them that may start, by robot.
-    pub fn named(&self) -> impl Iterator<Item = (RobotId, &BTreeSet<JobId>)> {
-        self.named.iter().map(|(robot, jobs)| (*robot, jobs))
+    /// Whether a waiting job asks for a rack, ready or not.
+    pub fn is_wanted(&self, rack: RackId) -> bool {
+        self.wanted.contains_key(&rack)
     }
 
     /// How many racks are free and wanted.
@@ -201,8 +200,7 @@ impl Queue {
         let line = Line { priority: job.request.priority, stage: Stage::Plain };
         let (accepted, deadline) = (job.accepted, job.request.deadline);
         let rack = kind.rack().map(|rack| (rack, goal));
-        let robot = kind.robot();
-        let mut entry = Entry { line, rank: (0, id), accepted, deadline, is_blocked, rack, robot };
+        let mut entry = Entry { line, rank: (0, id), accepted, deadline, is_blocked, rack };
         self.place(id, &mut entry);
         self.put(id, entry);
     }
@@ -245,9 +243,11 @@ impl Queue {
 
     fn put(&mut self, id: JobId, entry: Entry) {
         self.lines.entry(entry.line).or_default().insert(entry.rank);
+        if let Some((rack, _)) = entry.rack {
+            self.wanted.entry(rack).or_default().insert(id);
+        }
         if !entry.is_blocked {
             self.ready.entry(entry.line.priority).or_default().insert(id);
-            entry.robot.into_iter().for_each(|r| _ = self.named.entry(r).or_default().insert(id));
             if let Some((rack, goal)) = entry.rack {
                 let key = (goal, entry.line);
                 let jobs = self.racks.entry(rack).or_default().entry(key).or_default();
@@ -265,9 +265,11 @@ impl Queue {
     fn take(&mut self, id: JobId) -> Option<Entry> {
         let entry = self.entries.remove(&id)?;
         drop_from(&mut self.lines, entry.line, &entry.rank);
+        if let Some((rack, _)) = entry.rack {
+            drop_from(&mut self.wanted, rack, &id);
+        }
         if !entry.is_blocked {
             drop_from(&mut self.ready, entry.line.priority, &id);
-            entry.robot.into_iter().for_each(|r| drop_from(&mut self.named, r, &id));
             if let Some((rack, goal)) = entry.rack {
                 let key = (goal, entry.line);
                 let lines = self.racks.get_mut(&rack).expect("it is in its rack's queue");

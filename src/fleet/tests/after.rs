@@ -53,11 +53,13 @@ fn dependants_of_a_cancelled_job_fail_a_few_in_each_step_and_none_is_forgotten_o
 fn dependants_of_a_job_that_fails_while_jobs_are_handed_out_fail_too() {
     let mut floor = Floor::lab(2);
     let robot = RobotId::at(0);
-    let first = floor.submit(JobRequest { after: vec![], ..request(JobKind::Park { robot }) });
+    floor.step(vec![Input::Halt { token: 6, robot: Some(robot) }]);
+    let first = floor.submit(request(JobKind::Park { robot }));
+    assert!(floor.is(first, "waiting"), "its robot is halted");
     let second = floor.submit(JobRequest { after: vec![first], ..request(deliver(3)) });
     // As the assigning phase does when no way leads to the goal of a robot that the customer named.
     let state = JobState::Failed(JobFailure::Unreachable);
-    floor.fleet.record(Fact::Progressed { job: first, state, at: floor.now });
+    floor.fleet.record(Fact::Progressed { job: first, state, tasked: None, at: floor.now });
     assert!(floor.fleet.ledger().index.queue.offers(floor.now, |_| true).next().is_none(), "it cannot start");
     floor.step(vec![]);
     assert_eq!(floor.story(second), ["failed"]);
@@ -98,14 +100,14 @@ fn a_bad_end_is_known_for_a_week() {
     let day = Span::from_secs(24 * 3600);
     let [bad, soon, late] = [1, 2, 3].map(JobId);
     ledger.evolve(&accept(bad, vec![], Time::ZERO));
-    ledger.evolve(&Fact::Progressed { job: bad, state: JobState::Cancelled, at: Time::ZERO });
+    ledger.evolve(&Fact::Progressed { job: bad, state: JobState::Cancelled, tasked: None, at: Time::ZERO });
     ledger.evolve(&accept(soon, vec![bad], Time::ZERO + day * 6));
     ledger.evolve(&accept(late, vec![bad], Time::ZERO + day * 7));
     let waits = &ledger.index.waits;
     assert!(waits.is_blocked(soon) && !waits.is_blocked(late));
     assert_eq!(waits.next_doomed(), Some((soon, bad)));
     let state = JobState::Failed(JobFailure::Predecessor(bad));
-    ledger.evolve(&Fact::Progressed { job: soon, state, at: Time::ZERO + day * 8 });
+    ledger.evolve(&Fact::Progressed { job: soon, state, tasked: None, at: Time::ZERO + day * 8 });
     assert_eq!(ledger.ended_badly.keys().copied().collect::<Vec<_>>(), [soon], "the older one is forgotten");
     ledger.assert_indexed();
 }

@@ -15,7 +15,14 @@ fn check(stage: &str, wait_s: i64, rack_moves: bool) {
     assert_eq!(floor.cancel(job), Reply::Refused { token: 8, why: Refusal::JobIsOver(job) });
     floor.until(300, "the robot has nothing to do", Floor::first_robot_is_idle);
     floor.assert_stored(3);
-    let lifted = floor.facts.iter().any(|f| matches!(f, Fact::Tasked { task: Task::Store { .. }, .. }));
+    let stores = |f: &Fact| {
+        matches!(
+            f,
+            Fact::Tasked { task: Task::Store { .. }, .. }
+                | Fact::Progressed { tasked: Some((_, Task::Store { .. })), .. }
+        )
+    };
+    let lifted = floor.facts.iter().any(stores);
     assert_eq!(lifted, rack_moves);
     assert_eq!(floor.story(job).last(), Some(&"cancelled"));
     assert_eq!((floor.done(), floor.fleet.ledger().counts.cancelled), (0, 1));

@@ -33,21 +33,36 @@ fn take_in(ledger: &mut Ledger, event: &Event, at: Time) {
     let live = |l: &Ledger, job: u64| l.jobs.contains_key(&JobId(job));
     match *event {
         Event::Accept { rack, station, priority, due_s, after } => {
-            let kind = JobKind::Deliver { rack: RackId(rack), station: StationId(station), pick: None };
+            let (robot, station) = (RobotId(0), StationId(station));
+            // Jobs that a robot can begin and end at once, among deliveries, which wait.
+            let kind = match rack {
+                0 => JobKind::Park { robot },
+                _ => JobKind::Deliver { rack: RackId(rack), station, pick: None },
+            };
             let after = after.filter(|a| *a < ledger.next_job).map(JobId).into_iter().collect();
             let deadline = due_s.map(|s| at + Span::from_secs(s));
             let request = JobRequest { kind, priority, deadline, after, key: None };
             ledger.evolve(&Fact::Accepted { job: JobId(ledger.next_job), request, at });
         }
-        Event::End { job, well } if live(ledger, job) => {
-            let state = if well { JobState::Done } else { JobState::Cancelled };
-            ledger.evolve(&Fact::Progressed { job: JobId(job), state, at });
-        }
+        Event::End { job, well } if live(ledger, job) => end(ledger, JobId(job), well, at),
         Event::Prioritise { job, priority } if live(ledger, job) => {
             ledger.evolve(&Fact::Prioritised { job: JobId(job), priority, at });
         }
         Event::End { .. } | Event::Prioritise { .. } => {}
     }
+}
+
+/// A job is cancelled, or done if the robot can begin it at once.
+fn end(ledger: &mut Ledger, job: JobId, well: bool, at: Time) {
+    let ends = |state, tasked| Fact::Progressed { job, state, tasked, at };
+    let record = &ledger.jobs[&job];
+    let (Some(robot), true, true) = (record.request.kind.robot(), well, is_ready(ledger, record)) else {
+        return ledger.evolve(&ends(JobState::Cancelled, None));
+    };
+    let stay = ledger.node_of(robot);
+    let task = Task::Move { job: Some(job), goal: stay, stay, purpose: Purpose::Park };
+    ledger.evolve(&ends(JobState::Assigned { robot }, Some((robot, task))));
+    ledger.evolve(&ends(JobState::Done, Some((robot, Task::Idle))));
 }
 
 /// Whether nothing keeps a job from starting, worked out from the ledger alone.
@@ -73,6 +88,8 @@ proptest! {
     ) {
         let mut ledger = Ledger::new(Arc::new(lab()), Span::from_millis(500), false);
         let mut now = Time::ZERO;
+        let (robot, node) = (RobotId(0), ledger.warehouse().nodes_where(|k| k == NodeKind::Parking)[0]);
+        ledger.evolve(&Fact::Enlisted { robot, name: "one".into(), node, at: now });
         for (event, pause_s) in &events {
             take_in(&mut ledger, event, now);
             now += Span::from_secs(*pause_s);
@@ -90,11 +107,12 @@ proptest! {
         offered.retain(|id| seen.insert(ledger.jobs[id].request.kind.rack()));
         for id in &offered {
             let rack = ledger.jobs[id].request.kind.rack();
-            let same = ledger.jobs.iter().filter(|(_, j)| j.request.kind.rack() == rack && is_ready(&ledger, j));
+            let same = (ledger.jobs.iter()).filter(|(_, j)| j.request.kind.rack() == rack && is_ready(&ledger, j));
             let best = same.map(|(id, _)| of(*id)).max().expect("it is offered");
             prop_assert!(is_ready(&ledger, &ledger.jobs[id]) && of(*id) + 2 >= best);
         }
-        let racks = ledger.jobs.values().filter(|j| is_ready(&ledger, j)).map(|j| j.request.kind.rack());
+        let ready = ledger.jobs.values().filter(|j| is_ready(&ledger, j));
+        let racks = ready.filter_map(|j| j.request.kind.rack());
         prop_assert_eq!(seen.len(), racks.collect::<std::collections::BTreeSet<_>>().len());
     }
 }

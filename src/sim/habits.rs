@@ -1,0 +1,378 @@
+//! What simulated customers want beside deliveries, how they change their minds, and what operators do by hand.
+//!
+//! Main types: [`Habits`] (a scenario's `customers`), [`Choices`] (draws from it). Refuses: to draw anything where a
+//! scenario has no such customers, so that its runs stay as they were.
+
+use super::random::Stream;
+use super::scenario::{ScenarioError, check};
+use crate::fleet::{Fleet, Input, JobKind, JobRequest, Reply, StationOrder};
+use crate::id::{Dense, JobId, NodeId, RobotId, StationId};
+use crate::time::{Span, Time};
+use crate::warehouse::{NodeKind, Warehouse};
+use serde::Deserialize;
+use std::collections::{BTreeMap, VecDeque};
+
+/// The purpose of the stream of random numbers.
+const PURPOSE: u64 = 41;
+/// So many accepted jobs may be named in `after`, the newest ones.
+const REMEMBERED: usize = 32;
+
+/// What customers want and do.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Habits {
+    /// How often each kind is wanted, relative to the others.
+    pub deliver: f64,
+    /// Racks to be put back onto the best storage node.
+    #[serde(rename = "return")]
+    pub put_back: f64,
+    /// Racks to be put onto a certain storage node.
+    pub relocate: f64,
+    /// Robots sent to a charger.
+    pub charge: f64,
+    /// Robots sent to a parking place.
+    pub park: f64,
+    /// Robots sent to a node.
+    pub go: f64,
+    /// Share of jobs with a priority above 0.
+    pub priority: f64,
+    /// Share of jobs that are due within the hour.
+    pub deadline: f64,
+    /// Share of jobs that come after one or two others.
+    pub after: f64,
+    /// Share of jobs with a key that are handed in twice.
+    pub twice: f64,
+    /// Share of jobs that are cancelled.
+    pub cancel: f64,
+    /// After how long, in the mean, seconds.
+    pub cancel_after_s: f64,
+    /// Share of deliveries at which the picker takes long.
+    pub slow_pick: f64,
+    /// How long then, seconds.
+    pub slow_pick_s: f64,
+    /// Share of picks at which goods are missing.
+    pub short: f64,
+    /// How often an hour somebody pauses a robot.
+    pub robot_pauses_per_hour: f64,
+    /// How often an hour nobody picks at some station.
+    pub station_pauses_per_hour: f64,
+    /// How long either lasts, seconds.
+    pub pause_s: f64,
+}
+
+impl Default for Habits {
+    fn default() -> Habits {
+        Habits {
+            deliver: 1.0,
+            put_back: 0.0,
+            relocate: 0.0,
+            charge: 0.0,
+            park: 0.0,
+            go: 0.0,
+            priority: 0.0,
+            deadline: 0.0,
+            after: 0.0,
+            twice: 0.0,
+            cancel: 0.0,
+            cancel_after_s: 60.0,
+            slow_pick: 0.0,
+            slow_pick_s: 120.0,
+            short: 0.0,
+            robot_pauses_per_hour: 0.0,
+            station_pauses_per_hour: 0.0,
+            pause_s: 60.0,
+        }
+    }
+}
+
+impl Habits {
+    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+        let kinds = [self.deliver, self.put_back, self.relocate, self.charge, self.park, self.go];
+        let sum: f64 = kinds.iter().sum();
+        check("customers (sum of kinds)", sum, 1e-9..=1e9, "above 0, for some kind of job")?;
+        for (key, share) in [
+            ("customers.priority", self.priority),
+            ("customers.deadline", self.deadline),
+            ("customers.after", self.after),
+            ("customers.twice", self.twice),
+            ("customers.cancel", self.cancel),
+            ("customers.slow_pick", self.slow_pick),
+            ("customers.short", self.short),
+        ] {
+            check(key, share, 0.0..=1.0, "from 0 to 1")?;
+        }
+        for (key, number) in [
+            ("customers.cancel_after_s", self.cancel_after_s),
+            ("customers.slow_pick_s", self.slow_pick_s),
+            ("customers.pause_s", self.pause_s),
+        ] {
+            check(key, number, 0.1..=1e6, "from 0.1 to 1000000")?;
+        }
+        check("customers.robot_pauses_per_hour", self.robot_pauses_per_hour, 0.0..=1e4, "from 0 to 10000")?;
+        check(
+            "customers.station_pauses_per_hour",
+            self.station_pauses_per_hour,
+            0.0..=1e4,
+            "from 0 to 10000",
+        )?;
+        kinds.iter().try_for_each(|k| check("customers (a kind)", *k, 0.0..=1e9, "0 or more"))
+    }
+}
+
+/// Something that somebody is to undo.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Undo {
+    Cancel(JobId),
+    Release(RobotId),
+    Resume(StationId),
+}
+
+/// Draws what customers and operators do.
+#[derive(Debug)]
+pub(super) struct Choices {
+    habits: Habits,
+    random: Stream,
+    storage: Vec<NodeId>,
+    /// Tokens of jobs that are to be cancelled when they are accepted, with how long after that.
+    doomed: BTreeMap<u64, Span>,
+    accepted: VecDeque<JobId>,
+    later: Vec<(Time, Undo)>,
+    /// Requests that are handed in a second time.
+    again: Vec<JobRequest>,
+    keys: u64,
+    /// A pick that was decided about: at whose stop, and whether goods are missing.
+    picks: BTreeMap<StationId, (RobotId, u64, bool)>,
+}
+
+impl Choices {
+    pub fn new(habits: Habits, warehouse: &Warehouse, seed: u64) -> Choices {
+        Choices {
+            habits,
+            random: Stream::new(seed, PURPOSE, 0),
+            storage: warehouse.nodes_where(|k| k == NodeKind::Storage),
+            doomed: BTreeMap::new(),
+            accepted: VecDeque::new(),
+            later: Vec::new(),
+            again: Vec::new(),
+            keys: 0,
+            picks: BTreeMap::new(),
+        }
+    }
+
+    /// Whether customers want anything but plain deliveries.
+    fn is_plain(&self) -> bool {
+        self.habits == Habits::default()
+    }
+
+    /// A job in place of a plain delivery, handed in with this token.
+    pub fn request(&mut self, plain: JobKind, token: u64, now: Time, fleet: &Fleet) -> JobRequest {
+        let mut request =
+            JobRequest { kind: plain, priority: 0, deadline: None, after: Vec::new(), key: None };
+        if self.is_plain() {
+            return request;
+        }
+        if let Some(again) = self.again.pop() {
+            return again;
+        }
+        let h = self.habits;
+        request.kind = self.kind(plain, fleet);
+        if self.random.happens(h.priority) {
+            request.priority = 1 + self.random.below(9) as u8;
+        }
+        if self.random.happens(h.deadline) {
+            request.deadline = Some(now + Span::from_secs_f64(self.random.between(60.0, 3600.0)));
+        }
+        if self.random.happens(h.after) && !self.accepted.is_empty() {
+            for _ in 0..=self.random.below(2) {
+                request.after.push(self.accepted[self.random.below(self.accepted.len())]);
+            }
+        }
+        if self.random.happens(h.cancel) {
+            self.doomed.insert(token, Span::from_secs_f64(self.random.exponential(h.cancel_after_s)));
+        }
+        if self.random.happens(h.twice) {
+            self.keys += 1;
+            request.key = Some(format!("order {} of {}", self.keys, now.0));
+            self.again.push(request.clone());
+        }
+        request
+    }
+
+    fn kind(&mut self, plain: JobKind, fleet: &Fleet) -> JobKind {
+        let JobKind::Deliver { rack, station, .. } = plain else { return plain };
+        let h = self.habits;
+        let weights = [h.deliver, h.put_back, h.relocate, h.charge, h.park, h.go];
+        let mut left = self.random.unit() * weights.iter().sum::<f64>();
+        let drawn = weights.iter().position(|w| {
+            left -= w;
+            left < 0.0
+        });
+        let robots = fleet.ledger().robots.len().max(1);
+        let robot = RobotId::at(self.random.below(robots));
+        match drawn {
+            Some(1) => JobKind::Return { rack },
+            Some(2) => JobKind::Relocate { rack, node: self.storage[self.random.below(self.storage.len())] },
+            Some(3) => JobKind::Charge { robot },
+            Some(4) => JobKind::Park { robot },
+            Some(5) => {
+                let node = NodeId::at(self.random.below(fleet.warehouse().nodes.len()));
+                JobKind::Go { robot, node }
+            }
+            _ => {
+                let slow = self.random.happens(h.slow_pick);
+                let pick = slow.then(|| Span::from_secs_f64(h.slow_pick_s));
+                JobKind::Deliver { rack, station, pick }
+            }
+        }
+    }
+
+    /// What the fleet answered.
+    pub fn hear(&mut self, reply: &Reply, now: Time) {
+        let Reply::Accepted { token, job, new: true } = *reply else { return };
+        if let Some(after) = self.doomed.remove(&token) {
+            self.later.push((now + after, Undo::Cancel(job)));
+        }
+        self.accepted.push_back(job);
+        if self.accepted.len() > REMEMBERED {
+            self.accepted.pop_front();
+        }
+    }
+
+    /// What else is said now: cancels, pauses, and their ends. `stopped` customers begin nothing any more.
+    pub fn meddle(&mut self, now: Time, period: Span, stopped: bool, fleet: &Fleet) -> Vec<Undone> {
+        if self.is_plain() {
+            return Vec::new();
+        }
+        let due = |(at, undo): &mut (Time, Undo)| (*at <= now).then_some(*undo);
+        let mut said: Vec<Undone> = Vec::new();
+        self.later.retain_mut(|entry| match due(entry) {
+            Some(undo) => {
+                said.push(undo.into());
+                false
+            }
+            None => true,
+        });
+        if stopped {
+            return said;
+        }
+        let hours = period.as_secs_f64() / 3600.0;
+        let until = now + Span::from_secs_f64(self.habits.pause_s);
+        let robots = fleet.ledger().robots.len();
+        if robots > 0 && self.random.happens(self.habits.robot_pauses_per_hour * hours) {
+            let robot = RobotId::at(self.random.below(robots));
+            said.push(Undone::Halt(robot));
+            self.later.push((until, Undo::Release(robot)));
+        }
+        let stations = fleet.warehouse().stations.len();
+        if stations > 0 && self.random.happens(self.habits.station_pauses_per_hour * hours) {
+            let station = StationId::at(self.random.below(stations));
+            said.push(Undone::Station(station, StationOrder::Pause));
+            self.later.push((until, Undo::Resume(station)));
+        }
+        said
+    }
+
+    /// How a pick ends at which a robot stands.
+    pub fn pick(&mut self, station: StationId, robot: RobotId, serial: u64) -> StationOrder {
+        let known = self.picks.get(&station).filter(|(r, s, _)| (*r, *s) == (robot, serial)).map(|p| p.2);
+        let short = known.unwrap_or_else(|| self.random.happens(self.habits.short));
+        self.picks.insert(station, (robot, serial, short));
+        if short { StationOrder::Short } else { StationOrder::Done }
+    }
+}
+
+/// Something said beside jobs, without its token.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Undone {
+    Cancel(JobId),
+    Halt(RobotId),
+    Release(RobotId),
+    Station(StationId, StationOrder),
+}
+
+impl From<Undo> for Undone {
+    fn from(undo: Undo) -> Undone {
+        match undo {
+            Undo::Cancel(job) => Undone::Cancel(job),
+            Undo::Release(robot) => Undone::Release(robot),
+            Undo::Resume(station) => Undone::Station(station, StationOrder::Resume),
+        }
+    }
+}
+
+impl Undone {
+    /// As an input.
+    pub fn input(self, token: u64) -> Input {
+        match self {
+            Undone::Cancel(job) => Input::Cancel { token, job },
+            Undone::Halt(robot) => Input::Halt { token, robot: Some(robot) },
+            Undone::Release(robot) => Input::Release { token, robot: Some(robot) },
+            Undone::Station(station, order) => Input::Station { token, station, order },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fleet::Settings;
+    use crate::id::RackId;
+    use crate::warehouse::lab;
+    use std::sync::Arc;
+
+    fn plain(rack: u32) -> JobKind {
+        JobKind::Deliver { rack: RackId(rack), station: StationId(0), pick: None }
+    }
+
+    fn fleet() -> Fleet {
+        Fleet::new(Arc::new(lab()), Settings::default())
+    }
+
+    #[test]
+    fn plain_customers_want_deliveries_and_nothing_else() {
+        let mut choices = Choices::new(Habits::default(), &lab(), 1);
+        for i in 0..100 {
+            let request = choices.request(plain(i % 4), u64::from(i), Time::ZERO, &fleet());
+            assert_eq!(
+                request,
+                JobRequest { kind: plain(i % 4), priority: 0, deadline: None, after: vec![], key: None }
+            );
+        }
+        assert!(choices.meddle(Time::ZERO, Span::from_secs(3600), false, &fleet()).is_empty());
+    }
+
+    #[test]
+    fn customers_with_habits_want_every_kind_and_change_their_minds() {
+        let habits = Habits {
+            put_back: 1.0,
+            relocate: 1.0,
+            charge: 1.0,
+            park: 1.0,
+            go: 1.0,
+            priority: 0.5,
+            deadline: 0.5,
+            after: 0.5,
+            twice: 0.5,
+            cancel: 0.5,
+            ..Habits::default()
+        };
+        let mut choices = Choices::new(habits, &lab(), 1);
+        let fleet = fleet();
+        let mut requests = Vec::new();
+        for token in 0..400 {
+            let request = choices.request(plain(1), token, Time::ZERO, &fleet);
+            choices.hear(&Reply::Accepted { token, job: JobId(token), new: true }, Time::ZERO);
+            requests.push(request);
+        }
+        for word in ["deliver", "return", "relocate", "charge", "park", "go"] {
+            assert!(requests.iter().any(|r| r.kind.word() == word), "{word}");
+        }
+        assert!(requests.iter().any(|r| r.priority > 0) && requests.iter().any(|r| r.deadline.is_some()));
+        assert!(requests.iter().any(|r| !r.after.is_empty()));
+        let twice =
+            |r: &JobRequest| r.key.is_some() && requests.iter().filter(|o| o.key == r.key).count() == 2;
+        assert!(requests.iter().any(twice));
+        let said = choices.meddle(Time::ZERO + Span::from_secs(3600), Span::ZERO, true, &fleet);
+        assert!(said.iter().any(|u| matches!(u, Undone::Cancel(_))));
+    }
+}

@@ -1,0 +1,206 @@
+//! Laws about jobs: every job ends or says what it waits for, ends are true, the floor delivers, and it drains.
+//!
+//! Main type: [`JobLaws`]. Ends are compared with where racks and robots truly are. Refuses: to take a reason for true
+//! that the floor does not show.
+
+use super::laws::Violation;
+use super::world::World;
+use crate::fleet::{Fact, Fleet, JobKind, JobState, JobWhy, RackAt, Task, Why};
+use crate::id::{JobId, RobotId};
+use crate::time::{Span, Time};
+use crate::warehouse::NodeKind;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A job in one state for longer than this has a reason that is true.
+pub(super) const OVERDUE: Span = Span::from_secs(600);
+/// While jobs wait and robots can drive, something is delivered within this.
+pub(super) const DELIVERS: Span = Span::from_secs(1200);
+/// Every how many steps open jobs are looked at.
+const LOOKS_EVERY: u64 = 100;
+
+/// What is remembered of open jobs.
+#[derive(Debug)]
+pub(super) struct JobLaws {
+    open: BTreeMap<JobId, (JobKind, JobState, Time)>,
+    /// Jobs without a true reason when they were looked at last.
+    suspects: BTreeSet<JobId>,
+    delivered: (u64, Time),
+    steps: u64,
+}
+
+impl JobLaws {
+    pub fn new(fleet: &Fleet) -> JobLaws {
+        let open = fleet.ledger().jobs.iter();
+        let open = open.map(|(id, j)| (*id, (j.request.kind, j.state, j.accepted)));
+        JobLaws {
+            open: open.collect(),
+            suspects: BTreeSet::new(),
+            delivered: (fleet.ledger().counts.robot_deliveries, Time::ZERO),
+            steps: 0,
+        }
+    }
+
+    /// Looks at what happened in one step.
+    pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet, facts: &[Fact]) -> Vec<Violation> {
+        let mut broken = Vec::new();
+        for fact in facts {
+            match fact {
+                Fact::Accepted { job, request, .. } => {
+                    self.open.insert(*job, (request.kind, JobState::Waiting, now));
+                }
+                Fact::Progressed { job, state, .. } => {
+                    broken.extend(self.progress(*job, *state, now, world, fleet))
+                }
+                _ => {}
+            }
+        }
+        self.steps += 1;
+        if self.steps.is_multiple_of(LOOKS_EVERY) {
+            broken.extend(self.unexplained(now, world, fleet));
+            broken.extend(self.delivers(now, fleet));
+        }
+        broken
+    }
+
+    fn progress(
+        &mut self,
+        job: JobId,
+        state: JobState,
+        now: Time,
+        world: &World,
+        fleet: &Fleet,
+    ) -> Option<Violation> {
+        let Some(entry) = self.open.get_mut(&job) else { return Some(Violation::JobLost(job)) };
+        let (kind, before, _) = *entry;
+        (entry.1, entry.2) = (state, now);
+        if !state.is_over() {
+            return None;
+        }
+        self.open.remove(&job);
+        let lie = state == JobState::Done && !happened(&kind, before, world, fleet);
+        lie.then_some(Violation::UntrueEnd(job, kind))
+    }
+
+    /// Jobs that have been in one state for long, without a true reason now and when they were looked at before.
+    fn unexplained(&mut self, now: Time, world: &World, fleet: &Fleet) -> Vec<Violation> {
+        let overdue: Vec<(JobId, JobState)> = (self.open.iter())
+            .filter(|(_, (_, _, since))| now - *since > OVERDUE)
+            .map(|(id, (_, state, _))| (*id, *state))
+            .collect();
+        if overdue.is_empty() {
+            self.suspects.clear();
+            return Vec::new();
+        }
+        let view = fleet.view(now);
+        let mut broken = Vec::new();
+        let mut suspects = BTreeSet::new();
+        for (id, state) in overdue {
+            let Some(job) = fleet.ledger().jobs.get(&id) else { continue };
+            let why = view.why_job(id, job);
+            // A job at work goes on with its robot, about which there is a law of its own.
+            let at_work = state.robot().is_some() && why.is_none();
+            if at_work || why.is_some_and(|w| is_true(w, now, world, fleet)) {
+                continue;
+            }
+            suspects.insert(id);
+            if self.suspects.contains(&id) {
+                broken.push(Violation::Unexplained(id, state, why));
+                self.open.get_mut(&id).expect("it is open").2 = now;
+            }
+        }
+        self.suspects = suspects;
+        broken
+    }
+
+    fn delivers(&mut self, now: Time, fleet: &Fleet) -> Option<Violation> {
+        let ledger = fleet.ledger();
+        let delivered = ledger.counts.robot_deliveries;
+        let paused = |k: &JobKind| match k {
+            JobKind::Deliver { station, .. } => ledger.paused_stations.contains_key(station),
+            _ => true,
+        };
+        let wanted = (ledger.jobs.values()).any(|j| {
+            !paused(&j.request.kind) && !j.request.after.iter().any(|a| ledger.jobs.contains_key(a))
+        });
+        let picking = ledger.jobs.values().any(|j| matches!(j.state, JobState::Picking { .. }));
+        let view = fleet.view(now);
+        let drives =
+            |why: Option<Why>| !matches!(why, Some(Why::Failed | Why::Silent | Why::Paused | Why::Stopped));
+        let critical = fleet.settings().charging.critical;
+        let can = view.robots.iter().any(|r| drives(r.why) && r.battery >= critical);
+        if delivered != self.delivered.0 || !wanted || picking || !can {
+            self.delivered = (delivered, now);
+        }
+        let late = now - self.delivered.1 > DELIVERS;
+        if late {
+            self.delivered.1 = now;
+        }
+        late.then_some(Violation::NothingDelivered)
+    }
+}
+
+/// Whether a job that is said to be done was: where racks and robots truly are.
+fn happened(kind: &JobKind, before: JobState, world: &World, fleet: &Fleet) -> bool {
+    let w = fleet.warehouse();
+    let stands = |r: RobotId| world.node_of(r);
+    let robot = before.robot();
+    match *kind {
+        JobKind::Deliver { rack, station, .. } => {
+            let there = robot.and_then(stands) == Some(w.stations[station].node);
+            there && robot.is_some_and(|r| world.racks()[rack] == RackAt::On(r))
+        }
+        JobKind::Return { rack } => {
+            matches!(world.racks()[rack], RackAt::Stored(n) if w.kind(n) == NodeKind::Storage)
+        }
+        JobKind::Relocate { rack, node } => world.racks()[rack] == RackAt::Stored(node),
+        JobKind::Charge { robot } => stands(robot).is_some_and(|n| w.kind(n) == NodeKind::Charger),
+        JobKind::Park { robot } => stands(robot).is_some_and(|n| w.kind(n) == NodeKind::Parking),
+        JobKind::Go { robot, node } => stands(robot) == Some(node),
+    }
+}
+
+/// Whether a reason why a job waits is one that the floor shows.
+fn is_true(why: JobWhy, now: Time, world: &World, fleet: &Fleet) -> bool {
+    let ledger = fleet.ledger();
+    let works = |r: RobotId| ledger.robots[r].task != Task::Idle;
+    match why {
+        JobWhy::After(job) => ledger.jobs.contains_key(&job),
+        JobWhy::RackBusy(rack, robot, _) => {
+            let fetches = matches!(ledger.robots[robot].task, Task::Fetch { rack: k, .. } if k == rack);
+            fetches || world.racks()[rack] == RackAt::On(robot)
+        }
+        JobWhy::RobotBusy(robot, _) => works(robot),
+        JobWhy::Robot(_, Why::Failed | Why::Silent | Why::Paused | Why::Stopped) => true,
+        JobWhy::Robot(robot, _) => works(robot),
+        JobWhy::RobotLow(robot) => {
+            world.truth().any(|(r, t)| r == robot && t.battery <= fleet.settings().charging.critical + 0.01)
+        }
+        JobWhy::NoRobot => fleet.view(now).free == 0,
+        JobWhy::StationFull(station) => {
+            let there = w_station(fleet, station);
+            ledger.robots.ids().any(|r| ledger.node_of(r) == there || works(r))
+        }
+        JobWhy::StationPaused(station) => ledger.paused_stations.contains_key(&station),
+        JobWhy::ClosedOff => !ledger.closures.is_empty() || !ledger.workers.is_empty(),
+        JobWhy::RackBlocked(rack, robot) => {
+            let last = ledger.chain(robot).last().map(|v| v.node);
+            matches!((world.racks()[rack], last), (RackAt::Stored(a), Some(b)) if a == b)
+        }
+        JobWhy::NoPlace(kind) => {
+            let places = fleet.warehouse().nodes_where(|k| k == kind);
+            let taken = |n| ledger.robots.ids().any(|r| ledger.chain(r).last().is_some_and(|v| v.node == n));
+            places.into_iter().all(taken) || !ledger.closures.is_empty()
+        }
+    }
+}
+
+fn w_station(fleet: &Fleet, station: crate::id::StationId) -> crate::id::NodeId {
+    fleet.warehouse().stations[station].node
+}
+
+/// How many jobs are open and how many racks are not in storage.
+pub(super) fn undrained(world: &World, fleet: &Fleet) -> (usize, usize) {
+    let w = fleet.warehouse();
+    let stored = |at: &&RackAt| !matches!(at, RackAt::Stored(n) if w.kind(*n) == NodeKind::Storage);
+    (fleet.ledger().jobs.len(), world.racks().iter().filter(stored).count())
+}
