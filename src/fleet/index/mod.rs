@@ -1,7 +1,8 @@
 //! What the ledger looks up instead of searching: robots and racks by node, waiting jobs in order, jobs by predecessor.
 //!
-//! Main type: [`Index`]. [`Ledger::evolve`] alone keeps it, and it follows from the rest of the ledger: [`Ledger::reindex`]
-//! makes it anew, and the laws of simulations compare the two. Refuses: to hold anything that the ledger does not say.
+//! Main type: [`Index`]. [`Ledger::evolve`] alone keeps it, and it follows from the rest of the ledger:
+//! [`Ledger::reindex`] makes it anew, and the laws of simulations compare the two. Refuses: to hold anything that the
+//! ledger does not say.
 
 mod places;
 mod queue;
