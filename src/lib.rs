@@ -93,6 +93,8 @@
 //!   no [`warehouse::Warehouse`] that was not validated.
 //! - Types of the core are not serialised: `api` and `store` have wire types of their own.
 //! - The [`fleet::View`] is an input to no decision.
+//! - Nothing that only *exists* costs a step anything that grows with it: idle robots, waiting jobs that cannot start,
+//!   announced closures and open assignments are looked up in indexes, which change when they do.
 //! - No hold is given back because its time is over. Times are plans; only what a robot reports frees anything.
 //!
 //! # Why nobody is ever stuck
@@ -149,6 +151,9 @@
 //! | a kind of job | `fleet/job.rs`, `fact.rs` (`Task`), `settle.rs`, `plan.rs` (`stages`); `api/http/jobs.rs` |
 //! | which robot gets which job | `fleet/assign.rs` |
 //! | where racks are put, where robots rest | `fleet/storage.rs` |
+//! | which waiting job comes first | `fleet/index/queue.rs` (`urgency_ms`); jobs before jobs: `fleet/index/waits.rs` |
+//! | what is looked up instead of searched | `fleet/index/`; kept by `Ledger::evolve`, compared by the laws |
+//! | how many of anything there may be | `fleet/mod.rs` (`Settings`), `docs/operate.md` |
 //! | when a robot is planned, and how often again | `fleet/plan.rs` |
 //! | the search, its order, its bounds | `route/search.rs`, `route/label.rs`, `route/estimate.rs` |
 //! | how far ahead robots are granted | `fleet/grant.rs` |
@@ -161,7 +166,7 @@
 //! | what people mean for the search | `aware/effects.rs`; how it obeys: `route/search/care.rs` |
 //! | who waits, goes round, leaves a path | `fleet/yielding.rs`; the published way: `fleet/published.rs` |
 //! | when a route is kept, and when changed | `aware/safe_space.rs` |
-//! | what an announced closure changes | `fleet/closing.rs`; how the search obeys: `route/search/care.rs` |
+//! | what an announced closure changes, and when | `fleet/closing.rs`, `fleet/areas.rs`; `route/search/care.rs` |
 //! | where workers are led, what they are told | `fleet/lead.rs`, `fleet/guide.rs` |
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
 //! | how it is guessed where a person is going | `human/intention/`; stories that test it: `experiment/stories/` |

@@ -85,6 +85,12 @@ impl Problem {
         Problem { errors, ..Problem::new(status, "invalid", "Some fields are wrong", detail.join("; ")) }
     }
 
+    /// 429: there are as many as the server takes.
+    pub fn too_many(detail: impl Into<String>, retry_after: u32) -> Problem {
+        let problem = Problem::new(StatusCode::TOO_MANY_REQUESTS, "too-many", "There are too many", detail);
+        Problem { retry_after: Some(retry_after), ..problem }
+    }
+
     /// 503: not now.
     pub fn unavailable(detail: impl Into<String>, retry_after: u32) -> Problem {
         let status = StatusCode::SERVICE_UNAVAILABLE;

@@ -5,7 +5,7 @@
 use super::dto::job_name;
 use super::error::{FieldError, Problem};
 use super::people::{assignment_name, closure_name, worker_name};
-use crate::fleet::Refusal;
+use crate::fleet::{Bounded, Refusal};
 use crate::id::NodeId;
 use crate::warehouse::{NodeKind, Warehouse};
 
@@ -45,10 +45,9 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             Problem::conflict("nothing-to-pick", "There is nothing to pick from", detail)
         }
         Refusal::Priority(p) => field("priority", format!("{p} is not between 0 and 9")),
-        Refusal::TooMany(n) => Problem::unavailable(
-            format!("{n} are waiting, which is the limit: try again when some are done"),
-            10,
-        ),
+        Refusal::TooMany(kind, n) => too_many(kind, n),
+        Refusal::TooManyBefore(most) => field("after", format!("a job comes after at most {most} others")),
+        Refusal::TooManyCorners(most) => field("outline", format!("an area has at most {most} corners")),
         Refusal::UnknownWorker(worker) => {
             let name = worker_name(worker);
             Problem::unknown("worker", format!("{name} does not exist; GET /v1/workers lists all"))
@@ -70,6 +69,43 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         }
         Refusal::EmptyArea => {
             field("outline", "an area needs three corners and an end after its beginning".into())
+        }
+    }
+}
+
+/// There is no room for another one of a kind.
+fn too_many(kind: Bounded, n: usize) -> Problem {
+    let (what, remedy) = match kind {
+        Bounded::Jobs => ("jobs are open", "try again when some are over"),
+        Bounded::Assignments => ("assignments are open", "try again when some are done or cancelled"),
+        Bounded::Workers => ("workers are known", "use the name of one who is known already"),
+        Bounded::Closures => ("areas are closed or announced", "take back some that are not needed"),
+    };
+    Problem::too_many(format!("{n} {what}, which is the limit: {remedy}"), 10)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_meets_a_limit_is_told_which_one_and_what_to_do() {
+        let map = crate::warehouse::lab();
+        for (kind, what) in [
+            (Bounded::Jobs, "7 jobs are open"),
+            (Bounded::Assignments, "7 assignments are open"),
+            (Bounded::Workers, "7 workers are known"),
+            (Bounded::Closures, "7 areas are closed or announced"),
+        ] {
+            let problem = refused(&map, Refusal::TooMany(kind, 7));
+            assert_eq!((problem.status, problem.retry_after), (429, Some(10)));
+            assert!(problem.detail.starts_with(what), "{}", problem.detail);
+        }
+        for (why, name) in [(Refusal::TooManyBefore(100), "after"), (Refusal::TooManyCorners(100), "outline")]
+        {
+            let problem = refused(&map, why);
+            assert_eq!((problem.status, problem.errors[0].field.as_str()), (422, name));
+            assert!(problem.detail.contains("100"), "{}", problem.detail);
         }
     }
 }

@@ -8,7 +8,7 @@ use super::afoot::Afoot;
 use super::regions::{BODY_M, Regions};
 use crate::geometry::{Point, Segment};
 use crate::human::{Band, Hypothesis, WALK_MPS, Whereabouts, passages};
-use crate::id::{ClosureId, NodeId, WorkerId};
+use crate::id::{NodeId, WorkerId};
 use crate::route::{Cause, Condition, Conditions, Effect};
 use crate::time::{Span, Time, Window};
 use crate::warehouse::Warehouse;
@@ -125,15 +125,6 @@ impl Effects<'_> {
                 conditions.add(node, Condition { window: p.window, effect, cause });
             }
         });
-    }
-
-    /// An area that somebody marked.
-    pub fn area(&self, conditions: &mut Conditions, closure: ClosureId, nodes: &[NodeId], window: Window) {
-        if window.end() <= self.now {
-            return;
-        }
-        let condition = Condition { window, effect: Effect::Closed, cause: Cause::Closure(closure) };
-        nodes.iter().for_each(|n| conditions.add(*n, condition));
     }
 }
 

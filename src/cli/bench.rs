@@ -1,4 +1,4 @@
-//! `giveway bench`: planning measured on this machine.
+//! `giveway bench`: planning and steps measured on this machine.
 //!
 //! Main type: [`Bench`]. Refuses: to print a figure without the command that made it.
 
@@ -24,6 +24,10 @@ pub enum Bench {
     Plan(Plan),
     /// How long distances to goals take to repair when one edge is cut or restored.
     Distances(Distances),
+    /// What one step of the fleet costs where much exists and little changes.
+    Steps(super::bench_steps::Steps),
+    /// Whether memory stays flat while days go by.
+    Memory(super::bench_memory::Memory),
 }
 
 /// Pebble rules, with or without turns.
@@ -213,6 +217,8 @@ impl Bench {
             Bench::Lifelong(arguments) => arguments.run(),
             Bench::Plan(arguments) => arguments.run(),
             Bench::Distances(arguments) => arguments.run(),
+            Bench::Steps(arguments) => arguments.run(),
+            Bench::Memory(arguments) => arguments.run(),
         }
     }
 }

@@ -8,6 +8,8 @@
 mod out;
 
 mod bench;
+mod bench_memory;
+mod bench_steps;
 mod database;
 mod experiment;
 mod learn;

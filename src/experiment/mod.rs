@@ -3,7 +3,7 @@
 //! Main modules: [`grid`] (benchmark floors as text), [`lifelong`] (goals reached per step under pebble rules),
 //! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions
 //! recognised), [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four ways
-//! of giving way), [`statistics`].
+//! of giving way), [`steps`] (what a step costs), [`month`] (what it keeps), [`statistics`].
 //! Refuses: to read files or clocks; whoever calls passes texts in and takes figures out.
 
 mod dice;
@@ -11,10 +11,12 @@ pub mod distances;
 pub mod grid;
 pub mod learning;
 pub mod lifelong;
+pub mod month;
 pub mod planning;
 pub mod plot;
 pub mod recorded;
 pub mod safe_space;
 pub mod statistics;
+pub mod steps;
 pub mod stories;
 pub mod table;

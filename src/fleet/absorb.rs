@@ -2,10 +2,10 @@
 //!
 //! Refuses: to decide anything about robots.
 
+use super::Fleet;
 use super::fact::{Fact, Purpose, Task};
-use super::io::{Input, Refusal, Reply};
-use super::job::{Job, JobKind, JobRequest, JobState};
-use super::{Fleet, RackAt};
+use super::io::{Bounded, Input, Refusal, Reply};
+use super::job::{JobKind, JobRequest, JobState};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
@@ -58,11 +58,14 @@ impl Fleet {
         if request.priority > 9 {
             return Err(Refusal::Priority(request.priority));
         }
+        if request.after.len() > self.settings.after_max {
+            return Err(Refusal::TooManyBefore(self.settings.after_max));
+        }
         if let Some(job) = request.after.iter().find(|j| j.0 == 0 || j.0 >= self.ledger.next_job) {
             return Err(Refusal::UnknownPredecessor(*job));
         }
         if self.ledger.jobs.len() >= self.settings.waiting_max {
-            return Err(Refusal::TooMany(self.ledger.jobs.len()));
+            return Err(Refusal::TooMany(Bounded::Jobs, self.ledger.jobs.len()));
         }
         let job = JobId(self.ledger.next_job);
         self.record(Fact::Accepted { job, request, at: now });
@@ -110,17 +113,17 @@ impl Fleet {
 
     /// Whether another rack than `rack` stands on a storage node, or is to come there.
     pub(super) fn storage_taken(&self, node: NodeId, rack: RackId) -> bool {
-        let stands = self.ledger.racks.pairs().any(|(k, at)| k != rack && *at == RackAt::Stored(node));
+        let places = &self.ledger.index.places;
+        let stands = places.rack_on(node).is_some_and(|k| k != rack);
         let promised = |t: &Task| match *t {
             Task::Deliver { store, rack: k, .. } | Task::Store { store, rack: k, .. } => {
                 store == node && k != rack
             }
             Task::Idle | Task::Fetch { .. } | Task::Move { .. } => false,
         };
-        let wanted = |j: &Job| matches!(j.request.kind, JobKind::Relocate { node: n, rack: k } if n == node && k != rack);
         stands
-            || self.ledger.robots.iter().any(|r| promised(&r.task))
-            || self.ledger.jobs.values().any(wanted)
+            || places.bound_for(node).iter().any(|r| promised(&self.ledger.robots[*r].task))
+            || places.is_wanted_for_another(node, rack)
     }
 
     /// Cancels a job at any stage: the job is over at once; a robot at work on it brings its rack to storage.

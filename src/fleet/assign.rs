@@ -3,6 +3,7 @@
 //! Refuses: first come, first served; and to give a job to a robot that should charge first.
 
 use super::fact::{Purpose, Task};
+use super::index::Goal;
 use super::job::{Job, JobFailure, JobKind, JobState};
 use super::matching::{NEVER, least_cost};
 use super::storage::along_axes;
@@ -15,11 +16,6 @@ use std::collections::BTreeSet;
 /// How many waiting jobs and idle robots one step matches at most.
 const JOBS: usize = 128;
 const ROBOTS: usize = 64;
-/// What one step of priority is worth, what a second of waiting is worth, milliseconds.
-const PRIORITY_MS: i64 = 120_000;
-const AGE_SHARE: i64 = 4;
-/// A deadline counts from this long before it.
-const NEAR: Span = Span::from_secs(600);
 /// What it costs that the station has as many racks under way as places, per rack beyond.
 const CROWD_MS: i64 = 8_000;
 /// A rack that waits longer than this for a place at its station has waited for long.
@@ -27,6 +23,7 @@ const LONG: Span = Span::from_secs(60);
 
 impl Fleet {
     pub(super) fn assign(&mut self, now: Time) {
+        self.ledger.index.queue.advance(now);
         self.give_back_jobs(now);
         self.assign_named(now);
         let charger_is_free = self.a_charger_is_free();
@@ -59,7 +56,7 @@ impl Fleet {
     /// oldest. Nothing where none can start.
     pub(super) fn named_job_for(&self, robot: RobotId) -> Option<JobId> {
         let named = self.ledger.named.get(&robot)?.iter().map(|id| (*id, &self.ledger.jobs[id]));
-        let ready = named.filter(|(_, j)| !self.is_blocked(&j.request.after));
+        let ready = named.filter(|(id, _)| !self.ledger.index.waits.is_blocked(*id));
         let rank = |j: &Job| (std::cmp::Reverse(j.request.priority), j.request.deadline.unwrap_or(Time::MAX));
         ready.min_by_key(|(id, j)| (rank(j), *id)).map(|(id, _)| id)
     }
@@ -93,11 +90,16 @@ impl Fleet {
         if robots.is_empty() || self.ledger.jobs.is_empty() {
             return robots;
         }
-        let jobs = self.candidates(now);
+        let jobs = if self.ledger.index.queue.has_offers() { self.candidates(now) } else { Vec::new() };
         let (few, mut left) =
             (robots[..robots.len().min(ROBOTS)].to_vec(), robots[robots.len().min(ROBOTS)..].to_vec());
-        let worth: Vec<i64> =
-            jobs.iter().map(|(id, _, _, urgency_ms)| self.crowd(*id) - urgency_ms).collect();
+        if jobs.is_empty() {
+            left.extend(few);
+            return left;
+        }
+        let under_way = self.under_way();
+        let crowd = |id: &JobId| self.crowd(*id, &under_way);
+        let worth: Vec<i64> = jobs.iter().map(|(id, _, _, urgency_ms)| crowd(id) - urgency_ms).collect();
         let cost: Vec<Vec<i64>> = (few.iter())
             .map(|r| {
                 let known = jobs
@@ -121,41 +123,33 @@ impl Fleet {
 
     /// Waiting jobs whose rack stands in storage and is nobody's, with their urgency, most urgent first; one per rack.
     fn candidates(&self, now: Time) -> Vec<(JobId, RackId, NodeId, i64)> {
-        let mut seen: BTreeSet<RackId> = (self.ledger.robots.iter())
-            .filter_map(|r| match r.task {
-                Task::Fetch { rack, .. } => Some(rack),
-                _ => None,
-            })
-            .collect();
-        let waiting: Vec<(JobId, &Job)> = self.waiting_jobs().collect();
-        let mut ranked = self.ranks(&waiting, now);
-        ranked.sort_unstable();
+        let queue = &self.ledger.index.queue;
+        let (oldest, wanted) = (queue.oldest(now), queue.racks_wanted());
         let enough = self.stations_with_enough(now);
+        let has_room = |goal| !matches!(goal, Goal::Station(s) if enough.contains(&s));
+        let mut seen: BTreeSet<RackId> = BTreeSet::new();
         let mut found = Vec::new();
-        for (urgency, id) in ranked {
-            let Some(rack) = self.ledger.jobs[&id].request.kind.rack() else { continue };
+        for id in queue.offers(now, has_room) {
+            if found.len() == JOBS || seen.len() == wanted {
+                break;
+            }
+            let rack = self.ledger.jobs[&id].request.kind.rack().expect("offers are for racks");
             let RackAt::Stored(node) = self.ledger.racks[rack] else { continue };
-            let kind = &self.ledger.jobs[&id].request.kind;
-            let has_enough = matches!(kind, JobKind::Deliver { station, .. } if enough.contains(station));
-            if !has_enough && self.is_ready(id) && !self.job_is_closed_off(kind, node) && seen.insert(rack) {
-                found.push((id, rack, node, -urgency));
-                if found.len() == JOBS {
-                    break;
-                }
+            if seen.contains(&rack) {
+                continue;
+            }
+            let is_open = |id: &JobId| !self.job_is_closed_off(&self.ledger.jobs[id].request.kind, node);
+            // Only relocations in one line have goals of their own: behind one that is closed may be one that is not.
+            let is_shut = self.is_closing(node) || self.ledger.jobs[&id].request.kind.station().is_some();
+            let others = queue.behind(id).take_while(|_| !is_shut);
+            if let Some(id) = std::iter::once(id).chain(others).find(is_open) {
+                seen.insert(rack);
+                found.push((id, rack, node, queue.urgency_ms(id, now, &oldest)));
+            } else if self.is_closing(node) {
+                seen.insert(rack);
             }
         }
         found
-    }
-
-    /// Waiting jobs with their urgency turned round, so that the smallest comes first; in no order.
-    pub(super) fn ranks(&self, waiting: &[(JobId, &Job)], now: Time) -> Vec<(i64, JobId)> {
-        let mut oldest = [now; 10];
-        for (_, job) in waiting.iter().filter(|(_, j)| !self.is_blocked(&j.request.after)) {
-            let first = &mut oldest[usize::from(job.request.priority)];
-            *first = job.accepted.min(*first);
-        }
-        let urgency = |j: &Job| urgency_ms(j, now, oldest[usize::from(j.request.priority)]);
-        waiting.iter().map(|(id, j)| (-urgency(j), *id)).collect()
     }
 
     /// Stations for which enough robots wait with their racks, or which are paused: fetching another rack now would
@@ -196,16 +190,23 @@ impl Fleet {
         Some((way_m / self.settings.kinematics.speed_mps * 1000.0) as i64)
     }
 
+    /// For each station, how many robots work on deliveries to it.
+    fn under_way(&self) -> IdVec<StationId, usize> {
+        let mut under_way = IdVec::filled(0, self.warehouse().stations.len());
+        let jobs = self.ledger.robots.iter().filter_map(|r| self.ledger.jobs.get(&r.task.job()?));
+        for job in jobs {
+            if let JobKind::Deliver { station, .. } = job.request.kind {
+                under_way[station] += 1;
+            }
+        }
+        under_way
+    }
+
     /// What it costs that many racks are on their way to the job's station already.
-    fn crowd(&self, job: JobId) -> i64 {
+    fn crowd(&self, job: JobId, under_way: &IdVec<StationId, usize>) -> i64 {
         let JobKind::Deliver { station, .. } = self.ledger.jobs[&job].request.kind else { return 0 };
         let places = self.warehouse().stations[station].queue.len() + 1;
-        let under_way = (self.ledger.robots.iter())
-            .filter_map(|r| r.task.job())
-            .filter_map(|j| self.ledger.jobs.get(&j))
-            .filter(|j| matches!(j.request.kind, JobKind::Deliver { station: s, .. } if s == station))
-            .count();
-        CROWD_MS * (under_way.saturating_sub(places / 2)) as i64
+        CROWD_MS * (under_way[station].saturating_sub(places / 2)) as i64
     }
 }
 
@@ -218,17 +219,6 @@ fn enough(places: usize, last: Option<Span>, longest: Span) -> usize {
         () if longest > LONG || last.is_none_or(|waited| waited > LONG) => places,
         () => 2 * places,
     }
-}
-
-/// Priority, nearness of the deadline and age, milliseconds. A job whose deadline is near stands in line as if it
-/// were the `oldest` of its priority, and the nearer the deadline, the farther before it: however long others have
-/// waited, they can wait a little longer, and the deadline cannot.
-fn urgency_ms(job: &Job, now: Time, oldest: Time) -> i64 {
-    let left = job.request.deadline.map_or(Span::MAX, |d| (d - now).max(Span::from_secs(-3600)));
-    let since = if Span::ZERO < left && left < NEAR { oldest } else { job.accepted };
-    let age = (now - since).0 / 1000;
-    let deadline = (NEAR.0.saturating_sub(left.0) / 1000).clamp(0, 1_200_000) / 4;
-    i64::from(job.request.priority) * PRIORITY_MS + age / AGE_SHARE + deadline
 }
 
 fn stage(goal: NodeId) -> crate::route::Stage {

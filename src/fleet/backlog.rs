@@ -3,8 +3,8 @@
 //! Main types: [`Backlog`], [`Pending`]. Not part of [`super::View`]: that is made ten times a second, and a hundred
 //! thousand jobs may wait. Refuses: to list more than it is asked for, and to be an input of any decision.
 
-use super::job::{Job, JobKind};
-use super::{Fleet, JobState};
+use super::Fleet;
+use super::job::JobKind;
 use crate::id::JobId;
 use crate::time::Time;
 
@@ -34,32 +34,19 @@ pub struct Pending {
 
 impl Fleet {
     /// The first `most` waiting jobs, in the order in which idle robots are matched with them: by priority, deadline
-    /// and age. Which one goes first depends on where racks and robots stand, too. Costs one look at each waiting job
-    /// and the sorting of `most`: 4.5 ms for 99 000 jobs, for which a whole view takes half as long. That is too much
-    /// for every picture, and well for once a second; an order that is kept would change with age all the time.
+    /// and age. Which one goes first depends on where racks and robots stand, too. Costs a look at each of those that
+    /// it gives, however many wait.
     pub fn backlog(&self, most: usize, now: Time) -> Backlog {
-        let waiting: Vec<(JobId, &Job)> = self.waiting_jobs().collect();
-        let mut ranks = self.ranks(&waiting, now);
-        if most > 0 && ranks.len() > most {
-            ranks.select_nth_unstable(most - 1);
-        }
-        ranks.truncate(most);
-        ranks.sort_unstable();
-        let pending = |(_, id): (i64, JobId)| {
+        let pending = |id: JobId| {
             let job = &self.ledger.jobs[&id];
             let (kind, priority) = (job.request.kind, job.request.priority);
-            Pending { job: id, kind, priority, accepted: job.accepted, after: self.first_before(job) }
+            Pending { job: id, kind, priority, accepted: job.accepted, after: self.first_before(id) }
         };
-        Backlog { at: now, jobs: ranks.into_iter().map(pending).collect() }
+        Backlog { at: now, jobs: self.ledger.index.queue.in_order(now).take(most).map(pending).collect() }
     }
 
-    /// Jobs that nobody has yet, by number.
-    pub(super) fn waiting_jobs(&self) -> impl Iterator<Item = (JobId, &Job)> {
-        self.ledger.jobs.iter().filter(|(_, j)| j.state == JobState::Waiting).map(|(id, j)| (*id, j))
-    }
-
-    /// The first job that must be over before this one, and is not.
-    pub(super) fn first_before(&self, job: &Job) -> Option<JobId> {
-        job.request.after.iter().copied().find(|a| self.ledger.jobs.contains_key(a))
+    /// The first job that keeps this one from starting: it is not over, or it ended badly.
+    pub(super) fn first_before(&self, job: JobId) -> Option<JobId> {
+        self.ledger.index.waits.first_before(job)
     }
 }

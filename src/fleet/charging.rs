@@ -144,8 +144,8 @@ impl Fleet {
         if !looks || self.battery(robot) >= self.settings.charging.low {
             return false;
         }
-        let rack = self.ledger.racks.pairs().find(|(_, at)| **at == super::RackAt::Stored(node));
-        rack.is_some_and(|(rack, _)| self.waiting_jobs().any(|(_, j)| j.request.kind.rack() == Some(rack)))
+        let rack = self.ledger.index.places.rack_on(node);
+        rack.is_some_and(|rack| self.ledger.index.queue.is_wanted(rack))
     }
 
     /// For each robot without a charger, one that has enough leaves its charger, the fullest first.

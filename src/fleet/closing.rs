@@ -5,6 +5,7 @@
 //! The search knows every announced closure as a condition, so new routes need nothing from here. Refuses: to stop
 //! anybody (grants do), and to take back what was granted.
 
+use super::areas::storage_behind;
 use super::fact::{Fact, Purpose, Task};
 use super::job::{JobKind, JobState};
 use super::{Fleet, ledger};
@@ -12,57 +13,40 @@ use crate::aware::{Arm, Zone};
 use crate::id::{NodeId, RobotId};
 use crate::route::{COME_OUT, Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
-use crate::warehouse::NodeKind;
+use std::collections::BTreeMap;
 
-/// What is closed within this is treated as closed by whoever chooses a job, a place for a rack, or one to rest.
-const SOON: Span = Span::from_secs(180);
 /// Whoever has stood for longer than this is not about to set off: the place is as good as closed.
 pub(super) const STANDS: Span = Span::from_secs(20);
 /// A robot whose route leads into a closed area looks for another one this often at most.
 const AGAIN: Span = Span::from_secs(5);
-/// A closure that is over stays in the list for so long.
-const KEPT: Span = Span::from_secs(24 * 3600);
 
 impl Fleet {
-    /// Notes which nodes are closed, or will be soon; forgets closures that have been over for long.
+    /// Notes which nodes are as good as closed because somebody has been standing there for long.
     pub(super) fn note_closing(&mut self, now: Time) {
         self.crowd.closing.clear();
-        let over = self.ledger.closures.iter().filter(|(_, c)| c.window.end() + KEPT <= now);
-        for closure in over.map(|(id, _)| *id).collect::<Vec<_>>() {
-            self.record(Fact::Reopened { closure, at: now });
-        }
-        if self.crowd.conditions.is_empty() {
+        if self.settings.arm != Arm::Giveway {
             return;
         }
-        let soon = Window::new(now, now + SOON);
-        let conditions = &self.crowd.conditions;
-        let ours = self.settings.arm == Arm::Giveway;
-        let shuts = |c: &&Condition| match c.cause {
-            Cause::Closure(_) => c.window.overlaps(soon),
-            Cause::Worker(_) => ours && c.effect == Effect::Still && c.window.end() > now + STANDS,
-        };
+        let (areas, conditions) = (&self.crowd.areas, &self.crowd.conditions);
+        let shuts = |c: &&Condition| c.effect == Effect::Still && c.window.end() > now + STANDS;
         let begins = |n: NodeId| conditions.of(n).iter().filter(shuts).map(|c| c.window.start()).min();
-        self.crowd.closing = conditions.nodes().filter_map(|n| Some((n, begins(n)?))).collect();
-        let nodes = self.crowd.closing.keys();
-        let cut_off: Vec<(NodeId, Time)> = nodes.flat_map(|n| self.storage_behind(*n)).collect();
+        let shut = |n: NodeId| Some((n, begins(n)?.min(areas.begins_here(n).unwrap_or(Time::MAX))));
+        let closing: BTreeMap<NodeId, Time> = conditions.passing().filter_map(shut).collect();
+        let either = |n: NodeId| closing.get(&n).copied().or_else(|| areas.begins_here(n));
+        let cut_off = closing.keys().flat_map(|n| storage_behind(self.warehouse(), *n, either));
+        let cut_off: Vec<(NodeId, Time)> = cut_off.collect();
+        self.crowd.closing = closing;
         self.crowd.closing.extend(cut_off);
     }
 
-    /// Storage nodes beside a closed node whose racks have no other way out, with when the last way is closed.
-    fn storage_behind(&self, closed: NodeId) -> impl Iterator<Item = (NodeId, Time)> {
-        let warehouse = self.warehouse();
-        let beside = warehouse.ways(closed).map(|(_, w)| w.to);
-        beside.filter(|n| warehouse.kind(*n) == NodeKind::Storage && !self.is_closing(*n)).filter_map(|n| {
-            let out = warehouse.ways(n).filter(|(_, w)| w.users.allows(true)).map(|(_, w)| w.to);
-            let out = out.filter(|to| warehouse.kind(*to) != NodeKind::Storage);
-            let begins: Option<Vec<Time>> = out.map(|to| self.crowd.closing.get(&to).copied()).collect();
-            Some((n, begins?.into_iter().max()?))
-        })
+    /// Since when, or from when on, a node is closed, if it is or will be soon.
+    fn closes(&self, node: NodeId) -> Option<Time> {
+        self.crowd.closing.get(&node).copied().or_else(|| self.crowd.areas.begins(node))
     }
 
     /// Whether a node is closed, or will be soon.
     pub(super) fn is_closing(&self, node: NodeId) -> bool {
-        self.crowd.closing.contains_key(&node)
+        self.closes(node).is_some()
     }
 
     /// Whether a robot on its way to a rack would not be out with it before the way is closed.
@@ -71,9 +55,9 @@ impl Fleet {
         let (Task::Fetch { node, .. }, Some(lift)) = (record.task, record.stops.first()) else {
             return false;
         };
-        let Some(begins) = self.crowd.closing.get(&node) else { return false };
+        let Some(begins) = self.closes(node) else { return false };
         let arrive = self.ledger.chain(robot).get(lift.serial).map_or(now, |v| v.arrive.max(now));
-        arrive + self.settings.kinematics.lift + COME_OUT > *begins
+        arrive + self.settings.kinematics.lift + COME_OUT > begins
     }
 
     /// Whether a job leads to a place that is closed, or will be soon.
@@ -88,7 +72,7 @@ impl Fleet {
 
     /// Robots whose promised way leads through a closed area, or ends in one, get another one.
     pub(super) fn route_round_closures(&mut self, now: Time, budget: &mut u32) {
-        if self.crowd.closing.is_empty() {
+        if self.crowd.closing.is_empty() && self.crowd.areas.is_empty() {
             return;
         }
         for robot in ledger::all(&self.ledger.robots) {

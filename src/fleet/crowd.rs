@@ -2,19 +2,20 @@
 //!
 //! Main types: [`Crowd`], [`Person`], [`Mode`]. Refuses: to decide; the judging phase does.
 
+use super::areas::Areas;
 use super::mind::Mind;
-use super::people::{Closure, Guidance, Reaction};
+use super::people::{Guidance, Reaction};
 use super::published::Procedure;
-use crate::aware::{Afoot, Meter, Regions, nodes_in};
+use crate::aware::{Afoot, Meter, Regions};
 use crate::geometry::Point;
 use crate::human::motion::Motion;
 use crate::human::{Coverage, Follower, Hypothesis, Track};
-use crate::id::{AssignmentId, ClosureId, IdVec, NodeId, RobotId, WorkerId};
+use crate::id::{AssignmentId, IdVec, NodeId, RobotId, WorkerId};
 use crate::route::Conditions;
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use crate::warehouse::walkway::Walkways;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// A worker this near to the end of the path is there, metres.
@@ -128,11 +129,12 @@ pub(super) struct Crowd {
     pub called_back: BTreeMap<RobotId, Time>,
     /// When each robot last looked for another route because of somebody.
     pub rerouted: BTreeMap<RobotId, Time>,
-    /// Nodes that are closed by hand, or will be soon, with when that begins.
+    /// Announced closures.
+    pub areas: Areas,
+    /// Nodes that are as good as closed because somebody has been standing there for long, with when that began.
     pub closing: BTreeMap<NodeId, Time>,
     /// When each robot last looked for a route around a closed area.
     pub looked_round: BTreeMap<RobotId, Time>,
-    areas: BTreeMap<ClosureId, Vec<NodeId>>,
 }
 
 impl Crowd {
@@ -153,9 +155,9 @@ impl Crowd {
             stands: BTreeMap::new(),
             called_back: BTreeMap::new(),
             rerouted: BTreeMap::new(),
+            areas: Areas::default(),
             closing: BTreeMap::new(),
             looked_round: BTreeMap::new(),
-            areas: BTreeMap::new(),
         }
     }
 
@@ -166,13 +168,12 @@ impl Crowd {
         }
         &mut self.people[worker]
     }
+}
 
-    /// The nodes of a closed area, looked up once.
-    pub fn nodes_of(&mut self, id: ClosureId, area: &Closure, warehouse: &Warehouse) -> &[NodeId] {
-        self.areas.entry(id).or_insert_with(|| {
-            let outline: Vec<Point> = area.outline.iter().map(|s| Point::from(*s)).collect();
-            if area.nodes.is_empty() { nodes_in(warehouse, &outline) } else { area.nodes.clone() }
-        })
+impl Crowd {
+    /// Nodes that are closed, will be soon, or are as good as closed.
+    pub fn closing_nodes(&self) -> BTreeSet<NodeId> {
+        self.areas.nodes().chain(self.closing.keys().copied()).collect()
     }
 }
 

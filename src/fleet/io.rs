@@ -296,6 +296,19 @@ impl Reply {
     }
 }
 
+/// Things of which the fleet takes so many at once and no more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Bounded {
+    /// Jobs that are not over.
+    Jobs,
+    /// Assignments that are not over.
+    Assignments,
+    /// Workers who are known.
+    Workers,
+    /// Closures that are announced, closed, or over since less than a day.
+    Closures,
+}
+
 /// Why a request is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Refusal {
@@ -319,8 +332,12 @@ pub enum Refusal {
     NothingToPick(StationId),
     /// A priority is a number from 0 to 9.
     Priority(u8),
-    /// Too many jobs are waiting.
-    TooMany(usize),
+    /// There are as many of a kind as the fleet takes.
+    TooMany(Bounded, usize),
+    /// A job comes after more others than it may.
+    TooManyBefore(usize),
+    /// An area has more corners than it may.
+    TooManyCorners(usize),
     /// No worker has this number.
     UnknownWorker(WorkerId),
     /// No assignment has this number, or it is over.

@@ -59,6 +59,14 @@ impl JobKind {
         }
     }
 
+    /// The station that the rack is wanted at, if any.
+    pub fn station(&self) -> Option<StationId> {
+        match *self {
+            JobKind::Deliver { station, .. } => Some(station),
+            _ => None,
+        }
+    }
+
     /// The robot that has to do it, if the customer named one.
     pub fn robot(&self) -> Option<RobotId> {
         match *self {

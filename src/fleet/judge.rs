@@ -5,6 +5,7 @@
 
 use super::Fleet;
 use super::crowd::Mode;
+use super::fact::Fact;
 use super::lead::REDIRECT;
 use super::limit::STROLL_MPS;
 use crate::aware::{Arm, Effects};
@@ -43,8 +44,8 @@ impl Fleet {
 
     pub(super) fn judge(&mut self, now: Time) {
         self.crowd.conditions.clear();
-        if self.crowd.people.is_empty() && self.ledger.closures.is_empty() {
-            self.crowd.closing.clear();
+        self.note_areas(now);
+        if self.crowd.people.is_empty() {
             return self.limit_robots(now);
         }
         for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
@@ -52,7 +53,6 @@ impl Fleet {
         }
         self.infer(now);
         self.foresee(now);
-        self.close_areas(now);
         self.follow_procedure(now);
         self.set_conditions(now);
         self.note_closing(now);
@@ -120,8 +120,7 @@ impl Fleet {
 
     /// The assignment that a worker is at, or is to begin.
     pub(super) fn next_assignment(&self, worker: WorkerId) -> Option<AssignmentId> {
-        let own = self.ledger.assignments.iter().filter(|(_, a)| a.worker == worker);
-        own.map(|(id, _)| *id).next()
+        self.ledger.index.assignments_of(worker).next()
     }
 
     /// Where a robot is, as far as it was seen.
@@ -130,22 +129,14 @@ impl Fleet {
         self.scene.robot(robot).map_or(node, |t| t.pose.at)
     }
 
-    /// Areas that robots keep out of.
-    fn close_areas(&mut self, now: Time) {
-        let warehouse = self.warehouse().clone();
-        let closures: Vec<_> = self.ledger.closures.iter().map(|(id, c)| (*id, c.clone())).collect();
-        let mut conditions = std::mem::take(&mut self.crowd.conditions);
-        for (id, closure) in closures {
-            let nodes = self.crowd.nodes_of(id, &closure, &warehouse).to_vec();
-            let effects = Effects {
-                warehouse: &warehouse,
-                regions: &self.crowd.regions,
-                afoot: &self.crowd.afoot,
-                now,
-            };
-            effects.area(&mut conditions, id, &nodes, closure.window);
+    /// Areas that robots keep out of; forgets those that have been over for long.
+    fn note_areas(&mut self, now: Time) {
+        let (crowd, ledger) = (&mut self.crowd, &self.ledger);
+        let (closures, changes) = (&ledger.closures, ledger.index.closure_changes());
+        crowd.areas.update(closures, changes, &mut crowd.conditions, ledger.warehouse(), now);
+        for closure in crowd.areas.forgotten(closures, now) {
+            self.record(Fact::Reopened { closure, at: now });
         }
-        self.crowd.conditions = conditions;
     }
 
     /// What people mean for the search.

@@ -5,6 +5,7 @@
 //! Refuses: to plan, to read a clock, to know where anything is seen.
 
 use super::fact::{Act, Booking, Fact, Stop, Task};
+use super::index::Index;
 use super::job::{Job, JobKind, JobState};
 use super::life::{self, Stage, Work};
 use super::people::{Assignment, AssignmentRequest, AssignmentState, Closure};
@@ -74,8 +75,12 @@ pub struct Ledger {
     pub paused_stations: BTreeMap<StationId, Time>,
     /// Since when the whole fleet is to stand, by hand.
     pub stopped: Option<Time>,
+    /// Jobs that were cancelled or failed lately, with when: jobs that are to come after them fail as well.
+    pub ended_badly: BTreeMap<JobId, Time>,
     /// Sums.
     pub counts: Counts,
+    /// What is looked up instead of searched. It follows from the rest: see [`Ledger::reindex`].
+    pub index: Index,
 }
 
 impl Ledger {
@@ -83,8 +88,9 @@ impl Ledger {
     pub fn new(warehouse: Arc<Warehouse>, clearance: Span, ghostly: bool) -> Ledger {
         let racks = warehouse.racks.iter().map(|r| RackAt::Stored(r.home)).collect();
         let served = IdVec::filled(0, warehouse.stations.len());
+        let index = Index::new(&warehouse);
         let timeline = if ghostly { Timeline::ghostly } else { Timeline::new }(warehouse, clearance);
-        Ledger {
+        let mut ledger = Ledger {
             jobs: BTreeMap::new(),
             next_job: 1,
             keys: BTreeMap::new(),
@@ -101,8 +107,12 @@ impl Ledger {
             next_closure: 1,
             paused_stations: BTreeMap::new(),
             stopped: None,
+            ended_badly: BTreeMap::new(),
             counts: Counts::default(),
-        }
+            index,
+        };
+        ledger.reindex();
+        ledger
     }
 
     /// The building.
@@ -131,6 +141,12 @@ impl Ledger {
     /// # Panics
     /// If the fact cannot be: the journal or the planner is broken, and going on would make it worse.
     pub fn evolve(&mut self, fact: &Fact) {
+        let moved = self.rack_moved_by(fact);
+        self.take_in(fact);
+        self.keep_index(fact, moved);
+    }
+
+    fn take_in(&mut self, fact: &Fact) {
         match fact {
             Fact::Enlisted { robot, name, node, at } => self.enlist(*robot, name, *node, *at),
             Fact::Accepted { job, request, at } => {
@@ -378,7 +394,7 @@ impl Ledger {
             Act::Set(rack) => {
                 assert_eq!(self.racks[rack], RackAt::On(robot), "{robot:?} sets down what it has");
                 let node = self.node_of(robot);
-                assert!(!self.racks.iter().any(|r| *r == RackAt::Stored(node)), "one rack on a node");
+                assert_eq!(self.index.places.rack_on(node), None, "one rack on a node");
                 self.racks[rack] = RackAt::Stored(node);
             }
             Act::Pick(_) | Act::Arrive => {}
@@ -398,8 +414,7 @@ impl Ledger {
 
     /// The robot that stands on a node, or will be there in the end.
     pub fn resident(&self, node: NodeId) -> Option<RobotId> {
-        let last = |r: RobotId| self.chain(r).last().map(|v| v.node);
-        self.robots.ids().find(|r| last(*r) == Some(node))
+        self.index.places.resident(node)
     }
 }
 

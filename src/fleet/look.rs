@@ -21,7 +21,7 @@ impl Fleet {
     pub fn view(&self, now: Time) -> View {
         let robots: Vec<RobotView> = self.ledger.robots.ids().map(|r| self.robot_view(r, now)).collect();
         let stations = self.warehouse().stations.ids().map(|s| self.station_view(s)).collect();
-        let waiting = self.waiting_jobs().count() as u64;
+        let waiting = self.ledger.index.queue.len() as u64;
         let active = self.ledger.jobs.len() as u64 - waiting;
         let counts = Counts { waiting, active, ..self.ledger.counts };
         let racks = self.ledger.racks.iter().copied().collect();
@@ -33,7 +33,7 @@ impl Fleet {
         let (blocked, stopped) = (self.blocked(), self.ledger.stopped);
         let full = self.stations_with_enough(now);
         let paused_stations = self.ledger.paused_stations.clone();
-        let closing = self.crowd.closing.keys().copied().collect();
+        let closing = self.crowd.closing_nodes();
         let critical = self.settings.charging.critical;
         View {
             now,
@@ -56,7 +56,7 @@ impl Fleet {
 
     /// Waiting jobs that come after others, each with the first one that is not over yet.
     fn blocked(&self) -> BTreeMap<JobId, JobId> {
-        self.waiting_jobs().filter_map(|(id, j)| Some((id, self.first_before(j)?))).collect()
+        self.ledger.index.waits.blocked().collect()
     }
 
     fn robot_view(&self, r: RobotId, now: Time) -> RobotView {

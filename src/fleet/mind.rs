@@ -12,7 +12,7 @@ use crate::human::{
     Belief, Distances, Hypothesis, Intention, Method, Presence, Quality, Whereabouts, straight_on,
     towards_goal,
 };
-use crate::id::{Dense, GoalId, NodeId, WorkerId};
+use crate::id::{AssignmentId, Dense, GoalId, NodeId, WorkerId};
 use crate::time::{Span, Time};
 use crate::warehouse::walkway::{EdgeSet, Walkways};
 use crate::warehouse::{NodeKind, Warehouse};
@@ -29,6 +29,8 @@ const NEGLIGIBLE: f64 = 0.02;
 const FAR_M: f64 = 25.0;
 /// How far somebody who goes elsewhere is followed.
 const ELSEWHERE_M: f64 = 5.0;
+/// How many tasks of others a worker may be going to help with, oldest first.
+const OTHERS: usize = 3;
 /// Numbers of goals: corners and doors first, places of tasks from here on.
 const PLACES: u64 = 1000;
 
@@ -39,6 +41,8 @@ pub(super) struct Mind {
     fixed: Vec<GoalId>,
     cut_at: Option<Time>,
     intentions: BTreeMap<WorkerId, (Intention, BTreeSet<GoalId>)>,
+    /// The oldest assignments, a few of each worker.
+    early: Vec<(AssignmentId, WorkerId)>,
 }
 
 impl Mind {
@@ -58,7 +62,7 @@ impl Mind {
                 fixed.push(GoalId(i as u64));
             }
         }
-        Mind { distances, fixed, cut_at: None, intentions: BTreeMap::new() }
+        Mind { distances, fixed, cut_at: None, intentions: BTreeMap::new(), early: Vec::new() }
     }
 
     /// What is believed of a worker.
@@ -92,10 +96,13 @@ impl Fleet {
         }
     }
 
-    /// Keeps the places of open tasks among the goals, and no others.
+    /// Keeps the places of tasks that somebody may be bound for among the goals, and no others.
     fn know_places(&mut self) {
-        let wanted: BTreeMap<GoalId, NodeId> =
-            (self.ledger.assignments.values()).map(|a| (goal_of(a.request.place), a.request.place)).collect();
+        self.crowd.mind.early = self.early_assignments();
+        let own = self.crowd.people.ids().filter_map(|w| self.next_assignment(w));
+        let may_be = own.chain(self.crowd.mind.early.iter().map(|(id, _)| *id));
+        let place = |id| self.ledger.assignments[&id].request.place;
+        let wanted: BTreeMap<GoalId, NodeId> = may_be.map(|id| (goal_of(place(id)), place(id))).collect();
         let mind = &mut self.crowd.mind;
         let known: Vec<GoalId> = mind.distances.goals().map(|(g, _)| g).filter(|g| g.0 >= PLACES).collect();
         for goal in known.iter().filter(|g| !wanted.contains_key(g)) {
@@ -106,6 +113,17 @@ impl Fleet {
             let at = self.crowd.walkways.on_floor(at).unwrap_or(at);
             mind.distances.add_goal(goal, at);
         }
+    }
+
+    /// The oldest assignments, and no more of one worker than another may help with: whoever it is, the oldest of all
+    /// others are among them.
+    fn early_assignments(&self) -> Vec<(AssignmentId, WorkerId)> {
+        let index = &self.ledger.index;
+        let own = |worker| index.assignments_of(worker).take(OTHERS).map(move |id| (id, worker));
+        let mut early: Vec<(AssignmentId, WorkerId)> = index.assigned_workers().flat_map(own).collect();
+        early.sort_unstable();
+        early.truncate(2 * OTHERS);
+        early
     }
 
     /// Cuts the walkways on which robots stand, and restores those that they left.
@@ -164,8 +182,9 @@ impl Fleet {
         }
         if self.settings.arm == Arm::Giveway {
             // Tasks of others, oldest first: people help one another, and pick up what is on the way.
-            for a in self.ledger.assignments.values().filter(|a| a.worker != worker).take(3) {
-                goals.entry(goal_of(a.request.place)).or_insert(1.0);
+            let others = self.crowd.mind.early.iter().filter(|(_, w)| *w != worker).take(OTHERS);
+            for (id, _) in others {
+                goals.entry(goal_of(self.ledger.assignments[id].request.place)).or_insert(1.0);
             }
         }
         goals

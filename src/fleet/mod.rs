@@ -6,6 +6,7 @@
 //! late ones do no harm).
 
 mod absorb;
+mod areas;
 mod assign;
 mod backlog;
 pub mod charging;
@@ -18,6 +19,7 @@ mod foresee;
 mod grant;
 mod guide;
 mod hand;
+pub mod index;
 mod insert;
 pub mod io;
 pub mod job;
@@ -48,7 +50,7 @@ pub use backlog::{Backlog, Pending};
 pub use charging::Charging;
 pub use fact::{Act, Booking, Fact, Purpose, Stop, Task};
 pub use foresee::{AHEAD_S, Expected};
-pub use io::{Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
+pub use io::{Bounded, Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
 pub use job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use ledger::Ledger;
 pub use people::{
@@ -84,8 +86,18 @@ pub struct Settings {
     pub expansions_per_step: u32,
     /// When robots charge.
     pub charging: Charging,
-    /// How many jobs may wait.
+    /// How many jobs may be open.
     pub waiting_max: usize,
+    /// How many assignments may be open.
+    pub assignments_max: usize,
+    /// How many workers may be known.
+    pub workers_max: usize,
+    /// How many closures there may be, announced, closed, or over since less than a day.
+    pub closures_max: usize,
+    /// After how many others a job may come.
+    pub after_max: usize,
+    /// How many corners an area may have.
+    pub corners_max: usize,
     /// How the fleet deals with people.
     pub arm: Arm,
     /// How our own arm recognises intentions.
@@ -107,6 +119,11 @@ impl Default for Settings {
             expansions_per_step: 30_000,
             charging: Charging::default(),
             waiting_max: 100_000,
+            assignments_max: 10_000,
+            workers_max: 1_000,
+            closures_max: 2_000,
+            after_max: 100,
+            corners_max: 100,
             arm: Arm::default(),
             method: Method::Detour,
             model: Model::builtin(),

@@ -5,7 +5,7 @@
 //! a). Refuses: to let the time of day decide how much is planned.
 
 use super::fact::{Act, Booking, Fact, Stop, Task};
-use super::job::{JobKind, JobState};
+use super::job::JobKind;
 use super::people::Reaction;
 use super::{Fleet, ledger};
 use crate::geometry::Segment;
@@ -461,17 +461,6 @@ impl Fleet {
         let slow = self.scene.fit(robot, now).is_some_and(|t| t.speed_mps < 0.1);
         let late = chain.get(chain.granted()).is_some_and(|v| v.enter < now);
         at_end && slow && late && !self.lacks_route(robot)
-    }
-
-    /// Whether nothing that the job waits for is still to be done.
-    pub(super) fn is_ready(&self, job: crate::id::JobId) -> bool {
-        let record = &self.ledger.jobs[&job];
-        record.state == JobState::Waiting && !self.is_blocked(&record.request.after)
-    }
-
-    /// Whether one of these jobs is not over yet.
-    pub(super) fn is_blocked(&self, after: &[crate::id::JobId]) -> bool {
-        after.iter().any(|a| self.ledger.jobs.contains_key(a))
     }
 }
 

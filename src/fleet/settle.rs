@@ -13,6 +13,8 @@ use crate::warehouse::NodeKind;
 const LATE: Span = Span::from_millis(1500);
 /// A late robot is expected to need this much longer than now.
 const GUESS: Span = Span::from_millis(1000);
+/// So many jobs that come after one that ended badly fail in one step.
+pub(super) const ORPHANS_PER_STEP: usize = 64;
 
 impl Fleet {
     pub(super) fn settle(&mut self, now: Time) {
@@ -166,13 +168,7 @@ impl Fleet {
         if self.named_job_for(robot).is_some() || self.is_critical(robot) {
             return;
         }
-        let wanted = self.ledger.jobs.iter().filter(|(_, j)| j.state == JobState::Waiting);
-        let same = wanted.filter(|(id, j)| {
-            matches!(j.request.kind, JobKind::Deliver { rack: k, .. } if k == rack) && self.is_ready(**id)
-        });
-        let best =
-            same.min_by_key(|(id, j)| (std::cmp::Reverse(j.request.priority), **id)).map(|(id, _)| *id);
-        let Some(job) = best else { return };
+        let Some(job) = self.ledger.index.queue.next_delivery(rack) else { return };
         let JobKind::Deliver { station, .. } = self.ledger.jobs[&job].request.kind else { return };
         let station = self.warehouse().stations[station].node;
         let task = Task::Deliver { job, rack, station, store };
@@ -191,32 +187,19 @@ impl Fleet {
         self.record(Fact::Delayed { robot, serial, depart });
     }
 
-    /// Jobs that wait for one that was cancelled or failed will never start; neither will those that wait for them.
+    /// Jobs that come after one that was cancelled or failed will never start; neither will those that come after
+    /// them. They fail a few in each step, so that the journal keeps up. The ledger knows meanwhile which ones have
+    /// to, over a restart as well, and none of them starts.
     fn settle_orphans(&mut self, now: Time) {
-        let mut i = 0;
-        while let Some(fact) = self.out.facts.get(i) {
-            i += 1;
-            let Some(bad) = ended_badly(fact) else { continue };
-            let orphans: Vec<JobId> = (self.ledger.jobs.iter())
-                .filter(|(_, j)| j.state == JobState::Waiting && j.request.after.contains(&bad))
-                .map(|(id, _)| *id)
-                .collect();
-            for job in orphans {
-                let state = JobState::Failed(JobFailure::Predecessor(bad));
-                self.progress(job, state, None, now);
-            }
+        for _ in 0..ORPHANS_PER_STEP {
+            let Some((job, bad)) = self.ledger.index.waits.next_doomed() else { return };
+            let state = JobState::Failed(JobFailure::Predecessor(bad));
+            self.progress(job, state, None, now);
         }
     }
 
     /// Whether a robot standing on this node is at a charger.
     pub(super) fn at_charger(&self, robot: RobotId) -> bool {
         self.warehouse().nodes[self.ledger.node_of(robot)].kind == NodeKind::Charger
-    }
-}
-
-fn ended_badly(fact: &Fact) -> Option<JobId> {
-    match fact {
-        Fact::Progressed { job, state: JobState::Cancelled | JobState::Failed(_), .. } => Some(*job),
-        _ => None,
     }
 }

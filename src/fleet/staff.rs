@@ -5,7 +5,7 @@
 use super::Fleet;
 use super::crowd::Person;
 use super::fact::Fact;
-use super::io::{Input, Refusal, Reply};
+use super::io::{Bounded, Input, Refusal, Reply};
 use super::people::{AssignmentRequest, AssignmentState, Closure};
 use crate::id::{AssignmentId, ClosureId, Dense, NodeId, WorkerId};
 use crate::time::Time;
@@ -14,7 +14,7 @@ impl Fleet {
     /// Takes a request about people in.
     pub(super) fn absorb_request(&mut self, input: Input, now: Time) {
         let (token, answer) = match input {
-            Input::Hire { token, name } => (token, Ok(self.hire(token, name, now))),
+            Input::Hire { token, name } => (token, self.hire(token, name, now)),
             Input::Assign { token, worker, request } => (token, self.hand_out(token, worker, request, now)),
             Input::Unassign { token, assignment } => (token, self.take_back(token, assignment, now)),
             Input::Finish { token, worker, assignment } => {
@@ -34,14 +34,17 @@ impl Fleet {
         self.out.replies.push(answer.unwrap_or_else(|why| Reply::Refused { token, why }));
     }
 
-    fn hire(&mut self, token: u64, name: String, now: Time) -> Reply {
+    fn hire(&mut self, token: u64, name: String, now: Time) -> Result<Reply, Refusal> {
         let known = self.ledger.workers.pairs().find(|(_, n)| **n == name).map(|(w, _)| w);
-        let worker = known.unwrap_or_else(|| {
-            let worker = WorkerId::at(self.ledger.workers.len());
-            self.record(Fact::Hired { worker, name, at: now });
-            worker
-        });
-        Reply::Hired { token, worker, new: known.is_none() }
+        if let Some(worker) = known {
+            return Ok(Reply::Hired { token, worker, new: false });
+        }
+        if self.ledger.workers.len() >= self.settings.workers_max {
+            return Err(Refusal::TooMany(Bounded::Workers, self.ledger.workers.len()));
+        }
+        let worker = WorkerId::at(self.ledger.workers.len());
+        self.record(Fact::Hired { worker, name, at: now });
+        Ok(Reply::Hired { token, worker, new: true })
     }
 
     fn hand_out(
@@ -58,8 +61,8 @@ impl Fleet {
             return Err(Refusal::UnknownWorker(worker));
         }
         self.check_walkable(request.place)?;
-        if self.ledger.assignments.len() >= self.settings.waiting_max {
-            return Err(Refusal::TooMany(self.ledger.assignments.len()));
+        if self.ledger.assignments.len() >= self.settings.assignments_max {
+            return Err(Refusal::TooMany(Bounded::Assignments, self.ledger.assignments.len()));
         }
         let assignment = AssignmentId(self.ledger.next_assignment);
         self.record(Fact::Assigned { assignment, worker, request, at: now });
@@ -101,6 +104,12 @@ impl Fleet {
     fn close(&mut self, token: u64, area: Closure) -> Result<Reply, Refusal> {
         if area.outline.len() < 3 || area.window.start() >= area.window.end() {
             return Err(Refusal::EmptyArea);
+        }
+        if area.outline.len() > self.settings.corners_max {
+            return Err(Refusal::TooManyCorners(self.settings.corners_max));
+        }
+        if self.ledger.closures.len() >= self.settings.closures_max {
+            return Err(Refusal::TooMany(Bounded::Closures, self.ledger.closures.len()));
         }
         if area.nodes.iter().any(|n| self.warehouse().nodes.get(*n).is_none()) {
             return Err(Refusal::UnknownPlace);

@@ -2,10 +2,10 @@
 //!
 //! Main type: [`Demand`] (how often each rack was wanted lately). Refuses: places that are taken or promised.
 
-use super::fact::{Fact, Task};
-use super::{Fleet, RackAt};
+use super::Fleet;
+use super::fact::Fact;
 use crate::geometry::Point;
-use crate::id::{Dense, IdVec, NodeId, RackId, RobotId};
+use crate::id::{IdVec, NodeId, RackId, RobotId};
 use crate::warehouse::{NodeKind, Warehouse};
 
 /// When so many wishes were counted per rack, all counts are halved: old wishes fade.
@@ -65,13 +65,12 @@ impl Fleet {
     /// for a robot that found no way to the first. The robot's own place is among the candidates; places that are
     /// closed by hand, or will be soon, come last.
     pub(super) fn best_storage(&self, robot: RobotId, rack: RackId, from: NodeId, choice: usize) -> NodeId {
-        let taken = self.taken_storage(rack, robot);
         let heat = self.demand.heat(rack);
         let at = |n: NodeId| self.warehouse().nodes[n].at;
         let closed = |n: NodeId| if self.is_closing(n) { CLOSED_M } else { 0.0 };
         let cost =
             |n: NodeId| along_axes(at(from), at(n)) + (heat - 1.0) * self.demand.to_station_m[n] + closed(n);
-        let free = self.demand.storage.iter().copied().filter(|n| !taken[n.ix()]);
+        let free = self.demand.storage.iter().copied().filter(|n| !self.is_taken_storage(*n, rack, robot));
         let mut ranked: Vec<(i64, NodeId)> = free.map(|n| ((cost(n) * 1000.0) as i64, n)).collect();
         let wanted = choice.min(ranked.len().saturating_sub(1)).min(16);
         match ranked.is_empty() {
@@ -80,45 +79,19 @@ impl Fleet {
         }
     }
 
-    /// Storage nodes that cannot be promised to `rack` on `robot`, by node.
-    fn taken_storage(&self, rack: RackId, robot: RobotId) -> Vec<bool> {
-        let mut taken = vec![false; self.warehouse().nodes.len()];
-        for (k, at) in self.ledger.racks.pairs() {
-            if let RackAt::Stored(node) = at
-                && k != rack
-            {
-                taken[node.ix()] = true;
-            }
-        }
-        for (r, record) in self.ledger.robots.pairs().filter(|(r, _)| *r != robot) {
-            let end = self.ledger.chain(r).last().expect("every robot stands somewhere").node;
-            taken[end.ix()] = true;
-            if let Some(node) = record.task.destination() {
-                taken[node.ix()] = true;
-            }
-        }
-        for job in self.ledger.jobs.values() {
-            if let super::JobKind::Relocate { node, rack: k } = job.request.kind
-                && k != rack
-            {
-                taken[node.ix()] = true;
-            }
-        }
-        taken
+    /// Whether a storage node cannot be promised to `rack` on `robot`.
+    fn is_taken_storage(&self, node: NodeId, rack: RackId, robot: RobotId) -> bool {
+        let places = &self.ledger.index.places;
+        places.rack_on(node).is_some_and(|k| k != rack)
+            || places.is_promised(node, robot)
+            || places.is_wanted_for_another(node, rack)
     }
 
     /// A free charger or parking place near a robot, for it to go to.
     pub(super) fn free_place(&self, robot: RobotId, kind: NodeKind) -> Option<NodeId> {
         let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;
-        let taken: Vec<NodeId> = (self.ledger.robots.pairs().filter(|(r, _)| *r != robot))
-            .flat_map(|(r, record)| {
-                let end = self.ledger.chain(r).last().map(|v| v.node);
-                end.into_iter().chain(record.task.destination())
-            })
-            .collect();
-        let places = self.warehouse().nodes_where(|k| k == kind);
-        let free = places.into_iter().filter(|n| !taken.contains(n) && !self.is_closing(*n));
-        free.min_by_key(|n| (along_axes(here, self.warehouse().nodes[*n].at) * 1000.0) as i64)
+        let free = self.ledger.index.places.free_for(robot, kind).filter(|n| !self.is_closing(*n));
+        free.min_by_key(|n| ((along_axes(here, self.warehouse().nodes[*n].at) * 1000.0) as i64, *n))
     }
 
     /// A place where an unloaded robot can stay: parking, else a charger, else beneath a rack nobody is sent to.
@@ -130,12 +103,7 @@ impl Fleet {
 
     /// Whether somebody else stands on, or is sent to, a node.
     pub(super) fn is_promised(&self, node: NodeId, robot: RobotId) -> bool {
-        self.ledger.robots.pairs().filter(|(r, _)| *r != robot).any(|(r, record)| {
-            let fetches = matches!(record.task, Task::Fetch { node: n, .. } if n == node);
-            fetches
-                || record.task.destination() == Some(node)
-                || self.ledger.chain(r).last().is_some_and(|v| v.node == node)
-        })
+        self.ledger.index.places.is_promised(node, robot)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The core as a whole, step by step, on a simulated floor whose laws are checked at every step.
 
+mod after;
 mod cancel;
 mod charging;
 mod closures;
@@ -7,7 +8,9 @@ mod failure;
 mod hand;
 mod jobs;
 mod life;
+mod limits;
 mod messages;
+mod order;
 mod people;
 mod published;
 mod recall;

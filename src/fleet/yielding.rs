@@ -98,6 +98,10 @@ impl Fleet {
             self.crowd.yielding.clear();
             return;
         }
+        let crowd = &self.crowd;
+        if !crowd.conditions.has_passing() && crowd.yielding.is_empty() && crowd.stands.is_empty() {
+            return;
+        }
         for robot in super::ledger::all(&self.ledger.robots) {
             self.note_holding(robot, now);
             if *budget == 0 || self.settings.arm != Arm::Giveway {

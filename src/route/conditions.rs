@@ -8,6 +8,7 @@ use crate::id::{ClosureId, Dense, IdVec, NodeId, WorkerId};
 use crate::time::{Span, Time, Window};
 use crate::warehouse::Warehouse;
 use smallvec::SmallVec;
+use std::collections::BTreeMap;
 
 /// Whose condition it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -57,47 +58,84 @@ pub struct Away {
 /// Coming nearer by this much does not count, metres.
 const NEARER_M: f64 = 0.15;
 
-/// All conditions at one moment.
+/// All conditions at one moment. Those of announced closures last from step to step; those of people pass with it.
 #[derive(Clone, Debug, Default)]
 pub struct Conditions {
+    /// Of each node, lasting ones first.
     nodes: IdVec<NodeId, SmallVec<[Condition; 2]>>,
+    /// How many of a node's conditions last.
+    lasting: BTreeMap<NodeId, usize>,
+    /// Nodes with passing ones.
     touched: Vec<NodeId>,
     /// A bit for each node that is touched: the search asks for most nodes in vain, and this stays in the cache.
     marks: Vec<u64>,
 }
 
 /// No conditions at all: a floor without people.
-pub static NO_PEOPLE: Conditions = Conditions { nodes: IdVec::new(), touched: Vec::new(), marks: Vec::new() };
+pub static NO_PEOPLE: Conditions =
+    Conditions { nodes: IdVec::new(), lasting: BTreeMap::new(), touched: Vec::new(), marks: Vec::new() };
 
 impl Conditions {
     /// None yet, for a building.
     pub fn none(warehouse: &Warehouse) -> Conditions {
         let count = warehouse.nodes.len();
         let nodes = IdVec::filled(SmallVec::new(), count);
-        Conditions { nodes, touched: Vec::new(), marks: vec![0; count.div_ceil(64)] }
+        let marks = vec![0; count.div_ceil(64)];
+        Conditions { nodes, lasting: BTreeMap::new(), touched: Vec::new(), marks }
     }
 
-    /// Takes all back.
+    /// Takes all passing ones back.
     pub fn clear(&mut self) {
-        for node in self.touched.drain(..) {
-            self.nodes[node].clear();
+        for node in std::mem::take(&mut self.touched) {
+            let lasting = self.lasting.get(&node).copied().unwrap_or(0);
+            self.nodes[node].truncate(lasting);
+            self.mark(node, lasting > 0);
         }
-        self.marks.fill(0);
     }
 
-    /// Adds one. One of the same cause and effect that meets it is widened instead.
-    pub fn add(&mut self, node: NodeId, condition: Condition) {
+    /// Adds one that lasts until it is lifted, in order of causes. To be called while there are no passing ones.
+    pub fn announce(&mut self, node: NodeId, condition: Condition) {
+        debug_assert!(self.touched.is_empty(), "lasting conditions stand before all passing ones");
         let list = &mut self.nodes[node];
-        if list.is_empty() {
-            self.touched.push(node);
-            self.marks[node.ix() / 64] |= 1 << (node.ix() % 64);
+        let at = list.partition_point(|c| c.cause <= condition.cause);
+        list.insert(at, condition);
+        *self.lasting.entry(node).or_default() += 1;
+        self.mark(node, true);
+    }
+
+    /// Takes the lasting ones of a cause back from a node. To be called while there are no passing ones.
+    pub fn lift(&mut self, node: NodeId, cause: Cause) {
+        debug_assert!(self.touched.is_empty(), "lasting conditions stand before all passing ones");
+        let list = &mut self.nodes[node];
+        list.retain(|c| c.cause != cause);
+        let left = list.len();
+        if left > 0 {
+            self.lasting.insert(node, left);
+        } else {
+            self.lasting.remove(&node);
         }
+        self.mark(node, left > 0);
+    }
+
+    fn mark(&mut self, node: NodeId, is_touched: bool) {
+        let (word, bit) = (&mut self.marks[node.ix() / 64], 1 << (node.ix() % 64));
+        *word = if is_touched { *word | bit } else { *word & !bit };
+    }
+
+    /// Adds one that passes with the step. One of the same cause and effect that meets it is widened instead.
+    pub fn add(&mut self, node: NodeId, condition: Condition) {
+        let lasting = self.lasting.get(&node).copied().unwrap_or(0);
+        if self.nodes[node].len() == lasting {
+            self.touched.push(node);
+            self.mark(node, true);
+        }
+        let list = &mut self.nodes[node];
         let same = |c: &&mut Condition| {
             let meets =
                 c.window.start() <= condition.window.end() && condition.window.start() <= c.window.end();
             c.cause == condition.cause && c.effect == condition.effect && meets
         };
-        match list.iter_mut().find(same) {
+        match list[lasting..].iter_mut().find(same) {
             Some(c) => {
                 let (a, b) = (c.window, condition.window);
                 c.window = Window::new(a.start().min(b.start()), a.end().max(b.end()));
@@ -116,14 +154,25 @@ impl Conditions {
         self.marks.get(node.ix() / 64).is_some_and(|w| w >> (node.ix() % 64) & 1 != 0)
     }
 
+    /// Nodes with conditions that pass with the step.
+    pub fn passing(&self) -> impl Iterator<Item = NodeId> {
+        self.touched.iter().copied()
+    }
+
     /// Nodes with conditions.
     pub fn nodes(&self) -> impl Iterator<Item = NodeId> {
-        self.touched.iter().copied()
+        let passing = self.touched.iter().copied().filter(|n| !self.lasting.contains_key(n));
+        self.lasting.keys().copied().chain(passing)
+    }
+
+    /// Whether there are none that pass with the step.
+    pub fn has_passing(&self) -> bool {
+        !self.touched.is_empty()
     }
 
     /// Whether there are none at all.
     pub fn is_empty(&self) -> bool {
-        self.touched.is_empty()
+        self.touched.is_empty() && self.lasting.is_empty()
     }
 
     /// Those of a node that count for somebody who is on the way `away`.
@@ -180,6 +229,29 @@ mod tests {
         assert_eq!(still_until(windows.iter().copied(), Time(0), Span(5)), (Time(0), Time(5)));
         assert_eq!(still_until(windows.iter().copied(), Time(6), Span(5)), (Time(30), Time(95)));
         assert_eq!(still_until(windows.iter().copied(), Time(105), Span(5)), (Time(110), Time::MAX));
+    }
+
+    #[test]
+    fn what_is_announced_lasts_until_it_is_lifted_and_what_people_mean_passes() {
+        let warehouse = crate::warehouse::lab();
+        let mut conditions = Conditions::none(&warehouse);
+        let [a, b] = [NodeId(0), NodeId(9)];
+        let of = |cause| Condition { window: window(0, 9), effect: Effect::Closed, cause };
+        let (one, two) = (of(Cause::Closure(ClosureId(1))), of(Cause::Closure(ClosureId(2))));
+        let person = of(Cause::Worker(WorkerId(0)));
+        conditions.announce(a, one);
+        conditions.announce(a, two);
+        conditions.add(a, person);
+        conditions.add(b, person);
+        assert_eq!(conditions.of(a), [one, two, person], "announced ones first");
+        assert_eq!(conditions.nodes().collect::<Vec<_>>(), [a, b]);
+        conditions.clear();
+        assert_eq!((conditions.of(a), conditions.of(b)), ([one, two].as_slice(), [].as_slice()));
+        assert!(conditions.is_touched(a) && !conditions.is_touched(b) && !conditions.has_passing());
+        conditions.lift(a, one.cause);
+        assert_eq!(conditions.of(a), [two]);
+        conditions.lift(a, two.cause);
+        assert!(conditions.is_empty() && !conditions.is_touched(a));
     }
 
     #[test]

@@ -106,6 +106,8 @@ pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<As
     (status = 400, body = Problem, content_type = "application/problem+json"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 429, description = "There are as many as the server takes; see Retry-After", body = Problem,
+     content_type = "application/problem+json"),
     (status = 503, description = "Not now; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn assign(

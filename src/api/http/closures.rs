@@ -68,6 +68,8 @@ pub async fn list(
 #[utoipa::path(post, path = "/v1/closures", tag = "people", request_body = NewClosure, responses(
     (status = 201, description = "Closed and durable", body = ClosureDto, headers(("Location" = String))),
     (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 429, description = "There are as many as the server takes; see Retry-After", body = Problem,
+     content_type = "application/problem+json"),
     (status = 503, description = "Not now; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn close(

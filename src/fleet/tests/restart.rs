@@ -4,14 +4,14 @@ use super::*;
 
 impl Floor {
     /// Everything is gone but the facts and the floor: robots stand where the ledger has them.
-    fn restart(&mut self, scenario: &Scenario) {
+    pub(super) fn restart(&mut self, scenario: &Scenario) {
         let warehouse = self.fleet.warehouse().clone();
         self.fleet = Fleet::restore(warehouse.clone(), scenario.settings(), self.facts.clone());
         self.world = World::new(warehouse, scenario, &[], scenario.seed, &self.fleet, self.now);
     }
 
     #[track_caller]
-    fn assert_fold(&self) {
+    pub(super) fn assert_fold(&self) {
         let (warehouse, settings) = (self.fleet.warehouse().clone(), self.fleet.settings().clone());
         let mut fold = Fleet::restore(warehouse, settings, self.facts.clone()).ledger;
         // How much was tried is no fact.

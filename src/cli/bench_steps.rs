@@ -1,0 +1,123 @@
+//! `giveway bench steps`: what one step of the fleet costs, on this machine.
+//!
+//! Main type: [`Steps`]. Refuses: to print a figure without the command that made it.
+
+use super::sim::quantiles;
+use super::{progress, read_map, stopwatch};
+use crate::experiment::steps::{Case, Setup, run};
+use crate::warehouse::room_for;
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// Arguments of `bench steps`.
+#[derive(Args)]
+pub struct Steps {
+    /// Map.
+    #[arg(long, default_value = "maps/kiva.json")]
+    map: PathBuf,
+    /// How many robots.
+    #[arg(long, default_value_t = 800)]
+    robots: usize,
+    /// How many robots work where jobs could start at once.
+    #[arg(long, default_value_t = 50)]
+    busy: usize,
+    /// How many closures are announced.
+    #[arg(long, default_value_t = 1_000)]
+    closures: usize,
+    /// How many jobs wait.
+    #[arg(long, default_value_t = 100_000)]
+    jobs: usize,
+    /// How many assignments are open.
+    #[arg(long, default_value_t = 10_000)]
+    assignments: usize,
+    /// Steps before any is measured.
+    #[arg(long, default_value_t = 400)]
+    settle: usize,
+    /// Steps that are measured in each case.
+    #[arg(long, default_value_t = 1_000)]
+    steps: usize,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Steps {
+    /// Measures every case and prints a row for each.
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        let warehouse = Arc::new(read_map(&self.map)?);
+        let most = self.robots.max(self.busy);
+        room_for(&warehouse, most).map_err(|e| anyhow::anyhow!("{}:\n{e}", self.map.display()))?;
+        anyhow::ensure!(self.robots > 0 && self.busy > 0, "--robots and --busy must be at least 1");
+        anyhow::ensure!(self.steps > 0 && self.settle > 0, "--steps and --settle must be at least 1");
+        let cases = self.cases();
+        let bar = progress(cases.len() as u64, "cases");
+        let mut rows = Vec::new();
+        for (name, robots, case) in cases {
+            let setup = Setup { robots, settle: self.settle, steps: self.steps };
+            let out = run(&warehouse, case, &setup, stopwatch);
+            rows.push(
+                json!({"case": name, "robots": robots, "open": out.open, "step_us": quantiles(&out.step_ns)}),
+            );
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        self.print(&rows)?;
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// What is measured: each crowded floor next to the same floor with little on it.
+    fn cases(&self) -> Vec<(&'static str, usize, Case)> {
+        let (all, busy) = (self.robots, self.busy);
+        vec![
+            ("idle", all, Case::Idle),
+            ("closures", all, Case::Closures(self.closures)),
+            ("waiting after another job", all, Case::WaitingAfter(self.jobs)),
+            ("waiting for one rack", all, Case::WaitingRack(self.jobs)),
+            ("busy, few jobs wait", busy, Case::Waiting(busy * 4)),
+            ("busy, many jobs wait", busy, Case::Waiting(self.jobs)),
+            ("few assignments", busy, Case::Assignments(10)),
+            ("many assignments", busy, Case::Assignments(self.assignments)),
+        ]
+    }
+
+    fn print(&self, rows: &[Value]) -> anyhow::Result<()> {
+        let command = format!(
+            "giveway bench steps --map {} --robots {} --busy {} --closures {} --jobs {} --assignments {} --settle {} \
+             --steps {}",
+            self.map.display(),
+            self.robots,
+            self.busy,
+            self.closures,
+            self.jobs,
+            self.assignments,
+            self.settle,
+            self.steps
+        );
+        if self.json {
+            let report = json!({"command": command, "cases": rows});
+            println!("{}", serde_json::to_string_pretty(&report)?);
+            return Ok(());
+        }
+        println!("{command}");
+        println!(
+            "{:28} {:>6} {:>8} {:>9} {:>9} {:>9}",
+            "microseconds a step", "robots", "open", "p50", "p99", "max"
+        );
+        for row in rows {
+            let (name, us) = (row["case"].as_str().unwrap_or_default(), &row["step_us"]);
+            let figure = |key: &str| us[key].as_f64().unwrap_or_default();
+            println!(
+                "{name:28} {:>6} {:>8} {:>9.1} {:>9.1} {:>9.1}",
+                row["robots"].to_string(),
+                row["open"].to_string(),
+                figure("p50"),
+                figure("p99"),
+                figure("max")
+            );
+        }
+        Ok(())
+    }
+}

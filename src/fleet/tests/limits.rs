@@ -1,0 +1,69 @@
+//! What is handed in has limits, and who meets one is told.
+
+use super::*;
+use crate::geometry::{Point, Spot};
+use crate::time::Window;
+
+fn limited(settings: impl Fn(&mut Settings)) -> Fleet {
+    let mut s = Settings::default();
+    settings(&mut s);
+    Fleet::new(Arc::new(lab()), s)
+}
+
+fn refusals(fleet: &mut Fleet, inputs: Vec<Input>) -> Vec<Option<Refusal>> {
+    let why = |reply: &Reply| match reply {
+        Reply::Refused { why, .. } => Some(*why),
+        _ => None,
+    };
+    fleet.step(Time::ZERO, inputs).replies.iter().map(why).collect()
+}
+
+fn area(corners: usize) -> Closure {
+    let corner = |i: usize| Spot::from(Point::new(i as f64, (i * i) as f64));
+    let window = Window::new(Time(1_000_000), Time(2_000_000));
+    Closure { outline: (0..corners).map(corner).collect(), nodes: vec![], window, reason: "test".into() }
+}
+
+#[test]
+fn one_job_too_many_is_refused_and_one_that_comes_after_too_many() {
+    let mut fleet = limited(|s| (s.waiting_max, s.after_max) = (2, 1));
+    let submit =
+        |after: Vec<JobId>| Input::Submit { token: 1, request: JobRequest { after, ..request(deliver(1)) } };
+    let why = refusals(
+        &mut fleet,
+        vec![submit(vec![]), submit(vec![JobId(1), JobId(1)]), submit(vec![]), submit(vec![])],
+    );
+    let full = Refusal::TooMany(Bounded::Jobs, 2);
+    assert_eq!(why, [None, Some(Refusal::TooManyBefore(1)), None, Some(full)]);
+}
+
+#[test]
+fn one_worker_too_many_is_refused_and_a_known_one_is_not() {
+    let mut fleet = limited(|s| s.workers_max = 1);
+    let hire = |name: &str| Input::Hire { token: 1, name: name.into() };
+    let why = refusals(&mut fleet, vec![hire("anna"), hire("ben"), hire("anna")]);
+    assert_eq!(why, [None, Some(Refusal::TooMany(Bounded::Workers, 1)), None]);
+}
+
+#[test]
+fn one_assignment_too_many_is_refused_until_another_is_over() {
+    let mut fleet = limited(|s| s.assignments_max = 1);
+    let place = fleet.warehouse().nodes_where(|k| k == NodeKind::Storage)[0];
+    let request = AssignmentRequest { place, stay: Span::from_secs(1), what: "look".into(), key: None };
+    let assign = || Input::Assign { token: 1, worker: crate::id::WorkerId(0), request: request.clone() };
+    let take_back = Input::Unassign { token: 1, assignment: crate::id::AssignmentId(1) };
+    let hire = Input::Hire { token: 1, name: "anna".into() };
+    let why = refusals(&mut fleet, vec![hire, assign(), assign(), take_back, assign()]);
+    let full = Some(Refusal::TooMany(Bounded::Assignments, 1));
+    assert_eq!(why, [None, None, full, None, None]);
+}
+
+#[test]
+fn one_closure_too_many_is_refused_until_another_is_taken_back_and_one_with_too_many_corners() {
+    let mut fleet = limited(|s| (s.closures_max, s.corners_max) = (1, 4));
+    let close = |corners| Input::Close { token: 1, area: area(corners) };
+    let reopen = Input::Reopen { token: 1, closure: crate::id::ClosureId(1) };
+    let why = refusals(&mut fleet, vec![close(5), close(4), close(4), reopen, close(4)]);
+    let full = Some(Refusal::TooMany(Bounded::Closures, 1));
+    assert_eq!(why, [Some(Refusal::TooManyCorners(4)), None, full, None, None]);
+}
