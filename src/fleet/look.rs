@@ -23,13 +23,33 @@ impl Fleet {
         let stations = self.warehouse().stations.ids().map(|s| self.station_view(s)).collect();
         let waiting = self.waiting_jobs().count() as u64;
         let active = self.ledger.jobs.len() as u64 - waiting;
-        let counts = Counts { waiting, active, ..self.ledger.counts };
+        let counts = self.counts(waiting, active);
         let racks = self.ledger.racks.iter().copied().collect();
         let (workers, closures) = (self.worker_views(now), self.closure_views());
         let free = self.idle_robots(now).into_iter().filter(|r| self.is_charged(*r)).count();
         let foresight = self.crowd.coverage.foresight().to_vec();
         let (blocked, stopped) = (self.blocked(), self.ledger.stopped);
         View { now, robots, racks, stations, workers, closures, blocked, free, stopped, counts, foresight }
+    }
+
+    /// Sums of the ledger, and what was tried.
+    fn counts(&self, waiting: u64, active: u64) -> Counts {
+        let (sums, tally) = (self.ledger.counts, self.tally);
+        Counts {
+            robot_deliveries: sums.robot_deliveries,
+            human_deliveries: sums.human_deliveries,
+            waiting,
+            active,
+            done: sums.done,
+            cancelled: sums.cancelled,
+            failed: sums.failed,
+            plans: tally.plans,
+            plan_failures: tally.failures,
+            encounters: sums.encounters,
+            deviations: sums.deviations,
+            interruptions: sums.interruptions,
+            replans: tally.replans,
+        }
     }
 
     /// Waiting jobs that come after others, each with the first one that is not over yet.

@@ -5,6 +5,7 @@ mod closures;
 mod failure;
 mod hand;
 mod jobs;
+mod keys;
 mod messages;
 mod people;
 mod published;
