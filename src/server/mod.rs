@@ -34,13 +34,13 @@ use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Figures, Moment, QUESTIONS};
 use crate::api::{Api, auth::Gate, router};
-use crate::fleet::{Fleet, Settings};
+use crate::fleet::{Fleet, Ledger, Settings};
 use crate::history::History;
 use crate::sim::{OrderLine, Scenario, World};
 use crate::store::{Store, StoreError};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, ensure};
 use axum::serve::ListenerExt;
 use reels::Past;
 use std::net::SocketAddr;
@@ -87,9 +87,9 @@ pub struct Summary {
     pub map: String,
     /// Robots that the scenario has.
     pub robots: usize,
-    /// Facts restored.
+    /// Facts restored, behind the last snapshot.
     pub facts: usize,
-    /// Jobs restored.
+    /// Jobs accepted so far.
     pub jobs: u64,
     /// Of them, jobs that are not over.
     pub open_jobs: u64,
@@ -110,16 +110,13 @@ impl Server {
         })?;
         let address = listener.local_addr()?;
         let place = config.tls(address)?;
-        let store = Arc::new(Store::open(&config.database, &map).await?);
-        let loaded = store.load().await?;
-        let (jobs, open_jobs) = store.count_jobs().await?;
-        let summary = Summary {
-            map: map.name.clone(),
-            robots: scenario.robots,
-            facts: loaded.facts.len(),
-            jobs,
-            open_jobs,
-        };
+        let kept =
+            "keep_days is at least 8, since keys of jobs are known for 7 days, and so must the jobs be";
+        ensure!(config.keep_days >= 8, "{kept}");
+        let store = Store::open(&config.database, &map).await?.keep_days(config.keep_days);
+        let store = Arc::new(store);
+        let loaded = store.load(Ledger::new(map.clone(), scenario.kinematics.clearance, false)).await?;
+        let (next, behind) = (loaded.next, loaded.facts());
         let clock = Arc::new(Clock::start(loaded.last));
         let today = jiff::Timestamp::from_microsecond(clock.started().0)?.to_zoned(jiff::tz::TimeZone::UTC);
         let identity = place.map(|place| Identity::open(&place, today.date())).transpose()?;
@@ -127,12 +124,22 @@ impl Server {
         let (buckets, heat) = store.load_history().await?;
         let history = History::restore(buckets, heat);
         let figures = Arc::new(Figures::new(clock.started(), settings.arm.word(), history));
-        let fleet = Fleet::restore(map.clone(), settings, loaded.facts);
+        let (ledger, facts) = loaded.into_parts();
+        let fleet = Fleet::resume(ledger, settings, facts);
+        let ledger = fleet.ledger();
+        let summary = Summary {
+            map: map.name.clone(),
+            robots: scenario.robots,
+            facts: behind,
+            jobs: ledger.next_job - 1,
+            open_jobs: ledger.jobs.len() as u64,
+        };
+        let start = journal::Start { next, ledger: ledger.clone(), behind };
         let world = World::new(map, &scenario, &lines, scenario.seed, &fleet, clock.now());
         let (stop, stopping) = watch::channel(false);
         let (feeds, heard) = Feeds::new();
         feeds.know(&fleet.ledger().workers);
-        let (period, next, feeds) = (scenario.period, loaded.next, Arc::new(feeds));
+        let (period, feeds) = (scenario.period, Arc::new(feeds));
         let interop = config.massrobotics.clone();
         let live = Arc::new(Live::new(fleet.warehouse().clone(), clock.started().0.unsigned_abs()));
         let alarms = Arc::new(Alarms::default());
@@ -144,7 +151,7 @@ impl Server {
             world,
             clock,
             period,
-            next,
+            start,
             gate,
             interop,
             feeds,
@@ -206,7 +213,7 @@ struct Parts {
     world: World,
     clock: Arc<Clock>,
     period: Span,
-    next: i64,
+    start: journal::Start,
     gate: Gate,
     interop: Interop,
     feeds: Arc<Feeds>,
@@ -231,11 +238,11 @@ async fn work(
     door: Door,
     mut stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
-    let Parts { fleet, world, clock, period, next, gate, interop, feeds, heard, live, past, charts, .. } =
+    let Parts { fleet, world, clock, period, start, gate, interop, feeds, heard, live, past, charts, .. } =
         parts;
     let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
     let (journal, writer) =
-        journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
+        journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
     let ((desk, requests), (ask, questions)) = (mpsc::channel(inbox::DESK), mpsc::channel(QUESTIONS));
     let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
     let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
