@@ -7,13 +7,17 @@
 mod api;
 mod command;
 mod feed;
+mod fixture;
 mod helper;
 mod history;
+mod journal;
 mod live;
 mod load;
+mod measured;
 mod past;
 mod people;
 mod recovery;
+mod run;
 mod store;
 mod tls;
 mod why;
