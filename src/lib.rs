@@ -40,7 +40,8 @@
 //! - [`sim`]: robots with inertia, radios that lose, customers; laws; recordings; the driver without a server. Pure.
 //! - [`experiment`]: benchmark floors and published tables, driven by the same search; recorded people, and what is
 //!   learned from them. Pure.
-//! - `store`: the journal of facts and the lists of jobs, assignments and encounters, in SQLite.
+//! - `store`: the journal of steps, snapshots of the ledger, and the lists of jobs, assignments and encounters, in
+//!   SQLite.
 //! - `api`: HTTP under `/v1`, the live feed, metrics, OpenAPI; wire types are its own. `api/feed` takes the poses of
 //!   headsets: frames, clocks and thinning are pure there, and guidance goes out past all queues.
 //! - `vda5050/`: to come. Real robots instead of simulated ones, behind the same [`fleet::Command`] and
@@ -73,10 +74,13 @@
 //!    not done, nor past anybody who was promised a resource first. Grants become commands.
 //!
 //! Every change of durable state is a [`fleet::Fact`], recorded by one function and taken in by one other,
-//! [`fleet::Ledger::evolve`], live and on load alike. The step returns facts, commands and replies. The server writes
-//! the facts to the journal and lets commands and replies go when they are durable; if the database is gone, robots
-//! finish what was granted and stand. After a restart the ledger is folded from the journal and the scene is empty: to
-//! the step that is a floor of silent robots, and nothing special.
+//! [`fleet::Ledger::evolve`], live and on load alike. Facts carry what came out (new times of visits that a delay
+//! moved), never what was to be worked out, so a better algorithm cannot rewrite history. The step returns facts,
+//! commands and replies. The server writes the facts of a step as one row, whole or not at all, and lets commands
+//! and replies go when it is durable; if the database is gone, robots finish what was granted and stand. The
+//! journal's task folds what is durable into a ledger of its own and writes that down now and then; steps behind it
+//! are deleted. After a restart the ledger is the last one written down and the fold of the steps behind it, and
+//! the scene is empty: to the step that is a floor of silent robots, and nothing special.
 //!
 //! A step that panics is undone: the fleet is folded from the journal again, and the robot at hand is fenced off
 //! (`fleet/fence.rs`), that is, taken for failed whatever it says, until a person releases it.
@@ -177,7 +181,8 @@
 //! | what a recording holds | `sim/recording.rs` |
 //! | what simulated robots, radios, customers do | `sim/robot.rs`, `sim/link.rs`, `sim/customers.rs` |
 //! | an endpoint, an error, a wire type | `api/http/`, `api/error.rs`, `api/dto.rs`; `web/src/wire.ts` |
-//! | what is stored, and how | `store/record.rs`, `migrations/` |
+//! | what is stored, and how | `store/record.rs` (facts), `store/ledger_record.rs` (snapshots), `migrations/` |
+//! | how long what is over is kept | `store/retention.rs`; customers' keys: `fleet/keys.rs` |
 //! | what is kept of the past; its bookmarks | `api/reel/`, `server/reels.rs`; `api/reel/mark.rs`; `web/src/reel/` |
 //! | a figure over time, how long it is kept | `history/`, `api/http/history.rs`, `migrations/` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |

@@ -58,3 +58,47 @@ fn a_lane_is_free_as_soon_as_the_robot_stands_at_its_end() {
     tl.release(a, 1); // A has reached s
     assert!(tl.waits_for(a, 2).is_none() || tl.waits_for(b, 1).is_none(), "both wait for each other");
 }
+
+/// Nodes in a row, so close that the node beyond is in conflict with the node before it and with the lane to that.
+#[test]
+fn a_delay_keeps_free_what_a_node_and_the_lane_to_it_are_both_in_conflict_with() {
+    use giveway::geometry::Point;
+    use giveway::warehouse::{Draft, DraftLane, DraftNode, Users};
+    let name = |i: usize| format!("N{i}");
+    let nodes = (0..8).map(|i| DraftNode { name: name(i), at: Point::new(i as f64 * 0.5, 0.0) }).collect();
+    let lane = |i| DraftLane {
+        from: name(i),
+        to: name(i + 1),
+        both: true,
+        length_m: None,
+        speed_limit_mps: None,
+        users: Users::ALL,
+    };
+    let lanes = (0..7).map(lane).collect();
+    let draft = Draft { name: "row".into(), footprint_m: 0.9, nodes, lanes, ..Draft::default() };
+    let w = Arc::new(draft.build_unchecked());
+    let (lane, beyond) = (w.lane_resource(LaneId(1)), ResourceId(3));
+    for r in [ResourceId(2), lane] {
+        assert!(w.conflicts(r).contains(&beyond), "the node beyond is in conflict with node and lane");
+    }
+    let v = |node, lane, [enter, arrive, depart, leave]: [i64; 4], stay| Visit {
+        node: NodeId(node),
+        lane,
+        enter: Time(enter),
+        arrive: Time(arrive),
+        depart: Time(depart),
+        leave: Time(leave),
+        stay: Span(stay),
+    };
+    let robot = Holder::Robot(RobotId(0));
+    let last = v(6, None, [25, 28, i64::MAX, i64::MAX], 0);
+    let visits = vec![v(1, None, [0, 0, 6, 13], 0), v(2, Some(lane), [5, 8, 20, 30], 12), last];
+    let mut timeline = Timeline::new(w, Span(1));
+    timeline.reserve(robot, visits).expect("nobody else is there");
+    timeline.grant(robot, 0, Time(0));
+    let slip = timeline.delay(robot, 0, Time(10));
+    let slip: Vec<_> = slip.iter().map(|(h, shifts)| (*h, shifts.as_slice())).collect();
+    timeline.slide(&slip);
+    let free: Vec<Gap> = timeline.gaps(beyond, Time(0)).collect();
+    assert_eq!((free[0].end, free[1].start), (Time(9), Time(34)), "until the robot has left: {free:?}");
+}

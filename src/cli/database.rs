@@ -5,7 +5,7 @@
 //! server has.
 
 use super::sim::Setup;
-use crate::fleet::Fleet;
+use crate::fleet::{Fleet, Ledger};
 use crate::server::{Config, Flags};
 use crate::store::{Store, seal};
 use crate::warehouse::Warehouse;
@@ -153,11 +153,11 @@ async fn look_inside(store: &Store, floor: Floor, named: bool, report: &mut Repo
     let about = store.belongs().await.context("this is no database of Giveway")?;
     let about = about.context("this database of Giveway belongs to no map: it was never used")?;
     report.map = Some(about.map.clone());
-    let loaded = store.load().await?;
+    let (facts, last) = store.scan().await?;
     (report.jobs, report.open_jobs) = store.count_jobs().await?;
-    report.facts = loaded.facts.len();
+    report.facts = facts;
     let time = |t: crate::time::Time| jiff::Timestamp::from_microsecond(t.0).map(|t| t.to_string());
-    report.last = loaded.last.map(time).transpose()?;
+    report.last = last.map(time).transpose()?;
     let other = |map: &Warehouse| {
         format!(
             "the journal was not folded: it belongs to the map \"{}\", and this is \"{}\"",
@@ -169,7 +169,9 @@ async fn look_inside(store: &Store, floor: Floor, named: bool, report: &mut Repo
         Some((map, _)) if seal(&map) != about.seal && named => report.problems.push(other(&map)),
         Some((map, _)) if seal(&map) != about.seal => report.notes.push(other(&map)),
         Some((map, settings)) => {
-            let fold = move || Fleet::restore(map, settings, loaded.facts).ledger().robots.len();
+            let loaded = store.load(Ledger::new(map, settings.kinematics.clearance, false)).await?;
+            let (ledger, facts) = loaded.into_parts();
+            let fold = move || Fleet::resume(ledger, settings, facts).ledger().robots.len();
             let folded = tokio::task::spawn_blocking(fold).await;
             report.robots = Some(folded.ok().context("the journal contradicts itself, as said above")?);
         }

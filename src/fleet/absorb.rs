@@ -12,6 +12,7 @@ use crate::warehouse::NodeKind;
 
 impl Fleet {
     pub(super) fn absorb(&mut self, now: Time, inputs: Vec<Input>) {
+        self.expire_keys(now);
         for input in inputs {
             match input {
                 Input::Telemetry(t) if t.robot.ix() < self.ledger.robots.len() => self.scene.see(t),

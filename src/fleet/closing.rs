@@ -129,7 +129,7 @@ impl Fleet {
             self.record(Fact::Tasked { robot, task });
         }
         let stages = self.stages_left(robot);
-        self.ledger.counts.replans += 1;
+        self.tally.replans += 1;
         match self.search(robot, &stages, now) {
             Ok(route) => {
                 let spent = route.expansions;

@@ -3,7 +3,7 @@
 //! Refuses: to move anything; it takes promises back, the planning phase makes new ones.
 
 use super::Fleet;
-use super::fact::Fact;
+use super::fact::{Fact, Kept};
 use crate::id::RobotId;
 use crate::timeline::Holder;
 use std::collections::{BTreeSet, VecDeque};
@@ -22,7 +22,11 @@ impl Fleet {
                 }
             }
         }
-        self.record(Fact::Cut { robots: found.into_iter().collect() });
+        let stuck = |r| (Holder::Robot(r), self.ledger.robots[r].failed);
+        let holders: Vec<(Holder, bool)> = found.into_iter().map(stuck).collect();
+        let kept = self.ledger.timeline.cut_down(&holders);
+        let kept = kept.into_iter().map(|(h, end, shifts)| Kept { robot: robot_of(h), end, shifts });
+        self.record(Fact::Cut { robots: kept.collect() });
     }
 
     /// Robots that were promised something which `robot` will now keep: its last granted visit, or all of them where
@@ -39,5 +43,13 @@ impl Fleet {
                 Holder::Worker(_) => None,
             })
             .collect()
+    }
+}
+
+/// The robot that holds something: workers hold nothing.
+pub(super) fn robot_of(holder: Holder) -> RobotId {
+    match holder {
+        Holder::Robot(robot) => robot,
+        Holder::Worker(worker) => unreachable!("{worker:?} holds nothing in the timelines"),
     }
 }

@@ -7,7 +7,7 @@ use super::job::{JobRequest, JobState};
 use super::people::{AssignmentRequest, AssignmentState, Closure, Encounter, Reaction};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
-use crate::timeline::Visit;
+use crate::timeline::{Shift, Visit};
 
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -79,14 +79,10 @@ pub enum Fact {
         /// Serial number of the stop.
         serial: u64,
     },
-    /// A robot is late: it cannot leave this visit before `depart`, and all who come after it wait.
+    /// A robot is late: its visits, and those of all who come after it, have other times now.
     Delayed {
-        /// Which.
-        robot: RobotId,
-        /// Serial number.
-        serial: u64,
-        /// New departure.
-        depart: Time,
+        /// The robots whose visits moved.
+        moved: Vec<Moved>,
     },
     /// A robot has come back and will not drive what it was granted after this visit; that is only held now.
     Recalled {
@@ -101,8 +97,8 @@ pub enum Fact {
     },
     /// These robots keep what they were granted, for ever for all we know, and nothing more.
     Cut {
-        /// Which.
-        robots: Vec<RobotId>,
+        /// Which, and what they keep.
+        robots: Vec<Kept>,
     },
     /// A robot does not work any more.
     Failed {
@@ -226,6 +222,33 @@ pub enum Fact {
         /// When.
         at: Time,
     },
+    /// Customers' keys are forgotten: their jobs and assignments are over, and were accepted long ago.
+    KeysExpired {
+        /// The jobs that had them.
+        jobs: Vec<JobId>,
+        /// The assignments that had them.
+        assignments: Vec<AssignmentId>,
+    },
+}
+
+/// Visits of one robot that have other times now.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Moved {
+    /// Which robot.
+    pub robot: RobotId,
+    /// The visits that moved, in order.
+    pub shifts: Vec<Shift>,
+}
+
+/// What a robot keeps of its route.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Kept {
+    /// Which robot.
+    pub robot: RobotId,
+    /// One past the serial number of the last visit that stays.
+    pub end: u64,
+    /// Those that stay and have other times now, in order.
+    pub shifts: Vec<Shift>,
 }
 
 /// The new route of one robot, after its visit `keep`.

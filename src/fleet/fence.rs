@@ -36,7 +36,6 @@ pub(super) fn robot_of(fact: &Fact) -> Option<RobotId> {
         | Fact::Granted { robot, .. }
         | Fact::Passed { robot, .. }
         | Fact::Acted { robot, .. }
-        | Fact::Delayed { robot, .. }
         | Fact::Recalled { robot, .. }
         | Fact::Failed { robot, .. }
         | Fact::Repaired { robot, .. }

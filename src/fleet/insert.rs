@@ -129,7 +129,7 @@ impl Fleet {
         let ready = now.max(from.arrive) + self.settings.period;
         let (budget, conditions) = (self.settings.expansions_per_plan, &self.crowd.conditions);
         let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away };
-        self.ledger.counts.plans += 1;
+        self.tally.plans += 1;
         self.planner.plan(&ask, timeline).ok()
     }
 }

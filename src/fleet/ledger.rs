@@ -4,12 +4,14 @@
 //! alike, and it asserts that what it is told is possible: a journal that books a lane twice does not load.
 //! Refuses: to plan, to read a clock, to know where anything is seen.
 
-use super::fact::{Act, Booking, Fact, Stop, Task};
+use super::fact::{Act, Booking, Fact, Kept, Stop, Task};
 use super::index::Index;
 use super::job::{Job, JobKind, JobState};
+use super::keys::Keys;
 use super::life::{self, Stage, Work};
 use super::people::{Assignment, AssignmentRequest, AssignmentState, Closure};
-use super::view::{Counts, RackAt};
+use super::view::RackAt;
+use super::wishes::Wishes;
 use crate::id::{AssignmentId, ClosureId, Dense, IdVec, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::{Chain, Holder, Timeline, Visit};
@@ -48,8 +50,8 @@ pub struct Ledger {
     /// The number of the next job.
     pub next_job: u64,
     /// Customers' keys of jobs, over or not.
-    pub keys: BTreeMap<String, JobId>,
-    /// Waiting jobs for a robot that the customer named.
+    pub keys: Keys<JobId>,
+    /// Waiting jobs for a robot that the customer named. It follows from the rest: see [`Ledger::reindex`].
     pub named: BTreeMap<RobotId, BTreeSet<JobId>>,
     /// All robots.
     pub robots: IdVec<RobotId, Robot>,
@@ -66,7 +68,7 @@ pub struct Ledger {
     /// The number of the next assignment.
     pub next_assignment: u64,
     /// Customers' keys of assignments, over or not.
-    pub assignment_keys: BTreeMap<String, AssignmentId>,
+    pub assignment_keys: Keys<AssignmentId>,
     /// Areas that robots keep out of.
     pub closures: BTreeMap<ClosureId, Closure>,
     /// The number of the next closure.
@@ -78,9 +80,32 @@ pub struct Ledger {
     /// Jobs that were cancelled or failed lately, with when: jobs that are to come after them fail as well.
     pub ended_badly: BTreeMap<JobId, Time>,
     /// Sums.
-    pub counts: Counts,
+    pub counts: Sums,
+    /// How often each rack was wanted lately.
+    pub wishes: Wishes,
     /// What is looked up instead of searched. It follows from the rest: see [`Ledger::reindex`].
     pub index: Index,
+}
+
+/// Sums over facts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Sums {
+    /// Racks served at stations.
+    pub robot_deliveries: u64,
+    /// Assignments completed by workers.
+    pub human_deliveries: u64,
+    /// Jobs done.
+    pub done: u64,
+    /// Jobs cancelled.
+    pub cancelled: u64,
+    /// Jobs that could not be done.
+    pub failed: u64,
+    /// Encounters of robots and workers.
+    pub encounters: u64,
+    /// How often a worker left the path.
+    pub deviations: u64,
+    /// How often a robot had to stop or to change its route because of a worker.
+    pub interruptions: u64,
 }
 
 impl Ledger {
@@ -89,11 +114,12 @@ impl Ledger {
         let racks = warehouse.racks.iter().map(|r| RackAt::Stored(r.home)).collect();
         let served = IdVec::filled(0, warehouse.stations.len());
         let index = Index::new(&warehouse);
+        let wishes = Wishes::none(warehouse.racks.len());
         let timeline = if ghostly { Timeline::ghostly } else { Timeline::new }(warehouse, clearance);
         let mut ledger = Ledger {
             jobs: BTreeMap::new(),
             next_job: 1,
-            keys: BTreeMap::new(),
+            keys: Keys::default(),
             named: BTreeMap::new(),
             robots: IdVec::new(),
             racks,
@@ -102,13 +128,14 @@ impl Ledger {
             workers: IdVec::new(),
             assignments: BTreeMap::new(),
             next_assignment: 1,
-            assignment_keys: BTreeMap::new(),
+            assignment_keys: Keys::default(),
             closures: BTreeMap::new(),
             next_closure: 1,
             paused_stations: BTreeMap::new(),
             stopped: None,
             ended_badly: BTreeMap::new(),
-            counts: Counts::default(),
+            counts: Sums::default(),
+            wishes,
             index,
         };
         ledger.reindex();
@@ -155,6 +182,9 @@ impl Ledger {
                 if let Some(key) = &request.key {
                     self.keys.insert(key.clone(), *job);
                 }
+                if let Some(rack) = request.kind.rack() {
+                    self.wishes.note(rack);
+                }
                 let job_record = Job { request: request.clone(), state: JobState::Waiting, accepted: *at };
                 self.jobs.insert(*job, job_record);
                 self.note_named(*job, &request.kind, JobState::Waiting);
@@ -172,8 +202,10 @@ impl Ledger {
             }
             Fact::Passed { robot, serial } => self.timeline.release(Holder::Robot(*robot), *serial),
             Fact::Acted { robot, serial } => self.act(*robot, *serial),
-            Fact::Delayed { robot, serial, depart } => {
-                self.timeline.postpone(Holder::Robot(*robot), *serial, *depart);
+            Fact::Delayed { moved } => {
+                let slip: Vec<_> =
+                    moved.iter().map(|m| (Holder::Robot(m.robot), m.shifts.as_slice())).collect();
+                self.timeline.slide(&slip);
             }
             Fact::Cut { robots } => self.cut(robots),
             Fact::Failed { robot, .. } => self.robots[*robot].failed = true,
@@ -220,6 +252,10 @@ impl Ledger {
             Fact::Encountered(_) => self.counts.encounters += 1,
             Fact::Deviated { .. } => self.counts.deviations += 1,
             Fact::Interrupted { .. } => self.counts.interruptions += 1,
+            Fact::KeysExpired { jobs, assignments } => {
+                jobs.iter().for_each(|job| self.keys.forget(*job));
+                assignments.iter().for_each(|assignment| self.assignment_keys.forget(*assignment));
+            }
         }
     }
 
@@ -244,7 +280,10 @@ impl Ledger {
     fn advance(&mut self, id: AssignmentId, state: AssignmentState) {
         self.assignments.get_mut(&id).expect("only live assignments advance").state = state;
         if state.is_over() {
-            self.assignments.remove(&id);
+            let over = self.assignments.remove(&id).expect("just seen");
+            if let Some(key) = over.request.key {
+                self.assignment_keys.end(id, key, over.accepted);
+            }
             self.counts.human_deliveries += u64::from(state == AssignmentState::Done);
         }
     }
@@ -298,10 +337,13 @@ impl Ledger {
             self.counts.robot_deliveries += 1;
             self.served[station] += 1;
         }
+        if let Some(key) = job.request.key {
+            self.keys.end(id, key, job.accepted);
+        }
     }
 
     /// Keeps the list of jobs that wait for a robot that the customer named.
-    fn note_named(&mut self, id: JobId, kind: &JobKind, state: JobState) {
+    pub(super) fn note_named(&mut self, id: JobId, kind: &JobKind, state: JobState) {
         let Some(robot) = kind.robot() else { return };
         let waiting = self.named.entry(robot).or_default();
         match state {
@@ -401,14 +443,13 @@ impl Ledger {
         }
     }
 
-    fn cut(&mut self, robots: &[RobotId]) {
-        let holders: Vec<(Holder, bool)> =
-            robots.iter().map(|r| (Holder::Robot(*r), self.robots[*r].failed)).collect();
-        self.timeline.cut(&holders);
-        for &r in robots {
-            let end = self.chain(r).end();
-            self.robots[r].stops.retain(|s| s.serial < end);
-            self.robots[r].interrupted = true;
+    fn cut(&mut self, robots: &[Kept]) {
+        let kept: Vec<_> =
+            robots.iter().map(|k| (Holder::Robot(k.robot), k.end, k.shifts.as_slice())).collect();
+        self.timeline.keep(&kept);
+        for k in robots {
+            self.robots[k.robot].stops.retain(|s| s.serial < k.end);
+            self.robots[k.robot].interrupted = true;
         }
     }
 

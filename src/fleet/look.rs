@@ -23,7 +23,7 @@ impl Fleet {
         let stations = self.warehouse().stations.ids().map(|s| self.station_view(s)).collect();
         let waiting = self.ledger.index.queue.len() as u64;
         let active = self.ledger.jobs.len() as u64 - waiting;
-        let counts = Counts { waiting, active, ..self.ledger.counts };
+        let counts = self.counts(waiting, active);
         let racks = self.ledger.racks.iter().copied().collect();
         let (workers, closures) = (self.worker_views(now), self.closure_views());
         let charger_is_free = self.a_charger_is_free();
@@ -51,6 +51,26 @@ impl Fleet {
             stopped,
             counts,
             foresight,
+        }
+    }
+
+    /// Sums of the ledger, and what was tried.
+    fn counts(&self, waiting: u64, active: u64) -> Counts {
+        let (sums, tally) = (self.ledger.counts, self.tally);
+        Counts {
+            robot_deliveries: sums.robot_deliveries,
+            human_deliveries: sums.human_deliveries,
+            waiting,
+            active,
+            done: sums.done,
+            cancelled: sums.cancelled,
+            failed: sums.failed,
+            plans: tally.plans,
+            plan_failures: tally.failures,
+            encounters: sums.encounters,
+            deviations: sums.deviations,
+            interruptions: sums.interruptions,
+            replans: tally.replans,
         }
     }
 

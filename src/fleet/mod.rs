@@ -24,6 +24,7 @@ mod insert;
 pub mod io;
 pub mod job;
 mod judge;
+mod keys;
 mod lead;
 pub mod ledger;
 pub mod life;
@@ -31,6 +32,7 @@ mod limit;
 mod look;
 mod matching;
 mod mind;
+mod parts;
 pub mod people;
 mod plan;
 mod published;
@@ -44,15 +46,18 @@ mod strips;
 mod urgent;
 pub mod view;
 mod why;
+mod wishes;
 mod yielding;
 
 pub use backlog::{Backlog, Pending};
 pub use charging::Charging;
-pub use fact::{Act, Booking, Fact, Purpose, Stop, Task};
+pub use fact::{Act, Booking, Fact, Kept, Moved, Purpose, Stop, Task};
 pub use foresee::{AHEAD_S, Expected};
 pub use io::{Bounded, Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
 pub use job::{Job, JobFailure, JobKind, JobRequest, JobState};
-pub use ledger::Ledger;
+pub use keys::{KEY_LIFE, Keys};
+pub use ledger::{Ledger, Robot, Sums};
+pub use parts::{Contradiction, Parts};
 pub use people::{
     Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
     FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
@@ -61,6 +66,7 @@ pub use station::StationOrder;
 pub use strips::{Area, MOST_STRIPS, Strip};
 pub use view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
 pub use why::{Because, Waiting, Who};
+pub use wishes::Wishes;
 
 use crate::aware::{Arm, Regions};
 use crate::human::{Method, Model};
@@ -133,6 +139,15 @@ impl Default for Settings {
     }
 }
 
+/// How often routes were searched for. Nobody is promised anything by it, so it is no fact and starts at zero with the
+/// process.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tally {
+    plans: u64,
+    failures: u64,
+    replans: u64,
+}
+
 /// The fleet.
 pub struct Fleet {
     settings: Settings,
@@ -140,7 +155,8 @@ pub struct Fleet {
     scene: Scene,
     planner: Planner,
     needs: Needs,
-    demand: storage::Demand,
+    storage: storage::Storage,
+    tally: Tally,
     crowd: Crowd,
     plan_times: Vec<u64>,
     /// The robot that is being dealt with: named where a contradiction ends the step.
@@ -160,7 +176,8 @@ impl Fleet {
             scene: Scene::default(),
             planner: Planner::new(warehouse.clone(), Rules::Drive(settings.kinematics)),
             needs: Needs::default(),
-            demand: storage::Demand::new(&warehouse),
+            storage: storage::Storage::new(&warehouse),
+            tally: Tally::default(),
             plan_times: Vec::new(),
             at_hand: None,
             out: Step::default(),
@@ -177,12 +194,18 @@ impl Fleet {
         settings: Settings,
         facts: impl IntoIterator<Item = Fact>,
     ) -> Fleet {
-        let mut fleet = Fleet::new(warehouse, settings);
-        for fact in facts {
-            fleet.demand.note(&fact);
-            fleet.ledger.evolve(&fact);
-        }
-        fleet
+        let ledger = Ledger::new(warehouse, settings.kinematics.clearance, settings.ghosts);
+        Fleet::resume(ledger, settings, facts)
+    }
+
+    /// The fleet of a ledger after these facts, with nothing seen yet.
+    ///
+    /// # Panics
+    /// If the facts contradict the ledger or each other.
+    pub fn resume(mut ledger: Ledger, settings: Settings, facts: impl IntoIterator<Item = Fact>) -> Fleet {
+        facts.into_iter().for_each(|fact| ledger.evolve(&fact));
+        let fleet = Fleet::new(ledger.warehouse().clone(), settings);
+        Fleet { ledger, ..fleet }
     }
 
     /// Takes all inputs in, then decides once from what is known now.
@@ -220,7 +243,6 @@ impl Fleet {
     /// Takes a fact into the ledger and into the step's result.
     fn record(&mut self, fact: Fact) {
         self.at_hand = fence::robot_of(&fact).or(self.at_hand);
-        self.demand.note(&fact);
         self.ledger.evolve(&fact);
         self.out.facts.push(fact);
     }

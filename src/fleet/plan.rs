@@ -149,7 +149,7 @@ impl Fleet {
                 spent
             }
             Err(why) => {
-                self.ledger.counts.plan_failures += 1;
+                self.tally.failures += 1;
                 let need = self.needs.waiting.get_mut(&robot).expect("it is in need");
                 need.next_try = now + Span((RETRY.0 << need.tries.min(4)).min(RETRY_MAX.0));
                 need.tries += 1;
@@ -276,7 +276,7 @@ impl Fleet {
         let start = (self.settings.stopwatch)();
         let found = timeline.without(&[holder], |others| planner.plan(&ask, others));
         self.plan_times.push((self.settings.stopwatch)() - start);
-        self.ledger.counts.plans += 1;
+        self.tally.plans += 1;
         found
     }
 
@@ -373,7 +373,7 @@ impl Fleet {
                 let spent = route.expansions;
                 if reached(&route) + WORTH < planned {
                     self.commit(robot, route);
-                    self.ledger.counts.replans += 1;
+                    self.tally.replans += 1;
                     self.gives_way(robot, worker, Reaction::Rerouted, now);
                 }
                 spent
@@ -389,7 +389,7 @@ impl Fleet {
         let Some(stop) = stop.filter(|s| s.serial >= self.ledger.chain(robot).granted()) else { return 0 };
         let planned = self.expected(robot, stop.serial, now);
         let stages = self.stages_left(robot);
-        self.ledger.counts.replans += 1;
+        self.tally.replans += 1;
         match self.search(robot, &stages, now) {
             Ok(route) => {
                 let spent = route.expansions;

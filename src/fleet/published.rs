@@ -175,7 +175,7 @@ impl Fleet {
         for robot in robots {
             // It has just been planned; whatever else is earlier may lead back onto the path.
             self.crowd.procedure.again.remove(robot);
-            self.ledger.counts.replans += 1;
+            self.tally.replans += 1;
             self.gives_way(*robot, worker, Reaction::Rerouted, now);
         }
         true

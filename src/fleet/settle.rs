@@ -2,11 +2,13 @@
 //!
 //! Refuses: to plan; a robot whose task has no route yet is picked up by the planning phase.
 
-use super::fact::{Act, Fact, Purpose, Task};
+use super::cut::robot_of;
+use super::fact::{Act, Fact, Moved, Purpose, Task};
 use super::job::{JobFailure, JobKind, JobState};
 use super::{Fleet, ledger};
 use crate::id::{JobId, NodeId, RackId, RobotId};
 use crate::time::{Span, Time};
+use crate::timeline::Holder;
 use crate::warehouse::NodeKind;
 
 /// A robot this much behind its plan is late.
@@ -184,7 +186,9 @@ impl Fleet {
             return;
         }
         let depart = here.depart + (now - next.arrive) + GUESS;
-        self.record(Fact::Delayed { robot, serial, depart });
+        let slip = self.ledger.timeline.delay(Holder::Robot(robot), serial, depart);
+        let moved = slip.into_iter().map(|(h, shifts)| Moved { robot: robot_of(h), shifts });
+        self.record(Fact::Delayed { moved: moved.collect() });
     }
 
     /// Jobs that come after one that was cancelled or failed will never start; neither will those that come after

@@ -1,61 +1,33 @@
 //! Where a rack is put: near where it is likely to be wanted next.
 //!
-//! Main type: [`Demand`] (how often each rack was wanted lately). Refuses: places that are taken or promised.
+//! Main type: [`Storage`] (what the map says about it). Refuses: places that are taken or promised.
 
 use super::Fleet;
-use super::fact::Fact;
 use crate::geometry::Point;
 use crate::id::{IdVec, NodeId, RackId, RobotId};
 use crate::warehouse::{NodeKind, Warehouse};
 
-/// When so many wishes were counted per rack, all counts are halved: old wishes fade.
-const HALVE_AT: u64 = 4;
 /// What it costs to put a rack where nobody can fetch it for a while, metres: more than any way.
 const CLOSED_M: f64 = 1e6;
 
-/// How often each rack was wanted lately.
+/// What the map says about storage.
 #[derive(Debug)]
-pub(super) struct Demand {
-    wishes: IdVec<RackId, u32>,
-    total: u64,
-    storage: Vec<NodeId>,
-    /// For each storage node, metres to the nearest station (along the axes).
+pub(super) struct Storage {
+    nodes: Vec<NodeId>,
+    /// For each node, metres to the nearest station (along the axes).
     to_station_m: IdVec<NodeId, f64>,
 }
 
-impl Demand {
-    pub fn new(warehouse: &Warehouse) -> Demand {
+impl Storage {
+    pub fn new(warehouse: &Warehouse) -> Storage {
         let nearest = |p: Point| {
             let at = warehouse.stations.iter().map(|s| along_axes(warehouse.nodes[s.node].at, p));
             at.fold(f64::INFINITY, f64::min)
         };
-        Demand {
-            wishes: IdVec::filled(0, warehouse.racks.len()),
-            total: 0,
-            storage: warehouse.nodes_where(|k| k == NodeKind::Storage),
+        Storage {
+            nodes: warehouse.nodes_where(|k| k == NodeKind::Storage),
             to_station_m: warehouse.nodes.iter().map(|n| nearest(n.at)).collect(),
         }
-    }
-
-    /// Counts the wishes in accepted jobs.
-    pub fn note(&mut self, fact: &Fact) {
-        let Fact::Accepted { request, .. } = fact else { return };
-        let Some(rack) = request.kind.rack() else { return };
-        self.wishes[rack] += 1;
-        self.total += 1;
-        if self.total > HALVE_AT * self.wishes.len() as u64 {
-            self.wishes.iter_mut().for_each(|w| *w /= 2);
-            self.total = self.wishes.iter().map(|w| u64::from(*w)).sum();
-        }
-    }
-
-    /// How wanted a rack is, relative to the mean: 0 never, 1 like any, up to 3.
-    fn heat(&self, rack: RackId) -> f64 {
-        if self.total == 0 {
-            return 1.0;
-        }
-        let mean = self.total as f64 / self.wishes.len() as f64;
-        (f64::from(self.wishes[rack]) / mean).min(3.0)
     }
 }
 
@@ -65,12 +37,12 @@ impl Fleet {
     /// for a robot that found no way to the first. The robot's own place is among the candidates; places that are
     /// closed by hand, or will be soon, come last.
     pub(super) fn best_storage(&self, robot: RobotId, rack: RackId, from: NodeId, choice: usize) -> NodeId {
-        let heat = self.demand.heat(rack);
+        let heat = self.ledger.wishes.heat(rack);
         let at = |n: NodeId| self.warehouse().nodes[n].at;
         let closed = |n: NodeId| if self.is_closing(n) { CLOSED_M } else { 0.0 };
         let cost =
-            |n: NodeId| along_axes(at(from), at(n)) + (heat - 1.0) * self.demand.to_station_m[n] + closed(n);
-        let free = self.demand.storage.iter().copied().filter(|n| !self.is_taken_storage(*n, rack, robot));
+            |n: NodeId| along_axes(at(from), at(n)) + (heat - 1.0) * self.storage.to_station_m[n] + closed(n);
+        let free = self.storage.nodes.iter().copied().filter(|n| !self.is_taken_storage(*n, rack, robot));
         let mut ranked: Vec<(i64, NodeId)> = free.map(|n| ((cost(n) * 1000.0) as i64, n)).collect();
         let wanted = choice.min(ranked.len().saturating_sub(1)).min(16);
         match ranked.is_empty() {

@@ -7,6 +7,7 @@ mod closures;
 mod failure;
 mod hand;
 mod jobs;
+mod keys;
 mod life;
 mod limits;
 mod messages;

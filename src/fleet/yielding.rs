@@ -242,7 +242,7 @@ impl Fleet {
         let places = self.places_out_of_the_way(robot, worker, now);
         let left = places.into_iter().take(TRIES).any(|place| self.detour(robot, place, now));
         if left {
-            self.ledger.counts.replans += 1;
+            self.tally.replans += 1;
             self.gives_way(robot, worker, Reaction::Rerouted, now);
         }
         left

@@ -16,12 +16,13 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 /// Settings that the environment may give.
-const FROM_ENVIRONMENT: [&str; 10] = [
+const FROM_ENVIRONMENT: [&str; 11] = [
     "scenario",
     "listen",
     "database",
     "past_hours",
     "past_mb",
+    "keep_days",
     "token",
     "tokens",
     "tls",
@@ -69,6 +70,11 @@ pub struct Flags {
     #[arg(long, value_name = "MEGABYTES")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub past_mb: Option<u32>,
+    /// Jobs, assignments and encounters that are over stay in the lists for so long [default: 400]
+    /// [env: GIVEWAY_KEEP_DAYS]
+    #[arg(long, value_name = "DAYS")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keep_days: Option<u32>,
     /// File with one token a line; a single token may be in GIVEWAY_TOKEN [env: GIVEWAY_TOKENS]
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -108,6 +114,8 @@ pub struct Config {
     pub past_hours: u32,
     /// How many megabytes of the past are kept.
     pub past_mb: u32,
+    /// For how many days what is over stays in the lists.
+    pub keep_days: u32,
     /// A token.
     pub token: Option<String>,
     /// A file with tokens.
@@ -135,6 +143,7 @@ impl Default for Config {
             new: false,
             past_hours: 24,
             past_mb: 1000,
+            keep_days: crate::store::KEEP_DAYS,
             token: None,
             tokens: None,
             tls: false,
@@ -169,7 +178,7 @@ impl Config {
                     ("tls", "true" | "1") => figment.merge(Serialized::default(key, true)),
                     ("tls", "false" | "0") => figment.merge(Serialized::default(key, false)),
                     ("tls", other) => bail!("GIVEWAY_TLS is true or false, not \"{other}\""),
-                    ("past_hours" | "past_mb", number) => {
+                    ("past_hours" | "past_mb" | "keep_days", number) => {
                         let wrong = format!("GIVEWAY_{} is a number, not \"{number}\"", key.to_uppercase());
                         let number = number.parse::<u32>().context(wrong)?;
                         figment.merge(Serialized::default(key, number))

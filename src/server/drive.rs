@@ -292,9 +292,10 @@ mod tests {
         let metrics = Arc::new(Metrics::default());
         let figures = Arc::new(Figures::new(Time::ZERO, "giveway", Default::default()));
         let (notes, _) = historian(figures, store.clone());
-        let (journal, writer) =
-            journal::journal(store.clone(), 1, clock.clone(), alarms.clone(), metrics.clone());
         let fleet = Fleet::new(map.clone(), scenario.settings());
+        let start = journal::Start { next: 1, ledger: fleet.ledger().clone(), behind: 0 };
+        let (journal, writer) =
+            journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
         let world = World::new(map, &scenario, &[], 1, &fleet, clock.now());
         let ((feeds, heard), (desk, asks)) = (Feeds::new(), mpsc::channel(8));
         let (measure, outbox, feeds) = (Measure::default(), outbox::Outbox::default(), Arc::new(feeds));

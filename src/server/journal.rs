@@ -1,16 +1,18 @@
 //! The journal's task: everything that waits becomes one transaction, tried until the database takes it.
 //!
 //! Main types: [`Journal`] (the loop's end: records, knows what is durable), [`Writer`] (the task). While the
-//! database refuses, facts wait in order and an alarm stands; nothing is dropped, and what is not durable is
-//! not acknowledged. Refuses: to try again what contradicts the journal; that ends the process.
+//! database refuses, steps wait in order and an alarm stands; nothing is dropped, and what is not durable is
+//! not acknowledged. The task folds what is durable into a ledger of its own and writes that down now and then, so that
+//! the loop pays nothing for it. Refuses: to try again what contradicts the journal; that ends the process.
 
 use super::clock::Clock;
 use crate::api::metrics::Metrics;
 use crate::api::port::Alarms;
-use crate::fleet::Fact;
-use crate::store::{Entry, Store, StoreError};
+use crate::fleet::{Fact, Ledger};
+use crate::store::{Entry, SNAPSHOT_AFTER, Store, StoreError};
 use crate::time::Time;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 
@@ -20,8 +22,11 @@ pub const ALARM: &str = "journal";
 /// So many facts may wait; then the fleet stands until the database is back.
 const MOST_PENDING: u64 = 20_000;
 
-/// So many facts go into one transaction.
-const MOST_AT_ONCE: usize = 5_000;
+/// So many steps go into one transaction.
+const MOST_AT_ONCE: usize = 200;
+
+/// If the ledger could not be written down, it is tried again after so many facts.
+const SNAPSHOT_AGAIN: usize = 1_000;
 
 /// A transaction that takes longer raises the alarm.
 const SLOW: Duration = Duration::from_secs(1);
@@ -32,28 +37,48 @@ const PAUSES: (Duration, Duration) = (Duration::from_millis(250), Duration::from
 /// The loop's end of the journal.
 #[derive(Debug)]
 pub struct Journal {
-    facts: mpsc::UnboundedSender<Entry>,
+    steps: mpsc::UnboundedSender<Entry>,
     recorded: u64,
     durable: watch::Receiver<u64>,
     failing: watch::Receiver<bool>,
+    pending: Arc<AtomicU64>,
 }
 
 /// The task's end.
 pub struct Writer {
-    facts: mpsc::UnboundedReceiver<Entry>,
+    steps: mpsc::UnboundedReceiver<Entry>,
     durable: watch::Sender<u64>,
     failing: watch::Sender<bool>,
+    /// Facts that are not durable.
+    pending: Arc<AtomicU64>,
     next: i64,
+    shadow: Shadow,
     store: Arc<Store>,
     clock: Arc<Clock>,
     alarms: Arc<Alarms>,
     metrics: Arc<Metrics>,
 }
 
-/// Both ends; `next` is the number of the first fact.
+/// Where the journal goes on.
+pub struct Start {
+    /// The number of the first step.
+    pub next: i64,
+    /// The ledger before it.
+    pub ledger: Ledger,
+    /// How many facts are behind the last snapshot.
+    pub behind: usize,
+}
+
+/// The fold of everything durable, and how many facts it is ahead of the last snapshot.
+struct Shadow {
+    ledger: Ledger,
+    behind: usize,
+}
+
+/// Both ends.
 pub fn journal(
     store: Arc<Store>,
-    next: i64,
+    start: Start,
     clock: Arc<Clock>,
     alarms: Arc<Alarms>,
     metrics: Arc<Metrics>,
@@ -61,22 +86,28 @@ pub fn journal(
     let (send, receive) = mpsc::unbounded_channel();
     let (durable, confirmed) = watch::channel(0);
     let (failing, fails) = watch::channel(false);
-    let journal = Journal { facts: send, recorded: 0, durable: confirmed, failing: fails };
-    (journal, Writer { facts: receive, durable, failing, next, store, clock, alarms, metrics })
+    let pending = Arc::new(AtomicU64::new(0));
+    let journal =
+        Journal { steps: send, recorded: 0, durable: confirmed, failing: fails, pending: pending.clone() };
+    let Start { next, ledger, behind } = start;
+    let shadow = Shadow { ledger, behind };
+    let steps = receive;
+    (journal, Writer { steps, durable, failing, pending, next, shadow, store, clock, alarms, metrics })
 }
 
 impl Journal {
-    /// Records the facts of a step. What depends on them may leave when so many are durable as this says.
+    /// Records the facts of a step. What depends on them may leave when so many steps are durable as this says.
     pub fn record(&mut self, at: Time, facts: Vec<Fact>) -> u64 {
-        for fact in facts {
+        if !facts.is_empty() {
+            self.pending.fetch_add(facts.len() as u64, Ordering::Relaxed);
             // Fails only where the task has ended; the server ends then, too.
-            let _ = self.facts.send(Entry { at, fact });
+            let _ = self.steps.send(Entry { at, facts });
             self.recorded += 1;
         }
         self.recorded
     }
 
-    /// How many facts are durable.
+    /// How many steps are durable.
     pub fn durable(&self) -> u64 {
         *self.durable.borrow()
     }
@@ -100,7 +131,7 @@ impl Journal {
 
     /// Whether so many facts wait that there may be no more.
     pub fn is_full(&self) -> bool {
-        self.recorded - self.durable() >= MOST_PENDING
+        self.pending.load(Ordering::Relaxed) >= MOST_PENDING
     }
 }
 
@@ -111,16 +142,42 @@ impl Writer {
     /// Where the database contradicts what is to be written.
     pub async fn run(mut self) -> Result<(), StoreError> {
         let mut batch = Vec::new();
-        while self.facts.recv_many(&mut batch, MOST_AT_ONCE).await > 0 {
-            self.metrics.journal_pending.set((batch.len() + self.facts.len()) as i64);
+        while self.steps.recv_many(&mut batch, MOST_AT_ONCE).await > 0 {
+            self.metrics.journal_pending.set(self.pending().cast_signed());
             self.write(&batch).await?;
-            self.metrics.journal_batch.observe(batch.len() as f64);
+            let facts: usize = batch.iter().map(|step| step.facts.len()).sum();
+            self.metrics.journal_batch.observe(facts as f64);
             let oldest = batch.first().map_or(self.clock.now(), |e| e.at);
             self.metrics.journal_lag.observe((self.clock.now() - oldest).as_secs_f64());
-            self.metrics.journal_pending.set(self.facts.len() as i64);
+            self.pending.fetch_sub(facts as u64, Ordering::Relaxed);
+            self.metrics.journal_pending.set(self.pending().cast_signed());
             self.next += batch.len() as i64;
             self.durable.send_modify(|n| *n += batch.len() as u64);
+            self.shadow.fold(&batch);
+            if self.shadow.behind >= SNAPSHOT_AFTER {
+                self.snapshot(batch.last().map_or(oldest, |e| e.at)).await?;
+            }
             batch.clear();
+        }
+        Ok(())
+    }
+
+    /// Facts that are not durable.
+    fn pending(&self) -> u64 {
+        self.pending.load(Ordering::Relaxed)
+    }
+
+    /// Writes the ledger down. Where that fails, nothing is lost: the steps are durable, and a start reads more of
+    /// them.
+    async fn snapshot(&mut self, at: Time) -> Result<(), StoreError> {
+        match self.store.snapshot(self.next - 1, at, self.shadow.ledger.to_parts()).await {
+            Ok(()) => self.shadow.behind = 0,
+            Err(e) if e.is_fatal() => return Err(e),
+            Err(e) => {
+                self.metrics.journal_errors.inc();
+                tracing::warn!("the ledger could not be written down, so the next start takes longer: {e}");
+                self.shadow.behind = SNAPSHOT_AFTER - SNAPSHOT_AGAIN;
+            }
         }
         Ok(())
     }
@@ -158,7 +215,7 @@ impl Writer {
         if let Ok(result) = tokio::time::timeout(SLOW, &mut append).await {
             return result;
         }
-        let waiting = batch.len() + self.facts.len();
+        let waiting = self.pending();
         self.fail(format!(
             "the journal is slow: {waiting} facts wait for {}. Robots get no new orders meanwhile.",
             self.store.path().display()
@@ -171,5 +228,14 @@ impl Writer {
             tracing::error!("{text}");
         }
         self.failing.send_replace(true);
+    }
+}
+
+impl Shadow {
+    fn fold(&mut self, batch: &[Entry]) {
+        for fact in batch.iter().flat_map(|step| &step.facts) {
+            self.ledger.evolve(fact);
+            self.behind += 1;
+        }
     }
 }

@@ -41,7 +41,7 @@ use crate::sim::{OrderLine, Scenario};
 use crate::store::{Store, StoreError};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, ensure};
 use axum::Router;
 use axum::serve::ListenerExt;
 use entrance::Entrance;
@@ -90,9 +90,9 @@ pub struct Summary {
     pub map: String,
     /// Robots that the scenario has.
     pub robots: usize,
-    /// Facts restored.
+    /// Facts restored, behind the last snapshot.
     pub facts: usize,
-    /// Jobs restored.
+    /// Jobs accepted so far.
     pub jobs: u64,
     /// Of them, jobs that are not over.
     pub open_jobs: u64,
@@ -113,6 +113,9 @@ impl Server {
             format!("cannot listen on {address}: {remedy}")
         })?;
         let address = listener.local_addr()?;
+        let kept =
+            "keep_days is at least 8, since keys of jobs are known for 7 days, and so must the jobs be";
+        ensure!(config.keep_days >= 8, "{kept}");
         let identity = identity(config, address)?;
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
         let (ready, is_ready) = oneshot::channel();
@@ -237,11 +240,11 @@ async fn work(
     front: Front,
     stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
-    let Parts { fleet, world, clock, period, next, interop, feeds, heard, live, past, charts, .. } = parts;
+    let Parts { fleet, world, clock, period, start, interop, feeds, heard, live, past, charts, .. } = parts;
     let Front { entrance, http, gate, ready, closing, closes } = front;
     let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
     let (journal, writer) =
-        journal::journal(store.clone(), next, clock.clone(), alarms.clone(), metrics.clone());
+        journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
     let ((desk, requests), (ask, questions)) = (mpsc::channel(inbox::DESK), mpsc::channel(QUESTIONS));
     let (displaced, gone) = watch::channel(false);
     let custody = custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced);

@@ -21,7 +21,7 @@ pub struct Outbox {
 }
 
 impl Outbox {
-    /// Takes what may leave once `after` facts are durable.
+    /// Takes what may leave once `after` steps are durable.
     pub fn put(&mut self, after: u64, commands: Vec<(RobotId, Command)>, replies: Vec<Reply>) {
         match self.parcels.back_mut() {
             // Nothing was decided since: an order to the same robot repeats the one that waits.
@@ -42,7 +42,7 @@ impl Outbox {
         }
     }
 
-    /// Everything that may leave now that so many facts are durable.
+    /// Everything that may leave now that so many steps are durable.
     pub fn take(&mut self, durable: u64) -> (Vec<(RobotId, Command)>, Vec<Reply>) {
         let ready = self.parcels.partition_point(|p| p.after <= durable);
         let (mut commands, mut replies) = (Vec::new(), Vec::new());

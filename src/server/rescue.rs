@@ -7,7 +7,7 @@
 
 use super::drive::Drive;
 use super::start::panic_text;
-use crate::fleet::{Fleet, Input, Step};
+use crate::fleet::{Fleet, Input, Ledger, Step};
 use crate::id::RobotId;
 use crate::sim::FIRST_TOKEN;
 use crate::time::{Span, Time};
@@ -130,14 +130,16 @@ impl Drive {
                 }
             }
         }
-        let loaded = match self.store.load().await {
+        let (map, settings) = (self.fleet.warehouse().clone(), self.fleet.settings().clone());
+        let empty = Ledger::new(map, settings.kinematics.clearance, false);
+        let loaded = match self.store.load(empty).await {
             Ok(loaded) => loaded,
             Err(e) => return self.give_up(&said, &format!("the journal cannot be read: {e}")),
         };
-        let (map, settings) = (self.fleet.warehouse().clone(), self.fleet.settings().clone());
         let now = self.clock.now();
         let anew = catch_unwind(AssertUnwindSafe(|| {
-            let mut fleet = Fleet::restore(map, settings, loaded.facts);
+            let (ledger, facts) = loaded.into_parts();
+            let mut fleet = Fleet::resume(ledger, settings, facts);
             fleet.fence(robot, now);
             fleet
         }));

@@ -5,12 +5,12 @@
 
 use super::clock::{self, Clock};
 use super::reels::Past;
-use super::{Config, Floor, Summary, historian};
+use super::{Config, Floor, Summary, historian, journal};
 use crate::api::feed::hub::{Feeds, Heard};
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::port::{Alarms, Figures};
-use crate::fleet::{Fleet, Settings};
+use crate::fleet::{Fleet, Ledger, Settings};
 use crate::history::History;
 use crate::sim::World;
 use crate::store::{Opening, Store};
@@ -27,7 +27,7 @@ pub struct Parts {
     pub world: World,
     pub clock: Arc<Clock>,
     pub period: Span,
-    pub next: i64,
+    pub start: journal::Start,
     pub interop: Interop,
     pub feeds: Arc<Feeds>,
     pub heard: mpsc::Receiver<Heard>,
@@ -60,25 +60,26 @@ pub async fn open(config: &Config, floor: &Floor) -> anyhow::Result<Arc<Store>> 
     };
     let new = config.new.then(stamp).transpose()?;
     let opening = Opening { new, traces: vec![config.past_folder()] };
-    Ok(Arc::new(Store::open_as(&config.database, &floor.map, &opening).await?))
+    let store = Store::open_as(&config.database, &floor.map, &opening).await?;
+    Ok(Arc::new(store.keep_days(config.keep_days)))
 }
 
 /// Makes the parts from what the database has.
 pub async fn build(config: &Config, floor: Floor, store: &Arc<Store>) -> anyhow::Result<(Built, Summary)> {
     let Floor { scenario, map, lines } = floor;
-    let loaded = store.load().await?;
-    let (jobs, open_jobs) = store.count_jobs().await?;
-    let (facts, robots) = (loaded.facts.len(), scenario.robots);
-    let summary = Summary { map: map.name.clone(), robots, facts, jobs, open_jobs, trouble: None };
+    let loaded = store.load(Ledger::new(map.clone(), scenario.kinematics.clearance, false)).await?;
+    let (next, facts, robots) = (loaded.next, loaded.facts(), scenario.robots);
+    let summary = Summary { map: map.name.clone(), robots, facts, jobs: 0, open_jobs: 0, trouble: None };
     let clock = Arc::new(Clock::start(loaded.last));
     let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
     let (buckets, heat) = store.load_history().await?;
     let history = History::restore(buckets, heat);
     let figures = Arc::new(Figures::new(clock.started(), settings.arm.word(), history));
     let (now, floor) = (clock.now(), map.clone());
-    let (period, next) = (scenario.period, loaded.next);
+    let period = scenario.period;
     let fold = move || {
-        let fleet = Fleet::restore(floor.clone(), settings, loaded.facts);
+        let (ledger, facts) = loaded.into_parts();
+        let fleet = Fleet::resume(ledger, settings, facts);
         let world = World::new(floor, &scenario, &lines, scenario.seed, &fleet, now);
         (fleet, world)
     };
@@ -94,6 +95,10 @@ pub async fn build(config: &Config, floor: Floor, store: &Arc<Store>) -> anyhow:
             return Ok((Built::Broken(why.clone()), Summary { trouble: Some(why), ..summary }));
         }
     };
+    let ledger = fleet.ledger();
+    let (jobs, open_jobs) = (ledger.next_job - 1, ledger.jobs.len() as u64);
+    let summary = Summary { jobs, open_jobs, ..summary };
+    let start = journal::Start { next, ledger: ledger.clone(), behind: facts };
     let (feeds, heard) = Feeds::new();
     feeds.know(&fleet.ledger().workers);
     let (interop, feeds) = (config.massrobotics.clone(), Arc::new(feeds));
@@ -103,7 +108,7 @@ pub async fn build(config: &Config, floor: Floor, store: &Arc<Store>) -> anyhow:
     let (notes, historian) = historian::historian(figures.clone(), store.clone());
     let charts = Charts { figures, notes, historian: tokio::spawn(historian.run()) };
     let parts =
-        Parts { fleet, world, clock, period, next, interop, feeds, heard, live, alarms, past, charts };
+        Parts { fleet, world, clock, period, start, interop, feeds, heard, live, alarms, past, charts };
     Ok((Built::Whole(Box::new(parts)), summary))
 }
 

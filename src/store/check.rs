@@ -6,7 +6,7 @@
 use super::identity::{Place, beside};
 use super::lock::Lock;
 use super::opening::set_aside;
-use super::{ABOUT, BUSY, Store, StoreError, last_fact};
+use super::{ABOUT, BUSY, Store, StoreError, last_step};
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
 use std::fs::File;
 use std::io;
@@ -34,12 +34,13 @@ impl Store {
         let open = |why| StoreError::Open { path: path.into(), why };
         let options = SqliteConnectOptions::new().filename(path).read_only(true).busy_timeout(BUSY);
         let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.map_err(open)?;
-        let last = last_fact(&pool).await?;
+        let last = last_step(&pool).await?;
         let lock = Arc::new(Lock::none(path));
-        Ok(Store { writer: pool.clone(), readers: pool, place: Place::default(), last, lock })
+        let (run, keep) = (String::new(), super::days(super::KEEP_DAYS));
+        Ok(Store { writer: pool.clone(), readers: pool, place: Place::default(), last, run, keep, lock })
     }
 
-    /// The number of the last fact when it was opened.
+    /// The number of the last step when it was opened.
     pub fn last(&self) -> i64 {
         self.last
     }

@@ -2,6 +2,7 @@
 //!
 //! Main type: [`StoreError`]. Refuses: to pass on a database's code without a remedy.
 
+use super::ledger_record::SnapshotError;
 use super::record::RecordError;
 use std::path::PathBuf;
 
@@ -121,8 +122,39 @@ pub enum StoreError {
         /// Name of the map given.
         ours: String,
     },
-    /// A fact cannot be read.
-    #[error("fact {seq} of the journal: {why}")]
+    /// It is from before the first release.
+    #[error(
+        "the database {0} was made by a Giveway from before the first release, which this one cannot read: take \
+         another --database; that Giveway still reads this one"
+    )]
+    Earlier(PathBuf),
+    /// Another process has opened it since.
+    #[error(
+        "another Giveway has opened the database {0} since this one did (by another name of the file?): stop one of \
+         them"
+    )]
+    Taken(PathBuf),
+    /// Steps are missing.
+    #[error(
+        "the journal goes on with step {found} where step {expected} should be: the database is damaged; restore it \
+         from a backup"
+    )]
+    Gap {
+        /// The step that should be there.
+        expected: i64,
+        /// The one that is.
+        found: i64,
+    },
+    /// No snapshot can be read.
+    #[error("snapshot {seq}: {why}")]
+    Snapshot {
+        /// The step after which it was made.
+        seq: i64,
+        /// What is wrong.
+        why: SnapshotError,
+    },
+    /// A step cannot be read.
+    #[error("step {seq} of the journal: {why}")]
     Record {
         /// Its number.
         seq: i64,
@@ -149,7 +181,7 @@ pub enum StoreError {
     },
     /// Somebody else wrote into the journal.
     #[error(
-        "the journal ends with fact {found}, not with {expected}: another program wrote into it; restart \
+        "the journal ends with step {found}, not with {expected}: another program wrote into it; restart \
          Giveway"
     )]
     OutOfStep {
@@ -167,7 +199,7 @@ impl StoreError {
     /// Whether trying again is senseless, since what was to be written contradicts what is there.
     pub fn is_fatal(&self) -> bool {
         match self {
-            StoreError::OutOfStep { .. } => true,
+            StoreError::OutOfStep { .. } | StoreError::Taken(_) => true,
             StoreError::Sql(e) => primary_code(e) == Some(19),
             _ => false,
         }
@@ -176,7 +208,7 @@ impl StoreError {
     /// Whether the connection may be used again: the database was locked, full, or refused what it was told.
     pub(super) fn leaves_connection_sound(&self) -> bool {
         match self {
-            StoreError::OutOfStep { .. } | StoreError::Displaced { .. } => true,
+            StoreError::OutOfStep { .. } | StoreError::Taken(_) | StoreError::Displaced { .. } => true,
             StoreError::Sql(e) => matches!(primary_code(e), Some(5 | 6 | 13 | 19)),
             _ => false,
         }

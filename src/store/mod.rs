@@ -1,11 +1,12 @@
-//! The journal of facts, the lists of jobs, assignments and encounters, and figures over time, in SQLite.
+//! The journal of steps, snapshots of what they led to, the lists of jobs, assignments and encounters, and figures
+//! over time, in SQLite.
 //!
-//! Main types: [`Store`] (open, load, append, lists), [`Entry`], [`Loaded`], [`JobRow`],
-//! [`AssignmentRow`], [`EncounterRow`], [`StoreError`];
-//! [`record`] is the wire form. This module is the seam behind which PostgreSQL follows: statements are
-//! constants with `$1`, and nobody outside sees a row. What is guaranteed: an [`Store::append`] that returned
-//! `Ok` survives loss of power; the journal and the lists never differ; a batch that is appended again
-//! after an unclear failure is written once. Refuses: observations, a second process on the same file, a map
+//! Main types: [`Store`] (open, load, append, snapshot, lists), [`Entry`], [`Loaded`], [`JobRow`],
+//! [`AssignmentRow`], [`EncounterRow`], [`StoreError`]; [`record`] is the wire form of facts, [`ledger_record`]
+//! that of snapshots. This module is the seam behind which PostgreSQL follows: statements are constants with `$1`,
+//! and nobody outside sees a row. What is guaranteed: an [`Store::append`] that returned `Ok` survives loss of
+//! power; a step is there whole or not at all; the journal and the lists never differ; a batch that is appended
+//! again after an unclear failure is written once. Refuses: observations, a second process on the same file, a map
 //! other than the one that the facts speak of, to acknowledge what goes into a file that was taken away.
 
 mod act_record;
@@ -14,12 +15,17 @@ mod error;
 mod history;
 mod identity;
 mod jobs;
+pub mod ledger_record;
 mod lock;
 mod opening;
 mod people;
 mod people_record;
 pub mod record;
+mod retention;
+mod route_record;
 mod seal;
+mod snapshot;
+mod steps;
 
 pub use check::Belongs;
 pub use error::StoreError;
@@ -27,22 +33,21 @@ pub use jobs::{JobQuery, JobRow};
 pub use opening::Opening;
 pub use people::{AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow};
 pub use seal::seal;
+pub use snapshot::SNAPSHOT_AFTER;
+pub use steps::{Entry, Loaded};
 
-use crate::fleet::Fact;
-use crate::time::Time;
+use crate::time::Span;
 use crate::warehouse::Warehouse;
 use identity::Place;
 use lock::{Lock, Record};
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{
-    SqliteConnectOptions, SqliteConnection, SqliteJournalMode, SqlitePool, SqlitePoolOptions,
-    SqliteSynchronous,
+    SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
-use sqlx::{AssertSqlSafe, Row, SqlSafeStr};
+use sqlx::{AssertSqlSafe, SqlSafeStr};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
-use uuid::Uuid;
 
 /// How long a statement waits for another program's lock.
 const BUSY: Duration = Duration::from_secs(5);
@@ -52,33 +57,19 @@ const READERS: u32 = 4;
 
 const ABOUT: &str = "SELECT value FROM about WHERE key = $1";
 const SET_ABOUT: &str = "INSERT INTO about (key, value) VALUES ($1, $2)";
-const FACTS: &str = "SELECT seq, at, wire, fact FROM journal ORDER BY seq";
-const LAST: &str = "SELECT coalesce(max(seq), 0) FROM journal";
-const JOURNALS: &str = "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = 'journal'";
+const TAKE: &str = "INSERT OR REPLACE INTO about (key, value) VALUES ('run', $1)";
+const EARLIER: &str = "SELECT count(*) FROM sqlite_schema WHERE name = 'journal'";
+const EARLIER_ROWS: &str = "SELECT count(*) FROM (SELECT 1 FROM journal LIMIT 1)";
+const JOURNALS: &str = "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = 'steps'";
 const BEGIN: &str = "BEGIN IMMEDIATE";
 const COMMIT: &str = "COMMIT";
 const ROLLBACK: &str = "ROLLBACK";
-const APPEND: &str = "INSERT INTO journal (seq, at, wire, fact) VALUES ($1, $2, $3, $4)";
 
-/// A fact with the time of its step.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
-    /// When.
-    pub at: Time,
-    /// What.
-    pub fact: Fact,
-}
+/// After truncating, the write-ahead log keeps at most so many bytes of the disk.
+const LOG_BYTES: &str = "67108864";
 
-/// The journal as it was when it was opened.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct Loaded {
-    /// Everything that happened.
-    pub facts: Vec<Fact>,
-    /// When the last of it did.
-    pub last: Option<Time>,
-    /// The number that the next fact gets.
-    pub next: i64,
-}
+/// What is over stays in the lists for so many days unless the settings say otherwise.
+pub const KEEP_DAYS: u32 = 400;
 
 /// The database: one connection that writes, some that read.
 #[derive(Debug)]
@@ -86,8 +77,11 @@ pub struct Store {
     writer: SqlitePool,
     readers: SqlitePool,
     place: Place,
-    /// The number of the last fact when it was opened.
+    /// The number of the last step when it was opened.
     last: i64,
+    /// Names this opening of the database: what others wrote since is noticed.
+    run: String,
+    keep: Span,
     lock: Arc<Lock>,
 }
 
@@ -109,6 +103,7 @@ impl Store {
             .journal_mode(SqliteJournalMode::Wal)
             .synchronous(SqliteSynchronous::Full)
             .busy_timeout(BUSY)
+            .pragma("journal_size_limit", LOG_BYTES)
             .foreign_keys(true);
         let writer = SqlitePoolOptions::new()
             .max_connections(1)
@@ -117,13 +112,16 @@ impl Store {
             .connect_with(options.clone())
             .await
             .map_err(open)?;
-        let (last, known) = (last_fact(&writer).await?, known.map_or(0, |r| r.last));
+        refuse_earlier(&writer, path).await?;
+        let (last, known) = (last_step(&writer).await?, known.map_or(0, |r| r.last));
         if last < known {
             writer.close().await;
             return Err(StoreError::Lost { path: path.into(), found: last, known });
         }
         migrator().run(&writer).await.map_err(|why| StoreError::Migrate { path: path.into(), why })?;
         check_seal(&writer, path, map).await?;
+        let run = lock.run().to_string();
+        sqlx::query(TAKE).bind(&run).execute(&writer).await?;
         // One of them is always open: with its last connection SQLite would remove the write-ahead log.
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
@@ -136,7 +134,7 @@ impl Store {
             .map_err(open)?;
         let place = Place::of(path).map_err(|why| StoreError::Lock { path: path.into(), why })?;
         lock.note(last);
-        Ok(Store { writer, readers, place, last, lock: lock.clone() })
+        Ok(Store { writer, readers, place, last, run, keep: days(KEEP_DAYS), lock: lock.clone() })
     }
 
     /// Whether the files that it writes to are still the database. What is appended is acknowledged only then.
@@ -155,53 +153,19 @@ impl Store {
         self.lock.sync()
     }
 
-    /// A name for all that is written between opening and closing.
-    pub fn run(&self) -> Uuid {
-        self.lock.run()
-    }
-
     /// The file.
     pub fn path(&self) -> &Path {
         self.lock.path()
     }
 
-    /// Everything that happened.
-    ///
-    /// # Errors
-    /// Where the database does not answer, or a fact cannot be read.
-    pub async fn load(&self) -> Result<Loaded, StoreError> {
-        let mut out = Loaded { next: 1, ..Loaded::default() };
-        for row in sqlx::query(FACTS).fetch_all(&self.readers).await? {
-            let seq: i64 = row.try_get(0)?;
-            let text: &str = row.try_get(3)?;
-            let fact =
-                record::decode(row.try_get(2)?, text).map_err(|why| StoreError::Record { seq, why })?;
-            out.facts.push(fact);
-            out.last = Some(Time(row.try_get(1)?)).max(out.last);
-            out.next = seq + 1;
-        }
-        Ok(out)
+    /// The same, but what is over stays in the lists for so many days.
+    pub fn keep_days(self, keep: u32) -> Store {
+        Store { keep: days(keep), ..self }
     }
 
-    /// Writes facts and what they mean for the lists, all or none. `next` is the number of the first
-    /// one: where the journal has them already, since an earlier try succeeded unnoticed, nothing is written.
-    ///
-    /// # Errors Where the database does not take them. Then nothing was written, and it may be tried again
-    /// with the same facts unless [`StoreError::is_fatal`].
-    pub async fn append(&self, next: i64, entries: &[Entry]) -> Result<(), StoreError> {
-        self.place.check()?;
-        let mut connection = self.writer.acquire().await?;
-        let result = write(&mut connection, next, entries).await;
-        if let Err(e) = &result {
-            // On a full disk SQLite has rolled back by itself; then this says so, which is as good.
-            let _ = sqlx::query(ROLLBACK).execute(&mut *connection).await;
-            if !e.leaves_connection_sound() {
-                let _ = connection.close().await;
-            }
-        }
-        result?;
-        self.lock.note(next - 1 + entries.len() as i64);
-        self.place.check()
+    /// Names this opening of the database; each step says by which run it was written.
+    pub fn run(&self) -> &str {
+        &self.run
     }
 
     /// Lets the file grow to so many pages of 4 KiB and no further: beyond, it behaves like a full disk.
@@ -222,47 +186,36 @@ impl Store {
     }
 }
 
-/// Writes facts in one transaction. Its statements are sent as they are: sqlx counts transactions by itself,
-/// and loses count where SQLite rolls one back on its own, as on a full disk.
-async fn write(connection: &mut SqliteConnection, next: i64, entries: &[Entry]) -> Result<(), StoreError> {
-    sqlx::query(BEGIN).execute(&mut *connection).await?;
-    let last: i64 = sqlx::query_scalar(LAST).fetch_one(&mut *connection).await?;
-    if last != next - 1 && last != next - 1 + entries.len() as i64 {
-        return Err(StoreError::OutOfStep { expected: next - 1, found: last });
-    }
-    let missing = if last == next - 1 { entries } else { &[] };
-    for (seq, entry) in (next..).zip(missing) {
-        sqlx::query(APPEND)
-            .bind(seq)
-            .bind(entry.at.0)
-            .bind(record::VERSION)
-            .bind(record::encode(&entry.fact))
-            .execute(&mut *connection)
-            .await?;
-        jobs::project(&mut *connection, &entry.fact).await?;
-        people::project(&mut *connection, seq, &entry.fact).await?;
-    }
-    sqlx::query(COMMIT).execute(&mut *connection).await?;
-    Ok(())
+fn days(n: u32) -> Span {
+    Span::from_secs(24 * 3600) * i64::from(n)
 }
 
-/// The number of the last fact; 0 in a database that has no tables yet.
-async fn last_fact(pool: &SqlitePool) -> Result<i64, StoreError> {
+/// Refuses a database from before the first release: its journal may end inside a step.
+async fn refuse_earlier(writer: &SqlitePool, path: &Path) -> Result<(), StoreError> {
+    let tables: i64 = sqlx::query_scalar(EARLIER).fetch_one(writer).await?;
+    let rows: i64 = if tables == 0 { 0 } else { sqlx::query_scalar(EARLIER_ROWS).fetch_one(writer).await? };
+    if rows == 0 { Ok(()) } else { Err(StoreError::Earlier(path.into())) }
+}
+
+/// The number of the last step; 0 in a database that has no tables yet.
+async fn last_step(pool: &SqlitePool) -> Result<i64, StoreError> {
     let tables: i64 = sqlx::query_scalar(JOURNALS).fetch_one(pool).await?;
     if tables == 0 {
         return Ok(0);
     }
-    Ok(sqlx::query_scalar(LAST).fetch_one(pool).await?)
+    Ok(sqlx::query_scalar(steps::LAST).fetch_one(pool).await?)
 }
 
 fn migrator() -> Migrator {
     let first = include_str!("../../migrations/sqlite/0001_journal.sql").into_sql_str();
     let second = include_str!("../../migrations/sqlite/0002_people.sql").into_sql_str();
     let third = include_str!("../../migrations/sqlite/0003_history.sql").into_sql_str();
+    let fourth = include_str!("../../migrations/sqlite/0004_steps.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
         Migration::new(3, "history".into(), MigrationType::Simple, third, false),
+        Migration::new(4, "steps".into(), MigrationType::Simple, fourth, false),
     ])
 }
 

@@ -38,7 +38,7 @@ pub struct AssignmentQuery {
 /// An encounter as the database has it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EncounterRow {
-    /// The number of its fact in the journal.
+    /// Its number, in the order of recording.
     pub seq: i64,
     /// What happened.
     pub encounter: Encounter,
@@ -65,9 +65,9 @@ const ASSIGN: &str = "INSERT INTO assignments \
     (id, worker, place, stay, what, key, state, created, updated) \
     VALUES ($1, $2, $3, $4, $5, $6, 'waiting', $7, $7)";
 const ADVANCE: &str = "UPDATE assignments SET state = $2, updated = $3 WHERE id = $1";
-const MEET: &str = "INSERT INTO encounters (seq, worker, robot, began, ended, x, y, radius, closest, \
+const MEET: &str = "INSERT INTO encounters (worker, robot, began, ended, x, y, radius, closest, \
     robot_speed, worker_speed, reaction, delay) \
-    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)";
+    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)";
 const ASSIGNMENT: &str = "SELECT id, worker, place, stay, what, key, state, created, updated \
     FROM assignments WHERE id = $1";
 const ASSIGNMENTS: &str = "SELECT id, worker, place, stay, what, key, state, created, updated \
@@ -118,8 +118,8 @@ impl Store {
     }
 }
 
-/// Writes what a fact, the one with this number, means for the lists.
-pub(super) async fn project(db: &mut SqliteConnection, seq: i64, fact: &Fact) -> Result<(), sqlx::Error> {
+/// Writes what a fact means for the lists.
+pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<(), sqlx::Error> {
     let query = match fact {
         Fact::Assigned { assignment, worker, request, at } => sqlx::query(ASSIGN)
             .bind(assignment.0.cast_signed())
@@ -133,7 +133,6 @@ pub(super) async fn project(db: &mut SqliteConnection, seq: i64, fact: &Fact) ->
             sqlx::query(ADVANCE).bind(assignment.0.cast_signed()).bind(state.word()).bind(at.0)
         }
         Fact::Encountered(e) => sqlx::query(MEET)
-            .bind(seq)
             .bind(e.worker.0)
             .bind(e.robot.0)
             .bind(e.began.0)

@@ -2,10 +2,10 @@
 //!
 //! Main types: the records named by `record`. Refuses: to stand alone; versions are `record`'s business.
 
-use crate::fleet::{AssignmentRequest, AssignmentState, Encounter, Reaction};
+use crate::fleet::{AssignmentRequest, AssignmentState, Closure, Encounter, Reaction};
 use crate::geometry::Spot;
 use crate::id::{NodeId, RobotId, WorkerId};
-use crate::time::{Span, Time};
+use crate::time::{Span, Time, Window};
 use serde::{Deserialize, Serialize};
 
 #[derive(Serialize, Deserialize)]
@@ -24,6 +24,17 @@ pub(super) enum AssignmentStateRecord {
     Working,
     Done,
     Cancelled,
+}
+
+/// Where, when and why robots keep out; corners in millimetres.
+#[derive(Serialize, Deserialize)]
+pub(super) struct ClosureRecord {
+    pub outline: Vec<(i64, i64)>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub nodes: Vec<u32>,
+    pub from: i64,
+    pub until: i64,
+    pub reason: String,
 }
 
 /// Lengths in millimetres, speeds in millimetres per second.
@@ -62,6 +73,29 @@ impl From<&AssignmentRequest> for AssignmentRecord {
 impl From<AssignmentRecord> for AssignmentRequest {
     fn from(r: AssignmentRecord) -> AssignmentRequest {
         AssignmentRequest { place: NodeId(r.place), stay: Span(r.stay), what: r.what, key: r.key }
+    }
+}
+
+impl From<&Closure> for ClosureRecord {
+    fn from(area: &Closure) -> ClosureRecord {
+        ClosureRecord {
+            outline: area.outline.iter().map(|p| (p.x_mm, p.y_mm)).collect(),
+            nodes: area.nodes.iter().map(|n| n.0).collect(),
+            from: area.window.start().0,
+            until: area.window.end().0,
+            reason: area.reason.clone(),
+        }
+    }
+}
+
+impl From<ClosureRecord> for Closure {
+    fn from(r: ClosureRecord) -> Closure {
+        Closure {
+            outline: r.outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect(),
+            nodes: r.nodes.into_iter().map(NodeId).collect(),
+            window: Window::new(Time(r.from), Time(r.until)),
+            reason: r.reason,
+        }
     }
 }
 

@@ -1,62 +1,66 @@
 //! Facts as they are written down: the versioned wire form of the journal.
 //!
 //! Main types: `Record` with [`VERSION`]; [`encode`] and [`decode`]. Field names are short and never reused
-//! with another meaning: a journal outlives the program that wrote it. Visits are arrays, since they are most
-//! of the bytes. Refuses: to guess what a newer version means.
+//! with another meaning: a journal outlives the program that wrote it. Refuses: to guess what a newer version means.
 
-use super::act_record::ActRecord;
-use super::people_record::{AssignmentRecord, AssignmentStateRecord, EncounterRecord, ReactionRecord};
-use crate::fleet::{Booking, Closure, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, Stop, Task};
-use crate::geometry::Spot;
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
-use crate::time::{Span, Time, Window};
-use crate::timeline::Visit;
+use super::people_record::{
+    AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, ReactionRecord,
+};
+use super::route_record::{BookingRecord, KeptRecord, MovedRecord};
+use crate::fleet::{Booking, Fact, JobFailure, JobKind, JobRequest, JobState, Kept, Moved, Purpose, Task};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 
-/// The version that this program writes. It reads all versions up to it.
+/// The version that this program writes. It reads this one and all later ones up to its own.
 ///
 /// It goes up when a record of an earlier version would be read with another meaning, or when a program that is out
-/// there would misread a new one. Kinds of facts and optional fields were added since the first record was written
-/// (people, encounters, `nodes` of a closure), and it stays 1: journals without them read as before, and no program
-/// that does not know them was ever released. From the first release on, each such addition makes a new version.
-pub const VERSION: i64 = 1;
+/// there would misread a new one: from the first release on, each kind of fact and each field that is added makes a new
+/// version. 1 was the form of databases with a row for each fact, which are refused.
+pub const VERSION: i64 = 2;
+
+/// The oldest version that this program reads.
+const OLDEST: i64 = 2;
 
 /// Why a record cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     /// It was written by a newer program.
     #[error(
-        "fact is in wire version {0}, this Giveway reads up to {VERSION}: use the newer Giveway that wrote it"
+        "it is in wire version {0}, this Giveway reads up to {VERSION}: use the newer Giveway that wrote it"
     )]
     Newer(i64),
+    /// It was written by a program from before the first release.
+    #[error("it is in wire version {0}, this Giveway reads from {OLDEST} on: take another --database")]
+    Older(i64),
     /// It is damaged.
-    #[error("fact is damaged ({0}): restore the database from a backup")]
+    #[error("it is damaged ({0}): restore the database from a backup")]
     Damaged(#[from] serde_json::Error),
 }
 
-/// A fact as text.
-pub fn encode(fact: &Fact) -> String {
-    serde_json::to_string(&Record::from(fact)).expect("records have no maps with keys that are not text")
+/// The facts of one step as text: an array, so that a step is there whole or not at all.
+pub fn encode(facts: &[Fact]) -> String {
+    let records: Vec<Record> = facts.iter().map(Record::from).collect();
+    serde_json::to_string(&records).expect("records have no maps with keys that are not text")
 }
 
-/// A fact from text.
+/// The facts of one step from text.
 ///
 /// # Errors
 /// Where it was written by a newer program, or is damaged.
-pub fn decode(version: i64, text: &str) -> Result<Fact, RecordError> {
+pub fn decode(version: i64, text: &str) -> Result<Vec<Fact>, RecordError> {
+    check_version(version)?;
+    Ok(serde_json::from_str::<Vec<Record>>(text)?.into_iter().map(Fact::from).collect())
+}
+
+/// Whether this program reads this version.
+pub(super) fn check_version(version: i64) -> Result<(), RecordError> {
     match version {
-        VERSION => Ok(serde_json::from_str::<Record>(text)?.into()),
+        OLDEST..=VERSION => Ok(()),
+        older if older < OLDEST => Err(RecordError::Older(older)),
         newer => Err(RecordError::Newer(newer)),
     }
 }
-
-/// A visit: node, lane, enter, arrive, depart, leave, stay.
-#[derive(Serialize, Deserialize)]
-struct VisitRecord(u32, Option<u32>, i64, i64, i64, i64, i64);
-
-/// Robot, kept serial, kept visit, visits after it, stops by serial.
-#[derive(Serialize, Deserialize)]
-struct BookingRecord(u32, u64, VisitRecord, Vec<VisitRecord>, Vec<(u64, ActRecord)>);
 
 /// A fact.
 #[derive(Serialize, Deserialize)]
@@ -101,9 +105,7 @@ enum Record {
         serial: u64,
     },
     Delayed {
-        robot: u32,
-        serial: u64,
-        depart: i64,
+        moved: Vec<MovedRecord>,
     },
     Recalled {
         robot: u32,
@@ -112,7 +114,7 @@ enum Record {
         at: i64,
     },
     Cut {
-        robots: Vec<u32>,
+        robots: Vec<KeptRecord>,
     },
     Failed {
         robot: u32,
@@ -144,12 +146,8 @@ enum Record {
     },
     Closed {
         closure: u64,
-        outline: Vec<(i64, i64)>,
-        #[serde(default, skip_serializing_if = "Vec::is_empty")]
-        nodes: Vec<u32>,
-        from: i64,
-        until: i64,
-        reason: String,
+        #[serde(flatten)]
+        area: ClosureRecord,
     },
     Reopened {
         closure: u64,
@@ -187,11 +185,17 @@ enum Record {
         reaction: ReactionRecord,
         at: i64,
     },
+    KeysExpired {
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        jobs: Vec<u64>,
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        assignments: Vec<u64>,
+    },
 }
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum KindRecord {
+pub(super) enum KindRecord {
     Deliver { rack: u32, station: u32, pick: Option<i64> },
     Return { rack: u32 },
     Relocate { rack: u32, node: u32 },
@@ -201,7 +205,7 @@ enum KindRecord {
 }
 
 #[derive(Serialize, Deserialize)]
-struct RequestRecord {
+pub(super) struct RequestRecord {
     kind: KindRecord,
     priority: u8,
     deadline: Option<i64>,
@@ -211,7 +215,7 @@ struct RequestRecord {
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum StateRecord {
+pub(super) enum StateRecord {
     Waiting,
     Assigned(u32),
     Carrying(u32),
@@ -224,7 +228,7 @@ enum StateRecord {
 /// Why a job failed; also a column of the `jobs` table.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum FailureRecord {
+pub(super) enum FailureRecord {
     Predecessor(u64),
     Unreachable,
     StorageTaken(u32),
@@ -233,7 +237,7 @@ enum FailureRecord {
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum TaskRecord {
+pub(super) enum TaskRecord {
     Idle,
     Fetch { job: Option<u64>, rack: u32, node: u32 },
     Deliver { job: u64, rack: u32, station: u32, store: u32 },
@@ -243,7 +247,7 @@ enum TaskRecord {
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum PurposeRecord {
+pub(super) enum PurposeRecord {
     Charge,
     Park,
     Go,
@@ -273,13 +277,13 @@ impl From<&Fact> for Record {
             }
             Fact::Passed { robot, serial } => Record::Passed { robot: robot.0, serial: *serial },
             Fact::Acted { robot, serial } => Record::Acted { robot: robot.0, serial: *serial },
-            Fact::Delayed { robot, serial, depart } => {
-                Record::Delayed { robot: robot.0, serial: *serial, depart: depart.0 }
+            Fact::Delayed { moved } => {
+                Record::Delayed { moved: moved.iter().map(MovedRecord::from).collect() }
             }
             Fact::Recalled { robot, serial, recalls, at } => {
                 Record::Recalled { robot: robot.0, serial: *serial, recalls: *recalls, at: at.0 }
             }
-            Fact::Cut { robots } => Record::Cut { robots: robots.iter().map(|r| r.0).collect() },
+            Fact::Cut { robots } => Record::Cut { robots: robots.iter().map(KeptRecord::from).collect() },
             Fact::Failed { robot, at } => Record::Failed { robot: robot.0, at: at.0 },
             Fact::Repaired { robot, at } => Record::Repaired { robot: robot.0, at: at.0 },
             Fact::Fenced { robot, at } => Record::Fenced { robot: robot.0, at: at.0 },
@@ -295,7 +299,7 @@ impl From<&Fact> for Record {
             Fact::Advanced { assignment, state, at } => {
                 Record::Advanced { assignment: assignment.0, state: (*state).into(), at: at.0 }
             }
-            Fact::Closed { closure, area } => closed(*closure, area),
+            Fact::Closed { closure, area } => Record::Closed { closure: closure.0, area: area.into() },
             Fact::Reopened { closure, at } => Record::Reopened { closure: closure.0, at: at.0 },
             Fact::Halted { robot, at } => Record::Halted { robot: robot.map(|r| r.0), at: at.0 },
             Fact::Released { robot, at } => Record::Released { robot: robot.map(|r| r.0), at: at.0 },
@@ -311,6 +315,10 @@ impl From<&Fact> for Record {
                 worker: worker.0,
                 reaction: (*reaction).into(),
                 at: at.0,
+            },
+            Fact::KeysExpired { jobs, assignments } => Record::KeysExpired {
+                jobs: jobs.iter().map(|j| j.0).collect(),
+                assignments: assignments.iter().map(|a| a.0).collect(),
             },
         }
     }
@@ -340,13 +348,13 @@ impl From<Record> for Fact {
             }
             Record::Passed { robot, serial } => Fact::Passed { robot: RobotId(robot), serial },
             Record::Acted { robot, serial } => Fact::Acted { robot: RobotId(robot), serial },
-            Record::Delayed { robot, serial, depart } => {
-                Fact::Delayed { robot: RobotId(robot), serial, depart: Time(depart) }
+            Record::Delayed { moved } => {
+                Fact::Delayed { moved: moved.into_iter().map(Moved::from).collect() }
             }
             Record::Recalled { robot, serial, recalls, at } => {
                 Fact::Recalled { robot: RobotId(robot), serial, recalls, at: Time(at) }
             }
-            Record::Cut { robots } => Fact::Cut { robots: robots.into_iter().map(RobotId).collect() },
+            Record::Cut { robots } => Fact::Cut { robots: robots.into_iter().map(Kept::from).collect() },
             Record::Failed { robot, at } => Fact::Failed { robot: RobotId(robot), at: Time(at) },
             Record::Repaired { robot, at } => Fact::Repaired { robot: RobotId(robot), at: Time(at) },
             Record::Fenced { robot, at } => Fact::Fenced { robot: RobotId(robot), at: Time(at) },
@@ -362,11 +370,8 @@ impl From<Record> for Fact {
             Record::Advanced { assignment, state, at } => {
                 Fact::Advanced { assignment: AssignmentId(assignment), state: state.into(), at: Time(at) }
             }
-            Record::Closed { closure, outline, nodes, from, until, reason } => {
-                let nodes = nodes.into_iter().map(NodeId).collect();
-                let outline = outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect();
-                let window = Window::new(Time(from), Time(until));
-                Fact::Closed { closure: ClosureId(closure), area: Closure { outline, nodes, window, reason } }
+            Record::Closed { closure, area } => {
+                Fact::Closed { closure: ClosureId(closure), area: area.into() }
             }
             Record::Reopened { closure, at } => Fact::Reopened { closure: ClosureId(closure), at: Time(at) },
             Record::Halted { robot, at } => Fact::Halted { robot: robot.map(RobotId), at: Time(at) },
@@ -388,57 +393,10 @@ impl From<Record> for Fact {
                 reaction: reaction.into(),
                 at: Time(at),
             },
-        }
-    }
-}
-
-fn closed(closure: ClosureId, area: &Closure) -> Record {
-    Record::Closed {
-        closure: closure.0,
-        outline: area.outline.iter().map(|p| (p.x_mm, p.y_mm)).collect(),
-        nodes: area.nodes.iter().map(|n| n.0).collect(),
-        from: area.window.start().0,
-        until: area.window.end().0,
-        reason: area.reason.clone(),
-    }
-}
-
-impl From<&Booking> for BookingRecord {
-    fn from(b: &Booking) -> BookingRecord {
-        let visits = b.visits.iter().map(VisitRecord::from).collect();
-        let stops = b.stops.iter().map(|s| (s.serial, s.act.into())).collect();
-        BookingRecord(b.robot.0, b.keep, (&b.kept).into(), visits, stops)
-    }
-}
-
-impl From<BookingRecord> for Booking {
-    fn from(BookingRecord(robot, keep, kept, visits, stops): BookingRecord) -> Booking {
-        Booking {
-            robot: RobotId(robot),
-            keep,
-            kept: kept.into(),
-            visits: visits.into_iter().map(Visit::from).collect(),
-            stops: stops.into_iter().map(|(serial, act)| Stop { serial, act: act.into() }).collect(),
-        }
-    }
-}
-
-impl From<&Visit> for VisitRecord {
-    fn from(v: &Visit) -> VisitRecord {
-        VisitRecord(v.node.0, v.lane.map(|l| l.0), v.enter.0, v.arrive.0, v.depart.0, v.leave.0, v.stay.0)
-    }
-}
-
-impl From<VisitRecord> for Visit {
-    fn from(VisitRecord(node, lane, enter, arrive, depart, leave, stay): VisitRecord) -> Visit {
-        Visit {
-            node: NodeId(node),
-            lane: lane.map(ResourceId),
-            enter: Time(enter),
-            arrive: Time(arrive),
-            depart: Time(depart),
-            leave: Time(leave),
-            stay: Span(stay),
+            Record::KeysExpired { jobs, assignments } => Fact::KeysExpired {
+                jobs: jobs.into_iter().map(JobId).collect(),
+                assignments: assignments.into_iter().map(AssignmentId).collect(),
+            },
         }
     }
 }

@@ -1,51 +1,142 @@
 //! Delays: a late departure moves what follows, for the late holder and for all who come after it.
 //!
-//! Main function: [`Timeline::postpone`]. The order of holders on every resource stays as it was promised; only
-//! the windows slide (carp.md, "Delays"; ter Mors; Maza and Castagna). Refuses: to change any order.
+//! Main functions: [`Timeline::delay`] works out what moves, [`Timeline::slide`] moves it. The order of holders on
+//! every resource stays as it was promised; only the windows slide (carp.md, "Delays"; ter Mors; Maza and
+//! Castagna). Refuses: to change any order.
 
-use super::{Holder, Layer, Timeline};
+use super::{Holder, Layer, Timeline, Visit};
 use crate::id::ResourceId;
 use crate::time::{Span, Time};
 use std::cmp::Reverse;
-use std::collections::{BTreeSet, BinaryHeap};
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use std::ops::Range;
 
-/// What a postponement touched.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Slip {
-    /// Holders whose windows moved, without the late one.
-    pub others: BTreeSet<Holder>,
-    /// How many visits moved.
-    pub visits: usize,
+/// A visit that has other times now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Shift {
+    /// Serial number of the visit.
+    pub serial: u64,
+    /// The hold on node and lane begins.
+    pub enter: Time,
+    /// The centre of the node is reached.
+    pub arrive: Time,
+    /// The holder starts to leave.
+    pub depart: Time,
+    /// The hold on the node ends.
+    pub leave: Time,
 }
 
+impl Shift {
+    /// The times of a visit.
+    pub fn of(serial: u64, v: &Visit) -> Shift {
+        Shift { serial, enter: v.enter, arrive: v.arrive, depart: v.depart, leave: v.leave }
+    }
+
+    /// Gives a visit these times.
+    pub(super) fn apply(&self, v: &mut Visit) {
+        (v.enter, v.arrive, v.depart, v.leave) = (self.enter, self.arrive, self.depart, self.leave);
+    }
+}
+
+/// Holders with those of their visits that move.
+pub type Slip = Vec<(Holder, Vec<Shift>)>;
+
+/// Later departures that are still to be looked at, the earliest first.
+type Due = BinaryHeap<Reverse<(Time, Holder, u64)>>;
+
 impl Timeline {
-    /// The holder cannot leave the visit `serial` before `depart`. Moves that departure, whatever the slack of
-    /// later visits does not absorb, and the windows of all who follow on the resources concerned.
+    /// What moves if the holder cannot leave the visit `serial` before `depart`: that departure, whatever the slack of
+    /// later visits does not absorb, and the windows of all who follow on the resources concerned. Nothing is changed.
     ///
     /// Time: each moved visit once or a few times, in order of its new departure, and for each of them the
     /// entries behind it on its resources.
-    pub fn postpone(&mut self, holder: Holder, serial: u64, depart: Time) -> Slip {
-        let mut slip = Slip::default();
-        let mut touched: BTreeSet<ResourceId> = BTreeSet::new();
+    pub fn delay(&self, holder: Holder, serial: u64, depart: Time) -> Slip {
+        let mut draft = Draft { timeline: self, moved: BTreeMap::new() };
         let mut due = BinaryHeap::from([Reverse((depart, holder, serial))]);
         while let Some(Reverse((depart, h, s))) = due.pop() {
-            let moved = self.slide_chain(h, s, depart);
-            slip.visits += moved.clone().count();
-            if h != holder && !moved.is_empty() {
-                slip.others.insert(h);
+            for moved in draft.slide_chain(h, s, depart) {
+                draft.push_followers(h, moved, &mut due);
             }
-            for m in moved.clone() {
-                self.rewrite(h, m, &mut touched);
-            }
-            for m in moved {
-                self.push_followers(h, m, &mut due);
+        }
+        draft.slip()
+    }
+
+    /// Moves visits, exactly as told.
+    ///
+    /// # Panics
+    /// If the order of holders on a resource would change, two holders would overlap, or a holder would leave a place
+    /// before it is elsewhere: whoever worked this out, or wrote it down, is broken.
+    pub fn slide(&mut self, slip: &[(Holder, &[Shift])]) {
+        let mut touched: BTreeSet<ResourceId> = BTreeSet::new();
+        for (holder, shifts) in slip {
+            for shift in *shifts {
+                let chain = self.chains.get_mut(holder).expect("only holders are late");
+                let index = shift.serial.checked_sub(chain.first).and_then(|i| usize::try_from(i).ok());
+                let visit = index.and_then(|i| chain.visits.get_mut(i));
+                shift.apply(visit.unwrap_or_else(|| panic!("{holder:?} has no visit {}", shift.serial)));
+                self.rewrite(*holder, shift.serial, &mut touched);
             }
         }
         for r in touched {
+            let swapped = self.lines[r].swapped();
+            assert_eq!(swapped, None, "a delay changes an order on {}", self.warehouse.resource_name(r));
             self.lines[r].sort();
         }
+        for (holder, shifts) in slip {
+            shifts.iter().for_each(|shift| self.assert_fits(*holder, shift.serial));
+        }
+    }
+
+    /// Asserts that a visit is in order with its neighbours in the chain and overlaps with no other holder.
+    fn assert_fits(&self, holder: Holder, serial: u64) {
+        let chain = &self.chains[&holder];
+        let visit = chain.get(serial).expect("it moved, so it is there");
+        let before = serial.checked_sub(1).and_then(|s| chain.get(s)).map(|b| (b, visit));
+        let after = chain.get(serial + 1).map(|a| (visit, a));
+        for (a, b) in before.into_iter().chain(after) {
+            assert!(super::in_order(a, b), "{holder:?} has visits out of order: {a:?} then {b:?}");
+        }
+        let clash = self.check(holder, std::slice::from_ref(visit));
+        assert_eq!(clash, Ok(()), "{holder:?} cannot be late where another is");
+    }
+
+    /// Brings the entries of a visit up to date without changing their place in any order.
+    fn rewrite(&mut self, h: Holder, s: u64, touched: &mut BTreeSet<ResourceId>) {
+        let warehouse = self.warehouse.clone();
+        let visit = self.chains[&h].get(s).expect("it moved, so it is there");
+        let mut first: &[ResourceId] = &[];
+        for (resource, window) in super::claims(&warehouse, self.clearance, visit) {
+            self.lines[resource].slide(h, s, (Layer::Physical, 0), window);
+            touched.insert(resource);
+            for &c in warehouse.conflicts(resource) {
+                let nth = usize::from(first.contains(&c));
+                self.lines[c].slide(h, s, (Layer::Conflict, nth), window);
+                touched.insert(c);
+            }
+            first = warehouse.conflicts(resource);
+        }
+    }
+
+    /// [`Timeline::delay`] and [`Timeline::slide`].
+    #[cfg(test)]
+    pub fn postpone(&mut self, holder: Holder, serial: u64, depart: Time) -> Slip {
+        let slip = self.delay(holder, serial, depart);
+        let told: Vec<(Holder, &[Shift])> = slip.iter().map(|(h, shifts)| (*h, shifts.as_slice())).collect();
+        self.slide(&told);
         slip
+    }
+}
+
+/// A timeline with visits that are to move.
+struct Draft<'a> {
+    timeline: &'a Timeline,
+    moved: BTreeMap<(Holder, u64), Visit>,
+}
+
+impl Draft<'_> {
+    /// A visit as it will be.
+    fn visit(&self, h: Holder, s: u64) -> Option<&Visit> {
+        self.moved.get(&(h, s)).or_else(|| self.timeline.chains.get(&h)?.get(s))
     }
 
     /// Moves one departure and, along the holder's own chain, whatever waiting does not absorb. Gives the serial
@@ -54,11 +145,10 @@ impl Timeline {
     /// Each visit begins no earlier than the one before. As planned they do when both slide; but granting lets several
     /// begin at one moment, and those that were called back then slide by what each has to give.
     fn slide_chain(&mut self, h: Holder, s: u64, mut depart: Time) -> Range<u64> {
-        let chain = self.chains.get_mut(&h).expect("only holders are late");
+        let chain = self.timeline.chains.get(&h).expect("only holders are late");
         let mut end = s;
         for serial in s.max(chain.first)..chain.end() {
-            let i = (serial - chain.first) as usize;
-            let visit = &mut chain.visits[i];
+            let mut visit = self.visit(h, serial).expect("it is in the chain").clone();
             if visit.depart.is_forever() || visit.depart >= depart {
                 break;
             }
@@ -66,69 +156,73 @@ impl Timeline {
             visit.depart = depart;
             visit.leave += by;
             let granted = serial + 1 < chain.granted;
-            let next = chain.visits.get_mut(i + 1).expect("only the last visit is for ever");
+            let mut next = self.visit(h, serial + 1).expect("only the last visit is for ever").clone();
             if !granted {
                 next.enter += by;
             }
             next.arrive += by;
             depart = next.arrive + next.stay;
             end = serial + 2;
+            self.moved.insert((h, serial), visit);
+            self.moved.insert((h, serial + 1), next);
         }
         let mut begins = Time(i64::MIN);
         for serial in s.max(chain.first)..chain.end() {
-            let visit = &mut chain.visits[(serial - chain.first) as usize];
+            let visit = self.visit(h, serial).expect("it is in the chain");
             if visit.enter >= begins && serial >= end {
                 break;
             }
-            if serial >= chain.granted {
-                visit.enter = visit.enter.max(begins);
+            let enter = if serial >= chain.granted { visit.enter.max(begins) } else { visit.enter };
+            if enter != visit.enter {
+                let later = Visit { enter, ..visit.clone() };
+                self.moved.insert((h, serial), later);
             }
-            begins = visit.enter;
+            begins = enter;
             end = end.max(serial + 1);
         }
         s..end
     }
 
-    /// Brings the entries of a visit up to date without changing their place in any order.
-    fn rewrite(&mut self, h: Holder, s: u64, touched: &mut BTreeSet<ResourceId>) {
-        let warehouse = self.warehouse.clone();
-        let visit = self.chains[&h].get(s).expect("it moved, so it is there");
-        for (resource, window) in super::claims(&warehouse, self.clearance, visit) {
-            self.lines[resource].slide(h, s, Layer::Physical, window);
-            touched.insert(resource);
-            for &c in warehouse.conflicts(resource) {
-                self.lines[c].slide(h, s, Layer::Conflict, window);
-                touched.insert(c);
-            }
-        }
-    }
-
     /// Demands later departures of all who come after this visit but would come too early now.
-    fn push_followers(&self, h: Holder, s: u64, due: &mut BinaryHeap<Reverse<(Time, Holder, u64)>>) {
-        let Some(visit) = self.chains[&h].get(s) else { return };
-        for (resource, window) in super::claims(&self.warehouse, self.clearance, visit) {
-            let conflicts = self.warehouse.conflicts(resource).iter();
+    fn push_followers(&self, h: Holder, s: u64, due: &mut Due) {
+        let Some(visit) = self.visit(h, s) else { return };
+        let warehouse = &self.timeline.warehouse;
+        for (resource, window) in super::claims(warehouse, self.timeline.clearance, visit) {
+            let conflicts = warehouse.conflicts(resource).iter();
             for r in std::iter::once(&resource).chain(conflicts) {
-                for f in self.lines[*r].followers(h, s, window.end()) {
-                    self.demand(f.holder, f.serial, window.end(), due);
+                for f in self.timeline.lines[*r].followers(h, s) {
+                    let start = self.moved.get(&(f.holder, f.serial)).map_or(f.start, |v| v.enter);
+                    if start < window.end() {
+                        self.demand(f.holder, f.serial, window.end(), due);
+                    }
                 }
             }
         }
     }
 
     /// `other` may enter its visit `serial` no earlier than `at`, so it must leave the one before later.
-    fn demand(
-        &self,
-        other: Holder,
-        serial: u64,
-        at: Time,
-        due: &mut BinaryHeap<Reverse<(Time, Holder, u64)>>,
-    ) {
-        let chain = &self.chains[&other];
-        let visit = chain.get(serial).expect("every hold belongs to a visit");
+    fn demand(&self, other: Holder, serial: u64, at: Time, due: &mut Due) {
+        let chain = &self.timeline.chains[&other];
+        let visit = self.visit(other, serial).expect("every hold belongs to a visit");
         let late: Span = at - visit.enter;
         assert!(serial >= chain.granted, "{other:?} was granted what others hold before it");
-        let before = chain.get(serial - 1).expect("what is not granted has a visit before it");
+        let before = self.visit(other, serial - 1).expect("what is not granted has a visit before it");
         due.push(Reverse((before.depart + late, other, serial - 1)));
+    }
+
+    /// What differs from the timeline as it is.
+    fn slip(self) -> Slip {
+        let mut slip: Slip = Vec::new();
+        for ((holder, serial), visit) in &self.moved {
+            if self.timeline.chains[holder].get(*serial) == Some(visit) {
+                continue;
+            }
+            let shift = Shift::of(*serial, visit);
+            match slip.last_mut() {
+                Some((last, shifts)) if last == holder => shifts.push(shift),
+                _ => slip.push((*holder, vec![shift])),
+            }
+        }
+        slip
     }
 }

@@ -115,24 +115,38 @@ impl Line {
         self.holds[..own].iter()
     }
 
-    /// Entries of other holders that come after a visit in the order, but start before `end`. Two conflict
-    /// entries do not order one another. The line may be unsorted while windows slide.
-    pub fn followers(&self, holder: Holder, serial: u64, end: Time) -> impl Iterator<Item = &Hold> {
+    /// Entries of other holders that come after a visit in the order. Two conflict entries do not order one another.
+    pub fn followers(&self, holder: Holder, serial: u64) -> impl Iterator<Item = &Hold> {
         let mine = self.holds.iter().position(|h| h.holder == holder && h.serial == serial);
         let (from, layer) = match mine {
             Some(m) => (m + 1, self.holds[m].layer),
             None => (self.holds.len(), Layer::Conflict),
         };
         let ordered = move |h: &&Hold| layer == Layer::Physical || h.layer == Layer::Physical;
-        self.holds[from..].iter().filter(move |h| h.holder != holder && h.start < end).filter(ordered)
+        self.holds[from..].iter().filter(move |h| h.holder != holder).filter(ordered)
     }
 
-    /// Changes the window of an entry in its place in the order.
-    pub fn slide(&mut self, holder: Holder, serial: u64, layer: Layer, w: Window) {
+    /// Changes the window of an entry in its place in the order. A visit has two conflict entries here where both its
+    /// node and its lane are in conflict with this resource; `nth` says which.
+    pub fn slide(&mut self, holder: Holder, serial: u64, (layer, nth): (Layer, usize), w: Window) {
         let mine = |h: &&mut Hold| h.holder == holder && h.serial == serial && h.layer == layer;
-        for h in self.holds.iter_mut().filter(mine) {
+        if let Some(h) = self.holds.iter_mut().filter(mine).nth(nth) {
             (h.start, h.end) = (w.start(), w.end());
         }
+    }
+
+    /// Two holders whose order would change if the entries were sorted by their windows as they are now.
+    pub fn swapped(&self) -> Option<(Holder, Holder)> {
+        if self.holds.is_sorted_by_key(|h| h.start) {
+            return None;
+        }
+        let ordered = |a: &Hold, b: &Hold| {
+            a.holder != b.holder && (a.layer == Layer::Physical || b.layer == Layer::Physical)
+        };
+        let pairs =
+            self.holds.iter().enumerate().flat_map(|(i, a)| self.holds[i + 1..].iter().map(move |b| (a, b)));
+        let mut swapped = pairs.filter(|(a, b)| ordered(a, b) && b.start < a.start);
+        swapped.next().map(|(a, b)| (a.holder, b.holder))
     }
 
     /// Restores the order by start after sliding.

@@ -10,13 +10,17 @@
 //! reads thousands, so writes are widened and reads are not. Lists stay short (tens of holds), so a sorted
 //! vector with binary search beats a tree.
 
+mod cut;
 mod delay;
 mod held;
 mod line;
+mod restore;
 
-pub use delay::Slip;
+pub use cut::Kept;
+pub use delay::{Shift, Slip};
 pub use held::Held;
 pub use line::{Gap, Layer};
+pub use restore::{ChainParts, Flaw};
 
 use crate::id::{IdVec, NodeId, ResourceId, RobotId, WorkerId};
 use crate::time::{Span, Time, Window};
@@ -360,35 +364,12 @@ impl Timeline {
         }
     }
 
-    /// Drops what was not granted to these holders; they keep their last granted visit for ever, and those of which
-    /// `stuck` is true keep every granted visit for ever.
-    ///
-    /// # Panics
-    /// If somebody who is not among them holds any of that later (see [`Timeline::after`]).
-    pub fn cut(&mut self, holders: &[(Holder, bool)]) {
-        for &(holder, _) in holders {
-            let granted = self.chains[&holder].granted;
-            self.take_from(holder, granted);
-        }
-        for &(holder, stuck) in holders {
-            let first = self.chains[&holder].first;
-            let mut visits = self.take_from(holder, first);
-            let last = visits.len() - 1;
-            (visits[last].depart, visits[last].leave) = (Time::MAX, Time::MAX);
-            for visit in visits.iter_mut().filter(|_| stuck) {
-                visit.leave = Time::MAX;
-            }
-            assert_eq!(self.check(holder, &visits), Ok(()), "{holder:?} cannot stay where others want to be");
-            self.put(holder, visits);
-        }
-    }
-
     /// Everyone who comes after a visit in the order of its resources.
     pub fn after(&self, holder: Holder, serial: u64) -> Vec<Holder> {
         let Some(visit) = self.chains.get(&holder).and_then(|c| c.get(serial)) else { return Vec::new() };
         let mut found: Vec<Holder> = (claims(&self.warehouse, self.clearance, visit))
             .flat_map(|(r, _)| std::iter::once(r).chain(self.warehouse.conflicts(r).iter().copied()))
-            .flat_map(|r| self.lines[r].followers(holder, serial, Time::MAX).map(|h| h.holder))
+            .flat_map(|r| self.lines[r].followers(holder, serial).map(|h| h.holder))
             .collect();
         found.sort_unstable();
         found.dedup();
@@ -555,13 +536,17 @@ impl Timeline {
         for (holder, chain) in &self.chains {
             for pair in chain.visits.iter().zip(chain.visits.iter().skip(1)) {
                 let (a, b) = pair;
-                let ordered =
-                    a.enter <= b.enter && a.arrive <= a.depart && b.enter <= b.arrive && a.leave <= b.leave;
-                assert!(ordered, "{holder:?} has visits out of order: {a:?} then {b:?}");
-                assert!(b.arrive <= a.leave, "{holder:?} leaves {:?} before it is elsewhere", a.node);
+                assert!(in_order(a, b), "{holder:?} has visits out of order: {a:?} then {b:?}");
             }
         }
     }
+}
+
+/// Whether two visits of one holder can follow one another: it is at the second before it has left the first. The
+/// first may be held for longer than the second: a repaired robot gives back where it broke down all at once, and a
+/// delay then moves the end of the first by more than that of the second, which waits less.
+fn in_order(a: &Visit, b: &Visit) -> bool {
+    a.enter <= b.enter && a.arrive <= a.depart && b.enter <= b.arrive && b.arrive <= a.leave
 }
 
 fn is_station(warehouse: &Warehouse, visit: &Visit) -> bool {

@@ -1,6 +1,6 @@
 //! A journal that contradicts itself: the robot in question is fenced off, the others go on, the process stays up.
 
-use crate::helper::{Folder, all_jobs, delivery, get, map, post, send, start};
+use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, send, start};
 use giveway::fleet::{Fact, JobState, Task};
 use giveway::id::RobotId;
 use giveway::store::{Entry, Store};
@@ -40,7 +40,8 @@ async fn cut_after_a_lift() -> (Vec<Fact>, RobotId) {
     .await;
     server.stop().await.unwrap();
     let store = Store::open(&folder.database(), &map()).await.unwrap();
-    let mut facts = store.load().await.unwrap().facts;
+    let loaded = store.load(empty_ledger()).await.unwrap();
+    let mut facts: Vec<Fact> = loaded.into_parts().1.collect();
     store.close().await;
     let lifts = |pair: &[Fact]| match pair {
         [Fact::Acted { robot, .. }, Fact::Progressed { state: JobState::Carrying { .. }, .. }] => {
@@ -57,7 +58,7 @@ async fn cut_after_a_lift() -> (Vec<Fact>, RobotId) {
 /// The rack that a robot was sent for last.
 fn rack_of(facts: &[Fact], robot: RobotId) -> String {
     let fetch = |fact: &Fact| match fact {
-        Fact::Tasked { robot: r, task: Task::Fetch { rack, .. } } if *r == robot => Some(*rack),
+        Fact::Progressed { tasked: Some((r, Task::Fetch { rack, .. })), .. } if *r == robot => Some(*rack),
         _ => None,
     };
     map().racks[facts.iter().rev().find_map(fetch).expect("it was sent for a rack")].name.clone()
@@ -67,7 +68,8 @@ fn rack_of(facts: &[Fact], robot: RobotId) -> String {
 async fn database(facts: Vec<Fact>) -> Folder {
     let folder = Folder::new();
     let store = Store::open(&folder.database(), &map()).await.unwrap();
-    let entries: Vec<Entry> = facts.into_iter().map(|fact| Entry { at: Time(1), fact }).collect();
+    let entries: Vec<Entry> =
+        facts.into_iter().map(|fact| Entry { at: Time(1), facts: vec![fact] }).collect();
     store.append(1, &entries).await.unwrap();
     store.close().await;
     folder

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// So many facts, of no consequence.
 fn facts(n: usize) -> Vec<Entry> {
     let fact = Fact::Deviated { worker: WorkerId(0), at: Time(1) };
-    vec![Entry { at: Time(1), fact }; n]
+    vec![Entry { at: Time(1), facts: vec![fact] }; n]
 }
 
 fn beside(path: &Path, suffix: &str) -> PathBuf {
@@ -58,7 +58,7 @@ async fn a_database_is_locked_under_all_its_names() {
     store.append(1, &facts(1)).await.unwrap();
     store.close().await;
     let again = open(&link).await.unwrap();
-    assert_eq!(again.load().await.unwrap().facts.len(), 1);
+    assert_eq!(again.scan().await.unwrap().0, 1);
     assert_ne!(again.run(), store.run(), "each run has a name of its own");
     again.close().await;
 }
@@ -82,7 +82,7 @@ async fn a_crash_at_any_instant_is_no_loss() {
     let folder = Folder::new();
     let path = crashed(&folder).await;
     let store = open(&path).await.unwrap();
-    assert_eq!(store.load().await.unwrap().facts.len(), 3);
+    assert_eq!(store.scan().await.unwrap().0, 3);
     drop(store);
     // A crash before the first record was written, in the middle of it, and while there was nothing but the lock file.
     for text in ["", "{\"run\":\"", "\n\n\n"] {
@@ -113,7 +113,7 @@ async fn a_lost_write_ahead_log_is_refused_in_words_until_a_new_database_is_want
     }
     assert!(open(&path).await.is_err(), "it is refused each time");
     let store = Store::open_as(&path, &map(), &new("2031-01-31")).await.unwrap();
-    assert_eq!(store.load().await.unwrap().facts.len(), 0);
+    assert_eq!(store.scan().await.unwrap().0, 0);
     assert!(beside(&path, ".2031-01-31").exists(), "what was there is kept");
     store.append(1, &facts(1)).await.unwrap();
     store.close().await;
@@ -142,7 +142,7 @@ async fn a_missing_main_file_is_refused_in_words_where_traces_of_it_are_left() {
         assert!(!path.exists(), "nothing was made");
         let opening = Opening { new: Some("x".into()), ..opening };
         let store = Store::open_as(&path, &map(), &opening).await.unwrap();
-        assert_eq!(store.load().await.unwrap().facts.len(), 0);
+        assert_eq!(store.scan().await.unwrap().0, 0);
         store.close().await;
         assert!(!past.exists(), "moved aside");
     }
@@ -175,7 +175,7 @@ async fn a_new_database_never_takes_the_place_of_a_whole_one() {
     let error = Store::open_as(&folder.database(), &map(), &new("y")).await.unwrap_err();
     assert!(matches!(error, StoreError::NotNew { facts: 5, .. }), "{error}");
     let store = open(&folder.database()).await.unwrap();
-    assert_eq!(store.load().await.unwrap().facts.len(), 5);
+    assert_eq!(store.scan().await.unwrap().0, 5);
     store.close().await;
 }
 
@@ -196,6 +196,6 @@ async fn facts_for_a_file_that_was_taken_away_are_refused_and_taken_once_it_is_b
         fs::rename(&away, &file).unwrap();
     }
     store.append(2, &facts(1)).await.unwrap();
-    assert_eq!(store.load().await.unwrap().facts.len(), 2);
+    assert_eq!(store.scan().await.unwrap().0, 2);
     store.close().await;
 }

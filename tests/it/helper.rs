@@ -67,6 +67,12 @@ pub fn map() -> giveway::warehouse::Warehouse {
     giveway::warehouse::formats::json::parse(&text).unwrap()
 }
 
+/// A ledger of that map in which nothing is promised.
+pub fn empty_ledger() -> giveway::fleet::Ledger {
+    let clearance = giveway::route::Kinematics::default().clearance;
+    giveway::fleet::Ledger::new(Arc::new(map()), clearance, false)
+}
+
 /// A job that brings a rack of the map to a station of it.
 pub fn delivery(rack: usize) -> Value {
     let map = map();

@@ -275,8 +275,8 @@ async fn encounters_are_listed_filtered_and_exported() {
         let facts = [worker(0, "anna"), worker(1, "ben")]
             .into_iter()
             .chain((0..5).map(|i| Fact::Encountered(met(i))));
-        let entries: Vec<Entry> = facts.map(|fact| Entry { at: Time(1), fact }).collect();
-        store.append(1, &entries).await.unwrap();
+        let step = Entry { at: Time(1), facts: facts.collect() };
+        store.append(1, &[step]).await.unwrap();
         store.close().await;
     }
     let server = start(&folder).await;

@@ -1,15 +1,15 @@
 //! The store: what goes in comes out, once; and a server whose database is locked or full.
 
-use crate::helper::{Folder, all_jobs, delivery, get, map, post, start};
+use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, start};
 use giveway::fleet::{
     Act, AssignmentRequest, AssignmentState, Booking, Closure, Encounter, Fact, JobFailure, JobKind,
-    JobRequest, JobState, Purpose, Reaction, Stop, Task,
+    JobRequest, JobState, Kept, Moved, Purpose, Reaction, Stop, Task,
 };
 use giveway::geometry::Spot;
 use giveway::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
 use giveway::store::{AssignmentQuery, EncounterQuery, Entry, JobQuery, Store, StoreError, record};
 use giveway::time::{Span, Time, Window};
-use giveway::timeline::Visit;
+use giveway::timeline::{Shift, Visit};
 use sqlx::Connection;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use std::net::SocketAddr;
@@ -83,9 +83,11 @@ fn every_fact() -> Vec<Fact> {
         Fact::Granted { robot, serial: 8, at },
         Fact::Passed { robot, serial: 8 },
         Fact::Acted { robot, serial: 8 },
-        Fact::Delayed { robot, serial: 8, depart: Time::MAX },
+        Fact::Delayed { moved: vec![Moved { robot, shifts: shifts(at) }] },
         Fact::Recalled { robot, serial: 8, recalls: 3, at },
-        Fact::Cut { robots: vec![robot, RobotId(0)] },
+        Fact::Cut { robots: vec![Kept { robot, end: 9, shifts: shifts(at) }] },
+        Fact::KeysExpired { jobs: vec![job], assignments: vec![] },
+        Fact::KeysExpired { jobs: vec![], assignments: vec![AssignmentId(3)] },
         Fact::Failed { robot, at },
         Fact::Repaired { robot, at },
         Fact::Fenced { robot, at },
@@ -109,6 +111,16 @@ fn every_fact() -> Vec<Fact> {
         Fact::Tasked { robot, task }
     }));
     facts
+}
+
+/// A visit that ends, one that is held for ever though its robot leaves, and one that never ends.
+fn shifts(at: Time) -> Vec<Shift> {
+    let shift = |serial, depart, leave| Shift { serial, enter: at, arrive: at + Span(5), depart, leave };
+    vec![
+        shift(7, at + Span(9), at + Span(20)),
+        shift(8, at + Span(9), Time::MAX),
+        shift(9, Time::MAX, Time::MAX),
+    ]
 }
 
 fn facts_about_people(at: Time) -> Vec<Fact> {
@@ -192,47 +204,56 @@ async fn lists_about_people_follow_the_facts() {
     assert_eq!(store.encounters(&before).await.unwrap(), rows[3..]);
 }
 
+/// Steps of three facts each.
 fn entries(facts: Vec<Fact>) -> Vec<Entry> {
-    facts.into_iter().enumerate().map(|(i, fact)| Entry { at: Time(1000 + i as i64), fact }).collect()
+    let step = |(i, facts): (usize, &[Fact])| Entry { at: Time(1000 + i as i64), facts: facts.to_vec() };
+    facts.chunks(3).enumerate().map(step).collect()
 }
 
 #[test]
 fn every_fact_comes_back_from_its_record() {
     for fact in every_fact() {
-        let text = record::encode(&fact);
-        assert_eq!(record::decode(record::VERSION, &text).unwrap(), fact, "{text}");
+        let text = record::encode(std::slice::from_ref(&fact));
+        assert_eq!(record::decode(record::VERSION, &text).unwrap(), [fact], "{text}");
     }
 }
 
 #[test]
-fn records_of_version_1_are_read_for_ever() {
-    let text = r#"{"fact":"routed","bookings":[[2,5,[1,null,10,20,30,40,5],[[2,7,30,40,9223372036854775807,9223372036854775807,0]],[[6,{"lift":3}],[7,"arrive"]]]]}"#;
-    let Fact::Routed { bookings } = record::decode(1, text).unwrap() else { panic!("{text}") };
-    let Booking { keep: 5, visits, stops, .. } = &bookings[0] else { panic!("{text}") };
+fn records_of_version_2_are_read_for_ever() {
+    let text = r#"[{"fact":"routed","bookings":[[2,5,[1,null,5,[10,10,10,20]],[[2,7,0,[30,10,null,null]]],[[6,{"lift":3}],[7,"arrive"]]]]},{"fact":"delayed","moved":[[2,[[6,[1,2,3,null]]]]]}]"#;
+    let facts = record::decode(2, text).unwrap();
+    let [Fact::Routed { bookings }, Fact::Delayed { moved }] = &facts[..] else { panic!("{text}") };
+    let Booking { keep: 5, kept, visits, stops, .. } = &bookings[0] else { panic!("{text}") };
+    assert_eq!((kept.enter, kept.arrive, kept.depart, kept.leave), (Time(10), Time(20), Time(30), Time(40)));
     assert!(visits[0].depart.is_forever());
     assert_eq!(stops[1].act, Act::Arrive);
-    let newer = record::decode(2, text).unwrap_err().to_string();
+    let shift = Shift { serial: 6, enter: Time(1), arrive: Time(3), depart: Time(6), leave: Time::MAX };
+    assert_eq!(moved, &[Moved { robot: RobotId(2), shifts: vec![shift] }]);
+    let newer = record::decode(3, text).unwrap_err().to_string();
     assert!(newer.contains("newer Giveway"), "{newer}");
-    assert!(record::decode(1, "{").unwrap_err().to_string().contains("backup"));
+    let older = record::decode(1, text).unwrap_err().to_string();
+    assert!(older.contains("another --database"), "{older}");
+    assert!(record::decode(2, "[").unwrap_err().to_string().contains("backup"));
 }
 
 #[tokio::test]
 async fn what_was_appended_is_loaded_and_projected() {
     let folder = Folder::new();
     let store = Store::open(&folder.database(), &map()).await.unwrap();
-    assert_eq!(store.load().await.unwrap().next, 1);
+    assert_eq!(store.load(empty_ledger()).await.unwrap().next, 1);
     let facts = every_fact();
-    let (first, second) = facts.split_at(10);
-    store.append(1, &entries(first.to_vec())).await.unwrap();
-    store.append(11, &entries(second.to_vec())).await.unwrap();
+    let steps = entries(facts.clone());
+    let (first, second) = steps.split_at(4);
+    store.append(1, first).await.unwrap();
+    store.append(5, second).await.unwrap();
     store.close().await;
     drop(store);
 
     let store = Store::open(&folder.database(), &map()).await.unwrap();
-    let loaded = store.load().await.unwrap();
-    assert_eq!(loaded.facts, facts);
-    assert_eq!(loaded.next, facts.len() as i64 + 1);
-    assert_eq!(loaded.last, Some(Time(1000 + second.len() as i64 - 1)).max(Some(Time(1009))));
+    let loaded = store.load(empty_ledger()).await.unwrap();
+    assert_eq!(loaded.steps, steps);
+    assert_eq!(loaded.next, steps.len() as i64 + 1);
+    assert_eq!(loaded.last, steps.last().map(|s| s.at));
     for fact in &facts {
         if let Fact::Accepted { job, request, at } = fact {
             let row = store.job(*job).await.unwrap().unwrap();
@@ -254,15 +275,16 @@ async fn what_was_appended_is_loaded_and_projected() {
 async fn a_batch_that_is_appended_again_is_written_once_and_a_gap_is_refused() {
     let folder = Folder::new();
     let store = Store::open(&folder.database(), &map()).await.unwrap();
-    let batch = entries(vec![Fact::Accepted { job: JobId(1), request: deliver(), at: Time(5) }]);
+    let facts = vec![Fact::Accepted { job: JobId(1), request: deliver(), at: Time(5) }];
+    let batch = [Entry { at: Time(5), facts }];
     store.append(1, &batch).await.unwrap();
     store.append(1, &batch).await.unwrap();
-    assert_eq!(store.load().await.unwrap().facts.len(), 1);
+    assert_eq!(store.load(empty_ledger()).await.unwrap().facts(), 1);
     let gap = store.append(5, &batch).await.unwrap_err();
     assert!(matches!(gap, StoreError::OutOfStep { expected: 4, found: 1 }) && gap.is_fatal(), "{gap}");
     let double = store.append(2, &batch).await.unwrap_err();
     assert!(double.is_fatal(), "the same job twice: {double}");
-    assert_eq!(store.load().await.unwrap().facts.len(), 1, "all or none");
+    assert_eq!(store.load(empty_ledger()).await.unwrap().facts(), 1, "all or none");
 }
 
 #[tokio::test]

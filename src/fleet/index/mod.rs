@@ -13,7 +13,7 @@ pub use queue::{Goal, Line, Queue, Rank, Stage, urgency_ms};
 pub use waits::Waits;
 
 use super::fact::{Act, Fact, Task};
-use super::job::{Job, JobState};
+use super::job::{Job, JobKind, JobState};
 use super::ledger::Ledger;
 use super::view::RackAt;
 use crate::id::{AssignmentId, JobId, RackId, RobotId, WorkerId};
@@ -118,6 +118,10 @@ impl Ledger {
         for (id, assignment) in &self.assignments {
             self.index.assign(assignment.worker, *id);
         }
+        self.named.clear();
+        let jobs: Vec<(JobId, JobKind, JobState)> =
+            self.jobs.iter().map(|(id, j)| (*id, j.request.kind, j.state)).collect();
+        jobs.into_iter().for_each(|(id, kind, state)| self.note_named(id, &kind, state));
     }
 
     /// Compares the index with one that is made anew.
@@ -152,7 +156,7 @@ impl Ledger {
         match fact {
             Fact::Enlisted { robot, .. } | Fact::Tasked { robot, .. } => self.index_robot(*robot),
             Fact::Routed { bookings } => bookings.iter().for_each(|b| self.index_robot(b.robot)),
-            Fact::Cut { robots } => robots.iter().for_each(|r| self.index_robot(*r)),
+            Fact::Cut { robots } => robots.iter().for_each(|kept| self.index_robot(kept.robot)),
             Fact::Accepted { job, .. } | Fact::Prioritised { job, .. } => self.index_job(*job),
             Fact::Progressed { job, state, tasked, at } => {
                 if let Some((robot, _)) = tasked {

@@ -1,0 +1,92 @@
+//! Customers' keys: known for a week at least, and for as long as what they were given for is open; then forgotten.
+
+use super::*;
+use crate::fleet::people::AssignmentRequest;
+use crate::id::{AssignmentId, WorkerId};
+
+const DAY: Span = Span::from_secs(24 * 3600);
+
+fn keyed(key: &str) -> JobRequest {
+    JobRequest { key: Some(key.into()), ..request(deliver(3)) }
+}
+
+fn facts_of_expiry(facts: &[Fact]) -> Vec<(usize, usize)> {
+    let sizes = facts.iter().filter_map(|f| match f {
+        Fact::KeysExpired { jobs, assignments } => Some((jobs.len(), assignments.len())),
+        _ => None,
+    });
+    sizes.collect()
+}
+
+#[test]
+fn a_key_makes_no_second_job_for_a_week_and_a_new_one_after_eight_days() {
+    let mut floor = Floor::lab(1);
+    let job = floor.submit(keyed("order"));
+    floor.until_over(300);
+    floor.until(300, "the rack is put away", Floor::first_robot_is_idle);
+    floor.now = Time::ZERO + DAY * 6;
+    assert_eq!(floor.ask(keyed("order")), Reply::Accepted { token: 7, job, new: false });
+    floor.now = Time::ZERO + DAY * 8;
+    let again = floor.submit(keyed("order"));
+    assert!(again > job, "a new job");
+    assert_eq!(facts_of_expiry(&floor.facts), [(1, 0)]);
+    floor.assert_fold();
+}
+
+#[test]
+fn the_key_of_an_open_job_is_known_however_old_it_is_and_goes_when_the_job_is_over() {
+    let mut floor = Floor::lab(1);
+    let first = floor.submit(request(deliver(1)));
+    let waits = JobRequest { after: vec![first], ..keyed("waits") };
+    assert!(matches!(
+        floor.step(vec![Input::Halt { token: 1, robot: None }]).replies[..],
+        [Reply::Done { .. }]
+    ));
+    let job = floor.submit(waits.clone());
+    floor.now = Time::ZERO + DAY * 30;
+    assert_eq!(floor.ask(waits.clone()), Reply::Accepted { token: 7, job, new: false });
+    floor.cancel(job);
+    assert!(matches!(floor.ask(waits), Reply::Accepted { new: true, .. }), "over, and older than a week");
+}
+
+#[test]
+fn keys_of_assignments_are_forgotten_too() {
+    let mut floor = Floor::lab(1);
+    let place = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Aisle)[0];
+    let what = AssignmentRequest { place, stay: Span::ZERO, what: "count".into(), key: Some("k".into()) };
+    let assign = |request: &AssignmentRequest| Input::Assign {
+        token: 2,
+        worker: WorkerId(0),
+        request: request.clone(),
+    };
+    floor.step(vec![Input::Hire { token: 1, name: "anna".into() }]);
+    floor.step(vec![assign(&what)]);
+    floor.step(vec![Input::Unassign { token: 3, assignment: AssignmentId(1) }]);
+    floor.now = Time::ZERO + DAY * 8;
+    let reply = floor.step(vec![assign(&what)]).replies.remove(0);
+    assert_eq!(reply, Reply::Assigned { token: 2, assignment: AssignmentId(2), new: true });
+    floor.assert_fold();
+}
+
+#[test]
+fn the_memory_of_keys_is_bounded_and_no_step_forgets_many() {
+    let mut floor = Floor::lab(0);
+    let mut most = 0;
+    for day in 0..40 {
+        floor.now = Time::ZERO + DAY * day;
+        let order = |i: i64| keyed(&format!("{day}-{i}"));
+        let inputs = (0..100).map(|i| Input::Submit { token: 7, request: order(i) }).collect();
+        let jobs = floor.step(inputs).replies.into_iter().filter_map(|r| match r {
+            Reply::Accepted { job, new: true, .. } => Some(Input::Cancel { token: 8, job }),
+            _ => None,
+        });
+        let cancels: Vec<Input> = jobs.collect();
+        assert_eq!(cancels.len(), 100);
+        floor.step(cancels);
+        floor.step(vec![]);
+        most = most.max(floor.fleet.ledger().keys.len());
+    }
+    assert!((700..=900).contains(&most), "a week of 100 keys a day, not 40 days: {most}");
+    let sizes = facts_of_expiry(&floor.facts);
+    assert!(sizes.iter().all(|(jobs, _)| *jobs <= 64) && sizes.len() > 32, "{sizes:?}");
+}

@@ -1,0 +1,323 @@
+//! The ledger as it is written down in a snapshot: a versioned wire form of its own.
+//!
+//! Main functions: [`encode`], [`decode`]; [`VERSION`]. Everything is spelled out, so that a change of the ledger
+//! in the program does not change what is on disk unnoticed. Refuses: what a newer program wrote, and what
+//! contradicts itself.
+
+use super::people_record::{AssignmentRecord, AssignmentStateRecord, ClosureRecord};
+use super::record::{RequestRecord, StateRecord, TaskRecord};
+use super::route_record::{StopRecord, VisitRecord};
+use crate::fleet::{
+    Assignment, Closure, Contradiction, Job, Keys, Ledger, Parts, RackAt, Robot, Stop, Sums, Wishes,
+};
+use crate::id::{AssignmentId, ClosureId, Dense, JobId, NodeId, RobotId, StationId, WorkerId};
+use crate::time::{Span, Time};
+use crate::timeline::{ChainParts, Holder, Visit};
+use crate::warehouse::Warehouse;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// The version that this program writes. It goes up as [`super::record::VERSION`] does, and for the same reasons.
+pub const VERSION: i64 = 1;
+
+/// Why a snapshot cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum SnapshotError {
+    /// It was written by a newer program.
+    #[error(
+        "it is in wire version {0}, this Giveway reads up to {VERSION}: use the newer Giveway that wrote it"
+    )]
+    Newer(i64),
+    /// It is damaged.
+    #[error("it is damaged ({0}): restore the database from a backup")]
+    Damaged(#[from] serde_json::Error),
+    /// It says what cannot be.
+    #[error("it contradicts itself or the map ({0}): restore the database from a backup")]
+    Contradiction(#[from] Contradiction),
+}
+
+/// Keys of what is open; of what is over, with the time of acceptance.
+#[derive(Serialize, Deserialize)]
+struct KeysRecord {
+    open: Vec<(String, u64)>,
+    over: Vec<(u64, i64, String)>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct JobRecord {
+    request: RequestRecord,
+    state: StateRecord,
+    accepted: i64,
+}
+
+#[derive(Serialize, Deserialize)]
+struct RobotRecord {
+    name: String,
+    task: TaskRecord,
+    stops: Vec<StopRecord>,
+    acted: Option<u64>,
+    failed: bool,
+    interrupted: bool,
+    paused: Option<i64>,
+    fenced: Option<i64>,
+    recalls: u64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum RackRecord {
+    Stored(u32),
+    On(u32),
+}
+
+/// Robot, first serial, granted, visits.
+#[derive(Serialize, Deserialize)]
+struct ChainRecord(u32, u64, u64, Vec<VisitRecord>);
+
+#[derive(Serialize, Deserialize)]
+struct PromiseRecord {
+    worker: u32,
+    request: AssignmentRecord,
+    state: AssignmentStateRecord,
+    accepted: i64,
+}
+
+#[derive(Serialize, Deserialize)]
+struct SumsRecord {
+    robot_deliveries: u64,
+    human_deliveries: u64,
+    done: u64,
+    cancelled: u64,
+    failed: u64,
+    encounters: u64,
+    deviations: u64,
+    interruptions: u64,
+}
+
+#[derive(Serialize, Deserialize)]
+struct LedgerRecord {
+    jobs: Vec<(u64, JobRecord)>,
+    next_job: u64,
+    keys: KeysRecord,
+    robots: Vec<RobotRecord>,
+    racks: Vec<RackRecord>,
+    chains: Vec<ChainRecord>,
+    served: Vec<u64>,
+    workers: Vec<String>,
+    assignments: Vec<(u64, PromiseRecord)>,
+    next_assignment: u64,
+    assignment_keys: KeysRecord,
+    closures: Vec<(u64, ClosureRecord)>,
+    next_closure: u64,
+    paused_stations: Vec<(u32, i64)>,
+    stopped: Option<i64>,
+    ended_badly: Vec<(u64, i64)>,
+    sums: SumsRecord,
+    wishes: Vec<u32>,
+}
+
+/// A ledger as text.
+pub fn encode(parts: &Parts) -> String {
+    serde_json::to_string(&LedgerRecord::from(parts))
+        .expect("records have no maps with keys that are not text")
+}
+
+/// A ledger from text.
+///
+/// # Errors
+/// Where it was written by a newer program, is damaged, or contradicts itself or the map.
+pub fn decode(
+    version: i64,
+    text: &str,
+    warehouse: &Arc<Warehouse>,
+    clearance: Span,
+) -> Result<Ledger, SnapshotError> {
+    if version != VERSION {
+        return Err(SnapshotError::Newer(version));
+    }
+    let parts = serde_json::from_str::<LedgerRecord>(text)?.into();
+    Ok(Ledger::from_parts(warehouse.clone(), clearance, parts)?)
+}
+
+impl From<&Parts> for LedgerRecord {
+    fn from(p: &Parts) -> LedgerRecord {
+        LedgerRecord {
+            jobs: p.jobs.iter().map(|(id, job)| (id.0, job.into())).collect(),
+            next_job: p.next_job,
+            keys: keys_record(&p.keys, |id| id.0),
+            robots: p.robots.iter().map(RobotRecord::from).collect(),
+            racks: p.racks.iter().map(|at| (*at).into()).collect(),
+            chains: p.chains.iter().map(ChainRecord::from).collect(),
+            served: p.served.iter().copied().collect(),
+            workers: p.workers.iter().cloned().collect(),
+            assignments: p.assignments.iter().map(|(id, a)| (id.0, a.into())).collect(),
+            next_assignment: p.next_assignment,
+            assignment_keys: keys_record(&p.assignment_keys, |id| id.0),
+            closures: p.closures.iter().map(|(id, area)| (id.0, area.into())).collect(),
+            next_closure: p.next_closure,
+            paused_stations: p.paused_stations.iter().map(|(s, at)| (s.0, at.0)).collect(),
+            stopped: p.stopped.map(|t| t.0),
+            ended_badly: p.ended_badly.iter().map(|(id, at)| (id.0, at.0)).collect(),
+            sums: p.counts.into(),
+            wishes: p.wishes.counts().iter().copied().collect(),
+        }
+    }
+}
+
+impl From<LedgerRecord> for Parts {
+    fn from(r: LedgerRecord) -> Parts {
+        let closure = |(id, area): (u64, ClosureRecord)| (ClosureId(id), Closure::from(area));
+        Parts {
+            jobs: r.jobs.into_iter().map(|(id, job)| (JobId(id), job.into())).collect(),
+            next_job: r.next_job,
+            keys: keys(r.keys, JobId),
+            robots: r.robots.into_iter().map(Robot::from).collect(),
+            racks: r.racks.into_iter().map(RackAt::from).collect(),
+            chains: r.chains.into_iter().map(ChainParts::from).collect(),
+            served: r.served.into(),
+            workers: r.workers.into(),
+            assignments: r.assignments.into_iter().map(|(id, a)| (AssignmentId(id), a.into())).collect(),
+            next_assignment: r.next_assignment,
+            assignment_keys: keys(r.assignment_keys, AssignmentId),
+            closures: r.closures.into_iter().map(closure).collect(),
+            next_closure: r.next_closure,
+            paused_stations: r.paused_stations.into_iter().map(|(s, at)| (StationId(s), Time(at))).collect(),
+            stopped: r.stopped.map(Time),
+            ended_badly: r.ended_badly.into_iter().map(|(id, at)| (JobId(id), Time(at))).collect(),
+            counts: r.sums.into(),
+            wishes: Wishes::of(r.wishes),
+        }
+    }
+}
+
+fn keys_record<I: Copy + Ord>(keys: &Keys<I>, number: impl Fn(I) -> u64) -> KeysRecord {
+    KeysRecord {
+        open: keys.open().map(|(key, id)| (key.to_owned(), number(id))).collect(),
+        over: keys.over().map(|(id, accepted, key)| (number(id), accepted.0, key.to_owned())).collect(),
+    }
+}
+
+fn keys<I: Copy + Ord>(r: KeysRecord, id: impl Fn(u64) -> I) -> Keys<I> {
+    let open = r.open.into_iter().map(|(key, n)| (key, id(n)));
+    Keys::of(open, r.over.into_iter().map(|(n, accepted, key)| (id(n), Time(accepted), key)))
+}
+
+impl From<&Job> for JobRecord {
+    fn from(j: &Job) -> JobRecord {
+        JobRecord { request: (&j.request).into(), state: j.state.into(), accepted: j.accepted.0 }
+    }
+}
+
+impl From<JobRecord> for Job {
+    fn from(r: JobRecord) -> Job {
+        Job { request: r.request.into(), state: r.state.into(), accepted: Time(r.accepted) }
+    }
+}
+
+impl From<&Robot> for RobotRecord {
+    fn from(r: &Robot) -> RobotRecord {
+        RobotRecord {
+            name: r.name.clone(),
+            task: r.task.into(),
+            stops: r.stops.iter().map(StopRecord::from).collect(),
+            acted: r.acted,
+            failed: r.failed,
+            interrupted: r.interrupted,
+            paused: r.paused.map(|t| t.0),
+            fenced: r.fenced.map(|t| t.0),
+            recalls: r.recalls,
+        }
+    }
+}
+
+impl From<RobotRecord> for Robot {
+    fn from(r: RobotRecord) -> Robot {
+        Robot {
+            name: r.name,
+            task: r.task.into(),
+            stops: r.stops.into_iter().map(Stop::from).collect(),
+            acted: r.acted,
+            failed: r.failed,
+            interrupted: r.interrupted,
+            paused: r.paused.map(Time),
+            fenced: r.fenced.map(Time),
+            recalls: r.recalls,
+        }
+    }
+}
+
+impl From<RackAt> for RackRecord {
+    fn from(at: RackAt) -> RackRecord {
+        match at {
+            RackAt::Stored(node) => RackRecord::Stored(node.0),
+            RackAt::On(robot) => RackRecord::On(robot.0),
+        }
+    }
+}
+
+impl From<RackRecord> for RackAt {
+    fn from(r: RackRecord) -> RackAt {
+        match r {
+            RackRecord::Stored(node) => RackAt::Stored(NodeId(node)),
+            RackRecord::On(robot) => RackAt::On(RobotId(robot)),
+        }
+    }
+}
+
+impl From<&ChainParts> for ChainRecord {
+    fn from(c: &ChainParts) -> ChainRecord {
+        let Holder::Robot(robot) = c.holder else { unreachable!("workers hold nothing in the timelines") };
+        ChainRecord(robot.0, c.first, c.granted, c.visits.iter().map(VisitRecord::from).collect())
+    }
+}
+
+impl From<ChainRecord> for ChainParts {
+    fn from(ChainRecord(robot, first, granted, visits): ChainRecord) -> ChainParts {
+        let visits = visits.into_iter().map(Visit::from).collect();
+        ChainParts { holder: Holder::Robot(RobotId(robot)), first, granted, visits }
+    }
+}
+
+impl From<&Assignment> for PromiseRecord {
+    fn from(a: &Assignment) -> PromiseRecord {
+        let (request, state) = ((&a.request).into(), a.state.into());
+        PromiseRecord { worker: a.worker.ix() as u32, request, state, accepted: a.accepted.0 }
+    }
+}
+
+impl From<PromiseRecord> for Assignment {
+    fn from(r: PromiseRecord) -> Assignment {
+        let (request, state) = (r.request.into(), r.state.into());
+        Assignment { worker: WorkerId(r.worker), request, state, accepted: Time(r.accepted) }
+    }
+}
+
+impl From<Sums> for SumsRecord {
+    fn from(s: Sums) -> SumsRecord {
+        SumsRecord {
+            robot_deliveries: s.robot_deliveries,
+            human_deliveries: s.human_deliveries,
+            done: s.done,
+            cancelled: s.cancelled,
+            failed: s.failed,
+            encounters: s.encounters,
+            deviations: s.deviations,
+            interruptions: s.interruptions,
+        }
+    }
+}
+
+impl From<SumsRecord> for Sums {
+    fn from(r: SumsRecord) -> Sums {
+        Sums {
+            robot_deliveries: r.robot_deliveries,
+            human_deliveries: r.human_deliveries,
+            done: r.done,
+            cancelled: r.cancelled,
+            failed: r.failed,
+            encounters: r.encounters,
+            deviations: r.deviations,
+            interruptions: r.interruptions,
+        }
+    }
+}

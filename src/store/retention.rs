@@ -1,0 +1,34 @@
+//! What is deleted: steps that a snapshot stands for, and what has long been over.
+//!
+//! Main function: `tidy`, which every append calls in its transaction. Each call deletes a bounded number of rows,
+//! so that no append waits long; SQLite uses the pages again. Refuses: to delete what is not over, and what a start
+//! may need.
+
+use crate::time::{Span, Time};
+use sqlx::sqlite::SqliteConnection;
+
+/// So many rows of each table are deleted at once.
+const SLICE: i64 = 200;
+
+/// Steps up to the older of the two snapshots.
+const STEPS: &str = "DELETE FROM steps \
+    WHERE seq <= (SELECT seq FROM snapshots ORDER BY seq DESC LIMIT 1 OFFSET 1) \
+    AND seq < (SELECT min(seq) FROM steps) + $1";
+
+/// Lists, by what is too old in them.
+const LISTS: [&str; 3] = [
+    "DELETE FROM jobs WHERE id IN (SELECT id FROM jobs \
+     WHERE state IN ('done', 'cancelled', 'failed') AND updated < $2 LIMIT $1)",
+    "DELETE FROM assignments WHERE id IN (SELECT id FROM assignments \
+     WHERE state IN ('done', 'cancelled') AND updated < $2 LIMIT $1)",
+    "DELETE FROM encounters WHERE seq IN (SELECT seq FROM encounters WHERE began < $2 LIMIT $1)",
+];
+
+/// Deletes some of what is too old `now`: what was over before the last `keep`, and steps that no start needs.
+pub(super) async fn tidy(db: &mut SqliteConnection, now: Time, keep: Span) -> Result<(), sqlx::Error> {
+    sqlx::query(STEPS).bind(SLICE).execute(&mut *db).await?;
+    for list in LISTS {
+        sqlx::query(list).bind(SLICE).bind((now - keep).0).execute(&mut *db).await?;
+    }
+    Ok(())
+}

@@ -1,0 +1,60 @@
+//! Cutting: holders lose what they were promised but not granted.
+//!
+//! Main functions: [`Timeline::cut_down`] works out what stays, [`Timeline::keep`] keeps only that. Refuses: to
+//! take back what was granted.
+
+use super::{Holder, Shift, Timeline};
+use crate::time::Time;
+
+/// What a holder keeps: one past the last visit that stays, and the visits that have other times from now on.
+pub type Kept<'a> = (Holder, u64, &'a [Shift]);
+
+impl Timeline {
+    /// What stays if these holders lose what was not granted to them: they keep their last granted visit for ever, and
+    /// those of which `stuck` is true keep every granted visit for ever. Nothing is changed.
+    pub fn cut_down(&self, holders: &[(Holder, bool)]) -> Vec<(Holder, u64, Vec<Shift>)> {
+        let kept = |&(holder, stuck): &(Holder, bool)| {
+            let chain = &self.chains[&holder];
+            let shifts = (chain.first..chain.granted).filter_map(|serial| {
+                let visit = chain.get(serial).expect("what is granted is held");
+                let old = Shift::of(serial, visit);
+                let mut shift = old;
+                if serial + 1 == chain.granted {
+                    (shift.depart, shift.leave) = (Time::MAX, Time::MAX);
+                }
+                if stuck {
+                    shift.leave = Time::MAX;
+                }
+                (shift != old).then_some(shift)
+            });
+            (holder, chain.granted, shifts.collect())
+        };
+        holders.iter().map(kept).collect()
+    }
+
+    /// Keeps exactly what is told and drops the rest of these holders' visits.
+    ///
+    /// # Panics
+    /// If granted visits would be lost, the last visit would end, or another holder holds any of that later: whoever
+    /// worked this out, or wrote it down, is broken (see [`Timeline::after`]).
+    pub fn keep(&mut self, kept: &[Kept<'_>]) {
+        for &(holder, end, _) in kept {
+            let chain = self.chains.get(&holder).expect("only holders lose what they hold");
+            let fits = chain.granted <= end && end <= chain.end() && chain.first < end;
+            assert!(fits, "{holder:?} keeps what it was granted");
+            self.take_from(holder, end);
+        }
+        for &(holder, end, shifts) in kept {
+            let first = self.chains[&holder].first;
+            let mut visits = self.take_from(holder, first);
+            for shift in shifts {
+                assert!((first..end).contains(&shift.serial), "{holder:?} keeps no visit {}", shift.serial);
+                shift.apply(&mut visits[(shift.serial - first) as usize]);
+            }
+            let last = visits.last().expect("at least one stays");
+            assert!(last.leave.is_forever() && last.depart.is_forever(), "{holder:?} must stay somewhere");
+            assert_eq!(self.check(holder, &visits), Ok(()), "{holder:?} cannot stay where others want to be");
+            self.put(holder, visits);
+        }
+    }
+}

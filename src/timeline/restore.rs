@@ -1,0 +1,121 @@
+//! A timeline from what was written down of one.
+//!
+//! Main function: [`Timeline::restore`], which takes [`ChainParts`]. Refuses: holds that contradict one another, in
+//! words ([`Flaw`]); a timeline that was written down by this program never does.
+
+use super::{Chain, Clash, Holder, Timeline, Visit, in_order};
+use crate::id::Dense;
+use crate::time::Span;
+use crate::warehouse::Warehouse;
+use std::sync::Arc;
+
+/// The visits of one holder, as they were written down.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChainParts {
+    /// Whose.
+    pub holder: Holder,
+    /// Serial number of the oldest visit.
+    pub first: u64,
+    /// One past the serial number of the last granted visit.
+    pub granted: u64,
+    /// The visits, oldest first.
+    pub visits: Vec<Visit>,
+}
+
+/// Why visits cannot be held.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Flaw {
+    /// Two holders want one resource at once.
+    #[error(
+        "{resource} is held by {holder:?} during {:?}, and by {:?} during {:?}",
+        .clash.wanted, .clash.by, .clash.held
+    )]
+    Overlap {
+        /// Name of the resource.
+        resource: String,
+        /// The one whose visits were looked at.
+        holder: Holder,
+        /// The other one.
+        clash: Clash,
+    },
+    /// Two visits that follow one another do not fit together, or one is no visit.
+    #[error("visits {serial} and {} of {holder:?} are out of order", .serial + 1)]
+    Disorder {
+        /// Whose.
+        holder: Holder,
+        /// The earlier one.
+        serial: u64,
+    },
+    /// A visit is on a node or a lane that the map does not have.
+    #[error("visit {serial} of {holder:?} is at a place that the map does not have")]
+    UnknownPlace {
+        /// Whose.
+        holder: Holder,
+        /// Which.
+        serial: u64,
+    },
+    /// A holder holds nothing, or its last visit ends, or it was granted more or less than it holds.
+    #[error("{holder:?} stands nowhere, or was granted what it does not hold")]
+    Nowhere {
+        /// Which.
+        holder: Holder,
+    },
+    /// A holder is there twice.
+    #[error("{holder:?} is there twice")]
+    Twice {
+        /// Which.
+        holder: Holder,
+    },
+}
+
+impl Timeline {
+    /// A timeline that holds exactly this.
+    ///
+    /// # Errors
+    /// The first thing that cannot be.
+    pub fn restore(
+        warehouse: Arc<Warehouse>,
+        clearance: Span,
+        chains: Vec<ChainParts>,
+    ) -> Result<Timeline, Flaw> {
+        let mut timeline = Timeline::new(warehouse, clearance);
+        for parts in chains {
+            let holder = parts.holder;
+            if timeline.chains.contains_key(&holder) {
+                return Err(Flaw::Twice { holder });
+            }
+            timeline.validate(&parts)?;
+            timeline.check(holder, &parts.visits).map_err(|clash| {
+                let resource = timeline.warehouse.resource_name(clash.resource);
+                Flaw::Overlap { resource, holder, clash }
+            })?;
+            timeline.chains.insert(holder, Chain { first: parts.first, ..Chain::default() });
+            timeline.put(holder, parts.visits);
+            timeline.chains.get_mut(&holder).expect("just put").granted = parts.granted;
+        }
+        Ok(timeline)
+    }
+
+    fn validate(&self, parts: &ChainParts) -> Result<(), Flaw> {
+        let ChainParts { holder, first, granted, visits } = parts;
+        let (holder, w) = (*holder, &self.warehouse);
+        let end = first.checked_add(visits.len() as u64).ok_or(Flaw::Nowhere { holder })?;
+        if visits.last().is_none_or(|v| !v.leave.is_forever()) || *granted <= *first || *granted > end {
+            return Err(Flaw::Nowhere { holder });
+        }
+        for (serial, v) in (*first..).zip(visits) {
+            let known = v.node.ix() < w.nodes.len() && v.lane.is_none_or(|l| l.ix() < w.resource_count());
+            if !known {
+                return Err(Flaw::UnknownPlace { holder, serial });
+            }
+            if v.enter >= v.leave || v.arrive > v.depart {
+                return Err(Flaw::Disorder { holder, serial });
+            }
+        }
+        let mut pairs = (*first..).zip(visits.windows(2));
+        match pairs.find(|(_, pair)| !in_order(&pair[0], &pair[1])) {
+            Some((serial, _)) => Err(Flaw::Disorder { holder, serial }),
+            None => Ok(()),
+        }
+    }
+}
