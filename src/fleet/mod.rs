@@ -230,6 +230,11 @@ impl Fleet {
         &self.ledger
     }
 
+    /// The newest that a robot said of itself.
+    pub fn telemetry(&self, robot: RobotId) -> Option<&Telemetry> {
+        self.scene.robot(robot)
+    }
+
     /// The settings.
     pub fn settings(&self) -> &Settings {
         &self.settings

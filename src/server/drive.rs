@@ -15,6 +15,7 @@ use super::measure::Measure;
 use super::outbox::Outbox;
 use super::reels::Tap;
 use super::rescue::{Rescue, drivers};
+use super::watchdog::Watchdog;
 use crate::api::feed::hub::{Feeds, Heard};
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment, QUESTIONS_AT_ONCE, Question};
@@ -73,6 +74,8 @@ pub struct Drive {
     pub displaced: watch::Receiver<bool>,
     /// What is remembered of steps that ended in a panic.
     pub rescue: Rescue,
+    /// Looks whether laws hold.
+    pub watchdog: Watchdog,
     /// The journal, to make the fleet anew from.
     pub store: Arc<Store>,
     /// Gets the picture.
@@ -257,6 +260,7 @@ impl Drive {
         self.feeds.refresh(&view);
         self.alarms.note(&view);
         self.note_fences(now);
+        self.watchdog.look(&self.fleet, now, &self.alarms);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let time_s = (now - self.clock.started()).as_secs_f64();
         let forecasts = self.ahead.of(&self.fleet, now);
@@ -320,6 +324,7 @@ mod tests {
             pace: Pace::default(),
             displaced: watch::channel(false).1,
             rescue: Rescue::default(),
+            watchdog: Watchdog::default(),
             store: store.clone(),
             moments,
         };

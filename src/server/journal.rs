@@ -6,6 +6,7 @@
 //! the loop pays nothing for it. Refuses: to try again what contradicts the journal; that ends the process.
 
 use super::clock::Clock;
+use super::watchdog::Auditor;
 use crate::api::metrics::Metrics;
 use crate::api::port::Alarms;
 use crate::fleet::{Fact, Ledger};
@@ -53,6 +54,7 @@ pub struct Writer {
     pending: Arc<AtomicU64>,
     next: i64,
     shadow: Shadow,
+    auditor: Auditor,
     store: Arc<Store>,
     clock: Arc<Clock>,
     alarms: Arc<Alarms>,
@@ -92,7 +94,11 @@ pub fn journal(
     let Start { next, ledger, behind } = start;
     let shadow = Shadow { ledger, behind };
     let steps = receive;
-    (journal, Writer { steps, durable, failing, pending, next, shadow, store, clock, alarms, metrics })
+    let auditor = Auditor::default();
+    (
+        journal,
+        Writer { steps, durable, failing, pending, next, shadow, auditor, store, clock, alarms, metrics },
+    )
 }
 
 impl Journal {
@@ -154,6 +160,7 @@ impl Writer {
             self.next += batch.len() as i64;
             self.durable.send_modify(|n| *n += batch.len() as u64);
             self.shadow.fold(&batch);
+            self.auditor.note(facts, &self.shadow.ledger, self.clock.now(), &self.alarms);
             if self.shadow.behind >= SNAPSHOT_AFTER {
                 self.snapshot(batch.last().map_or(oldest, |e| e.at)).await?;
             }

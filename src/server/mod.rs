@@ -26,6 +26,7 @@ mod rescue;
 mod show;
 mod start;
 mod tls;
+mod watchdog;
 
 pub use certificate::Identity;
 pub use clock::Clock;
@@ -270,6 +271,7 @@ async fn work(
         pace: drive::Pace::default(),
         displaced: gone.clone(),
         rescue: rescue::Rescue::default(),
+        watchdog: watchdog::Watchdog::default(),
         store: store.clone(),
         moments,
     };

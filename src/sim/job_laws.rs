@@ -204,3 +204,24 @@ pub(super) fn undrained(world: &World, fleet: &Fleet) -> (usize, usize) {
     let stored = |at: &&RackAt| !matches!(at, RackAt::Stored(n) if w.kind(*n) == NodeKind::Storage);
     (fleet.ledger().jobs.len(), world.racks().iter().filter(stored).count())
 }
+
+/// Why the first open jobs and the first robots with racks wait.
+pub(super) fn why_undrained(now: Time, fleet: &Fleet) -> Vec<String> {
+    let view = fleet.view(now);
+    let jobs = fleet.ledger().jobs.iter().take(3).map(|(id, job)| {
+        let (kind, state, why) = (job.request.kind, job.state, view.why_job(*id, job));
+        format!("{id:?} {kind:?} {state:?}: {why:?}")
+    });
+    let carries = |r: &RobotId| fleet.ledger().rack_on(*r).is_some();
+    let robots = fleet.ledger().robots.ids().filter(carries).take(3).map(|r| {
+        let record = &fleet.ledger().robots[r];
+        let battery = fleet.telemetry(r).map_or(0.0, |t| t.battery);
+        format!(
+            "{r:?} {:?}, failed {}, battery {battery:.2}: {:?}",
+            record.task,
+            record.failed,
+            fleet.why(r, now)
+        )
+    });
+    jobs.chain(robots).collect()
+}

@@ -3,7 +3,7 @@
 //! Main types: [`Laws`], [`Violation`]. They look at where robots truly are, not at what the fleet believes.
 //! Refuses: to mend anything; one violation fails the run.
 
-use super::job_laws::{DELIVERS, JobLaws, OVERDUE, undrained};
+use super::job_laws::{DELIVERS, JobLaws, OVERDUE, undrained, why_undrained};
 use super::world::World;
 use crate::fleet::{Fact, Fleet, JobKind, JobState, JobWhy, Ledger, Task, Why};
 use crate::geometry::{Point, axis_distance};
@@ -41,7 +41,7 @@ pub enum Violation {
     /// Jobs wait and robots can drive, but nothing has been delivered for too long.
     NothingDelivered,
     /// After the customers stopped, so many jobs did not end, and so many racks are not in storage.
-    NotDrained(usize, usize),
+    NotDrained(usize, usize, Vec<String>),
     /// A robot drove into a worker and did not brake.
     RunOver(RobotId, usize),
     /// The ledger is not the fold of the facts.
@@ -70,8 +70,12 @@ impl fmt::Display for Violation {
             Violation::NothingDelivered => {
                 write!(f, "jobs wait and robots can drive, but nothing was delivered for {DELIVERS:?}")
             }
-            Violation::NotDrained(jobs, racks) => {
-                write!(f, "the floor did not drain: {jobs} jobs are open, {racks} racks are not in storage")
+            Violation::NotDrained(jobs, racks, whys) => {
+                let whys = whys.join("; ");
+                write!(
+                    f,
+                    "the floor did not drain: {jobs} jobs are open, {racks} racks are not in storage: {whys}"
+                )
             }
             Violation::RunOver(r, w) => {
                 write!(f, "robot {} drove into worker {} and did not brake", r.0 + 1, w + 1)
@@ -196,7 +200,7 @@ impl Laws {
     pub fn check_drained(&mut self, now: Time, world: &World, fleet: &Fleet) -> bool {
         let (jobs, racks) = undrained(world, fleet);
         if jobs + racks > 0 {
-            self.break_law(now, Violation::NotDrained(jobs, racks));
+            self.break_law(now, Violation::NotDrained(jobs, racks, why_undrained(now, fleet)));
         }
         jobs + racks == 0
     }

@@ -1,0 +1,192 @@
+//! The laws of the simulation that make sense live, cheap and sampled: a broken one is an alarm.
+//!
+//! Main types: [`Watchdog`] (progress of robots, grants), [`Auditor`] (reservations, and jobs against the robots that
+//! serve them, looked at where the journal's task folds what is durable, so that the control loop pays nothing).
+//! Refuses: to mend anything, and to look at everything in one turn of the loop.
+
+use super::start::panic_text;
+use crate::api::port::Alarms;
+use crate::fleet::{Fleet, Ledger, Task};
+use crate::id::RobotId;
+use crate::sim::laws::STUCK;
+use crate::time::{Span, Time};
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// The alarm while a robot makes no progress.
+const STANDS: &str = "progress";
+/// The alarm when a robot says that it is beyond what it was granted.
+const BEYOND: &str = "grant";
+/// The alarm when what was promised contradicts itself.
+const UNSOUND: &str = "ledger";
+/// Robots are looked at this often.
+const LOOKS: Span = Span::from_secs(5);
+/// So many facts are taken in between two looks at everything that was promised.
+const AUDIT_AFTER: usize = 20_000;
+
+/// What a robot had last done, and since when it has done nothing more.
+type Progress = (u64, Option<u64>, Time);
+
+/// Looks at robots now and then.
+#[derive(Debug, Default)]
+pub struct Watchdog {
+    looked: Option<Time>,
+    progress: BTreeMap<RobotId, Progress>,
+}
+
+impl Watchdog {
+    /// Raises and ends alarms about robots; every few seconds, whatever it is called.
+    pub fn look(&mut self, fleet: &Fleet, now: Time, alarms: &Alarms) {
+        if self.looked.is_some_and(|at| now - at < LOOKS) {
+            return;
+        }
+        self.looked = Some(now);
+        let stands = self.without_progress(fleet, now);
+        set(alarms, STANDS, now, &stands, |names| {
+            let seconds = STUCK.0 / 1_000_000;
+            format!("no progress for {seconds} s: {names}. GET /v1/robots/NAME/why says what each waits for.")
+        });
+        let beyond = beyond_grant(fleet);
+        set(alarms, BEYOND, now, &beyond, |names| {
+            format!("beyond what was granted, as they say: {names}. Stop them and see where they are.")
+        });
+    }
+
+    /// Robots that have had something to do for long and did not get on.
+    fn without_progress(&mut self, fleet: &Fleet, now: Time) -> Vec<String> {
+        let ledger = fleet.ledger();
+        let mut found = Vec::new();
+        for (robot, record) in ledger.robots.pairs() {
+            let done = (ledger.chain(robot).first(), record.acted);
+            let entry = self.progress.entry(robot).or_insert((done.0, done.1, now));
+            // A robot that is failed, or told to stand, has an alarm or a state of its own; a pick takes as long as it
+            // takes.
+            let excused = record.task == Task::Idle
+                || record.failed
+                || record.fenced.is_some()
+                || record.paused.is_some()
+                || ledger.stopped.is_some()
+                || fleet.is_picked_from(robot);
+            if (entry.0, entry.1) != done || excused {
+                *entry = (done.0, done.1, now);
+            } else if now - entry.2 > STUCK {
+                found.push(record.name.clone());
+            }
+        }
+        found
+    }
+}
+
+/// Robots that say that they reached, or know of, more than they were granted.
+fn beyond_grant(fleet: &Fleet) -> Vec<String> {
+    let ledger = fleet.ledger();
+    let beyond = |r: &RobotId| {
+        let granted = ledger.chain(*r).granted();
+        fleet.telemetry(*r).is_some_and(|t| t.reached.max(t.known) >= granted)
+    };
+    ledger.robots.ids().filter(beyond).map(|r| ledger.robots[r].name.clone()).collect()
+}
+
+fn set(alarms: &Alarms, id: &'static str, now: Time, names: &[String], text: impl Fn(&str) -> String) {
+    if names.is_empty() {
+        alarms.clear(id);
+        return;
+    }
+    let more = if names.len() > 3 { format!(" and {} more", names.len() - 3) } else { String::new() };
+    let text = text(&format!("{}{more}", names[..names.len().min(3)].join(", ")));
+    if alarms.raise(id, text.clone(), now) {
+        tracing::error!("{text}");
+    }
+}
+
+/// Looks at everything that was promised, after so many facts.
+#[derive(Debug, Default)]
+pub struct Auditor {
+    facts: usize,
+}
+
+impl Auditor {
+    /// So many facts were taken in.
+    pub fn note(&mut self, facts: usize, ledger: &Ledger, now: Time, alarms: &Alarms) {
+        self.facts += facts;
+        if self.facts < AUDIT_AFTER {
+            return;
+        }
+        self.facts = 0;
+        match catch_unwind(AssertUnwindSafe(|| ledger.assert_sound())) {
+            Ok(()) => _ = alarms.clear(UNSOUND),
+            Err(panic) => {
+                let said = panic_text(&*panic);
+                let text = format!(
+                    "what was promised contradicts itself: {said}. Keep a copy of the database and restart Giveway."
+                );
+                if alarms.raise(UNSOUND, text.clone(), now) {
+                    tracing::error!("{text}");
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fleet::{Fact, JobKind, JobRequest, Settings};
+    use crate::id::{JobId, NodeId};
+    use crate::warehouse::lab;
+    use std::sync::Arc;
+
+    fn fleet() -> Fleet {
+        let map = Arc::new(lab());
+        let node = map.node_named("R118").expect("a charger of the laboratory");
+        let robot = RobotId(0);
+        let kind = JobKind::Park { robot };
+        let request = JobRequest { kind, priority: 0, deadline: None, after: vec![], key: None };
+        let task = Task::Move {
+            job: Some(JobId(1)),
+            goal: NodeId(0),
+            stay: NodeId(0),
+            purpose: crate::fleet::Purpose::Park,
+        };
+        let facts = vec![
+            Fact::Enlisted { robot, name: "robot-1".into(), node, at: Time(1) },
+            Fact::Accepted { job: JobId(1), request, at: Time(1) },
+            Fact::Progressed {
+                job: JobId(1),
+                state: crate::fleet::JobState::Assigned { robot },
+                tasked: Some((robot, task)),
+                at: Time(1),
+            },
+        ];
+        Fleet::restore(map, Settings::default(), facts)
+    }
+
+    #[test]
+    fn a_robot_that_makes_no_progress_is_an_alarm_until_it_does() {
+        let (fleet, alarms, mut watchdog) = (fleet(), Alarms::default(), Watchdog::default());
+        let at = |s: i64| Time(s * 1_000_000);
+        watchdog.look(&fleet, at(0), &alarms);
+        watchdog.look(&fleet, at(599), &alarms);
+        assert!(alarms.list().is_empty());
+        watchdog.look(&fleet, at(606), &alarms);
+        let listed = alarms.list();
+        assert!(listed.len() == 1 && listed[0].text.contains("robot-1"), "{listed:?}");
+        // It is let off as soon as it has nothing to do.
+        let idle = Fleet::new(fleet.warehouse().clone(), Settings::default());
+        watchdog.look(&idle, at(612), &alarms);
+        assert!(alarms.list().is_empty());
+    }
+
+    #[test]
+    fn promises_that_contradict_each_other_are_an_alarm() {
+        let (fleet, alarms, mut auditor) = (fleet(), Alarms::default(), Auditor::default());
+        auditor.note(AUDIT_AFTER, fleet.ledger(), Time(1), &alarms);
+        assert!(alarms.list().is_empty());
+        let mut broken = fleet.ledger().clone();
+        broken.robots[RobotId(0)].task = Task::Idle;
+        auditor.note(1, &broken, Time(1), &alarms);
+        assert!(alarms.list().is_empty(), "not every time");
+        auditor.note(AUDIT_AFTER, &broken, Time(1), &alarms);
+        assert_eq!(alarms.list()[0].id, UNSOUND);
+    }
+}
