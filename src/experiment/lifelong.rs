@@ -76,7 +76,7 @@ struct Run<'a> {
     out: Outcome,
 }
 
-/// Parses a benchmark list: a count of at least one, then that many linear cells. Lines that start with `#` are skipped.
+/// Parses a benchmark list: a count of at least one, then that many cells. Lines that start with `#` are skipped.
 ///
 /// # Errors
 /// What is wrong, in words.
