@@ -178,13 +178,14 @@ fn a_shift_of_a_hundred_robots_keeps_its_laws() {
     holds("shift");
 }
 
-/// Eight hours of charging in one: batteries that last for an hour.
+/// Sixteen hours of charging in two: batteries that last for an hour.
 #[test]
 fn with_two_chargers_for_twenty_robots_something_is_delivered_in_every_quarter_of_an_hour() {
     let mut setup = Setup::read("few-chargers");
     setup.scenario.closures[0].nodes.remove(0);
     setup.scenario.charging.driving_h = 1.0;
     setup.scenario.duration = Span::from_secs(2 * 3600);
+    setup.scenario.drain = Span::ZERO;
     let Setup { scenario, warehouse, lines } = &setup;
     let mut sim = Simulation::new(warehouse.clone(), scenario, lines, 3, false, || 0);
     let (mut next, mut before) = (Time::ZERO + Span::from_secs(900), 0);

@@ -236,6 +236,13 @@ impl Lifelong {
             improve_every: self.improve_every,
             budget: self.budget,
         };
+        if let Some(cell) = lifelong::first_shared(&setup.starts) {
+            let message = format!(
+                "two robots start at {}; give each a cell of its own",
+                grid.warehouse.nodes[cell].name
+            );
+            return Err(named(&self.agents, message));
+        }
         let bar = progress(self.steps as u64, "steps");
         let start = Instant::now();
         let out = lifelong::run(&grid, &setup, |step| bar.set_position(step as u64));

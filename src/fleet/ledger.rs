@@ -6,7 +6,7 @@
 
 use super::fact::{Act, Booking, Fact, Kept, Stop, Task};
 use super::index::Index;
-use super::job::{Job, JobKind, JobState};
+use super::job::{Job, JobKind, JobRequest, JobState};
 use super::keys::Keys;
 use super::life::{self, Stage, Work};
 use super::people::{Assignment, AssignmentRequest, AssignmentState, Closure};
@@ -175,24 +175,50 @@ impl Ledger {
 
     fn take_in(&mut self, fact: &Fact) {
         match fact {
-            Fact::Enlisted { robot, name, node, at } => self.enlist(*robot, name, *node, *at),
-            Fact::Accepted { job, request, at } => {
-                assert_eq!(job.0, self.next_job, "jobs are numbered in order");
-                self.next_job += 1;
-                if let Some(key) = &request.key {
-                    self.keys.insert(key.clone(), *job);
-                }
-                if let Some(rack) = request.kind.rack() {
-                    self.wishes.note(rack);
-                }
-                let job_record = Job { request: request.clone(), state: JobState::Waiting, accepted: *at };
-                self.jobs.insert(*job, job_record);
-                self.note_named(*job, &request.kind, JobState::Waiting);
-            }
+            Fact::Accepted { job, request, at } => self.accept(*job, request, *at),
             Fact::Progressed { job, state, tasked, .. } => self.progress(*job, *state, *tasked),
+            Fact::Prioritised { job, priority, .. } => {
+                self.jobs.get_mut(job).expect("only live jobs change").request.priority = *priority;
+            }
+            Fact::KeysExpired { jobs, assignments } => {
+                jobs.iter().for_each(|job| self.keys.forget(*job));
+                assignments.iter().for_each(|assignment| self.assignment_keys.forget(*assignment));
+            }
+            Fact::Hired { worker, name, .. } => {
+                let id = self.workers.push(name.clone());
+                assert_eq!(id, *worker, "workers are numbered in order");
+            }
+            Fact::Assigned { assignment, worker, request, at } => {
+                self.hand_out(*assignment, *worker, request, *at);
+            }
+            Fact::Advanced { assignment, state, .. } => self.advance(*assignment, *state),
+            Fact::Closed { closure, area } => {
+                assert_eq!(closure.0, self.next_closure, "closures are numbered in order");
+                self.next_closure += 1;
+                self.closures.insert(*closure, area.clone());
+            }
+            Fact::Reopened { closure, .. } => {
+                self.closures.remove(closure).expect("only what is closed is opened again");
+            }
+            Fact::StationPaused { station, at } => {
+                self.paused_stations.insert(*station, *at);
+            }
+            Fact::StationResumed { station, .. } => {
+                self.paused_stations.remove(station);
+            }
+            Fact::Encountered(_) => self.counts.encounters += 1,
+            Fact::Deviated { .. } => self.counts.deviations += 1,
+            Fact::Interrupted { .. } => self.counts.interruptions += 1,
+            about_robots => self.take_in_of_robots(about_robots),
+        }
+    }
+
+    /// Facts that change what robots hold, do or are.
+    fn take_in_of_robots(&mut self, fact: &Fact) {
+        match fact {
+            Fact::Enlisted { robot, name, node, at } => self.enlist(*robot, name, *node, *at),
             Fact::Tasked { robot, task } => self.task(*robot, *task),
             Fact::Routed { bookings } => self.route(bookings),
-
             Fact::Granted { robot, serial, at } => {
                 self.timeline.grant(Holder::Robot(*robot), *serial, *at);
             }
@@ -217,22 +243,6 @@ impl Ledger {
                 self.robots[*robot].failed = true;
                 self.robots[*robot].fenced = Some(*at);
             }
-            Fact::Hired { worker, name, .. } => {
-                let id = self.workers.push(name.clone());
-                assert_eq!(id, *worker, "workers are numbered in order");
-            }
-            Fact::Assigned { assignment, worker, request, at } => {
-                self.hand_out(*assignment, *worker, request, *at);
-            }
-            Fact::Advanced { assignment, state, .. } => self.advance(*assignment, *state),
-            Fact::Closed { closure, area } => {
-                assert_eq!(closure.0, self.next_closure, "closures are numbered in order");
-                self.next_closure += 1;
-                self.closures.insert(*closure, area.clone());
-            }
-            Fact::Reopened { closure, .. } => {
-                self.closures.remove(closure).expect("only what is closed is opened again");
-            }
             Fact::Halted { robot, at } => *self.halted(*robot) = Some(*at),
             Fact::Released { robot, .. } => {
                 *self.halted(*robot) = None;
@@ -240,23 +250,21 @@ impl Ledger {
                     self.robots[*robot].fenced = None;
                 }
             }
-            Fact::StationPaused { station, at } => {
-                self.paused_stations.insert(*station, *at);
-            }
-            Fact::StationResumed { station, .. } => {
-                self.paused_stations.remove(station);
-            }
-            Fact::Prioritised { job, priority, .. } => {
-                self.jobs.get_mut(job).expect("only live jobs change").request.priority = *priority;
-            }
-            Fact::Encountered(_) => self.counts.encounters += 1,
-            Fact::Deviated { .. } => self.counts.deviations += 1,
-            Fact::Interrupted { .. } => self.counts.interruptions += 1,
-            Fact::KeysExpired { jobs, assignments } => {
-                jobs.iter().for_each(|job| self.keys.forget(*job));
-                assignments.iter().for_each(|assignment| self.assignment_keys.forget(*assignment));
-            }
+            other => unreachable!("{other:?} is taken in above"),
         }
+    }
+
+    fn accept(&mut self, id: JobId, request: &JobRequest, at: Time) {
+        assert_eq!(id.0, self.next_job, "jobs are numbered in order");
+        self.next_job += 1;
+        if let Some(key) = &request.key {
+            self.keys.insert(key.clone(), id);
+        }
+        if let Some(rack) = request.kind.rack() {
+            self.wishes.note(rack);
+        }
+        self.jobs.insert(id, Job { request: request.clone(), state: JobState::Waiting, accepted: at });
+        self.note_named(id, &request.kind, JobState::Waiting);
     }
 
     /// Since when one robot, or the whole fleet, is to stand.

@@ -1,8 +1,8 @@
 //! The life of a job: one table of what may happen to it, and of what its robot does meanwhile.
 //!
-//! Main types: [`Stage`], [`Work`], [`Event`]; main functions [`next`] (the table) and [`work`] (what the robot of a job
-//! in some stage does for it). `Ledger::evolve` asserts both for every fact in every build, so a job and the task of
-//! the robot that serves it can never disagree. Refuses: to decide that something happens.
+//! Main types: [`Stage`], [`Work`], [`Event`]; main functions [`next`] (the table) and [`work`] (what the robot of a
+//! job in some stage does for it). `Ledger::evolve` asserts both for every fact in every build, so a job and the task
+//! of the robot that serves it can never disagree. Refuses: to decide that something happens.
 
 use super::fact::Task;
 use super::job::{JobKind, JobState};

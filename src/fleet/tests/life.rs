@@ -1,4 +1,4 @@
-//! Job life cycles at their seams: two jobs for one robot, two racks for one place, cancels amid it, ends that are true.
+//! Job life cycles at their seams: two jobs for one robot, two racks for one place, cancels, ends that are true.
 
 use super::*;
 

@@ -7,7 +7,8 @@ use super::grid::Grid;
 use super::{MapError, Notes, Options};
 use crate::warehouse::{Draft, Users};
 
-/// Every letter of the format, and `E` of later benchmarks; the first four are free.
+/// Every letter of the format, and `E` of the League of Robot Runners, whose `S` is floor like the format's own swamp;
+/// the first four are free.
 const LETTERS: &str = ".GSE@OTW";
 const FREE: &str = ".GSE";
 
@@ -92,6 +93,15 @@ mod tests {
         assert_eq!(notes.0, ["5 of 39 free cells became parking places"]);
         let top_right = w.node_named("r0c8").expect("a corner");
         assert_eq!((w.nodes[top_right].at.x, w.nodes[top_right].at.y), (8.0, 4.0));
+    }
+
+    #[test]
+    fn places_of_the_league_of_robot_runners_are_floor_like_any_other() {
+        let text = "type octile\nheight 3\nwidth 4\nmap\nE.SS\n..@S\nE.ST\n";
+        let (draft, _) = parse(text, &Options::default()).expect("an octile grid");
+        let w = draft.build().expect("well-formed");
+        assert_eq!(w.nodes.len(), 10);
+        assert!(["r0c0", "r0c3", "r2c0", "r2c2"].iter().all(|name| w.node_named(name).is_some()));
     }
 
     #[test]
