@@ -103,12 +103,19 @@ impl Fleet {
             if self.send_to_charger(robot) {
                 continue;
             }
-            if self.battery(robot) < self.settings.charging.low && !self.at_charger(robot) {
+            let low = self.battery(robot) < self.settings.charging.low;
+            if (low || self.is_sent_to_charge(robot)) && !self.at_charger(robot) {
                 without.push(robot);
             }
             self.leave_the_way(robot, now);
         }
         self.make_room_at_chargers(&without, now);
+    }
+
+    /// Whether a customer wants an idle robot to charge, and no charger was free.
+    fn is_sent_to_charge(&self, robot: RobotId) -> bool {
+        let job = self.named_job_for(robot).map(|job| self.ledger.jobs[&job].request.kind);
+        matches!(job, Some(JobKind::Charge { .. }))
     }
 
     /// Sends an idle robot to a free charger if it should charge.

@@ -167,7 +167,9 @@ fn is_true(why: JobWhy, now: Time, world: &World, fleet: &Fleet) -> bool {
         JobWhy::After(job) => ledger.jobs.contains_key(&job),
         JobWhy::RackBusy(rack, robot, _) => {
             let fetches = matches!(ledger.robots[robot].task, Task::Fetch { rack: k, .. } if k == rack);
-            fetches || world.racks()[rack] == RackAt::On(robot)
+            // The robot has set it down, and its word for that is on the way.
+            let there = world.node_of(robot).is_some_and(|n| world.racks()[rack] == RackAt::Stored(n));
+            fetches || there || world.racks()[rack] == RackAt::On(robot)
         }
         JobWhy::RobotBusy(robot, _) => works(robot),
         JobWhy::Robot(_, Why::Failed | Why::Silent | Why::Paused | Why::Stopped) => true,

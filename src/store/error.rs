@@ -112,7 +112,7 @@ pub enum StoreError {
     /// The facts speak of another map.
     #[error(
         "the database {path} belongs to the map \"{theirs}\", which is not the map \"{ours}\" of this \
-         scenario (nodes, lanes, racks or stations differ): use another --database, or the same map"
+         scenario (nodes, where they are, lanes, racks or stations differ): use another --database, or the same map"
     )]
     OtherMap {
         /// Which file.

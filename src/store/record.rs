@@ -387,18 +387,20 @@ impl From<Record> for Fact {
             }
             Record::Encountered(encounter) => Fact::Encountered(encounter.into()),
             Record::Deviated { worker, at } => Fact::Deviated { worker: WorkerId(worker), at: Time(at) },
-            Record::Interrupted { robot, worker, reaction, at } => Fact::Interrupted {
-                robot: RobotId(robot),
-                worker: WorkerId(worker),
-                reaction: reaction.into(),
-                at: Time(at),
-            },
-            Record::KeysExpired { jobs, assignments } => Fact::KeysExpired {
-                jobs: jobs.into_iter().map(JobId).collect(),
-                assignments: assignments.into_iter().map(AssignmentId).collect(),
-            },
+            Record::Interrupted { robot, worker, reaction, at } => interrupted(robot, worker, reaction, at),
+            Record::KeysExpired { jobs, assignments } => keys_expired(jobs, assignments),
         }
     }
+}
+
+fn interrupted(robot: u32, worker: u32, reaction: ReactionRecord, at: i64) -> Fact {
+    let (robot, worker) = (RobotId(robot), WorkerId(worker));
+    Fact::Interrupted { robot, worker, reaction: reaction.into(), at: Time(at) }
+}
+
+fn keys_expired(jobs: Vec<u64>, assignments: Vec<u64>) -> Fact {
+    let assignments = assignments.into_iter().map(AssignmentId).collect();
+    Fact::KeysExpired { jobs: jobs.into_iter().map(JobId).collect(), assignments }
 }
 
 impl From<&JobRequest> for RequestRecord {

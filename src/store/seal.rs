@@ -1,12 +1,14 @@
 //! The seal of a map: ids in the journal are positions in a map, so the journal belongs to that map alone.
 //!
-//! Main function: [`seal`]. Refuses: to notice changes that move no id and no meaning, such as a speed limit.
+//! Main function: [`seal`]. Places belong to it, since which nodes get in each other's way follows from them: with a
+//! node that was moved, holds that were promised may overlap. Refuses: to notice changes that move no id and no
+//! meaning, such as a speed limit.
 
 use crate::id::Dense;
 use crate::warehouse::{NodeKind, Warehouse};
 use sha2::{Digest, Sha256};
 
-/// A digest over everything that facts refer to by position: nodes, lanes, stations and racks.
+/// A digest over everything that facts refer to by position, and where it is: nodes, lanes, stations and racks.
 pub fn seal(w: &Warehouse) -> String {
     let mut hash = Sha256::new();
     let mut line = |text: String| {
@@ -14,8 +16,10 @@ pub fn seal(w: &Warehouse) -> String {
         hash.update(text);
     };
     for n in w.nodes.iter() {
-        line(format!("node {} {}", n.name, purpose(n.kind)));
+        let mm = |metres: f64| (metres * 1000.0).round() as i64;
+        line(format!("node {} {} {} {}", n.name, purpose(n.kind), mm(n.at.x), mm(n.at.y)));
     }
+    line(format!("footprint {}", (w.footprint_m * 1000.0).round() as i64));
     for l in w.lanes.iter() {
         line(format!("lane {} {} {}", l.a.ix(), l.b.ix(), l.both));
     }

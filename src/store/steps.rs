@@ -89,8 +89,9 @@ impl Store {
         Ok((facts, last))
     }
 
-    /// Writes steps and what they mean for the lists, all or none, while the files are still the database. `next` is the number of the first one: where the
-    /// journal has them already, since an earlier try succeeded unnoticed, nothing is written.
+    /// Writes steps and what they mean for the lists, all or none, while the files are still the database. `next` is
+    /// the number of the first one: where the journal has them already, since an earlier try succeeded unnoticed,
+    /// nothing is written.
     ///
     /// # Errors Where the database does not take them. Then nothing was written, and it may be tried again
     /// with the same steps unless [`StoreError::is_fatal`].

@@ -22,6 +22,7 @@ mod past;
 mod people;
 mod recovery;
 mod run;
+mod stations;
 mod store;
 mod tls;
 mod why;

@@ -21,8 +21,12 @@ struct Program {
 
 impl Program {
     fn start(folder: &Folder) -> Program {
+        Program::with(folder, SCENARIO)
+    }
+
+    fn with(folder: &Folder, scenario: &str) -> Program {
         let mut child = Command::new(env!("CARGO_BIN_EXE_giveway"))
-            .args(["serve", "--listen", "127.0.0.1:0", "--scenario", SCENARIO, "--database"])
+            .args(["serve", "--listen", "127.0.0.1:0", "--scenario", scenario, "--database"])
             .arg(folder.database())
             .current_dir(folder.path())
             .env("RUST_LOG", "warn")
@@ -188,4 +192,40 @@ fn a_program_that_cannot_start_says_why_and_fails() {
     assert_eq!(code, Some(1));
     assert!(text.contains("hole.json") && text.contains("line"), "{text}");
     assert_eq!(run(&["serve", "--colour"]).0, Some(2));
+}
+
+/// Two robots and customers that want jobs of every kind, and change their minds.
+const BUSY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/it/busy.json");
+
+#[tokio::test(flavor = "multi_thread")]
+async fn with_customers_of_every_kind_no_job_is_lost_over_kills_and_the_floor_goes_on() {
+    let folder = Folder::new();
+    let mut known: BTreeMap<String, Value> = BTreeMap::new();
+    for round in 0..3 {
+        let program = Program::with(&folder, BUSY);
+        let at = program.address;
+        let jobs = all_jobs(at, 500).await;
+        for (id, old) in &known {
+            let found: Vec<_> = jobs.iter().filter(|j| j["id"] == **id).collect();
+            assert_eq!(found.len(), 1, "{id} was listed before the kill");
+            let over = |j: &Value| ["done", "cancelled", "failed"].iter().any(|s| j["state"] == *s);
+            assert!(!over(old) || found[0]["state"] == old["state"], "{old} became {}", found[0]);
+        }
+        // Simulated customers go on by themselves; what is listed is durable.
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            let done =
+                get(at, "/v1/jobs?state=done&limit=500").await.json()["items"].as_array().unwrap().len();
+            if done >= 3 * (round + 1) {
+                break;
+            }
+            assert!(Instant::now() < deadline, "only {done} are done in round {round}");
+            tokio::time::sleep(Duration::from_millis(200)).await;
+        }
+        assert_eq!(get(at, "/v1/health").await.status, 200);
+        known = all_jobs(at, 500).await.into_iter().map(|j| (j["id"].as_str().unwrap().into(), j)).collect();
+        program.kill();
+    }
+    let kinds: std::collections::BTreeSet<&str> = known.values().filter_map(|j| j["kind"].as_str()).collect();
+    assert!(kinds.len() >= 3, "{kinds:?}");
 }

@@ -296,6 +296,12 @@ async fn a_database_belongs_to_its_map() {
     other.racks[last].name = "another".into();
     let error = Store::open(&folder.database(), &other).await.unwrap_err().to_string();
     assert!(error.contains("use another --database, or the same map"), "{error}");
+    // Holds that were promised may overlap on it, so it is refused in words and not found out by a panic.
+    let mut moved = map();
+    let node = moved.nodes.ids().next().unwrap();
+    moved.nodes[node].at.x += 0.15;
+    let error = Store::open(&folder.database(), &moved).await.unwrap_err().to_string();
+    assert!(error.contains("where they are"), "{error}");
     let mut faster = map();
     faster.name = "renamed".into();
     Store::open(&folder.database(), &faster).await.unwrap();

@@ -68,3 +68,21 @@ fn a_critical_robot_gives_its_job_back_and_goes_to_charge() {
     floor.until_over(600);
     assert_eq!(floor.story(job).last(), Some(&"done"));
 }
+
+#[test]
+fn a_robot_that_is_sent_to_charge_gets_a_charger_although_full_robots_stand_at_all_of_them() {
+    let one = Scenario { demand: Demand::None, charging: Charging::default(), ..few_chargers(3, 1) };
+    let mut floor = Floor::new(thesis(), &one);
+    let charger = floor.node("C1-15");
+    floor.until(4_000, "a robot is full at the charger", |f| {
+        let full = |r: usize| f.fleet.view(f.now).robots[r].battery >= 0.9;
+        (0..3).any(|r| f.fleet.ledger().node_of(RobotId::at(r)) == charger && full(r))
+    });
+    let other = (0..3)
+        .map(RobotId::at)
+        .find(|r| floor.fleet.ledger().node_of(*r) != charger)
+        .expect("two are elsewhere");
+    let job = floor.submit(request(JobKind::Charge { robot: other }));
+    floor.until(4_000, "it charges", |f| f.state(job).is_none());
+    assert_eq!(floor.story(job), ["assigned", "done"]);
+}
