@@ -155,6 +155,9 @@
 //! | a kind of job | `fleet/job.rs`, `fact.rs` (`Task`), `settle.rs`, `plan.rs` (`stages`); `api/http/jobs.rs` |
 //! | which robot gets which job | `fleet/assign.rs` |
 //! | where racks are put, where robots rest | `fleet/storage.rs` |
+//! | what may happen to a job, and what its robot does meanwhile | `fleet/life.rs`; cancelling: `fleet/absorb.rs` |
+//! | when robots charge, which one leaves a charger | `fleet/charging.rs` |
+//! | when a pick ends, a station that is paused | `fleet/station.rs`; `api/http/stations.rs` |
 //! | which waiting job comes first | `fleet/index/queue.rs` (`urgency_ms`); jobs before jobs: `fleet/index/waits.rs` |
 //! | what is looked up instead of searched | `fleet/index/`; kept by `Ledger::evolve`, compared by the laws |
 //! | how many of anything there may be | `fleet/mod.rs` (`Settings`), `docs/operate.md` |
@@ -177,7 +180,7 @@
 //! | where people will be, how sure that is | `human/outlook.rs`, `human/motion/`; learned: `experiment/learning/` |
 //! | whether forecasts hold | `human/coverage.rs`; who brakes for them: `aware/collision.rs`, `fleet/foresee.rs` |
 //! | a key of scenario files | `sim/scenario.rs`, `docs/scenarios.md` |
-//! | what every simulation must keep | `sim/laws.rs` |
+//! | what every simulation must keep | `sim/laws.rs`, `sim/job_laws.rs`; in the server: `server/watchdog.rs` |
 //! | what a recording holds | `sim/recording.rs` |
 //! | what simulated robots, radios, customers do | `sim/robot.rs`, `sim/link.rs`, `sim/customers.rs` |
 //! | an endpoint, an error, a wire type | `api/http/`, `api/error.rs`, `api/dto.rs`; `web/src/wire.ts` |

@@ -1,6 +1,6 @@
 //! Standard output that may be closed by its reader, as by `head`.
 //!
-//! Main functions: [`line`], [`text`], behind `println!` and `print!` of all commands; [`tell`] for the server. A
+//! Main functions: [`line()`], [`text()`], behind `println!` and `print!` of all commands; [`tell`] for the server. A
 //! command whose reader has left ends quietly with [`CLOSED_PIPE`]. Refuses: to panic over it.
 
 use std::fmt::Arguments;

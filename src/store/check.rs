@@ -21,7 +21,7 @@ const COPY: &str = "VACUUM INTO $1";
 pub struct Belongs {
     /// The map's name.
     pub map: String,
-    /// Its seal; see [`super::seal`].
+    /// Its seal; see [`super::seal()`].
     pub seal: String,
 }
 
