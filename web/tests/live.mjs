@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, check, finish, openBrowser } from './chromium.mjs';
+import { PATIENCE, assert, check, finish, openBrowser, until } from './chromium.mjs';
 
 const url = process.argv[2];
 if (!url) {
@@ -145,6 +145,25 @@ await check('A station, a rack and a charger tell about themselves', async () =>
   }
   await page.screenshot({ path: `${SHOTS}place.png` });
   return told.join('; ');
+});
+await check('At a station a pick is ended and picking is paused by hand', async () => {
+  const station = map.stations[0].id;
+  await page.getByLabel('Find on the floor').fill(station);
+  await page.keyboard.press('Enter');
+  const card = page.getByRole('region', { name: 'Station', exact: true });
+  // A pick of an hour: it ends because the button says so.
+  const data = { kind: 'deliver', rack: map.racks[0].id, station, pick_s: 3600, priority: 9 };
+  const job = await (await context.request.post(new URL('/v1/jobs', url).href, { data })).json();
+  const state = async () => (await (await context.request.get(new URL(`/v1/jobs/${job.id}`, url).href)).json()).state;
+  await until(`${job.id} at the station`, async () => (await state()) === 'picking');
+  await card.getByRole('button', { name: 'Pick done' }).click({ timeout: PATIENCE });
+  await until(`${job.id} done`, async () => (await state()) === 'done');
+  await card.getByRole('button', { name: 'Pause the station' }).click({ timeout: PATIENCE });
+  await card.getByRole('button', { name: 'Resume the station' }).waitFor({ timeout: PATIENCE });
+  await page.screenshot({ path: `${SHOTS}station.png` });
+  await card.getByRole('button', { name: 'Resume the station' }).click();
+  await card.getByRole('button', { name: 'Pause the station' }).waitFor({ timeout: PATIENCE });
+  return `${job.id} ended by hand`;
 });
 await check('A click on the floor chooses what is there', async () => {
   await page.getByRole('button', { name: 'Show the whole floor' }).click();
