@@ -6,10 +6,10 @@
 use super::customers::FIRST_TOKEN;
 use super::link::Link;
 use super::random::Stream;
+use super::scenario::{Assignments, Workers};
 use super::scenario::{Faults, Scenario};
 use super::sensor::Device;
 use super::walker::{Around, Desk, Job, RobotNear, Shown, Walker, ease};
-use super::workforce::{Assignments, Workers};
 use crate::fleet::{Assignment, AssignmentRequest, AssignmentState, Fleet, Guidance, GuidanceState, Input};
 use crate::geometry::{Point, Pose};
 use crate::id::{AssignmentId, NodeId, WorkerId};

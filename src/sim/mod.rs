@@ -5,15 +5,13 @@
 //! steps world and fleet and checks the [`laws`]). Pure and deterministic: same build, same seed, same bytes. Refuses:
 //! to show the fleet anything that a real floor would not.
 
-mod closures;
+mod announce;
 mod crew;
 mod customers;
 pub mod detection;
 mod digest;
 pub mod encounter;
 mod guard;
-mod habits;
-mod job_laws;
 pub mod laws;
 mod link;
 mod random;
@@ -25,15 +23,14 @@ mod scenario;
 mod sensor;
 mod tally;
 pub mod walker;
-mod workforce;
 mod world;
 
-pub use closures::Closing;
 pub use customers::{FIRST_TOKEN, OrderLine};
 pub use digest::Digest;
-pub use habits::Habits;
 pub use laws::Violation;
 pub use run::{Outcome, People, Simulation, Tally};
-pub use scenario::{Demand, Faults, Scenario, ScenarioError};
-pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, Sensor, Source, Workers};
+pub use scenario::{
+    Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, Personas, Rates, Scenario,
+    ScenarioError, Sensor, Source, Workers,
+};
 pub use world::{World, starting_places};

@@ -4,7 +4,7 @@
 //! wrong.
 
 use super::random::Stream;
-use super::workforce::{Sensor, Source};
+use super::scenario::{Sensor, Source};
 use crate::geometry::{Point, Pose, Vector, wrap_angle};
 use crate::human::{Quality, Sighting};
 use crate::id::WorkerId;

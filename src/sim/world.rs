@@ -2,7 +2,7 @@
 //!
 //! Main type: [`World`]. Refuses: to let the fleet see anything but telemetry and orders.
 
-use super::closures::announce;
+use super::announce::announce;
 use super::crew::{Crew, Presence};
 use super::customers::{Customers, OrderLine};
 use super::encounter::{Figures, Meter, Person};

@@ -5,7 +5,7 @@
 //! the walker heeds it.
 
 use crate::sim::random::Stream;
-use crate::sim::workforce::Deviations;
+use crate::sim::scenario::Deviations;
 use crate::time::{Span, Time};
 
 /// Something that comes to a walker's mind. `pick` in `[0, 1)` chooses the place.
@@ -118,7 +118,7 @@ fn impulse(kind: Kind, random: &mut Stream) -> Impulse {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sim::workforce::{Causes, Rates};
+    use crate::sim::scenario::{Causes, Rates};
     use std::collections::BTreeMap;
 
     #[test]

@@ -19,7 +19,7 @@ pub use legs::{Around, BODY_M, RobotNear, ease};
 pub use persona::{Persona, Traits};
 
 use super::random::Stream;
-use super::workforce::Workers;
+use super::scenario::Workers;
 use crate::geometry::{Point, Pose};
 use crate::id::AssignmentId;
 use crate::time::{Span, Time};

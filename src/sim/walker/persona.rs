@@ -4,7 +4,7 @@
 //! to change after it was drawn.
 
 use crate::sim::random::Stream;
-use crate::sim::workforce::Personas;
+use crate::sim::scenario::Personas;
 use crate::time::Span;
 
 /// How a walker takes a robot that comes nearer.

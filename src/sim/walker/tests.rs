@@ -5,7 +5,7 @@ use super::persona::SPEEDS;
 use super::*;
 use crate::geometry::{Vector, axis_distance};
 use crate::id::NodeId;
-use crate::sim::workforce::{Causes, Deviations, Personas, Rates};
+use crate::sim::scenario::{Causes, Deviations, Personas, Rates};
 use crate::warehouse::walkway::Walkways;
 use crate::warehouse::{NodeKind, Warehouse, thesis};
 

@@ -3,18 +3,14 @@
 //! Main type: [`JobLaws`]. Ends are compared with where racks and robots truly are. Refuses: to take a reason for true
 //! that the floor does not show.
 
-use super::laws::Violation;
-use super::world::World;
+use super::super::world::World;
+use super::violation::{DELIVERS, OVERDUE, Violation};
 use crate::fleet::{Fact, Fleet, JobKind, JobState, JobWhy, RackAt, Task, Why};
 use crate::id::{JobId, RobotId};
-use crate::time::{Span, Time};
+use crate::time::Time;
 use crate::warehouse::NodeKind;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A job in one state for longer than this has a reason that is true.
-pub(super) const OVERDUE: Span = Span::from_secs(600);
-/// While jobs wait and robots can drive, something is delivered within this.
-pub(super) const DELIVERS: Span = Span::from_secs(1200);
 /// Every how many steps open jobs are looked at.
 const LOOKS_EVERY: u64 = 100;
 
@@ -201,7 +197,7 @@ fn w_station(fleet: &Fleet, station: crate::id::StationId) -> crate::id::NodeId 
 }
 
 /// How many jobs are open and how many racks are not in storage.
-pub(super) fn undrained(world: &World, fleet: &Fleet) -> (usize, usize) {
+pub(in crate::sim) fn undrained(world: &World, fleet: &Fleet) -> (usize, usize) {
     let w = fleet.warehouse();
     let stored = |at: &&RackAt| !matches!(at, RackAt::Stored(n) if w.kind(*n) == NodeKind::Storage);
     (fleet.ledger().jobs.len(), world.racks().iter().filter(stored).count())

@@ -2,17 +2,14 @@
 //!
 //! Main type: [`Closing`]. Refuses: areas of nothing, times that cannot be, and nodes that the map does not have.
 
-use super::customers::FIRST_TOKEN;
-use super::scenario::{Scenario, ScenarioError, check};
-use crate::fleet::{Closure, Fleet, Input};
+use super::check::{ScenarioError, check};
+use crate::fleet::Closure;
 use crate::geometry::{Point, Spot};
 use crate::id::NodeId;
 use crate::time::{Span, Time, Window};
 use crate::warehouse::Warehouse;
 use serde::Deserialize;
 
-/// Requests to close an area carry tokens from here on.
-const CLOSING_TOKEN: u64 = FIRST_TOKEN | 1 << 61;
 /// A closed node is shown as a square of twice this side, metres.
 const AROUND_NODE_M: f64 = 0.25;
 
@@ -55,7 +52,7 @@ impl Closing {
     }
 
     /// The areas as the fleet takes them, for a scenario that begins at `start`: one for an outline, one for each node.
-    fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, ScenarioError> {
+    pub(super) fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, ScenarioError> {
         let at = |s: f64| start + Span::from_secs_f64(s);
         let window = Window::new(at(self.from_s), self.until_s.map_or(Time::MAX, at));
         let area = |corners: &mut dyn Iterator<Item = Point>, nodes: Vec<NodeId>| Closure {
@@ -81,26 +78,9 @@ impl Closing {
     }
 }
 
-impl Scenario {
-    /// All areas that the scenario closes, if it begins at `start`.
-    ///
-    /// # Errors
-    /// Where the map does not have a node that is to be closed.
-    pub fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, ScenarioError> {
-        let areas: Result<Vec<_>, _> = self.closures.iter().map(|c| c.areas(warehouse, start)).collect();
-        Ok(areas?.concat())
-    }
-}
-
-/// What is said to the fleet at the start: all areas, unless it has been told of some before.
-pub(super) fn announce(areas: Vec<Closure>, fleet: &Fleet) -> impl Iterator<Item = Input> + use<> {
-    let told = fleet.ledger().next_closure > 1;
-    let new = areas.into_iter().filter(move |_| !told);
-    new.zip(CLOSING_TOKEN..).map(|(area, token)| Input::Close { token, area })
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::Scenario;
     use super::*;
     use crate::warehouse::lab;
 

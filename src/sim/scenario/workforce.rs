@@ -3,7 +3,7 @@
 //! Main types: [`Workers`], [`Assignments`], [`Deviations`], [`Rates`], [`Sensor`], [`Personas`]. Refuses: numbers
 //! that cannot be, and to simulate anybody.
 
-use super::scenario::{ScenarioError, check};
+use super::check::{ScenarioError, check};
 use serde::Deserialize;
 
 /// The people of a scenario.

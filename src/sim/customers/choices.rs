@@ -1,123 +1,20 @@
-//! What simulated customers want beside deliveries, how they change their minds, and what operators do by hand.
+//! Draws what simulated customers want beside deliveries, how they change their minds, and what operators do by hand.
 //!
-//! Main types: [`Habits`] (a scenario's `customers`), [`Choices`] (draws from it). Refuses: to draw anything where a
+//! Main type: [`Choices`]. Refuses: to draw anything where a
 //! scenario has no such customers, so that its runs stay as they were.
 
-use super::random::Stream;
-use super::scenario::{ScenarioError, check};
+use super::super::random::Stream;
+use super::super::scenario::Habits;
 use crate::fleet::{Fleet, Input, JobKind, JobRequest, Reply, StationOrder};
 use crate::id::{Dense, JobId, NodeId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
-use serde::Deserialize;
 use std::collections::{BTreeMap, VecDeque};
 
 /// The purpose of the stream of random numbers.
 const PURPOSE: u64 = 41;
 /// So many accepted jobs may be named in `after`, the newest ones.
 const REMEMBERED: usize = 32;
-
-/// What customers want and do.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Habits {
-    /// How often each kind is wanted, relative to the others.
-    pub deliver: f64,
-    /// Racks to be put back onto the best storage node.
-    #[serde(rename = "return")]
-    pub put_back: f64,
-    /// Racks to be put onto a certain storage node.
-    pub relocate: f64,
-    /// Robots sent to a charger.
-    pub charge: f64,
-    /// Robots sent to a parking place.
-    pub park: f64,
-    /// Robots sent to a node.
-    pub go: f64,
-    /// Share of jobs with a priority above 0.
-    pub priority: f64,
-    /// Share of jobs that are due within the hour.
-    pub deadline: f64,
-    /// Share of jobs that come after one or two others.
-    pub after: f64,
-    /// Share of jobs with a key that are handed in twice.
-    pub twice: f64,
-    /// Share of jobs that are cancelled.
-    pub cancel: f64,
-    /// After how long, in the mean, seconds.
-    pub cancel_after_s: f64,
-    /// Share of deliveries at which the picker takes long.
-    pub slow_pick: f64,
-    /// How long then, seconds.
-    pub slow_pick_s: f64,
-    /// Share of picks at which goods are missing.
-    pub short: f64,
-    /// How often an hour somebody pauses a robot.
-    pub robot_pauses_per_hour: f64,
-    /// How often an hour nobody picks at some station.
-    pub station_pauses_per_hour: f64,
-    /// How long either lasts, seconds.
-    pub pause_s: f64,
-}
-
-impl Default for Habits {
-    fn default() -> Habits {
-        Habits {
-            deliver: 1.0,
-            put_back: 0.0,
-            relocate: 0.0,
-            charge: 0.0,
-            park: 0.0,
-            go: 0.0,
-            priority: 0.0,
-            deadline: 0.0,
-            after: 0.0,
-            twice: 0.0,
-            cancel: 0.0,
-            cancel_after_s: 60.0,
-            slow_pick: 0.0,
-            slow_pick_s: 120.0,
-            short: 0.0,
-            robot_pauses_per_hour: 0.0,
-            station_pauses_per_hour: 0.0,
-            pause_s: 60.0,
-        }
-    }
-}
-
-impl Habits {
-    pub(super) fn check(&self) -> Result<(), ScenarioError> {
-        let kinds = [self.deliver, self.put_back, self.relocate, self.charge, self.park, self.go];
-        let sum: f64 = kinds.iter().sum();
-        check("customers (sum of kinds)", sum, 1e-9..=1e9, "above 0, for some kind of job")?;
-        for (key, share) in [
-            ("customers.priority", self.priority),
-            ("customers.deadline", self.deadline),
-            ("customers.after", self.after),
-            ("customers.twice", self.twice),
-            ("customers.cancel", self.cancel),
-            ("customers.slow_pick", self.slow_pick),
-            ("customers.short", self.short),
-        ] {
-            check(key, share, 0.0..=1.0, "from 0 to 1")?;
-        }
-        for (key, number) in [
-            ("customers.cancel_after_s", self.cancel_after_s),
-            ("customers.slow_pick_s", self.slow_pick_s),
-            ("customers.pause_s", self.pause_s),
-        ] {
-            check(key, number, 0.1..=1e6, "from 0.1 to 1000000")?;
-        }
-        check("customers.robot_pauses_per_hour", self.robot_pauses_per_hour, 0.0..=1e4, "from 0 to 10000")?;
-        check(
-            "customers.station_pauses_per_hour",
-            self.station_pauses_per_hour,
-            0.0..=1e4,
-            "from 0 to 10000",
-        )?;
-        kinds.iter().try_for_each(|k| check("customers (a kind)", *k, 0.0..=1e9, "0 or more"))
-    }
-}
 
 /// Something that somebody is to undo.
 #[derive(Clone, Copy, Debug, PartialEq)]

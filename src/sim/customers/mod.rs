@@ -2,7 +2,9 @@
 //!
 //! Main type: [`Customers`]. Refuses: to look at anything a customer could not see (it counts waiting jobs, no more).
 
-use super::habits::Choices;
+mod choices;
+
+use self::choices::Choices;
 use super::random::Stream;
 use super::scenario::{Demand, Scenario};
 use crate::fleet::{Fleet, Input, JobKind, JobState, Reply};

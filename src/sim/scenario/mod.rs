@@ -3,14 +3,23 @@
 //! Main type: [`Scenario`]. Takes text; whoever reads the file resolves the paths in it. Refuses: unknown keys and
 //! numbers that cannot be.
 
-use super::closures::Closing;
-use super::habits::Habits;
-use super::workforce::Workers;
+mod check;
+mod closures;
+mod habits;
+mod workforce;
+
+pub use check::ScenarioError;
+pub use closures::Closing;
+pub use habits::Habits;
+pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, Sensor, Source, Workers};
+
 use crate::aware::Arm;
-use crate::fleet::Charging;
+use crate::fleet::{Charging, Closure};
 use crate::human::Model;
 use crate::route::Kinematics;
-use crate::time::Span;
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
+use check::check;
 use serde::Deserialize;
 use std::sync::Arc;
 
@@ -92,31 +101,6 @@ impl Default for Faults {
     fn default() -> Faults {
         Faults { message_loss: 0.0, message_delay_ms: 20, failures_per_hour: 0.0, repair_s: 300.0 }
     }
-}
-
-/// A scenario file that cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ScenarioError {
-    /// It is not JSON of the right shape.
-    #[error("line {line}, column {column}: {message}")]
-    Syntax {
-        /// Where.
-        line: usize,
-        /// Where in the line.
-        column: usize,
-        /// What.
-        message: String,
-    },
-    /// A number in it cannot be.
-    #[error("`{key}` is {found}, but must be {wanted}")]
-    Number {
-        /// Which.
-        key: &'static str,
-        /// What it is.
-        found: String,
-        /// What it may be.
-        wanted: &'static str,
-    },
 }
 
 #[derive(Deserialize)]
@@ -270,6 +254,15 @@ impl Scenario {
         })
     }
 
+    /// All areas that the scenario closes, if it begins at `start`.
+    ///
+    /// # Errors
+    /// Where the map does not have a node that is to be closed.
+    pub fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, ScenarioError> {
+        let areas: Result<Vec<_>, _> = self.closures.iter().map(|c| c.areas(warehouse, start)).collect();
+        Ok(areas?.concat())
+    }
+
     /// The settings of the core for this scenario.
     pub fn settings(&self) -> crate::fleet::Settings {
         let Scenario { kinematics, period, arm, charging, .. } = *self;
@@ -311,19 +304,6 @@ impl Fleet {
             lift: Span::from_secs_f64(lift),
             ..usual
         })
-    }
-}
-
-pub(super) fn check(
-    key: &'static str,
-    found: f64,
-    range: std::ops::RangeInclusive<f64>,
-    wanted: &'static str,
-) -> Result<(), ScenarioError> {
-    if range.contains(&found) {
-        Ok(())
-    } else {
-        Err(ScenarioError::Number { key, found: found.to_string(), wanted })
     }
 }
 

@@ -1,0 +1,81 @@
+//! What the laws of a simulation find broken, in words.
+//!
+//! Main type: [`Violation`]. Refuses: to judge.
+
+use crate::fleet::{JobKind, JobState, JobWhy, Task, Why};
+use crate::id::{JobId, RackId, RobotId};
+use crate::time::Span;
+use std::fmt;
+
+/// A robot with a task, but without any progress for this long, is stuck.
+pub const STUCK: Span = Span::from_secs(600);
+/// A job in one state for longer than this has a reason that is true.
+pub(in crate::sim) const OVERDUE: Span = Span::from_secs(600);
+/// While jobs wait and robots can drive, something is delivered within this.
+pub(in crate::sim) const DELIVERS: Span = Span::from_secs(1200);
+
+/// A broken law.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Violation {
+    /// Two robots overlap.
+    Overlap(RobotId, RobotId),
+    /// A robot is beyond what it was granted.
+    BeyondGrant(RobotId),
+    /// A robot has had a task without progress for too long.
+    Stuck(RobotId, Task, Option<Why>),
+    /// A job vanished.
+    JobLost(JobId),
+    /// A job was done twice.
+    DoneTwice(JobId),
+    /// A rack was lifted where it did not stand, or set down onto another one.
+    Misplaced(RobotId, RackId),
+    /// A job ended as what did not happen.
+    UntrueEnd(JobId, JobKind),
+    /// A job has been in one state for too long without a reason that is true.
+    Unexplained(JobId, JobState, Option<JobWhy>),
+    /// Jobs wait and robots can drive, but nothing has been delivered for too long.
+    NothingDelivered,
+    /// After the customers stopped, so many jobs did not end, and so many racks are not in storage.
+    NotDrained(usize, usize, Vec<String>),
+    /// A robot drove into a worker and did not brake.
+    RunOver(RobotId, usize),
+    /// The ledger is not the fold of the facts.
+    Fold,
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Violation::Overlap(a, b) => write!(f, "robots {} and {} overlap", a.0 + 1, b.0 + 1),
+            Violation::BeyondGrant(r) => write!(f, "robot {} drove beyond its grant", r.0 + 1),
+            Violation::Stuck(r, task, why) => {
+                write!(f, "robot {} made no progress for {STUCK:?} on {task:?}: {why:?}", r.0 + 1)
+            }
+            Violation::JobLost(j) => write!(f, "job {j:?} was lost"),
+            Violation::DoneTwice(j) => write!(f, "job {j:?} was done twice"),
+            Violation::Misplaced(r, k) => {
+                write!(f, "robot {} lifted rack {k:?} where it was not, or set it onto another one", r.0 + 1)
+            }
+            Violation::UntrueEnd(j, kind) => {
+                write!(f, "job {j:?} ({kind:?}) is done, but that did not happen")
+            }
+            Violation::Unexplained(j, state, why) => {
+                write!(f, "job {j:?} has been {state:?} for {OVERDUE:?} without a true reason: {why:?}")
+            }
+            Violation::NothingDelivered => {
+                write!(f, "jobs wait and robots can drive, but nothing was delivered for {DELIVERS:?}")
+            }
+            Violation::NotDrained(jobs, racks, whys) => {
+                let whys = whys.join("; ");
+                write!(
+                    f,
+                    "the floor did not drain: {jobs} jobs are open, {racks} racks are not in storage: {whys}"
+                )
+            }
+            Violation::RunOver(r, w) => {
+                write!(f, "robot {} drove into worker {} and did not brake", r.0 + 1, w + 1)
+            }
+            Violation::Fold => write!(f, "the ledger is not the fold of its facts"),
+        }
+    }
+}

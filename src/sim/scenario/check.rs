@@ -1,0 +1,41 @@
+//! Numbers in a scenario file that cannot be are refused, with what they may be.
+//!
+//! Main type: [`ScenarioError`]; main function [`check`]. Refuses: to correct a number silently.
+
+/// A scenario file that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ScenarioError {
+    /// It is not JSON of the right shape.
+    #[error("line {line}, column {column}: {message}")]
+    Syntax {
+        /// Where.
+        line: usize,
+        /// Where in the line.
+        column: usize,
+        /// What.
+        message: String,
+    },
+    /// A number in it cannot be.
+    #[error("`{key}` is {found}, but must be {wanted}")]
+    Number {
+        /// Which.
+        key: &'static str,
+        /// What it is.
+        found: String,
+        /// What it may be.
+        wanted: &'static str,
+    },
+}
+
+pub(in crate::sim) fn check(
+    key: &'static str,
+    found: f64,
+    range: std::ops::RangeInclusive<f64>,
+    wanted: &'static str,
+) -> Result<(), ScenarioError> {
+    if range.contains(&found) {
+        Ok(())
+    } else {
+        Err(ScenarioError::Number { key, found: found.to_string(), wanted })
+    }
+}
