@@ -3,11 +3,10 @@
 //! Main types: [`RobotDto`], [`RackDto`], [`StationDto`], [`JobDto`], [`Page`], and [`Names`], which makes
 //! them. Ids on the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
 
-use super::people::{closure_name, worker_name};
 use super::port::JobRecord;
+use super::text::{closure_name, job_name, round3, time_text, worker_name};
 use crate::fleet::{Counts, Doing, JobFailure, JobKind, JobState, JobWhy, RackAt, RobotState, View, Why};
-use crate::id::{Dense, JobId, NodeId, RobotId};
-use crate::time::Time;
+use crate::id::{Dense, NodeId, RobotId};
 use crate::timeline::Holder;
 use crate::warehouse::{NodeKind, Warehouse};
 use serde::Serialize;
@@ -364,32 +363,4 @@ fn why_failed(why: JobFailure, warehouse: &Warehouse) -> String {
             format!("{node} has another rack, or is promised to one: the rack was put elsewhere")
         }
     }
-}
-
-/// A job's name on the wire.
-pub fn job_name(id: JobId) -> String {
-    format!("j{}", id.0)
-}
-
-/// A job's number from its name, if it is one.
-pub fn parse_job_name(text: &str) -> Option<JobId> {
-    let digits = text.strip_prefix('j')?;
-    let plain = digits.bytes().all(|b| b.is_ascii_digit()) && !digits.starts_with('0');
-    if plain { digits.parse().ok().map(JobId) } else { None }
-}
-
-/// A time as RFC 3339 in UTC.
-pub fn time_text(t: Time) -> String {
-    jiff::Timestamp::from_microsecond(t.0).map_or_else(|_| "out of range".into(), |t| t.to_string())
-}
-
-/// A time from RFC 3339 with any offset.
-pub fn parse_time(text: &str) -> Option<Time> {
-    text.parse::<jiff::Timestamp>().ok().map(|t| Time(t.as_microsecond()))
-}
-
-/// Rounded to a thousandth; never minus zero, never something JSON cannot say.
-pub fn round3(x: f64) -> f64 {
-    let rounded = (x * 1000.0).round() / 1000.0;
-    if rounded.is_finite() { rounded + 0.0 } else { 0.0 }
 }

@@ -5,8 +5,8 @@
 //! with location, orientation and time. Pure. Refuses: uuids that nobody made known, since a robot of another maker
 //! must not be taken for a person.
 
-use super::dto::parse_time;
 use super::feed::align::Alignment;
+use super::text::parse_time;
 use crate::geometry::{Point, Vector, wrap_angle};
 use crate::human::{Quality, Sighting};
 use crate::id::WorkerId;

@@ -6,7 +6,9 @@
 //! picture or at durable lists; writes put a request onto the desk and answer when its facts are durable. Refuses: to
 //! decide anything about robots, and to know store or server.
 
+mod assets;
 pub mod auth;
+mod building;
 pub mod dto;
 pub mod error;
 mod extract;
@@ -19,6 +21,7 @@ pub mod people;
 pub mod port;
 pub mod reel;
 mod refusal;
+pub mod text;
 pub mod waits;
 mod ws;
 

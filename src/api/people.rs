@@ -4,16 +4,15 @@
 //! [`guidance`] is what a headset gets. Workers are "w1", assignments "a1", closures "c1". Refuses: to add knowledge
 //! of its own, but for the direction of a robot as seen by a worker.
 
-use super::Api;
-use super::dto::{Names, round3, time_text};
-use super::error::Problem;
+use super::dto::Names;
 use super::feed::hub::Carried;
 use super::port::{AssignmentRecord, EncounterRecord};
+use super::text::{assignment_name, closure_name, round3, time_text, worker_name};
 use crate::fleet::{
     AssignmentState, Closure, Guidance, GuidanceReason, GuidanceState, NearRobot, Reaction, WorkerView,
 };
 use crate::geometry::{Point, inside, wrap_angle};
-use crate::id::{AssignmentId, ClosureId, Dense, NodeId, WorkerId};
+use crate::id::{ClosureId, Dense, NodeId, WorkerId};
 use crate::time::Time;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -443,61 +442,12 @@ impl From<&Carried> for SensesDto {
     }
 }
 
-/// A worker's number on the wire.
-pub fn worker_name(id: WorkerId) -> String {
-    format!("w{}", id.0 + 1)
-}
-
-/// An assignment's number on the wire.
-pub fn assignment_name(id: AssignmentId) -> String {
-    format!("a{}", id.0)
-}
-
-/// A closure's number on the wire.
-pub fn closure_name(id: ClosureId) -> String {
-    format!("c{}", id.0)
-}
-
-/// The number behind a letter, from 1 on.
-fn number(text: &str, letter: char) -> Option<u64> {
-    let digits = text.strip_prefix(letter)?;
-    let plain = digits.bytes().all(|b| b.is_ascii_digit()) && !digits.starts_with('0');
-    if plain { digits.parse().ok() } else { None }
-}
-
-/// A worker that is known.
-pub fn parse_worker(api: &Api, text: &str) -> Result<WorkerId, Problem> {
-    let id = number(text, 'w').and_then(|n| u32::try_from(n - 1).ok()).map(WorkerId);
-    let known = id.filter(|w| api.feeds.name(*w).is_some());
-    known.ok_or_else(|| {
-        Problem::unknown("worker", format!("there is no worker \"{text}\"; GET /v1/workers lists them"))
-    })
-}
-
-/// An assignment's number.
-pub fn parse_assignment(text: &str) -> Option<AssignmentId> {
-    number(text, 'a').map(AssignmentId)
-}
-
-/// A closure's number.
-pub fn parse_closure(text: &str) -> Option<ClosureId> {
-    number(text, 'c').map(ClosureId)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::fleet::{RobotView, View};
     use crate::id::RobotId;
     use crate::time::Span;
-
-    #[test]
-    fn numbers_behind_letters_are_read_strictly() {
-        assert_eq!(number("w12", 'w'), Some(12));
-        for bad in ["w0", "w", "12", "w-1", "w01", "a1", "w99999999999999999999", "w1 "] {
-            assert_eq!(number(bad, 'w'), None, "{bad}");
-        }
-    }
 
     #[test]
     fn a_robot_on_the_left_has_a_positive_bearing() {

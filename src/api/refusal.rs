@@ -2,9 +2,8 @@
 //!
 //! Main function: [`refused`]. Refuses: to leave anybody without a word of what to do.
 
-use super::dto::job_name;
 use super::error::{FieldError, Problem};
-use super::people::{assignment_name, closure_name, worker_name};
+use super::text::{assignment_name, closure_name, job_name, worker_name};
 use crate::fleet::{Bounded, Refusal};
 use crate::id::NodeId;
 use crate::warehouse::{NodeKind, Warehouse};

@@ -2,9 +2,9 @@
 //!
 //! Main types: [`WhyDto`], [`LinkDto`]. Refuses: to add knowledge of its own.
 
-use super::dto::{Names, job_name, round3, time_text};
-use super::people::{closure_name, worker_name};
+use super::dto::Names;
 use super::port::Waits;
+use super::text::{closure_name, job_name, round3, time_text, worker_name};
 use crate::fleet::{Act, Because, JobWhy, Waiting, Who, Why};
 use crate::time::Time;
 use crate::timeline::Holder;

@@ -7,6 +7,8 @@
 
 use super::intake::Senses;
 use super::thin::Thinner;
+use crate::api::error::Problem;
+use crate::api::text::parse_worker_name;
 use crate::fleet::{FeedCounts, Guidance, View};
 use crate::human::Sighting;
 use crate::id::{Dense, IdVec, WorkerId};
@@ -108,6 +110,17 @@ pub struct Feeds {
 }
 
 impl Feeds {
+    /// A worker who is known, by the name on the wire.
+    ///
+    /// # Errors
+    /// A problem that says where the known ones are listed.
+    pub fn worker(&self, text: &str) -> Result<WorkerId, Problem> {
+        let known = parse_worker_name(text).filter(|w| self.name(*w).is_some());
+        known.ok_or_else(|| {
+            Problem::unknown("worker", format!("there is no worker \"{text}\"; GET /v1/workers lists them"))
+        })
+    }
+
     /// Feeds without workers, and the end from which sightings are taken.
     pub fn new() -> (Feeds, mpsc::Receiver<Heard>) {
         let (inbox, heard) = mpsc::channel(WAITING);

@@ -11,11 +11,10 @@ use super::warn::Warnings;
 use super::wire::{AnchorSaid, HelloSaid, PoseSaid, Said, VERSIONS};
 use crate::api::error::Problem;
 use crate::api::extract::Segment;
-use crate::api::people::{
-    Beside, GuidanceKey, assignment_name, guidance, parse_assignment, parse_worker, worker_name,
-};
+use crate::api::people::{Beside, GuidanceKey, guidance};
 use crate::api::port::What;
 use crate::api::refusal::refused;
+use crate::api::text::{assignment_name, parse_assignment, worker_name};
 use crate::api::{Api, dto::Names};
 use crate::fleet::{GuidanceState, Reply};
 use crate::id::{AssignmentId, WorkerId};
@@ -74,7 +73,7 @@ pub async fn feed(
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Problem> {
     api.desk()?;
-    let worker = parse_worker(&api, &id)?;
+    let worker = api.feeds.worker(&id)?;
     let upgrade = upgrade.map_err(|e| {
         let detail = format!("this is a WebSocket: connect with ws:// or wss:// ({})", e.body_text());
         Problem::new(StatusCode::UPGRADE_REQUIRED, "websocket", "A WebSocket is needed", detail)

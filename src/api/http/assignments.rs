@@ -8,9 +8,10 @@ use crate::api::Api;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Body, Key, Params, Segment};
-use crate::api::people::{ASSIGNMENT_STATES, AssignmentDto, assignment_name, parse_assignment, parse_worker};
+use crate::api::people::{ASSIGNMENT_STATES, AssignmentDto};
 use crate::api::port::{AssignmentFilter, AssignmentRecord, What};
 use crate::api::refusal::refused;
+use crate::api::text::{assignment_name, parse_assignment};
 use crate::fleet::{AssignmentRequest, Reply};
 use crate::id::{AssignmentId, WorkerId};
 use crate::time::Span;
@@ -68,7 +69,7 @@ pub async fn of_worker(
     Segment(id): Segment,
     Params(p): Params<AssignmentParams>,
 ) -> Result<Json<Page<AssignmentDto>>, Problem> {
-    let worker = parse_worker(&api, &id)?;
+    let worker = api.feeds.worker(&id)?;
     list(&api, Some(worker), &p).await
 }
 
@@ -116,7 +117,7 @@ pub async fn assign(
     Key(key): Key,
     Body(new): Body<NewAssignment>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<AssignmentDto>), Problem> {
-    let worker = parse_worker(&api, &id)?;
+    let worker = api.feeds.worker(&id)?;
     let request = AssignmentRequest { key, ..new.read(&api)? };
     let (id, new) = match api.ask(What::Assign(worker, request.clone())).await? {
         Reply::Assigned { assignment, new, .. } => (assignment, new),

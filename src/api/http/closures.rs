@@ -4,13 +4,14 @@
 
 use super::lists::{Paging, page};
 use crate::api::Api;
-use crate::api::dto::{Names, Page, parse_time};
+use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Body, Params, Segment};
 use crate::api::feed::FAR_M;
-use crate::api::people::{ClosureDto, closure_name, parse_closure};
+use crate::api::people::ClosureDto;
 use crate::api::port::What;
 use crate::api::refusal::refused;
+use crate::api::text::{closure_name, parse_closure, parse_time};
 use crate::fleet::{Closure, Reply};
 use crate::geometry::{Point, Spot};
 use crate::id::{ClosureId, NodeId};

@@ -4,11 +4,12 @@
 
 use super::lists::checked_limit;
 use crate::api::Api;
-use crate::api::dto::{Names, Page, parse_time};
+use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
-use crate::api::people::{EncounterDto, parse_worker};
+use crate::api::people::EncounterDto;
 use crate::api::port::EncounterFilter;
+use crate::api::text::parse_time;
 use crate::id::{Dense, RobotId};
 use crate::time::Time;
 use axum::Json;
@@ -107,7 +108,7 @@ fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterFilter, Problem> {
     };
     let (from, to) = (time("from", &p.from), time("to", &p.to));
     let worker = p.worker.as_deref().and_then(|text| {
-        let worker = parse_worker(api, text);
+        let worker = api.feeds.worker(text);
         worker.map_err(|problem| errors.push(FieldError::new("worker", problem.detail))).ok()
     });
     let robot = p.robot.as_deref().and_then(|name| {

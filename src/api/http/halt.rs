@@ -4,11 +4,12 @@
 
 use super::why::parse_robot;
 use crate::api::Api;
-use crate::api::dto::{Names, time_text};
+use crate::api::dto::Names;
 use crate::api::error::Problem;
 use crate::api::extract::Segment;
 use crate::api::port::What;
 use crate::api::refusal::refused;
+use crate::api::text::time_text;
 use crate::fleet::{Reply, Why};
 use crate::id::{Dense, RobotId};
 use axum::Json;

@@ -4,10 +4,11 @@
 
 use super::history::stretch;
 use crate::api::Api;
-use crate::api::dto::{Names, round3, time_text};
+use crate::api::dto::Names;
 use crate::api::error::Problem;
 use crate::api::extract::Params;
 use crate::api::port::EncounterFilter;
+use crate::api::text::{round3, time_text};
 use crate::history::{DAY, HEAT_STEP, floor};
 use crate::time::Time;
 use axum::Json;

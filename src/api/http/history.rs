@@ -4,9 +4,9 @@
 //! nothing is known.
 
 use crate::api::Api;
-use crate::api::dto::{parse_time, round3, time_text};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
+use crate::api::text::{parse_time, round3, time_text};
 use crate::history::{Bucket, TIERS, floor};
 use crate::time::{Span, Time};
 use axum::Json;

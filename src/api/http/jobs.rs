@@ -6,11 +6,12 @@
 
 use super::lists::checked_limit;
 use crate::api::Api;
-use crate::api::dto::{JOB_STATES, JobDto, Names, Page, job_name, parse_job_name, parse_time};
+use crate::api::dto::{JOB_STATES, JobDto, Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Body, Key, Params, Segment};
 use crate::api::port::{JobFilter, JobRecord, Moment, What};
 use crate::api::refusal::refused;
+use crate::api::text::{job_name, parse_job_name, parse_time};
 use crate::fleet::{JobKind, JobRequest, Reply};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::Span;

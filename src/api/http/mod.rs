@@ -23,8 +23,6 @@ mod why;
 mod workers;
 
 pub use health::alive;
-pub(super) use map::map_text;
-pub(super) use page::single;
 
 use super::error::Problem;
 use super::feed::session;

@@ -1,27 +1,17 @@
 //! The web page, built into the program, and the answer to every path that is not there.
 //!
-//! Main functions: [`page`], [`single`]. Files with a hash in their name never change; `index.html` and `headset.html`
+//! Main function: [`page`]. Files with a hash in their name never change; `index.html` and `headset.html`
 //! are asked for again each time. Refuses: scripts from elsewhere, by Content-Security-Policy.
 
+use crate::api::assets::file;
 use crate::api::error::Problem;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
-use rust_embed::{EmbeddedFile, RustEmbed};
-
-#[derive(RustEmbed)]
-#[folder = "$OUT_DIR/web"]
-struct Web;
+use rust_embed::EmbeddedFile;
 
 /// What the page may load: itself. Pixels may come from data and blob addresses, workers from blobs.
 const POLICY: &str = "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; \
     worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-
-/// Script and style of the page in one piece each, for a file that needs no server; nothing where the page was not
-/// built.
-pub fn single() -> Option<[String; 2]> {
-    let text = |name| Some(String::from_utf8_lossy(&Web::get(name)?.data).into_owned());
-    Some([text("single/page.js")?, text("single/page.css")?])
-}
 
 /// A file of the page; a problem where there is none.
 pub async fn page(method: Method, uri: Uri, headers: HeaderMap) -> Response {
@@ -38,7 +28,7 @@ pub async fn page(method: Method, uri: Uri, headers: HeaderMap) -> Response {
         "headset" => "headset.html",
         other => other,
     };
-    match Web::get(name) {
+    match file(name) {
         Some(file) => serve(name, &file, &headers),
         None => unknown(),
     }

@@ -3,10 +3,10 @@
 //! Main types: [`PastDto`], [`FiguresDto`], [`SpanParams`]. Refuses: pictures of more than an hour in one answer.
 
 use crate::api::Api;
-use crate::api::dto::{parse_time, round3, time_text};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
 use crate::api::reel::{Cut, Folder, Mark, Sum, thinned};
+use crate::api::text::{parse_time, round3, time_text};
 use crate::time::{Span, Time};
 use axum::Json;
 use axum::body::{Body, Bytes};

@@ -4,13 +4,12 @@
 //! written down. Refuses: tags that contradict a headset, times that cannot be.
 
 use crate::api::Api;
-use crate::api::dto::parse_time;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Body, Segment};
 use crate::api::feed::FAR_M;
 use crate::api::feed::hub::Untaken;
 use crate::api::massrobotics::USUAL_ACCURACY_M;
-use crate::api::people::{parse_worker, worker_name};
+use crate::api::text::{parse_time, worker_name};
 use crate::geometry::Point;
 use crate::human::{Quality, Sighting};
 use crate::id::WorkerId;
@@ -89,7 +88,7 @@ pub async fn one(
     Segment(id): Segment,
     Body(new): Body<NewPosition>,
 ) -> Result<StatusCode, Problem> {
-    let worker = parse_worker(&api, &id)?;
+    let worker = api.feeds.worker(&id)?;
     let now = (api.now)();
     let sighting = new.read(worker, now).map_err(|e| Problem::invalid(vec![e]))?;
     report(&api, sighting, now)?;
@@ -107,7 +106,7 @@ pub async fn many(State(api): State<Api>, Body(new): Body<NewPositions>) -> Resu
     }
     let now = (api.now)();
     let take = |p: &WorkerPosition| -> Result<(), String> {
-        let worker = parse_worker(&api, &p.worker).map_err(|problem| problem.detail)?;
+        let worker = api.feeds.worker(&p.worker).map_err(|problem| problem.detail)?;
         let sighting = p.position.read(worker, now).map_err(|e| format!("{}: {}", e.field, e.detail))?;
         report(&api, sighting, now).map_err(|problem| problem.detail)
     };

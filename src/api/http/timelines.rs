@@ -4,12 +4,12 @@
 //! everything is replanned before it comes.
 
 use crate::api::Api;
-use crate::api::dto::{Names, round3, time_text};
+use crate::api::dto::Names;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
 use crate::api::feed::FAR_M;
-use crate::api::people::{closure_name, worker_name};
 use crate::api::port::Question;
+use crate::api::text::{closure_name, round3, time_text, worker_name};
 use crate::fleet::{Area, MOST_STRIPS, Strip};
 use crate::geometry::Point;
 use crate::route::{Cause, Condition, Effect};

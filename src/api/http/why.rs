@@ -3,10 +3,11 @@
 //! Main functions: [`robot`], [`job`]. Refuses: names that are none.
 
 use crate::api::Api;
-use crate::api::dto::{Names, job_name, parse_job_name};
+use crate::api::dto::Names;
 use crate::api::error::Problem;
 use crate::api::extract::Segment;
 use crate::api::port::Question;
+use crate::api::text::{job_name, parse_job_name};
 use crate::api::waits::WhyDto;
 use crate::id::{Dense, RobotId};
 use axum::Json;

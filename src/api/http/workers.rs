@@ -4,12 +4,13 @@
 
 use super::lists::{Paging, page};
 use crate::api::Api;
-use crate::api::dto::{Names, Page, round3};
+use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Body, Params, Segment};
-use crate::api::people::{SensesDto, WorkerDetailDto, WorkerDto, parse_worker, worker_name};
+use crate::api::people::{SensesDto, WorkerDetailDto, WorkerDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
+use crate::api::text::{round3, worker_name};
 use crate::fleet::Reply;
 use crate::id::{Dense, WorkerId};
 use axum::Json;
@@ -48,7 +49,7 @@ pub async fn list(
     (status = 200, description = "The worker", body = WorkerDetailDto),
     (status = 404, body = Problem, content_type = "application/problem+json")))]
 pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<WorkerDetailDto>, Problem> {
-    let id = parse_worker(&api, &id)?;
+    let id = api.feeds.worker(&id)?;
     let carried = api.feeds.carried(id).unwrap_or_default();
     let name = api.feeds.name(id).unwrap_or_default();
     let moment = api.moment();
@@ -102,7 +103,7 @@ pub async fn hire(
     (status = 503, description = "Not now; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn clear(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
-    let id = parse_worker(&api, &id)?;
+    let id = api.feeds.worker(&id)?;
     match api.ask(What::Clear(id)).await? {
         Reply::Done { .. } => Ok(StatusCode::NO_CONTENT),
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),

@@ -2,8 +2,7 @@
 //!
 //! Main types: [`ForecastDto`], [`PartDto`]; [`packed`] is the thin form, which says the same. Refuses: to forecast.
 
-use crate::api::dto::round3;
-use crate::api::people::worker_name;
+use crate::api::text::{round3, worker_name};
 use crate::fleet::Expected;
 use crate::human::Part;
 use crate::id::Dense;

@@ -3,9 +3,10 @@
 //! Main type: [`Frame`]. Refuses: to know versions or readers.
 
 use super::forecast::{ForecastDto, forecasts};
-use crate::api::dto::{JobCountsDto, Names, RackDto, RobotDto, StationDto, round3};
+use crate::api::dto::{JobCountsDto, Names, RackDto, RobotDto, StationDto};
 use crate::api::people::WorkerDto;
 use crate::api::port::{Alarm, Moment};
+use crate::api::text::round3;
 use crate::fleet::{Backlog, Presence};
 use crate::history::waits;
 use crate::time::{Span, Time};

@@ -5,7 +5,7 @@
 //! Refuses: to keep pictures in memory.
 
 use super::{Limits, Mark, Out, Shot, Sum, Tally, header, lines, split};
-use crate::api::dto::round3;
+use crate::api::text::round3;
 use crate::time::Time;
 use crate::warehouse::Warehouse;
 use serde::{Deserialize, Serialize};

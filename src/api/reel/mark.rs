@@ -4,9 +4,8 @@
 //! workers from two pictures that differ.
 //! Refuses: what happens all the time, such as robots that wait for one another.
 
-use crate::api::dto::round3;
 use crate::api::live::Frame;
-use crate::api::people::{closure_name, worker_name};
+use crate::api::text::{closure_name, round3, worker_name};
 use crate::fleet::{Encounter, Fact, Reaction};
 use crate::id::{Dense, RobotId, WorkerId};
 use crate::time::Time;

@@ -20,9 +20,9 @@ pub use page::page;
 pub use roll::{Limits, Roll};
 pub use sum::{Sum, Tally, thinned};
 
-use super::dto::round3;
-use super::http::map_text;
+use super::building::map_text;
 use super::live::{Frame, thin};
+use super::text::round3;
 use crate::fleet::Fact;
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;

@@ -2,8 +2,8 @@
 //!
 //! Main function: [`line()`]. Refuses: to say how many wait, which the picture does.
 
-use crate::api::dto::{job_name, round3};
 use crate::api::live::Frame;
+use crate::api::text::{job_name, round3};
 use crate::fleet::{JobKind, Pending};
 use crate::id::Dense;
 use crate::time::Time;

@@ -1,0 +1,132 @@
+//! The building as it travels, once: it does not change while the server runs.
+//!
+//! Main type: [`MapDto`]; main function [`map_text`]. Refuses: anything that moves.
+
+use super::text::round3;
+use crate::geometry::Point;
+use crate::id::Dense;
+use crate::warehouse::{NodeKind, Users, Warehouse};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// The building. Everything else refers to nodes by their index here.
+#[derive(Serialize, ToSchema)]
+pub struct MapDto {
+    name: String,
+    /// x0, y0, x1, y1, metres.
+    bounds: [f64; 4],
+    /// Side of the square that a robot with its rack takes, metres.
+    footprint_m: f64,
+    nodes: Vec<NodeDto>,
+    lanes: Vec<LaneDto>,
+    stations: Vec<StationPlaceDto>,
+    racks: Vec<RackHomeDto>,
+    /// Outlines of what stands in the way.
+    obstacles: Vec<Vec<[f64; 2]>>,
+    /// Outlines of the floor on which people may walk.
+    walkable: Vec<Vec<[f64; 2]>>,
+}
+
+/// A place where a robot can stand.
+#[derive(Serialize, ToSchema)]
+struct NodeDto {
+    id: String,
+    x: f64,
+    y: f64,
+    /// aisle, storage, station, queue, charger, parking or exit.
+    kind: &'static str,
+}
+
+/// A lane between two nodes.
+#[derive(Serialize, ToSchema)]
+struct LaneDto {
+    /// Index of a node.
+    from: usize,
+    /// Index of a node.
+    to: usize,
+    /// Whether it may be driven both ways.
+    both: bool,
+    /// Who may use it: loaded, unloaded, people.
+    #[serde(rename = "for")]
+    users: Vec<&'static str>,
+}
+
+/// A picking station.
+#[derive(Serialize, ToSchema)]
+struct StationPlaceDto {
+    id: String,
+    /// Index of its node.
+    node: usize,
+    /// Indices of its waiting places, the one next to the station first.
+    queue: Vec<usize>,
+}
+
+/// A rack.
+#[derive(Serialize, ToSchema)]
+struct RackHomeDto {
+    id: String,
+    /// Index of the node on which it stands at first.
+    node: usize,
+}
+
+/// The building as JSON.
+pub fn map_text(map: &Warehouse) -> String {
+    serde_json::to_string(&MapDto::from(map)).expect("maps are plain")
+}
+
+impl From<&Warehouse> for MapDto {
+    fn from(w: &Warehouse) -> MapDto {
+        let (low, high) = w.bounds();
+        let pair = |p: &Point| [round3(p.x), round3(p.y)];
+        let outlines = |o: &[Vec<Point>]| o.iter().map(|ring| ring.iter().map(pair).collect()).collect();
+        MapDto {
+            name: w.name.clone(),
+            bounds: [round3(low.x), round3(low.y), round3(high.x), round3(high.y)],
+            footprint_m: w.footprint_m,
+            nodes: w
+                .nodes
+                .iter()
+                .map(|n| NodeDto {
+                    id: n.name.clone(),
+                    x: round3(n.at.x),
+                    y: round3(n.at.y),
+                    kind: kind_word(n.kind),
+                })
+                .collect(),
+            lanes: w
+                .lanes
+                .iter()
+                .map(|l| LaneDto { from: l.a.ix(), to: l.b.ix(), both: l.both, users: user_words(l.users) })
+                .collect(),
+            stations: w
+                .stations
+                .iter()
+                .map(|s| StationPlaceDto {
+                    id: s.name.clone(),
+                    node: s.node.ix(),
+                    queue: s.queue.iter().map(|n| n.ix()).collect(),
+                })
+                .collect(),
+            racks: w.racks.iter().map(|r| RackHomeDto { id: r.name.clone(), node: r.home.ix() }).collect(),
+            obstacles: outlines(&w.obstacles),
+            walkable: outlines(&w.walkable),
+        }
+    }
+}
+
+fn kind_word(kind: NodeKind) -> &'static str {
+    match kind {
+        NodeKind::Aisle => "aisle",
+        NodeKind::Storage => "storage",
+        NodeKind::Station(_) => "station",
+        NodeKind::Queue(_) => "queue",
+        NodeKind::Charger => "charger",
+        NodeKind::Parking => "parking",
+        NodeKind::Exit => "exit",
+    }
+}
+
+fn user_words(users: Users) -> Vec<&'static str> {
+    let all = [(users.loaded, "loaded"), (users.unloaded, "unloaded"), (users.people, "people")];
+    all.into_iter().filter(|(may, _)| *may).map(|(_, word)| word).collect()
+}
