@@ -49,29 +49,57 @@
 //! - `server`: settings, the only clock, the loop, what waits for the journal.
 //! - `cli`: one file per command of the program. `main.rs` calls it and nothing else.
 //!
+//! # Words
+//!
+//! One meaning each, the field's own where it has one.
+//!
+//! | term | meaning | known from |
+//! |---|---|---|
+//! | resource, conflict | a node or a lane, for one robot at a time; resources whose footprints overlap | ter Mors |
+//! | free window (safe interval) | a half-open interval in which a resource is free | CARP; SIPP |
+//! | reservation, itinerary | a window kept for a robot; all of a robot's in order (`Visit`, `Chain`) | rmf_traffic |
+//! | route, leg, action point | resources with windows; its part to one goal; where a robot acts (`Stop`) | VDA 5050 |
+//! | grant (base), horizon | how far a robot may drive now, and what is reserved beyond | VDA 5050 |
+//! | revoke, truncate | to take back what was granted; to give up what was not | VDA 5050 |
+//! | release | a resource is given back | openTCS |
+//! | job, dispatch, transport | what a customer wants; choosing robot, rack, station; from place to place | openTCS |
+//! | worker, assignment, observation | a person on the floor; that person's task; a pose and when it was seen | |
+//! | deviation, intent, forecast | off the path; a distribution over goals; where, when, how probably | Petković 2021 |
+//! | zones: stop, keep-out, slow | regions 1, 2 and 3 around a person | Petković 2021, ISO 13855 |
+//! | yield, soft cost, no entry | a robot waits for or leaves the way of a person; a price; a closed window | |
+//! | human-aware policy | how the fleet deals with people: `nhir`, `shir`, `phir`, `giveway` | Petković 2021 |
+//! | input, fact, command, reply, view, snapshot | what goes into a step, what happened, what leaves | event sourcing |
+//! | deadlock, livelock, standstill | a cycle of waiting; motion without progress; no robot moves | |
+//! | throughput bound | deliveries of the same jobs if robots could pass through one another | |
+//! | occupancy, heartbeat | who holds what when; the regular report of a robot or a headset | |
+//! | recording, frame, bookmark | what a replay plays | |
+//!
 //! # The life of a step
 //!
 //! Everything happens in [`fleet::Fleet::step`]`(now, inputs)`. The server, the simulator and the tests are three short
-//! drivers of it, which differ only in where `now` and the inputs come from and where the results go.
+//! drivers of it, which differ only in where `now` and the inputs come from and where the results go. Inside `fleet`,
+//! each folder is a room:
 //!
-//! 1. **absorb** (`fleet/absorb.rs`): all inputs are taken in before anything is decided. Telemetry goes to the scene,
-//!    the newest by the time it was *seen* wins. Requests become facts or refusals.
-//! 2. **judge** (`judge.rs`): people are followed along their paths; who is off the path for long deviates, and is
-//!    shown a way back (`lead.rs`); intentions are updated (`mind.rs`). Beliefs become conditions on nodes: *closed*
-//!    where a person will almost surely walk within seconds, *still* around a person (nobody comes or goes), *slow*
-//!    farther out, *dear* where a person may walk. Limits of speed and stops leave at once (`limit.rs`), and so does
-//!    what workers are told (`guide.rs`). On a floor without people and closures this phase does nothing.
-//! 3. **settle** (`settle.rs`): what has come true? Visits behind a robot are released, a stop that is done leads to
-//!    the next task, a late robot's windows slide and those of all who come after it; a broken one keeps its place.
-//! 4. **assign** (`assign.rs`): waiting jobs and idle robots are matched all together at the least sum of costs. Who is
-//!    left charges or leaves the floor.
-//! 5. **plan** (`plan.rs`): whoever has a task without a route gets a search each, longest waiting first, until the
-//!    step's budget of expansions is spent. A route is committed only when it is complete. Then robots whose way leads
-//!    into an announced closure get another one (`closing.rs`). Then robots whose holds a worker's windows meet wait,
-//!    or change their route where they would wait for long, or leave the worker's path (`yielding.rs`). Then robots
-//!    that are held up look for a better way.
-//! 6. **grant** (`grant.rs`): each robot may drive as far as it needs to keep its speed, but not past a stop that is
-//!    not done, nor past anybody who was promised a resource first. Grants become commands.
+//! 1. **Absorb** (`requests/absorb.rs`): all inputs are taken in before anything is decided. Telemetry goes to the
+//!    scene, where the newest by the time it was *seen* wins. Requests become facts or refusals.
+//! 2. **Evaluate people** (`people/evaluate.rs`): people are followed along their paths. A worker who stays off a path
+//!    deviates and is shown a way back (`people/routing.rs`); intents are updated (`people/intent.rs`). Beliefs become
+//!    conditions on nodes: *closed* where a person will almost surely walk within seconds, *still* around a person (no
+//!    robot comes or goes), *slow* farther out, *dear* where a person may walk. Speed limits and stops leave at once
+//!    (`yielding/speed_limit.rs`), and so does guidance (`people/guidance.rs`). On a floor without people and closures
+//!    this phase does nothing.
+//! 3. **Progress** (`traffic/progress.rs`): what has come true? Visits behind a robot are released, a stop that is done
+//!    leads to the next task, the windows of a late robot slide with those of all robots after it; a broken robot keeps
+//!    its place.
+//! 4. **Dispatch** (`dispatch/jobs.rs`): waiting jobs and idle robots are matched all together at the least sum of
+//!    costs (`dispatch/assignment.rs`). A robot that is left over charges or leaves the floor.
+//! 5. **Plan** (`traffic/plan.rs`): each robot that has a task and no route gets a search, the longest waiting first,
+//!    until the step's budget of expansions is spent. A route is committed only when it is complete. Then robots whose
+//!    route leads into an announced closure get another one (`traffic/closures.rs`). Then robots whose reservations
+//!    meet a worker's windows wait, or change their route where they would wait for long, or leave the worker's path
+//!    (`yielding/evade.rs`). Then robots that are held up look for a better route.
+//! 6. **Grant** (`traffic/grant.rs`): each robot may drive as far as it needs to keep its speed, but not past a stop
+//!    that is not done, nor past a robot that holds an earlier reservation. Grants become commands.
 //!
 //! Every change of durable state is a [`fleet::Fact`], recorded by one function and taken in by one other,
 //! [`fleet::Ledger::evolve`], live and on load alike. Facts carry what came out (new times of visits that a delay
@@ -83,7 +111,7 @@
 //! the scene is empty: to the step that is a floor of silent robots, and nothing special.
 //!
 //! A step that panics is undone: the fleet is folded from the journal again, and the robot at hand is fenced off
-//! (`fleet/fence.rs`), that is, taken for failed whatever it says, until a person releases it.
+//! (`fleet/traffic/fence.rs`), that is, taken for failed whatever it says, until a person releases it.
 //!
 //! # What is not there
 //!
@@ -131,12 +159,12 @@
 //!
 //! - *Delays* slide windows and keep every order (`timeline/delay.rs`): a follower starts later by what it must.
 //! - *Granting early* moves the start of a hold that nobody is before any more, so no inequality is lost.
-//! - *A better way* (`plan.rs`, `improve`) is searched in the free windows of what all others hold, so it fits into the
-//!   picture, and the order of all stays free of cycles, although the robot may come before others now.
+//! - *A better way* (`traffic/plan.rs`, `improve`) is searched in the free windows of what all others hold, so it fits
+//!   into the picture, and the order of all stays free of cycles, although the robot may come before others now.
 //! - *A broken robot* keeps what it was granted without end. Whoever has to pass it, and whoever would have to pass
-//!   those, loses what was not granted yet (`fleet/cut.rs`) and is routed anew.
-//! - *A robot that was called back* (`fleet/recall.rs`) only holds again what it had been granted. It is first in the
-//!   order of all that, and nobody can come before a hold that began in the past, so it waits for nobody there.
+//!   those, loses what was not granted yet (`fleet/traffic/truncate.rs`) and is routed anew.
+//! - *A robot whose grant is revoked* (`fleet/yielding/revoke.rs`) only holds again what it had been granted. It is
+//!   first in the order of all that, and no robot can come before a hold that began in the past, so it waits for none there.
 //!
 //! *People* are outside of the argument on purpose. A worker holds nothing in the timeline: a grant that would meet
 //! a condition waits, which is a delay like any other, and the order of robots stays as it is. What can be stuck is a
@@ -152,45 +180,61 @@
 //! | what | where |
 //! |---|---|
 //! | how fast robots drive, turn, lift | `route/motion.rs`; for one scenario its `fleet` |
-//! | a kind of job | `fleet/job.rs`, `fact.rs` (`Task`), `settle.rs`, `plan.rs` (`stages`); `api/http/jobs.rs` |
-//! | which robot gets which job | `fleet/assign.rs` |
-//! | where racks are put, where robots rest | `fleet/storage.rs` |
-//! | what may happen to a job, and what its robot does meanwhile | `fleet/life.rs`; cancelling: `fleet/absorb.rs` |
-//! | when robots charge, which one leaves a charger | `fleet/charging.rs` |
-//! | when a pick ends, a station that is paused | `fleet/station.rs`; `api/http/stations.rs` |
-//! | which waiting job comes first | `fleet/index/queue.rs` (`urgency_ms`); jobs before jobs: `fleet/index/waits.rs` |
-//! | what is looked up instead of searched | `fleet/index/`; kept by `Ledger::evolve`, compared by the laws |
-//! | how many of anything there may be | `fleet/mod.rs` (`Settings`), `docs/operate.md` |
-//! | when a robot is planned, and how often again | `fleet/plan.rs` |
+//! | a kind of job | `fleet/state/job.rs`, `fact.rs`, `fleet/traffic/progress.rs`, `plan.rs`; `api/http/jobs.rs` |
+//! | which robot gets which job (dispatch) | `fleet/dispatch/jobs.rs` |
+//! | cost of an assignment, Hungarian method | `fleet/dispatch/jobs.rs` (`way_ms`), `fleet/dispatch/assignment.rs` |
+//! | where racks are put, where robots rest | `fleet/dispatch/storage.rs` |
+//! | what may happen to a job, and what its robot does | `fleet/state/life.rs` |
+//! | cancel a job | `fleet/requests/absorb.rs` (`cancel`); `api/http/jobs.rs` |
+//! | charging thresholds, which robot leaves a charger | `fleet/dispatch/charging.rs` |
+//! | when a pick ends, a station that is paused | `fleet/requests/station.rs`; `api/http/stations.rs` |
+//! | which waiting job comes first (queue) | `fleet/state/index/queue.rs`; jobs after jobs: `waits.rs` |
+//! | what is looked up instead of searched | `fleet/state/index/`; kept by `Ledger::evolve`, compared by the laws |
+//! | how many of anything there may be (limits) | `fleet/mod.rs` (`Settings`), `docs/operate.md` |
+//! | when a robot is planned, and how often again | `fleet/traffic/plan.rs` |
 //! | the search, its order, its bounds | `route/search.rs`, `route/label.rs`, `route/estimate.rs` |
-//! | how far ahead robots are granted | `fleet/grant.rs` |
-//! | what happens when robots are late, or break down | `fleet/settle.rs`, `timeline/delay.rs`; `fleet/cut.rs` |
+//! | joint replanning (insertion) | `fleet/traffic/joint.rs` |
+//! | how far ahead robots are granted (base, horizon) | `fleet/traffic/grant.rs` |
+//! | a grant is revoked, a route is truncated | `fleet/yielding/revoke.rs`; `fleet/traffic/truncate.rs` |
+//! | delays, breakdowns | `fleet/traffic/progress.rs`, `timeline/delay.rs`; `fleet/traffic/truncate.rs` |
+//! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog.rs` |
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
 //! | which maps are refused | `warehouse/check/` |
 //! | where people walk | `warehouse/walkway/` |
-//! | which sightings are believed; what a deviation is | `human/track.rs`; `human/deviation.rs` |
-//! | radii of regions, speeds near people | `aware/regions.rs`; who must stop or may drive off: `fleet/limit.rs` |
-//! | what people mean for the search | `aware/effects.rs`; how it obeys: `route/search/care.rs` |
-//! | who waits, goes round, leaves a path | `fleet/yielding.rs`; the published way: `fleet/published.rs` |
+//! | which observations are believed; what a deviation is | `human/track.rs`; `human/deviation.rs` |
+//! | poses are thinned (rate limit) | `api/feed/thin.rs` |
+//! | a headset that is silent, a worker who is lost | `human/track.rs`; `aware/effects.rs` (the region grows) |
+//! | radii of regions | `aware/regions.rs` |
+//! | robots go slow or stop near a person | `fleet/yielding/speed_limit.rs` |
+//! | what people mean for the search (soft cost, no entry) | `aware/effects.rs`; how it obeys: `route/search/care.rs` |
+//! | a robot yields: waits, goes round, leaves a path | `fleet/yielding/evade.rs` |
+//! | the published policies | `fleet/yielding/petkovic2021.rs` |
 //! | when a route is kept, and when changed | `aware/safe_space.rs` |
-//! | what an announced closure changes, and when | `fleet/closing.rs`, `fleet/areas.rs`; `route/search/care.rs` |
-//! | where workers are led, what they are told | `fleet/lead.rs`, `fleet/guide.rs` |
+//! | a closure reroutes robots | `fleet/traffic/closures.rs`, `closed_areas.rs`; `route/search/care.rs` |
+//! | worker registration, worker's assignment | `fleet/requests/workers.rs`; `api/http/workers.rs`, `assignments.rs` |
+//! | where workers are led, what they are told | `fleet/people/routing.rs`, `fleet/people/guidance.rs` |
+//! | how a person's intent is guessed | `fleet/people/intent.rs`, `human/intention/`; stories: `experiment/stories/` |
+//! | where people will be (forecast) | `human/outlook.rs`, `human/motion/`; learned: `experiment/learning/` |
+//! | whether forecasts hold | `human/coverage.rs`; which robots brake: `fleet/people/forecast.rs` |
+//! | stop of the whole fleet, pause of a robot | `fleet/requests/operator.rs`; `api/http/halt.rs` |
+//! | a robot joins (registration) or leaves | `fleet/requests/absorb.rs` |
+//! | the view; why a robot or a job waits | `fleet/read/build.rs`, `view.rs`; `fleet/read/why.rs` |
+//! | occupancy (timelines) of an area | `fleet/read/occupancy.rs`; `api/http/timelines.rs` |
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
-//! | how it is guessed where a person is going | `human/intention/`; stories that test it: `experiment/stories/` |
-//! | where people will be, how sure that is | `human/outlook.rs`, `human/motion/`; learned: `experiment/learning/` |
-//! | whether forecasts hold | `human/coverage.rs`; who brakes for them: `aware/collision.rs`, `fleet/foresee.rs` |
-//! | a key of scenario files | `sim/scenario.rs`, `docs/scenarios.md` |
-//! | what every simulation must keep | `sim/laws.rs`, `sim/job_laws.rs`; in the server: `server/watchdog.rs` |
+//! | a key of scenario files | `sim/scenario/`, `docs/scenarios.md` |
+//! | what every simulation must keep (laws) | `sim/laws/`; in the server: `server/watchdog.rs` |
 //! | what a recording holds | `sim/recording.rs` |
-//! | what simulated robots, radios, customers do | `sim/robot.rs`, `sim/link.rs`, `sim/customers.rs` |
-//! | an endpoint, an error, a wire type | `api/http/`, `api/error.rs`, `api/dto.rs`; `web/src/wire.ts` |
+//! | what simulated robots, radios, customers do | `sim/robot.rs`, `sim/link.rs`, `sim/customers/` |
+//! | an endpoint, a wire type | `api/http/`, `api/dto.rs`; `web/src/` |
+//! | an error by its status: 400, 404, 409, 429, 503 | `api/error.rs`; refusals of the fleet: `api/refusal.rs` |
+//! | idempotency | `fleet/state/keys.rs`; `api/extract.rs` (`Key`) |
 //! | what is stored, and how | `store/record.rs` (facts), `store/ledger_record.rs` (snapshots), `migrations/` |
-//! | how long what is over is kept | `store/retention.rs`; customers' keys: `fleet/keys.rs` |
-//! | what is kept of the past; its bookmarks | `api/reel/`, `server/reels.rs`; `api/reel/mark.rs`; `web/src/reel/` |
+//! | retention | `store/retention.rs`; idempotency keys: `fleet/state/keys.rs` |
+//! | what is kept of the past; its bookmarks | `api/reel/`, `server/reels.rs`; `api/reel/mark.rs` |
 //! | a figure over time, how long it is kept | `history/`, `api/http/history.rs`, `migrations/` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
 //! | which file is the database; its lock | `store/opening.rs`, `store/identity.rs`; `store/lock.rs` |
-//! | what happens where a step panics | `server/rescue.rs`, `fleet/fence.rs` |
+//! | what happens where a step panics | `server/rescue.rs`, `fleet/traffic/fence.rs` |
 //! | a command | `cli/` |
 //! | a wall | `tests/walls.rs`, and the picture above |
 //!
@@ -206,9 +250,9 @@
 //! - *There is a `cli` module beside `main.rs`*, so that commands can use private parts of it and tests can call it.
 //! - *The order on a resource is changed by planning those who wait again*, not by swapping entries: the search finds
 //!   only ways that fit, so no graph has to be checked for cycles.
-//! - *Insertion that moves others* (replanning a small set together, `fleet/insert.rs`) is tried after several failed
-//!   searches, and for robots that must leave a worker's path; not for routes that are merely late, where it cost more
-//!   than it gained.
+//! - *Insertion that moves others* (replanning a small set together, `fleet/traffic/joint.rs`) is tried after several
+//!   failed searches, and for robots that must leave a worker's path; not for routes that are merely late, where it
+//!   cost more than it gained.
 //! - *Workers hold nothing in the timelines.* Precedence over robots would mean to take holds back, and with them the
 //!   order on which nobody is ever stuck. They enter as conditions, made anew in every step.
 //! - *Regions 2 and 3 are measured on foot*, round the racks, since they say how far a person walks meanwhile; region 1

@@ -97,7 +97,7 @@ pub fn run(
     let mut out = Outcome::default();
     crowd.ready = crowd.starts.clone().iter().map(|_| Time(crowd.below(60_000_000) as i64)).collect();
     for (i, &node) in crowd.starts.iter().enumerate() {
-        let stand = crate::fleet::ledger::stand(node, Time::ZERO);
+        let stand = crate::fleet::state::ledger::stand(node, Time::ZERO);
         let holder = Holder::Robot(RobotId::at(i));
         crowd
             .timeline

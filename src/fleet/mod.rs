@@ -1,72 +1,36 @@
 //! The core: one pure state machine. `step(now, inputs)` takes everything in, then decides once.
 //!
-//! Main types: [`Fleet`], [`Settings`], [`Input`], [`Step`], [`View`]. Two halves of state: the [`ledger`] (what was
-//! promised, a fold over facts) and the [`scene`] (what is seen). A restart is a step with an empty scene.
+//! Main types: [`Fleet`], [`Settings`], [`Input`], [`Step`], [`View`]. Two halves of state: the [`Ledger`] (what was
+//! promised, a fold over facts) and the [`state::scene`] (what is seen). A restart is a step with an empty scene.
 //! Refuses: clocks, I/O, random numbers, hash order; reacting to messages (it reacts to state, so repeated and
 //! late ones do no harm).
 
-mod absorb;
-mod areas;
-mod assign;
-mod backlog;
-pub mod charging;
-mod closing;
-mod crowd;
-mod cut;
-pub mod fact;
-mod fence;
-mod foresee;
-mod grant;
-mod guide;
-mod hand;
-pub mod index;
-mod insert;
-pub mod io;
-pub mod job;
-mod judge;
-mod keys;
-mod lead;
-pub mod ledger;
-pub mod life;
-mod limit;
-mod look;
-mod matching;
-mod mind;
-mod parts;
-pub mod people;
-mod plan;
-mod published;
-mod recall;
-pub mod scene;
-mod settle;
-mod staff;
-pub mod station;
-mod storage;
-mod strips;
-mod urgent;
-pub mod view;
-mod why;
-mod wishes;
+pub mod dispatch;
+mod people;
+pub mod read;
+pub mod requests;
+pub mod state;
+mod traffic;
 mod yielding;
 
-pub use backlog::{Backlog, Pending};
-pub use charging::Charging;
-pub use fact::{Act, Booking, Fact, Kept, Moved, Purpose, Stop, Task};
-pub use foresee::{AHEAD_S, Expected};
-pub use io::{Bounded, Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
-pub use job::{Job, JobFailure, JobKind, JobRequest, JobState};
-pub use keys::{KEY_LIFE, Keys};
-pub use ledger::{Ledger, Robot, Sums};
-pub use parts::{Contradiction, Parts};
-pub use people::{
+pub use dispatch::charging::Charging;
+pub use people::forecast::{AHEAD_S, Expected};
+pub use read::backlog::{Backlog, Pending};
+pub use read::occupancy::{Area, MOST_STRIPS, Strip};
+pub use read::view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
+pub use read::why::{Because, Waiting, Who};
+pub use requests::station::StationOrder;
+pub use state::fact::{Act, Booking, Fact, Kept, Moved, Purpose, Stop, Task};
+pub use state::io::{Bounded, Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
+pub use state::job::{Job, JobFailure, JobKind, JobRequest, JobState};
+pub use state::keys::{KEY_LIFE, Keys};
+pub use state::ledger::{Ledger, Robot, Sums};
+pub use state::parts::{Contradiction, Parts};
+pub use state::wishes::Wishes;
+pub use state::worker::{
     Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
     FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
 };
-pub use station::StationOrder;
-pub use strips::{Area, MOST_STRIPS, Strip};
-pub use view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
-pub use why::{Because, Waiting, Who};
-pub use wishes::Wishes;
 
 use crate::aware::{Arm, Regions};
 use crate::human::{Method, Model};
@@ -74,10 +38,10 @@ use crate::id::RobotId;
 use crate::route::{Kinematics, Planner, Rules};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
-use crowd::Crowd;
-use plan::Needs;
-use scene::Scene;
+use people::state::Crowd;
+use state::scene::Scene;
 use std::sync::Arc;
+use traffic::plan::Needs;
 
 /// Settings of the core. They never change while it runs.
 #[derive(Clone, Debug)]
@@ -155,7 +119,7 @@ pub struct Fleet {
     scene: Scene,
     planner: Planner,
     needs: Needs,
-    storage: storage::Storage,
+    storage: dispatch::storage::Storage,
     tally: Tally,
     crowd: Crowd,
     plan_times: Vec<u64>,
@@ -176,7 +140,7 @@ impl Fleet {
             scene: Scene::default(),
             planner: Planner::new(warehouse.clone(), Rules::Drive(settings.kinematics)),
             needs: Needs::default(),
-            storage: storage::Storage::new(&warehouse),
+            storage: dispatch::storage::Storage::new(&warehouse),
             tally: Tally::default(),
             plan_times: Vec::new(),
             at_hand: None,
@@ -247,7 +211,7 @@ impl Fleet {
 
     /// Takes a fact into the ledger and into the step's result.
     fn record(&mut self, fact: Fact) {
-        self.at_hand = fence::robot_of(&fact).or(self.at_hand);
+        self.at_hand = traffic::fence::robot_of(&fact).or(self.at_hand);
         self.ledger.evolve(&fact);
         self.out.facts.push(fact);
     }

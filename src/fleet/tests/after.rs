@@ -1,7 +1,7 @@
 //! Jobs that come after others: what becomes of them when those end badly, over restarts too.
 
-use super::settle::ORPHANS_PER_STEP;
 use super::*;
+use crate::fleet::traffic::progress::ORPHANS_PER_STEP;
 
 fn after(jobs: &[JobId]) -> JobRequest {
     JobRequest { after: jobs.to_vec(), ..request(deliver(5)) }

@@ -1,7 +1,7 @@
 //! Customers' keys: known for a week at least, and for as long as what they were given for is open; then forgotten.
 
 use super::*;
-use crate::fleet::people::AssignmentRequest;
+use crate::fleet::state::worker::AssignmentRequest;
 use crate::id::{AssignmentId, WorkerId};
 
 const DAY: Span = Span::from_secs(24 * 3600);

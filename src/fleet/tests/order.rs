@@ -1,8 +1,8 @@
 //! The order of waiting jobs, kept, is the order in which they would be sorted; and closures that come and go leave the
 //! same conditions as if they were looked at in every step.
 
-use super::index::urgency_ms;
 use super::*;
+use crate::fleet::state::index::urgency_ms;
 use crate::geometry::Spot;
 use crate::id::ClosureId;
 use crate::route::{Cause, Condition, Effect};

@@ -3,7 +3,7 @@
 use super::people::Puppet;
 use super::*;
 use crate::aware::Arm;
-use crate::fleet::crowd::{Mode, Person};
+use crate::fleet::people::state::{Mode, Person};
 use crate::geometry::Point;
 use crate::warehouse::sketch;
 

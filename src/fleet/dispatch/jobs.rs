@@ -1,0 +1,243 @@
+//! Third phase: which waiting job to which idle robot? All of both are looked at together, at the least sum of costs.
+//!
+//! Refuses: first come, first served; and to give a job to a robot that should charge first.
+
+use crate::fleet::Fleet;
+use crate::fleet::RackAt;
+use crate::fleet::dispatch::assignment::{NEVER, least_cost};
+use crate::fleet::dispatch::storage::along_axes;
+use crate::fleet::state::fact::{Purpose, Task};
+use crate::fleet::state::index::Goal;
+use crate::fleet::state::job::{Job, JobFailure, JobKind, JobState};
+use crate::fleet::state::ledger;
+use crate::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
+use crate::time::{Span, Time};
+use crate::warehouse::NodeKind;
+use std::collections::BTreeSet;
+
+/// How many waiting jobs and idle robots one step matches at most.
+const JOBS: usize = 128;
+const ROBOTS: usize = 64;
+/// What it costs that the station has as many racks under way as places, per rack beyond.
+const CROWD_MS: i64 = 8_000;
+/// A rack that waits longer than this for a place at its station has waited for long.
+const LONG: Span = Span::from_secs(60);
+
+impl Fleet {
+    pub(in crate::fleet) fn assign(&mut self, now: Time) {
+        self.ledger.index.queue.advance(now);
+        self.give_back_jobs(now);
+        self.assign_named(now);
+        let charger_is_free = self.a_charger_is_free();
+        let (working, mut resting): (Vec<RobotId>, Vec<RobotId>) =
+            self.idle_robots(now).into_iter().partition(|r| self.is_charged(*r, charger_is_free));
+        resting.extend(self.assign_racks(working, now));
+        self.rest(resting, now);
+    }
+
+    /// Robots with nothing to do that could do something.
+    pub(in crate::fleet) fn idle_robots(&self, now: Time) -> Vec<RobotId> {
+        let idle = |r: &RobotId| {
+            let record = &self.ledger.robots[*r];
+            let fit = !record.failed && !self.is_halted(*r) && self.scene.fit(*r, now).is_some();
+            record.task == Task::Idle && fit
+        };
+        ledger::all(&self.ledger.robots).filter(idle).collect()
+    }
+
+    /// Jobs for a robot that the customer named: one for each idle robot, before any rack.
+    fn assign_named(&mut self, now: Time) {
+        for robot in self.idle_robots(now) {
+            if let Some(job) = self.named_job_for(robot).filter(|j| self.may_begin(robot, *j)) {
+                self.begin_named(robot, job, now);
+            }
+        }
+    }
+
+    /// The job that a robot is to do next by name: the highest priority first, then the nearest deadline, then the
+    /// oldest. Nothing where none can start.
+    pub(in crate::fleet) fn named_job_for(&self, robot: RobotId) -> Option<JobId> {
+        let named = self.ledger.named.get(&robot)?.iter().map(|id| (*id, &self.ledger.jobs[id]));
+        let ready = named.filter(|(id, _)| !self.ledger.index.waits.is_blocked(*id));
+        let rank = |j: &Job| (std::cmp::Reverse(j.request.priority), j.request.deadline.unwrap_or(Time::MAX));
+        ready.min_by_key(|(id, j)| (rank(j), *id)).map(|(id, _)| id)
+    }
+
+    /// Sends an idle robot where a job says. The job waits while there is no place for it, and fails where no way
+    /// leads.
+    fn begin_named(&mut self, robot: RobotId, job: JobId, now: Time) {
+        let (goal, stay, purpose) = match self.ledger.jobs[&job].request.kind {
+            JobKind::Charge { .. } => (None, self.free_place(robot, NodeKind::Charger), Purpose::Charge),
+            JobKind::Park { .. } => (None, self.free_place(robot, NodeKind::Parking), Purpose::Park),
+            JobKind::Go { node, .. } => (Some(node), self.stay_for(robot, node), Purpose::Go),
+            kind => unreachable!("{kind:?} names no robot"),
+        };
+        let Some(stay) = stay else { return };
+        let goal = goal.unwrap_or(stay);
+        if self.planner.free_flow(self.ledger.node_of(robot), &[stage(goal), stage(stay)]).is_none() {
+            return self.progress(job, JobState::Failed(JobFailure::Unreachable), None, now);
+        }
+        let task = Task::Move { job: Some(job), goal, stay, purpose };
+        self.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
+    }
+
+    /// The node itself if the robot may stay there, else some other place to stay.
+    fn stay_for(&self, robot: RobotId, node: NodeId) -> Option<NodeId> {
+        let lasting = self.warehouse().nodes[node].kind.is_lasting();
+        if lasting && !self.is_promised(node, robot) { Some(node) } else { self.any_stay(robot) }
+    }
+
+    /// Gives rack jobs to robots; gives back the robots that got none.
+    fn assign_racks(&mut self, robots: Vec<RobotId>, now: Time) -> Vec<RobotId> {
+        if robots.is_empty() || self.ledger.jobs.is_empty() {
+            return robots;
+        }
+        let jobs = if self.ledger.index.queue.has_offers() { self.candidates(now) } else { Vec::new() };
+        let (few, mut left) =
+            (robots[..robots.len().min(ROBOTS)].to_vec(), robots[robots.len().min(ROBOTS)..].to_vec());
+        if jobs.is_empty() {
+            left.extend(few);
+            return left;
+        }
+        let under_way = self.under_way();
+        let crowd = |id: &JobId| self.crowd(*id, &under_way);
+        let worth: Vec<i64> = jobs.iter().map(|(id, _, _, urgency_ms)| crowd(id) - urgency_ms).collect();
+        let cost: Vec<Vec<i64>> = (few.iter())
+            .map(|r| {
+                let known = jobs
+                    .iter()
+                    .zip(&worth)
+                    .map(|((id, _, node, _), w)| self.way_ms(*r, *id, *node).map_or(NEVER, |way| way + w));
+                known.chain(std::iter::repeat_n(NEVER, few.len())).collect()
+            })
+            .collect();
+        for (robot, column) in few.into_iter().zip(least_cost(&cost)) {
+            match column.and_then(|c| jobs.get(c)) {
+                Some(&(job, rack, node, _)) => {
+                    let task = Task::Fetch { job: Some(job), rack, node };
+                    self.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
+                }
+                None => left.push(robot),
+            }
+        }
+        left
+    }
+
+    /// Waiting jobs whose rack stands in storage and is nobody's, with their urgency, most urgent first; one per rack.
+    fn candidates(&self, now: Time) -> Vec<(JobId, RackId, NodeId, i64)> {
+        let queue = &self.ledger.index.queue;
+        let (oldest, wanted) = (queue.oldest(now), queue.racks_wanted());
+        let enough = self.stations_with_enough(now);
+        let has_room = |goal| !matches!(goal, Goal::Station(s) if enough.contains(&s));
+        let mut seen: BTreeSet<RackId> = BTreeSet::new();
+        let mut found = Vec::new();
+        for id in queue.offers(now, has_room) {
+            if found.len() == JOBS || seen.len() == wanted {
+                break;
+            }
+            let rack = self.ledger.jobs[&id].request.kind.rack().expect("offers are for racks");
+            let RackAt::Stored(node) = self.ledger.racks[rack] else { continue };
+            if seen.contains(&rack) {
+                continue;
+            }
+            let is_open = |id: &JobId| !self.job_is_closed_off(&self.ledger.jobs[id].request.kind, node);
+            // Only relocations in one line have goals of their own: behind one that is closed may be one that is not.
+            let is_shut = self.is_closing(node) || self.ledger.jobs[&id].request.kind.station().is_some();
+            let others = queue.behind(id).take_while(|_| !is_shut);
+            if let Some(id) = std::iter::once(id).chain(others).find(is_open) {
+                seen.insert(rack);
+                found.push((id, rack, node, queue.urgency_ms(id, now, &oldest)));
+            } else if self.is_closing(node) {
+                seen.insert(rack);
+            }
+        }
+        found
+    }
+
+    /// Stations for which enough robots wait with their racks, or which are paused: fetching another rack now would
+    /// leave its robot waiting while others need it.
+    pub(in crate::fleet) fn stations_with_enough(&self, now: Time) -> BTreeSet<StationId> {
+        let mut waiting = IdVec::filled((0, Span::ZERO), self.warehouse().stations.len());
+        for robot in self.ledger.robots.ids().filter(|r| self.waits_for_room(*r)) {
+            let station = self.station_of(robot).expect("it waits for one");
+            let (number, longest): &mut (usize, Span) = &mut waiting[station];
+            (*number, *longest) = (*number + 1, self.needs.waited(robot, now).max(*longest));
+        }
+        let places = |s: StationId| self.warehouse().stations[s].queue.len() + 1;
+        let enough =
+            |s: StationId, longest: Span| enough(places(s), self.needs.set_off.get(&s).copied(), longest);
+        let paused = self.ledger.paused_stations.keys().copied();
+        let full = waiting.pairs().filter(|(s, w)| w.0 >= enough(*s, w.1)).map(|(s, _)| s);
+        full.chain(paused).collect()
+    }
+
+    /// How long the robot's way to a rack takes, milliseconds; nothing if another robot stands there for ever, or the
+    /// robot's charge does not last for the job.
+    fn way_ms(&self, robot: RobotId, job: JobId, node: NodeId) -> Option<i64> {
+        if self.ledger.resident(node).is_some_and(|r| r != robot) {
+            return None;
+        }
+        let at = |n: NodeId| self.warehouse().nodes[n].at;
+        let here = self.ledger.node_of(robot);
+        let way_m = along_axes(at(here), at(node));
+        let goal = match self.ledger.jobs[&job].request.kind {
+            JobKind::Deliver { station, .. } => self.warehouse().stations[station].node,
+            JobKind::Relocate { node, .. } => node,
+            _ => node,
+        };
+        let whole_m = way_m + 2.0 * along_axes(at(node), at(goal));
+        if self.battery(robot) - self.charge_for(whole_m) < self.settings.charging.critical / 2.0 {
+            return None;
+        }
+        Some((way_m / self.settings.kinematics.speed_mps * 1000.0) as i64)
+    }
+
+    /// For each station, how many robots work on deliveries to it.
+    fn under_way(&self) -> IdVec<StationId, usize> {
+        let mut under_way = IdVec::filled(0, self.warehouse().stations.len());
+        let jobs = self.ledger.robots.iter().filter_map(|r| self.ledger.jobs.get(&r.task.job()?));
+        for job in jobs {
+            if let JobKind::Deliver { station, .. } = job.request.kind {
+                under_way[station] += 1;
+            }
+        }
+        under_way
+    }
+
+    /// What it costs that many racks are on their way to the job's station already.
+    fn crowd(&self, job: JobId, under_way: &IdVec<StationId, usize>) -> i64 {
+        let JobKind::Deliver { station, .. } = self.ledger.jobs[&job].request.kind else { return 0 };
+        let places = self.warehouse().stations[station].queue.len() + 1;
+        CROWD_MS * (under_way[station].saturating_sub(places / 2)) as i64
+    }
+}
+
+/// How many robots with their racks may wait for a station, whose queue takes `places`, before nobody fetches another:
+/// twice as many where the line moves, so that there are some to choose from where ways are long and crowded; as many
+/// once one has waited for long, or the last one to set off had, or nobody has yet; none while the line stands.
+fn enough(places: usize, last: Option<Span>, longest: Span) -> usize {
+    match () {
+        () if longest > LONG * 3 => 0,
+        () if longest > LONG || last.is_none_or(|waited| waited > LONG) => places,
+        () => 2 * places,
+    }
+}
+
+fn stage(goal: NodeId) -> crate::route::Stage {
+    crate::route::Stage { goal, loaded: false, stay: Span::ZERO }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn racks_wait_for_a_station_as_its_line_moves() {
+        let [moment, long, stands] = [10, 100, 200].map(Span::from_secs);
+        assert_eq!(enough(5, None, Span::ZERO), 5, "nobody knows yet how fast it goes");
+        assert_eq!(enough(5, Some(moment), moment), 10);
+        assert_eq!(enough(5, Some(long), moment), 5);
+        assert_eq!(enough(5, Some(moment), long), 5);
+        assert_eq!(enough(5, Some(moment), stands), 0);
+    }
+}

@@ -1,0 +1,91 @@
+//! Where a rack is put: near where it is likely to be wanted next.
+//!
+//! Main type: [`Storage`] (what the map says about it). Refuses: places that are taken or promised.
+
+use crate::fleet::Fleet;
+use crate::geometry::Point;
+use crate::id::{IdVec, NodeId, RackId, RobotId};
+use crate::warehouse::{NodeKind, Warehouse};
+
+/// What it costs to put a rack where nobody can fetch it for a while, metres: more than any way.
+const CLOSED_M: f64 = 1e6;
+
+/// What the map says about storage.
+#[derive(Debug)]
+pub(in crate::fleet) struct Storage {
+    nodes: Vec<NodeId>,
+    /// For each node, metres to the nearest station (along the axes).
+    to_station_m: IdVec<NodeId, f64>,
+}
+
+impl Storage {
+    pub fn new(warehouse: &Warehouse) -> Storage {
+        let nearest = |p: Point| {
+            let at = warehouse.stations.iter().map(|s| along_axes(warehouse.nodes[s.node].at, p));
+            at.fold(f64::INFINITY, f64::min)
+        };
+        Storage {
+            nodes: warehouse.nodes_where(|k| k == NodeKind::Storage),
+            to_station_m: warehouse.nodes.iter().map(|n| nearest(n.at)).collect(),
+        }
+    }
+}
+
+impl Fleet {
+    /// The storage node for a rack that comes from `from`: the way there now, plus the way from there to a station
+    /// as often as the rack is wanted, minus what the place is worth to other racks. `choice` counts down the list,
+    /// for a robot that found no way to the first. The robot's own place is among the candidates; places that are
+    /// closed by hand, or will be soon, come last.
+    pub(in crate::fleet) fn best_storage(
+        &self,
+        robot: RobotId,
+        rack: RackId,
+        from: NodeId,
+        choice: usize,
+    ) -> NodeId {
+        let heat = self.ledger.wishes.heat(rack);
+        let at = |n: NodeId| self.warehouse().nodes[n].at;
+        let closed = |n: NodeId| if self.is_closing(n) { CLOSED_M } else { 0.0 };
+        let cost =
+            |n: NodeId| along_axes(at(from), at(n)) + (heat - 1.0) * self.storage.to_station_m[n] + closed(n);
+        let free = self.storage.nodes.iter().copied().filter(|n| !self.is_taken_storage(*n, rack, robot));
+        let mut ranked: Vec<(i64, NodeId)> = free.map(|n| ((cost(n) * 1000.0) as i64, n)).collect();
+        let wanted = choice.min(ranked.len().saturating_sub(1)).min(16);
+        match ranked.is_empty() {
+            true => self.ledger.robots[robot].task.destination().unwrap_or(self.ledger.node_of(robot)),
+            false => ranked.select_nth_unstable(wanted).1.1,
+        }
+    }
+
+    /// Whether a storage node cannot be promised to `rack` on `robot`.
+    fn is_taken_storage(&self, node: NodeId, rack: RackId, robot: RobotId) -> bool {
+        let places = &self.ledger.index.places;
+        places.rack_on(node).is_some_and(|k| k != rack)
+            || places.is_promised(node, robot)
+            || places.is_wanted_for_another(node, rack)
+    }
+
+    /// A free charger or parking place near a robot, for it to go to.
+    pub(in crate::fleet) fn free_place(&self, robot: RobotId, kind: NodeKind) -> Option<NodeId> {
+        let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;
+        let free = self.ledger.index.places.free_for(robot, kind).filter(|n| !self.is_closing(*n));
+        free.min_by_key(|n| ((along_axes(here, self.warehouse().nodes[*n].at) * 1000.0) as i64, *n))
+    }
+
+    /// A place where an unloaded robot can stay: parking, else a charger, else beneath a rack nobody is sent to.
+    pub(in crate::fleet) fn any_stay(&self, robot: RobotId) -> Option<NodeId> {
+        self.free_place(robot, NodeKind::Parking)
+            .or_else(|| self.free_place(robot, NodeKind::Charger))
+            .or_else(|| self.free_place(robot, NodeKind::Storage))
+    }
+
+    /// Whether somebody else stands on, or is sent to, a node.
+    pub(in crate::fleet) fn is_promised(&self, node: NodeId, robot: RobotId) -> bool {
+        self.ledger.index.places.is_promised(node, robot)
+    }
+}
+
+/// Distance along the map's axes, metres: a cheap stand-in for the way on a grid of aisles.
+pub(in crate::fleet) fn along_axes(a: Point, b: Point) -> f64 {
+    (a.x - b.x).abs() + (a.y - b.y).abs()
+}

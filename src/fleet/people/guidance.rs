@@ -1,0 +1,132 @@
+//! What workers are told: path, next node, robots nearby, how things stand. It leaves in the step that
+//! decides it.
+//!
+//! Refuses: to decide where anybody is to go.
+
+use crate::fleet::Fleet;
+use crate::fleet::people::state::{Mode, Person};
+use crate::fleet::state::worker::{Guidance, GuidanceReason, GuidanceState, NearRobot};
+use crate::geometry::{Point, Vector};
+use crate::human::{Presence, Whereabouts};
+use crate::id::{Dense, RobotId, WorkerId};
+use crate::time::{Span, Time};
+
+/// Robots nearer than this are shown, metres.
+const NEAR_M: f64 = 8.0;
+/// At most so many.
+const NEAR_MOST: usize = 8;
+/// A robot slower than this does not drive up to anybody, metres per second.
+const DRIVES_MPS: f64 = 0.1;
+/// Guidance is repeated this often.
+const REPEAT: Span = Span::from_millis(200);
+/// Usual walking speed, for the time of arrival, metres per second.
+const USUAL_MPS: f64 = 1.2;
+
+impl Fleet {
+    pub(in crate::fleet) fn guide(&mut self, now: Time) {
+        for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
+            let Some(place) = self.whereabouts(worker, now) else { continue };
+            let guidance = self.guidance(worker, &place, now);
+            let due = match &self.crowd.people[worker].told {
+                Some((told, at)) => {
+                    told.state != guidance.state || told.version != guidance.version || now - *at >= REPEAT
+                }
+                None => true,
+            };
+            if due {
+                self.crowd.people[worker].told = Some((guidance.clone(), now));
+                self.out.guidance.push((worker, guidance));
+            }
+        }
+    }
+
+    /// What a worker is to be told now.
+    pub(in crate::fleet) fn guidance(&self, worker: WorkerId, place: &Whereabouts, now: Time) -> Guidance {
+        let person = &self.crowd.people[worker];
+        let near = self.near(place);
+        let (state, reason) = self.state_of(person, place, &near);
+        let plan = person.plan.as_ref();
+        let path: Vec<Point> = plan.map_or(Vec::new(), |p| p.follower.ahead().to_vec());
+        let length = length_of(place.at, &path);
+        Guidance {
+            state,
+            reason,
+            version: person.version,
+            next: path.first().copied(),
+            eta: (!path.is_empty()).then(|| now + Span::from_secs_f64(length / USUAL_MPS)),
+            path,
+            assignment: plan.and_then(|p| p.assignment),
+            near,
+        }
+    }
+
+    fn state_of(
+        &self,
+        person: &Person,
+        place: &Whereabouts,
+        near: &[NearRobot],
+    ) -> (GuidanceState, Option<GuidanceReason>) {
+        if place.presence == Presence::Lost {
+            return (GuidanceState::Stop, Some(GuidanceReason::NotTracked));
+        }
+        if let Some(robot) = near.iter().map(|n| n.robot).find(|r| self.drives_up(*r, place)) {
+            return (GuidanceState::Stop, Some(GuidanceReason::RobotComes(robot)));
+        }
+        match person.mode {
+            Mode::Idle => (GuidanceState::Idle, None),
+            Mode::Following => (GuidanceState::Following, None),
+            Mode::Redirected => {
+                let reason = person.blocked_since.map(|(r, _)| GuidanceReason::RobotInTheWay(r));
+                (GuidanceState::Redirected, reason)
+            }
+            Mode::Deviating { since } if person.plan.as_ref().is_some_and(|p| p.made >= since) => {
+                (GuidanceState::Redirected, Some(GuidanceReason::LeftPath))
+            }
+            Mode::Deviating { .. } => (GuidanceState::Deviating, Some(GuidanceReason::LeftPath)),
+            Mode::Stopped { .. } => match person.blocked_since {
+                Some((robot, _)) => (GuidanceState::Stop, Some(GuidanceReason::RobotInTheWay(robot))),
+                None => (GuidanceState::Stop, Some(GuidanceReason::NoWay)),
+            },
+        }
+    }
+
+    /// Whether a robot within region 1 comes nearer: whatever the fleet does about it, the worker should stand.
+    pub(in crate::fleet) fn drives_up(&self, robot: RobotId, place: &Whereabouts) -> bool {
+        let Some(seen) = self.scene.robot(robot).filter(|t| t.speed_mps > DRIVES_MPS) else { return false };
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let radius_m = self.crowd.regions.stop_radius_at_m(seen.speed_mps, loaded, place.sigma_m);
+        let to = place.at - seen.pose.at;
+        let along = Vector::new(seen.pose.heading.cos(), seen.pose.heading.sin());
+        to.norm() < radius_m && along.dot(&to) > 0.0
+    }
+
+    fn near(&self, place: &Whereabouts) -> Vec<NearRobot> {
+        let mut near: Vec<NearRobot> = (self.ledger.robots.ids())
+            .filter_map(|robot| {
+                let seen = self.scene.robot(robot)?;
+                let to = seen.pose.at - place.at;
+                let distance_m = to.norm();
+                let heading = seen.pose.heading;
+                let velocity = Vector::new(heading.cos(), heading.sin()) * seen.speed_mps;
+                let closest = closest_approach(to, velocity - place.velocity);
+                let (bearing, speed_mps) = (to.y.atan2(to.x), seen.speed_mps);
+                (distance_m < NEAR_M).then_some(NearRobot { robot, distance_m, bearing, closest, speed_mps })
+            })
+            .collect();
+        near.sort_by(|a, b| a.distance_m.total_cmp(&b.distance_m).then(a.robot.cmp(&b.robot)));
+        near.truncate(NEAR_MOST);
+        near
+    }
+}
+
+/// When two that move evenly are nearest to one another; nothing where that is over.
+fn closest_approach(apart: Vector, velocity: Vector) -> Option<Span> {
+    let speed = velocity.norm_squared();
+    let t = if speed < 1e-4 { 0.0 } else { -apart.dot(&velocity) / speed };
+    (t > 0.0 && t < 60.0).then(|| Span::from_secs_f64(t))
+}
+
+fn length_of(from: Point, path: &[Point]) -> f64 {
+    let mut at = from;
+    path.iter().map(|p| (p - std::mem::replace(&mut at, *p)).norm()).sum()
+}

@@ -1,0 +1,224 @@
+//! Where workers may be going: the goals that are known, the distances to them, and what is believed of each
+//! worker.
+//!
+//! Main type: [`Mind`]. Goals are the workers' tasks, the doors, and the corners of the hall, which stand for
+//! everything else (Petković 2021, section 4.3.2). Refuses: to follow workers whose place is only guessed.
+
+use crate::aware::Arm;
+use crate::fleet::Fleet;
+use crate::fleet::people::state::Mode;
+use crate::geometry::Point;
+use crate::human::{
+    Belief, Distances, Hypothesis, Intention, Method, Presence, Quality, Whereabouts, straight_on,
+    towards_goal,
+};
+use crate::id::{AssignmentId, Dense, GoalId, NodeId, WorkerId};
+use crate::time::{Span, Time};
+use crate::warehouse::walkway::{EdgeSet, Walkways};
+use crate::warehouse::{NodeKind, Warehouse};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// How much more probable the worker's own task is than any other goal, before anything is seen.
+const OWN_TASK: f64 = 3.0;
+/// Robots block walkways anew this often.
+const CUT_AGAIN: Span = Span::from_millis(200);
+/// Goals with less probability have no path, metres and shares.
+const NEGLIGIBLE: f64 = 0.02;
+/// How far paths are followed, metres.
+const FAR_M: f64 = 25.0;
+/// How far somebody who goes elsewhere is followed.
+const ELSEWHERE_M: f64 = 5.0;
+/// How many tasks of others a worker may be going to help with, oldest first.
+const OTHERS: usize = 3;
+/// Numbers of goals: corners and doors first, places of tasks from here on.
+const PLACES: u64 = 1000;
+
+/// Everything about intentions.
+#[derive(Debug)]
+pub(in crate::fleet) struct Mind {
+    pub distances: Distances,
+    fixed: Vec<GoalId>,
+    cut_at: Option<Time>,
+    intentions: BTreeMap<WorkerId, (Intention, BTreeSet<GoalId>)>,
+    /// The oldest assignments, a few of each worker.
+    early: Vec<(AssignmentId, WorkerId)>,
+}
+
+impl Mind {
+    pub fn new(warehouse: &Warehouse, walkways: Arc<Walkways>) -> Mind {
+        let mut distances = Distances::over(walkways.clone());
+        let (low, high) = warehouse.bounds();
+        let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
+        let corners = corners.map(|(x, y)| Point::new(x, y));
+        let doors = warehouse.nodes_where(|k| k == NodeKind::Exit).into_iter().take(3);
+        let places = corners.into_iter().chain(doors.map(|n| warehouse.nodes[n].at));
+        let mut fixed: Vec<GoalId> = Vec::new();
+        for (i, place) in places.enumerate() {
+            let Some((node, _)) = walkways.nearest(place) else { continue };
+            let at = walkways.nodes()[node].at;
+            if distances.goals().all(|(_, g)| (g - at).norm() > 1.0) {
+                distances.add_goal(GoalId(i as u64), at);
+                fixed.push(GoalId(i as u64));
+            }
+        }
+        Mind { distances, fixed, cut_at: None, intentions: BTreeMap::new(), early: Vec::new() }
+    }
+
+    /// What is believed of a worker.
+    pub fn belief(&self, worker: WorkerId) -> Option<Belief> {
+        self.intentions.get(&worker).map(|(i, _)| i.belief())
+    }
+
+    /// Forgets what was believed of a worker: the next sighting starts anew.
+    pub fn forget(&mut self, worker: WorkerId) {
+        self.intentions.remove(&worker);
+    }
+}
+
+/// The goal that is the place of a task.
+pub(in crate::fleet) fn goal_of(place: NodeId) -> GoalId {
+    GoalId(PLACES + place.ix() as u64)
+}
+
+impl Fleet {
+    /// Takes what was seen in this step into what is believed of everybody.
+    pub(in crate::fleet) fn infer(&mut self, now: Time) {
+        let method = match self.settings.arm {
+            Arm::Nhir | Arm::Shir => return,
+            Arm::Phir => Method::Chapter4,
+            Arm::Giveway => self.settings.method,
+        };
+        self.know_places();
+        self.block_walkways(now);
+        for (worker, place) in self.present(now) {
+            self.infer_one(worker, &place, method);
+        }
+    }
+
+    /// Keeps the places of tasks that somebody may be bound for among the goals, and no others.
+    fn know_places(&mut self) {
+        self.crowd.mind.early = self.early_assignments();
+        let own = self.crowd.people.ids().filter_map(|w| self.next_assignment(w));
+        let may_be = own.chain(self.crowd.mind.early.iter().map(|(id, _)| *id));
+        let place = |id| self.ledger.assignments[&id].request.place;
+        let wanted: BTreeMap<GoalId, NodeId> = may_be.map(|id| (goal_of(place(id)), place(id))).collect();
+        let mind = &mut self.crowd.mind;
+        let known: Vec<GoalId> = mind.distances.goals().map(|(g, _)| g).filter(|g| g.0 >= PLACES).collect();
+        for goal in known.iter().filter(|g| !wanted.contains_key(g)) {
+            mind.distances.remove_goal(*goal);
+        }
+        for (goal, node) in wanted.into_iter().filter(|(g, _)| !known.contains(g)) {
+            let at = self.ledger.warehouse().nodes[node].at;
+            let at = self.crowd.walkways.on_floor(at).unwrap_or(at);
+            mind.distances.add_goal(goal, at);
+        }
+    }
+
+    /// The oldest assignments, and no more of one worker than another may help with: whoever it is, the oldest of all
+    /// others are among them.
+    fn early_assignments(&self) -> Vec<(AssignmentId, WorkerId)> {
+        let index = &self.ledger.index;
+        let own = |worker| index.assignments_of(worker).take(OTHERS).map(move |id| (id, worker));
+        let mut early: Vec<(AssignmentId, WorkerId)> = index.assigned_workers().flat_map(own).collect();
+        early.sort_unstable();
+        early.truncate(2 * OTHERS);
+        early
+    }
+
+    /// Cuts the walkways on which robots stand, and restores those that they left.
+    fn block_walkways(&mut self, now: Time) {
+        if self.crowd.mind.cut_at.is_some_and(|t| now - t < CUT_AGAIN) {
+            return;
+        }
+        self.crowd.mind.cut_at = Some(now);
+        let mut cut: EdgeSet = self.crowd.walkways.no_edges();
+        let reach = self.warehouse().footprint_m / 2.0 + 0.2;
+        for robot in self.ledger.robots.ids() {
+            if self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05) {
+                let edges = self.crowd.walkways.edges_within(self.place_of(robot), reach);
+                edges.into_iter().for_each(|e| {
+                    cut.insert(e);
+                });
+            }
+        }
+        self.crowd.mind.distances.set_cut(&cut);
+    }
+
+    fn infer_one(&mut self, worker: WorkerId, place: &Whereabouts, method: Method) {
+        let goals = self.goals_of(worker);
+        let task = self.next_assignment(worker).map(|a| goal_of(self.ledger.assignments[&a].request.place));
+        let person = &self.crowd.people[worker];
+        let Some(seen) = person.track.newest().filter(|_| person.fresh).copied() else { return };
+        if place.presence != Presence::Tracked || seen.quality != Quality::Tracked {
+            return;
+        }
+        let mind = &mut self.crowd.mind;
+        if person.relocated {
+            mind.intentions.remove(&worker);
+        }
+        let fresh = || (Intention::new(method, &self.settings.model), BTreeSet::new());
+        let (intention, known) = mind.intentions.entry(worker).or_insert_with(fresh);
+        for goal in known.iter().filter(|g| !goals.contains_key(g)) {
+            intention.remove_goal(*goal);
+        }
+        known.retain(|g| goals.contains_key(g));
+        for (goal, weight) in goals {
+            // A method that has no room for another goal goes on without it.
+            if !known.contains(&goal) && intention.add_goal(goal, weight).is_ok() {
+                known.insert(goal);
+            }
+        }
+        intention.has_work_at(task);
+        intention.expect_error(seen.accuracy_m);
+        intention.observe(seen.seen, seen.at, seen.heading, &mind.distances);
+    }
+
+    /// The goals that a worker may have, with their weights: the own task first.
+    fn goals_of(&self, worker: WorkerId) -> BTreeMap<GoalId, f64> {
+        let mut goals: BTreeMap<GoalId, f64> = self.crowd.mind.fixed.iter().map(|g| (*g, 1.0)).collect();
+        if let Some(id) = self.next_assignment(worker) {
+            goals.insert(goal_of(self.ledger.assignments[&id].request.place), OWN_TASK);
+        }
+        if self.settings.arm == Arm::Giveway {
+            // Tasks of others, oldest first: people help one another, and pick up what is on the way.
+            let others = self.crowd.mind.early.iter().filter(|(_, w)| *w != worker).take(OTHERS);
+            for (id, _) in others {
+                goals.entry(goal_of(self.ledger.assignments[id].request.place)).or_insert(1.0);
+            }
+        }
+        goals
+    }
+
+    /// Where a worker may be going, with paths from here.
+    pub(in crate::fleet) fn hypotheses(&self, worker: WorkerId, place: &Whereabouts) -> Vec<Hypothesis> {
+        let person = &self.crowd.people[worker];
+        if !matches!(person.mode, Mode::Deviating { .. }) {
+            let path = person.rest_of_path(place.at).unwrap_or_else(|| vec![place.at]);
+            let stay = person.plan.as_ref().map_or(Span::from_secs(1), |p| p.stay);
+            return vec![Hypothesis { probability: 1.0, path, stay: Some(stay) }];
+        }
+        let mind = &self.crowd.mind;
+        let Some(belief) = mind.belief(worker) else { return self.elsewhere(place, 1.0) };
+        let likely = belief.goals.iter().filter(|(_, p)| *p >= NEGLIGIBLE);
+        let mut all: Vec<Hypothesis> = likely
+            .filter_map(|(goal, p)| {
+                let path = towards_goal(&mind.distances, *goal, place.at, FAR_M)?;
+                Some(Hypothesis { probability: *p, path, stay: Some(Span::from_secs(3)) })
+            })
+            .collect();
+        all.extend(self.elsewhere(place, belief.elsewhere + belief.undecided));
+        all
+    }
+
+    /// Somebody who goes to no known goal goes straight on, for a few metres.
+    fn elsewhere(&self, place: &Whereabouts, probability: f64) -> Vec<Hypothesis> {
+        let v = place.velocity;
+        let path = if v.norm() > 0.3 {
+            straight_on(&self.crowd.walkways, place.at, v.y.atan2(v.x), ELSEWHERE_M)
+        } else {
+            vec![place.at]
+        };
+        vec![Hypothesis { probability, path, stay: Some(Span::from_secs(1)) }]
+    }
+}

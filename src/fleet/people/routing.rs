@@ -1,0 +1,243 @@
+//! Where workers are led: to their next task, round a robot that stands in the way, out of the way of robots.
+//!
+//! Refuses: to move anybody; a worker is shown a path and may ignore it.
+
+use crate::aware::{Arm, BODY_M};
+use crate::fleet::Fleet;
+use crate::fleet::people::state::Mode;
+use crate::fleet::state::fact::Fact;
+use crate::fleet::state::worker::AssignmentState;
+use crate::geometry::{Point, Segment};
+use crate::human::Whereabouts;
+use crate::id::{RobotId, WorkerId};
+use crate::time::{Span, Time};
+use crate::warehouse::walkway::EdgeSet;
+
+/// A worker off the path is shown a new one this often.
+pub(in crate::fleet) const REDIRECT: Span = Span::from_secs(1);
+/// A robot that stands on a worker's path for this long is walked round.
+const BLOCKED: Span = Span::from_secs(3);
+/// How far a worker is sent out of the way at most, metres.
+const REFUGE_M: f64 = 15.0;
+/// How far such a place is from what robots are about to drive, metres.
+const REFUGE_CLEAR_M: f64 = 2.5;
+/// So many nodes ahead of a robot are what it is about to drive.
+const REFUGE_AHEAD: usize = 6;
+
+impl Fleet {
+    /// Starts the next assignment, or drops the path of one that was cancelled.
+    pub(in crate::fleet) fn take_up_work(&mut self, worker: WorkerId, at: Point, now: Time) {
+        let next = self.next_assignment(worker);
+        let person = &self.crowd.people[worker];
+        let current = person.plan.as_ref().and_then(|p| p.assignment);
+        if person.plan.is_some() && (current == next || current.is_none()) {
+            return;
+        }
+        match next {
+            Some(id) => {
+                if self.ledger.assignments[&id].state == AssignmentState::Waiting {
+                    let state = AssignmentState::Walking;
+                    self.record(Fact::Advanced { assignment: id, state, at: now });
+                }
+                self.lead_on(worker, at, now);
+            }
+            None => {
+                let person = &mut self.crowd.people[worker];
+                (person.plan, person.mode) = (None, Mode::Idle);
+            }
+        }
+    }
+
+    /// Gives a worker the way from `at` to the next assignment.
+    pub(in crate::fleet) fn lead_on(&mut self, worker: WorkerId, at: Point, now: Time) {
+        let Some(id) = self.next_assignment(worker) else {
+            self.crowd.people[worker].plan = None;
+            return;
+        };
+        let request = &self.ledger.assignments[&id].request;
+        let (goal, stay) = (self.warehouse().nodes[request.place].at, request.stay);
+        let cut = self.edges_blocked_for_long();
+        let free = self.crowd.walkways.no_edges();
+        let way =
+            self.crowd.walkways.path(at, goal, &cut).or_else(|| self.crowd.walkways.path(at, goal, &free));
+        let person = &mut self.crowd.people[worker];
+        match way {
+            Some(mut way) => {
+                self.crowd.walkways.on_floor(goal).into_iter().for_each(|g| {
+                    *way.points.last_mut().expect("a way has two ends") = g;
+                });
+                person.give(way.points, Some(id), stay, now);
+                if !matches!(person.mode, Mode::Deviating { .. }) {
+                    person.mode = Mode::Following;
+                }
+            }
+            None => person.mode = Mode::Stopped { since: now },
+        }
+    }
+
+    /// A robot that stands on the path and does not go away in time: the worker is led round it, or told to
+    /// wait.
+    pub(in crate::fleet) fn look_ahead(&mut self, worker: WorkerId, place: &Whereabouts, now: Time) {
+        let robot = self.robot_on_path(worker, place);
+        let person = &mut self.crowd.people[worker];
+        let since = match (robot, person.blocked_since) {
+            (None, _) => {
+                person.blocked_since = None;
+                return;
+            }
+            (Some(r), Some((before, since))) if r == before => since,
+            (Some(r), _) => {
+                person.blocked_since = Some((r, now));
+                return;
+            }
+        };
+        if now - since < BLOCKED {
+            return;
+        }
+        person.blocked_since = robot.map(|r| (r, now));
+        let Some(goal) = person.plan.as_ref().map(|p| p.follower.goal()) else { return };
+        let mut cut = self.edges_blocked_for_long();
+        for r in self.ledger.robots.ids().filter(|r| self.stands_near(*r, place.at)) {
+            let reach = self.warehouse().footprint_m / 2.0 + 0.2;
+            self.crowd.walkways.edges_within(self.place_of(r), reach).into_iter().for_each(|e| {
+                cut.insert(e);
+            });
+        }
+        let way = self.way_past(place.at, goal, &cut);
+        let refuge = if way.is_none() { self.refuge(worker, place.at, &cut) } else { None };
+        let person = &mut self.crowd.people[worker];
+        let plan = person.plan.as_ref().expect("just seen");
+        let (assignment, stay) = (plan.assignment, plan.stay);
+        let (points, assignment) = match (way, refuge) {
+            (Some(points), _) => (points, assignment),
+            (None, Some(points)) => (points, None),
+            (None, None) => {
+                person.mode = Mode::Stopped { since: now };
+                return;
+            }
+        };
+        person.give(points, assignment, stay, now);
+        person.mode = Mode::Redirected;
+    }
+
+    /// Where robots and a worker wait for one another and neither can pass: a way to the nearest place from
+    /// which the worker leaves to those robots what they are about to drive.
+    fn refuge(&self, worker: WorkerId, at: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
+        let waiting = self.crowd.yielding.iter().filter(|(_, y)| y.worker == worker).map(|(r, _)| *r);
+        let wanted: Vec<Point> = waiting
+            .flat_map(|r| self.ledger.chain(r).visits().take(REFUGE_AHEAD))
+            .map(|v| self.warehouse().nodes[v.node].at)
+            .collect();
+        if wanted.is_empty() {
+            return None;
+        }
+        let walkways = &self.crowd.walkways;
+        let mut near: Vec<(f64, Point)> = (walkways.within(at, REFUGE_M).into_iter())
+            .map(|(n, length)| (length, walkways.nodes()[n].at))
+            .filter(|(length, p)| *length > 1.0 && wanted.iter().all(|w| (w - p).norm() > REFUGE_CLEAR_M))
+            .collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        near.into_iter().take(12).find_map(|(_, p)| self.way_past(at, p, cut))
+    }
+
+    /// A way without the cut walkways for somebody who may stand face to face with a robot: the first steps
+    /// lead to where no robot is, even if the walkway there is cut by the one in front.
+    fn way_past(&self, at: Point, goal: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
+        let walkways = &self.crowd.walkways;
+        if let Some(way) = walkways.path(at, goal, cut) {
+            return Some(way.points);
+        }
+        let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
+        let robots: Vec<Point> = self.ledger.robots.ids().map(|r| self.place_of(r)).collect();
+        let is_clear = |to: Point| {
+            let step = Segment { a: at, b: to };
+            robots.iter().all(|r| step.distance_to(*r) >= reach || (to - r).norm() > (at - r).norm() + 0.3)
+        };
+        let steps = walkways.near(at, 1.8).into_iter().map(|(n, _)| walkways.nodes()[n].at);
+        let ways = steps.filter(|p| is_clear(*p)).filter_map(|p| {
+            let way = walkways.path(p, goal, cut)?;
+            Some((way.length_m + (p - at).norm(), way.points))
+        });
+        let (_, mut points) = ways.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        points.insert(0, at);
+        Some(points)
+    }
+
+    fn stands_near(&self, robot: RobotId, at: Point) -> bool {
+        let stands = self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05);
+        stands && (self.place_of(robot) - at).norm() < 3.0
+    }
+
+    /// A robot that stands where a worker would be within the next steps.
+    fn robot_on_path(&self, worker: WorkerId, place: &Whereabouts) -> Option<RobotId> {
+        let plan = self.crowd.people[worker].plan.as_ref()?;
+        // Who is there has no way ahead that a robot beside could block.
+        if plan.is_there(place.at) {
+            return None;
+        }
+        let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
+        let mut ahead = vec![place.at];
+        ahead.extend(plan.follower.ahead().iter().take(3));
+        let stops = |robot: &RobotId| {
+            let at = self.place_of(*robot);
+            let near = ahead.windows(2).any(|s| Segment { a: s[0], b: s[1] }.distance_to(at) < reach);
+            near && (at - place.at).norm() < 2.0 && self.stands_near(*robot, place.at)
+        };
+        self.ledger.robots.ids().find(stops)
+    }
+
+    /// Walkways on which robots rest or are broken: nobody waits for those to go away.
+    pub(in crate::fleet) fn edges_blocked_for_long(&self) -> EdgeSet {
+        let mut cut = self.crowd.walkways.no_edges();
+        let reach = self.warehouse().footprint_m / 2.0 + 0.2;
+        for robot in self.ledger.robots.ids() {
+            let chain = self.ledger.chain(robot);
+            let rests = chain.first() + 1 == chain.end();
+            if rests || self.ledger.robots[robot].failed {
+                let at = self.place_of(robot);
+                for e in self.crowd.walkways.edges_within(at, reach) {
+                    cut.insert(e);
+                }
+            }
+        }
+        cut
+    }
+
+    pub(in crate::fleet) fn leaves_path(&mut self, worker: WorkerId, at: Point, now: Time) {
+        self.record(Fact::Deviated { worker, at: now });
+        self.crowd.people[worker].mode = Mode::Deviating { since: now };
+        if self.settings.arm == Arm::Giveway {
+            self.lead_on(worker, at, now);
+        }
+    }
+
+    /// Shows whoever left the path a new one from where they are, now and then.
+    pub(in crate::fleet) fn show_the_way_back(&mut self, worker: WorkerId, at: Point, now: Time) {
+        let made = self.crowd.people[worker].plan.as_ref().map_or(Time::ZERO, |p| p.made);
+        if self.settings.arm == Arm::Giveway && now - made >= REDIRECT {
+            self.lead_on(worker, at, now);
+        }
+    }
+
+    /// At the end of the path: at work, done, or on to the next.
+    pub(in crate::fleet) fn at_the_end(&mut self, worker: WorkerId, at: Point, now: Time) {
+        let person = &mut self.crowd.people[worker];
+        let plan = person.plan.as_ref().expect("only who has a path is at its end");
+        let (is_there, stay) = (plan.is_there(at), plan.stay);
+        let Some(id) = plan.assignment else {
+            // A path that only led out of the way.
+            person.mode = Mode::Following;
+            return self.lead_on(worker, at, now);
+        };
+        if !is_there {
+            return;
+        }
+        person.mode = Mode::Following;
+        let before = person.was_there.filter(|(left, _)| *left == id).map_or(Span::ZERO, |(_, t)| t);
+        let since = *person.there_since.get_or_insert(now - before);
+        let state = if now - since >= stay { AssignmentState::Done } else { AssignmentState::Working };
+        if self.ledger.assignments.get(&id).is_some_and(|a| a.state != state) {
+            self.record(Fact::Advanced { assignment: id, state, at: now });
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! What the fleet believes and keeps in mind about people, from step to step. Lost at a restart and seen again.
+//!
+//! Main types: [`Crowd`], [`Person`], [`Mode`]. Refuses: to decide; the judging phase does.
+
+use crate::aware::{Afoot, Meter, Regions};
+use crate::fleet::people::intent::Mind;
+use crate::fleet::state::worker::{Guidance, Reaction};
+use crate::fleet::traffic::closed_areas::Areas;
+use crate::fleet::yielding::petkovic2021::Procedure;
+use crate::geometry::Point;
+use crate::human::motion::Motion;
+use crate::human::{Coverage, Follower, Hypothesis, Track};
+use crate::id::{AssignmentId, IdVec, NodeId, RobotId, WorkerId};
+use crate::route::Conditions;
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
+use crate::warehouse::walkway::Walkways;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// A worker this near to the end of the path is there, metres.
+const THERE_M: f64 = 0.6;
+
+/// A robot that stands for somebody.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::fleet) struct Standing {
+    /// For whom, the last of several.
+    pub worker: WorkerId,
+    /// Since when it stands.
+    pub since: Time,
+    /// Since when it does so for this one.
+    pub facing_since: Time,
+    /// Where it came to stand.
+    pub node: NodeId,
+}
+
+/// How a worker's walk stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub(in crate::fleet) enum Mode {
+    /// Nothing to do.
+    #[default]
+    Idle,
+    /// On the path.
+    Following,
+    /// Off the path since then. A new path may be shown already.
+    Deviating {
+        /// Since when.
+        since: Time,
+    },
+    /// Shown a new path, because the old one is blocked.
+    Redirected,
+    /// Told to stop, since then.
+    Stopped {
+        /// Since when.
+        since: Time,
+    },
+}
+
+/// The path that a worker was given.
+#[derive(Clone, Debug)]
+pub(in crate::fleet) struct Plan {
+    /// How far along it the worker is.
+    pub follower: Follower,
+    /// What it is for; nothing for a path that only leads out of the way.
+    pub assignment: Option<AssignmentId>,
+    /// How long the worker stays at its end.
+    pub stay: Span,
+    /// When it was made.
+    pub made: Time,
+}
+
+/// One worker.
+#[derive(Clone, Debug, Default)]
+pub(in crate::fleet) struct Person {
+    pub track: Track,
+    /// How the worker moves just now; nothing before the first sighting that was taken in.
+    pub motion: Option<Motion>,
+    /// Where the worker may be going, in this step.
+    pub ways: Vec<Hypothesis>,
+    /// Whether something was seen of the worker in this step.
+    pub fresh: bool,
+    /// Whether the worker was put somewhere else without a walk.
+    pub relocated: bool,
+    pub plan: Option<Plan>,
+    pub mode: Mode,
+    /// Counts up with every new path.
+    pub version: u64,
+    /// Since when the worker has been at the place of the assignment.
+    pub there_since: Option<Time>,
+    /// How long the worker was at the place of an assignment before leaving it: who comes back goes on with it.
+    pub was_there: Option<(AssignmentId, Span)>,
+    /// Since when the worker has been standing.
+    pub stands_since: Option<Time>,
+    /// Since when a robot has been standing on the path just ahead.
+    pub blocked_since: Option<(RobotId, Time)>,
+    /// What was told last, and when.
+    pub told: Option<(Guidance, Time)>,
+}
+
+/// A robot that stops or goes elsewhere because of somebody.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::fleet) struct Yielding {
+    pub worker: WorkerId,
+    pub reaction: Reaction,
+    pub since: Time,
+}
+
+/// All that is kept in mind about people.
+#[derive(Debug)]
+pub(in crate::fleet) struct Crowd {
+    pub walkways: Arc<Walkways>,
+    pub mind: Mind,
+    /// The published reaction, where that is what the fleet is to use.
+    pub procedure: Procedure,
+    pub regions: Regions,
+    pub afoot: Afoot,
+    pub people: IdVec<WorkerId, Person>,
+    /// What people mean for the search, in this step.
+    pub conditions: Conditions,
+    pub meter: Meter,
+    /// Whether forecasts hold.
+    pub coverage: Coverage,
+    pub yielding: BTreeMap<RobotId, Yielding>,
+    /// When each robot was told its limit last, and which.
+    pub limits: BTreeMap<RobotId, (Option<f64>, Time)>,
+    /// Robots that stand for somebody, or come back slowly.
+    pub stands: BTreeMap<RobotId, Standing>,
+    /// When robots that stand for somebody were called back last.
+    pub called_back: BTreeMap<RobotId, Time>,
+    /// When each robot last looked for another route because of somebody.
+    pub rerouted: BTreeMap<RobotId, Time>,
+    /// Announced closures.
+    pub areas: Areas,
+    /// Nodes that are as good as closed because somebody has been standing there for long, with when that began.
+    pub closing: BTreeMap<NodeId, Time>,
+    /// When each robot last looked for a route around a closed area.
+    pub looked_round: BTreeMap<RobotId, Time>,
+}
+
+impl Crowd {
+    pub fn new(warehouse: &Warehouse, regions: Regions) -> Crowd {
+        let walkways = Arc::new(Walkways::of(warehouse));
+        Crowd {
+            mind: Mind::new(warehouse, walkways.clone()),
+            procedure: Procedure::default(),
+            afoot: Afoot::new(warehouse, walkways.clone()),
+            walkways,
+            regions,
+            people: IdVec::new(),
+            conditions: Conditions::none(warehouse),
+            meter: Meter::default(),
+            coverage: Coverage::default(),
+            yielding: BTreeMap::new(),
+            limits: BTreeMap::new(),
+            stands: BTreeMap::new(),
+            called_back: BTreeMap::new(),
+            rerouted: BTreeMap::new(),
+            areas: Areas::default(),
+            closing: BTreeMap::new(),
+            looked_round: BTreeMap::new(),
+        }
+    }
+
+    /// The record of a worker.
+    pub fn person(&mut self, worker: WorkerId) -> &mut Person {
+        while self.people.get(worker).is_none() {
+            self.people.push(Person::default());
+        }
+        &mut self.people[worker]
+    }
+}
+
+impl Crowd {
+    /// Nodes that are closed, will be soon, or are as good as closed.
+    pub fn closing_nodes(&self) -> BTreeSet<NodeId> {
+        self.areas.nodes().chain(self.closing.keys().copied()).collect()
+    }
+}
+
+impl Plan {
+    /// Whether somebody at this place is at the end of the path.
+    pub fn is_there(&self, at: Point) -> bool {
+        (at - self.follower.goal()).norm() <= THERE_M
+    }
+}
+
+impl Person {
+    /// Gives the worker a path.
+    pub fn give(&mut self, points: Vec<Point>, assignment: Option<AssignmentId>, stay: Span, now: Time) {
+        let left = self.plan.as_ref().and_then(|p| p.assignment).zip(self.there_since.take());
+        self.was_there = left.map(|(id, since)| (id, now - since)).or(self.was_there);
+        self.plan = Some(Plan { follower: Follower::new(points), assignment, stay, made: now });
+        self.version += 1;
+    }
+
+    /// The rest of the path, from where the worker is.
+    pub fn rest_of_path(&self, at: Point) -> Option<Vec<Point>> {
+        let plan = self.plan.as_ref()?;
+        Some(std::iter::once(at).chain(plan.follower.ahead().iter().copied()).collect())
+    }
+}

@@ -1,0 +1,55 @@
+//! Between two steps: does a pose mean that somebody has to stop, so that the next step should not wait?
+//!
+//! Nothing is decided here and nothing changes; the step that follows decides, with everything that it knows.
+//! Costs one look at each robot and one close look at those nearby.
+
+use crate::fleet::Fleet;
+use crate::fleet::state::io::Telemetry;
+use crate::fleet::state::worker::GuidanceState;
+use crate::geometry::Vector;
+use crate::human::{Sighting, Taken, Whereabouts};
+use crate::id::Dense;
+use crate::time::{Span, Time};
+
+/// Whoever is slower than this need not be told to stop, metres per second.
+const STANDS_MPS: f64 = 0.05;
+/// Robots farther away stop for nobody, metres.
+const NEAR_M: f64 = 8.0;
+/// Robots that were not seen for longer are not guessed to have driven on.
+const OLD: Span = Span::from_millis(200);
+
+impl Fleet {
+    /// Whether a step that took in this sighting now would, as things were seen last, stop a robot that drives, or tell
+    /// the worker to stand who was not told yet.
+    pub fn calls_for_stop(&self, s: &Sighting, now: Time) -> bool {
+        let Some(person) = self.crowd.people.get(s.worker) else {
+            // Nobody knows yet what it means that somebody is there.
+            return s.worker.ix() < self.ledger.workers.len();
+        };
+        let mut track = person.track.clone();
+        if track.see(s, now, self.is_on_map()) == Taken::Ignored {
+            return false;
+        }
+        let Some(place) = track.whereabouts(now) else { return false };
+        let stands = person.told.as_ref().is_some_and(|(told, _)| told.state == GuidanceState::Stop);
+        self.ledger.robots.ids().any(|robot| {
+            let Some(seen) = self.scene.robot(robot).filter(|t| t.speed_mps > STANDS_MPS) else {
+                return false;
+            };
+            let place = seen_from(&place, seen, now);
+            if (place.at - seen.pose.at).norm() - place.reach_m > NEAR_M {
+                return false;
+            }
+            let told = self.crowd.limits.get(&robot).is_some_and(|(limit, _)| *limit == Some(0.0));
+            let stops = || self.limit_for(robot, &[(s.worker, place)], now).0 == Some(0.0);
+            !told && stops() || !stands && self.drives_up(robot, &place)
+        })
+    }
+}
+
+/// Where somebody is from a robot's point of view, which drove on since it was seen.
+fn seen_from(place: &Whereabouts, robot: &Telemetry, now: Time) -> Whereabouts {
+    let age = (now - robot.seen).clamp(Span::ZERO, OLD);
+    let ahead = Vector::new(robot.pose.heading.cos(), robot.pose.heading.sin());
+    Whereabouts { at: place.at - ahead * (robot.speed_mps * age.as_secs_f64()), ..*place }
+}

@@ -1,0 +1,239 @@
+//! Last phase, on demand: an immutable view of everything.
+//!
+//! Main function: [`Fleet::view`]. Refuses: to change anything.
+
+use crate::fleet::Fleet;
+use crate::fleet::people::state::Standing;
+use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
+use crate::fleet::state::fact::{Act, Purpose, Task};
+use crate::fleet::state::worker::{ClosureView, Presence, WorkerView};
+use crate::geometry::{Point, Pose};
+use crate::human::Belief;
+use crate::id::{JobId, NodeId, RobotId, StationId, WorkerId};
+use crate::route::Cause;
+use crate::time::Time;
+use crate::timeline::Holder;
+use crate::warehouse::NodeKind;
+use std::collections::BTreeMap;
+
+impl Fleet {
+    /// Everything that outsiders may see.
+    pub fn view(&self, now: Time) -> View {
+        let robots: Vec<RobotView> = self.ledger.robots.ids().map(|r| self.robot_view(r, now)).collect();
+        let stations = self.warehouse().stations.ids().map(|s| self.station_view(s)).collect();
+        let waiting = self.ledger.index.queue.len() as u64;
+        let active = self.ledger.jobs.len() as u64 - waiting;
+        let counts = self.counts(waiting, active);
+        let racks = self.ledger.racks.iter().copied().collect();
+        let (workers, closures) = (self.worker_views(now), self.closure_views());
+        let charger_is_free = self.a_charger_is_free();
+        let idle = self.idle_robots(now).into_iter();
+        let free = idle.filter(|r| self.is_charged(*r, charger_is_free)).count();
+        let foresight = self.crowd.coverage.foresight().to_vec();
+        let (blocked, stopped) = (self.blocked(), self.ledger.stopped);
+        let full = self.stations_with_enough(now);
+        let paused_stations = self.ledger.paused_stations.clone();
+        let closing = self.crowd.closing_nodes();
+        let critical = self.settings.charging.critical;
+        View {
+            now,
+            robots,
+            racks,
+            stations,
+            workers,
+            closures,
+            blocked,
+            free,
+            full,
+            paused_stations,
+            closing,
+            critical,
+            stopped,
+            counts,
+            foresight,
+        }
+    }
+
+    /// Sums of the ledger, and what was tried.
+    fn counts(&self, waiting: u64, active: u64) -> Counts {
+        let (sums, tally) = (self.ledger.counts, self.tally);
+        Counts {
+            robot_deliveries: sums.robot_deliveries,
+            human_deliveries: sums.human_deliveries,
+            waiting,
+            active,
+            done: sums.done,
+            cancelled: sums.cancelled,
+            failed: sums.failed,
+            plans: tally.plans,
+            plan_failures: tally.failures,
+            encounters: sums.encounters,
+            deviations: sums.deviations,
+            interruptions: sums.interruptions,
+            replans: tally.replans,
+        }
+    }
+
+    /// Waiting jobs that come after others, each with the first one that is not over yet.
+    fn blocked(&self) -> BTreeMap<JobId, JobId> {
+        self.ledger.index.waits.blocked().collect()
+    }
+
+    fn robot_view(&self, r: RobotId, now: Time) -> RobotView {
+        let record = &self.ledger.robots[r];
+        let seen = self.scene.robot(r);
+        let chain = self.ledger.chain(r);
+        let nodes = |from: u64, to: u64| -> Vec<NodeId> {
+            (from..to).filter_map(|s| chain.get(s)).map(|v| v.node).collect()
+        };
+        let stands = Pose { at: self.warehouse().nodes[self.ledger.node_of(r)].at, heading: 0.0 };
+        RobotView {
+            name: record.name.clone(),
+            pose: seen.map_or(stands, |t| t.pose),
+            seen: seen.map(|t| t.seen),
+            speed_mps: seen.map_or(0.0, |t| t.speed_mps),
+            battery: seen.map_or(0.0, |t| t.battery),
+            state: self.robot_state(r),
+            task: record.task,
+            rack: self.ledger.rack_on(r),
+            doing: self.doing(r),
+            job: record.task.job(),
+            granted: nodes(chain.first(), chain.granted()),
+            held: nodes(chain.granted(), chain.end()),
+            why: self.why(r, now),
+        }
+    }
+
+    fn robot_state(&self, r: RobotId) -> RobotState {
+        let record = &self.ledger.robots[r];
+        match record.task {
+            _ if record.failed => RobotState::Failed,
+            _ if record.interrupted && record.task != Task::Idle => RobotState::Interrupted,
+            Task::Idle => RobotState::Idle,
+            Task::Move { job: None, .. } => RobotState::Free,
+            _ => RobotState::Busy,
+        }
+    }
+
+    fn doing(&self, r: RobotId) -> Doing {
+        let record = &self.ledger.robots[r];
+        let chain = self.ledger.chain(r);
+        let at_stop = record.stops.first().filter(|s| s.serial == chain.first()).map(|s| s.act);
+        let queueing = || matches!(self.warehouse().nodes[self.ledger.node_of(r)].kind, NodeKind::Queue(_));
+        match (record.task, at_stop) {
+            _ if record.failed => Doing::Failed,
+            (Task::Fetch { .. }, Some(Act::Lift(_))) => Doing::Lifting,
+            (Task::Fetch { .. }, _) => Doing::ToRack,
+            (Task::Deliver { .. }, Some(Act::Pick(_))) => Doing::Picking,
+            (Task::Deliver { .. }, _) if queueing() => Doing::Queueing,
+            (Task::Deliver { .. }, _) => Doing::Carrying,
+            (Task::Store { .. }, Some(Act::Set(_))) => Doing::SettingDown,
+            (Task::Store { .. }, _) => Doing::Returning,
+            (Task::Move { purpose: Purpose::Charge, .. }, _) => Doing::ToCharger,
+            (Task::Move { purpose: Purpose::Park, .. }, _) => Doing::Parking,
+            (Task::Move { purpose: Purpose::Go, .. }, _) => Doing::Going,
+            (Task::Idle, _) if self.at_charger(r) => Doing::Charging,
+            (Task::Idle, _) => Doing::Idle,
+        }
+    }
+
+    /// Why a robot does not go on, if it does not.
+    pub fn why(&self, r: RobotId, now: Time) -> Option<Why> {
+        let record = &self.ledger.robots[r];
+        // Who asks must see what has to be undone by hand, whatever else is wrong.
+        if record.paused.is_some() {
+            return Some(Why::Paused);
+        }
+        if record.failed {
+            return Some(Why::Failed);
+        }
+        if self.ledger.stopped.is_some() {
+            return Some(Why::Stopped);
+        }
+        if self.scene.fit(r, now).is_none() {
+            return Some(Why::Silent);
+        }
+        if let Some(station) = self.station_of(r)
+            && self.lacks_route(r)
+            && !self.station_has_room(r, &self.bound_for_stations())
+        {
+            return Some(Why::QueueFull(station));
+        }
+        if self.lacks_route(r) && self.needs.failed_before(r) {
+            return Some(Why::NoRoute);
+        }
+        let stands = self.crowd.limits.get(&r).is_some_and(|(limit, _)| *limit == Some(0.0));
+        if let Some(yielding) = self.crowd.yielding.get(&r).filter(|_| stands) {
+            return Some(Why::GivesWay(yielding.worker));
+        }
+        let chain = self.ledger.chain(r);
+        let may_drive = chain.first() + 1 < chain.granted();
+        if let Some(Standing { worker, .. }) = self.crowd.stands.get(&r).filter(|_| stands && may_drive) {
+            return Some(Why::GivesWay(*worker));
+        }
+        let at_end = chain.first() + 1 == chain.granted();
+        let held = chain.get(chain.granted()).filter(|v| at_end && v.enter <= now);
+        match held.and_then(|v| self.grant_waits_for(r, v, now)) {
+            Some(Cause::Worker(w)) => return Some(Why::GivesWay(w)),
+            Some(Cause::Closure(c)) => return Some(Why::Closed(c)),
+            None => {}
+        }
+        let (resource, holder) = self.ledger.timeline.waits_for(Holder::Robot(r), chain.granted())?;
+        at_end.then_some(Why::WaitsFor(resource, holder))
+    }
+
+    fn worker_views(&self, now: Time) -> Vec<WorkerView> {
+        self.ledger.workers.pairs().map(|(w, name)| self.worker_view(w, name, now)).collect()
+    }
+
+    fn worker_view(&self, worker: WorkerId, name: &str, now: Time) -> WorkerView {
+        let place = self.whereabouts(worker, now);
+        let person = self.crowd.people.get(worker);
+        let sigma = place.map_or(0.0, |w| w.sigma_m);
+        let regions = &self.crowd.regions;
+        let belief = self.crowd.mind.belief(worker).unwrap_or_default();
+        let guidance = place.map(|w| self.guidance(worker, &w, now)).unwrap_or_default();
+        WorkerView {
+            name: name.to_owned(),
+            presence: place.map_or(Presence::Absent, |w| w.presence),
+            pose: place.map(|w| Pose { at: w.at, heading: w.heading.unwrap_or(0.0) }),
+            seen: person.and_then(|p| p.track.newest()).map(|s| s.seen),
+            speed_mps: place.map_or(0.0, |w| w.velocity.norm()),
+            accuracy_m: place.map_or(0.0, |w| w.sigma_m + w.reach_m),
+            regions_m: [
+                regions.stop_radius_m(false, sigma),
+                regions.still_radius_m(false, sigma),
+                regions.slow_radius_m(false, sigma),
+            ],
+            guidance,
+            goals: self.goals_view(&belief),
+            undecided: belief.undecided,
+            elsewhere: belief.elsewhere,
+            feed: person.map(|p| p.track.counts()).unwrap_or_default(),
+        }
+    }
+
+    fn goals_view(&self, belief: &Belief) -> Vec<(Point, f64)> {
+        let place = |g| self.crowd.mind.distances.place(g);
+        let mut goals: Vec<_> = belief.goals.iter().filter_map(|(g, p)| Some((place(*g)?, *p))).collect();
+        goals.sort_by(|a, b| b.1.total_cmp(&a.1));
+        goals
+    }
+
+    fn closure_views(&self) -> Vec<ClosureView> {
+        let closures = self.ledger.closures.iter();
+        closures.map(|(id, closure)| ClosureView { id: *id, closure: closure.clone() }).collect()
+    }
+
+    fn station_view(&self, s: StationId) -> StationView {
+        let station = &self.warehouse().stations[s];
+        let stands = |n: NodeId| self.ledger.robots.ids().find(|r| self.ledger.node_of(*r) == n);
+        StationView {
+            robot: stands(station.node),
+            picking: stands(station.node).is_some_and(|r| self.is_picked_from(r)),
+            paused: self.ledger.paused_stations.get(&s).copied(),
+            queue: station.queue.iter().filter_map(|q| stands(*q)).collect(),
+            served: self.ledger.served[s],
+        }
+    }
+}

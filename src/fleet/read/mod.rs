@@ -1,0 +1,10 @@
+//! What outsiders see: the view, why something waits, occupancy of an area, the jobs that wait.
+//!
+//! Main types: [`view::View`], `why::Waiting`, `occupancy::Strip`, `backlog::Backlog`. Refuses: to be an input of any
+//! decision.
+
+pub(in crate::fleet) mod backlog;
+pub(in crate::fleet) mod build;
+pub(in crate::fleet) mod occupancy;
+pub mod view;
+pub(in crate::fleet) mod why;

@@ -1,0 +1,65 @@
+//! What the planner sees of a part of the floor: per node who holds it when, and what people and closures mean there.
+//!
+//! Main type: [`Strip`]. Worked out on demand for an area. Refuses: areas of more than [`MOST_STRIPS`] nodes, since
+//! nobody could read them, and lanes, whose holds are those of the nodes at their ends.
+
+use crate::fleet::Fleet;
+use crate::geometry::Point;
+use crate::id::NodeId;
+use crate::route::Condition;
+use crate::time::{Span, Time, Window};
+use crate::timeline::Held;
+
+/// The most nodes at once.
+pub const MOST_STRIPS: usize = 200;
+
+/// Who was there a moment ago is still shown.
+const BACK: Span = Span::from_secs(5);
+
+/// One node, from a moment ago on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strip {
+    /// Which.
+    pub node: NodeId,
+    /// Who holds it, or something in conflict with it, in order.
+    pub holds: Vec<Held>,
+    /// What people and closures mean there.
+    pub conditions: Vec<Condition>,
+}
+
+/// An upright rectangle, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area {
+    /// Its lower left corner.
+    pub low: Point,
+    /// Its upper right corner.
+    pub high: Point,
+}
+
+impl Fleet {
+    /// The strips of all nodes in an area, from the top left on, for so long ahead.
+    ///
+    /// # Errors
+    /// How many nodes there are, where they are too many.
+    pub fn strips(&self, area: Area, ahead: Span, now: Time) -> Result<Vec<Strip>, usize> {
+        let within =
+            |p: Point| (area.low.x..=area.high.x).contains(&p.x) && (area.low.y..=area.high.y).contains(&p.y);
+        let nodes = &self.warehouse().nodes;
+        let mut found: Vec<NodeId> = nodes.pairs().filter(|(_, n)| within(n.at)).map(|(id, _)| id).collect();
+        if found.len() > MOST_STRIPS {
+            return Err(found.len());
+        }
+        let place = |n: &NodeId| nodes[*n].at;
+        found.sort_by(|a, b| place(b).y.total_cmp(&place(a).y).then(place(a).x.total_cmp(&place(b).x)));
+        let window = Window::new(now - BACK, now + ahead);
+        Ok(found.into_iter().map(|node| self.strip(node, window)).collect())
+    }
+
+    fn strip(&self, node: NodeId, window: Window) -> Strip {
+        let resource = self.warehouse().node_resource(node);
+        let holds = self.ledger.timeline.holds(resource, window).collect();
+        let conditions = self.crowd.conditions.of(node).iter();
+        let conditions = conditions.filter(|c| c.window.overlaps(window)).copied().collect();
+        Strip { node, holds, conditions }
+    }
+}

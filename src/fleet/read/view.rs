@@ -1,0 +1,296 @@
+//! The read model: everything that outsiders see of the fleet, as one immutable value.
+//!
+//! Main types: [`View`], [`RobotView`], [`Why`], [`JobWhy`]. Made on demand by [`crate::fleet::Fleet::view`], since
+//! a simulation of an hour needs none of the 72 000 it could have. Refuses: to be an input of any decision.
+
+use crate::fleet::state::fact::Task;
+use crate::fleet::state::job::{Job, JobKind, JobState};
+use crate::fleet::state::worker::{ClosureView, WorkerView};
+use crate::geometry::Pose;
+use crate::human::Foresight;
+use crate::id::{ClosureId, Dense, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
+use crate::time::Time;
+use crate::timeline::Holder;
+use crate::warehouse::NodeKind;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The fleet at one moment.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct View {
+    /// When.
+    pub now: Time,
+    /// Every robot, by number.
+    pub robots: Vec<RobotView>,
+    /// Every rack, by number.
+    pub racks: Vec<RackAt>,
+    /// Every station, by number.
+    pub stations: Vec<StationView>,
+    /// Every worker, by number.
+    pub workers: Vec<WorkerView>,
+    /// Areas that robots keep out of.
+    pub closures: Vec<ClosureView>,
+    /// Waiting jobs that come after others, each with one that is not over yet.
+    pub blocked: BTreeMap<JobId, JobId>,
+    /// How many robots could take a job now.
+    pub free: usize,
+    /// Stations for which no more racks are fetched at present.
+    pub full: BTreeSet<StationId>,
+    /// Stations at which nobody picks, since when.
+    pub paused_stations: BTreeMap<StationId, Time>,
+    /// Nodes that are closed, or will be soon.
+    pub closing: BTreeSet<NodeId>,
+    /// Below this charge a robot takes no job.
+    pub critical: f64,
+    /// Since when the whole fleet is to stand, by hand.
+    pub stopped: Option<Time>,
+    /// Sums.
+    pub counts: Counts,
+    /// Whether forecasts of people hold, by horizon.
+    pub foresight: Vec<Foresight>,
+}
+
+/// One robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotView {
+    /// Its name.
+    pub name: String,
+    /// Where it was seen last; where it is booked to be before it was ever seen.
+    pub pose: Pose,
+    /// When it was seen last.
+    pub seen: Option<Time>,
+    /// How fast, metres per second.
+    pub speed_mps: f64,
+    /// Charge, 0 to 1.
+    pub battery: f64,
+    /// Its state in the sense of the thesis, 4.2.4.
+    pub state: RobotState,
+    /// What it is doing.
+    pub task: Task,
+    /// The rack on it.
+    pub rack: Option<RackId>,
+    /// What it is at, in a word.
+    pub doing: Doing,
+    /// The job it works on.
+    pub job: Option<JobId>,
+    /// Nodes that it has been granted, in order, from where it is.
+    pub granted: Vec<NodeId>,
+    /// Nodes that it holds beyond, in order.
+    pub held: Vec<NodeId>,
+    /// Why it does not go on, if it does not.
+    pub why: Option<Why>,
+}
+
+/// The five states of a robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RobotState {
+    /// Nothing to do, standing where it may stay.
+    Idle,
+    /// At work on a job.
+    Busy,
+    /// No job, on its way to a place to stay.
+    Free,
+    /// Lost its route and waits for a new one.
+    Interrupted,
+    /// Cannot drive.
+    Failed,
+}
+
+/// What a robot is at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Doing {
+    /// Nothing.
+    Idle,
+    /// Driving to a rack.
+    ToRack,
+    /// Lifting it.
+    Lifting,
+    /// Carrying it to a station.
+    Carrying,
+    /// In the queue of a station.
+    Queueing,
+    /// At the station.
+    Picking,
+    /// Bringing the rack to storage.
+    Returning,
+    /// Setting it down.
+    SettingDown,
+    /// Driving to a charger.
+    ToCharger,
+    /// Charging.
+    Charging,
+    /// Driving to a parking place.
+    Parking,
+    /// Driving where it was sent.
+    Going,
+    /// Broken.
+    Failed,
+}
+
+/// Where a rack is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RackAt {
+    /// On a storage node.
+    Stored(NodeId),
+    /// On a robot.
+    On(RobotId),
+}
+
+/// One station.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct StationView {
+    /// The robot at the picking place.
+    pub robot: Option<RobotId>,
+    /// Whether a rack stands there to be picked from.
+    pub picking: bool,
+    /// Since when nobody picks, by hand.
+    pub paused: Option<Time>,
+    /// Robots in its queue places, first in line first.
+    pub queue: Vec<RobotId>,
+    /// Racks served so far.
+    pub served: u64,
+}
+
+/// Why a robot does not go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Why {
+    /// Somebody was promised the next resource first.
+    WaitsFor(ResourceId, Holder),
+    /// A worker is near, or will be.
+    GivesWay(WorkerId),
+    /// The way leads into an area that robots keep out of.
+    Closed(ClosureId),
+    /// The queue of the station it is to go to has no place.
+    QueueFull(StationId),
+    /// No route was found yet; it tries again.
+    NoRoute,
+    /// It cannot drive.
+    Failed,
+    /// It has not been heard of.
+    Silent,
+    /// Somebody paused it.
+    Paused,
+    /// Somebody stopped the whole fleet.
+    Stopped,
+}
+
+/// Why a job does not go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum JobWhy {
+    /// Another job must be over first.
+    After(JobId),
+    /// Its rack is on a robot, or a robot is on its way to it, for another job or back to storage.
+    RackBusy(RackId, RobotId, Option<JobId>),
+    /// The robot that the customer named has something else to do.
+    RobotBusy(RobotId, Option<JobId>),
+    /// No robot is free.
+    NoRobot,
+    /// Enough racks wait for the station already.
+    StationFull(StationId),
+    /// Nobody picks at the station.
+    StationPaused(StationId),
+    /// The rack, or where it is to go, is closed off, or will be soon.
+    ClosedOff,
+    /// A robot that cannot take the job stands beneath the rack.
+    RackBlocked(RackId, RobotId),
+    /// No charger, or no parking place, is free.
+    NoPlace(NodeKind),
+    /// The robot that the customer named has too little charge for it.
+    RobotLow(RobotId),
+    /// The robot at work on it does not go on.
+    Robot(RobotId, Why),
+}
+
+impl View {
+    /// Why a job does not go on, if it does not.
+    pub fn why_job(&self, id: JobId, job: &Job) -> Option<JobWhy> {
+        if let Some(robot) = job.state.robot() {
+            return Some(JobWhy::Robot(robot, self.robots.get(robot.ix())?.why?));
+        }
+        if job.state != JobState::Waiting {
+            return None;
+        }
+        if let Some(first) = self.blocked.get(&id) {
+            return Some(JobWhy::After(*first));
+        }
+        if let Some(named) = job.request.kind.robot() {
+            let robot = self.robots.get(named.ix())?;
+            return match robot.why {
+                Some(why @ (Why::Failed | Why::Silent | Why::Paused | Why::Stopped)) => {
+                    Some(JobWhy::Robot(named, why))
+                }
+                _ if robot.task != Task::Idle => Some(JobWhy::RobotBusy(named, robot.job)),
+                _ => match job.request.kind {
+                    JobKind::Charge { .. } => Some(JobWhy::NoPlace(NodeKind::Charger)),
+                    _ if robot.battery < self.critical => Some(JobWhy::RobotLow(named)),
+                    _ => Some(JobWhy::NoPlace(NodeKind::Parking)),
+                },
+            };
+        }
+        let rack_busy = job.request.kind.rack().and_then(|rack| {
+            let robot = self.robot_at_work_on(rack)?;
+            Some(JobWhy::RackBusy(rack, robot, self.robots.get(robot.ix())?.job))
+        });
+        rack_busy.or_else(|| self.why_not_fetched(&job.request.kind))
+    }
+
+    /// Why no robot fetches a rack that stands in storage.
+    fn why_not_fetched(&self, kind: &JobKind) -> Option<JobWhy> {
+        let rack = kind.rack()?;
+        let RackAt::Stored(node) = *self.racks.get(rack.ix())? else { return None };
+        let closed = |n: &NodeId| self.closing.contains(n);
+        match kind {
+            JobKind::Deliver { station, .. } if self.paused_stations.contains_key(station) => {
+                return Some(JobWhy::StationPaused(*station));
+            }
+            JobKind::Deliver { station, .. } if self.full.contains(station) => {
+                return Some(JobWhy::StationFull(*station));
+            }
+            JobKind::Relocate { node, .. } if closed(node) => return Some(JobWhy::ClosedOff),
+            _ if closed(&node) => return Some(JobWhy::ClosedOff),
+            _ => {}
+        }
+        let stays = |r: &RobotView| r.held.last().or(r.granted.last()) == Some(&node);
+        let blocked = self.robots.iter().position(stays).map(|r| JobWhy::RackBlocked(rack, RobotId::at(r)));
+        blocked.or((self.free == 0).then_some(JobWhy::NoRobot))
+    }
+
+    /// The robot that carries a rack, or is on its way to it.
+    fn robot_at_work_on(&self, rack: RackId) -> Option<RobotId> {
+        if let Some(RackAt::On(robot)) = self.racks.get(rack.ix()) {
+            return Some(*robot);
+        }
+        let fetches = |r: &RobotView| matches!(r.task, Task::Fetch { rack: fetched, .. } if fetched == rack);
+        self.robots.iter().position(fetches).map(RobotId::at)
+    }
+}
+
+/// Sums over the fleet's life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Hash)]
+pub struct Counts {
+    /// Racks served at stations.
+    pub robot_deliveries: u64,
+    /// Assignments completed by workers.
+    pub human_deliveries: u64,
+    /// Jobs that nobody has yet.
+    pub waiting: u64,
+    /// Jobs at work.
+    pub active: u64,
+    /// Jobs done.
+    pub done: u64,
+    /// Jobs cancelled.
+    pub cancelled: u64,
+    /// Jobs that could not be done.
+    pub failed: u64,
+    /// Routes planned.
+    pub plans: u64,
+    /// Searches that found none.
+    pub plan_failures: u64,
+    /// Encounters of robots and workers.
+    pub encounters: u64,
+    /// How often a worker left the path.
+    pub deviations: u64,
+    /// How often a robot had to stop or to change its route because of a worker.
+    pub interruptions: u64,
+    /// Routes planned anew because of workers and closures.
+    pub replans: u64,
+}

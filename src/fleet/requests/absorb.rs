@@ -1,0 +1,163 @@
+//! First phase: take everything in. Observations go to the scene, requests become facts or refusals.
+//!
+//! Refuses: to decide anything about robots.
+
+use crate::fleet::Fleet;
+use crate::fleet::state::fact::{Fact, Purpose, Task};
+use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
+use crate::fleet::state::job::{JobKind, JobRequest, JobState};
+use crate::id::{Dense, JobId, NodeId, RackId, RobotId};
+use crate::time::Time;
+use crate::warehouse::NodeKind;
+
+impl Fleet {
+    pub(in crate::fleet) fn absorb(&mut self, now: Time, inputs: Vec<Input>) {
+        self.expire_keys(now);
+        for input in inputs {
+            match input {
+                Input::Telemetry(t) if t.robot.ix() < self.ledger.robots.len() => self.scene.see(t),
+                Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry of an unknown robot"),
+                Input::Enlist { name, node } => self.enlist(name, node, now),
+                Input::Submit { token, request } => {
+                    let reply = match self.submit(request, now) {
+                        Ok((job, new)) => Reply::Accepted { token, job, new },
+                        Err(why) => Reply::Refused { token, why },
+                    };
+                    self.out.replies.push(reply);
+                }
+                Input::Cancel { token, job } => {
+                    let reply = match self.cancel(job, now) {
+                        Ok(()) => Reply::Cancelled { token, job },
+                        Err(why) => Reply::Refused { token, why },
+                    };
+                    self.out.replies.push(reply);
+                }
+                Input::Sighted(s) if s.worker.ix() < self.ledger.workers.len() => self.sight(&s, now),
+                Input::Sighted(s) => tracing::warn!(worker = ?s.worker, "sighting of an unknown worker"),
+                request => self.absorb_request(request, now),
+            }
+        }
+    }
+
+    /// A robot joins, unless its name is known or its place is taken.
+    fn enlist(&mut self, name: String, node: NodeId, now: Time) {
+        let known = self.ledger.robots.iter().any(|r| r.name == name);
+        let taken = self.ledger.robots.ids().any(|r| self.ledger.chain(r).visits().any(|v| v.node == node));
+        if known || taken {
+            tracing::warn!(name, ?node, known, taken, "a robot cannot join");
+            return;
+        }
+        let robot = RobotId::at(self.ledger.robots.len());
+        self.record(Fact::Enlisted { robot, name, node, at: now });
+    }
+
+    fn submit(&mut self, request: JobRequest, now: Time) -> Result<(JobId, bool), Refusal> {
+        if let Some(job) = request.key.as_ref().and_then(|k| self.ledger.keys.get(k)) {
+            return Ok((*job, false));
+        }
+        self.check_places(&request.kind)?;
+        if request.priority > 9 {
+            return Err(Refusal::Priority(request.priority));
+        }
+        if request.after.len() > self.settings.after_max {
+            return Err(Refusal::TooManyBefore(self.settings.after_max));
+        }
+        if let Some(job) = request.after.iter().find(|j| j.0 == 0 || j.0 >= self.ledger.next_job) {
+            return Err(Refusal::UnknownPredecessor(*job));
+        }
+        if self.ledger.jobs.len() >= self.settings.waiting_max {
+            return Err(Refusal::TooMany(Bounded::Jobs, self.ledger.jobs.len()));
+        }
+        let job = JobId(self.ledger.next_job);
+        self.record(Fact::Accepted { job, request, at: now });
+        Ok((job, true))
+    }
+
+    fn check_places(&self, kind: &JobKind) -> Result<(), Refusal> {
+        let w = self.warehouse();
+        let rack_known = |r: RackId| r.ix() < w.racks.len();
+        let robot_known = |r: RobotId| r.ix() < self.ledger.robots.len();
+        let known = match *kind {
+            JobKind::Deliver { rack, station, .. } => rack_known(rack) && station.ix() < w.stations.len(),
+            JobKind::Return { rack } => rack_known(rack),
+            JobKind::Relocate { rack, node } => rack_known(rack) && node.ix() < w.nodes.len(),
+            JobKind::Charge { robot } | JobKind::Park { robot } => robot_known(robot),
+            JobKind::Go { robot, node } => robot_known(robot) && node.ix() < w.nodes.len(),
+        };
+        if !known {
+            return Err(Refusal::UnknownPlace);
+        }
+        let place = match kind {
+            JobKind::Charge { .. } => Some(NodeKind::Charger),
+            JobKind::Park { .. } => Some(NodeKind::Parking),
+            _ => None,
+        };
+        if let Some(place) = place.filter(|p| !w.nodes.iter().any(|n| n.kind == *p)) {
+            return Err(Refusal::NoSuchPlace(place));
+        }
+        if let JobKind::Relocate { rack, node } = *kind {
+            if w.nodes[node].kind != NodeKind::Storage {
+                return Err(Refusal::NotStorage(node));
+            }
+            if self.storage_taken(node, rack) {
+                return Err(Refusal::StorageTaken(node));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a robot may drive up to its next stop already, and will do there what it was told.
+    pub(in crate::fleet) fn next_stop_is_granted(&self, robot: RobotId) -> bool {
+        let next = self.ledger.robots[robot].stops.first();
+        next.is_some_and(|s| s.serial < self.ledger.chain(robot).granted())
+    }
+
+    /// Whether another rack than `rack` stands on a storage node, or is to come there.
+    pub(in crate::fleet) fn storage_taken(&self, node: NodeId, rack: RackId) -> bool {
+        let places = &self.ledger.index.places;
+        let stands = places.rack_on(node).is_some_and(|k| k != rack);
+        let promised = |t: &Task| match *t {
+            Task::Deliver { store, rack: k, .. } | Task::Store { store, rack: k, .. } => {
+                store == node && k != rack
+            }
+            Task::Idle | Task::Fetch { .. } | Task::Move { .. } => false,
+        };
+        stands
+            || places.bound_for(node).iter().any(|r| promised(&self.ledger.robots[*r].task))
+            || places.is_wanted_for_another(node, rack)
+    }
+
+    /// Cancels a job at any stage: the job is over at once; a robot at work on it brings its rack to storage.
+    fn cancel(&mut self, job: JobId, now: Time) -> Result<(), Refusal> {
+        if job.0 == 0 || job.0 >= self.ledger.next_job {
+            return Err(Refusal::UnknownJob(job));
+        }
+        let Some(record) = self.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
+        let tasked = record.state.robot().map(|robot| (robot, self.task_without_job(robot)));
+        self.progress(job, JobState::Cancelled, tasked, now);
+        if let Some((robot, _)) = tasked {
+            self.end_cancelled_pick(robot);
+            self.needs.left_early(robot);
+        }
+        Ok(())
+    }
+
+    /// What a robot goes on with when its job is over before its task is: it brings its rack to storage, or goes to
+    /// where it may stay.
+    fn task_without_job(&self, robot: RobotId) -> Task {
+        match self.ledger.robots[robot].task {
+            Task::Deliver { rack, store, .. } | Task::Store { rack, store, .. } => {
+                Task::Store { job: None, rack, store }
+            }
+            // A robot that may drive to the rack already will lift it, and puts it back then.
+            Task::Fetch { rack, node, .. } if self.next_stop_is_granted(robot) => {
+                Task::Fetch { job: None, rack, node }
+            }
+            Task::Fetch { node, .. } => {
+                Task::Move { job: None, goal: node, stay: node, purpose: Purpose::Park }
+            }
+            Task::Move { stay, purpose, .. } => Task::Move { job: None, goal: stay, stay, purpose },
+            Task::Idle => Task::Idle,
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! What people decide by hand: the whole fleet or one robot stands until somebody lets it go on; a waiting job
+//! comes earlier or later.
+//!
+//! It is a fact, so a restart forgets none of it. Robots are told to stand at once, before the fact is durable.
+//! Refuses: to be an emergency stop, which is the robot's own; and to take back what was promised: who stands keeps
+//! its holds, and those behind wait.
+
+use crate::fleet::Fleet;
+use crate::fleet::state::fact::Fact;
+use crate::fleet::state::io::{Refusal, Reply};
+use crate::fleet::state::job::JobState;
+use crate::id::{Dense, JobId, RobotId};
+use crate::time::Time;
+
+impl Fleet {
+    /// Whether a robot is to stand, by itself or with all others, or since it is fenced off.
+    pub(in crate::fleet) fn is_halted(&self, robot: RobotId) -> bool {
+        let record = &self.ledger.robots[robot];
+        self.ledger.stopped.is_some() || record.paused.is_some() || record.fenced.is_some()
+    }
+
+    /// One robot, or the whole fleet, is to stand.
+    pub(in crate::fleet) fn halt(
+        &mut self,
+        token: u64,
+        robot: Option<RobotId>,
+        now: Time,
+    ) -> Result<Reply, Refusal> {
+        if self.halted_since(robot)?.is_none() {
+            self.record(Fact::Halted { robot, at: now });
+        }
+        Ok(Reply::Done { token })
+    }
+
+    /// It may go on. A robot that was paused, or is fenced off, stays so when the fleet goes on.
+    pub(in crate::fleet) fn release(
+        &mut self,
+        token: u64,
+        robot: Option<RobotId>,
+        now: Time,
+    ) -> Result<Reply, Refusal> {
+        let fenced = robot.is_some_and(|r| self.ledger.robots.get(r).is_some_and(|r| r.fenced.is_some()));
+        if self.halted_since(robot)?.is_some() || fenced {
+            self.record(Fact::Released { robot, at: now });
+        }
+        Ok(Reply::Done { token })
+    }
+
+    fn halted_since(&self, robot: Option<RobotId>) -> Result<Option<Time>, Refusal> {
+        match robot {
+            None => Ok(self.ledger.stopped),
+            Some(r) if r.ix() < self.ledger.robots.len() => Ok(self.ledger.robots[r].paused),
+            Some(_) => Err(Refusal::UnknownPlace),
+        }
+    }
+
+    /// A job that nobody has yet gets another priority.
+    pub(in crate::fleet) fn prioritise(
+        &mut self,
+        token: u64,
+        job: JobId,
+        priority: u8,
+        now: Time,
+    ) -> Result<Reply, Refusal> {
+        if priority > 9 {
+            return Err(Refusal::Priority(priority));
+        }
+        if job.0 == 0 || job.0 >= self.ledger.next_job {
+            return Err(Refusal::UnknownJob(job));
+        }
+        let Some(record) = self.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
+        if record.state != JobState::Waiting {
+            return Err(Refusal::JobHasBegun(job));
+        }
+        if record.request.priority != priority {
+            self.record(Fact::Prioritised { job, priority, at: now });
+        }
+        Ok(Reply::Done { token })
+    }
+}

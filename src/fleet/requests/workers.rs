@@ -1,0 +1,139 @@
+//! Requests about people: who is known, who is to do what, where robots are to keep out.
+//!
+//! Refuses: to plan for anybody; what is asked for becomes a fact or a refusal.
+
+use crate::fleet::Fleet;
+use crate::fleet::people::state::Person;
+use crate::fleet::state::fact::Fact;
+use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
+use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, Closure};
+use crate::id::{AssignmentId, ClosureId, Dense, NodeId, WorkerId};
+use crate::time::Time;
+
+impl Fleet {
+    /// Takes a request about people in.
+    pub(in crate::fleet) fn absorb_request(&mut self, input: Input, now: Time) {
+        let (token, answer) = match input {
+            Input::Hire { token, name } => (token, self.hire(token, name, now)),
+            Input::Assign { token, worker, request } => (token, self.hand_out(token, worker, request, now)),
+            Input::Unassign { token, assignment } => (token, self.take_back(token, assignment, now)),
+            Input::Finish { token, worker, assignment } => {
+                (token, self.finish(token, worker, assignment, now))
+            }
+            Input::Close { token, area } => (token, self.close(token, area)),
+            Input::Reopen { token, closure } => (token, self.reopen(token, closure, now)),
+            Input::Clear { token, worker } => (token, self.clear(token, worker)),
+            Input::Halt { token, robot } => (token, self.halt(token, robot, now)),
+            Input::Release { token, robot } => (token, self.release(token, robot, now)),
+            Input::Station { token, station, order } => {
+                (token, self.hear_station(token, station, order, now))
+            }
+            Input::Prioritise { token, job, priority } => (token, self.prioritise(token, job, priority, now)),
+            _ => unreachable!("telemetry, sightings and jobs are taken in elsewhere"),
+        };
+        self.out.replies.push(answer.unwrap_or_else(|why| Reply::Refused { token, why }));
+    }
+
+    fn hire(&mut self, token: u64, name: String, now: Time) -> Result<Reply, Refusal> {
+        let known = self.ledger.workers.pairs().find(|(_, n)| **n == name).map(|(w, _)| w);
+        if let Some(worker) = known {
+            return Ok(Reply::Hired { token, worker, new: false });
+        }
+        if self.ledger.workers.len() >= self.settings.workers_max {
+            return Err(Refusal::TooMany(Bounded::Workers, self.ledger.workers.len()));
+        }
+        let worker = WorkerId::at(self.ledger.workers.len());
+        self.record(Fact::Hired { worker, name, at: now });
+        Ok(Reply::Hired { token, worker, new: true })
+    }
+
+    fn hand_out(
+        &mut self,
+        token: u64,
+        worker: WorkerId,
+        request: AssignmentRequest,
+        now: Time,
+    ) -> Result<Reply, Refusal> {
+        if let Some(id) = request.key.as_ref().and_then(|k| self.ledger.assignment_keys.get(k)) {
+            return Ok(Reply::Assigned { token, assignment: *id, new: false });
+        }
+        if self.ledger.workers.get(worker).is_none() {
+            return Err(Refusal::UnknownWorker(worker));
+        }
+        self.check_walkable(request.place)?;
+        if self.ledger.assignments.len() >= self.settings.assignments_max {
+            return Err(Refusal::TooMany(Bounded::Assignments, self.ledger.assignments.len()));
+        }
+        let assignment = AssignmentId(self.ledger.next_assignment);
+        self.record(Fact::Assigned { assignment, worker, request, at: now });
+        Ok(Reply::Assigned { token, assignment, new: true })
+    }
+
+    /// Whether a worker can get near a node on foot.
+    fn check_walkable(&self, place: NodeId) -> Result<(), Refusal> {
+        let Some(node) = self.warehouse().nodes.get(place) else { return Err(Refusal::UnknownPlace) };
+        match self.crowd.walkways.on_floor(node.at) {
+            Some(_) => Ok(()),
+            None => Err(Refusal::OutOfReach(place)),
+        }
+    }
+
+    fn take_back(&mut self, token: u64, id: AssignmentId, now: Time) -> Result<Reply, Refusal> {
+        if !self.ledger.assignments.contains_key(&id) {
+            return Err(Refusal::UnknownAssignment(id));
+        }
+        self.record(Fact::Advanced { assignment: id, state: AssignmentState::Cancelled, at: now });
+        Ok(Reply::Done { token })
+    }
+
+    /// Takes a worker's word for it: whoever did the work knows, and where devices see somebody may be wrong.
+    fn finish(
+        &mut self,
+        token: u64,
+        worker: WorkerId,
+        id: AssignmentId,
+        now: Time,
+    ) -> Result<Reply, Refusal> {
+        if self.ledger.assignments.get(&id).is_none_or(|a| a.worker != worker) {
+            return Err(Refusal::UnknownAssignment(id));
+        }
+        self.record(Fact::Advanced { assignment: id, state: AssignmentState::Done, at: now });
+        Ok(Reply::Done { token })
+    }
+
+    fn close(&mut self, token: u64, area: Closure) -> Result<Reply, Refusal> {
+        if area.outline.len() < 3 || area.window.start() >= area.window.end() {
+            return Err(Refusal::EmptyArea);
+        }
+        if area.outline.len() > self.settings.corners_max {
+            return Err(Refusal::TooManyCorners(self.settings.corners_max));
+        }
+        if self.ledger.closures.len() >= self.settings.closures_max {
+            return Err(Refusal::TooMany(Bounded::Closures, self.ledger.closures.len()));
+        }
+        if area.nodes.iter().any(|n| self.warehouse().nodes.get(*n).is_none()) {
+            return Err(Refusal::UnknownPlace);
+        }
+        let closure = ClosureId(self.ledger.next_closure);
+        self.record(Fact::Closed { closure, area });
+        Ok(Reply::Closed { token, closure })
+    }
+
+    fn reopen(&mut self, token: u64, closure: ClosureId, now: Time) -> Result<Reply, Refusal> {
+        if !self.ledger.closures.contains_key(&closure) {
+            return Err(Refusal::UnknownClosure(closure));
+        }
+        self.record(Fact::Reopened { closure, at: now });
+        Ok(Reply::Done { token })
+    }
+
+    fn clear(&mut self, token: u64, worker: WorkerId) -> Result<Reply, Refusal> {
+        if self.ledger.workers.get(worker).is_none() {
+            return Err(Refusal::UnknownWorker(worker));
+        }
+        self.crowd.mind.forget(worker);
+        let version = self.crowd.person(worker).version;
+        *self.crowd.person(worker) = Person { version, ..Person::default() };
+        Ok(Reply::Done { token })
+    }
+}

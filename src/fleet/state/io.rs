@@ -1,0 +1,366 @@
+//! What goes into a step and what comes out of it.
+//!
+//! Main types: [`Input`], [`Command`], [`Reply`], [`Step`]. Refuses: to say how any of it travels.
+
+use crate::fleet::requests::station::StationOrder;
+use crate::fleet::state::fact::{Act, Fact};
+use crate::fleet::state::job::JobRequest;
+use crate::fleet::state::worker::{AssignmentRequest, Closure, Guidance};
+use crate::geometry::Pose;
+use crate::human::Sighting;
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::time::Time;
+use crate::timeline::Reserved;
+use crate::warehouse::NodeKind;
+
+/// An observation or a request from outside.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Input {
+    /// A robot says how it is.
+    Telemetry(Telemetry),
+    /// A robot joins the fleet.
+    Enlist {
+        /// Its name.
+        name: String,
+        /// Where it stands.
+        node: NodeId,
+    },
+    /// Somebody wants a job done.
+    Submit {
+        /// Comes back with the reply.
+        token: u64,
+        /// What.
+        request: JobRequest,
+    },
+    /// Somebody does not want a job any more.
+    Cancel {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        job: JobId,
+    },
+    /// Somebody saw a worker.
+    Sighted(Sighting),
+    /// A worker is to be known.
+    Hire {
+        /// Comes back with the reply.
+        token: u64,
+        /// The name; a known one is no second worker.
+        name: String,
+    },
+    /// A worker has left the floor, or a supervisor vouches that nobody is where one was lost.
+    Clear {
+        /// Comes back with the reply.
+        token: u64,
+        /// Who.
+        worker: WorkerId,
+    },
+    /// Somebody wants a worker to do something.
+    Assign {
+        /// Comes back with the reply.
+        token: u64,
+        /// Who.
+        worker: WorkerId,
+        /// What.
+        request: AssignmentRequest,
+    },
+    /// Somebody does not want it any more.
+    Unassign {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        assignment: AssignmentId,
+    },
+    /// A worker is done with an assignment, and says so.
+    Finish {
+        /// Comes back with the reply.
+        token: u64,
+        /// Who.
+        worker: WorkerId,
+        /// With which.
+        assignment: AssignmentId,
+    },
+    /// Robots are to keep out of an area.
+    Close {
+        /// Comes back with the reply.
+        token: u64,
+        /// Where, when, why.
+        area: Closure,
+    },
+    /// They need not any more.
+    Reopen {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        closure: ClosureId,
+    },
+    /// One robot, or the whole fleet, is to stand until it is released.
+    Halt {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which; nothing for all of them.
+        robot: Option<RobotId>,
+    },
+    /// It may go on.
+    Release {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which; nothing for the whole fleet.
+        robot: Option<RobotId>,
+    },
+    /// The person at a station says how it goes there.
+    Station {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        station: StationId,
+        /// What.
+        order: StationOrder,
+    },
+    /// A waiting job is to come earlier, or later.
+    Prioritise {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        job: JobId,
+        /// 0 to 9.
+        priority: u8,
+    },
+}
+
+impl Input {
+    /// The token under which a request is answered; observations have none.
+    pub fn token(&self) -> Option<u64> {
+        match self {
+            Input::Telemetry(_) | Input::Sighted(_) | Input::Enlist { .. } => None,
+            Input::Submit { token, .. }
+            | Input::Cancel { token, .. }
+            | Input::Hire { token, .. }
+            | Input::Clear { token, .. }
+            | Input::Assign { token, .. }
+            | Input::Unassign { token, .. }
+            | Input::Finish { token, .. }
+            | Input::Close { token, .. }
+            | Input::Reopen { token, .. }
+            | Input::Halt { token, .. }
+            | Input::Release { token, .. }
+            | Input::Station { token, .. }
+            | Input::Prioritise { token, .. } => Some(*token),
+        }
+    }
+}
+
+/// How a robot is. Observations of one robot may be late, repeated or out of order; the newest by `seen` counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Telemetry {
+    /// Who.
+    pub robot: RobotId,
+    /// When this was so.
+    pub seen: Time,
+    /// Where it is.
+    pub pose: Pose,
+    /// How fast it drives, metres per second.
+    pub speed_mps: f64,
+    /// Serial number of the last visit whose centre it has reached.
+    pub reached: u64,
+    /// Serial number of the last visit that it has been told of.
+    pub known: u64,
+    /// Serial number of the last stop at which it is done.
+    pub acted: Option<u64>,
+    /// The rack on it.
+    pub rack: Option<RackId>,
+    /// Charge, 0 to 1.
+    pub battery: f64,
+    /// Whether it cannot drive by itself.
+    pub failed: bool,
+    /// The limit of its speed that it was told last, metres per second; 0 is a stop.
+    pub limit_mps: Option<f64>,
+    /// How many recalls it has followed to the end.
+    pub recalls: u64,
+}
+
+impl Telemetry {
+    /// Whether it stands until a person helps: it is broken, or its battery is flat.
+    pub fn cannot_drive(&self) -> bool {
+        self.failed || self.battery <= 0.0
+    }
+}
+
+/// An order to a robot.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Drive along these waypoints, in order. Waypoints that the robot knows already are repeated until it says so.
+    Drive {
+        /// The proof that they are held and granted.
+        grant: Reserved,
+        /// Where, and what to do there.
+        waypoints: Vec<Waypoint>,
+        /// How many recalls came before. A robot that has followed more of them, or is following one, ignores the
+        /// order: it is older.
+        recalls: u64,
+    },
+    /// If the robot stands, and this is the last visit whose centre it reached, it drives back there, forgets the
+    /// waypoints after it, and says so by the number of recalls that it has followed. Else it goes on as before.
+    Recall {
+        /// Serial number of the visit.
+        to: u64,
+        /// Which recall this is: one more than those that the robot has followed.
+        number: u64,
+    },
+    /// Drive no faster than this from now on, metres per second; 0 is a stop, nothing lifts the limit.
+    Limit(Option<f64>),
+}
+
+/// One granted visit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Waypoint {
+    /// Its serial number.
+    pub serial: u64,
+    /// Where.
+    pub node: NodeId,
+    /// What to do there before going on.
+    pub act: Option<Act>,
+}
+
+/// The answer to a request. It may be sent once the facts of its step are durable.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Reply {
+    /// The job is accepted, or was accepted before under the same key.
+    Accepted {
+        /// Of the request.
+        token: u64,
+        /// Its number.
+        job: JobId,
+        /// Whether it is new.
+        new: bool,
+    },
+    /// The job is cancelled, now or before.
+    Cancelled {
+        /// Of the request.
+        token: u64,
+        /// Its number.
+        job: JobId,
+    },
+    /// The worker is known, now or before.
+    Hired {
+        /// Of the request.
+        token: u64,
+        /// The number.
+        worker: WorkerId,
+        /// Whether the worker is new.
+        new: bool,
+    },
+    /// The assignment is accepted, or was accepted before under the same key.
+    Assigned {
+        /// Of the request.
+        token: u64,
+        /// Its number.
+        assignment: AssignmentId,
+        /// Whether it is new.
+        new: bool,
+    },
+    /// The area is closed.
+    Closed {
+        /// Of the request.
+        token: u64,
+        /// Its number.
+        closure: ClosureId,
+    },
+    /// It is so: a worker is cleared, an assignment cancelled, an area open again, a robot halted or released, a job
+    /// has its priority.
+    Done {
+        /// Of the request.
+        token: u64,
+    },
+    /// It cannot be.
+    Refused {
+        /// Of the request.
+        token: u64,
+        /// Why.
+        why: Refusal,
+    },
+}
+
+impl Reply {
+    /// The token of the request that it answers.
+    pub fn token(&self) -> u64 {
+        match *self {
+            Reply::Accepted { token, .. }
+            | Reply::Cancelled { token, .. }
+            | Reply::Hired { token, .. }
+            | Reply::Assigned { token, .. }
+            | Reply::Closed { token, .. }
+            | Reply::Done { token }
+            | Reply::Refused { token, .. } => token,
+        }
+    }
+}
+
+/// Things of which the fleet takes so many at once and no more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Bounded {
+    /// Jobs that are not over.
+    Jobs,
+    /// Assignments that are not over.
+    Assignments,
+    /// Workers who are known.
+    Workers,
+    /// Closures that are announced, closed, or over since less than a day.
+    Closures,
+}
+
+/// Why a request is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Refusal {
+    /// No job has this number.
+    UnknownJob(JobId),
+    /// The job was over already.
+    JobIsOver(JobId),
+    /// A robot works on the job already.
+    JobHasBegun(JobId),
+    /// A job cannot come after one that does not exist.
+    UnknownPredecessor(JobId),
+    /// There is no such rack, station, node or robot.
+    UnknownPlace,
+    /// Racks go onto storage nodes only.
+    NotStorage(NodeId),
+    /// The storage node has a rack, or is promised to one.
+    StorageTaken(NodeId),
+    /// The map has no charger, or no parking place.
+    NoSuchPlace(NodeKind),
+    /// No robot stands at the station with a rack to pick from.
+    NothingToPick(StationId),
+    /// A priority is a number from 0 to 9.
+    Priority(u8),
+    /// There are as many of a kind as the fleet takes.
+    TooMany(Bounded, usize),
+    /// A job comes after more others than it may.
+    TooManyBefore(usize),
+    /// An area has more corners than it may.
+    TooManyCorners(usize),
+    /// No worker has this number.
+    UnknownWorker(WorkerId),
+    /// No assignment has this number, or it is over.
+    UnknownAssignment(AssignmentId),
+    /// No area is closed under this number.
+    UnknownClosure(ClosureId),
+    /// People cannot walk to this node.
+    OutOfReach(NodeId),
+    /// An area needs three corners and some time.
+    EmptyArea,
+}
+
+/// What one step did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Step {
+    /// What happened, in order. Durable before grants and replies leave.
+    pub facts: Vec<Fact>,
+    /// Orders to robots. They leave once the facts are durable.
+    pub commands: Vec<(RobotId, Command)>,
+    /// Answers. They leave once the facts are durable.
+    pub replies: Vec<Reply>,
+    /// Stops, slow-downs and their ends. They leave at once: they take nothing from anybody.
+    pub urgent: Vec<(RobotId, Command)>,
+    /// What workers are told, where it changed. It leaves at once.
+    pub guidance: Vec<(WorkerId, Guidance)>,
+}

@@ -1,0 +1,252 @@
+//! The life of a job: one table of what may happen to it, and of what its robot does meanwhile.
+//!
+//! Main types: [`Stage`], [`Work`], [`Event`]; main functions [`next`] (the table) and [`work`] (what the robot of a
+//! job in some stage does for it). `Ledger::evolve` asserts both for every fact in every build, so a job and the task
+//! of the robot that serves it can never disagree. Refuses: to decide that something happens.
+
+use crate::fleet::state::fact::Task;
+use crate::fleet::state::job::{JobKind, JobState};
+
+/// How far a job has come, without the robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// No robot has it.
+    Waiting,
+    /// A robot is on its way to the rack, or to where it was sent.
+    Assigned,
+    /// A robot carries the rack.
+    Carrying,
+    /// The rack stands at the station.
+    Picking,
+    /// Done.
+    Done,
+    /// Cancelled.
+    Cancelled,
+    /// It could not be done.
+    Failed,
+}
+
+/// What a robot does for a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Work {
+    /// Nothing: no robot serves the job.
+    Nothing,
+    /// It goes to the rack.
+    Fetch,
+    /// It carries the rack to the station.
+    Deliver,
+    /// It carries the rack to a storage node.
+    Store,
+    /// It goes somewhere without a rack.
+    Move,
+}
+
+/// What happens to a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// A robot gets it.
+    Assigned,
+    /// A robot gets it whose load is the rack that it asks for.
+    Chained,
+    /// The robot lifted the rack.
+    Lifted,
+    /// The robot stands at the station.
+    AtStation,
+    /// The person at the station has what was wanted.
+    Picked,
+    /// The rack stands where it was to stand.
+    SetDown,
+    /// The robot is where it was sent.
+    Arrived,
+    /// The robot does not serve it any more; another one may.
+    GivenBack,
+    /// The customer does not want it any more.
+    Cancelled,
+    /// It cannot be done.
+    Failed,
+}
+
+/// Kinds of jobs that live alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Family {
+    /// A rack goes to a station and back.
+    Deliver,
+    /// A rack goes to a storage node.
+    Put,
+    /// A named robot goes somewhere.
+    Send,
+}
+
+impl Family {
+    fn of(kind: &JobKind) -> Family {
+        match kind {
+            JobKind::Deliver { .. } => Family::Deliver,
+            JobKind::Return { .. } | JobKind::Relocate { .. } => Family::Put,
+            JobKind::Charge { .. } | JobKind::Park { .. } | JobKind::Go { .. } => Family::Send,
+        }
+    }
+}
+
+impl Stage {
+    /// The stage of a state.
+    pub fn of(state: JobState) -> Stage {
+        match state {
+            JobState::Waiting => Stage::Waiting,
+            JobState::Assigned { .. } => Stage::Assigned,
+            JobState::Carrying { .. } => Stage::Carrying,
+            JobState::Picking { .. } => Stage::Picking,
+            JobState::Done => Stage::Done,
+            JobState::Cancelled => Stage::Cancelled,
+            JobState::Failed(_) => Stage::Failed,
+        }
+    }
+}
+
+impl Work {
+    /// What a task does for its job.
+    pub fn of(task: &Task) -> Work {
+        match task {
+            _ if task.job().is_none() => Work::Nothing,
+            Task::Idle => Work::Nothing,
+            Task::Fetch { .. } => Work::Fetch,
+            Task::Deliver { .. } => Work::Deliver,
+            Task::Store { .. } => Work::Store,
+            Task::Move { .. } => Work::Move,
+        }
+    }
+}
+
+/// The table: the stage to which an event takes a job. Nothing where the event cannot happen then.
+pub fn next(kind: &JobKind, from: Stage, event: Event) -> Option<Stage> {
+    use Family::{Deliver, Put, Send};
+    use Stage::{Assigned, Cancelled, Carrying, Done, Failed, Picking, Waiting};
+    let to = match (Family::of(kind), from, event) {
+        (_, Done | Cancelled | Failed, _) => return None,
+        (_, _, Event::Cancelled) => Cancelled,
+        (_, _, Event::Failed) => Failed,
+        (_, Waiting, Event::Assigned) => Assigned,
+        (Deliver, Waiting, Event::Chained) => Carrying,
+        (Deliver | Put, Assigned, Event::Lifted) => Carrying,
+        (Deliver, Carrying, Event::AtStation) => Picking,
+        (Deliver, Picking, Event::Picked) => Done,
+        (Put, Carrying, Event::SetDown) => Done,
+        (Send, Assigned, Event::Arrived) => Done,
+        (_, Assigned, Event::GivenBack) => Waiting,
+        // Its robot was to go on to another station with the rack, but set it down before it found a way there.
+        (Deliver, Carrying, Event::GivenBack) => Waiting,
+        _ => return None,
+    };
+    Some(to)
+}
+
+/// What the robot that serves a job does for it in a stage. Nothing where the kind has no such stage.
+pub fn work(kind: &JobKind, stage: Stage) -> Option<Work> {
+    use Family::{Deliver, Put, Send};
+    Some(match (Family::of(kind), stage) {
+        (_, Stage::Waiting | Stage::Done | Stage::Cancelled | Stage::Failed) => Work::Nothing,
+        (Deliver | Put, Stage::Assigned) => Work::Fetch,
+        (Send, Stage::Assigned) => Work::Move,
+        (Deliver, Stage::Carrying | Stage::Picking) => Work::Deliver,
+        (Put, Stage::Carrying) => Work::Store,
+        (Put, Stage::Picking) | (Send, Stage::Carrying | Stage::Picking) => return None,
+    })
+}
+
+/// The event that takes a job from one stage to another, if one does.
+pub fn event(kind: &JobKind, from: Stage, to: Stage) -> Option<Event> {
+    EVENTS.into_iter().find(|e| next(kind, from, *e) == Some(to))
+}
+
+/// Every event.
+pub const EVENTS: [Event; 10] = [
+    Event::Assigned,
+    Event::Chained,
+    Event::Lifted,
+    Event::AtStation,
+    Event::Picked,
+    Event::SetDown,
+    Event::Arrived,
+    Event::GivenBack,
+    Event::Cancelled,
+    Event::Failed,
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::id::{NodeId, RackId, RobotId, StationId};
+
+    const STAGES: [Stage; 7] = [
+        Stage::Waiting,
+        Stage::Assigned,
+        Stage::Carrying,
+        Stage::Picking,
+        Stage::Done,
+        Stage::Cancelled,
+        Stage::Failed,
+    ];
+
+    fn kinds() -> [JobKind; 6] {
+        let (rack, robot, node) = (RackId(0), RobotId(0), NodeId(0));
+        [
+            JobKind::Deliver { rack, station: StationId(0), pick: None },
+            JobKind::Return { rack },
+            JobKind::Relocate { rack, node },
+            JobKind::Charge { robot },
+            JobKind::Park { robot },
+            JobKind::Go { robot, node },
+        ]
+    }
+
+    #[test]
+    fn no_event_brings_a_job_back_that_is_over() {
+        for kind in kinds() {
+            for stage in [Stage::Done, Stage::Cancelled, Stage::Failed] {
+                assert!(EVENTS.iter().all(|e| next(&kind, stage, *e).is_none()), "{kind:?} {stage:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_job_can_be_cancelled_and_can_fail_at_every_stage_that_its_kind_has() {
+        for kind in kinds() {
+            for stage in [Stage::Waiting, Stage::Assigned, Stage::Carrying, Stage::Picking] {
+                let has = work(&kind, stage).is_some();
+                assert!(!has || next(&kind, stage, Event::Cancelled) == Some(Stage::Cancelled));
+                assert!(!has || next(&kind, stage, Event::Failed) == Some(Stage::Failed));
+            }
+        }
+    }
+
+    #[test]
+    fn every_stage_that_can_be_reached_says_what_the_robot_does_and_leads_to_done() {
+        for kind in kinds() {
+            let mut reached = vec![Stage::Waiting];
+            let mut i = 0;
+            while let Some(from) = reached.get(i).copied() {
+                i += 1;
+                assert!(work(&kind, from).is_some(), "{kind:?} {from:?}");
+                for to in EVENTS.iter().filter_map(|e| next(&kind, from, *e)) {
+                    if !reached.contains(&to) {
+                        reached.push(to);
+                    }
+                }
+            }
+            assert!(reached.contains(&Stage::Done), "{kind:?} reaches {reached:?}");
+            let unused = STAGES.into_iter().filter(|s| !reached.contains(s));
+            unused.for_each(|s| assert_eq!(work(&kind, s), None, "{kind:?} never comes to {s:?}"));
+        }
+    }
+
+    #[test]
+    fn two_events_do_not_lead_from_one_stage_to_the_same_other_one() {
+        for kind in kinds() {
+            for from in STAGES {
+                let ends: Vec<Stage> = EVENTS.iter().filter_map(|e| next(&kind, from, *e)).collect();
+                for to in &ends {
+                    assert_eq!(ends.iter().filter(|s| *s == to).count(), 1, "{kind:?}: {from:?} to {to:?}");
+                }
+            }
+        }
+    }
+}

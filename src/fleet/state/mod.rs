@@ -1,0 +1,16 @@
+//! What was promised and what is seen: the ledger with its facts, what goes into a step and comes out, the scene.
+//!
+//! Main types: [`ledger::Ledger`] (a fold over [`fact::Fact`]s), [`scene::Scene`], [`io::Input`], [`io::Step`].
+//! Refuses: to decide anything; it knows no other room.
+
+pub mod fact;
+pub mod index;
+pub mod io;
+pub mod job;
+pub(in crate::fleet) mod keys;
+pub mod ledger;
+pub mod life;
+pub(in crate::fleet) mod parts;
+pub mod scene;
+pub(in crate::fleet) mod wishes;
+pub mod worker;

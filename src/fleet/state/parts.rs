@@ -1,0 +1,246 @@
+//! A ledger from what was written down of one.
+//!
+//! Main types: [`Parts`] (everything of a ledger, plain), [`Contradiction`]. Refuses: parts that contradict the map
+//! or one another, in words; a ledger that this program wrote down never does.
+
+use crate::fleet::Job;
+use crate::fleet::JobKind;
+use crate::fleet::RackAt;
+use crate::fleet::state::fact::{Act, Task};
+use crate::fleet::state::index::Index;
+use crate::fleet::state::keys::Keys;
+use crate::fleet::state::ledger::{Ledger, Robot, Sums};
+use crate::fleet::state::wishes::Wishes;
+use crate::fleet::state::worker::{Assignment, Closure};
+use crate::id::{AssignmentId, ClosureId, Dense, IdVec, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::time::{Span, Time};
+use crate::timeline::{ChainParts, Flaw, Holder, Timeline};
+use crate::warehouse::Warehouse;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Everything of a ledger.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parts {
+    /// Jobs that are not over.
+    pub jobs: BTreeMap<JobId, Job>,
+    /// The number of the next job.
+    pub next_job: u64,
+    /// Customers' keys of jobs.
+    pub keys: Keys<JobId>,
+    /// All robots.
+    pub robots: IdVec<RobotId, Robot>,
+    /// Where each rack is.
+    pub racks: IdVec<RackId, RackAt>,
+    /// Who holds what when.
+    pub chains: Vec<ChainParts>,
+    /// Racks served per station.
+    pub served: IdVec<StationId, u64>,
+    /// All workers' names.
+    pub workers: IdVec<WorkerId, String>,
+    /// Assignments that are not over.
+    pub assignments: BTreeMap<AssignmentId, Assignment>,
+    /// The number of the next assignment.
+    pub next_assignment: u64,
+    /// Customers' keys of assignments.
+    pub assignment_keys: Keys<AssignmentId>,
+    /// Areas that robots keep out of.
+    pub closures: BTreeMap<ClosureId, Closure>,
+    /// The number of the next closure.
+    pub next_closure: u64,
+    /// Stations at which nobody picks, since when.
+    pub paused_stations: BTreeMap<StationId, Time>,
+    /// Since when the whole fleet is to stand, by hand.
+    pub stopped: Option<Time>,
+    /// Jobs that were cancelled or failed lately, with when.
+    pub ended_badly: BTreeMap<JobId, Time>,
+    /// Sums.
+    pub counts: Sums,
+    /// How often each rack was wanted lately.
+    pub wishes: Wishes,
+}
+
+/// Why parts make no ledger.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Contradiction {
+    /// Holds contradict one another.
+    #[error(transparent)]
+    Holds(#[from] Flaw),
+    /// There is not one entry for each of the map's things.
+    #[error("there are {found} {what}, and the map has {expected}")]
+    Count {
+        /// Of what.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// Something names what does not exist.
+    #[error("{what} names something that does not exist")]
+    Unknown {
+        /// What does.
+        what: String,
+    },
+    /// A rack is at a place where it cannot be.
+    #[error("rack {rack:?} is at a place where another one is")]
+    Rack {
+        /// Which.
+        rack: RackId,
+    },
+}
+
+impl Ledger {
+    /// Everything that there is to write down.
+    pub fn to_parts(&self) -> Parts {
+        let chains = self.timeline.chains().map(|(holder, chain)| ChainParts {
+            holder,
+            first: chain.first(),
+            granted: chain.granted(),
+            visits: chain.visits().cloned().collect(),
+        });
+        Parts {
+            jobs: self.jobs.clone(),
+            next_job: self.next_job,
+            keys: self.keys.clone(),
+            robots: self.robots.clone(),
+            racks: self.racks.clone(),
+            chains: chains.collect(),
+            served: self.served.clone(),
+            workers: self.workers.clone(),
+            assignments: self.assignments.clone(),
+            next_assignment: self.next_assignment,
+            assignment_keys: self.assignment_keys.clone(),
+            closures: self.closures.clone(),
+            next_closure: self.next_closure,
+            paused_stations: self.paused_stations.clone(),
+            stopped: self.stopped,
+            ended_badly: self.ended_badly.clone(),
+            counts: self.counts,
+            wishes: self.wishes.clone(),
+        }
+    }
+
+    /// A ledger that is exactly this.
+    ///
+    /// # Errors
+    /// The first thing that cannot be.
+    pub fn from_parts(
+        warehouse: Arc<Warehouse>,
+        clearance: Span,
+        parts: Parts,
+    ) -> Result<Ledger, Contradiction> {
+        check_counts(&warehouse, &parts)?;
+        check_names(&warehouse, &parts)?;
+        check_racks(&parts)?;
+        let index = Index::new(&warehouse);
+        let mut ledger = Ledger {
+            jobs: parts.jobs,
+            next_job: parts.next_job,
+            keys: parts.keys,
+            robots: parts.robots,
+            racks: parts.racks,
+            timeline: Timeline::restore(warehouse, clearance, parts.chains)?,
+            served: parts.served,
+            workers: parts.workers,
+            assignments: parts.assignments,
+            next_assignment: parts.next_assignment,
+            assignment_keys: parts.assignment_keys,
+            closures: parts.closures,
+            next_closure: parts.next_closure,
+            paused_stations: parts.paused_stations,
+            stopped: parts.stopped,
+            ended_badly: parts.ended_badly,
+            counts: parts.counts,
+            wishes: parts.wishes,
+            named: BTreeMap::new(),
+            index,
+        };
+        ledger.reindex();
+        Ok(ledger)
+    }
+}
+
+fn check_counts(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
+    let robots = (0..p.robots.len()).map(|r| Holder::Robot(RobotId::at(r)));
+    let standing = robots.filter(|h| p.chains.iter().any(|c| c.holder == *h)).count();
+    for (what, found, expected) in [
+        ("racks", p.racks.len(), w.racks.len()),
+        ("racks with wishes", p.wishes.counts().len(), w.racks.len()),
+        ("stations", p.served.len(), w.stations.len()),
+    ] {
+        if found != expected {
+            return Err(Contradiction::Count { what, found, expected });
+        }
+    }
+    match standing == p.robots.len() && standing == p.chains.len() {
+        true => Ok(()),
+        false => Err(Contradiction::Unknown { what: "the list of who stands where".into() }),
+    }
+}
+
+/// Everything that is named exists.
+fn check_names(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
+    let node = |n: NodeId| n.ix() < w.nodes.len();
+    let rack = |r: RackId| r.ix() < w.racks.len();
+    let robot = |r: RobotId| r.ix() < p.robots.len();
+    let known = |so: bool, what: String| if so { Ok(()) } else { Err(Contradiction::Unknown { what }) };
+    for (id, at) in p.racks.pairs() {
+        let fits = match *at {
+            RackAt::Stored(n) => node(n),
+            RackAt::On(r) => robot(r),
+        };
+        known(fits, format!("rack {id:?}"))?;
+    }
+    for (id, job) in &p.jobs {
+        let fits = match job.request.kind {
+            JobKind::Deliver { rack: r, station, .. } => rack(r) && station.ix() < w.stations.len(),
+            JobKind::Return { rack: r } => rack(r),
+            JobKind::Relocate { rack: r, node: n } => rack(r) && node(n),
+            JobKind::Charge { robot: r } | JobKind::Park { robot: r } => robot(r),
+            JobKind::Go { robot: r, node: n } => robot(r) && node(n),
+        };
+        let fits = fits && id.0 < p.next_job && job.state.robot().is_none_or(robot);
+        known(fits, format!("job {id:?}"))?;
+    }
+    for (id, record) in p.robots.pairs() {
+        let task = match record.task {
+            Task::Idle => true,
+            Task::Fetch { rack: r, node: n, .. } => rack(r) && node(n),
+            Task::Deliver { rack: r, station, store, .. } => rack(r) && node(station) && node(store),
+            Task::Store { rack: r, store, .. } => rack(r) && node(store),
+            Task::Move { goal, stay, .. } => node(goal) && node(stay),
+        };
+        let stops = record.stops.iter().all(|s| match s.act {
+            Act::Lift(r) | Act::Set(r) => rack(r),
+            Act::Pick(_) | Act::Arrive => true,
+        });
+        known(task && stops, format!("robot {id:?}"))?;
+    }
+    for id in p.paused_stations.keys() {
+        known(id.ix() < w.stations.len(), format!("paused station {id:?}"))?;
+    }
+    for (id, a) in &p.assignments {
+        let fits = node(a.request.place) && a.worker.ix() < p.workers.len() && id.0 < p.next_assignment;
+        known(fits, format!("assignment {id:?}"))?;
+    }
+    for (id, area) in &p.closures {
+        known(area.nodes.iter().all(|n| node(*n)) && id.0 < p.next_closure, format!("closure {id:?}"))?;
+    }
+    Ok(())
+}
+
+/// One rack on a node, and one on a robot.
+fn check_racks(p: &Parts) -> Result<(), Contradiction> {
+    let (mut nodes, mut robots) = (BTreeSet::new(), BTreeSet::new());
+    for (rack, at) in p.racks.pairs() {
+        let alone = match *at {
+            RackAt::Stored(node) => nodes.insert(node),
+            RackAt::On(robot) => robots.insert(robot),
+        };
+        if !alone {
+            return Err(Contradiction::Rack { rack });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,53 @@
+//! What is seen: the newest observation of each robot. Lost at a restart and seen again.
+//!
+//! Main types: [`Scene`], [`Seen`]. Refuses: older observations than it has, and to trust any for ever.
+
+use crate::fleet::state::io::Telemetry;
+use crate::id::{Dense, RobotId};
+use crate::time::{Span, Time};
+
+/// After this long without an observation a robot is silent: it gets no new grants.
+pub const SILENCE: Span = Span::from_secs(3);
+
+/// One robot as it is seen.
+#[derive(Clone, Debug, Default)]
+pub struct Seen {
+    /// The newest observation.
+    pub newest: Option<Telemetry>,
+    /// When orders were sent to it last.
+    pub told: Option<Time>,
+}
+
+/// All robots as they are seen.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    robots: Vec<Seen>,
+}
+
+impl Scene {
+    /// Takes an observation in; an older one than the newest is ignored.
+    pub fn see(&mut self, t: Telemetry) {
+        let seen = self.robot_mut(t.robot);
+        if seen.newest.is_none_or(|n| n.seen < t.seen) {
+            seen.newest = Some(t);
+        }
+    }
+
+    /// A robot as it is seen.
+    pub fn robot(&self, robot: RobotId) -> Option<&Telemetry> {
+        self.robots.get(robot.ix())?.newest.as_ref()
+    }
+
+    /// A robot that was heard of lately and can drive.
+    pub fn fit(&self, robot: RobotId, now: Time) -> Option<&Telemetry> {
+        self.robot(robot).filter(|t| !t.cannot_drive() && now - t.seen <= SILENCE)
+    }
+
+    /// The record of a robot.
+    pub fn robot_mut(&mut self, robot: RobotId) -> &mut Seen {
+        if self.robots.len() <= robot.ix() {
+            self.robots.resize_with(robot.ix() + 1, Seen::default);
+        }
+        &mut self.robots[robot.ix()]
+    }
+}

@@ -1,0 +1,52 @@
+//! How often each rack was wanted lately: a count over accepted jobs that fades.
+//!
+//! Main type: [`Wishes`]. Refuses: to know where racks are.
+
+use crate::id::{IdVec, RackId};
+
+/// When so many wishes were counted per rack, all counts are halved: old wishes fade.
+const HALVE_AT: u64 = 4;
+
+/// How often each rack was wanted lately.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Wishes {
+    racks: IdVec<RackId, u32>,
+    total: u64,
+}
+
+impl Wishes {
+    /// No rack was ever wanted.
+    pub fn none(racks: usize) -> Wishes {
+        Wishes::of(vec![0; racks])
+    }
+
+    /// These counts, by rack.
+    pub fn of(counts: Vec<u32>) -> Wishes {
+        let total = counts.iter().map(|w| u64::from(*w)).sum();
+        Wishes { racks: counts.into(), total }
+    }
+
+    /// How often each rack was wanted, by rack.
+    pub fn counts(&self) -> &IdVec<RackId, u32> {
+        &self.racks
+    }
+
+    /// Counts one wish.
+    pub(in crate::fleet) fn note(&mut self, rack: RackId) {
+        self.racks[rack] += 1;
+        self.total += 1;
+        if self.total > HALVE_AT * self.racks.len() as u64 {
+            self.racks.iter_mut().for_each(|w| *w /= 2);
+            self.total = self.racks.iter().map(|w| u64::from(*w)).sum();
+        }
+    }
+
+    /// How wanted a rack is, relative to the mean: 0 never, 1 like any, up to 3.
+    pub(in crate::fleet) fn heat(&self, rack: RackId) -> f64 {
+        if self.total == 0 {
+            return 1.0;
+        }
+        let mean = self.total as f64 / self.racks.len() as f64;
+        (f64::from(self.racks[rack]) / mean).min(3.0)
+    }
+}

@@ -1,0 +1,154 @@
+//! Announced closures as the search sees them: looked at when one is announced, begins, ends or is taken back, and not
+//! in steps in which none does.
+//!
+//! Main type: [`Areas`]. Refuses: to know of people, whose conditions are made anew in every step.
+
+use crate::aware::nodes_in;
+use crate::fleet::state::worker::Closure;
+use crate::geometry::Point;
+use crate::id::{ClosureId, NodeId};
+use crate::route::{Cause, Condition, Conditions, Effect};
+use crate::time::{Span, Time, Window};
+use crate::warehouse::{NodeKind, Warehouse};
+use std::collections::BTreeMap;
+
+/// What is closed within this is treated as closed by whatever chooses a job, a place for a rack, or one to rest.
+pub(in crate::fleet) const SOON: Span = Span::from_secs(180);
+
+/// A closure that is over stays in the list for so long.
+const KEPT: Span = Span::from_secs(24 * 3600);
+
+/// The search is told of a closure so long before it begins: no route takes longer, and closures of months ahead would
+/// only be in its way.
+const AHEAD: Span = Span::from_secs(24 * 3600);
+
+/// An area with its nodes.
+#[derive(Debug)]
+struct Area {
+    nodes: Vec<NodeId>,
+    window: Window,
+}
+
+/// Closures that are in force or begin within a day.
+#[derive(Debug, Default)]
+pub(in crate::fleet) struct Areas {
+    open: BTreeMap<ClosureId, Area>,
+    /// Nodes that are closed, or will be soon, with when that begins.
+    closing: BTreeMap<NodeId, Time>,
+    /// Storage nodes beside those whose racks have no other way out.
+    cut_off: BTreeMap<NodeId, Time>,
+    changes: u64,
+    next: Option<Time>,
+    /// When the first closure has been over for so long that it is forgotten.
+    forget: Option<Time>,
+}
+
+impl Areas {
+    /// Looks at the closures if some were announced or taken back, or one begins or ends now. `changes` counts what was
+    /// announced and taken back. To be called while there are no passing conditions.
+    pub fn update(
+        &mut self,
+        closures: &BTreeMap<ClosureId, Closure>,
+        changes: u64,
+        conditions: &mut Conditions,
+        warehouse: &Warehouse,
+        now: Time,
+    ) {
+        if changes == self.changes && self.next.is_none_or(|t| now < t) {
+            return;
+        }
+        self.changes = changes;
+        let over = |id: &ClosureId, a: &Area| a.window.end() <= now || !closures.contains_key(id);
+        for (id, area) in self.open.extract_if(.., |id, a| over(id, a)) {
+            area.nodes.iter().for_each(|n| conditions.lift(*n, Cause::Closure(id)));
+        }
+        let ahead = Window::new(now, now + AHEAD);
+        for (id, closure) in closures.iter().filter(|(_, c)| c.window.overlaps(ahead)) {
+            let window = closure.window;
+            self.open.entry(*id).or_insert_with(|| {
+                let nodes = nodes_of(closure, warehouse);
+                let condition = Condition { window, effect: Effect::Closed, cause: Cause::Closure(*id) };
+                nodes.iter().for_each(|n| conditions.announce(*n, condition));
+                Area { nodes, window }
+            });
+        }
+        self.note_closing(warehouse, now);
+        self.next = closures.values().filter_map(|c| next_change(c.window, now)).min();
+        self.forget = closures.values().map(|c| c.window.end() + KEPT).min();
+    }
+
+    /// Closures that have been over for so long that they are to be forgotten.
+    pub fn forgotten(&self, closures: &BTreeMap<ClosureId, Closure>, now: Time) -> Vec<ClosureId> {
+        if self.forget.is_none_or(|t| now < t) {
+            return Vec::new();
+        }
+        closures.iter().filter(|(_, c)| c.window.end() + KEPT <= now).map(|(id, _)| *id).collect()
+    }
+
+    /// Since when, or from when on, a node is closed by hand, if it is or will be soon.
+    pub fn begins(&self, node: NodeId) -> Option<Time> {
+        self.closing.get(&node).or_else(|| self.cut_off.get(&node)).copied()
+    }
+
+    /// The same without those whose racks are merely cut off.
+    pub fn begins_here(&self, node: NodeId) -> Option<Time> {
+        self.closing.get(&node).copied()
+    }
+
+    /// Nodes that are closed by hand, or will be soon, and those that are cut off by that.
+    pub fn nodes(&self) -> impl Iterator<Item = NodeId> + '_ {
+        self.closing.keys().chain(self.cut_off.keys()).copied()
+    }
+
+    /// Whether nothing is closed by hand, now or soon.
+    pub fn is_empty(&self) -> bool {
+        self.closing.is_empty()
+    }
+
+    fn note_closing(&mut self, warehouse: &Warehouse, now: Time) {
+        let soon = Window::new(now, now + SOON);
+        self.closing.clear();
+        for area in self.open.values().filter(|a| a.window.overlaps(soon)) {
+            let start = area.window.start();
+            for node in &area.nodes {
+                self.closing.entry(*node).and_modify(|t| *t = start.min(*t)).or_insert(start);
+            }
+        }
+        let begins = |n: NodeId| self.closing.get(&n).copied();
+        self.cut_off = self.closing.keys().flat_map(|n| storage_behind(warehouse, *n, begins)).collect();
+    }
+}
+
+/// When a closure is told to the search, begins to count, or ends, whichever is next.
+fn next_change(window: Window, now: Time) -> Option<Time> {
+    let told = window.start() - AHEAD + Span(1);
+    let counts = window.start() - SOON + Span(1);
+    [told, counts, window.end()].into_iter().find(|t| now < *t)
+}
+
+/// Storage nodes beside a closed node whose racks have no other way out, with when the last way is closed.
+pub(in crate::fleet) fn storage_behind<'a>(
+    warehouse: &'a Warehouse,
+    closed: NodeId,
+    begins: impl Fn(NodeId) -> Option<Time> + 'a,
+) -> impl Iterator<Item = (NodeId, Time)> + 'a {
+    let beside = warehouse.ways(closed).map(|(_, w)| w.to);
+    beside.filter_map(move |n| {
+        if warehouse.kind(n) != NodeKind::Storage || begins(n).is_some() {
+            return None;
+        }
+        let out = warehouse.ways(n).filter(|(_, w)| w.users.allows(true)).map(|(_, w)| w.to);
+        let out = out.filter(|to| warehouse.kind(*to) != NodeKind::Storage);
+        let begins: Option<Vec<Time>> = out.map(&begins).collect();
+        Some((n, begins?.into_iter().max()?))
+    })
+}
+
+/// The nodes of a closed area, each once.
+fn nodes_of(area: &Closure, warehouse: &Warehouse) -> Vec<NodeId> {
+    let outline: Vec<Point> = area.outline.iter().map(|s| Point::from(*s)).collect();
+    let mut nodes = if area.nodes.is_empty() { nodes_in(warehouse, &outline) } else { area.nodes.clone() };
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}

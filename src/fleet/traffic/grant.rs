@@ -1,0 +1,128 @@
+//! Fifth phase: how far may each robot drive now? Grants follow the order on each resource, not the clock.
+//!
+//! Refuses: to grant past a stop that is not done, past somebody who was promised a resource first, or to robots that
+//! are silent or halted; and to grant more than a robot needs to keep its speed, since a grant can be called back only
+//! from a robot that stands, and on its word.
+
+use crate::aware::SLOW_MPS;
+use crate::fleet::Fleet;
+use crate::fleet::state::fact::Fact;
+use crate::fleet::state::io::{Command, Waypoint};
+use crate::fleet::state::ledger;
+use crate::id::RobotId;
+use crate::time::{Span, Time};
+use crate::timeline::Holder;
+
+/// How long before its planned time a hold may be granted.
+const EARLY: Span = Span::from_secs(4);
+/// A node more than needed is granted, metres.
+const NODE_M: f64 = 1.0;
+/// Orders are repeated this often until the robot says that it knows them.
+const REPEAT: Span = Span::from_millis(600);
+/// A robot at a stop is reminded this often of what it is to do there.
+const REMIND: Span = Span::from_secs(3);
+
+impl Fleet {
+    pub(in crate::fleet) fn grant(&mut self, now: Time) {
+        for robot in ledger::all(&self.ledger.robots) {
+            self.at_hand = Some(robot);
+            if self.ledger.robots[robot].failed || self.scene.fit(robot, now).is_none() {
+                continue;
+            }
+            let held_back = self.is_halted(robot) || self.crowd.procedure.holds(robot);
+            let granted = !held_back && self.extend_grant(robot, now);
+            if granted || self.must_repeat(robot, now) {
+                self.send(robot, now);
+            }
+        }
+    }
+
+    /// Grants as many further visits as the robot needs to keep its speed.
+    fn extend_grant(&mut self, robot: RobotId, now: Time) -> bool {
+        let holder = Holder::Robot(robot);
+        let mut serial = self.ledger.chain(robot).granted();
+        let first = serial;
+        let mut ahead = self.granted_ahead_m(robot);
+        let enough = self.needed_ahead_m(robot);
+        while ahead < enough && self.may_grant(robot, serial, now) {
+            ahead += self.step_m(robot, serial);
+            serial += 1;
+        }
+        if serial == first {
+            return false;
+        }
+        debug_assert!(self.ledger.timeline.waits_for(holder, first).is_none());
+        self.record(Fact::Granted { robot, serial: serial - 1, at: now });
+        true
+    }
+
+    fn may_grant(&self, robot: RobotId, serial: u64, now: Time) -> bool {
+        let record = &self.ledger.robots[robot];
+        let Some(visit) = self.ledger.chain(robot).get(serial) else { return false };
+        let undone = record.stops.first().is_some_and(|s| s.serial < serial);
+        !undone
+            && visit.enter <= now + EARLY
+            && self.ledger.timeline.waits_for(Holder::Robot(robot), serial).is_none()
+            && self.grant_waits_for(robot, visit, now).is_none()
+    }
+
+    /// Distance from the visit before to this one, metres.
+    fn step_m(&self, robot: RobotId, serial: u64) -> f64 {
+        let chain = self.ledger.chain(robot);
+        let at = |s: u64| chain.get(s).map(|v| self.warehouse().nodes[v.node].at);
+        match (serial.checked_sub(1).and_then(at), at(serial)) {
+            (Some(a), Some(b)) => (b - a).norm(),
+            _ => 0.0,
+        }
+    }
+
+    /// How far the robot can drive already, metres.
+    fn granted_ahead_m(&self, robot: RobotId) -> f64 {
+        let chain = self.ledger.chain(robot);
+        let whole: f64 = (chain.first() + 1..chain.granted()).map(|s| self.step_m(robot, s)).sum();
+        let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;
+        let driven = self.scene.robot(robot).map_or(0.0, |t| (t.pose.at - here).norm());
+        (whole - driven).max(0.0)
+    }
+
+    /// How far ahead it must be sure of its way to go on as fast as it may: its braking distance, what it drives
+    /// until the next grant reaches it, and a node more. That is less near people, so that it can still decide
+    /// otherwise there.
+    pub(in crate::fleet) fn needed_ahead_m(&self, robot: RobotId) -> f64 {
+        let k = &self.settings.kinematics;
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let limit = self.crowd.limits.get(&robot).and_then(|(limit, _)| *limit);
+        let speed = k.top_mps(loaded).min(limit.unwrap_or(f64::INFINITY).max(SLOW_MPS));
+        let latency = (self.settings.period * 2 + k.reaction).as_secs_f64();
+        k.braking_m(speed, loaded) + speed * latency + NODE_M
+    }
+
+    /// Whether the robot may not know its orders: it does not say that it does, or it has been standing at a stop for a
+    /// while without being done (a robot that was restarted there has forgotten what it was to do).
+    fn must_repeat(&mut self, robot: RobotId, now: Time) -> bool {
+        let chain = self.ledger.chain(robot);
+        let (here, granted) = (chain.first(), chain.granted());
+        let at_stop = self.ledger.robots[robot].stops.first().is_some_and(|s| s.serial == here);
+        let knows = self.scene.robot(robot).is_some_and(|t| t.known + 1 >= granted);
+        let told = self.scene.robot_mut(robot).told;
+        let pause = if knows { REMIND } else { REPEAT };
+        (!knows || at_stop) && told.is_none_or(|t| now - t >= pause)
+    }
+
+    /// Sends everything granted from where the robot is.
+    fn send(&mut self, robot: RobotId, now: Time) {
+        let grant = self.ledger.timeline.granted(Holder::Robot(robot)).expect("every robot stands somewhere");
+        let chain = self.ledger.chain(robot);
+        let stops = &self.ledger.robots[robot].stops;
+        let waypoints = (grant.serials())
+            .map(|serial| Waypoint {
+                serial,
+                node: chain.get(serial).expect("granted visits are held").node,
+                act: stops.iter().find(|s| s.serial == serial).map(|s| s.act),
+            })
+            .collect();
+        let recalls = self.ledger.robots[robot].recalls;
+        self.out.commands.push((robot, Command::Drive { grant, waypoints, recalls }));
+        self.scene.robot_mut(robot).told = Some(now);
+    }
+}

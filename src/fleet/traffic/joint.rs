@@ -1,0 +1,145 @@
+//! When a robot finds no route, others make way: the few whose holds are in the way of its best route are planned anew
+//! together with it, in the best of a few orders (thesis 4.2.3; carp.md section 2). All get routes, or none is touched.
+//!
+//! Refuses: to move robots that are broken or silent, and to take back what was granted.
+
+use crate::fleet::Fleet;
+use crate::fleet::state::fact::Fact;
+use crate::id::{NodeId, RobotId};
+use crate::route::{Ask, Away, Route, Stage};
+use crate::time::Time;
+use crate::timeline::{Holder, Timeline};
+use smallvec::SmallVec;
+use std::collections::BTreeMap;
+
+/// How many others are moved at most.
+const OTHERS: usize = 3;
+
+/// A robot with its new route.
+type Found = (RobotId, Route);
+
+impl Fleet {
+    /// Plans `robot` together with the few robots that stand most in its way. Whether that worked.
+    pub(in crate::fleet) fn insert(&mut self, robot: RobotId, now: Time) -> bool {
+        if self.next_stop_is_granted(robot) {
+            return false;
+        }
+        let start = (self.settings.stopwatch)();
+        let others = self.influencers(robot, now);
+        let mut best: Option<(i64, Vec<Found>)> = None;
+        for size in 1..=others.len() {
+            for order in orders(robot, &others[..size]) {
+                if let Some((cost, routes)) = self.plan_in_order(&order, now)
+                    && best.as_ref().is_none_or(|(c, _)| cost < *c)
+                {
+                    best = Some((cost, routes));
+                }
+            }
+            if best.is_some() {
+                break;
+            }
+        }
+        self.plan_times.push((self.settings.stopwatch)() - start);
+        let Some((_, routes)) = best else { return false };
+        let bookings = routes.into_iter().map(|(r, route)| self.booking(r, route)).collect();
+        self.record(Fact::Routed { bookings });
+        true
+    }
+
+    /// Robots whose holds meet the windows of the route that `robot` would have if they all made way, most in the way
+    /// first.
+    fn influencers(&mut self, robot: RobotId, now: Time) -> Vec<RobotId> {
+        let fit = |r: &RobotId| !self.ledger.robots[*r].failed && self.scene.fit(*r, now).is_some();
+        let busy = |r: &RobotId| self.next_stop_is_granted(*r);
+        let movable = |r: &RobotId| *r != robot && fit(r) && !busy(r) && !self.waits_for_room(*r);
+        let movable: Vec<RobotId> = self.ledger.robots.ids().filter(movable).collect();
+        let mut without = self.ledger.timeline.clone();
+        for r in movable.iter().chain([&robot]) {
+            without.withdraw(Holder::Robot(*r), self.ledger.chain(*r).granted() - 1);
+        }
+        let Some(route) = self.search_on(&without, robot, now) else { return Vec::new() };
+        let mut met: BTreeMap<RobotId, usize> = BTreeMap::new();
+        for visit in &route.visits {
+            let resource = self.warehouse().node_resource(visit.node);
+            for h in self.ledger.timeline.holders_during(resource, visit.window(), Holder::Robot(robot)) {
+                if let Holder::Robot(r) = h {
+                    *met.entry(r).or_default() += 1;
+                }
+            }
+        }
+        let mut ranked: Vec<(usize, RobotId)> = met.into_iter().map(|(r, n)| (n, r)).collect();
+        ranked.retain(|(_, r)| movable.contains(r));
+        // Whoever stands in the way for ever meets few windows, but no order helps while it does.
+        ranked.sort_by_key(|(n, r)| (!self.lacks_route(*r), std::cmp::Reverse(*n), *r));
+        ranked.into_iter().take(OTHERS).map(|(_, r)| r).collect()
+    }
+
+    /// Plans robots one after the other, each against those before it; gives the sum of their arrivals.
+    fn plan_in_order(&mut self, order: &[RobotId], now: Time) -> Option<(i64, Vec<Found>)> {
+        let mut scratch = self.ledger.timeline.clone();
+        for r in order {
+            scratch.withdraw(Holder::Robot(*r), self.ledger.chain(*r).granted() - 1);
+        }
+        let mut routes = Vec::new();
+        let mut cost = 0;
+        for &r in order {
+            let route = self.search_on(&scratch, r, now)?;
+            cost += (route.arrival - now).0;
+            let visits = std::iter::once(route.kept.clone()).chain(route.visits.iter().cloned()).collect();
+            scratch.extend(Holder::Robot(r), visits).ok()?;
+            routes.push((r, route));
+        }
+        Some((cost, routes))
+    }
+
+    /// A route for the rest of a robot's task on some other timeline, from which its own has been withdrawn.
+    fn search_on(&mut self, timeline: &Timeline, robot: RobotId, now: Time) -> Option<Route> {
+        let mut stages = self.stages_left(robot);
+        if stages.is_empty() {
+            // It has nothing to do: any place to stay will do.
+            let goal = self.any_stay(robot)?;
+            stages = SmallVec::from_elem(crate::fleet::traffic::plan::stay_at(goal), 1);
+        }
+        let away = self.away(robot, now);
+        self.search_stages_on(timeline, robot, &stages, &away, now)
+    }
+
+    /// A way to a place aside first, then on with the task, on some other timeline likewise.
+    pub(in crate::fleet) fn way_aside(
+        &mut self,
+        timeline: &Timeline,
+        robot: RobotId,
+        (place, away): (NodeId, &[Away]),
+        now: Time,
+    ) -> Option<Route> {
+        let stages = self.stages_aside(robot, place);
+        let route = self.search_stages_on(timeline, robot, &stages, away, now)?;
+        Some(self.with_own_stops(robot, route))
+    }
+
+    fn search_stages_on(
+        &mut self,
+        timeline: &Timeline,
+        robot: RobotId,
+        stages: &[Stage],
+        away: &[Away],
+        now: Time,
+    ) -> Option<Route> {
+        let (from, heading) = self.grant_end(robot);
+        let ready = now.max(from.arrive) + self.settings.period;
+        let (budget, conditions) = (self.settings.expansions_per_plan, &self.crowd.conditions);
+        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away };
+        self.tally.plans += 1;
+        self.planner.plan(&ask, timeline).ok()
+    }
+}
+
+/// The asking robot first, last, and last among the others turned round.
+fn orders(robot: RobotId, others: &[RobotId]) -> Vec<Vec<RobotId>> {
+    let first: Vec<RobotId> = std::iter::once(robot).chain(others.iter().copied()).collect();
+    let last: Vec<RobotId> = others.iter().copied().chain([robot]).collect();
+    let turned: Vec<RobotId> = others.iter().rev().copied().chain([robot]).collect();
+    let mut all = vec![first, last, turned];
+    all.dedup();
+    all
+}

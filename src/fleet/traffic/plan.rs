@@ -1,0 +1,480 @@
+//! Fourth phase: who needs a route? One search each, within a budget of expansions per step.
+//!
+//! Main type: [`Needs`] (who waits for a route since when). A new route replaces the old one only when it is
+//! complete up to a place where the robot may stay for ever; else the old one stands (DESIGN §5, invariant
+//! a). Refuses: to let the time of day decide how much is planned.
+
+use crate::fleet::Fleet;
+use crate::fleet::state::fact::{Act, Booking, Fact, Stop, Task};
+use crate::fleet::state::job::JobKind;
+use crate::fleet::state::ledger;
+use crate::fleet::state::worker::Reaction;
+use crate::geometry::Segment;
+use crate::id::{IdVec, NodeId, RobotId, StationId, WorkerId};
+use crate::route::{Ask, NoRoute, Route, Stage};
+use crate::time::{Span, Time};
+use crate::timeline::{Holder, Visit};
+use crate::warehouse::NodeKind;
+use smallvec::{SmallVec, smallvec};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The first pause after a failed search; it doubles up to [`RETRY_MAX`].
+const RETRY: Span = Span::from_millis(400);
+const RETRY_MAX: Span = Span::from_millis(6400);
+/// After every so many failed searches, others are asked to make way.
+const INSERT_EVERY: u32 = 3;
+/// A robot that waits this long for another looks for a better way.
+const PATIENCE: Span = Span::from_secs(4);
+/// A better way saves at least this.
+const WORTH: Span = Span::from_secs(1);
+
+/// A robot without the route that its task asks for.
+#[derive(Clone, Copy, Debug)]
+struct Need {
+    since: Time,
+    next_try: Time,
+    tries: u32,
+}
+
+/// Robots that need a route, and when each looked for a better one last.
+#[derive(Debug, Default)]
+pub(in crate::fleet) struct Needs {
+    waiting: BTreeMap<RobotId, Need>,
+    looked: BTreeMap<RobotId, Time>,
+    /// Robots that may go on earlier than planned.
+    early: BTreeSet<RobotId>,
+    /// How long the last one waited for room at a station before it set off.
+    pub set_off: BTreeMap<StationId, Span>,
+}
+
+impl Needs {
+    /// Whether a search for this robot failed lately.
+    pub fn failed_before(&self, robot: RobotId) -> bool {
+        self.waiting.get(&robot).is_some_and(|n| n.tries > 0)
+    }
+
+    /// A robot may go on earlier than planned.
+    pub fn left_early(&mut self, robot: RobotId) {
+        self.early.insert(robot);
+    }
+
+    /// How long a robot has needed a route.
+    pub fn waited(&self, robot: RobotId, now: Time) -> Span {
+        self.waiting.get(&robot).map_or(Span::ZERO, |n| now - n.since)
+    }
+}
+
+impl Fleet {
+    pub(in crate::fleet) fn plan(&mut self, now: Time) {
+        let mut budget = self.settings.expansions_per_step;
+        let in_need = self.in_need(now);
+        let mut bound = if in_need.is_empty() { IdVec::new() } else { self.bound_for_stations() };
+        for robot in in_need {
+            if budget == 0 {
+                return;
+            }
+            // What is granted is done before anything else is planned: the robot may be at it already.
+            let fit = self.scene.fit(robot, now).is_some() && !self.next_stop_is_granted(robot);
+            if !fit || !self.station_has_room(robot, &bound) {
+                continue;
+            }
+            let waited = self.needs.waited(robot, now);
+            let spent = self.plan_one(robot, now);
+            budget = budget.saturating_sub(spent);
+            if let Some(station) = self.station_of(robot).filter(|_| !self.lacks_route(robot)) {
+                self.needs.set_off.insert(station, waited);
+                bound[station] += 1;
+            }
+        }
+        self.plan_early(now, &mut budget);
+        self.plan_interrupted(now, &mut budget);
+        self.route_round_closures(now, &mut budget);
+        self.give_way(now, &mut budget);
+        self.improve(now, budget);
+    }
+
+    /// Robots whose stop ended before it was to end look for an earlier route.
+    fn plan_early(&mut self, now: Time, budget: &mut u32) {
+        for robot in std::mem::take(&mut self.needs.early) {
+            if !self.lacks_route(robot) && self.scene.fit(robot, now).is_some() {
+                *budget = budget.saturating_sub(self.improve_one(robot, now));
+            }
+        }
+    }
+
+    /// Robots whose task asks for a route that they do not have, longest waiting first.
+    fn in_need(&mut self, now: Time) -> Vec<RobotId> {
+        for robot in ledger::all(&self.ledger.robots) {
+            if self.lacks_route(robot) {
+                let fresh = Need { since: now, next_try: now, tries: 0 };
+                self.needs.waiting.entry(robot).or_insert(fresh);
+            } else {
+                self.needs.waiting.remove(&robot);
+            }
+        }
+        let due = self.needs.waiting.iter().filter(|(_, n)| n.next_try <= now);
+        let mut robots: Vec<(Time, RobotId)> = due.map(|(r, n)| (n.since, *r)).collect();
+        robots.sort_unstable();
+        robots.into_iter().map(|(_, r)| r).collect()
+    }
+
+    /// Whether the stops ahead are not those of the task.
+    pub(in crate::fleet) fn lacks_route(&self, robot: RobotId) -> bool {
+        let record = &self.ledger.robots[robot];
+        if record.failed {
+            return false;
+        }
+        let has = |wanted: fn(&Act) -> bool| record.stops.iter().any(|s| wanted(&s.act));
+        let pick = |a: &Act| matches!(a, Act::Pick(_));
+        match record.task {
+            Task::Idle => false,
+            Task::Fetch { .. } => !has(|a| matches!(a, Act::Lift(_))),
+            Task::Deliver { .. } => !has(pick),
+            Task::Store { .. } => !has(|a| matches!(a, Act::Set(_))) || has(pick),
+            Task::Move { goal, .. } => {
+                let at = |serial: u64| self.ledger.chain(robot).get(serial).map(|v| v.node);
+                !record.stops.iter().any(|s| s.act == Act::Arrive && at(s.serial) == Some(goal))
+            }
+        }
+    }
+
+    /// One robot, one search; gives the expansions spent.
+    fn plan_one(&mut self, robot: RobotId, now: Time) -> u32 {
+        self.choose_storage(robot);
+        let stages = self.stages(robot);
+        match self.search(robot, &stages, now) {
+            Ok(route) => {
+                let spent = route.expansions;
+                self.commit(robot, route);
+                self.needs.waiting.remove(&robot);
+                spent
+            }
+            Err(why) => {
+                self.tally.failures += 1;
+                let need = self.needs.waiting.get_mut(&robot).expect("it is in need");
+                need.next_try = now + Span((RETRY.0 << need.tries.min(4)).min(RETRY_MAX.0));
+                need.tries += 1;
+                tracing::debug!(?robot, ?why, tries = need.tries, "no route");
+                if need.tries.is_multiple_of(INSERT_EVERY) && self.insert(robot, now) {
+                    self.needs.waiting.remove(&robot);
+                }
+                if why == NoRoute::BudgetSpent { self.settings.expansions_per_plan } else { 1_000 }
+            }
+        }
+    }
+
+    /// The station that a robot carries its rack to.
+    pub(in crate::fleet) fn station_of(&self, robot: RobotId) -> Option<StationId> {
+        let Task::Deliver { station, .. } = self.ledger.robots[robot].task else { return None };
+        self.warehouse().nodes[station].kind.reserved_for()
+    }
+
+    /// For each station, how many robots are on their way to it or stand at it.
+    pub(in crate::fleet) fn bound_for_stations(&self) -> IdVec<StationId, usize> {
+        let mut bound = IdVec::filled(0, self.warehouse().stations.len());
+        for robot in self.ledger.robots.ids() {
+            let standing = match self.warehouse().nodes[self.ledger.node_of(robot)].kind {
+                NodeKind::Station(s) => Some(s),
+                _ => None,
+            };
+            let under_way = self.station_of(robot).filter(|_| !self.lacks_route(robot));
+            if let Some(station) = under_way.or(standing) {
+                bound[station] += 1;
+            }
+        }
+        bound
+    }
+
+    /// A loaded robot sets off to a station only if the queue has a place for it: whatever happens at the
+    /// station, nobody who is on the way there has to wait outside.
+    pub(in crate::fleet) fn station_has_room(&self, robot: RobotId, bound: &IdVec<StationId, usize>) -> bool {
+        let Some(station) = self.station_of(robot) else { return true };
+        let paused = self.ledger.paused_stations.contains_key(&station);
+        let room = bound[station] <= self.warehouse().stations[station].queue.len();
+        self.settings.ghosts || (room && !paused)
+    }
+
+    /// Whether a robot stands with its rack where it lifted it, until its station has room. It may step aside for
+    /// somebody and come back, but nobody sends it on its way before its turn.
+    pub(in crate::fleet) fn waits_for_room(&self, robot: RobotId) -> bool {
+        let here = self.warehouse().kind(self.ledger.node_of(robot));
+        here == NodeKind::Storage && self.station_of(robot).is_some() && self.lacks_route(robot)
+    }
+
+    /// Looks for a better storage node before a rack leaves, and after each failed search.
+    fn choose_storage(&mut self, robot: RobotId) {
+        let tries = self.needs.waiting.get(&robot).map_or(0, |n| n.tries as usize);
+        let task = match self.ledger.robots[robot].task {
+            Task::Deliver { job, rack, station, store } => {
+                let best = self.best_storage(robot, rack, station, tries);
+                (best != store).then_some(Task::Deliver { job, rack, station, store: best })
+            }
+            Task::Store { job, rack, store } if tries > 0 && !self.is_relocation(job) => {
+                let best = self.best_storage(robot, rack, self.ledger.node_of(robot), tries);
+                (best != store).then_some(Task::Store { job, rack, store: best })
+            }
+            _ => None,
+        };
+        if let Some(task) = task {
+            self.record(Fact::Tasked { robot, task });
+        }
+    }
+
+    fn is_relocation(&self, job: Option<crate::id::JobId>) -> bool {
+        let kind = job.and_then(|j| self.ledger.jobs.get(&j)).map(|j| j.request.kind);
+        matches!(kind, Some(JobKind::Relocate { .. }))
+    }
+
+    /// The legs that the rest of a robot's task asks for.
+    fn stages(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
+        let lift = self.settings.kinematics.lift;
+        let leg = |goal, loaded, stay| Stage { goal, loaded, stay };
+        match self.ledger.robots[robot].task {
+            Task::Idle => smallvec![],
+            Task::Fetch { node, .. } => smallvec![leg(node, false, lift)],
+            Task::Deliver { station, store, job, .. } => {
+                smallvec![leg(station, true, self.pick_span(station, job)), leg(store, true, lift)]
+            }
+            Task::Store { store, .. } => smallvec![leg(store, true, lift)],
+            Task::Move { goal, stay, .. } if goal == stay => smallvec![leg(goal, false, Span::ZERO)],
+            Task::Move { goal, stay, .. } => {
+                smallvec![leg(goal, false, Span::ZERO), leg(stay, false, Span::ZERO)]
+            }
+        }
+    }
+
+    fn pick_span(&self, station: NodeId, job: crate::id::JobId) -> Span {
+        let NodeKind::Station(id) = self.warehouse().nodes[station].kind else { return Span::ZERO };
+        let usual = self.warehouse().stations[id].pick;
+        match self.ledger.jobs.get(&job).map(|j| j.request.kind) {
+            Some(JobKind::Deliver { pick: Some(pick), .. }) => pick,
+            _ => usual,
+        }
+    }
+
+    /// What the robot does at the goal of each stage.
+    fn acts(&self, robot: RobotId, stages: &[Stage]) -> SmallVec<[Act; 3]> {
+        match self.ledger.robots[robot].task {
+            Task::Idle => smallvec![],
+            Task::Fetch { rack, .. } => smallvec![Act::Lift(rack)],
+            Task::Deliver { rack, .. } if stages.len() < 2 => smallvec![Act::Set(rack)],
+            Task::Deliver { rack, .. } => smallvec![Act::Pick(stages[0].stay), Act::Set(rack)],
+            Task::Store { rack, .. } => smallvec![Act::Set(rack)],
+            Task::Move { .. } => stages.iter().map(|_| Act::Arrive).collect(),
+        }
+    }
+
+    /// A route from where the robot's grants end.
+    pub(in crate::fleet) fn search(
+        &mut self,
+        robot: RobotId,
+        stages: &[Stage],
+        now: Time,
+    ) -> Result<Route, NoRoute> {
+        self.at_hand = Some(robot);
+        let holder = Holder::Robot(robot);
+        let (from, heading) = self.grant_end(robot);
+        let ready = now.max(from.arrive) + self.settings.period;
+        let (budget, away) = (self.settings.expansions_per_plan, self.away(robot, now));
+        let conditions = &self.crowd.conditions;
+        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away: &away };
+        let (planner, timeline) = (&mut self.planner, &mut self.ledger.timeline);
+        let start = (self.settings.stopwatch)();
+        let found = timeline.without(&[holder], |others| planner.plan(&ask, others));
+        self.plan_times.push((self.settings.stopwatch)() - start);
+        self.tally.plans += 1;
+        found
+    }
+
+    /// The last granted visit, and the heading with which the robot arrives there.
+    pub(in crate::fleet) fn grant_end(&self, robot: RobotId) -> (Visit, f64) {
+        let chain = self.ledger.chain(robot);
+        let serial = chain.granted() - 1;
+        let visit = chain.get(serial).expect("the last granted visit is still held").clone();
+        let at = |n: NodeId| self.warehouse().nodes[n].at;
+        let before = serial.checked_sub(1).and_then(|s| chain.get(s)).filter(|b| b.node != visit.node);
+        let seen = self.scene.robot(robot).map_or(0.0, |t| t.pose.heading);
+        let heading = before.map_or(seen, |b| Segment { a: at(b.node), b: at(visit.node) }.heading());
+        (visit, heading)
+    }
+
+    pub(in crate::fleet) fn commit(&mut self, robot: RobotId, route: Route) {
+        let booking = self.booking(robot, route);
+        self.record(Fact::Routed { bookings: vec![booking] });
+    }
+
+    /// A route as it is booked. A stop where the robot stands already becomes a visit of its own.
+    pub(in crate::fleet) fn booking(&self, robot: RobotId, route: Route) -> Booking {
+        let keep = self.ledger.chain(robot).granted() - 1;
+        let Route { mut kept, mut visits, stops, .. } = route;
+        let here = stops.contains(&0);
+        if here {
+            let again = Visit { lane: None, arrive: kept.arrive.max(kept.enter), ..kept.clone() };
+            // It leaves the first visit for the second, which is at the same place: a delay of the one must not
+            // hold it longer than the other.
+            let gone = (again.arrive + self.ledger.timeline.clearance()).min(again.leave);
+            (kept.depart, kept.leave, kept.stay) = (again.arrive, gone, Span::ZERO);
+            visits.insert(0, again);
+        }
+        let acts = self.acts(robot, &self.stages_left(robot));
+        let serials = stops.iter().map(|s| keep + (s + usize::from(here)) as u64);
+        let stops = serials.zip(acts).map(|(serial, act)| Stop { serial, act }).collect();
+        Booking { robot, keep, kept, visits, stops }
+    }
+
+    /// The legs of a robot's task that are still ahead, given the stops that it has done.
+    pub(in crate::fleet) fn stages_left(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
+        let mut stages = self.stages(robot);
+        let left = self.ledger.robots[robot].stops.len();
+        if !self.lacks_route(robot) && left < stages.len() {
+            stages.drain(..stages.len() - left);
+        }
+        stages
+    }
+
+    /// Robots that wait for others look for a better way now and then: that is how the order on a resource is
+    /// changed where keeping it would hand one robot's delay on to the fleet. The new windows fit into what
+    /// everybody holds, so the order of all stays free of cycles.
+    fn improve(&mut self, now: Time, mut budget: u32) {
+        for robot in ledger::all(&self.ledger.robots) {
+            if budget == 0 {
+                return;
+            }
+            let looked = self.needs.looked.get(&robot).copied().unwrap_or(Time::ZERO);
+            if now - looked < PATIENCE || !self.is_held_up(robot, now) {
+                continue;
+            }
+            self.needs.looked.insert(robot, now);
+            budget = budget.saturating_sub(self.improve_one(robot, now));
+        }
+    }
+
+    fn improve_one(&mut self, robot: RobotId, now: Time) -> u32 {
+        let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return 0 };
+        let chain = self.ledger.chain(robot);
+        let Some(planned) = chain.get(stop.serial).map(|v| v.arrive) else { return 0 };
+        if stop.serial < chain.granted() {
+            return 0;
+        }
+        let stages = self.stages_left(robot);
+        match self.search(robot, &stages, now) {
+            Ok(route) if reached(&route) + WORTH < planned => {
+                let spent = route.expansions;
+                self.commit(robot, route);
+                spent
+            }
+            Ok(route) => route.expansions,
+            Err(_) => self.settings.expansions_per_plan / 4,
+        }
+    }
+
+    /// Looks for a route that avoids somebody; takes it where it is earlier than what is left of the old one
+    /// after the wait. Gives the expansions spent.
+    pub(in crate::fleet) fn reroute(&mut self, robot: RobotId, worker: WorkerId, now: Time) -> u32 {
+        let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return 0 };
+        let planned = self.expected(robot, stop.serial, now);
+        let stages = self.stages_left(robot);
+        match self.search(robot, &stages, now) {
+            Ok(route) => {
+                let spent = route.expansions;
+                if reached(&route) + WORTH < planned {
+                    self.commit(robot, route);
+                    self.tally.replans += 1;
+                    self.gives_way(robot, worker, Reaction::Rerouted, now);
+                }
+                spent
+            }
+            Err(_) => self.settings.expansions_per_plan / 4,
+        }
+    }
+
+    /// Plans an interrupted robot anew; the old route stands where the new one is no earlier. Gives the
+    /// expansions spent.
+    pub(in crate::fleet) fn plan_again(&mut self, robot: RobotId, now: Time) -> u32 {
+        let stop = self.ledger.robots[robot].stops.first().copied();
+        let Some(stop) = stop.filter(|s| s.serial >= self.ledger.chain(robot).granted()) else { return 0 };
+        let planned = self.expected(robot, stop.serial, now);
+        let stages = self.stages_left(robot);
+        self.tally.replans += 1;
+        match self.search(robot, &stages, now) {
+            Ok(route) => {
+                let spent = route.expansions;
+                if reached(&route) < planned {
+                    self.commit(robot, route);
+                }
+                spent
+            }
+            Err(_) => self.settings.expansions_per_plan / 4,
+        }
+    }
+
+    /// When a robot reaches a visit if it waits for everybody on its way.
+    fn expected(&self, robot: RobotId, serial: u64, now: Time) -> Time {
+        let chain = self.ledger.chain(robot);
+        let planned = chain.get(serial).map_or(now, |v| v.arrive);
+        let late = match self.waits_until(robot, now) {
+            Some(until) => {
+                let next = chain.get(chain.granted()).map_or(now, |v| v.enter.max(now));
+                (until - next).max(Span::ZERO)
+            }
+            None => Span::ZERO,
+        };
+        // Nobody knows how long people stay; as long again as so far is the best guess.
+        let waited = self.crowd.yielding.get(&robot).map_or(Span::ZERO, |y| now - y.since);
+        planned + late.max(waited)
+    }
+
+    /// A way to a place aside first, then on with the task. Whether it was found and taken.
+    pub(in crate::fleet) fn detour(&mut self, robot: RobotId, place: NodeId, now: Time) -> bool {
+        let stages = self.stages_aside(robot, place);
+        let Ok(route) = self.search(robot, &stages, now) else { return false };
+        let route = self.with_own_stops(robot, route);
+        self.commit(robot, route);
+        true
+    }
+
+    /// The legs to a place aside, and of the rest of the task from there.
+    pub(in crate::fleet) fn stages_aside(&self, robot: RobotId, place: NodeId) -> SmallVec<[Stage; 4]> {
+        let rest = self.stages_after(robot);
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let leg = |goal| Stage { goal, loaded, stay: Span::ZERO };
+        let mut stages = smallvec![leg(place)];
+        if rest.is_empty() {
+            stages.push(leg(self.ledger.chain(robot).last().expect("it stands somewhere").node));
+        }
+        stages.extend(rest);
+        stages
+    }
+
+    /// What a robot goes on with after it stepped aside.
+    fn stages_after(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
+        if self.waits_for_room(robot) { SmallVec::new() } else { self.stages_left(robot) }
+    }
+
+    /// A route over [`Fleet::stages_aside`] with the stops of the task alone: nothing is done at the place.
+    pub(in crate::fleet) fn with_own_stops(&self, robot: RobotId, mut route: Route) -> Route {
+        route.stops.remove(0);
+        if self.stages_after(robot).is_empty() {
+            route.stops.clear();
+        }
+        route
+    }
+
+    /// Whether the robot stands at the end of what it was granted because somebody else comes first.
+    fn is_held_up(&self, robot: RobotId, now: Time) -> bool {
+        let chain = self.ledger.chain(robot);
+        let at_end = chain.first() + 1 == chain.granted() && chain.granted() < chain.end();
+        let slow = self.scene.fit(robot, now).is_some_and(|t| t.speed_mps < 0.1);
+        let late = chain.get(chain.granted()).is_some_and(|v| v.enter < now);
+        at_end && slow && late && !self.lacks_route(robot)
+    }
+}
+
+/// Going to a node without a rack, to stay.
+pub(in crate::fleet) fn stay_at(goal: NodeId) -> Stage {
+    Stage { goal, loaded: false, stay: Span::ZERO }
+}
+
+fn reached(route: &Route) -> Time {
+    route.first_arrival()
+}

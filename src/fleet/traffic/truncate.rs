@@ -1,0 +1,55 @@
+//! What happens around a robot that stands where others were to drive: they lose their way and get another.
+//!
+//! Refuses: to move anything; it takes promises back, the planning phase makes new ones.
+
+use crate::fleet::Fleet;
+use crate::fleet::state::fact::{Fact, Kept};
+use crate::id::RobotId;
+use crate::timeline::Holder;
+use std::collections::{BTreeSet, VecDeque};
+
+impl Fleet {
+    /// Takes back what was promised, but not granted, to everybody who would have to pass a robot that stands still
+    /// for an unknown time, and to everybody who would have to pass those in turn. They all keep what they were
+    /// granted: nobody asks robots that may be broken to come back.
+    pub(in crate::fleet) fn cut_for(&mut self, broken: RobotId) {
+        let mut found = BTreeSet::from([broken]);
+        let mut queue = VecDeque::from([broken]);
+        while let Some(robot) = queue.pop_front() {
+            for other in self.behind(robot, robot == broken) {
+                if found.insert(other) {
+                    queue.push_back(other);
+                }
+            }
+        }
+        let stuck = |r| (Holder::Robot(r), self.ledger.robots[r].failed);
+        let holders: Vec<(Holder, bool)> = found.into_iter().map(stuck).collect();
+        let kept = self.ledger.timeline.cut_down(&holders);
+        let kept = kept.into_iter().map(|(h, end, shifts)| Kept { robot: robot_of(h), end, shifts });
+        self.record(Fact::Cut { robots: kept.collect() });
+    }
+
+    /// Robots that were promised something which `robot` will now keep: its last granted visit, or all of them where
+    /// it is broken and may stand anywhere along them.
+    fn behind(&self, robot: RobotId, broken: bool) -> Vec<RobotId> {
+        let chain = self.ledger.chain(robot);
+        let from =
+            if broken || self.ledger.robots[robot].failed { chain.first() } else { chain.granted() - 1 };
+        let holders =
+            (from..chain.granted()).flat_map(|s| self.ledger.timeline.after(Holder::Robot(robot), s));
+        holders
+            .filter_map(|h| match h {
+                Holder::Robot(r) => Some(r),
+                Holder::Worker(_) => None,
+            })
+            .collect()
+    }
+}
+
+/// The robot that holds something: workers hold nothing.
+pub(in crate::fleet) fn robot_of(holder: Holder) -> RobotId {
+    match holder {
+        Holder::Robot(robot) => robot,
+        Holder::Worker(worker) => unreachable!("{worker:?} holds nothing in the timelines"),
+    }
+}

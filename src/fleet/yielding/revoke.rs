@@ -1,0 +1,96 @@
+//! Grants that are taken back: a robot and somebody who wait for one another get nowhere, since the robot may only go
+//! on to where the other stands. It is called back to the node that it reached last, and is free to leave from there.
+//!
+//! What was granted stays granted until the robot says that it is back and has forgotten the rest, whatever is lost or
+//! late on the way. Refuses: to call back a robot that drives, or works.
+
+use crate::aware::Arm;
+use crate::fleet::Fleet;
+use crate::fleet::state::fact::Fact;
+use crate::fleet::state::io::{Command, Telemetry};
+use crate::fleet::traffic::closures::STANDS;
+use crate::geometry::Point;
+use crate::id::{NodeId, RobotId, WorkerId};
+use crate::time::{Span, Time};
+
+/// A robot that stood for somebody for so long leaves, if it can.
+const LEAVES: Span = STANDS;
+/// A robot that does not come back is called again after this.
+const AGAIN: Span = Span::from_secs(1);
+/// Nobody minds places farther from somebody than this, metres.
+const FACES_M: f64 = 6.0;
+/// Whoever is slower than this stands, metres per second.
+const STANDS_MPS: f64 = 0.01;
+
+impl Fleet {
+    /// Calls back those who have stood for somebody for long and were granted more than the place where they stand.
+    pub(in crate::fleet) fn call_back(&mut self, now: Time) {
+        if self.settings.arm != Arm::Giveway {
+            return;
+        }
+        let standing: Vec<RobotId> = self.crowd.stands.keys().copied().collect();
+        for robot in standing {
+            let called = self.crowd.called_back.get(&robot).is_some_and(|t| now - *t < AGAIN);
+            let leaves = |w| self.drives_away(robot, self.place_of(robot), w, now);
+            let stood_for = self.stood_for(robot, now).and_then(|w| self.whereabouts(w, now));
+            if called || stood_for.is_none_or(|w| leaves(w.at)) || !self.can_come_back(robot, now) {
+                continue;
+            }
+            self.crowd.called_back.insert(robot, now);
+            let (to, number) = (self.ledger.chain(robot).first(), self.ledger.robots[robot].recalls + 1);
+            self.out.urgent.push((robot, Command::Recall { to, number }));
+        }
+        self.crowd.called_back.retain(|_, called| now - *called < LEAVES);
+    }
+
+    fn can_come_back(&self, robot: RobotId, now: Time) -> bool {
+        let (chain, record) = (self.ledger.chain(robot), &self.ledger.robots[robot]);
+        let works = record.stops.first().is_some_and(|s| s.serial == chain.first());
+        let stands = |t: &Telemetry| {
+            let at_rest = t.limit_mps == Some(0.0) && t.speed_mps < STANDS_MPS;
+            at_rest && t.reached == chain.first() && t.recalls == record.recalls
+        };
+        chain.first() + 1 < chain.granted() && !works && self.scene.fit(robot, now).is_some_and(stands)
+    }
+
+    /// The robot says how often it came back.
+    pub(in crate::fleet) fn settle_recall(&mut self, robot: RobotId, seen: &Telemetry, now: Time) {
+        let chain = self.ledger.chain(robot);
+        if seen.recalls <= self.ledger.robots[robot].recalls
+            || !(chain.first()..chain.granted()).contains(&seen.known)
+        {
+            return;
+        }
+        let (serial, recalls) = (seen.known, seen.recalls);
+        self.record(Fact::Recalled { robot, serial, recalls, at: now });
+    }
+
+    /// Where a robot that was called back drives to, until it is there.
+    pub(in crate::fleet) fn comes_back_to(&self, robot: RobotId) -> Option<Point> {
+        let seen = self.scene.robot(robot)?;
+        let chain = self.ledger.chain(robot);
+        let follows = seen.known == seen.reached && chain.first() + 1 < chain.granted();
+        (follows && self.crowd.called_back.contains_key(&robot))
+            .then(|| self.warehouse().nodes[self.ledger.node_of(robot)].at)
+    }
+
+    /// For whom a robot has been standing for so long that it should leave: for one, or for some who take turns.
+    pub(in crate::fleet) fn stood_for(&self, robot: RobotId, now: Time) -> Option<WorkerId> {
+        let standing = self.crowd.stands.get(&robot)?;
+        let long = now - standing.facing_since > LEAVES || now - standing.since > LEAVES * 2;
+        long.then_some(standing.worker)
+    }
+
+    /// The one for whom the robot has been standing for long and to whom this place is nearer than its own: nobody
+    /// is helped if it drives up again. Between those who take turns, it has to go nearer to one of them.
+    pub(in crate::fleet) fn faces(&self, robot: RobotId, node: NodeId, now: Time) -> Option<WorkerId> {
+        let standing = self.crowd.stands.get(&robot)?;
+        if now - standing.facing_since <= LEAVES || self.settings.arm != Arm::Giveway {
+            return None;
+        }
+        let w = self.whereabouts(standing.worker, now)?.at;
+        let (there, here) = (self.warehouse().nodes[node].at, self.place_of(robot));
+        let near = (there - w).norm();
+        (near < (here - w).norm() && near < FACES_M).then_some(standing.worker)
+    }
+}
