@@ -164,7 +164,8 @@
 //! - *A broken robot* keeps what it was granted without end. Whoever has to pass it, and whoever would have to pass
 //!   those, loses what was not granted yet (`fleet/traffic/truncate.rs`) and is routed anew.
 //! - *A robot whose grant is revoked* (`fleet/yielding/revoke.rs`) only holds again what it had been granted. It is
-//!   first in the order of all that, and no robot can come before a hold that began in the past, so it waits for none there.
+//!   first in the order of all that, and no robot can come before a hold that began in the past, so it waits for none
+//!   there.
 //!
 //! *People* are outside of the argument on purpose. A worker holds nothing in the timeline: a grant that would meet
 //! a condition waits, which is a delay like any other, and the order of robots stays as it is. What can be stuck is a
