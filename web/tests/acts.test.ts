@@ -1,10 +1,10 @@
 // Drawing, closing, tables of jobs and the planner's picture, without a page around them.
 import { describe, expect, it } from 'vitest';
-import { buildClosure } from '../src/closureform';
-import { cells, readJobs, type Known } from '../src/csv';
-import { lookAgain, lookAt, lookWords, marks, place, rows, when } from '../src/gantt';
-import { around, corner, rectangle } from '../src/sketch';
-import type { Point, Strip } from '../src/wire';
+import { buildClosure } from '../src/places/closureform';
+import { cells, readJobs, type Known } from '../src/jobs/csv';
+import { lookAgain, lookAt, lookWords, marks, place, rows, when } from '../src/timelines/gantt';
+import { around, corner, rectangle } from '../src/floor/scene/sketch';
+import type { Point, Strip } from '../src/wire/types';
 
 const NOW = new Date('2031-01-31T12:00:00Z');
 const KNOWN: Known = { rack: new Set(['K1', 'K2']), station: new Set(['W1']), node: new Set(['A1']), robot: new Set(['robot-1']) };

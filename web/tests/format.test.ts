@@ -1,8 +1,8 @@
 // Numbers and words as people read them.
 import { describe, expect, test } from 'vitest';
-import { clock, count, doing, micros, percent, span, timeOfDay } from '../src/format';
-import { linkWords } from '../src/linkwords';
-import type { Doing } from '../src/wire';
+import { clock, count, doing, micros, percent, span, timeOfDay } from '../src/words/format';
+import { linkWords } from '../src/words/linkwords';
+import type { Doing } from '../src/wire/types';
 
 describe('formatting', () => {
   test('plan times take the unit that fits', () => {

@@ -1,5 +1,5 @@
 // What the charts show: rates and averages from the sums in buckets, gaps where nothing is known. Pure.
-import { micros } from '../format';
+import { micros } from '../words';
 import type { Bucket, HistoryPage } from '../wire';
 
 export interface Line {

@@ -1,7 +1,7 @@
 // The page of a wearer: sign in, choose marks, then the view into the room, or a map on a phone.
 import '../app.css';
 import './headset.css';
-import { applyTheme, storedTheme } from '../theme';
+import { applyTheme, storedTheme } from '../parts';
 import type { FloorMap } from '../wire';
 import { suggest, type Place } from './align';
 import type { Aim } from './arrow';
