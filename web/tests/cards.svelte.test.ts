@@ -4,7 +4,8 @@ import { describe, expect, test } from 'vitest';
 import type { Drawing, Picked } from '../src/floor';
 import PickedCard from '../src/page/PickedCard.svelte';
 import { Chances } from '../src/people';
-import { EMPTY, reduce, type Answer, type FloorMap, type Mirror } from '../src/wire';
+import ClosureForm from '../src/places/ClosureForm.svelte';
+import { EMPTY, reduce, type Answer, type FloorMap, type Mirror, type Point } from '../src/wire';
 import { robot, snapshot, worker } from './samples';
 
 const map: FloorMap = {
@@ -56,5 +57,26 @@ describe('the card of what is chosen', () => {
     shown.pick({ kind: 'robot', id: 'r2' });
     expect(shown.target.querySelector('[role=alert]')).toBeNull();
     await shown.close();
+  });
+});
+
+describe('the form for a closed area', () => {
+  test('an outline that nobody talks about any more is taken off the floor', async () => {
+    let [drawing, sketch]: [Drawing | null, readonly Point[] | null] = [null, null];
+    const draws = (): Drawing => drawing!;
+    const target = document.createElement('div');
+    const never = (): Promise<never> => new Promise(() => {});
+    const mounted = mount(ClosureForm, { target, props: {
+      closures: [], api: { close: never, reopen: never }, onPick: () => {},
+      onDraw: (asked: Drawing) => { drawing = asked; }, onSketch: (outline: readonly Point[] | null) => { sketch = outline; },
+    } });
+    flushSync();
+    target.querySelector<HTMLButtonElement>('.draw button')!.click();
+    draws().onDone([[0, 0], [1, 0], [1, 1]]);
+    flushSync();
+    expect(sketch).toHaveLength(3);
+    // The past is shown instead, for instance.
+    await unmount(mounted);
+    expect(sketch).toBeNull();
   });
 });
