@@ -146,7 +146,7 @@ describe('the feed of somebody in words', () => {
   });
   test('a good feed is said to be well in all that is known', () => {
     const all = feedWords({ before: look(100), now: look(140), apart_s: 2 }, 0);
-    expect(all.map((w) => w.text)).toEqual(['20 poses a second', '0.05 s old', '± 0.10 m', 'right to ± 3.2 ms', 'none of 140', '0 % of the last two minutes']);
+    expect(all.map((w) => w.text)).toEqual(['20 poses a second', '0.05 s old', '± 0.10 m', 'accurate to ± 3.2 ms', 'none of 140', '0 % of the last two minutes']);
     expect(all.every((w) => w.well)).toBe(true);
   });
   test('what is wrong is marked', () => {

@@ -126,17 +126,17 @@ await check('The page loads without the dashboard, over HTTPS with the certifica
 });
 await check('A token is asked for, then name and marks', async () => {
   await page.getByLabel('Token').fill(TOKEN);
-  await page.getByRole('button', { name: 'Go on' }).click();
+  await page.getByRole('button', { name: 'Continue' }).click();
   await page.getByLabel('Name of the wearer').fill('picker-7');
   await page.getByLabel('First mark').selectOption('R106');
   await page.getByLabel('Second mark').selectOption('R102');
-  await page.getByText('This is no safety device').waitFor();
+  await page.getByText('This is not a safety device').waitFor();
   await shot('sign-in');
 });
 await accessible('sign-in');
 await check('The view into the room opens and asks for marks', async () => {
   await stand([0, 0], 0);
-  await page.getByRole('button', { name: 'Enter the view into the room' }).click();
+  await page.getByRole('button', { name: 'Enter the room view' }).click();
   await until('link', 'live');
   await until('marking', 'taking');
   await page.waitForTimeout(500);

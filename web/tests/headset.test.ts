@@ -134,7 +134,7 @@ describe('guidance', () => {
     expect(show(guidance(), { ...well, age_ms: STALE_MS })).toMatchObject({ kind: 'offline', path: [], near: [] });
     expect(show(guidance(), { ...well, link: 'lost' }).kind).toBe('offline');
     expect(show(null, { ...well, age_ms: null, link: 'connecting' }).title).toBe('Connecting');
-    expect(show(guidance({ state: 'stop' }), { ...well, age_ms: 9_000, link: 'lost' })).toMatchObject({ kind: 'stop', detail: expect.stringContaining('connection is lost') });
+    expect(show(guidance({ state: 'stop' }), { ...well, age_ms: 9_000, link: 'lost' })).toMatchObject({ kind: 'stop', detail: expect.stringContaining('connection has been lost') });
   });
   test('without a position or marks there is no path', () => {
     expect(show(guidance(), { ...well, tracking: 'lost' })).toMatchObject({ kind: 'lost', path: [] });

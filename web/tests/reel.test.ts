@@ -72,8 +72,8 @@ describe('a reel', () => {
   });
 
   test.each([
-    ['nothing', [], 'This is no reel'],
-    ['another text', ['hello'], 'This is no reel'],
+    ['nothing', [], 'This is not a reel'],
+    ['another text', ['hello'], 'This is not a reel'],
     ['a recording', ['{"giveway_recording":1}'], '--reel OUT.reel'],
     ['a newer format', [header({ reel: 2 })], 'format 2'],
     ['only a header', [header()], 'cut off too soon'],

@@ -7,7 +7,7 @@ export interface CardFrame {
   /** What happened to the thing, newest first. */
   readonly lines: readonly Line[];
   /** Since when that is noted. */
-  readonly since: 'this page was opened' | 'this replay was begun';
+  readonly since: 'this page was opened' | 'this replay was opened';
   readonly onCentre: () => void;
   readonly onClose: () => void;
 }

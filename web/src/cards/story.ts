@@ -61,8 +61,8 @@ function robotLines(a: Robot, b: Robot): (string | null)[] {
   return [
     a.state === b.state ? null : (STATE_WORDS[b.state] ?? b.state).toLowerCase(),
     a.doing === b.doing ? null : doing(b.doing),
-    a.job === b.job || b.job === null ? null : `took job ${b.job}`,
-    a.why === b.why ? null : (b.why ?? 'goes on'),
+    a.job === b.job || b.job === null ? null : `started job ${b.job}`,
+    a.why === b.why ? null : (b.why ?? 'continues'),
   ];
 }
 
@@ -71,13 +71,13 @@ function workerLines(a: Worker, b: Worker): (string | null)[] {
   return [
     a.presence === b.presence ? null : `seen: ${PRESENCE_WORDS[b.presence] ?? b.presence}`,
     a.state === b.state ? null : b.reason === null ? state : `${state}: ${b.reason}`,
-    a.assignment === b.assignment || b.assignment === null ? null : `began ${b.assignment}`,
+    a.assignment === b.assignment || b.assignment === null ? null : `started ${b.assignment}`,
   ];
 }
 
 function stationLines(a: Station, b: Station): (string | null)[] {
   return [
-    a.robot === b.robot ? null : b.robot === null ? `${a.robot ?? 'the robot'} left` : `${b.robot} came to be picked from`,
+    a.robot === b.robot ? null : b.robot === null ? `${a.robot ?? 'the robot'} left` : `${b.robot} arrived for picking`,
     a.queue.length === b.queue.length ? null : `${b.queue.length} in the queue`,
   ];
 }

@@ -49,7 +49,7 @@ export class LiveCharts implements ChartsShown {
   }
 
   get instead(): string {
-    return this.wrong === null ? 'Asking the server…' : 'Nothing to show yet.';
+    return this.wrong === null ? 'Loading…' : 'Nothing to show yet.';
   }
 
   keep(): () => void {

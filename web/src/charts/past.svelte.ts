@@ -41,13 +41,13 @@ export class PastCharts implements ChartsShown {
   });
 
   get title(): string {
-    return `What is in sight, in steps of ${span(this.#step).replace(' 0 s', '').replace(' 0 min', '')}`;
+    return `The time range, in steps of ${span(this.#step).replace(' 0 s', '').replace(' 0 min', '')}`;
   }
 
   get instead(): string {
-    if (this.#sums === null) return this.wrong === null ? 'Asking the server…' : 'Nothing to show yet.';
-    return this.#sums.length === 1 ? 'It is too short: figures are kept every ten seconds.'
-      : 'There are no figures of this time: it was kept by an older version.';
+    if (this.#sums === null) return this.wrong === null ? 'Loading…' : 'Nothing to show yet.';
+    return this.#sums.length === 1 ? 'The time range is too short: figures are kept every ten seconds.'
+      : 'There are no figures for this time: an older version recorded it.';
   }
 
   onGo = (ms: number): void => this.#replay.seek(ms / 1_000 - (this.#replay.film.start ?? 0));

@@ -10,8 +10,8 @@ const PAGE = 200;
 type Asks = Pick<Api, 'encounters' | 'encountersFile' | 'history'>;
 
 export class LiveEncounters implements EncountersShown {
-  readonly title = 'Encounters: robots that came into region 1 of somebody';
-  readonly none = 'None yet.';
+  readonly title = 'Encounters: a robot entered region 1 of a person';
+  readonly none = 'No encounters yet.';
   readonly note = null;
   worker = $state('');
   robot = $state('');
@@ -45,7 +45,7 @@ export class LiveEncounters implements EncountersShown {
 
   again(e: Encounter): Again {
     const replay = this.#started === null ? null : replayOf(e, this.#started);
-    return replay ? { kind: 'link', href: replay.href } : { kind: 'never', why: 'It was before this server started.' };
+    return replay ? { kind: 'link', href: replay.href } : { kind: 'never', why: 'This encounter was before the server started.' };
   }
 
   keep(): () => void {

@@ -6,7 +6,7 @@ import { metIn } from './met';
 import type { Again, EncountersShown } from './shown';
 
 export class PastEncounters implements EncountersShown {
-  readonly title = 'Encounters in sight: robots that came into region 1 of somebody';
+  readonly title = 'Encounters in the time range: a robot entered region 1 of a person';
   readonly wrong = null;
   readonly csv = null;
   readonly older = null;
@@ -27,13 +27,13 @@ export class PastEncounters implements EncountersShown {
   }
 
   get none(): string {
-    return this.#met.bare > 0 ? 'None that more is known of.' : 'None in this time.';
+    return this.#met.bare > 0 ? 'No details are known.' : 'No encounters in this time range.';
   }
 
   get note(): string | null {
     const { bare } = this.#met;
     const which = bare === 1 ? 'One encounter was' : `${count(bare)} encounters were`;
-    return bare === 0 ? null : `${which} written by an older version, which kept no details: see the bookmarks.`;
+    return bare === 0 ? null : `${which} recorded by an older version, which kept no details; see the bookmarks.`;
   }
 
   when(e: Encounter): string {

@@ -67,10 +67,10 @@ export function readJobs(text: string, known: Known, now: Date): CsvRead {
   const strange = names.filter((n) => !(COLUMNS as readonly string[]).includes(n));
   if (!names.includes('kind') || strange.length > 0) {
     const which = strange.length > 0 ? ` There is no column ${strange.map((s) => `“${s}”`).join(', ')}.` : '';
-    return { kind: 'unreadable', why: `The first line names the columns, kind among them: ${COLUMNS.join(', ')}.${which}` };
+    return { kind: 'unreadable', why: `The first line must name the columns, including kind; known columns are ${COLUMNS.join(', ')}.${which}` };
   }
   if (rest.length === 0) return { kind: 'unreadable', why: 'There is no job below the first line.' };
-  if (rest.length > MOST_LINES) return { kind: 'unreadable', why: `${rest.length} jobs: at most ${MOST_LINES} at once.` };
+  if (rest.length > MOST_LINES) return { kind: 'unreadable', why: `${rest.length} jobs are too many: submit at most ${MOST_LINES} at once.` };
   return { kind: 'table', lines: rest.map((r) => readLine(r, names, known, now)) };
 }
 
@@ -81,7 +81,7 @@ function readLine(row: { line: number; cells: string[] }, names: readonly string
   if (row.cells.length > names.length) errors.push(`${row.cells.length} cells, but ${names.length} columns.`);
   const kind = (found['kind'] ?? '').toLowerCase() as JobKind;
   const at = { line: row.line, cells: found };
-  if (!JOB_KINDS.includes(kind)) return { ...at, job: null, errors: [`“${found['kind']}” is none of ${JOB_KINDS.join(', ')}.`] };
+  if (!JOB_KINDS.includes(kind)) return { ...at, job: null, errors: [`“${found['kind']}” is not a kind of job; use one of ${JOB_KINDS.join(', ')}.`] };
   const values: FormValues = {
     ...BLANK, kind, rack: found['rack'] ?? '', station: found['station'] ?? '', node: found['node'] ?? '',
     robot: found['robot'] ?? '', priority: found['priority'] || '0', deadline: found['deadline_min'] ?? '',
@@ -91,14 +91,14 @@ function readLine(row: { line: number; cells: string[] }, names: readonly string
   for (const field of ['rack', 'station', 'node', 'robot'] as const) {
     const text = values[field].trim();
     if (text === '') continue;
-    if (!FIELDS[kind].includes(field)) errors.push(`${kind} has no ${field}.`);
+    if (!FIELDS[kind].includes(field)) errors.push(`A ${kind} job has no ${field}.`);
     else if (!known[field].has(text)) errors.push(`There is no ${field} “${text}”.`);
   }
   const job = built.kind === 'ready' ? built.job : null;
   const pick = found['pick_s'] ?? '';
   if (pick !== '') {
     const seconds = Number(pick);
-    if (kind !== 'deliver') errors.push(`${kind} has no pick_s.`);
+    if (kind !== 'deliver') errors.push(`A ${kind} job has no pick_s.`);
     else if (!(seconds >= 0 && seconds <= LONGEST_PICK_S)) errors.push(`pick_s is seconds, 0 to ${LONGEST_PICK_S}.`);
     else if (job) job.pick_s = seconds;
   }

@@ -68,7 +68,7 @@ export class Jobs {
     await this.#refresh();
     if (answer.kind === 'ok') return null;
     return answer.kind === 'unreachable'
-      ? 'The server cannot be reached; the job may not be cancelled.'
+      ? 'The server cannot be reached; the job may not have been cancelled.'
       : (answer.problem.detail ?? answer.problem.title);
   }
 

@@ -77,7 +77,7 @@ export function jobsThen(replay: Pick<Replay, 'film' | 't' | 'waiting'>, mirror:
   const { waiting, done, cancelled, failed } = mirror.jobs;
   const at = (t: number): string => moment(film.start, t);
   return {
-    label: 'Jobs then', title: `Jobs under way then: ${robots.length}`, region: 'Tables of jobs then',
+    label: 'Jobs then', title: `Jobs in progress at this moment: ${robots.length}`, region: 'Tables of jobs then',
     note: `${waiting} waited for a robot, ${done} were done, ${cancelled} cancelled, ${failed} failed`,
     tables: [underWay(robots), waitingThen(waited, waiting, list && at(list.at), at)],
     foot: footOf(list, waiting - waited.length, waited.length, replay.waiting),
@@ -107,7 +107,7 @@ function waitingThen(jobs: readonly Waiter[], all: number, asOf: string | null, 
 }
 
 function footOf(list: Waited | null, more: number, listed: number, loading: boolean): string | null {
-  if (list === null) return more <= 0 ? null : loading ? 'Loading…' : 'An older version kept their number only.';
+  if (list === null) return more <= 0 ? null : loading ? 'Loading…' : 'An older version recorded only their number.';
   if (more <= 0) return null;
-  return listed === 0 ? `${count(more)} came after the list was made.` : `and ${count(more)} more`;
+  return listed === 0 ? `${count(more)} were submitted after the list was made.` : `and ${count(more)} more`;
 }

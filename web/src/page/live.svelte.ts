@@ -69,7 +69,7 @@ export class Live {
     }
     const locked = answer.kind === 'refused' && answer.problem.status === 401;
     const why = answer.kind === 'refused' ? (answer.problem.detail ?? answer.problem.title) : 'The server cannot be reached.';
-    this.map = { kind: 'failed', why: locked ? 'The server wants an access token.' : why };
+    this.map = { kind: 'failed', why: locked ? 'The server requires an access token.' : why };
     // With a wrong token, asking again would only lock the page again: wait for another token.
     if (!locked) this.#retry = setTimeout(() => void this.#loadMap(), MAP_RETRY_MS);
   }

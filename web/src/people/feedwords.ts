@@ -26,16 +26,16 @@ export function feedWords({ before, now, apart_s }: Looks, lost: number | null):
     const hz = Math.max(0, now.feed.taken - before.feed.taken) / apart_s;
     words.push({ name: 'Rate', text: `${hz < 10 ? hz.toFixed(1) : Math.round(hz)} poses a second`, well: hz >= SLOW_HZ });
   }
-  if (now.age_s !== null) words.push({ name: 'Newest', text: `${now.age_s < 10 ? now.age_s.toFixed(2) : Math.round(now.age_s)} s old`, well: now.age_s <= OLD_S });
+  if (now.age_s !== null) words.push({ name: 'Latest', text: `${now.age_s < 10 ? now.age_s.toFixed(2) : Math.round(now.age_s)} s old`, well: now.age_s <= OLD_S });
   words.push({ name: 'Accuracy', text: `± ${now.accuracy.toFixed(2)} m`, well: now.accuracy <= UNSURE_M });
   if (now.clock_error_ms !== null) {
-    words.push({ name: 'Clock', text: `right to ± ${now.clock_error_ms < 10 ? now.clock_error_ms.toFixed(1) : Math.round(now.clock_error_ms)} ms`, well: now.clock_error_ms < 100 });
+    words.push({ name: 'Clock', text: `accurate to ± ${now.clock_error_ms < 10 ? now.clock_error_ms.toFixed(1) : Math.round(now.clock_error_ms)} ms`, well: now.clock_error_ms < 100 });
   } else {
-    words.push({ name: 'Clock', text: now.connected ? 'not known yet' : 'the server’s own: no headset is connected', well: true });
+    words.push({ name: 'Clock', text: now.connected ? 'not known yet' : 'the server’s own, as no headset is connected', well: true });
   }
   const { taken, late, jumps, absurd } = now.feed;
   const refused = late + jumps + absurd;
-  const parts = [late > 0 ? `${count(late)} late` : '', jumps > 0 ? `${count(jumps)} jumps` : '', absurd > 0 ? `${count(absurd)} absurd` : ''].filter(Boolean);
+  const parts = [late > 0 ? `${count(late)} late` : '', jumps > 0 ? `${count(jumps)} jumps` : '', absurd > 0 ? `${count(absurd)} implausible` : ''].filter(Boolean);
   const share = refused / Math.max(1, taken + refused);
   words.push({
     name: 'Refused', well: share < 0.1,

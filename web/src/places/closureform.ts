@@ -16,12 +16,12 @@ const WEEK = 7 * 24 * 60;
 export function buildClosure(values: ClosureValues, outline: readonly Point[], now: Date): BuiltClosure {
   const errors: ClosureErrors = {};
   const area: NewClosure = { outline: [...outline], reason: values.reason.trim() };
-  if (area.reason === '') errors.reason = 'Say why: those who see the area want to know.';
+  if (area.reason === '') errors.reason = 'Say why, so that people who see the area know the reason.';
   const minutes = (field: 'begins' | 'lasts', least: number): number | null => {
     if (values[field].trim() === '') return null;
     const n = Number(values[field]);
     if (Number.isFinite(n) && n >= least && n <= WEEK) return n;
-    errors[field] = `A number of minutes, at most a week.`;
+    errors[field] = 'Enter a number of minutes, at most a week.';
     return null;
   };
   const begins = minutes('begins', 0);

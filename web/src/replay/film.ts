@@ -34,7 +34,7 @@ export interface Film {
   refresh(): Promise<void>;
 }
 
-const NO_HEAT = 'Where robots waited is known of a running server only.';
+const NO_HEAT = 'Only a running server knows where robots waited.';
 
 type Spanned = Pick<Film, 'spans'>;
 export const begins = (film: Spanned): number => film.spans[0]?.from_s ?? 0;
@@ -57,7 +57,7 @@ export class FileFilm implements Film {
   #reel: Reel;
 
   constructor(reel: Reel) {
-    if (!reel.map) throw new Error('There is no map in this reel, so nothing to show it on.');
+    if (!reel.map) throw new Error('This reel contains no map, so it cannot be shown.');
     this.name = reel.name;
     this.map = reel.map;
     this.start = reel.start;

@@ -26,7 +26,7 @@ export interface Reel {
   lists: Listed[];
 }
 
-const NO_REEL = 'This is no reel. Reels are made by “giveway replay --reel” or saved from a replay; they end in .reel.';
+const NO_REEL = 'This is not a reel. Make one with “giveway replay --reel”, or save one from a replay; its name ends in .reel.';
 const LINE = /^\{"at":(-?[\d.e+]+),"(key|patch|mark|sum|waiting)":/;
 
 /** Reads lines; a last one that was cut off is left out. */
@@ -45,7 +45,7 @@ export function readReel(lines: Iterable<string>): Reel {
     else if (kind === 'waiting') reel.lists.push({ at, text });
     else reel.shots.push({ at, kind, text });
   }
-  if (!reel.shots.some((shot) => shot.kind === 'key')) throw new Error('There is no whole picture in this reel: it was cut off too soon.');
+  if (!reel.shots.some((shot) => shot.kind === 'key')) throw new Error('This reel contains no complete picture: it was cut off too soon.');
   reel.marks.sort((a, b) => a.at_s - b.at_s);
   return reel;
 }
@@ -62,7 +62,7 @@ function headerOf(line: unknown): Pick<Reel, 'name' | 'start' | 'map'> {
     throw new Error('This is a recording, not a reel. Type: giveway replay FILE --reel OUT.reel, and open that.');
   }
   if (!('reel' in header)) throw new Error(NO_REEL);
-  if (header.reel !== 1) throw new Error(`This reel has format ${String(header.reel)}; this page knows format 1. Take a newer Giveway.`);
+  if (header.reel !== 1) throw new Error(`This reel has format ${String(header.reel)}; this page knows format 1. Use a newer Giveway.`);
   const { name, start, map } = header as { name?: unknown; start?: unknown; map?: FloorMap | null };
   return { name: String(name ?? ''), start: typeof start === 'number' ? start : null, map: map ?? null };
 }

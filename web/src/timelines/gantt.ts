@@ -24,22 +24,22 @@ export const place = (s: number, ahead: number): number =>
   Math.min(100, Math.max(0, ((s + BACK_S) / (ahead + BACK_S)) * 100));
 
 const EFFECT_WORDS: Record<Condition['effect'], string> = {
-  closed: 'closed to robots', still: 'robots stay where they are', slow: 'robots go slowly', price: 'dear to the planner',
+  closed: 'closed to robots', still: 'no robot enters or leaves', slow: 'robots drive slowly', price: 'costly for the planner',
 };
 
 export function when(from: number, to: number | null): string {
-  const start = from <= 0 ? 'now' : `in ${from.toFixed(1)} s`;
-  return to === null ? `from ${start} on` : `from ${start} to ${to <= 0 ? 'now' : `in ${to.toFixed(1)} s`}`;
+  const start = from <= 0 ? 'now' : `+${from.toFixed(1)} s`;
+  return to === null ? `from ${start} on` : `from ${start} to ${to <= 0 ? 'now' : `+${to.toFixed(1)} s`}`;
 }
 
 export function holdWords(node: string, hold: Hold): string {
-  const how = hold.conflict ? 'holds what is in conflict with it' : hold.granted ? 'holds it and may be there' : 'is promised it';
+  const how = hold.conflict ? 'holds a place in conflict with it' : hold.granted ? 'holds it and may enter' : 'holds it but may not enter yet';
   return `${node}: ${hold.by} ${how}, ${when(hold.from_s, hold.to_s)}`;
 }
 
 export function conditionWords(node: string, c: Condition): string {
   const limit = c.effect === 'slow' && c.limit_mps ? `, ${c.limit_mps[0].toFixed(1)} m/s without a rack and ${c.limit_mps[1].toFixed(1)} m/s with one` : '';
-  const price = c.effect === 'price' && c.price_s !== null ? `, as bad as ${c.price_s.toFixed(1)} s` : '';
+  const price = c.effect === 'price' && c.price_s !== null ? `, costs as much as ${c.price_s.toFixed(1)} s` : '';
   return `${node}: ${EFFECT_WORDS[c.effect] ?? c.effect} because of ${c.by}${limit}${price}, ${when(c.from_s, c.to_s)}`;
 }
 
@@ -86,7 +86,7 @@ export function lookAgain(all: readonly Row[], look: Look): Look | null {
   return lookAt(row, theirs.reduce((best, i) => (away(i) < away(best) ? i : best), theirs[0] ?? look.index));
 }
 
-export const lookWords = (look: Look): string => look.bar?.words ?? `${look.row}: nobody, and nothing, in this time`;
+export const lookWords = (look: Look): string => look.bar?.words ?? `${look.row}: free in this time`;
 
 /** Seconds at which the axis has marks: four to eight of them. */
 export function marks(ahead: number): number[] {

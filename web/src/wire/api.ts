@@ -14,7 +14,7 @@ export type Answer<T> =
 
 const TOKEN = 'giveway.token';
 const PATIENCE_MS = 15_000;
-const PAST: Problem = { title: 'This is the past', status: 409, detail: 'This is the past, and cannot be changed: go back to live first.' };
+const PAST: Problem = { title: 'The past cannot be changed', status: 409, detail: 'You are looking at the past, which cannot be changed. Go back to live first.' };
 
 export class Api {
   /** Called when the server answers 401. */

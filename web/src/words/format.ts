@@ -41,7 +41,7 @@ export const STATE_WORDS: Record<RobotState, string> = {
 };
 
 export const GUIDANCE_WORDS: Record<GuidanceState, string> = {
-  idle: 'Without a task', following: 'On the path', deviating: 'Off the path', redirected: 'On a new path',
+  idle: 'No task', following: 'On the path', deviating: 'Off the path', redirected: 'On a new path',
   stop: 'Told to stop',
 };
 export const PRESENCE_WORDS: Record<Presence, string> = {
@@ -50,10 +50,10 @@ export const PRESENCE_WORDS: Record<Presence, string> = {
 
 const DOING_WORDS: Record<Doing, string> = {
   to_rack: 'driving to its rack', lifting: 'lifting the rack', carrying: 'carrying the rack to the station',
-  queueing: 'queueing at the station', picking: 'at the station, being picked from',
-  returning: 'bringing the rack back', setting_down: 'setting the rack down',
+  queueing: 'queueing at the station', picking: 'at the station for picking',
+  returning: 'returning the rack', setting_down: 'setting the rack down',
   to_charger: 'driving to a charger', charging: 'charging', parking: 'driving to its parking place',
-  going: 'driving', idle: 'standing idle', waiting: 'waiting for its way', failed: 'failed',
+  going: 'driving', idle: 'idle', waiting: 'waiting for its path to clear', failed: 'failed',
 };
 /** A newer server may name something this page has no words for; then its own word is shown. */
 export const doing = (d: Doing): string => DOING_WORDS[d] ?? String(d).replaceAll('_', ' ');

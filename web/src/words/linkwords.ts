@@ -8,11 +8,11 @@ export function linkWords(link: LinkState, age: number | null): { short: string;
     case 'replay': return { short: 'Replay', veil: null };
     case 'live': return { short: 'Live', veil: null };
     case 'connecting': return { short: 'Connecting', veil: 'Connecting to the server' };
-    case 'slow': return { short: 'Slow link', veil: `The link is slow, showing ${old ?? '0 s'} old data` };
-    case 'still': return { short: 'Standing still', veil: `The floor’s clock stands still, this picture is ${old ?? '0 s'} old` };
+    case 'slow': return { short: 'Slow link', veil: `The link is slow; this picture is ${old ?? '0 s'} old` };
+    case 'still': return { short: 'Clock stopped', veil: `The floor’s clock has stopped; this picture is ${old ?? '0 s'} old` };
     case 'lost': return {
       short: 'Connection lost',
-      veil: old === null ? 'The server cannot be reached' : `Connection lost, showing ${old} old data`,
+      veil: old === null ? 'The server cannot be reached' : `Connection lost; this picture is ${old} old`,
     };
   }
 }

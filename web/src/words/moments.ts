@@ -3,7 +3,7 @@ import { clock } from './format';
 import type { MarkKind } from '../wire';
 
 export const MARK_WORDS: Record<MarkKind, string> = {
-  deviation: 'Off the path', encounter: 'Encounter', stop: 'Stop by hand', failure: 'Breakdown', closure: 'Closed area', alarm: 'Alarm',
+  deviation: 'Off the path', encounter: 'Encounter', stop: 'Manual stop', failure: 'Breakdown', closure: 'Closed area', alarm: 'Alarm',
 };
 
 /** The time of day here, or the floor's own clock in a simulation. */
