@@ -354,6 +354,22 @@ await check('A second device takes the place of the first, which does not fight 
   assert((await other.locator('#headset').getAttribute('data-link')) === 'live', 'the first one took it back');
   await other.close();
 });
+await check('A phone says that its wearer has left only when the server has heard it', async () => {
+  const { items } = await ask('/v1/workers');
+  const second = items.find((w) => w.name === 'picker-8').id;
+  await phone.route('**/clear', (route) => route.abort());
+  await phone.getByRole('button', { name: 'I have left the floor' }).click();
+  await phone.getByRole('alert').filter({ hasText: 'The server cannot be reached.' }).waitFor({ timeout: PATIENCE });
+  await phone.unroute('**/clear');
+  await phone.getByRole('button', { name: 'I have left the floor' }).click();
+  await phone.getByText('picker-8 has left the floor.').waitFor({ timeout: PATIENCE });
+  let presence = '';
+  for (const began = Date.now(); presence !== 'absent' && Date.now() - began < PATIENCE;) {
+    ({ presence } = await ask(`/v1/workers/${second}`));
+    await phone.waitForTimeout(100);
+  }
+  assert(presence === 'absent', presence);
+});
 await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
 
 await server.kill();
@@ -402,7 +418,7 @@ function watchShown(seen) {
 function watch(one) {
   one.on('console', (message) => {
     // The browser itself logs what is meant here: the missing token, and the server that was killed.
-    const meant = /status of 401|ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|WebSocket connection to/.test(message.text());
+    const meant = /ERR_FAILED|status of 401|ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|WebSocket connection to/.test(message.text());
     if (message.type() === 'error' && !meant) complaints.push(message.text());
   });
   one.on('pageerror', (error) => complaints.push(error.message));

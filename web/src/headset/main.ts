@@ -169,7 +169,7 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
   leave.addEventListener('click', () => void view.leave());
   host.dataset['screen'] = 'room';
   host.replaceChildren(make('main', { className: 'room' }, screen.banner, screen.note, screen.stop,
-    make('p', { className: 'dim', textContent: `${name} sees guidance in the room.${view.wide ? '' : ' This device follows within some 15 m of where it began only.'}` }),
+    make('p', { className: 'dim', textContent: `${name} sees guidance in the room.${view.wide ? '' : ' This device is reliable only within about 15 m of where it started.'}` }),
     make('div', { className: 'row' }, leave), canvas));
   const worker = await hired;
   if (over) return '';
@@ -185,11 +185,11 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
 }
 
 /** After the view: robots go on keeping away, until somebody says that nobody is there. */
-async function left(id: string, name: string): Promise<void> {
+async function left(id: string, name: string, wrong = ''): Promise<void> {
   if (!host || id === '') return signIn();
   const again = make('button', { textContent: 'Reopen the view', className: 'main' });
   const gone = make('button', { textContent: 'I have left the floor' });
-  const error = make('p', { className: 'error', role: 'alert' });
+  const error = make('p', { className: 'error', role: 'alert', textContent: wrong });
   again.addEventListener('click', () => void signIn());
   gone.addEventListener('click', () => {
     void server.clear(id).then((answer) => {
@@ -249,7 +249,8 @@ function phone(map: FloorMap, id: string, name: string): void {
   gone.addEventListener('click', () => {
     beats.forEach(clearInterval);
     screen.close();
-    void server.clear(id).then(() => signIn(`${name} has left the floor.`));
+    // Robots go on keeping away unless the server has heard it.
+    void server.clear(id).then((answer) => (answer.kind === 'ok' ? signIn(`${name} has left the floor.`) : left(id, name, words(answer))));
   });
   host.dataset['screen'] = 'phone';
   host.replaceChildren(make('main', { className: 'phone' }, screen.banner, canvas, where, near, screen.note, screen.stop,
