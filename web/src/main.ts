@@ -1,8 +1,8 @@
 // Where the page begins.
 import { mount } from 'svelte';
 import './app.css';
-import App from './App.svelte';
-import { applyTheme, storedTheme } from './theme';
+import { App } from './page';
+import { applyTheme, storedTheme } from './parts';
 
 applyTheme(storedTheme());
 const target = document.getElementById('app');

@@ -160,11 +160,11 @@ await check('One click stops all robots, everybody sees it, and they go on only 
   await page.waitForTimeout(400);
   await page.screenshot({ path: `${SHOTS}stopped.png` });
   await axe('stopped');
-  await button('Let them go on').click();
-  await page.getByRole('dialog').getByRole('button', { name: 'Leave them stopped' }).click();
+  await button('Resume all robots').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'Keep them stopped' }).click();
   assert((await ask('/v1/fleet')).stopped !== null, 'they went on although they were to stay');
-  await button('Let them go on').click();
-  await page.getByRole('dialog').getByRole('button', { name: 'Let them go on' }).click();
+  await button('Resume all robots').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'Resume all robots' }).click();
   await banner.waitFor({ state: 'detached', timeout: PATIENCE });
 });
 await check('One robot is paused and goes on again', async () => {
@@ -175,7 +175,7 @@ await check('One robot is paused and goes on again', async () => {
   await card.getByRole('button', { name: 'Pause this robot' }).click();
   await card.getByRole('paragraph').filter({ hasText: 'paused by hand' }).waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}paused.png` });
-  await card.getByRole('button', { name: 'Let it go on' }).click();
+  await card.getByRole('button', { name: 'Resume this robot' }).click();
   await card.getByRole('button', { name: 'Pause this robot' }).waitFor({ timeout: PATIENCE });
   await card.getByRole('button', { name: 'Close' }).click();
   return id;
@@ -215,7 +215,7 @@ await check('A person is sent where somebody clicks', async () => {
 await page.getByLabel('Theme').selectOption('light');
 await page.setViewportSize({ width: 375, height: 740 });
 await button('Timelines').click();
-await timelines.getByRole('button', { name: 'What is on the screen' }).click();
+await timelines.getByRole('button', { name: 'Use the visible area' }).click();
 await page.waitForTimeout(1_500);
 await check('The page fits a phone without scrolling sideways', async () => {
   const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);

@@ -1,10 +1,10 @@
 // Drawing, closing, tables of jobs and the planner's picture, without a page around them.
 import { describe, expect, it } from 'vitest';
-import { buildClosure } from '../src/closureform';
-import { cells, readJobs, type Known } from '../src/csv';
-import { lookAgain, lookAt, lookWords, marks, place, rows, when } from '../src/gantt';
-import { around, corner, rectangle } from '../src/sketch';
-import type { Point, Strip } from '../src/wire';
+import { buildClosure } from '../src/places/closureform';
+import { cells, readJobs, type Known } from '../src/jobs/csv';
+import { lookAgain, lookAt, lookWords, marks, place, rows, when } from '../src/timelines/gantt';
+import { around, corner, rectangle } from '../src/floor/scene/sketch';
+import type { Point, Strip } from '../src/wire/types';
 
 const NOW = new Date('2031-01-31T12:00:00Z');
 const KNOWN: Known = { rack: new Set(['K1', 'K2']), station: new Set(['W1']), node: new Set(['A1']), robot: new Set(['robot-1']) };
@@ -61,9 +61,9 @@ describe('jobs from a table', () => {
     if (read.kind !== 'table') throw new Error(read.why);
     expect(read.lines.map((l) => [l.line, l.job === null, l.errors.join(' ')])).toEqual([
       [2, true, 'There is no rack “K9”.'],
-      [3, true, '“fly” is none of deliver, return, relocate, charge, park, go.'],
+      [3, true, '“fly” is not a kind of job; use one of deliver, return, relocate, charge, park, go.'],
       [4, false, ''],
-      [5, true, 'Name a station. deliver has no robot.'],
+      [5, true, 'Name a station. A deliver job has no robot.'],
     ]);
   });
   it('refuses a table without columns that it knows', () => {
@@ -94,8 +94,8 @@ describe('the picture of what the planner sees', () => {
   it('leaves out what is over, and says the rest in words', () => {
     const old: Strip = { ...strip, conditions: [], holds: [{ ...strip.holds[0]!, from_s: -9, to_s: -6 }] };
     expect(rows([old], 60)[0]!.bars).toEqual([]);
-    expect(rows([strip], 60)[0]!.bars.at(-1)!.words).toBe('R1: robot-2 is promised it, from in 5.0 s on');
-    expect(when(-1, 2)).toBe('from now to in 2.0 s');
+    expect(rows([strip], 60)[0]!.bars.at(-1)!.words).toBe('R1: robot-2 holds it but may not enter yet, from +5.0 s on');
+    expect(when(-1, 2)).toBe('from now to +2.0 s');
   });
   it('keeps looking at the same holder while bars come and go, and at the place where nobody is left', () => {
     const of = (holds: Strip['holds']) => rows([{ ...strip, conditions: [], holds }, { ...strip, id: 'R2', conditions: [], holds: [] }], 60);
@@ -104,8 +104,8 @@ describe('the picture of what the planner sees', () => {
     const look = lookAt(before[0]!, before[0]!.bars.findIndex((b) => b.by === 'robot-2'));
     expect(lookAgain(of([second!]), look)).toMatchObject({ row: 'R1', index: 0, bar: { by: 'robot-2' } });
     expect(lookAgain(of([first!]), look)?.bar?.by, 'what took its place').toBe(first!.by);
-    expect(lookWords(lookAgain(of([]), look)!)).toMatch(/^R1: nobody/);
-    expect(lookWords(lookAt(before[1]!, 3))).toMatch(/^R2: nobody/);
+    expect(lookWords(lookAgain(of([]), look)!)).toMatch(/^R1: free/);
+    expect(lookWords(lookAt(before[1]!, 3))).toMatch(/^R2: free/);
     expect(lookAgain([], look)).toBeNull();
   });
   it('has four to nine marks', () => {

@@ -65,7 +65,7 @@ await check('Somebody’s card shows where to over time, and how well the feed i
   await page.getByLabel('Find on the floor').fill(id);
   await page.keyboard.press('Enter');
   const card = page.getByRole('region', { name: 'Person', exact: true });
-  await card.getByText('Where to, over the last two minutes').waitFor({ timeout: PATIENCE });
+  await card.getByText('Likely destinations over the last two minutes').waitFor({ timeout: PATIENCE });
   await card.getByText(/poses a second/).waitFor({ timeout: PATIENCE });
   await page.waitForTimeout(4_000);
   assert(await card.locator('svg polygon').count() > 0, 'nothing is drawn');
@@ -185,11 +185,11 @@ await check('The file of an experiment shows its arms side by side', async () =>
     workers, arms: { nhir: figures(150 - workers, 9), shir: figures(155 - workers, 8), phir: figures(161 - workers, 7), giveway: figures(183 - workers, 6) },
     paired: { 'giveway-phir': pair(22, 17, 27), 'phir-nhir': pair(5, -3, 13) },
   })) }));
-  await charts.getByLabel(/^Open what/).setInputFiles(file);
-  await charts.getByText('giveway (runs here)').first().waitFor({ timeout: PATIENCE });
+  await charts.getByLabel(/^Open the output/).setInputFiles(file);
+  await charts.getByText('giveway (running here)').first().waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}experiment.png` });
   await axe('experiment');
-  await charts.getByLabel(/^Open what/).setInputFiles({ name: 'x.json', mimeType: 'application/json', buffer: Buffer.from('{}') });
+  await charts.getByLabel(/^Open the output/).setInputFiles({ name: 'x.json', mimeType: 'application/json', buffer: Buffer.from('{}') });
   await charts.getByRole('alert').waitFor({ timeout: PATIENCE });
   await button('Compare arms of an experiment').click();
 });

@@ -1,15 +1,16 @@
 // What is counted over time, as it is drawn: scales, gaps, encounters, maps of heat, chances, files of experiments.
 import { describe, expect, test } from 'vitest';
-import { areas, bands, Chances, lostShare, SPAN_S } from '../src/chances';
+import { areas, bands, Chances, lostShare, SPAN_S } from '../src/people/chances';
 import { readExperiment, reach } from '../src/charts/experiment';
 import { logTicks, scaleOf, ticks, timeTicks } from '../src/charts/scale';
 import { CHARTS, gaps, gridOf, runs, valuesOf } from '../src/charts/series';
-import { placeNear, replayOf, sorted } from '../src/encounters';
-import { feedWords } from '../src/feedwords';
-import { forecastsOf } from '../src/floor/heat';
-import { borders, cellsOf, heatOfPlaces, words } from '../src/heatmap';
-import { EMPTY, reduce, type Mirror } from '../src/mirror';
-import type { Bucket, Encounter, HistoryPage, WorkerDetail } from '../src/wire';
+import { replayOf, sorted } from '../src/encounters/encounters';
+import { placeNear } from '../src/floor/scene/places';
+import { feedWords } from '../src/people/feedwords';
+import { forecastsOf } from '../src/floor/paint/heat';
+import { borders, cellsOf, heatOfPlaces, words } from '../src/floor/paint/heatmap';
+import { EMPTY, reduce, type Mirror } from '../src/wire/mirror';
+import type { Bucket, Encounter, HistoryPage, WorkerDetail } from '../src/wire/types';
 import { snapshot, worker } from './samples';
 
 describe('scales', () => {
@@ -145,7 +146,7 @@ describe('the feed of somebody in words', () => {
   });
   test('a good feed is said to be well in all that is known', () => {
     const all = feedWords({ before: look(100), now: look(140), apart_s: 2 }, 0);
-    expect(all.map((w) => w.text)).toEqual(['20 poses a second', '0.05 s old', '± 0.10 m', 'right to ± 3.2 ms', 'none of 140', '0 % of the last two minutes']);
+    expect(all.map((w) => w.text)).toEqual(['20 poses a second', '0.05 s old', '± 0.10 m', 'accurate to ± 3.2 ms', 'none of 140', '0 % of the last two minutes']);
     expect(all.every((w) => w.well)).toBe(true);
   });
   test('what is wrong is marked', () => {

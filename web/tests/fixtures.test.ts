@@ -1,10 +1,10 @@
 // The contract from both sides: the server's own tests write fixtures/*.json, and here they are read as
 // the page reads them. A key that the server renames fails here before anybody opens a browser.
 import { describe, expect, test } from 'vitest';
-import { Stage } from '../src/floor/scene';
-import { explain } from '../src/jobform';
-import { EMPTY, reduce } from '../src/mirror';
-import { JOB_KINDS, JOB_STATES, parseMessage, ROBOT_STATES, type FloorMap, type JobPage, type Problem } from '../src/wire';
+import { Stage } from '../src/floor/scene/scene';
+import { explain } from '../src/jobs/jobform';
+import { EMPTY, reduce } from '../src/wire/mirror';
+import { JOB_KINDS, JOB_STATES, parseMessage, ROBOT_STATES, type FloorMap, type JobPage, type Problem } from '../src/wire/types';
 import { robot, snapshot, worker } from './samples';
 
 const files = import.meta.glob<string>('../fixtures/*.json', { eager: true, query: '?raw', import: 'default' });

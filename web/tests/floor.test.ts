@@ -1,12 +1,12 @@
 // The camera and the scene: arithmetic that a wrong sign would spoil.
 import { describe, expect, test } from 'vitest';
-import { personNear } from '../src/floor/people';
-import { heldBeyond, robotNear, Stage } from '../src/floor/scene';
-import { shortTurn } from '../src/floor/turn';
-import { fit, pan, toScreen, toWorld, zoomAt } from '../src/floor/view';
-import { History } from '../src/history';
-import { EMPTY, reduce, type Mirror } from '../src/mirror';
-import type { FloorMap, Robot, Snapshot } from '../src/wire';
+import { personNear } from '../src/floor/scene/people';
+import { heldBeyond, robotNear, Stage } from '../src/floor/scene/scene';
+import { shortTurn } from '../src/floor/scene/turn';
+import { fit, pan, toScreen, toWorld, zoomAt } from '../src/floor/scene/view';
+import { History } from '../src/page/history';
+import { EMPTY, reduce, type Mirror } from '../src/wire/mirror';
+import type { FloorMap, Robot, Snapshot } from '../src/wire/types';
 import { robot, snapshot, worker } from './samples';
 
 const MAP: FloorMap = {

@@ -1,8 +1,8 @@
 // Numbers and words as people read them.
 import { describe, expect, test } from 'vitest';
-import { clock, count, doing, micros, percent, span, timeOfDay } from '../src/format';
-import { linkWords } from '../src/linkwords';
-import type { Doing } from '../src/wire';
+import { clock, count, doing, micros, percent, span, timeOfDay } from '../src/words/format';
+import { linkWords } from '../src/words/linkwords';
+import type { Doing } from '../src/wire/types';
 
 describe('formatting', () => {
   test('plan times take the unit that fits', () => {
@@ -30,7 +30,7 @@ describe('formatting', () => {
   });
 
   test('a doing this page has no words for is shown as the server says it', () => {
-    expect(doing('picking')).toBe('at the station, being picked from');
+    expect(doing('picking')).toBe('at the station for picking');
     expect(doing('being_washed' as Doing)).toBe('being washed');
   });
 });
@@ -38,13 +38,13 @@ describe('formatting', () => {
 describe('the words for the link', () => {
   test('only a live link has no veil', () => {
     expect(linkWords({ kind: 'live' }, 0)).toEqual({ short: 'Live', veil: null });
-    expect(linkWords({ kind: 'still' }, 18).veil).toBe('The floor’s clock stands still, this picture is 18 s old');
-    expect(linkWords({ kind: 'slow' }, 3).veil).toBe('The link is slow, showing 3 s old data');
+    expect(linkWords({ kind: 'still' }, 18).veil).toBe('The floor’s clock has stopped; this picture is 18 s old');
+    expect(linkWords({ kind: 'slow' }, 3).veil).toBe('The link is slow; this picture is 3 s old');
   });
 
   test('a lost link says how old the data is', () => {
     const lost = { kind: 'lost', attempt: 3, retryAt: 0 } as const;
-    expect(linkWords(lost, 12).veil).toBe('Connection lost, showing 12 s old data');
+    expect(linkWords(lost, 12).veil).toBe('Connection lost; this picture is 12 s old');
     expect(linkWords(lost, null).veil).toBe('The server cannot be reached');
   });
 });

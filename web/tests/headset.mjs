@@ -126,17 +126,17 @@ await check('The page loads without the dashboard, over HTTPS with the certifica
 });
 await check('A token is asked for, then name and marks', async () => {
   await page.getByLabel('Token').fill(TOKEN);
-  await page.getByRole('button', { name: 'Go on' }).click();
+  await page.getByRole('button', { name: 'Continue' }).click();
   await page.getByLabel('Name of the wearer').fill('picker-7');
   await page.getByLabel('First mark').selectOption('R106');
   await page.getByLabel('Second mark').selectOption('R102');
-  await page.getByText('This is no safety device').waitFor();
+  await page.getByText('This is not a safety device').waitFor();
   await shot('sign-in');
 });
 await accessible('sign-in');
 await check('The view into the room opens and asks for marks', async () => {
   await stand([0, 0], 0);
-  await page.getByRole('button', { name: 'Enter the view into the room' }).click();
+  await page.getByRole('button', { name: 'Enter the room view' }).click();
   await until('link', 'live');
   await until('marking', 'taking');
   await page.waitForTimeout(500);
@@ -354,6 +354,22 @@ await check('A second device takes the place of the first, which does not fight 
   assert((await other.locator('#headset').getAttribute('data-link')) === 'live', 'the first one took it back');
   await other.close();
 });
+await check('A phone says that its wearer has left only when the server has heard it', async () => {
+  const { items } = await ask('/v1/workers');
+  const second = items.find((w) => w.name === 'picker-8').id;
+  await phone.route('**/clear', (route) => route.abort());
+  await phone.getByRole('button', { name: 'I have left the floor' }).click();
+  await phone.getByRole('alert').filter({ hasText: 'The server cannot be reached.' }).waitFor({ timeout: PATIENCE });
+  await phone.unroute('**/clear');
+  await phone.getByRole('button', { name: 'I have left the floor' }).click();
+  await phone.getByText('picker-8 has left the floor.').waitFor({ timeout: PATIENCE });
+  let presence = '';
+  for (const began = Date.now(); presence !== 'absent' && Date.now() - began < PATIENCE;) {
+    ({ presence } = await ask(`/v1/workers/${second}`));
+    await phone.waitForTimeout(100);
+  }
+  assert(presence === 'absent', presence);
+});
 await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
 
 await server.kill();
@@ -402,7 +418,7 @@ function watchShown(seen) {
 function watch(one) {
   one.on('console', (message) => {
     // The browser itself logs what is meant here: the missing token, and the server that was killed.
-    const meant = /status of 401|ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|WebSocket connection to/.test(message.text());
+    const meant = /ERR_FAILED|status of 401|ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|WebSocket connection to/.test(message.text());
     if (message.type() === 'error' && !meant) complaints.push(message.text());
   });
   one.on('pageerror', (error) => complaints.push(error.message));

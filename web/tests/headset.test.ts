@@ -9,7 +9,7 @@ import { lens, onCanvas, onMap, wayAhead } from '../src/headset/phone';
 import { LOST_MS, Pump, type Sample } from '../src/headset/pump';
 import { eyes, ribbon, Shapes, STRIDE, type Ink } from '../src/headset/shapes';
 import { PLACED_MS, Wearer } from '../src/headset/wearer';
-import type { FloorMap } from '../src/wire';
+import type { FloorMap } from '../src/wire/types';
 
 const quarter: Alignment = { theta: Math.PI / 2, shift: [5, 7] };
 const sample = (t: number, more: Partial<Sample> = {}): Sample => ({ t, pos: [0, 1.6, 0], quat: [0, 0, 0, 1], emulated: false, ...more });
@@ -134,7 +134,7 @@ describe('guidance', () => {
     expect(show(guidance(), { ...well, age_ms: STALE_MS })).toMatchObject({ kind: 'offline', path: [], near: [] });
     expect(show(guidance(), { ...well, link: 'lost' }).kind).toBe('offline');
     expect(show(null, { ...well, age_ms: null, link: 'connecting' }).title).toBe('Connecting');
-    expect(show(guidance({ state: 'stop' }), { ...well, age_ms: 9_000, link: 'lost' })).toMatchObject({ kind: 'stop', detail: expect.stringContaining('connection is lost') });
+    expect(show(guidance({ state: 'stop' }), { ...well, age_ms: 9_000, link: 'lost' })).toMatchObject({ kind: 'stop', detail: expect.stringContaining('connection has been lost') });
   });
   test('without a position or marks there is no path', () => {
     expect(show(guidance(), { ...well, tracking: 'lost' })).toMatchObject({ kind: 'lost', path: [] });

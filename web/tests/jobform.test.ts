@@ -1,7 +1,8 @@
 // What the form sends, what it refuses itself, and where it puts what the server refuses.
 import { describe, expect, test } from 'vitest';
-import { BLANK, build, explain, FIELDS, Keys, newKey, suggest, type FormValues } from '../src/jobform';
-import { JOB_KINDS } from '../src/wire';
+import { BLANK, build, explain, FIELDS, type FormValues } from '../src/jobs/jobform';
+import { suggest } from '../src/parts';
+import { JOB_KINDS, Keys, newKey } from '../src/wire';
 
 const NOW = new Date('2026-03-01T12:00:00Z');
 const form = (more: Partial<FormValues>): FormValues => ({ ...BLANK, ...more });

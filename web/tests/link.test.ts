@@ -1,6 +1,6 @@
 // The link against a fake socket and a fake clock: resume, start over, back off, notice silence.
 import { beforeEach, describe, expect, test } from 'vitest';
-import { DEAD_MS, Link, retryDelay, SLOW_MS, type LinkState, type SocketEvents } from '../src/link';
+import { DEAD_MS, Link, retryDelay, SLOW_MS, type LinkState, type SocketEvents } from '../src/wire/link';
 import { snapshot } from './samples';
 
 interface FakeSocket {

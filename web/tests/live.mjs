@@ -234,9 +234,9 @@ await check('A lost connection is said plainly and the data is shown as old', as
   await lost.goto(url);
   await lost.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
   silent.push('from now on');
-  await lost.getByText(/The link is slow, showing \d+ s old data/).waitFor({ timeout: PATIENCE });
+  await lost.getByText(/The link is slow; this picture is \d+ s old/).waitFor({ timeout: PATIENCE });
   await lost.screenshot({ path: `${SHOTS}slow.png` });
-  await lost.getByText(/Connection lost, showing \d+ s old data/).waitFor({ timeout: PATIENCE });
+  await lost.getByText(/Connection lost; this picture is \d+ s old/).waitFor({ timeout: PATIENCE });
   await lost.close();
 });
 

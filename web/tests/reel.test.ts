@@ -1,15 +1,16 @@
 // Reels: what is read of a file, whether seeking and playing come to the same, and what is said of what cannot be read.
 import { describe, expect, test } from 'vitest';
-import { FileFilm, ServerFilm, snap } from '../src/reel/film';
-import type { Api } from '../src/api';
-import { readReel } from '../src/reel/reel';
-import { replayRoute } from '../src/reel/route';
-import { seek, type Shown } from '../src/reel/seek';
-import { linesOf } from '../src/reel/unpack';
-import { HeldThen } from '../src/reel/held';
-import { chainOf, jobsUnderWay } from '../src/reel/was';
-import { moment, momentOf } from '../src/reel/words';
-import type { FloorMap, Strip } from '../src/wire';
+import { FileFilm, ServerFilm, snap } from '../src/replay/film';
+import type { Api } from '../src/wire/api';
+import { readReel } from '../src/replay/reel';
+import { replayRoute } from '../src/replay/route';
+import { seek, type Shown } from '../src/replay/seek';
+import { linesOf } from '../src/replay/unpack';
+import { HeldThen } from '../src/timelines/held';
+import { jobsUnderWay } from '../src/jobs/waited';
+import { chainOf } from '../src/why/was';
+import { moment, momentOf } from '../src/words/moments';
+import type { FloorMap, Strip } from '../src/wire/types';
 import { robot, snapshot } from './samples';
 
 const map: FloorMap = { name: 'm', bounds: [0, 0, 9, 9], footprint_m: 1, nodes: [], lanes: [], stations: [], racks: [], obstacles: [], walkable: [] };
@@ -71,8 +72,8 @@ describe('a reel', () => {
   });
 
   test.each([
-    ['nothing', [], 'This is no reel'],
-    ['another text', ['hello'], 'This is no reel'],
+    ['nothing', [], 'This is not a reel'],
+    ['another text', ['hello'], 'This is not a reel'],
     ['a recording', ['{"giveway_recording":1}'], '--reel OUT.reel'],
     ['a newer format', [header({ reel: 2 })], 'format 2'],
     ['only a header', [header()], 'cut off too soon'],

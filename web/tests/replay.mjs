@@ -101,7 +101,7 @@ await check('The jobs of then are listed, and why their robots waited, down to t
 });
 await check('Timelines of then show who held the places on the screen', async () => {
   await bar().getByRole('button', { name: 'Timelines', exact: true }).click();
-  await button('What is on the screen').click();
+  await button('Use the visible area').click();
   const bars = page.getByRole('application', { name: 'Timelines of the area' }).locator('.bar');
   await bars.nth(20).waitFor({ timeout: PATIENCE });
   const looks = await bars.evaluateAll((all) => [...new Set(all.map((bar) => bar.dataset.look))].sort());
@@ -204,7 +204,7 @@ await check('A map of heat shows where robots met people in what is in sight', a
   await page.getByRole('group', { name: 'Meaning of the colours' }).waitFor({ timeout: PATIENCE });
   await axe('a file with a map of heat');
   await page.getByLabel('where robots waited').check();
-  await page.getByText('known of a running server only').waitFor({ timeout: PATIENCE });
+  await page.getByText('Only a running server knows').waitFor({ timeout: PATIENCE });
   await page.waitForFunction(() => document.querySelector('canvas')?.dataset.cells === '0', null, { timeout: PATIENCE });
   await page.getByLabel('none', { exact: true }).check();
   await page.getByText('Layers', { exact: true }).click();
@@ -263,7 +263,7 @@ await check('A recording opens as a replay whose scrubber grows to all of it', a
   await page.getByRole('region', { name: 'Encounters', exact: true }).getByText(/\d+ shown/).waitFor({ timeout: PATIENCE });
   await then('Jobs');
   await page.getByRole('table', { name: 'Jobs that waited then' }).locator('tbody tr').first().waitFor({ timeout: PATIENCE });
-  await button('As it was played').click();
+  await button('Back to playback').click();
   await badge().waitFor({ state: 'detached', timeout: PATIENCE });
   await page.close();
 });
@@ -297,7 +297,7 @@ await check('A server has charts and jobs of its past', async () => {
   const said = await charts().locator('[data-chart="plans"] [data-value]').allInnerTexts();
   await page.screenshot({ path: `${SHOTS}replay-server-charts.png` });
   await then('Encounters');
-  await page.getByText('None in this time.').waitFor({ timeout: PATIENCE });
+  await page.getByText('No encounters in this time range.').waitFor({ timeout: PATIENCE });
   await then('Encounters');
   await page.getByText('Layers', { exact: true }).click();
   await page.getByLabel('where robots waited').check();
@@ -335,7 +335,7 @@ await check('A saved reel opens in the page; another file is refused in words', 
   await badge().waitFor({ timeout: PATIENCE });
   await writeFile(file('no.reel'), 'hello\n');
   await chooser.setInputFiles(file('no.reel'));
-  await page.getByRole('alert').filter({ hasText: 'This is no reel' }).waitFor({ timeout: PATIENCE });
+  await page.getByRole('alert').filter({ hasText: 'This is not a reel' }).waitFor({ timeout: PATIENCE });
   await button('Dismiss').click();
   await button('Back to live').click();
 });

@@ -1,5 +1,5 @@
 // Rows and messages for tests, complete and dull, to be changed where a test needs it.
-import type { Robot, Snapshot, Worker } from '../src/wire';
+import type { Robot, Snapshot, Worker } from '../src/wire/types';
 
 export const robot = (id: string, more: Partial<Robot> = {}): Robot => ({
   id, x: 0, y: 0, heading: 0, speed: 0, state: 'idle', doing: 'idle', rack: null, job: null, battery: 1,

@@ -1,16 +1,16 @@
 // What is put on the sheets: that every state has its own shape, and that nothing is made anew for a frame
 // that changes nothing.
 import { describe, expect, test } from 'vitest';
-import { Composer } from '../src/floor/compose';
-import { axes, putHeat, strength, type Forecast, type Gaussian } from '../src/floor/heat';
-import type { Palette } from '../src/floor/palette';
-import { isInside, placeOf, thingAt, thingBeside } from '../src/floor/pick';
-import { LOOKS, Stage } from '../src/floor/scene';
-import { cssOf, inkOf, KIND, Sheet, STRIDE } from '../src/floor/sheet';
-import { fit } from '../src/floor/view';
-import { EMPTY, reduce, type Mirror } from '../src/mirror';
-import { Story } from '../src/story';
-import type { FloorMap, Snapshot } from '../src/wire';
+import { Composer } from '../src/floor/paint/compose';
+import { axes, putHeat, strength, type Forecast, type Gaussian } from '../src/floor/paint/heat';
+import type { Palette } from '../src/floor/paint/palette';
+import { isInside, placeOf, thingAt, thingBeside } from '../src/floor/scene/pick';
+import { LOOKS, Stage } from '../src/floor/scene/scene';
+import { cssOf, inkOf, KIND, Sheet, STRIDE } from '../src/floor/paint/sheet';
+import { fit } from '../src/floor/scene/view';
+import { EMPTY, reduce, type Mirror } from '../src/wire/mirror';
+import { Story } from '../src/cards/story';
+import type { FloorMap, Snapshot } from '../src/wire/types';
 import { robot, snapshot, worker } from './samples';
 
 const MAP: FloorMap = {

@@ -1,13 +1,14 @@
 // What replays show beside the floor: charts from running sums, jobs that waited, encounters from bookmarks.
 import { describe, expect, test } from 'vitest';
-import type { Api } from '../src/api';
 import { gaps, valuesOf } from '../src/charts/series';
 import { CHARTS_THEN, gridOfSums, stepOf } from '../src/charts/then';
-import { FileFilm, ServerFilm } from '../src/reel/film';
-import { readReel, type Mark, type Sum } from '../src/reel/reel';
-import { Replay } from '../src/reel/replay.svelte';
-import { metIn, waitedAt } from '../src/reel/waited';
-import type { FloorMap } from '../src/wire';
+import { FileFilm, ServerFilm } from '../src/replay/film';
+import { readReel } from '../src/replay/reel';
+import { Replay } from '../src/replay/replay.svelte';
+import { metIn } from '../src/encounters/met';
+import { waitedAt } from '../src/jobs/waited';
+import { PastTimelines } from '../src/timelines/shown';
+import type { Api, FloorMap, Mark, Sum } from '../src/wire';
 import { robot, snapshot } from './samples';
 
 const map: FloorMap = { name: 'm', bounds: [0, 0, 9, 9], footprint_m: 1, nodes: [], lanes: [], stations: [], racks: [], obstacles: [], walkable: [] };
@@ -122,11 +123,12 @@ describe('what a reel has beside pictures', () => {
   });
   test('timelines are worked out again only where the moment or the area changed', () => {
     const replay = new Replay(new FileFilm(readReel(lines())), 10, null, () => {});
-    const first = replay.timelines(map, [0, 0, 5, 5], 60);
-    expect(replay.timelines(map, [0, 0, 5, 5], 60)).toBe(first);
-    expect(replay.timelines(map, [0, 0, 5, 6], 60)).not.toBe(first);
-    const here = replay.timelines(map, [0, 0, 5, 5], 60);
+    const past = new PastTimelines(replay);
+    const first = past.around(map, [0, 0, 5, 5], 60);
+    expect(past.around(map, [0, 0, 5, 5], 60)).toBe(first);
+    expect(past.around(map, [0, 0, 5, 6], 60)).not.toBe(first);
+    const here = past.around(map, [0, 0, 5, 5], 60);
     replay.seek(30);
-    expect(replay.timelines(map, [0, 0, 5, 5], 60)).not.toBe(here);
+    expect(past.around(map, [0, 0, 5, 5], 60)).not.toBe(here);
   });
 });

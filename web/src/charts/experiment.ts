@@ -22,15 +22,15 @@ export function readExperiment(text: string): Read {
   try {
     raw = JSON.parse(text);
   } catch {
-    return { kind: 'wrong', why: 'This is no JSON.' };
+    return { kind: 'wrong', why: 'This is not JSON.' };
   }
   const scenarios = isObject(raw) ? raw['scenarios'] : undefined;
   if (!Array.isArray(scenarios) || scenarios.length === 0) {
-    return { kind: 'wrong', why: 'There are no scenarios in it: choose what “giveway experiment table-4-1 --json” printed.' };
+    return { kind: 'wrong', why: 'It contains no scenarios: choose the file that “giveway experiment table-4-1 --json” printed.' };
   }
   const comparisons: Comparison[] = [];
   for (const one of scenarios) {
-    if (!isObject(one) || !isObject(one['arms'])) return { kind: 'wrong', why: 'A scenario in it has no arms.' };
+    if (!isObject(one) || !isObject(one['arms'])) return { kind: 'wrong', why: 'One of its scenarios has no arms.' };
     const paired = isObject(one['paired']) ? one['paired'] : {};
     comparisons.push({
       workers: number(one['workers']) ?? 0,

@@ -1,5 +1,5 @@
 // What the charts show: rates and averages from the sums in buckets, gaps where nothing is known. Pure.
-import { micros } from '../format';
+import { micros } from '../words';
 import type { Bucket, HistoryPage } from '../wire';
 
 export interface Line {
@@ -55,11 +55,11 @@ export const CHARTS: readonly Chart[] = [
     ],
   },
   {
-    id: 'waiting', title: 'Robots that wait', unit: 'on average', scale: 'linear', format: number,
+    id: 'waiting', title: 'Waiting robots', unit: 'on average', scale: 'linear', format: number,
     lines: [{ name: 'waiting robots', ink: ROBOTS, dash: null, of: average((b) => b.waiting_s) }],
   },
   {
-    id: 'plans', title: 'Length of a search', unit: 'logarithmic', scale: 'log', format: micros,
+    id: 'plans', title: 'Search time', unit: 'logarithmic', scale: 'log', format: micros,
     lines: [
       { name: 'median', ink: ROBOTS, dash: null, of: (b) => b.plan_us_p50 },
       { name: '95 %', ink: ALL, dash: '5 3', of: (b) => b.plan_us_p95 },

@@ -1,5 +1,5 @@
 // Charts of the past: from running sums to what happened between them. Pure.
-import type { Sum } from '../reel/reel';
+import type { Sum } from '../wire';
 import { CHARTS, type Chart, type Figures, type Grid } from './series';
 
 /** The charts of the present, but that pictures say of searches how long 99 % of them took at most. */

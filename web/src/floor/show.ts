@@ -1,18 +1,17 @@
 // Runs the floor: owns the camera, the kept picture of the ground and the animation loop. It draws what
 // it is given and knows no panel.
-import type { Mirror } from '../mirror';
-import type { Picked } from '../picked';
-import type { Cell } from '../heatmap';
-import type { Closure, FloorMap, Point } from '../wire';
-import { announced, Composer, type Chosen } from './compose';
-import { drawGround } from './ground';
-import { listen } from './hands';
-import type { Forecast } from './heat';
-import type { Frame, Painter } from './painter';
-import { readPalette, type Palette } from './palette';
-import { placeOf, thingAt, thingBeside } from './pick';
-import { Stage } from './scene';
-import { fit, pan, toWorld, zoomAt, type View } from './view';
+import type { Closure, FloorMap, Mirror, Point } from '../wire';
+import type { Picked } from './scene/picked';
+import type { Cell } from './paint/heatmap';
+import { announced, Composer, type Chosen } from './paint/compose';
+import { drawGround } from './paint/ground';
+import { listen } from './scene/hands';
+import type { Forecast } from './paint/heat';
+import type { Frame, Painter } from './paint/painter';
+import { readPalette, type Palette } from './paint/palette';
+import { placeOf, thingAt, thingBeside } from './scene/pick';
+import { Stage } from './scene/scene';
+import { fit, pan, toWorld, zoomAt, type View } from './scene/view';
 
 export interface ShowOptions {
   host: HTMLElement;

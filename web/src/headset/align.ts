@@ -30,7 +30,7 @@ export function fit(marks: readonly Mark[]): Fit {
   const scale = spreadA / spreadB;
   if (Math.abs(scale - 1) > SCALE_TOLERANCE) {
     const measured = metres(apart * scale);
-    return { kind: 'misfit', text: `On the map they are ${metres(apart)} apart, you walked ${measured}: is each the right mark?` };
+    return { kind: 'misfit', text: `On the map they are ${metres(apart)} apart, but you walked ${measured}: check that each is the right mark.` };
   }
   let [sine, cosine] = [0, 0];
   a.forEach((p, i) => {

@@ -1,6 +1,6 @@
 // The feed of one worker: greeting, clock, epochs, guidance, and coming back after a break. What is sent while the
 // socket is shut is dropped, since only the newest pose counts. Socket, clock and chance come from outside.
-import { retryDelay, type Clock } from '../link';
+import { retryDelay, type Clock } from '../wire';
 import type { Guidance } from './guide';
 import type { PoseMessage } from './pump';
 import type { Alignment } from './frame';

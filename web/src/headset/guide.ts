@@ -51,13 +51,13 @@ export function show(g: Guidance | null, at: Standing): Shown {
   // A stop that was said stands until something newer is known.
   if (g?.state === 'stop') {
     const why = sentence(g.reason ?? 'the fleet asks you to');
-    return { kind: 'stop', tone: 'stop', title: 'STOP', detail: fresh ? why : `${why} The connection is lost since.`, ...NOTHING, near: fresh ? g.near : [] };
+    return { kind: 'stop', tone: 'stop', title: 'STOP', detail: fresh ? why : `${why} The connection has been lost since then.`, ...NOTHING, near: fresh ? g.near : [] };
   }
   if (!fresh || !g) {
     const waiting = at.link === 'connecting' && at.age_ms === null;
     return {
       kind: 'offline', tone: 'warn', title: waiting ? 'Connecting' : 'No connection',
-      detail: waiting ? 'The server has not answered yet.' : 'No guidance. Robots are not told where you are: look out for yourself.', ...NOTHING,
+      detail: waiting ? 'The server has not answered yet.' : 'No guidance. Robots do not know where you are: look out for yourself.', ...NOTHING,
     };
   }
   if (at.tracking === 'lost') {

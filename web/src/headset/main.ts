@@ -1,7 +1,7 @@
 // The page of a wearer: sign in, choose marks, then the view into the room, or a map on a phone.
 import '../app.css';
 import './headset.css';
-import { applyTheme, storedTheme } from '../theme';
+import { applyTheme, storedTheme } from '../parts';
 import type { FloorMap } from '../wire';
 import { suggest, type Place } from './align';
 import type { Aim } from './arrow';
@@ -17,7 +17,7 @@ applyTheme(storedTheme());
 const host = document.getElementById('headset');
 const server = new Server();
 const KEPT = 'giveway.headset';
-const SAFETY = 'This is no safety device. Robots must see people and stop by themselves, whatever is shown here. Look out for yourself.';
+const SAFETY = 'This is not a safety device. Robots must see people and stop by themselves, whatever this page shows. Look out for yourself.';
 const clock = { now: () => performance.now(), after: (ms: number, run: () => void) => setTimeout(run, ms), cancel: (timer: unknown) => clearTimeout(timer as number) };
 
 interface Kept {
@@ -62,25 +62,25 @@ async function signIn(ended = ''): Promise<void> {
     return select;
   });
   const error = make('p', { className: 'error', role: 'alert', textContent: ended });
-  const room = make('button', { type: 'submit', className: 'main', textContent: 'Enter the view into the room', disabled: !canSee });
+  const room = make('button', { type: 'submit', className: 'main', textContent: 'Enter the room view', disabled: !canSee });
   const flat = make('button', { type: 'button', textContent: 'Use as a phone: map and text', className: canSee ? '' : 'main' });
-  const why = isSecureContext ? 'This browser has no view into the room (WebXR). ' : 'The view into the room needs HTTPS: open this page with https://. ';
+  const why = isSecureContext ? 'This browser has no room view (WebXR). ' : 'The room view needs HTTPS: open this page with https://. ';
   const form = make('form', { className: 'panel sign' },
     make('h1', { textContent: 'Guidance for a person' }),
     make('p', { className: 'safety', textContent: SAFETY }),
-    field('Name of the wearer', name, 'The same name is the same worker. Better a pseudonym than a name.'), names,
+    field('Name of the wearer', name, 'The same name means the same worker. Use a pseudonym rather than a real name.'), names,
     ...(canSee
       ? [make('fieldset', {}, make('legend', { textContent: 'Marks on the floor that you will show' }),
-        make('p', { className: 'dim', textContent: 'Two or three places of the map, best ten metres apart. In the view, stand on each and confirm.' }),
-        ...marks.map((m, i) => field(i === 2 ? 'Third mark (surer)' : i === 0 ? 'First mark' : 'Second mark', m)))]
+        make('p', { className: 'dim', textContent: 'Choose two or three places on the map, ideally ten metres apart. In the room view, stand on each and confirm.' }),
+        ...marks.map((m, i) => field(i === 2 ? 'Third mark (more reliable)' : i === 0 ? 'First mark' : 'Second mark', m)))]
       : [make('p', { className: 'dim', textContent: `${why}A phone shows the same guidance on a map.` })]),
     error, make('div', { className: 'row wrap' }, flat, ...(canSee ? [room] : [])),
-    make('p', { className: 'dim small', textContent: 'No camera image is used or sent. The server gets positions; it keeps those of encounters with robots.' }),
+    make('p', { className: 'dim small', textContent: 'This page uses and sends no camera images. The server receives positions and keeps those of encounters with robots.' }),
     make('p', { className: 'small' }, make('a', { href: '/', textContent: 'To the floor' })));
   const begin = async (view: 'room' | 'phone'): Promise<void> => {
     const chosen = marks.map((m) => m.value).filter((m) => m !== '');
     if (!form.reportValidity()) return;
-    if (view === 'room' && new Set(chosen).size < chosen.length) return void (error.textContent = 'Take different marks.');
+    if (view === 'room' && new Set(chosen).size < chosen.length) return void (error.textContent = 'Choose different marks.');
     error.textContent = '';
     // The room needs a click that is fresh: what else is to be asked is asked after it is open.
     const hired = server.hire(name.value.trim());
@@ -103,15 +103,15 @@ async function signIn(ended = ''): Promise<void> {
 }
 
 const words = (answer: { kind: 'locked' } | { kind: 'refused'; text: string } | { kind: 'unreachable' }): string =>
-  answer.kind === 'refused' ? answer.text : answer.kind === 'locked' ? 'The server wants another token: load this page again.' : 'The server cannot be reached.';
+  answer.kind === 'refused' ? answer.text : answer.kind === 'locked' ? 'The server requires another token: reload this page.' : 'The server cannot be reached.';
 
 /** Asks for the token, or to try again. */
 function locked(wantsToken: boolean, text: string): HTMLElement {
   const token = make('input', { id: 'token', type: 'password', required: true, autocomplete: 'off' });
-  const form = make('form', { className: 'panel sign' }, make('h1', { textContent: wantsToken ? 'A token is needed' : 'No answer' }),
+  const form = make('form', { className: 'panel sign' }, make('h1', { textContent: wantsToken ? 'This server requires an access token' : 'No answer' }),
     make('p', { className: wantsToken ? 'dim' : 'error', textContent: wantsToken ? 'Whoever runs this server can give you one.' : text || 'The server cannot be reached.' }),
     ...(wantsToken ? [field('Token', token)] : []),
-    make('div', { className: 'row' }, make('button', { type: 'submit', className: 'main', textContent: wantsToken ? 'Go on' : 'Try again' })));
+    make('div', { className: 'row' }, make('button', { type: 'submit', className: 'main', textContent: wantsToken ? 'Continue' : 'Try again' })));
   form.addEventListener('submit', (event) => {
     event.preventDefault();
     if (wantsToken) server.token = token.value.trim();
@@ -165,11 +165,11 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
     return `The view did not open: ${error instanceof Error ? error.message : String(error)}`;
   }
   const beat = setInterval(() => wearer.tick(), 100);
-  const leave = make('button', { textContent: 'End the view' });
+  const leave = make('button', { textContent: 'Close the view' });
   leave.addEventListener('click', () => void view.leave());
   host.dataset['screen'] = 'room';
   host.replaceChildren(make('main', { className: 'room' }, screen.banner, screen.note, screen.stop,
-    make('p', { className: 'dim', textContent: `${name} sees guidance in the room.${view.wide ? '' : ' This device follows within some 15 m of where it began only.'}` }),
+    make('p', { className: 'dim', textContent: `${name} sees guidance in the room.${view.wide ? '' : ' This device is reliable only within about 15 m of where it started.'}` }),
     make('div', { className: 'row' }, leave), canvas));
   const worker = await hired;
   if (over) return '';
@@ -185,11 +185,11 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
 }
 
 /** After the view: robots go on keeping away, until somebody says that nobody is there. */
-async function left(id: string, name: string): Promise<void> {
+async function left(id: string, name: string, wrong = ''): Promise<void> {
   if (!host || id === '') return signIn();
-  const again = make('button', { textContent: 'Go on', className: 'main' });
+  const again = make('button', { textContent: 'Reopen the view', className: 'main' });
   const gone = make('button', { textContent: 'I have left the floor' });
-  const error = make('p', { className: 'error', role: 'alert' });
+  const error = make('p', { className: 'error', role: 'alert', textContent: wrong });
   again.addEventListener('click', () => void signIn());
   gone.addEventListener('click', () => {
     void server.clear(id).then((answer) => {
@@ -199,7 +199,7 @@ async function left(id: string, name: string): Promise<void> {
   });
   host.dataset['screen'] = 'left';
   host.replaceChildren(make('main', {}, make('div', { className: 'panel sign' }, make('h1', { textContent: 'The view is closed' }),
-    make('p', { textContent: `Robots still keep away from where ${name} was and could have gone. Go on with the view, or leave the floor and say so.` }),
+    make('p', { textContent: `Robots still keep away from every place that ${name} could have reached. Reopen the view, or leave the floor and confirm it below.` }),
     error, make('div', { className: 'row wrap' }, gone, again))));
 }
 
@@ -223,8 +223,8 @@ function phone(map: FloorMap, id: string, name: string): void {
     done.hidden = wearer.due() === null;
     self = wearer.placed ? { at: wearer.placed.at, heading: null } : seen;
     const for_s = wearer.placed ? Math.ceil((PLACED_MS - (clock.now() - wearer.placed.since)) / 1000) : 0;
-    write(where, wearer.placed ? `You said that you stand here. That holds for ${for_s} s: tap again when you walk on.`
-      : seen ? 'Your place comes from a tag or another device.' : 'Nobody knows where you are. Tap the map where you stand.');
+    write(where, wearer.placed ? `You said that you stand here. This is valid for ${for_s} s: tap again after you move.`
+      : seen ? 'Your place comes from a tag or another device.' : 'The server does not know where you are. Tap the map where you stand.');
     const lines = shown.near.map((r) => `${r.id}: ${r.distance.toFixed(1)} m${r.closest_s === null ? '' : ', coming closer'}`);
     if (near.dataset['lines'] !== lines.join()) {
       near.dataset['lines'] = lines.join();
@@ -249,7 +249,8 @@ function phone(map: FloorMap, id: string, name: string): void {
   gone.addEventListener('click', () => {
     beats.forEach(clearInterval);
     screen.close();
-    void server.clear(id).then(() => signIn(`${name} has left the floor.`));
+    // Robots go on keeping away unless the server has heard it.
+    void server.clear(id).then((answer) => (answer.kind === 'ok' ? signIn(`${name} has left the floor.`) : left(id, name, words(answer))));
   });
   host.dataset['screen'] = 'phone';
   host.replaceChildren(make('main', { className: 'phone' }, screen.banner, canvas, where, near, screen.note, screen.stop,

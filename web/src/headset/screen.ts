@@ -80,9 +80,9 @@ export function board(shown: Shown, wearer: Wearer): readonly [title: string, de
       return ['The marks do not fit', `${marking.text} Confirm to take them again.`];
     case 'done':
       if (wearer.due() !== null) return [shown.title, `${shown.detail} ${refusal(wearer)}Done here? Pinch, pull the trigger or tap.`.trim()];
-      return [shown.title, shown.kind === 'idle' ? `${shown.detail} Marks fit within ${metres(marking.rms_m)}; hold the trigger to take them anew.` : shown.detail];
+      return [shown.title, shown.kind === 'idle' ? `${shown.detail} Marks fit within ${metres(marking.rms_m)}; hold the trigger to take them again.` : shown.detail];
   }
 }
 
 /** Why being done was not taken, to stand before what comes next. */
-export const refusal = ({ notTaken }: Wearer): string => (notTaken === null ? '' : `Not taken: ${notTaken} `);
+export const refusal = ({ notTaken }: Wearer): string => (notTaken === null ? '' : `Not accepted: ${notTaken} `);

@@ -1,0 +1,13 @@
+// What every card has beside its subject.
+import type { Line } from './story';
+
+export interface CardFrame {
+  /** Of a thing that is only pointed at, a card comes and goes with the pointer. */
+  readonly kept: 'chosen' | 'hovered';
+  /** What happened to the thing, newest first. */
+  readonly lines: readonly Line[];
+  /** Since when that is noted. */
+  readonly since: 'this page was opened' | 'this replay was opened';
+  readonly onCentre: () => void;
+  readonly onClose: () => void;
+}

@@ -1,0 +1,83 @@
+// What happened to each thing since the page was opened, in a few lines: what a mirror says now that the
+// one before did not. It remembers only what changed, and no more than the last lines of it.
+import { clock, doing, GUIDANCE_WORDS, PRESENCE_WORDS, STATE_WORDS } from '../words';
+import { type MapNode, type Mirror, type Rack, type Robot, row, type Station, type Table, type Worker } from '../wire';
+import type { Picked } from '../floor';
+
+export interface Line {
+  at: string;
+  text: string;
+}
+const MOST_LINES = 7;
+
+export class Story {
+  /** Names of places, once the map is there. */
+  places: readonly MapNode[] = [];
+  #before: Mirror | null = null;
+  #lines = new Map<string, Line[]>();
+
+  /** Newest first. */
+  of({ kind, id }: Picked): readonly Line[] {
+    return this.#lines.get(`${kind} ${id}`) ?? [];
+  }
+
+  note(now: Mirror): void {
+    const old = this.#before;
+    this.#before = now;
+    if (old === null || old.version === null || old === now) return;
+    const note = (kind: Picked['kind'], id: string, texts: readonly (string | null)[]): void => {
+      for (const text of texts) if (text !== null) this.#add(kind, id, { at: clock(now.time_s), text });
+    };
+    changed(old.robots, now.robots, (a, b) => note('robot', b.id, robotLines(a, b)));
+    changed(old.workers, now.workers, (a, b) => note('worker', b.id, workerLines(a, b)));
+    changed(old.stations, now.stations, (a, b) => note('station', b.id, stationLines(a, b)));
+    changed(old.racks, now.racks, (a, b) => note('rack', b.id, [this.#rackLine(a, b)]));
+  }
+
+  #rackLine(a: Rack, b: Rack): string | null {
+    if (a.robot === b.robot) return null;
+    if (b.robot !== null) return `lifted by ${b.robot}`;
+    return `set down at ${b.node === null ? 'an unknown place' : (this.places[b.node]?.id ?? '?')}`;
+  }
+
+  #add(kind: Picked['kind'], id: string, line: Line): void {
+    const key = `${kind} ${id}`;
+    const lines = this.#lines.get(key) ?? [];
+    this.#lines.set(key, [line, ...lines].slice(0, MOST_LINES));
+  }
+}
+
+function changed<T extends { id: string }>(old: Table<T>, now: Table<T>, see: (before: T, after: T) => void): void {
+  if (old === now) return;
+  for (let i = 0; i < now.rows.length; i++) {
+    const after = now.rows[i]!;
+    // Rows that nobody touched keep their identity, and rows seldom change places.
+    const before = old.rows[i]?.id === after.id ? old.rows[i]! : row(old, after.id);
+    if (before !== undefined && before !== after) see(before, after);
+  }
+}
+
+function robotLines(a: Robot, b: Robot): (string | null)[] {
+  return [
+    a.state === b.state ? null : (STATE_WORDS[b.state] ?? b.state).toLowerCase(),
+    a.doing === b.doing ? null : doing(b.doing),
+    a.job === b.job || b.job === null ? null : `started job ${b.job}`,
+    a.why === b.why ? null : (b.why ?? 'continues'),
+  ];
+}
+
+function workerLines(a: Worker, b: Worker): (string | null)[] {
+  const state = (GUIDANCE_WORDS[b.state] ?? b.state).toLowerCase();
+  return [
+    a.presence === b.presence ? null : `seen: ${PRESENCE_WORDS[b.presence] ?? b.presence}`,
+    a.state === b.state ? null : b.reason === null ? state : `${state}: ${b.reason}`,
+    a.assignment === b.assignment || b.assignment === null ? null : `started ${b.assignment}`,
+  ];
+}
+
+function stationLines(a: Station, b: Station): (string | null)[] {
+  return [
+    a.robot === b.robot ? null : b.robot === null ? `${a.robot ?? 'the robot'} left` : `${b.robot} arrived for picking`,
+    a.queue.length === b.queue.length ? null : `${b.queue.length} in the queue`,
+  ];
+}

@@ -1,0 +1,66 @@
+// Figures of what is in sight on the scrubber, with the moment that is shown.
+import { untrack } from 'svelte';
+import { poll } from '../parts';
+import type { Replay } from '../replay';
+import type { Mirror, Sum } from '../wire';
+import { span } from '../words';
+import type { Grid } from './series';
+import type { ChartsShown } from './shown';
+import { CHARTS_THEN, gridOfSums, stepOf } from './then';
+
+const EVERY_MS = 10_000;
+
+export class PastCharts implements ChartsShown {
+  readonly charts = CHARTS_THEN;
+  readonly spans = null;
+  readonly arm = null;
+  readonly experiment = 'none';
+  wrong = $state.raw<string | null>(null);
+  #sums = $state.raw<readonly Sum[] | null>(null);
+  #replay: Replay;
+  #mirror: () => Mirror;
+  #step = $derived.by(() => stepOf(this.#replay.right - this.#replay.left));
+  // Whole steps, so that an end that grows does not ask for all of it every time.
+  #from = $derived.by(() => Math.floor(this.#replay.left / this.#step) * this.#step);
+  #to = $derived.by(() => Math.ceil(this.#replay.right / this.#step) * this.#step);
+
+  constructor(replay: Replay, mirror: () => Mirror) {
+    this.#replay = replay;
+    this.#mirror = mirror;
+  }
+
+  grid = $derived.by((): Grid | null => {
+    const sums = this.#sums;
+    return sums && sums.length > 1 ? gridOfSums(sums, this.#from, this.#to, this.#replay.film.start) : null;
+  });
+
+  /** As often as panels are told. */
+  moment = $derived.by(() => {
+    void this.#mirror();
+    return 1_000 * ((this.#replay.film.start ?? 0) + untrack(() => this.#replay.t));
+  });
+
+  get title(): string {
+    return `The time range, in steps of ${span(this.#step).replace(' 0 s', '').replace(' 0 min', '')}`;
+  }
+
+  get instead(): string {
+    if (this.#sums === null) return this.wrong === null ? 'Loading…' : 'Nothing to show yet.';
+    return this.#sums.length === 1 ? 'The time range is too short: figures are kept every ten seconds.'
+      : 'There are no figures for this time: an older version recorded it.';
+  }
+
+  onGo = (ms: number): void => this.#replay.seek(ms / 1_000 - (this.#replay.film.start ?? 0));
+
+  keep(): () => void {
+    const { film } = this.#replay;
+    const [from, to, step] = [this.#from, this.#to, this.#step];
+    return poll(async (over) => {
+      const answer = await film.sums(from, to, step);
+      if (over()) return null;
+      this.wrong = typeof answer === 'string' ? answer : null;
+      if (typeof answer !== 'string') this.#sums = answer;
+      return film.source === 'file' ? null : EVERY_MS;
+    });
+  }
+}

@@ -1,0 +1,10 @@
+// The floor: the map that is drawn, what on it is pointed at, chosen or sketched, and the layers over it. `scene/` says
+// what is where, `paint/` how it looks; both are inside, and no other room reaches them.
+export { Pad } from './pad.svelte';
+export { Pointing } from './pointing.svelte';
+export { LOW_BATTERY } from './scene/scene';
+export { around } from './scene/sketch';
+export { placeNear } from './scene/places';
+export type { Picked } from './scene/picked';
+export type { Drawing } from './scene/sketch';
+export type { See, Stream } from './stream';

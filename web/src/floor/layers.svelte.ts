@@ -1,0 +1,82 @@
+// What lies on the floor besides what is there: forecasts, and where robots waited or met people. Fetches maps of
+// heat while one is shown; forecasts come with the live feed.
+import { untrack } from 'svelte';
+import { poll } from '../parts';
+import type { Film, Source } from '../replay';
+import { trouble, type Api, type HeatKind } from '../wire';
+import { cellsOf, heatOfPlaces, type Cell } from './paint/heatmap';
+
+const EVERY_MS = 10_000;
+export const PERIODS = [{ word: 'last hour', s: 3_600 }, { word: 'last day', s: 86_400 }] as const;
+/** Which moments ahead are drawn: one of them, or all, one over the other. */
+export const AHEADS = ['all', 'none', 1, 2, 4] as const;
+
+export class Layers {
+  heat = $state<HeatKind | 'none'>('none');
+  period = $state<number>(PERIODS[0].s);
+  ahead = $state<(typeof AHEADS)[number]>('all');
+  cells = $state.raw<readonly Cell[]>([]);
+  borders = $state.raw<readonly number[]>([]);
+  /** From when on it is added up. */
+  from = $state.raw<string | null>(null);
+  trouble = $state.raw<string | null>(null);
+  /** What the cells of the past are of. */
+  #cellsOf: HeatKind | 'none' = 'none';
+
+  /** Keeps the map of heat fresh, of the present or of what a replay has in sight; to be called in an effect, returns
+   *  what ends it. */
+  keep(source: Source<'heat'>, from: number, to: number): () => void {
+    void this.heat;
+    return source.tense === 'now' ? this.#keepNow(source.api) : untrack(() => this.#keepThen(source.replay.film, from, to));
+  }
+
+  #keepNow(api: Pick<Api, 'heat'>): () => void {
+    const [kind, period] = [this.heat, this.period];
+    this.#cellsOf = 'none';
+    if (kind === 'none') {
+      this.cells = [];
+      return () => {};
+    }
+    let newest: string | null = null;
+    return poll(async (over) => {
+      // The server's clock says when now is; a recording has a clock of its own. Who does not say gets an hour.
+      const from = newest === null ? {} : { from: new Date(Date.parse(newest) - 1_000 * period).toISOString() };
+      const answer = await api.heat(kind, from);
+      if (over()) return null;
+      const first = newest === null && answer.kind === 'ok' && period !== PERIODS[0].s;
+      if (answer.kind === 'ok') {
+        const { cells, borders } = cellsOf(answer.value);
+        [this.cells, this.borders, this.from] = [cells, borders, answer.value.from];
+        newest = answer.value.to;
+      }
+      this.trouble = trouble(answer);
+      return first ? 0 : EVERY_MS;
+    });
+  }
+
+  /** Of seconds of a film: where robots met people from the bookmarks, where they waited from the server that filmed it. */
+  #keepThen(film: Film, from: number, to: number): () => void {
+    const kind = this.heat;
+    const put = (cells: readonly Cell[], borders: readonly number[], from: string | null, wrong: string | null): void => {
+      [this.cells, this.borders, this.from, this.trouble, this.#cellsOf] = [cells, borders, from, wrong, kind];
+    };
+    // What is there stays until there is something newer, unless it was something else.
+    if (kind !== this.#cellsOf) put([], [], null, null);
+    if (kind === 'none') return () => {};
+    let gone = false;
+    if (kind === 'encounters') {
+      const met = film.marks.filter((mark) => mark.kind === 'encounter' && mark.at_s >= from && mark.at_s <= to);
+      const places = met.flatMap((mark) => (mark.place ? [mark.place] : []));
+      const { cells, borders } = cellsOf({ kind, from: '', to: '', size: 1, cells: heatOfPlaces(places) });
+      put(cells, borders, null, null);
+    } else {
+      void film.heat(kind, from, to).then((page) => {
+        if (gone) return;
+        const known = typeof page === 'string' ? null : page;
+        const { cells, borders } = known ? cellsOf(known) : { cells: [], borders: [] };
+        put(cells, borders, known?.from ?? null, typeof page === 'string' ? page : null);
+      });
+    }
+    return () => { gone = true; };
+  }
+}

@@ -1,0 +1,317 @@
+// What the floor looks like: puts the scene onto sheets, layer by layer, and only those that changed.
+// Ways and resting racks change with a patch; robots, people and words with every frame.
+import { timeOfDay } from '../../words';
+import type { Cell } from './heatmap';
+import { around } from '../scene/sketch';
+import type { Closure } from '../../wire';
+import { putHeat, type Forecast } from './heat';
+import type { Palette } from './palette';
+import type { Person } from '../scene/people';
+import { LOOKS, LOW_BATTERY, robotNear, type Look, type Paths, type Scene } from '../scene/scene';
+import { inkOf, KIND, Sheet, Words } from './sheet';
+import type { View } from '../scene/view';
+
+/** What is in the side panel: an index into the scene each, or -1, and a place without one. */
+export interface Chosen {
+  robot: number;
+  person: number;
+  place: readonly [x: number, y: number] | null;
+}
+
+/** Words at a place, above everything. */
+export interface Note {
+  text: string;
+  x: number;
+  y: number;
+}
+
+/** From when on robots will keep out of the areas that are announced. */
+export function announced(closures: readonly Closure[]): Note[] {
+  return closures.filter((c) => c.state === 'announced').map(({ outline, from }) => {
+    const [x0, , x1, y1] = around(outline);
+    return { text: `closed from ${timeOfDay(from ?? null).slice(0, 5)}`, x: (x0 + x1) / 2, y: y1 };
+  });
+}
+
+/** Sizes in metres. */
+export const SIZE = {
+  robot: 0.38, tick: 0.36, rack: 0.42, carried: 0.46, gauge: 0.5, chosen: 0.66, place: 0.72,
+  granted: 0.12, held: 0.07, person: 0.4, ahead: 0.1,
+} as const;
+/** Pixels per metre from which on names and gauges appear, where neighbours no longer write over each other. */
+const NAMES_FROM = 76;
+const RACK_NAMES_FROM = 52;
+const GAUGES_FROM = 28;
+const TICKS_FROM = 5;
+const WORD_PX = 11;
+/** Least radii in pixels: what needs a person stays visible on a whole floor. */
+const LEAST: Record<Look, number> = { idle: 2.2, busy: 2.4, free: 2.4, charging: 2.2, interrupted: 4, failed: 5 };
+/** Of a person's mark, metres: never so small that it is lost among the robots. */
+export const personRadius = (scale: number): number => Math.max(SIZE.person, 6 / scale);
+const PERSON_REACH = 1.35;
+
+type Inks = ReturnType<typeof inksOf>;
+
+function inksOf({ of: c, looks }: Palette) {
+  return {
+    looks: looks.map((css) => inkOf(css)),
+    rack: inkOf(c.rack), rackEdge: inkOf(c['rack-edge']), carried: inkOf(c.carried), under: inkOf(c.carried, 0.16),
+    granted: inkOf(c.granted), held: inkOf(c.held), tick: inkOf(c.tick), floor: inkOf(c.floor),
+    gauge: inkOf(c.gauge), track: inkOf(c.edge), low: inkOf(c.low), halo: inkOf(c.halo), label: inkOf(c.label),
+    chosen: inkOf(c.chosen), person: inkOf(c.person), pale: inkOf(c.person, 0.35), ahead: inkOf(c.ahead),
+    region: inkOf(c.region), stopping: inkOf(c.region, 0.3), keeping: inkOf(c.region, 0.55), slowing: inkOf(c.region, 0.9),
+    off: inkOf(c.off), stop: inkOf(c.stop), heat: inkOf(c.heat),
+    levels: (['heat-1', 'heat-2', 'heat-3', 'heat-4', 'heat-5'] as const).map((name) => inkOf(c[name], 0.78)),
+  };
+}
+
+export class Composer {
+  /** From the floor up. */
+  readonly sheets = { racks: new Sheet(), amounts: new Sheet(), heat: new Sheet(), regions: new Sheet(), ways: new Sheet(), robots: new Sheet(), people: new Sheet() };
+  readonly words = new Words();
+  /** A map of heat; empty where none is shown. */
+  cells: readonly Cell[] = [];
+  /** What is written on the floor itself. */
+  notes: readonly Note[] = [];
+  #inks: Inks;
+  #done = { racks: -1, ways: -1, edges: -1, chosen: -1, hair: 0, forecasts: null as readonly Forecast[] | null, cells: null as readonly Cell[] | null };
+
+  constructor(palette: Palette) {
+    this.#inks = inksOf(palette);
+  }
+
+  recolour(palette: Palette): void {
+    this.#inks = inksOf(palette);
+    Object.assign(this.#done, { racks: -1, ways: -1, forecasts: null, cells: null });
+  }
+
+  compose(scene: Scene, view: View, chosen: Chosen, forecasts: readonly Forecast[]): void {
+    const done = this.#done;
+    const hair = 1 / view.scale;
+    const edges = view.scale > 9 ? 1 : 0;
+    if (done.forecasts !== forecasts) this.#heat(forecasts);
+    if (done.cells !== this.cells) this.#amounts();
+    if (done.racks !== scene.rackTurn || done.edges !== edges) this.#racks(scene, edges);
+    if (done.ways !== scene.wayTurn || done.hair !== hair || done.chosen !== chosen.robot) this.#ways(scene, hair, chosen.robot);
+    Object.assign(done, { racks: scene.rackTurn, ways: scene.wayTurn, edges, chosen: chosen.robot, hair, forecasts, cells: this.cells });
+    this.#regions(scene.people, hair, chosen.person);
+    this.#robots(scene, view, chosen);
+    this.#people(scene.people, hair, chosen.person);
+    this.#words(scene, view, chosen.robot);
+  }
+
+  #heat(forecasts: readonly Forecast[]): void {
+    const sheet = this.sheets.heat;
+    sheet.begin();
+    putHeat(sheet, forecasts, this.#inks.heat);
+  }
+
+  #amounts(): void {
+    const sheet = this.sheets.amounts;
+    sheet.begin();
+    for (const { x, y, size, level } of this.cells) sheet.put(KIND.box, x, y, size, size, this.#inks.levels[level] ?? 0);
+  }
+
+  #racks(scene: Scene, edges: number): void {
+    const { rack, rackEdge } = this.#inks;
+    const sheet = this.sheets.racks;
+    sheet.begin();
+    for (let i = 0; i < scene.racks; i++) {
+      const x = scene.rackX[i]!;
+      if (scene.rackOn[i]! >= 0 || Number.isNaN(x)) continue;
+      sheet.put(KIND.box, x, scene.rackY[i]!, 2 * SIZE.rack, 2 * SIZE.rack, rack);
+      if (edges) sheet.put(KIND.frame, x, scene.rackY[i]!, 2 * SIZE.rack, 2 * SIZE.rack, rackEdge, 0, 0.05);
+    }
+  }
+
+  /** What is held is dashed, what is granted is solid: a robot may be anywhere on the latter at once. */
+  #ways(scene: Scene, hair: number, chosen: number): void {
+    const ink = this.#inks;
+    const sheet = this.sheets.ways;
+    sheet.begin();
+    const dash = Math.max(0.5, 7 * hair);
+    const lines = (paths: Paths, solid: boolean, width: number, colour: number, only = -1): void => {
+      const first = only < 0 ? 0 : paths.from[only]!;
+      const end = only < 0 ? paths.at.length / 4 : paths.from[only + 1]!;
+      const kind = solid ? KIND.box : KIND.dashes;
+      for (let k = 4 * first; k < 4 * end; k += 4) {
+        sheet.line(kind, paths.at[k]!, paths.at[k + 1]!, paths.at[k + 2]!, paths.at[k + 3]!, width, colour, dash);
+      }
+    };
+    lines(scene.held, false, Math.max(SIZE.held, 0.9 * hair), ink.held);
+    lines(scene.granted, true, Math.max(SIZE.granted, 1.6 * hair), ink.granted);
+    if (chosen < 0) return;
+    lines(scene.held, false, Math.max(SIZE.held * 1.8, 2 * hair), ink.chosen, chosen);
+    lines(scene.granted, true, Math.max(SIZE.granted * 1.5, 3 * hair), ink.chosen, chosen);
+    const last = scene.held.from[chosen + 1]! > scene.held.from[chosen]! ? scene.held : scene.granted;
+    const end = 4 * last.from[chosen + 1]!;
+    if (end === 4 * last.from[chosen]!) return;
+    const size = 2 * Math.max(0.3, 4 * hair);
+    sheet.put(KIND.ring, last.at[end - 2]!, last.at[end - 1]!, size, size, ink.chosen, 0, Math.max(0.1, 2 * hair));
+  }
+
+  #regions(people: readonly Person[], hair: number, chosen: number): void {
+    const ink = this.#inks;
+    const sheet = this.sheets.regions;
+    sheet.begin();
+    for (let i = 0; i < people.length; i++) {
+      const { x, y, regions: [stop, out, slow], path } = people[i]!;
+      sheet.put(KIND.dashring, x, y, 2 * slow, 2 * slow, ink.slowing, 0, 1.5 * hair);
+      sheet.put(KIND.hatch, x, y, 2 * out, 2 * out, ink.keeping, 0, Math.max(0.3, 6 * hair));
+      sheet.put(KIND.ring, x, y, 2 * out, 2 * out, ink.region, 0, 1.2 * hair);
+      sheet.put(KIND.disc, x, y, 2 * stop, 2 * stop, ink.stopping);
+      sheet.put(KIND.ring, x, y, 2 * stop, 2 * stop, ink.region, 0, 2 * hair);
+      const colour = i === chosen ? ink.chosen : ink.ahead;
+      const width = Math.max(SIZE.ahead, 1.8 * hair);
+      for (let k = 1; k < path.length; k++) {
+        const [[ax, ay], [bx, by]] = [path[k - 1]!, path[k]!];
+        sheet.line(KIND.dashes, ax, ay, bx, by, width, colour, Math.max(0.6, 9 * hair));
+      }
+    }
+  }
+
+  #robots(scene: Scene, { scale }: View, chosen: Chosen): void {
+    const ink = this.#inks;
+    const sheet = this.sheets.robots;
+    const hair = 1 / scale;
+    sheet.begin();
+    if (chosen.place) {
+      const around = 2 * Math.max(SIZE.place, 8 * hair);
+      sheet.put(KIND.frame, ...chosen.place, around, around, ink.chosen, 0, Math.max(0.09, 2 * hair));
+    }
+    if (chosen.robot >= 0) {
+      const around = 2 * Math.max(SIZE.chosen, 8 * hair);
+      sheet.put(KIND.ring, scene.x[chosen.robot]!, scene.y[chosen.robot]!, around, around, ink.chosen, 0, Math.max(0.09, 2 * hair));
+    }
+    // Like after like, so that a painter can draw a run of them at once.
+    for (let look = 0; look < LOOKS.length; look++) {
+      for (let i = 0; i < scene.robots; i++) if (scene.look[i] === look) this.#body(scene, i, scale);
+    }
+    if (scale > TICKS_FROM) for (let i = 0; i < scene.robots; i++) this.#tick(scene, i, hair);
+    for (let i = 0; i < scene.robots; i++) this.#battery(scene, i, scale);
+    const edge = Math.max(0.09, hair);
+    for (let i = 0; i < scene.racks; i++) {
+      if (scene.rackOn[i]! < 0) continue;
+      sheet.put(KIND.box, scene.rackX[i]!, scene.rackY[i]!, 2 * SIZE.carried, 2 * SIZE.carried, ink.under);
+      sheet.put(KIND.frame, scene.rackX[i]!, scene.rackY[i]!, 2 * SIZE.carried, 2 * SIZE.carried, ink.carried, 0, edge);
+    }
+  }
+
+  /** A shape of its own for each state, so that nobody needs the colours. */
+  #body(scene: Scene, i: number, scale: number): void {
+    const ink = this.#inks;
+    const sheet = this.sheets.robots;
+    const look = scene.look[i]!;
+    const [x, y] = [scene.x[i]!, scene.y[i]!];
+    const r = Math.max(SIZE.robot, LEAST[LOOKS[look]!] / scale);
+    const d = 2 * r;
+    const colour = ink.looks[look]!;
+    switch (LOOKS[look]!) {
+      case 'busy': sheet.put(KIND.disc, x, y, d, d, colour); break;
+      case 'idle':
+        sheet.put(KIND.disc, x, y, d, d, ink.floor);
+        sheet.put(KIND.ring, x, y, d, d, colour, 0, 0.32 * r);
+        break;
+      case 'free':
+        sheet.put(KIND.disc, x, y, d, d, ink.floor);
+        sheet.put(KIND.ring, x, y, d, d, colour, 0, 0.22 * r);
+        sheet.put(KIND.disc, x, y, d / 2, d / 2, colour);
+        break;
+      case 'charging':
+        sheet.put(KIND.disc, x, y, d, d, colour);
+        if (scale > TICKS_FROM) sheet.put(KIND.bolt, x, y, 1.5 * r, 1.5 * r, ink.tick);
+        break;
+      case 'interrupted':
+        sheet.put(KIND.box, x, y, 1.9 * r, 1.9 * r, ink.halo, Math.PI / 4);
+        sheet.put(KIND.box, x, y, 1.6 * r, 1.6 * r, colour, Math.PI / 4);
+        break;
+      case 'failed':
+        sheet.put(KIND.box, x, y, d, d, colour);
+        sheet.put(KIND.cross, x, y, 1.5 * r, 1.5 * r, ink.tick, 0, 0.3 * r);
+        break;
+    }
+  }
+
+  /** Where it faces: a light line in a full shape, a beak on a hollow one. */
+  #tick(scene: Scene, i: number, hair: number): void {
+    const ink = this.#inks;
+    const look = scene.look[i]!;
+    const word = LOOKS[look]!;
+    if (word === 'failed' || word === 'charging') return;
+    const hollow = word === 'idle' || word === 'free';
+    const [x, y, turn] = [scene.x[i]!, scene.y[i]!, scene.heading[i]!];
+    const [dx, dy] = [Math.cos(turn), Math.sin(turn)];
+    const from = hollow ? 0.7 * SIZE.robot : 0.06;
+    const to = hollow ? 1.3 * SIZE.robot : SIZE.tick;
+    this.sheets.robots.line(KIND.box, x + dx * from, y + dy * from, x + dx * to, y + dy * to,
+      Math.max(0.1, hair), hollow ? ink.looks[look]! : ink.tick);
+  }
+
+  #battery(scene: Scene, i: number, scale: number): void {
+    const ink = this.#inks;
+    const sheet = this.sheets.robots;
+    const [x, y, left] = [scene.x[i]!, scene.y[i]!, scene.battery[i]!];
+    const low = left < LOW_BATTERY;
+    if (scale >= GAUGES_FROM) {
+      sheet.put(KIND.arc, x, y, 2 * SIZE.gauge, 2 * SIZE.gauge, ink.track, 0, 1);
+      sheet.put(KIND.arc, x, y, 2 * SIZE.gauge, 2 * SIZE.gauge, low ? ink.low : ink.gauge, 0, left);
+    } else if (low) {
+      sheet.put(KIND.box, x + 0.35, y + 0.38, 0.34 + 2 / scale, 0.2 + 2 / scale, ink.halo);
+      sheet.put(KIND.box, x + 0.35, y + 0.38, 0.34, 0.2, ink.low);
+    }
+  }
+
+  #people(people: readonly Person[], hair: number, chosen: number): void {
+    const ink = this.#inks;
+    const sheet = this.sheets.people;
+    const r = personRadius(1 / hair);
+    const size = 2 * PERSON_REACH * r;
+    sheet.begin();
+    for (let i = 0; i < people.length; i++) {
+      const { x, y, heading, presence, state } = people[i]!;
+      const ring = 2 * Math.max(SIZE.chosen, 12 * hair);
+      if (i === chosen) sheet.put(KIND.ring, x, y, ring, ring, ink.chosen, 0, 2 * hair);
+      sheet.put(KIND.person, x, y, 1.25 * size, 1.25 * size, ink.halo, heading);
+      if (presence !== 'lost') sheet.put(KIND.person, x, y, size, size, presence === 'tracked' ? ink.person : ink.pale, heading);
+      if (presence !== 'tracked') sheet.put(KIND.person, x, y, size, size, ink.person, heading, 0.2 * r);
+      if (state !== 'deviating' && state !== 'redirected' && state !== 'stop') continue;
+      // A flag beside the mark: a diamond for a way that was left, a square for somebody told to stop.
+      const colour = state === 'stop' ? ink.stop : ink.off;
+      const turn = state === 'stop' ? 0 : Math.PI / 4;
+      const flag = 1.1 * r;
+      sheet.put(KIND.box, x + 1.1 * r, y + 1.1 * r, flag + 3 * hair, flag + 3 * hair, ink.halo, turn);
+      if (state === 'redirected') sheet.put(KIND.frame, x + 1.1 * r, y + 1.1 * r, flag, flag, colour, turn, 0.3 * flag);
+      else sheet.put(KIND.box, x + 1.1 * r, y + 1.1 * r, flag, flag, colour, turn);
+    }
+  }
+
+  #words(scene: Scene, view: View, chosen: number): void {
+    const { words } = this;
+    const { scale } = view;
+    words.begin();
+    const put = (text: string, x: number, y: number, below: number, px = WORD_PX): void => {
+      if (inSight(view, x, y)) words.put(text, x, y, below, px);
+    };
+    if (scale >= RACK_NAMES_FROM) {
+      for (let i = 0; i < scene.racks; i++) {
+        const [x, y] = [scene.rackX[i]!, scene.rackY[i]!];
+        // A robot below the rack is worth more than the rack's name.
+        if (scene.rackOn[i]! < 0 && inSight(view, x, y) && robotNear(scene, x, y, 0.6) < 0) put(scene.rackIds[i]!, x, y, 0);
+      }
+    }
+    const stationPx = Math.max(10, Math.min(15, scale * 0.5));
+    for (const s of scene.stations) put(s.title, s.x, s.y, -scale * 0.62 - 8, stationPx);
+    if (scale >= NAMES_FROM) {
+      for (let i = 0; i < scene.robots; i++) put(scene.ids[i]!, scene.x[i]!, scene.y[i]!, scale * 0.72);
+    } else if (chosen >= 0) {
+      put(scene.ids[chosen]!, scene.x[chosen]!, scene.y[chosen]!, Math.max(scale * 0.9, 15));
+    }
+    for (const n of this.notes) put(n.text, n.x, n.y, -9, 12);
+    for (const p of scene.people) put(p.title, p.x, p.y, Math.max(scale * 0.75, 16));
+  }
+}
+
+/** False too for a place that is not a number. */
+function inSight(view: View, x: number, y: number): boolean {
+  return Math.abs(x - view.x) * view.scale < view.width / 2 + 50 && Math.abs(y - view.y) * view.scale < view.height / 2 + 50;
+}

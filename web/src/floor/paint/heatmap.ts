@@ -1,0 +1,56 @@
+// Amounts by place as colours: a few classes with round borders, the same for both painters and the legend. Pure.
+import type { HeatKind, HeatPage } from '../../wire';
+
+/** A square of the floor in one of the classes. */
+export interface Cell {
+  x: number;
+  y: number;
+  size: number;
+  /** From 0, the least, to 4. */
+  level: number;
+}
+export const LEVELS = 5;
+
+/** Borders that people would name: seconds of waiting, or how often. */
+const BORDERS: Record<HeatKind, readonly number[]> = {
+  waiting: [1, 2, 5, 10, 30, 60, 120, 300, 600, 1_200, 1_800, 3_600, 7_200, 14_400, 28_800, 86_400],
+  encounters: [1, 2, 3, 4, 5, 10, 20, 50, 100, 200, 500, 1_000, 2_000, 5_000],
+};
+
+/** The lower ends of the classes: the largest amount is in the last one. */
+export function borders(kind: HeatKind, most: number): number[] {
+  const all = BORDERS[kind];
+  const last = Math.max(LEVELS - 1, all.findLastIndex((b) => b <= most));
+  return all.slice(last - LEVELS + 1, last + 1);
+}
+
+export function cellsOf({ kind, size, cells }: HeatPage): { cells: Cell[]; borders: number[] } {
+  const lower = borders(kind, Math.max(0, ...cells.map((c) => c.amount)));
+  const level = (amount: number): number => lower.findLastIndex((b) => b <= amount);
+  const found = cells.map(({ x, y, amount }) => ({ x, y, size, level: level(amount) }));
+  return { cells: found.filter((c) => c.level >= 0), borders: lower };
+}
+
+/** Places of encounters, by square metre. */
+export function heatOfPlaces(places: readonly (readonly [number, number])[]): HeatPage['cells'] {
+  const cells = new Map<string, HeatPage['cells'][number]>();
+  for (const place of places) {
+    const [x, y] = [Math.floor(place[0]) + 0.5, Math.floor(place[1]) + 0.5];
+    const cell = cells.get(`${x} ${y}`) ?? { x, y, node: null, amount: 0 };
+    cell.amount += 1;
+    cells.set(`${x} ${y}`, cell);
+  }
+  return [...cells.values()];
+}
+
+/** A class in words: from one border up to the next. */
+export function words(kind: HeatKind, lower: readonly number[], level: number): string {
+  const [from, to] = [lower[level]!, lower[level + 1]];
+  if (kind === 'encounters') return to === undefined ? `${from} or more` : to === from + 1 ? `${from}` : `${from} to ${to - 1}`;
+  return to === undefined ? `${long(from)} or more` : `${long(from)} to ${long(to)}`;
+}
+
+function long(seconds: number): string {
+  if (seconds < 60) return `${seconds} s`;
+  return seconds < 3_600 ? `${seconds / 60} min` : `${seconds / 3_600} h`;
+}

@@ -1,0 +1,106 @@
+// Jobs from a table: reads CSV, says line by line what is wrong, and makes the requests.
+import { build, BLANK, FIELDS, type FormValues } from './jobform';
+import { JOB_KINDS, type JobKind, type NewJob } from '../wire';
+
+export interface CsvLine {
+  /** In the file, from 1 on. */
+  readonly line: number;
+  readonly cells: Readonly<Record<string, string>>;
+  readonly job: NewJob | null;
+  readonly errors: readonly string[];
+}
+export type CsvRead = { kind: 'table'; lines: CsvLine[] } | { kind: 'unreadable'; why: string };
+
+export const COLUMNS = ['kind', 'rack', 'station', 'node', 'robot', 'priority', 'deadline_min', 'pick_s'] as const;
+export const EXAMPLE = 'kind,rack,station,priority\ndeliver,K1,W1,5\nreturn,K2,,0\n';
+export const MOST_LINES = 1_000;
+const LONGEST_PICK_S = 3_600;
+
+/** Cells of every line that has any; quotes as in RFC 4180. */
+export function cells(text: string): { line: number; cells: string[] }[] {
+  const separator = separatorOf(text);
+  const out: { line: number; cells: string[] }[] = [];
+  let row: string[] = [];
+  let cell = '';
+  let quoted = false;
+  let line = 1;
+  let began = 1;
+  const endCell = (): void => { row.push(cell.trim()); cell = ''; };
+  const endRow = (): void => {
+    endCell();
+    if (row.some((c) => c !== '')) out.push({ line: began, cells: row });
+    row = [];
+    began = line;
+  };
+  const plain = text.replace(/^\uFEFF/, '');
+  for (let i = 0; i < plain.length; i++) {
+    const c = plain[i]!;
+    if (c === '\n') line += 1;
+    if (quoted) {
+      if (c !== '"') cell += c;
+      else if (plain[i + 1] === '"') { cell += '"'; i += 1; } else quoted = false;
+    } else if (c === '"' && cell.trim() === '') { quoted = true; cell = ''; } else if (c === separator) endCell();
+    else if (c === '\n') endRow();
+    else if (c !== '\r') cell += c;
+  }
+  endRow();
+  return out;
+}
+
+/** Some spreadsheets write semicolons, some tabs. */
+function separatorOf(text: string): string {
+  const head = text.split('\n', 1)[0] ?? '';
+  return [';', '\t'].find((s) => head.includes(s) && !head.includes(',')) ?? ',';
+}
+
+export interface Known {
+  readonly rack: ReadonlySet<string>;
+  readonly station: ReadonlySet<string>;
+  readonly node: ReadonlySet<string>;
+  readonly robot: ReadonlySet<string>;
+}
+
+export function readJobs(text: string, known: Known, now: Date): CsvRead {
+  const [head, ...rest] = cells(text);
+  if (!head) return { kind: 'unreadable', why: 'The table is empty.' };
+  const names = head.cells.map((c) => c.toLowerCase());
+  const strange = names.filter((n) => !(COLUMNS as readonly string[]).includes(n));
+  if (!names.includes('kind') || strange.length > 0) {
+    const which = strange.length > 0 ? ` There is no column ${strange.map((s) => `“${s}”`).join(', ')}.` : '';
+    return { kind: 'unreadable', why: `The first line must name the columns, including kind; known columns are ${COLUMNS.join(', ')}.${which}` };
+  }
+  if (rest.length === 0) return { kind: 'unreadable', why: 'There is no job below the first line.' };
+  if (rest.length > MOST_LINES) return { kind: 'unreadable', why: `${rest.length} jobs are too many: submit at most ${MOST_LINES} at once.` };
+  return { kind: 'table', lines: rest.map((r) => readLine(r, names, known, now)) };
+}
+
+function readLine(row: { line: number; cells: string[] }, names: readonly string[], known: Known, now: Date): CsvLine {
+  const found: Record<string, string> = {};
+  names.forEach((name, i) => { found[name] = row.cells[i] ?? ''; });
+  const errors: string[] = [];
+  if (row.cells.length > names.length) errors.push(`${row.cells.length} cells, but ${names.length} columns.`);
+  const kind = (found['kind'] ?? '').toLowerCase() as JobKind;
+  const at = { line: row.line, cells: found };
+  if (!JOB_KINDS.includes(kind)) return { ...at, job: null, errors: [`“${found['kind']}” is not a kind of job; use one of ${JOB_KINDS.join(', ')}.`] };
+  const values: FormValues = {
+    ...BLANK, kind, rack: found['rack'] ?? '', station: found['station'] ?? '', node: found['node'] ?? '',
+    robot: found['robot'] ?? '', priority: found['priority'] || '0', deadline: found['deadline_min'] ?? '',
+  };
+  const built = build(values, now);
+  if (built.kind === 'wrong') errors.push(...Object.values(built.errors));
+  for (const field of ['rack', 'station', 'node', 'robot'] as const) {
+    const text = values[field].trim();
+    if (text === '') continue;
+    if (!FIELDS[kind].includes(field)) errors.push(`A ${kind} job has no ${field}.`);
+    else if (!known[field].has(text)) errors.push(`There is no ${field} “${text}”.`);
+  }
+  const job = built.kind === 'ready' ? built.job : null;
+  const pick = found['pick_s'] ?? '';
+  if (pick !== '') {
+    const seconds = Number(pick);
+    if (kind !== 'deliver') errors.push(`A ${kind} job has no pick_s.`);
+    else if (!(seconds >= 0 && seconds <= LONGEST_PICK_S)) errors.push(`pick_s is seconds, 0 to ${LONGEST_PICK_S}.`);
+    else if (job) job.pick_s = seconds;
+  }
+  return { ...at, job: errors.length === 0 ? job : null, errors };
+}

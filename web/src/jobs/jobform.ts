@@ -1,0 +1,68 @@
+// The job form without its looks: which fields a kind of job needs, and the request made of them.
+import type { JobKind, NewJob, Problem } from '../wire';
+
+export type Field = 'rack' | 'station' | 'node' | 'robot';
+export type FormField = Field | 'priority' | 'deadline';
+export type FieldErrors = Partial<Record<FormField, string>>;
+
+export interface FormValues {
+  kind: JobKind;
+  rack: string;
+  station: string;
+  node: string;
+  robot: string;
+  priority: string;
+  /** Minutes from now; empty for none. */
+  deadline: string;
+}
+export type Built = { kind: 'ready'; job: NewJob } | { kind: 'wrong'; errors: FieldErrors };
+
+export const FIELDS: Record<JobKind, readonly Field[]> = {
+  deliver: ['rack', 'station'], return: ['rack'], relocate: ['rack', 'node'],
+  charge: ['robot'], park: ['robot'], go: ['robot', 'node'],
+};
+const FIELD_WORDS: Record<Field, string> = { rack: 'a rack', station: 'a station', node: 'a place', robot: 'a robot' };
+
+export const BLANK: FormValues = {
+  kind: 'deliver', rack: '', station: '', node: '', robot: '', priority: '0', deadline: '',
+};
+
+/** Checks only what the page can know; whether a rack exists is the server's to say. */
+export function build(values: FormValues, now: Date): Built {
+  const errors: FieldErrors = {};
+  const job: NewJob = { kind: values.kind, priority: 0 };
+  for (const field of FIELDS[values.kind]) {
+    const text = values[field].trim();
+    if (text === '') errors[field] = `Name ${FIELD_WORDS[field]}.`;
+    else job[field] = text;
+  }
+  const priority = Number(values.priority);
+  if (values.priority.trim() === '' || !Number.isInteger(priority) || priority < 0 || priority > 9) {
+    errors.priority = 'Priority is a whole number from 0 to 9.';
+  } else {
+    job.priority = priority;
+  }
+  if (values.deadline.trim() !== '') {
+    const minutes = Number(values.deadline);
+    if (!Number.isFinite(minutes) || minutes <= 0 || minutes > 7 * 24 * 60) {
+      errors.deadline = 'The deadline is a number of minutes from now, at most a week.';
+    } else {
+      job.deadline = new Date(now.getTime() + minutes * 60_000).toISOString();
+    }
+  }
+  return Object.keys(errors).length > 0 ? { kind: 'wrong', errors } : { kind: 'ready', job };
+}
+
+/** Sorts a server's answer into what belongs beside a field and what belongs under the form. */
+export function explain(problem: Problem, kind: JobKind): { fields: FieldErrors; form: string | null } {
+  const shown: readonly string[] = [...FIELDS[kind], 'priority', 'deadline'];
+  const fields: FieldErrors = {};
+  const rest: string[] = [];
+  for (const error of problem.errors ?? []) {
+    if (shown.includes(error.field)) fields[error.field as FormField] = error.detail;
+    else rest.push(error.detail);
+  }
+  const said = Object.keys(fields).length > 0 || rest.length > 0;
+  if (!said) rest.push(problem.detail ?? problem.title);
+  return { fields, form: rest.length > 0 ? rest.join(' ') : null };
+}

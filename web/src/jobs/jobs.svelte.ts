@@ -1,0 +1,119 @@
+// The jobs list: the newest jobs, refreshed when the live counts say that something changed, with the
+// jobs submitted from this page kept on top until they are over and seen.
+import type { Api, Job, JobState } from '../wire';
+import { isOver } from '../words';
+
+const SOONEST_MS = 1_000;
+const AT_LEAST_EVERY_MS = 5_000;
+const OWN_KEPT = 5;
+
+export class Jobs {
+  items = $state.raw<Job[]>([]);
+  own = $state.raw<Job[]>([]);
+  state = $state<JobState | 'any'>('any');
+  next = $state.raw<string | null>(null);
+  trouble = $state.raw<string | null>(null);
+  #api: Pick<Api, 'jobs' | 'job' | 'cancel'>;
+  #older: Job[] = [];
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #askedAt = 0;
+  #dueAt = Infinity;
+  #asking = 0;
+
+  constructor(api: Pick<Api, 'jobs' | 'job' | 'cancel'>) {
+    this.#api = api;
+  }
+
+  start(): void {
+    void this.#refresh();
+  }
+
+  stop(): void {
+    clearTimeout(this.#timer);
+  }
+
+  /** Something changed on the floor: ask soon, but not more often than once a second. */
+  nudge(): void {
+    if (this.#asking === 0 && this.#askedAt > 0) this.#plan(Math.max(0, this.#askedAt + SOONEST_MS - Date.now()));
+  }
+
+  show(state: JobState | 'any'): void {
+    this.state = state;
+    this.#older = [];
+    void this.#refresh();
+  }
+
+  async more(): Promise<void> {
+    if (this.next === null) return;
+    const answer = await this.#api.jobs(this.state, this.next);
+    if (answer.kind !== 'ok') return;
+    this.#older = unique([...this.#older, ...this.items, ...answer.value.items]);
+    this.items = this.#older;
+    this.next = answer.value.next;
+  }
+
+  submitted(job: Job): void {
+    this.own = [job, ...this.own.filter((j) => j.id !== job.id)].slice(0, OWN_KEPT);
+    void this.#refresh();
+  }
+
+  /** A job is other than it was listed. */
+  changed(job: Job): void {
+    this.own = this.own.map((j) => (j.id === job.id ? job : j));
+    void this.#refresh();
+  }
+
+  async cancel(id: string): Promise<string | null> {
+    const answer = await this.#api.cancel(id);
+    await this.#refresh();
+    if (answer.kind === 'ok') return null;
+    return answer.kind === 'unreachable'
+      ? 'The server cannot be reached; the job may not have been cancelled.'
+      : (answer.problem.detail ?? answer.problem.title);
+  }
+
+  async #refresh(): Promise<void> {
+    const turn = ++this.#asking;
+    clearTimeout(this.#timer);
+    this.#dueAt = Infinity;
+    this.#askedAt = Date.now();
+    const state = this.state;
+    const answer = await this.#api.jobs(state, null);
+    // The filter may have changed while the answer was under way; then another answer is coming.
+    if (turn === this.#asking && state === this.state) {
+      if (answer.kind === 'ok') {
+        this.trouble = null;
+        if (this.#older.length === 0) this.next = answer.value.next;
+        this.items = unique([...answer.value.items, ...this.#older]);
+        await this.#refreshOwn(answer.value.items);
+      } else {
+        this.trouble = answer.kind === 'unreachable' ? 'The jobs cannot be refreshed: the server cannot be reached.'
+          : (answer.problem.detail ?? answer.problem.title);
+      }
+    }
+    if (turn !== this.#asking) return;
+    this.#asking = 0;
+    this.#plan(AT_LEAST_EVERY_MS);
+  }
+
+  async #refreshOwn(newest: Job[]): Promise<void> {
+    this.own = await Promise.all(this.own.map(async (job) => {
+      const seen = newest.find((j) => j.id === job.id);
+      if (seen || isOver(job.state)) return seen ?? job;
+      const answer = await this.#api.job(job.id);
+      return answer.kind === 'ok' ? answer.value : job;
+    }));
+  }
+
+  #plan(ms: number): void {
+    const due = Date.now() + ms;
+    if (due >= this.#dueAt) return;
+    clearTimeout(this.#timer);
+    this.#dueAt = due;
+    this.#timer = setTimeout(() => void this.#refresh(), ms);
+  }
+}
+
+function unique(jobs: Job[]): Job[] {
+  return [...new Map(jobs.toReversed().map((j) => [j.id, j])).values()].toReversed();
+}

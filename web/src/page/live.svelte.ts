@@ -1,0 +1,76 @@
+// The present: the map and the live link, as long as the server is there.
+import type { Loaded } from '../parts';
+import { Link, type Api, type FloorMap, type LinkState, type Mirror } from '../wire';
+
+const MAP_RETRY_MS = 3_000;
+
+export class Live {
+  map = $state.raw<Loaded<FloorMap>>({ kind: 'loading' });
+  link = $state.raw<LinkState>({ kind: 'connecting' });
+  /** Age of the picture in seconds; null before the first. */
+  age = $state.raw<number | null>(null);
+  /** Every mirror as it comes. */
+  onMirror: (mirror: Mirror, how: 'glide' | 'jump') => void = () => {};
+  #api: Pick<Api, 'map' | 'openLive'>;
+  #retry: ReturnType<typeof setTimeout> | undefined;
+  #link = new Link({
+    open: (since, events) => this.#api.openLive(since, events),
+    clock: {
+      now: () => performance.now(),
+      after: (ms, run) => setTimeout(run, ms),
+      cancel: (timer) => clearTimeout(timer as ReturnType<typeof setTimeout>),
+    },
+    random: Math.random,
+    onState: (state) => { this.link = state; },
+    onMirror: (mirror, kind) => this.onMirror(mirror, kind === 'snapshot' ? 'jump' : 'glide'),
+  });
+
+  constructor(api: Pick<Api, 'map' | 'openLive'>) {
+    this.#api = api;
+  }
+
+  get mirror(): Mirror {
+    return this.#link.mirror;
+  }
+
+  start(): void {
+    void this.#loadMap();
+    this.#link.start();
+  }
+
+  stop(): void {
+    this.#link.stop();
+    clearTimeout(this.#retry);
+  }
+
+  /** Begins again, for instance with another token. */
+  restart(): void {
+    void this.#loadMap();
+    this.#link.retryNow();
+  }
+
+  retryNow(): void {
+    this.#link.retryNow();
+  }
+
+  /** Looks how old the picture is by now. */
+  look(): void {
+    const { freshAt } = this.#link;
+    const age = freshAt === null ? null : Math.floor((performance.now() - freshAt) / 1_000);
+    if (age !== this.age) this.age = age;
+  }
+
+  async #loadMap(): Promise<void> {
+    clearTimeout(this.#retry);
+    const answer = await this.#api.map();
+    if (answer.kind === 'ok') {
+      this.map = { kind: 'ready', value: answer.value };
+      return;
+    }
+    const locked = answer.kind === 'refused' && answer.problem.status === 401;
+    const why = answer.kind === 'refused' ? (answer.problem.detail ?? answer.problem.title) : 'The server cannot be reached.';
+    this.map = { kind: 'failed', why: locked ? 'The server requires an access token.' : why };
+    // With a wrong token, asking again would only lock the page again: wait for another token.
+    if (!locked) this.#retry = setTimeout(() => void this.#loadMap(), MAP_RETRY_MS);
+  }
+}

@@ -1,0 +1,2 @@
+// What does not move by itself: stations, racks, places; and areas that are closed to robots.
+export {};

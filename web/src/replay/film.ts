@@ -1,0 +1,214 @@
+// Where a replay takes its pictures from: a file that is here as a whole, or a server that is asked for a minute at a
+// time. Seconds count from the start of the film; a server's earlier runs lie before 0.
+import { trouble, type Api, type FloorMap, type HeatKind, type HeatPage, type Mark, type Sum } from '../wire';
+import { readReel, type Listed, type Reel, type Shot } from './reel';
+import { linesOf } from './unpack';
+
+export interface Span {
+  from_s: number;
+  to_s: number;
+}
+export interface Film {
+  readonly source: 'file' | 'server' | 'recording';
+  readonly name: string;
+  /** Null where the page has it already. */
+  readonly map: FloorMap | null;
+  /** Seconds since 1970 from which times count; null in a simulation. */
+  readonly start: number | null;
+  /** From when to when there are pictures. */
+  readonly spans: readonly Span[];
+  readonly marks: readonly Mark[];
+  /** What is wrong, in words. */
+  readonly wrong: string | null;
+  /** The pictures round a moment; null while they are fetched. */
+  shots(t: number): readonly Shot[] | null;
+  /** The pictures from one moment to another, as far as they are here; the others are fetched. */
+  between(from: number, to: number): readonly Shot[];
+  /** Lists of the jobs that waited round a moment, in order; null while they are fetched. */
+  lists(t: number): readonly Listed[] | null;
+  /** Sums from one moment to another, one for so many seconds at least; or what is wrong, in words. */
+  sums(from: number, to: number, step: number): Promise<readonly Sum[] | string>;
+  /** A map of heat of the seconds from one moment to another; or what is wrong, in words. */
+  heat(kind: HeatKind, from: number, to: number): Promise<HeatPage | string>;
+  /** Looks whether there is more by now. */
+  refresh(): Promise<void>;
+}
+
+const NO_HEAT = 'Only a running server knows where robots waited.';
+
+type Spanned = Pick<Film, 'spans'>;
+export const begins = (film: Spanned): number => film.spans[0]?.from_s ?? 0;
+export const ends = (film: Spanned): number => film.spans.at(-1)?.to_s ?? 0;
+
+/** The moment itself, or the next one of which there is a picture. */
+export function snap(film: Spanned, t: number): number {
+  for (const span of film.spans) if (t <= span.to_s) return Math.max(t, span.from_s);
+  return ends(film);
+}
+
+export class FileFilm implements Film {
+  readonly source = 'file';
+  readonly name: string;
+  readonly map: FloorMap;
+  readonly start: number | null;
+  readonly spans: readonly Span[];
+  readonly marks: readonly Mark[];
+  readonly wrong = null;
+  #reel: Reel;
+
+  constructor(reel: Reel) {
+    if (!reel.map) throw new Error('This reel contains no map, so it cannot be shown.');
+    this.name = reel.name;
+    this.map = reel.map;
+    this.start = reel.start;
+    this.marks = reel.marks;
+    this.#reel = reel;
+    this.spans = spansOf(reel.shots);
+  }
+
+  static async open(bytes: Blob): Promise<FileFilm> {
+    return new FileFilm(readReel(await linesOf(bytes)));
+  }
+
+  shots = (): readonly Shot[] => this.#reel.shots;
+  between = (): readonly Shot[] => this.#reel.shots;
+  lists = (): readonly Listed[] => this.#reel.lists;
+  sums = (): Promise<readonly Sum[]> => Promise.resolve(this.#reel.sums);
+  heat = (): Promise<string> => Promise.resolve(NO_HEAT);
+  refresh = (): Promise<void> => Promise.resolve();
+}
+
+/** A longer time without a picture is a gap. */
+const GAP_S = 5;
+
+function spansOf(shots: readonly Shot[]): Span[] {
+  const spans: Span[] = [];
+  for (const { at } of shots) {
+    const last = spans.at(-1);
+    if (last && at - last.to_s < GAP_S) last.to_s = Math.max(last.to_s, at);
+    else spans.push({ from_s: at, to_s: at });
+  }
+  return spans;
+}
+
+/** What a film asks of a server. */
+export type FilmApi = Pick<Api, 'past' | 'figures' | 'reel' | 'heat'>;
+/** A server's past comes in pieces of so many seconds. */
+const PIECE_S = 60;
+/** So many of them are kept. */
+const MOST_PIECES = 16;
+const AGAIN_MS = 2_000;
+
+interface Piece {
+  shots: readonly Shot[];
+  lists: readonly Listed[];
+  to: number;
+}
+
+export class ServerFilm implements Film {
+  source: 'server' | 'recording' = 'server';
+  readonly name = '';
+  readonly map = null;
+  start: number | null = null;
+  spans: readonly Span[] = [];
+  marks: readonly Mark[] = [];
+  wrong: string | null = null;
+  #api: FilmApi;
+  #now: () => number;
+  #pieces = new Map<number, Piece>();
+  #asked = new Map<number, number>();
+  #fetching = new Set<number>();
+  /** Pieces that were put together last. */
+  #joined: { pieces: readonly Piece[]; shots: readonly Shot[] } = { pieces: [], shots: [] };
+
+  private constructor(api: FilmApi, now: () => number) {
+    this.#api = api;
+    this.#now = now;
+  }
+
+  /** What the server keeps, or why there is nothing to be had. `now` is a clock in milliseconds. */
+  static async open(api: FilmApi, now = () => performance.now()): Promise<ServerFilm | string> {
+    const film = new ServerFilm(api, now);
+    await film.refresh();
+    return film.wrong ?? film;
+  }
+
+  async refresh(): Promise<void> {
+    // An encounter is known when it is over, and its bookmark is where it began.
+    const since = this.spans.length === 0 ? null : ends(this) - 2 * PIECE_S;
+    const answer = await this.#api.past(since);
+    this.wrong = trouble(answer);
+    if (answer.kind !== 'ok') return;
+    const { start, spans, bookmarks, recording } = answer.value;
+    this.source = recording ? 'recording' : 'server';
+    this.start = start === null ? null : Date.parse(start) / 1_000;
+    this.spans = spans;
+    this.marks = [...this.marks.filter((mark) => mark.at_s < (since ?? -Infinity)), ...bookmarks];
+  }
+
+  shots(t: number): readonly Shot[] | null {
+    const number = Math.floor(t / PIECE_S);
+    const piece = this.#pieces.get(number);
+    // What was fetched while it was being written lacks its end.
+    const lacks = !piece || (t > piece.to && ends(this) > piece.to + 0.5);
+    if (lacks) void this.#fetch(number);
+    if ((number + 1) * PIECE_S <= ends(this) && !this.#pieces.has(number + 1)) void this.#fetch(number + 1);
+    return piece?.shots ?? null;
+  }
+
+  /** The same array as before where no piece has come. */
+  between(from: number, to: number): readonly Shot[] {
+    const pieces: Piece[] = [];
+    for (let n = Math.floor(from / PIECE_S); n * PIECE_S <= to; n += 1) {
+      if (!this.spans.some((span) => span.from_s < (n + 1) * PIECE_S && span.to_s >= n * PIECE_S)) continue;
+      const piece = this.#pieces.get(n);
+      if (!piece || piece.to + 0.5 < Math.min(to, (n + 1) * PIECE_S, ends(this))) void this.#fetch(n);
+      if (piece) pieces.push(piece);
+    }
+    if (pieces.length !== this.#joined.pieces.length || pieces.some((piece, i) => piece !== this.#joined.pieces[i])) {
+      // Each begins with a whole picture, from before the end of the one that it follows.
+      const shots = pieces.flatMap((piece, i) => (i === 0 ? piece.shots : piece.shots.filter((shot) => shot.at > pieces[i - 1]!.to)));
+      this.#joined = { pieces, shots };
+    }
+    return this.#joined.shots;
+  }
+
+  lists = (t: number): readonly Listed[] | null => this.#pieces.get(Math.floor(t / PIECE_S))?.lists ?? null;
+
+  async sums(from: number, to: number, step: number): Promise<readonly Sum[] | string> {
+    const answer = await this.#api.figures(from, to, step);
+    return answer.kind === 'ok' ? answer.value.sums : (trouble(answer) ?? '');
+  }
+
+  async heat(kind: HeatKind, from: number, to: number): Promise<HeatPage | string> {
+    // A recording that a server plays has no figures by place.
+    if (this.source !== 'server' || this.start === null) return NO_HEAT;
+    const { start } = this;
+    const time = (s: number): string => new Date(1_000 * (start + s)).toISOString();
+    const answer = await this.#api.heat(kind, { from: time(from), to: time(to) });
+    return answer.kind === 'ok' ? answer.value : (trouble(answer) ?? '');
+  }
+
+  async #fetch(number: number): Promise<void> {
+    const now = this.#now();
+    if (this.#fetching.has(number) || now - (this.#asked.get(number) ?? -Infinity) < AGAIN_MS) return;
+    this.#asked.set(number, now);
+    this.#fetching.add(number);
+    const answer = await this.#api.reel(number * PIECE_S, (number + 1) * PIECE_S + 0.5, 'without map');
+    this.#fetching.delete(number);
+    this.wrong = trouble(answer);
+    if (answer.kind !== 'ok') return;
+    try {
+      const { shots, lists } = readReel(await linesOf(answer.value));
+      this.#pieces.delete(number);
+      this.#pieces.set(number, { shots, lists, to: shots.at(-1)?.at ?? 0 });
+    } catch (error) {
+      this.wrong = error instanceof Error ? error.message : String(error);
+    }
+    for (const oldest of this.#pieces.keys()) {
+      if (this.#pieces.size <= MOST_PIECES) break;
+      this.#pieces.delete(oldest);
+      this.#asked.delete(oldest);
+    }
+  }
+}

@@ -1,0 +1,85 @@
+// A reel as it is read: lines of JSON to pictures, bookmarks, sums and lists of jobs. Pictures and lists stay text until somebody looks at them: a
+// minute of a large floor is megabytes, and most of it is only passed over. What is wrong is said in words.
+import { MARK_KINDS, type FloorMap, type Mark, type Sum } from '../wire';
+
+/** The jobs that waited at a moment, in JSON. */
+export interface Listed {
+  at: number;
+  text: string;
+}
+export interface Shot {
+  at: number;
+  /** A whole picture, or what changed since the one before. */
+  kind: 'key' | 'patch';
+  /** The message of the live feed, in JSON. */
+  text: string;
+}
+export interface Reel {
+  name: string;
+  /** Seconds since 1970 from which times count; null in a simulation. */
+  start: number | null;
+  /** Left out where the reader has it. */
+  map: FloorMap | null;
+  shots: Shot[];
+  marks: Mark[];
+  sums: Sum[];
+  lists: Listed[];
+}
+
+const NO_REEL = 'This is not a reel. Make one with “giveway replay --reel”, or save one from a replay; its name ends in .reel.';
+const LINE = /^\{"at":(-?[\d.e+]+),"(key|patch|mark|sum|waiting)":/;
+
+/** Reads lines; a last one that was cut off is left out. */
+export function readReel(lines: Iterable<string>): Reel {
+  const all = lines[Symbol.iterator]();
+  const reel: Reel = { ...headerOf(all.next().value), shots: [], marks: [], sums: [], lists: [] };
+  for (let next = all.next(); !next.done; next = all.next()) {
+    const line = next.value;
+    const found = LINE.exec(line);
+    if (!found || !line.endsWith('}')) continue;
+    const at = Number(found[1]);
+    const text = line.slice(found[0].length, -1);
+    const kind = found[2] as Shot['kind'] | 'mark' | 'sum' | 'waiting';
+    if (kind === 'mark') addMark(reel.marks, text);
+    else if (kind === 'sum') addSum(reel.sums, at, text);
+    else if (kind === 'waiting') reel.lists.push({ at, text });
+    else reel.shots.push({ at, kind, text });
+  }
+  if (!reel.shots.some((shot) => shot.kind === 'key')) throw new Error('This reel contains no complete picture: it was cut off too soon.');
+  reel.marks.sort((a, b) => a.at_s - b.at_s);
+  return reel;
+}
+
+function headerOf(line: unknown): Pick<Reel, 'name' | 'start' | 'map'> {
+  let header: unknown;
+  try {
+    header = JSON.parse(String(line));
+  } catch {
+    throw new Error(NO_REEL);
+  }
+  if (typeof header !== 'object' || header === null) throw new Error(NO_REEL);
+  if ('giveway_recording' in header) {
+    throw new Error('This is a recording, not a reel. Type: giveway replay FILE --reel OUT.reel, and open that.');
+  }
+  if (!('reel' in header)) throw new Error(NO_REEL);
+  if (header.reel !== 1) throw new Error(`This reel has format ${String(header.reel)}; this page knows format 1. Use a newer Giveway.`);
+  const { name, start, map } = header as { name?: unknown; start?: unknown; map?: FloorMap | null };
+  return { name: String(name ?? ''), start: typeof start === 'number' ? start : null, map: map ?? null };
+}
+
+function addSum(sums: Sum[], at_s: number, text: string): void {
+  try {
+    sums.push({ ...(JSON.parse(text) as Sum), at_s });
+  } catch {
+    // The charts have a gap there.
+  }
+}
+
+function addMark(marks: Mark[], text: string): void {
+  try {
+    const mark = JSON.parse(text) as Mark;
+    if (MARK_KINDS.includes(mark.kind)) marks.push(mark);
+  } catch {
+    // A bookmark that cannot be read is worth less than the rest of the reel.
+  }
+}

@@ -1,0 +1,97 @@
+// The picture of what the planner sees, without its looks: bars with places in percent, and what each means in words.
+import type { Condition, Hold, Strip } from '../wire';
+
+/** A moment ago is shown, too, so that the line of now stands a little inside. */
+export const BACK_S = 5;
+
+export interface Bar {
+  readonly by: string;
+  readonly kind: 'robot' | 'worker' | 'closure';
+  readonly look: 'granted' | 'held' | 'conflict' | 'closed' | 'still' | 'slow' | 'price';
+  readonly from_s: number;
+  readonly to_s: number | null;
+  /** Percent of the width. */
+  readonly left: number;
+  readonly width: number;
+  readonly words: string;
+}
+export interface Row {
+  readonly id: string;
+  readonly bars: readonly Bar[];
+}
+
+export const place = (s: number, ahead: number): number =>
+  Math.min(100, Math.max(0, ((s + BACK_S) / (ahead + BACK_S)) * 100));
+
+const EFFECT_WORDS: Record<Condition['effect'], string> = {
+  closed: 'closed to robots', still: 'no robot enters or leaves', slow: 'robots drive slowly', price: 'costly for the planner',
+};
+
+export function when(from: number, to: number | null): string {
+  const start = from <= 0 ? 'now' : `+${from.toFixed(1)} s`;
+  return to === null ? `from ${start} on` : `from ${start} to ${to <= 0 ? 'now' : `+${to.toFixed(1)} s`}`;
+}
+
+export function holdWords(node: string, hold: Hold): string {
+  const how = hold.conflict ? 'holds a place in conflict with it' : hold.granted ? 'holds it and may enter' : 'holds it but may not enter yet';
+  return `${node}: ${hold.by} ${how}, ${when(hold.from_s, hold.to_s)}`;
+}
+
+export function conditionWords(node: string, c: Condition): string {
+  const limit = c.effect === 'slow' && c.limit_mps ? `, ${c.limit_mps[0].toFixed(1)} m/s without a rack and ${c.limit_mps[1].toFixed(1)} m/s with one` : '';
+  const price = c.effect === 'price' && c.price_s !== null ? `, costs as much as ${c.price_s.toFixed(1)} s` : '';
+  return `${node}: ${EFFECT_WORDS[c.effect] ?? c.effect} because of ${c.by}${limit}${price}, ${when(c.from_s, c.to_s)}`;
+}
+
+/** One row for each node, conditions below holds. */
+export function rows(strips: readonly Strip[], ahead: number): Row[] {
+  const at = (from: number, to: number | null) => {
+    const left = place(from, ahead);
+    return { left, width: Math.max(0, place(to ?? Infinity, ahead) - left) };
+  };
+  return strips.map((strip) => {
+    const conditions = strip.conditions.map((c): Bar => ({
+      by: c.by, kind: c.kind, look: c.effect, from_s: c.from_s, to_s: c.to_s, ...at(c.from_s, c.to_s), words: conditionWords(strip.id, c),
+    }));
+    const holds = strip.holds.map((h): Bar => ({
+      by: h.by, kind: h.kind, look: h.conflict ? 'conflict' : h.granted ? 'granted' : 'held', from_s: h.from_s, to_s: h.to_s,
+      ...at(h.from_s, h.to_s), words: holdWords(strip.id, h),
+    }));
+    // What is only in conflict goes below what is held itself.
+    const bars = [...conditions, ...holds.filter((b) => b.look === 'conflict'), ...holds.filter((b) => b.look !== 'conflict')];
+    return { id: strip.id, bars: bars.filter((b) => b.width > 0) };
+  });
+}
+
+/** Where somebody looks: a place, and a bar of it, if it has any. */
+export interface Look {
+  readonly row: string;
+  readonly index: number;
+  readonly bar: Bar | null;
+}
+
+/** A look at the bar of this number of a row, or at the nearest there is. */
+export function lookAt(row: Row, index: number): Look {
+  const nearest = Math.min(row.bars.length - 1, Math.max(0, index));
+  return { row: row.id, index: Math.max(0, nearest), bar: row.bars[nearest] ?? null };
+}
+
+/** The same look after a while: at the bar of the same holder, wherever it is by now, else at what took its place. */
+export function lookAgain(all: readonly Row[], look: Look): Look | null {
+  const row = all.find((r) => r.id === look.row);
+  if (!row) return null;
+  const { bar } = look;
+  const theirs = bar ? row.bars.flatMap((b, i) => (b.by === bar.by && b.kind === bar.kind ? [i] : [])) : [];
+  const away = (i: number): number => Math.abs(i - look.index);
+  return lookAt(row, theirs.reduce((best, i) => (away(i) < away(best) ? i : best), theirs[0] ?? look.index));
+}
+
+export const lookWords = (look: Look): string => look.bar?.words ?? `${look.row}: free in this time`;
+
+/** Seconds at which the axis has marks: four to eight of them. */
+export function marks(ahead: number): number[] {
+  const step = [2, 5, 10, 15, 20, 30].find((s) => ahead / s <= 8) ?? 30;
+  const all: number[] = [];
+  for (let s = 0; s <= ahead; s += step) all.push(s);
+  return all;
+}

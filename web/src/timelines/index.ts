@@ -1,0 +1,2 @@
+// Timelines: who holds the places of an area when, as the planner sees it now, or as it was.
+export {};

@@ -1,0 +1,138 @@
+// Requests to the public API. Every answer is a value, never an exception: done, refused with a reason,
+// or unreachable. It keeps the access token, and tells the page when the server wants one.
+import type { Socket, SocketEvents } from './link';
+import type { Past, Sum } from './past';
+import type {
+  Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobPage, JobState, NewClosure, NewJob,
+  Problem, Timelines, Why, WorkerDetail,
+} from './types';
+
+export type Answer<T> =
+  | { kind: 'ok'; value: T }
+  | { kind: 'refused'; problem: Problem }
+  | { kind: 'unreachable' };
+
+const TOKEN = 'giveway.token';
+const PATIENCE_MS = 15_000;
+const PAST: Problem = { title: 'The past cannot be changed', status: 409, detail: 'You are looking at the past, which cannot be changed. Go back to live first.' };
+
+export class Api {
+  /** Called when the server answers 401. */
+  onLocked: () => void = () => {};
+  /** While the past is shown, nothing is asked of the present that would change it. */
+  shows: 'present' | 'past' = 'present';
+
+  map = () => this.#ask<FloorMap>('GET', '/v1/map');
+  job = (id: string) => this.#ask<Job>('GET', `/v1/jobs/${encodeURIComponent(id)}`);
+  cancel = (id: string) => this.#ask<Job>('DELETE', `/v1/jobs/${encodeURIComponent(id)}`);
+
+  why = (kind: 'robot' | 'job', id: string) => this.#ask<Why>('GET', `/v1/${kind}s/${encodeURIComponent(id)}/why`);
+  close = (area: NewClosure) => this.#ask<Closure>('POST', '/v1/closures', {}, area);
+  reopen = (id: string) => this.#ask<null>('DELETE', `/v1/closures/${encodeURIComponent(id)}`);
+
+  stopFleet = () => this.#ask<null>('POST', '/v1/fleet/stop');
+  resumeFleet = () => this.#ask<null>('POST', '/v1/fleet/resume');
+  pause = (robot: string) => this.#ask<null>('POST', `/v1/robots/${encodeURIComponent(robot)}/pause`);
+  resume = (robot: string) => this.#ask<null>('POST', `/v1/robots/${encodeURIComponent(robot)}/resume`);
+  station = (id: string, says: 'done' | 'short' | 'pause' | 'resume') =>
+    this.#ask<null>('POST', `/v1/stations/${encodeURIComponent(id)}/${says}`);
+  prioritise = (id: string, priority: number) => this.#ask<Job>('PATCH', `/v1/jobs/${encodeURIComponent(id)}`, {}, { priority });
+  assign = (worker: string, task: { place: string; what: string; stay_s: number }, key: string) =>
+    this.#ask<{ id: string }>('POST', `/v1/workers/${encodeURIComponent(worker)}/assignments`, { 'Idempotency-Key': key }, task);
+
+  timelines([x0, y0, x1, y1]: readonly number[], ahead: number): Promise<Answer<Timelines>> {
+    const query = new URLSearchParams({ x0: `${x0}`, y0: `${y0}`, x1: `${x1}`, y1: `${y1}`, ahead_s: `${ahead}` });
+    return this.#ask<Timelines>('GET', `/v1/timelines?${query}`);
+  }
+
+  /** What is kept of the past, with the bookmarks since a moment. */
+  past = (since: number | null) => this.#ask<Past>('GET', since === null ? '/v1/past' : `/v1/past?from=${since}`);
+
+  /** Running sums of a span, one for so many seconds. */
+  figures = (from: number, to: number, step: number) => this.#ask<{ sums: Sum[] }>('GET', `/v1/past/figures?from=${from}&to=${to}&step=${step}`);
+
+  /** The pictures of a span. */
+  async reel(from: number, to: number, map: 'with map' | 'without map'): Promise<Answer<Blob>> {
+    const query = new URLSearchParams({ from: `${from}`, to: `${to}`, map: `${map === 'with map'}` });
+    return this.#ask<Blob>('GET', `/v1/past/reel?${query}`, { Accept: 'application/gzip' });
+  }
+  worker = (id: string) => this.#ask<WorkerDetail>('GET', `/v1/workers/${encodeURIComponent(id)}`);
+  history = (query: Record<string, string>) => this.#ask<HistoryPage>('GET', `/v1/history?${new URLSearchParams(query)}`);
+  heat = (kind: HeatKind, query: Record<string, string>) => this.#ask<HeatPage>('GET', `/v1/heat?${new URLSearchParams({ kind, ...query })}`);
+  encounters = (query: Record<string, string>) => this.#ask<EncounterPage>('GET', `/v1/encounters?${new URLSearchParams(query)}`);
+
+  /** The table of encounters as a file: a link, and, where a token is needed that a link cannot carry, what fetches it. */
+  encountersFile(query: Record<string, string>): { href: string; fetch: (() => Promise<Answer<Blob>>) | null } {
+    const href = `/v1/encounters?${new URLSearchParams({ ...query, format: 'csv' })}`;
+    return { href, fetch: this.token === null ? null : () => this.#ask<Blob>('GET', href, { Accept: 'text/csv' }) };
+  }
+
+  jobs(state: JobState | 'any', cursor: string | null): Promise<Answer<JobPage>> {
+    const query = new URLSearchParams({ limit: '50' });
+    if (state !== 'any') query.set('state', state);
+    if (cursor) query.set('cursor', cursor);
+    return this.#ask<JobPage>('GET', `/v1/jobs?${query}`);
+  }
+
+  submit(job: NewJob, key: string): Promise<Answer<Job>> {
+    return this.#ask<Job>('POST', '/v1/jobs', { 'Idempotency-Key': key }, job);
+  }
+
+  get token(): string | null {
+    return sessionStorage.getItem(TOKEN);
+  }
+  set token(token: string) {
+    sessionStorage.setItem(TOKEN, token);
+  }
+
+  openLive(since: number | null, events: SocketEvents): Socket {
+    const url = new URL('/v1/live', location.href);
+    url.protocol = url.protocol.replace('http', 'ws');
+    url.searchParams.set('thin', 'true');
+    if (since !== null) url.searchParams.set('since', String(since));
+    // Browsers let no header be set on a WebSocket; the subprotocol list is the one place for a token.
+    const socket = this.token ? new WebSocket(url, ['giveway', `bearer.${this.token}`]) : new WebSocket(url);
+    socket.onmessage = (event) => events.message(String(event.data));
+    socket.onclose = () => events.closed();
+    return socket;
+  }
+
+  async #ask<T>(method: string, path: string, headers: Record<string, string> = {}, body?: object): Promise<Answer<T>> {
+    if (this.shows === 'past' && method !== 'GET') return { kind: 'refused', problem: PAST };
+    const all: Record<string, string> = { Accept: 'application/json', ...headers };
+    if (this.token) all['Authorization'] = `Bearer ${this.token}`;
+    if (body) all['Content-Type'] = 'application/json';
+    try {
+      const response = await fetch(path, {
+        method, headers: all, signal: AbortSignal.timeout(PATIENCE_MS),
+        ...(body ? { body: JSON.stringify(body) } : {}),
+      });
+      if (response.status === 204) return { kind: 'ok', value: null as T };
+      if (response.ok) {
+        const isFile = /^(application\/gzip|text\/csv)\b/.test(response.headers.get('content-type') ?? '');
+        return { kind: 'ok', value: (await (isFile ? response.blob() : response.json())) as T };
+      }
+      if (response.status === 401) this.onLocked();
+      return { kind: 'refused', problem: await problemOf(response) };
+    } catch {
+      return { kind: 'unreachable' };
+    }
+  }
+}
+
+async function problemOf(response: Response): Promise<Problem> {
+  const plain = { title: `The server answered ${response.status} ${response.statusText}`.trim(), status: response.status };
+  try {
+    const body: unknown = await response.json();
+    return typeof body === 'object' && body !== null ? { ...plain, ...body } : plain;
+  } catch {
+    // A proxy in between answers in HTML; its status is all there is to tell.
+    return plain;
+  }
+}
+
+/** What went wrong, in words for people; null where nothing did. */
+export function trouble<T>(answer: Answer<T>): string | null {
+  if (answer.kind === 'ok') return null;
+  return answer.kind === 'unreachable' ? 'The server cannot be reached.' : (answer.problem.detail ?? answer.problem.title);
+}

@@ -1,0 +1,8 @@
+// The wire: what travels between a page and the server, the requests, the live link and the copy of the floor it keeps.
+// It knows no other room, and no word that a person reads but why a request failed.
+export * from './types';
+export * from './past';
+export { Api, trouble, type Answer } from './api';
+export { Keys, newKey } from './keys';
+export { Link, retryDelay, type Clock, type LinkState, type Socket, type SocketEvents } from './link';
+export { EMPTY, reduce, row, type Mirror, type Table } from './mirror';

@@ -1,0 +1,390 @@
+// What travels between this page and the server: the public API, and nothing else. Keys that are not
+// listed here are ignored, so that an older page keeps working with a newer server.
+
+export type NodeKind = 'aisle' | 'storage' | 'station' | 'queue' | 'charger' | 'parking' | 'exit';
+export type Traveller = 'loaded' | 'unloaded' | 'people';
+export type Point = [x: number, y: number];
+
+/** Metres and radians in a right-handed frame with y up; the screen flips y, nobody else. */
+export interface FloorMap {
+  name: string;
+  bounds: [x0: number, y0: number, x1: number, y1: number];
+  footprint_m: number;
+  nodes: MapNode[];
+  lanes: Lane[];
+  stations: { id: string; node: number; queue: number[] }[];
+  racks: { id: string; node: number }[];
+  obstacles: Point[][];
+  walkable: Point[][];
+}
+export interface MapNode {
+  id: string;
+  x: number;
+  y: number;
+  kind: NodeKind;
+}
+export interface Lane {
+  from: number;
+  to: number;
+  both: boolean;
+  for: Traveller[];
+}
+
+export const ROBOT_STATES = ['idle', 'busy', 'free', 'interrupted', 'failed'] as const;
+export type RobotState = (typeof ROBOT_STATES)[number];
+export type Doing =
+  | 'to_rack' | 'lifting' | 'carrying' | 'queueing' | 'picking' | 'returning' | 'setting_down'
+  | 'to_charger' | 'charging' | 'parking' | 'going' | 'idle' | 'waiting' | 'failed';
+
+export interface Robot {
+  id: string;
+  x: number;
+  y: number;
+  heading: number;
+  speed: number;
+  state: RobotState;
+  doing: Doing;
+  rack: string | null;
+  job: string | null;
+  battery: number;
+  /** Nodes that the robot may drive to now, in order. */
+  granted: number[];
+  /** Nodes kept for it further on, which it may not enter yet. */
+  held: number[];
+  why: string | null;
+}
+export interface Rack {
+  id: string;
+  node: number | null;
+  robot: string | null;
+}
+export interface Station {
+  id: string;
+  robot: string | null;
+  queue: string[];
+  served: number;
+  /** Whether a rack stands there to be picked from. Older recordings do not say. */
+  picking?: boolean;
+  /** Since when nobody picks, by hand. */
+  paused?: string | null;
+}
+export type Presence = 'absent' | 'tracked' | 'stale' | 'lost';
+export type GuidanceState = 'idle' | 'following' | 'deviating' | 'redirected' | 'stop';
+export interface Goal {
+  x: number;
+  y: number;
+  /** Probability. */
+  p: number;
+}
+export interface Worker {
+  id: string;
+  name: string;
+  presence: Presence;
+  /** null while nobody has seen the worker. */
+  x: number | null;
+  y: number | null;
+  heading: number | null;
+  speed: number;
+  /** One standard deviation of the position, metres. */
+  accuracy: number;
+  /** Radii, metres: robots stop, keep out, go slowly. */
+  regions: [stop: number, out: number, slow: number];
+  state: GuidanceState;
+  reason: string | null;
+  /** From here on, metres. */
+  path: Point[];
+  assignment: string | null;
+  /** Most probable first. */
+  goals: Goal[];
+  undecided: number;
+  elsewhere: number;
+}
+/** An area that robots keep out of. */
+export interface Closure {
+  id: string;
+  outline: Point[];
+  /** Those that are over are not sent. */
+  state?: 'announced' | 'closed' | 'over';
+  /** RFC 3339. */
+  from?: string;
+  /** Nothing until somebody opens it. */
+  until?: string | null;
+  reason: string;
+}
+/** One bell curve of where somebody may be: metres, standard deviations and correlation. */
+export interface Curve {
+  /** How far ahead, seconds. */
+  after_s: number;
+  /** Its share of the probability at that moment. */
+  p: number;
+  x: number;
+  y: number;
+  sx: number;
+  sy: number;
+  tilt: number;
+}
+export interface Outlook {
+  worker: string;
+  parts: readonly Curve[];
+}
+export interface JobCounts {
+  waiting: number;
+  active: number;
+  done: number;
+  cancelled: number;
+  failed: number;
+}
+export interface Counters {
+  robot_deliveries: number;
+  human_deliveries: number;
+  deliveries_per_hour: number;
+  encounters: number;
+  deviations: number;
+  interruptions: number;
+  plan_us_p50: number;
+  plan_us_p99: number;
+  step_us_p99: number;
+}
+export interface Alarm {
+  id: string;
+  text: string;
+  since_s: number;
+}
+
+export interface Snapshot {
+  type: 'snapshot';
+  version: number;
+  time_s: number;
+  simulated: boolean;
+  robots: Robot[];
+  racks: Rack[];
+  stations: Station[];
+  workers: Worker[];
+  closures: Closure[];
+  /** Where people may be in the coming seconds. */
+  forecasts?: Outlook[];
+  jobs: JobCounts;
+  counters: Counters;
+  alarms: Alarm[];
+}
+/** A row that carries only what changed. */
+export type Changed<T extends { id: string }> = Pick<T, 'id'> & Partial<T>;
+export interface Patch {
+  type: 'patch';
+  base: number;
+  version: number;
+  time_s?: number;
+  robots?: Changed<Robot>[];
+  racks?: Changed<Rack>[];
+  stations?: Changed<Station>[];
+  workers?: Changed<Worker>[];
+  /** All of them, as they rarely change. */
+  closures?: Closure[];
+  /** All of them. */
+  forecasts?: Outlook[];
+  jobs?: Partial<JobCounts>;
+  counters?: Partial<Counters>;
+  alarms?: Alarm[];
+
+  // What changes all the time comes as numbers by row of the snapshot, one list for all rows (`thin=true`).
+  // "Passed" is how many rows were passed over since the entry before.
+  /** Passed, and the step from the base in millimetres: passed, dx, dy, passed, dx, dy … */
+  moves?: number[];
+  /** Passed, and the heading in milliradians. */
+  turns?: number[];
+  /** Passed, and the speed in centimetres a second. */
+  speeds?: number[];
+  /** Row, nodes left behind, nodes granted now, nodes of the rest that stay, and the nodes that come after. */
+  ways?: number[][];
+  /** Passed, x and y of a worker in millimetres, heading in milliradians, speed in centimetres a second. */
+  walks?: (number | null)[];
+  /** Row of a worker, points at the end of the path that stay, and those before them in millimetres: x, y … */
+  paths?: number[][];
+  /** All forecasts, one list each: row of the worker, then seconds ahead, percent, x, y, sx, sy in centimetres, tilt in percent … */
+  ahead?: number[][];
+}
+export type Message = Snapshot | Patch;
+
+/** A message of a kind this page does not know is null, and ignored; bad JSON throws. */
+export function parseMessage(text: string): Message | null {
+  const raw: unknown = JSON.parse(text);
+  if (typeof raw !== 'object' || raw === null || !('type' in raw)) return null;
+  return raw.type === 'snapshot' || raw.type === 'patch' ? (raw as Message) : null;
+}
+
+export const JOB_KINDS = ['deliver', 'return', 'relocate', 'charge', 'park', 'go'] as const;
+export type JobKind = (typeof JOB_KINDS)[number];
+export const JOB_STATES = [
+  'waiting', 'assigned', 'carrying', 'queued', 'picking', 'done', 'cancelled', 'failed',
+] as const;
+export type JobState = (typeof JOB_STATES)[number];
+
+export interface Job {
+  id: string;
+  kind: JobKind;
+  rack: string | null;
+  station: string | null;
+  node: string | null;
+  robot: string | null;
+  priority: number;
+  deadline: string | null;
+  state: JobState;
+  why: string | null;
+  created: string;
+  updated: string;
+}
+export interface JobPage {
+  items: Job[];
+  next: string | null;
+}
+export interface NewJob {
+  kind: JobKind;
+  rack?: string;
+  station?: string;
+  node?: string;
+  robot?: string;
+  priority: number;
+  deadline?: string;
+  pick_s?: number;
+}
+
+/** One link of who waits for whom. */
+export interface WhyLink {
+  who: string;
+  kind: 'robot' | 'job';
+  /** resource, queue, person, closure … or, for who waits for nobody, stop, drives, later, stays. */
+  cause: string;
+  /** In words, without the name of who it is. */
+  text: string;
+  by: string | null;
+  by_kind: 'robot' | 'worker' | 'job' | 'closure' | 'station' | null;
+  ahead: number;
+  /** RFC 3339; null where nobody can know. */
+  until: string | null;
+  until_s: number | null;
+}
+export interface Why {
+  id: string;
+  waiting: boolean;
+  text: string;
+  /** From the one who waits to the root. */
+  chain: WhyLink[];
+}
+
+/** Who holds the nodes of an area when; times are seconds from `at`, null is for ever. */
+export interface Timelines {
+  at: string;
+  ahead_s: number;
+  nodes: Strip[];
+}
+export interface Strip {
+  id: string;
+  x: number;
+  y: number;
+  holds: Hold[];
+  conditions: Condition[];
+}
+export interface Hold {
+  by: string;
+  kind: 'robot' | 'worker';
+  from_s: number;
+  to_s: number | null;
+  /** The holder may be there already, rather than only being promised it. */
+  granted: boolean;
+  /** Only something in conflict with the node is held. */
+  conflict: boolean;
+}
+export interface Condition {
+  by: string;
+  kind: 'worker' | 'closure';
+  from_s: number;
+  to_s: number | null;
+  effect: 'closed' | 'still' | 'slow' | 'price';
+  limit_mps: [unloaded: number, loaded: number] | null;
+  price_s: number | null;
+}
+
+export interface NewClosure {
+  outline: Point[];
+  from?: string;
+  until?: string;
+  reason: string;
+}
+
+/** Figures over time; buckets of which nothing is known are left out. */
+export interface HistoryPage {
+  from: string;
+  to: string;
+  step_s: number;
+  /** When `time_s` of the live feed was zero. */
+  started: string;
+  /** How the fleet deals with people. */
+  arm: string;
+  buckets: Bucket[];
+}
+export interface Bucket {
+  at: string;
+  covered_s: number;
+  robot_deliveries: number;
+  human_deliveries: number;
+  encounters: number;
+  interruptions: number;
+  replans: number;
+  /** Seconds of workers on the floor, all together. */
+  worker_s: number;
+  /** Seconds that robots stood and would have driven on, all together. */
+  waiting_s: number;
+  plan_us_p50: number | null;
+  plan_us_p95: number | null;
+  plan_us_max: number | null;
+}
+export const HEAT_KINDS = ['waiting', 'encounters'] as const;
+export type HeatKind = (typeof HEAT_KINDS)[number];
+export interface HeatPage {
+  kind: HeatKind;
+  from: string;
+  to: string;
+  /** Side of the square that stands for a place, metres. */
+  size: number;
+  cells: { x: number; y: number; node: string | null; amount: number }[];
+}
+export const REACTIONS = ['kept', 'slowed', 'held', 'rerouted', 'stopped'] as const;
+export type Reaction = (typeof REACTIONS)[number];
+/** A robot came into region 1 of a worker. */
+export interface Encounter {
+  id: number;
+  worker: string;
+  robot: string;
+  began: string;
+  lasted_s: number;
+  x: number;
+  y: number;
+  radius: number;
+  closest: number;
+  robot_speed: number;
+  worker_speed: number;
+  reaction: Reaction;
+  delay_s: number;
+}
+export interface EncounterPage {
+  items: Encounter[];
+  next: string | null;
+}
+/** One worker with what the live feed leaves out. */
+export interface WorkerDetail {
+  id: string;
+  connected: boolean;
+  clock_error_ms: number | null;
+  age_s: number | null;
+  accuracy: number;
+  feed: { taken: number; late: number; jumps: number; absurd: number };
+}
+
+/** RFC 9457, with the field each error belongs to. */
+export interface Problem {
+  type?: string;
+  title: string;
+  status: number;
+  detail?: string;
+  errors?: { field: string; detail: string }[];
+}

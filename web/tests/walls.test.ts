@@ -1,0 +1,101 @@
+// The rooms of `src`: which one may know which, entered by which door. It reads the sources and runs none of them.
+import { describe, expect, test } from 'vitest';
+
+/** In reading order: a room names only rooms above it. */
+const ROOMS = [
+  'wire', 'words', 'parts', 'replay', 'floor', 'cards', 'why', 'robots', 'people', 'places', 'jobs', 'encounters',
+  'timelines', 'charts', 'page', 'headset',
+];
+/** The page of a wearer loads nothing of the dashboard. */
+const HEADSET_KNOWS = ['wire', 'parts'];
+
+type Sources = ReadonlyMap<string, string>;
+const files = import.meta.glob<string>('../src/**/*.{ts,svelte}', { eager: true, query: '?raw', import: 'default' });
+
+const IMPORT = /(?:from|import)\s*\(?\s*'(\.[^']+)'/g;
+const roomOf = (path: string): string => (path.includes('/') ? path.split('/')[0]! : '');
+const folderOf = (path: string): string => path.replace(/(^|\/)[^/]*$/, '');
+
+/** What a file imports, as paths below `src`. */
+function importsOf(sources: Sources, path: string): string[] {
+  const found: string[] = [];
+  for (const [, spec] of sources.get(path)!.matchAll(IMPORT)) {
+    const plain = new URL(spec!, `file:///${path}`).pathname.slice(1);
+    const file = [plain, `${plain}.ts`, `${plain}/index.ts`].find((one) => sources.has(one));
+    if (file) found.push(file);
+    else if (!plain.endsWith('.css')) found.push(`${plain} (which is not there)`);
+  }
+  return found;
+}
+
+/** What is wrong with the rooms, a line each. */
+function wrongs(sources: Sources): string[] {
+  const wrong: string[] = [];
+  for (const path of sources.keys()) {
+    const room = roomOf(path);
+    if (room !== '' && !ROOMS.includes(room)) wrong.push(`${path}: ${room} is no room; say in tests/walls.test.ts where it stands`);
+    for (const other of importsOf(sources, path)) {
+      const to = roomOf(other);
+      if (room === to) {
+        if (other === `${room}/index.ts`) wrong.push(`${path} imports its own door; name the file behind it`);
+        continue;
+      }
+      const [here, there] = [ROOMS.indexOf(room), ROOMS.indexOf(to)];
+      if (room !== '' && there > here) wrong.push(`${path} imports ${other}: ${to} comes after ${room}`);
+      if (room !== '' && there < 0) wrong.push(`${path} imports ${other}, which is in no room`);
+      if (room === 'headset' && !HEADSET_KNOWS.includes(to)) wrong.push(`${path} imports ${other}: the page of a wearer loads nothing of ${to}`);
+      const isDoor = other === `${to}/index.ts` || (other.endsWith('.svelte') && other.split('/').length === 2);
+      if (!isDoor) wrong.push(`${path} imports ${other}, which is inside ${to}; its doors are index.ts and its components`);
+    }
+  }
+  return [...wrong, ...circles(sources)];
+}
+
+/** Circles of imports between folders, those inside of a room among them. */
+function circles(sources: Sources): string[] {
+  const edges = new Map<string, Set<string>>();
+  for (const path of sources.keys()) {
+    const from = folderOf(path);
+    for (const other of importsOf(sources, path)) {
+      if (folderOf(other) !== from) edges.set(from, (edges.get(from) ?? new Set()).add(folderOf(other)));
+    }
+  }
+  const reaches = (from: string, to: string, seen = new Set<string>()): boolean =>
+    [...(edges.get(from) ?? [])].some((next) => next === to || (!seen.has(next) && reaches(next, to, seen.add(next))));
+  return [...edges.keys()].filter((folder) => reaches(folder, folder)).map((folder) => `${folder} imports itself in a circle`);
+}
+
+describe('the rooms of the page', () => {
+  const sources = new Map(Object.entries(files).map(([path, text]) => [path.replace('../src/', ''), text]));
+  const planted = (path: string, text: string): string[] => wrongs(new Map(sources).set(path, text + (sources.get(path) ?? '')));
+
+  test('imports go one way, and through doors', () => {
+    expect(wrongs(sources)).toEqual([]);
+  });
+  test('every room is a folder with a door that says in two lines what it is', () => {
+    for (const room of ROOMS) expect(sources.get(`${room}/index.ts`), room).toMatch(/^\/\/ [A-Z][^\n]*\n(\/\/ [^\n]*\n)?(export|import)|^(\/\/ [^\n]*\n){2}/);
+  });
+  test('no file lies flat in src but the entry', () => {
+    expect([...sources.keys()].filter((path) => !path.includes('/'))).toEqual(['main.ts']);
+  });
+  test('an import of a later room is found', () => {
+    expect(planted('words/planted.ts', "import { Jobs } from '../jobs';\n")).toContain('words/planted.ts imports jobs/index.ts: jobs comes after words');
+  });
+  test('a circle between folders is found, inside of a room as well', () => {
+    const found = planted('floor/scene/view.ts', "import type { Sheet } from '../paint/sheet';\n");
+    expect(found).toEqual(['floor/paint imports itself in a circle', 'floor/scene imports itself in a circle']);
+    expect(planted('wire/planted.ts', "import { count } from '../words';\n")).toContain('wire imports itself in a circle');
+  });
+  test('an import of what is inside another room is found', () => {
+    expect(planted('jobs/planted.ts', "import { Stage } from '../floor/scene/scene';\n"))
+      .toEqual(['jobs/planted.ts imports floor/scene/scene.ts, which is inside floor; its doors are index.ts and its components']);
+  });
+  test('a panel that reaches for the token dialog is found', () => {
+    expect(planted('jobs/JobsTable.svelte', "import TokenDialog from '../page/TokenDialog.svelte';\n"))
+      .toContain('jobs/JobsTable.svelte imports page/TokenDialog.svelte: page comes after jobs');
+  });
+  test('a part of the dashboard in the page of a wearer is found', () => {
+    expect(planted('headset/planted.ts', "import { count } from '../words';\n"))
+      .toEqual(['headset/planted.ts imports words/index.ts: the page of a wearer loads nothing of words']);
+  });
+});
