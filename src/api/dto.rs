@@ -359,6 +359,7 @@ fn why_failed(why: JobFailure, warehouse: &Warehouse) -> String {
         }
         JobFailure::Unreachable => "no way leads there, even on an empty floor".into(),
         JobFailure::Short => "the station said that goods were missing".into(),
+        JobFailure::MapChanged => "the map was changed and no longer has what this job names".into(),
         JobFailure::StorageTaken(node) => {
             let node = &warehouse.nodes[node].name;
             format!("{node} has another rack, or is promised to one: the rack was put elsewhere")

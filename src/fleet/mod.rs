@@ -9,6 +9,7 @@ mod absorb;
 mod areas;
 mod assign;
 mod backlog;
+pub mod carry;
 pub mod charging;
 mod closing;
 mod crowd;
