@@ -55,6 +55,7 @@ fn every_fact() -> Vec<Fact> {
         JobState::Cancelled,
         JobState::Failed(JobFailure::Unreachable),
         JobState::Failed(JobFailure::Predecessor(job)),
+        JobState::Failed(JobFailure::MapChanged),
     ];
     let moves = [Purpose::Charge, Purpose::Park, Purpose::Go];
     let tasks = [
