@@ -190,6 +190,7 @@
 //! | a figure over time, how long it is kept | `history/`, `api/http/history.rs`, `migrations/` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
 //! | which file is the database; its lock | `store/opening.rs`, `store/identity.rs`; `store/lock.rs` |
+//! | what becomes of a database whose map was changed | `fleet/carry/`, `store/carry.rs` |
 //! | what happens where a step panics | `server/rescue.rs`, `fleet/fence.rs` |
 //! | a command | `cli/` |
 //! | a wall | `tests/walls.rs`, and the picture above |

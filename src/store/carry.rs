@@ -101,7 +101,8 @@ pub(super) async fn carry_over(
     let compared = compare(db, path, old.clone(), Arc::new(map.clone()), wanted.clearance).await?;
     let report = compared.carried.report.clone();
     if !report.obstacles.is_empty() || (!report.losses.is_empty() && !wanted.accept_losses) {
-        return Err(StoreError::ChangedMap { path: path.into(), theirs, ours: map.name.clone(), report });
+        let (ours, report) = (map.name.clone(), Box::new(report));
+        return Err(StoreError::ChangedMap { path: path.into(), theirs, ours, report });
     }
     let backup = free_name(path, &format!("before-map-change-{}", wanted.stamp));
     back_up(db, &backup).await?;

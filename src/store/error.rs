@@ -151,7 +151,7 @@ pub enum StoreError {
         /// Name of the map given.
         ours: String,
         /// What is in the way, and what would be lost.
-        report: Report,
+        report: Box<Report>,
     },
     /// What was carried over makes no sense.
     #[error(

@@ -26,7 +26,11 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 /// The map of the tests, changed by hand.
 fn changed(change: impl FnOnce(&mut Draft)) -> Warehouse {
-    let mut draft = json::parse_draft(&json::write(&map())).unwrap();
+    change_of(&map(), change)
+}
+
+fn change_of(map: &Warehouse, change: impl FnOnce(&mut Draft)) -> Warehouse {
+    let mut draft = json::parse_draft(&json::write(map)).unwrap();
     change(&mut draft);
     draft.build().unwrap()
 }
@@ -74,10 +78,10 @@ fn beside(folder: &Folder, text: &str) -> Vec<PathBuf> {
 }
 
 fn backups(folder: &Folder) -> Vec<PathBuf> {
-    let all = beside(folder, "giveway.sqlite.before-map-change-");
-    all.into_iter()
-        .filter(|p| !p.to_string_lossy().ends_with("-wal") && !p.to_string_lossy().ends_with("-shm"))
-        .collect()
+    let mut all = beside(folder, "giveway.sqlite.before-map-change-");
+    all.retain(|path| !["-wal", "-shm"].iter().any(|side| path.to_string_lossy().ends_with(side)));
+    all.sort();
+    all
 }
 
 /// Runs `giveway database` with a map. Its exit code, and what it printed.
@@ -105,14 +109,19 @@ fn orders() -> Vec<(String, Value)> {
         json!({"kind": "go", "robot": "robot-1", "node": "R33"}),
         json!({"kind": "park", "robot": "robot-2"}),
         json!({"kind": "charge", "robot": "robot-1"}),
-        json!({"kind": "deliver", "rack": "K12", "station": "P", "pick_s": 0.2}),
+        json!({"kind": "deliver", "rack": "K12", "station": "P", "pick_s": 0.2, "after": ["j2"]}),
         json!({"kind": "deliver", "rack": "K1", "station": "P", "pick_s": 0.2, "after": ["j1"]}),
     ];
     (1..).map(|i| format!("order {i}")).zip(jobs).collect()
 }
 
-/// Hands all of them in.
+/// Hands all of them in, once the robots are known.
 async fn submit(at: SocketAddr) {
+    let end = Instant::now() + PATIENCE;
+    while get(at, "/v1/robots").await.json()["items"].as_array().map(Vec::len) != Some(2) {
+        assert!(Instant::now() < end, "the robots join");
+        tokio::time::sleep(Duration::from_millis(20)).await;
+    }
     for (i, (key, job)) in (1..).zip(orders()) {
         let answer = post(at, Some(&key), &job).await.unwrap();
         assert_eq!((answer.status, &answer.json()["id"]), (201, &json!(format!("j{i}"))), "{answer:?}");
@@ -306,7 +315,11 @@ async fn a_floor_goes_on_under_every_changed_map_and_its_lists_agree_with_its_le
     let folder = Folder::new();
     let scenario = Scenario::parse(BUSY).unwrap();
     work(&folder, &Arc::new(map()), 1300, 400).await;
-    for new in [moved(), grown(), map()] {
+    let turned = change_of(&grown(), |draft| {
+        draft.nodes.reverse();
+        draft.lanes.reverse();
+    });
+    for new in [moved(), grown(), turned] {
         let new = Arc::new(new);
         let store = open(&folder, &new, false).await.unwrap();
         let mut run = Run::restart(&new, &scenario, &store).await;

@@ -37,6 +37,7 @@ impl Move<'_> {
         let stands = self.stands();
         let racks = self.stored();
         let mut loads = self.loads(&stands);
+        self.shut_in(&loads);
         let mut taken: BTreeSet<NodeId> = racks.iter().flatten().filter_map(stored_on).collect();
         for load in &mut loads {
             load.store = load.bound.filter(|n| taken.insert(*n));
@@ -145,6 +146,20 @@ impl Move<'_> {
             loads.push(Load { robot, rack, at, bound, store: None });
         }
         loads
+    }
+
+    /// Robots that cannot leave with their racks: the place is one now that only unloaded robots come to.
+    fn shut_in(&mut self, loads: &[Load]) {
+        for load in loads {
+            let leaves = self.new.out(load.at).any(|(_, arc)| arc.users.allows(true));
+            if !leaves && self.new.nodes[load.at].kind != NodeKind::Storage {
+                let (robot, node) = (&self.ledger.robots[load.robot].name, &self.new.nodes[load.at].name);
+                let what = format!(
+                    "{robot} stands on {node} with a rack, and no lane for loaded robots leads from there on the new map"
+                );
+                self.report.refuse(what, SEND_ELSEWHERE);
+            }
+        }
     }
 
     /// Racks that are new on the map stand at home, or, where something is there, on the nearest node that is free.

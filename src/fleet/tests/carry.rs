@@ -241,6 +241,14 @@ fn a_rack_that_is_gone_is_a_loss_and_on_a_robot_it_is_in_the_way() {
     let carried = floor.carried(&without);
     let said = carried.report.to_string();
     assert!(carried.parts.is_none() && said.contains(&format!("robot-1 carries rack {name}")), "{said}");
+    floor.until(300, "the robot is under way", |f| {
+        f.fleet.warehouse().nodes[f.fleet.ledger().node_of(RobotId(0))].kind != NodeKind::Storage
+    });
+    let mut draft = json::parse_draft(&json::write(&lab())).unwrap();
+    draft.lanes.iter_mut().for_each(|lane| lane.users = crate::warehouse::Users::UNLOADED);
+    let carried = floor.carried(&draft.build_unchecked());
+    let said = carried.report.to_string();
+    assert!(carried.parts.is_none() && said.contains("no lane for loaded robots leads from there"), "{said}");
 }
 
 #[test]
