@@ -1,8 +1,8 @@
 //! A database under a changed map: compared, backed up, and carried over in one transaction, or refused in words.
 //!
-//! Main types: [`CarryOver`] (what the caller wants), [`CarriedOver`] (what was done). The ledger is carried over by the
-//! core ([`crate::fleet::carry`]); the lists get the new map's ids, and what they name that is gone keeps its name. A
-//! kill at any instant leaves the old database or the new one. Refuses: obstacles always, losses unless they were
+//! Main types: [`CarryOver`] (what the caller wants), [`CarriedOver`] (what was done). The ledger is carried over by
+//! the core ([`crate::fleet::carry`]); the lists get the new map's ids, and what they name that is gone keeps its name.
+//! A kill at any instant leaves the old database or the new one. Refuses: obstacles always, losses unless they were
 //! accepted, and to begin without a backup.
 
 use super::check::{back_up, sync_folder};
@@ -21,11 +21,12 @@ use std::sync::Arc;
 
 const IDS: &str =
     "CREATE TEMP TABLE ids (kind TEXT, old INTEGER, new INTEGER, PRIMARY KEY (kind, old)) WITHOUT ROWID";
-const MAP_ID: &str = "INSERT INTO temp.ids SELECT $1, json_extract(value, '$[0]'), json_extract(value, '$[1]') FROM json_each($2)";
+const MAP_ID: &str = "INSERT INTO temp.ids \
+    SELECT $1, json_extract(value, '$[0]'), json_extract(value, '$[1]') FROM json_each($2)";
 const DROP_IDS: &str = "DROP TABLE temp.ids";
 const FORGET_GONE: &str = "DELETE FROM gone";
 const NOTE_GONE: &str = "INSERT INTO gone (kind, id, name) VALUES ($1, $2, $3)";
-/// Places have to be free of what was there before they are taken: each goes below 0 first.
+/// Rows of the heat are known by their node: each goes below 0 first, so that no two have one number in between.
 const RENUMBER: [&str; 7] = [
     "UPDATE jobs SET rack = (SELECT new FROM temp.ids WHERE kind = 'rack' AND old = rack) \
      WHERE rack IN (SELECT old FROM temp.ids WHERE kind = 'rack')",
@@ -245,8 +246,8 @@ fn names(kind: Kind, map: &Warehouse) -> Vec<&str> {
     }
 }
 
-/// Which ids of one kind become which, as far as they change. What is gone gets ids beyond the map; what was gone and has
-/// come back gets its place in the map.
+/// Which ids of one kind become which, as far as they change. What is gone gets ids beyond the map; what was gone and
+/// has come back gets its place in the map.
 fn changes(kind: Kind, old: &[&str], new: &[&str], known: &Gone, gone: &mut Gone) -> Vec<(u32, u32)> {
     let at: BTreeMap<&str, u32> = (0..).zip(new).map(|(id, name)| (*name, id)).collect();
     let before = known.0.iter().filter(|((k, _), _)| *k == kind).map(|((_, id), name)| (*id, name.as_str()));

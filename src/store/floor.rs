@@ -30,8 +30,8 @@ pub(super) async fn stored(db: &SqlitePool) -> Result<Option<Warehouse>, StoreEr
     Ok(map.filter(|map| Some(seal(map)) == sealed))
 }
 
-/// It was well-formed for the Giveway that wrote it. A later one may find fault with it, and that may be why the map was
-/// changed: it is only read to know what is where.
+/// It was well-formed for the Giveway that wrote it. A later one may find fault with it, and that may be why the map
+/// was changed: it is only read to know what is where.
 fn read(text: &str) -> Option<Warehouse> {
     match json::parse(text) {
         Ok(map) => Some(map),

@@ -53,9 +53,9 @@ fn every_fact() -> Vec<Fact> {
         JobState::Picking { robot },
         JobState::Done,
         JobState::Cancelled,
+        JobState::Failed(JobFailure::MapChanged),
         JobState::Failed(JobFailure::Unreachable),
         JobState::Failed(JobFailure::Predecessor(job)),
-        JobState::Failed(JobFailure::MapChanged),
     ];
     let moves = [Purpose::Charge, Purpose::Park, Purpose::Go];
     let tasks = [

@@ -78,8 +78,7 @@ pub fn carry(ledger: &Ledger, new: &Warehouse, at: Time) -> Carried {
         }
     }
     if !waiting.is_empty() {
-        let note = format!("{} jobs that robots were at wait again for a robot", waiting.len());
-        m.report.notes.push(note);
+        m.report.notes.push(format!("jobs that robots were at and that wait again: {}", waiting.len()));
     }
     let parts = m.report.obstacles.is_empty().then_some(parts);
     Carried { report: m.report, parts, waiting, failed, cancelled, ids: m.ids }

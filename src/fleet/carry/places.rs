@@ -1,6 +1,6 @@
 //! Where robots and racks are on the new map, and where robots bring the racks that are on them.
 //!
-//! Refuses: to move anything that stands, and two robots or two racks where one has room.
+//! Main type: `Placed`. Refuses: to move anything that stands, and two robots or two racks where one has room.
 
 use super::super::fact::Task;
 use super::super::ledger::{Robot, stand};
@@ -32,7 +32,7 @@ struct Load {
 }
 
 impl Move<'_> {
-    /// Where everything is on the new map. What is said where something is in the way of it is of no use.
+    /// Where everything is on the new map. If the report has obstacles, the result is incomplete and must not be used.
     pub(super) fn place(&mut self) -> Placed {
         let stands = self.stands();
         let racks = self.stored();
@@ -155,7 +155,8 @@ impl Move<'_> {
             if !leaves && self.new.nodes[load.at].kind != NodeKind::Storage {
                 let (robot, node) = (&self.ledger.robots[load.robot].name, &self.new.nodes[load.at].name);
                 let what = format!(
-                    "{robot} stands on {node} with a rack, and no lane for loaded robots leads from there on the new map"
+                    "{robot} stands on {node} with a rack, and on the new map no lane for loaded robots leads from \
+                     there"
                 );
                 self.report.refuse(what, SEND_ELSEWHERE);
             }
@@ -231,7 +232,7 @@ impl Move<'_> {
         self.report.refuse(what, "add a storage node to the map");
     }
 
-    /// Robots with nothing to do but to bring away the racks that they carry.
+    /// Each robot is idle, or brings away the rack that it carries.
     fn robots(&self, stores: &BTreeMap<RobotId, Task>) -> IdVec<RobotId, Robot> {
         let robot = |(id, old): (RobotId, &Robot)| {
             let task = stores.get(&id).copied().unwrap_or(Task::Idle);
@@ -240,8 +241,8 @@ impl Move<'_> {
         self.ledger.robots.pairs().map(robot).collect()
     }
 
-    /// One visit for each robot, without end. Its number is one that no visit had before, so that nothing that a robot
-    /// still says of its old route is taken for something about the new one.
+    /// One visit for each robot, without end. Its serial number is higher than all of the old route, so that a late
+    /// report about the old route cannot be mistaken for one about the new.
     fn chains(&self, stands: &BTreeMap<RobotId, NodeId>) -> Vec<ChainParts> {
         let chain = |(robot, node): (&RobotId, &NodeId)| {
             let first = self.ledger.chain(*robot).end();
