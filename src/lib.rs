@@ -236,6 +236,7 @@
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
 //! | which file is the database; its lock | `store/opening.rs`, `store/identity.rs`; `store/lock.rs` |
 //! | what happens where a step panics | `server/rescue.rs`, `fleet/traffic/fence.rs` |
+//! | what becomes of a database whose map was changed | `fleet/carry/`, `store/carry.rs` |
 //! | a command | `cli/` |
 //! | a wall | `tests/walls.rs`, and the picture above |
 //!

@@ -211,20 +211,24 @@ impl Names<'_> {
     /// A job.
     pub fn job(&self, record: &JobRecord) -> JobDto {
         let request = &record.job.request;
-        let (station, pick) = match request.kind {
-            JobKind::Deliver { station, pick, .. } => (self.map.stations.get(station), pick),
-            _ => (None, None),
+        let gone = &record.gone;
+        let pick = match request.kind {
+            JobKind::Deliver { pick, .. } => pick,
+            _ => None,
         };
+        let station = request.kind.station().and_then(|s| self.map.stations.get(s));
         let node = match request.kind {
-            JobKind::Relocate { node, .. } | JobKind::Go { node, .. } => Some(self.node(node)),
+            JobKind::Relocate { node, .. } | JobKind::Go { node, .. } => {
+                Some(gone.node.clone().unwrap_or_else(|| self.node(node)))
+            }
             _ => None,
         };
         let rack = request.kind.rack().and_then(|r| self.map.racks.get(r));
         JobDto {
             id: job_name(record.id),
             kind: request.kind.word(),
-            rack: rack.map(|r| r.name.clone()),
-            station: station.map(|s| s.name.clone()),
+            rack: gone.rack.clone().or_else(|| rack.map(|r| r.name.clone())),
+            station: gone.station.clone().or_else(|| station.map(|s| s.name.clone())),
             node,
             robot: record.robot.or(request.kind.robot()).map(|r| self.robot(r)),
             pick_s: pick.map(|p| p.as_secs_f64()),
@@ -240,7 +244,7 @@ impl Names<'_> {
 
     fn why_of_job(&self, record: &JobRecord) -> Option<String> {
         if let JobState::Failed(why) = record.job.state {
-            return Some(why_failed(why, self.map));
+            return Some(why_failed(why, |node| record.gone.node.clone().unwrap_or_else(|| self.node(node))));
         }
         Some(self.why_job(self.view.why_job(record.id, &record.job)?))
     }
@@ -351,15 +355,16 @@ fn doing_word(d: Doing) -> &'static str {
     }
 }
 
-fn why_failed(why: JobFailure, warehouse: &Warehouse) -> String {
+fn why_failed(why: JobFailure, node_name: impl Fn(NodeId) -> String) -> String {
     match why {
         JobFailure::Predecessor(job) => {
             format!("{}, which had to be over first, was cancelled or failed", job_name(job))
         }
         JobFailure::Unreachable => "no way leads there, even on an empty floor".into(),
         JobFailure::Short => "the station said that goods were missing".into(),
+        JobFailure::MapChanged => "the map was changed and no longer has what this job names".into(),
         JobFailure::StorageTaken(node) => {
-            let node = &warehouse.nodes[node].name;
+            let node = node_name(node);
             format!("{node} has another rack, or is promised to one: the rack was put elsewhere")
         }
     }

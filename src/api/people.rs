@@ -367,7 +367,7 @@ impl Names<'_> {
         AssignmentDto {
             id: assignment_name(record.id),
             worker: worker_name(a.worker),
-            place: self.node(a.request.place),
+            place: record.gone.node.clone().unwrap_or_else(|| self.node(a.request.place)),
             stay_s: a.request.stay.as_secs_f64(),
             what: a.request.what.clone(),
             state: a.state.word(),

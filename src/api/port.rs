@@ -30,6 +30,19 @@ pub struct JobRecord {
     pub robot: Option<RobotId>,
     /// When its state changed last.
     pub updated: Time,
+    /// Names of what it speaks of and the map no longer has.
+    pub gone: Gone,
+}
+
+/// Names of what a row of the past speaks of, where the map no longer has it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Gone {
+    /// Of its rack.
+    pub rack: Option<String>,
+    /// Of its station.
+    pub station: Option<String>,
+    /// Of its node, or place.
+    pub node: Option<String>,
 }
 
 /// Which jobs to list, newest first.
@@ -52,6 +65,8 @@ pub struct AssignmentRecord {
     pub assignment: Assignment,
     /// When its state changed last.
     pub updated: Time,
+    /// Names of what it speaks of and the map no longer has.
+    pub gone: Gone,
 }
 
 /// Which assignments to list, newest first.

@@ -1,13 +1,16 @@
-//! `giveway database`: checks the server's database, copies it while the server runs, puts a copy back.
+//! `giveway database`: checks the server's database, copies it while the server runs, puts a copy back, carries it over
+//! to a changed map.
 //!
 //! Main type: [`Database`]. Exit codes: 0 all is well, 1 something is wrong or was refused. A copy is checked before it
 //! gets its name, a source before anything is moved. Refuses: to overwrite a file, and to touch a database that a
 //! server has.
 
+use super::read_map;
 use super::sim::Setup;
-use crate::fleet::{Fleet, Ledger};
+use crate::fleet::carry::Report as Differences;
+use crate::fleet::{Fleet, Ledger, Settings};
 use crate::server::{Config, Flags};
-use crate::store::{Store, seal};
+use crate::store::{Belongs, CarryOver, Opening, Store, StoreError, seal};
 use crate::warehouse::Warehouse;
 use anyhow::{Context, ensure};
 use clap::{Args, Subcommand};
@@ -37,8 +40,22 @@ pub struct Database {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Look for damage, load the journal and fold it. Also while a server runs; nothing is changed.
-    Check,
+    /// Look for damage, load the journal and fold it. Also while a server runs; nothing is changed. With another map
+    /// than the database's own: list what a start would carry over to it, and what not.
+    Check {
+        /// Another map than the scenario's.
+        #[arg(long, value_name = "FILE")]
+        map: Option<PathBuf>,
+    },
+    /// Carry the database over to a changed map, as a start does, after a backup.
+    Carry {
+        /// The changed map; the scenario's where absent.
+        #[arg(long, value_name = "FILE")]
+        map: Option<PathBuf>,
+        /// Also where something is lost: jobs fail, assignments are cancelled, closures end, as the list says.
+        #[arg(long)]
+        accept_losses: bool,
+    },
     /// Write all that is committed into a new file, and check that. Also while a server runs.
     Backup {
         /// The new file.
@@ -49,6 +66,27 @@ enum Command {
         /// The backup.
         source: PathBuf,
     },
+}
+
+/// What carrying a database over to another map means.
+#[derive(Debug, Serialize)]
+struct Changed {
+    /// Name of the other map.
+    to: String,
+    obstacles: Vec<String>,
+    losses: Vec<String>,
+    notes: Vec<String>,
+}
+
+impl Changed {
+    fn new(to: &str, found: &Differences) -> Changed {
+        Changed {
+            to: to.to_owned(),
+            obstacles: found.obstacles.iter().map(ToString::to_string).collect(),
+            losses: found.losses.iter().map(ToString::to_string).collect(),
+            notes: found.notes.clone(),
+        }
+    }
 }
 
 /// What was found in a database.
@@ -74,30 +112,44 @@ struct Report {
     /// What is wrong, or was not looked at.
     problems: Vec<String>,
     notes: Vec<String>,
+    /// What a start with the map that was named does, where that is another one than the database's own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    changed_map: Option<Changed>,
     /// Where a backup is, or what was moved aside by restoring one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     files: Vec<PathBuf>,
 }
 
-/// The map to fold with, and whether it was asked for.
-type Floor = Option<(Arc<Warehouse>, crate::fleet::Settings)>;
+/// The map to fold with.
+type Floor = Option<(Arc<Warehouse>, Settings)>;
+
+impl Command {
+    fn map(&self) -> Option<&Path> {
+        match self {
+            Command::Check { map } | Command::Carry { map, .. } => map.as_deref(),
+            Command::Backup { .. } | Command::Restore { .. } => None,
+        }
+    }
+}
 
 impl Database {
     /// Runs the command.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let Database { command, database, scenario, config, json } = self;
-        let named = scenario.is_some();
+        let named = scenario.is_some() || command.map().is_some();
+        let readable = scenario.is_some();
         let config = Config::read(&Flags { database, scenario, config, ..Flags::default() })?;
-        let floor = if named || config.scenario.exists() {
-            let setup = Setup::read(&config.scenario, None, None)?;
+        let floor = if readable || config.scenario.exists() {
+            let setup = Setup::read(&config.scenario, command.map(), None)?;
             Some((setup.warehouse, setup.scenario.settings()))
         } else {
-            None
+            command.map().map(read_map).transpose()?.map(|map| (map, Settings::default()))
         };
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let report = runtime.block_on(async {
             match &command {
-                Command::Check => check(&config.database, floor, named).await,
+                Command::Check { .. } => check(&config.database, floor, named).await,
+                Command::Carry { accept_losses, .. } => carry(&config, floor, *accept_losses).await,
                 Command::Backup { target } => backup(&config.database, target, floor, named).await,
                 Command::Restore { source } => restore(source, &config.database, floor, named).await,
             }
@@ -117,11 +169,52 @@ async fn inspect(path: &Path) -> anyhow::Result<Store> {
     Ok(Store::inspect(path).await?)
 }
 
-async fn check(path: &Path, floor: Floor, named: bool) -> anyhow::Result<Report> {
+async fn look(path: &Path, floor: Floor, named: bool) -> anyhow::Result<Report> {
     let store = inspect(path).await?;
     let report = examine(&store, floor, named).await;
     store.close().await;
     report
+}
+
+async fn check(path: &Path, floor: Floor, named: bool) -> anyhow::Result<Report> {
+    let mut report = look(path, floor, named).await?;
+    if let Some(changed) = &report.changed_map {
+        let (obstacles, losses) = (changed.obstacles.len(), changed.losses.len());
+        let text = format!(
+            "a start with the map \"{}\" is refused: {obstacles} obstacles and {losses} losses, as listed",
+            changed.to
+        );
+        report.problems.extend((named && obstacles + losses > 0).then_some(text));
+        report.ok = report.problems.is_empty();
+    }
+    Ok(report)
+}
+
+/// Carries a database over to the map; says what that means where it is refused.
+async fn carry(config: &Config, floor: Floor, accept_losses: bool) -> anyhow::Result<Report> {
+    let path = &config.database;
+    ensure!(path.is_file(), "there is no database {}: name it with --database FILE", path.display());
+    let (map, settings) = floor
+        .clone()
+        .context("name the changed map with --map FILE, or its scenario with --scenario FILE")?;
+    let stamp = jiff::Timestamp::now().strftime("%Y-%m-%dT%H%M%SZ").to_string();
+    let wanted = CarryOver { clearance: settings.kinematics.clearance, accept_losses, stamp };
+    let opening = Opening { new: None, traces: vec![config.past_folder()], carry: Some(wanted) };
+    let store = match Store::open_as(path, &map, &opening).await {
+        Err(StoreError::ChangedMap { .. }) => return check(path, floor, true).await,
+        opened => opened?,
+    };
+    let carried = store.carried().cloned();
+    store.close().await;
+    let mut report = check(path, floor, true).await?;
+    match carried {
+        None => report.notes.push("it belongs to this map already: there was nothing to carry over".into()),
+        Some(carried) => {
+            report.changed_map = Some(Changed::new(&map.name, &carried.report));
+            report.files.extend(carried.backup);
+        }
+    }
+    Ok(report)
 }
 
 /// Everything that can be said about a database without changing it.
@@ -140,6 +233,7 @@ async fn examine(store: &Store, floor: Floor, named: bool) -> anyhow::Result<Rep
         robots: None,
         problems: store.integrity().await?,
         notes: Vec::new(),
+        changed_map: None,
         files: Vec::new(),
     };
     if let Err(e) = look_inside(store, floor, named, &mut report).await {
@@ -158,16 +252,11 @@ async fn look_inside(store: &Store, floor: Floor, named: bool, report: &mut Repo
     report.facts = facts;
     let time = |t: crate::time::Time| jiff::Timestamp::from_microsecond(t.0).map(|t| t.to_string());
     report.last = last.map(time).transpose()?;
-    let other = |map: &Warehouse| {
-        format!(
-            "the journal was not folded: it belongs to the map \"{}\", and this is \"{}\"",
-            about.map, map.name
-        )
-    };
     match floor {
         None => report.notes.push("the journal was not folded: name its scenario with --scenario".into()),
-        Some((map, _)) if seal(&map) != about.seal && named => report.problems.push(other(&map)),
-        Some((map, _)) if seal(&map) != about.seal => report.notes.push(other(&map)),
+        Some((map, settings)) if seal(&map) != about.seal => {
+            compare(store, &about, (map, settings), named, report).await?;
+        }
         Some((map, settings)) => {
             let loaded = store.load(Ledger::new(map, settings.kinematics.clearance, false)).await?;
             let (ledger, facts) = loaded.into_parts();
@@ -175,6 +264,34 @@ async fn look_inside(store: &Store, floor: Floor, named: bool, report: &mut Repo
             let folded = tokio::task::spawn_blocking(fold).await;
             report.robots = Some(folded.ok().context("the journal contradicts itself, as said above")?);
         }
+    }
+    Ok(())
+}
+
+/// What a start with another map does. The journal is folded under the database's own map, if that is known.
+async fn compare(
+    store: &Store,
+    about: &Belongs,
+    (map, settings): (Arc<Warehouse>, Settings),
+    named: bool,
+    report: &mut Report,
+) -> anyhow::Result<()> {
+    let (theirs, ours) = (&about.map, &map.name);
+    match store.compare(&map, settings.kinematics.clearance).await {
+        Ok(found) => {
+            let found = found.unwrap_or_default();
+            let text = format!("it belongs to the map \"{theirs}\"; compared with \"{ours}\" below");
+            report.notes.push(text);
+            report.changed_map = Some(Changed::new(ours, &found));
+        }
+        Err(StoreError::UnknownMap { .. }) => {
+            let text = format!(
+                "the journal was not folded: it belongs to the map \"{theirs}\", and this is \"{ours}\"; the map \
+                 itself is not in the database until this Giveway has opened it once with that map"
+            );
+            if named { report.problems.push(text) } else { report.notes.push(text) }
+        }
+        Err(e) => return Err(e.into()),
     }
     Ok(())
 }
@@ -195,7 +312,7 @@ async fn backup(path: &Path, target: &Path, floor: Floor, named: bool) -> anyhow
     let copied = store.copy_to(&partial).await;
     store.close().await;
     copied?;
-    let mut report = check(&partial, floor, named).await?;
+    let mut report = look(&partial, floor, named).await?;
     if report.ok {
         // Whoever makes the name owns it: a file that came meanwhile is not overwritten.
         let claim = std::fs::File::create_new(target).and_then(|_| std::fs::rename(&partial, target));
@@ -228,9 +345,16 @@ fn show(command: &Command, report: &Report) {
         println!("folded   without contradiction: {robots} robots");
     }
     report.notes.iter().for_each(|note| println!("note     {note}"));
+    if let Some(changed) = &report.changed_map {
+        println!("changed  to the map \"{}\"", changed.to);
+        changed.obstacles.iter().for_each(|entry| println!("obstacle {entry}"));
+        changed.losses.iter().for_each(|entry| println!("loss     {entry}"));
+        changed.notes.iter().for_each(|entry| println!("map      {entry}"));
+    }
     report.problems.iter().for_each(|problem| println!("PROBLEM  {problem}"));
     let verb = match command {
-        Command::Check => "",
+        Command::Check { .. } => "",
+        Command::Carry { .. } => "backup  ",
         Command::Backup { .. } => "written ",
         Command::Restore { .. } => "aside   ",
     };

@@ -5,6 +5,7 @@
 //! Refuses: clocks, I/O, random numbers, hash order; reacting to messages (it reacts to state, so repeated and
 //! late ones do no harm).
 
+pub mod carry;
 pub mod dispatch;
 mod people;
 pub mod read;

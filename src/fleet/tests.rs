@@ -2,6 +2,7 @@
 
 mod after;
 mod cancel;
+mod carry;
 mod charging;
 mod closures;
 mod failure;

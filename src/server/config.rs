@@ -245,7 +245,7 @@ impl Config {
     }
 
     /// Where the past is, if any was kept.
-    pub(super) fn past_folder(&self) -> PathBuf {
+    pub fn past_folder(&self) -> PathBuf {
         self.database.with_extension("past")
     }
 

@@ -3,7 +3,7 @@
 //! Main type: [`Past`]. Refuses: a database.
 
 use crate::api::port::{
-    AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, JobFilter, JobRecord, Later,
+    AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, Gone, JobFilter, JobRecord, Later,
     Records,
 };
 use crate::fleet::{Assignment, AssignmentState, Fact, Job, JobState};
@@ -38,8 +38,9 @@ impl Lists {
     fn add(&mut self, fact: &Fact) {
         match fact {
             Fact::Accepted { job: id, request, at } => {
-                let job = Job { request: request.clone(), state: JobState::Waiting, accepted: *at };
-                self.jobs.insert(*id, JobRecord { id: *id, job, robot: None, updated: *at });
+                let (gone, request) = (Gone::default(), request.clone());
+                let job = Job { request, state: JobState::Waiting, accepted: *at };
+                self.jobs.insert(*id, JobRecord { id: *id, job, robot: None, updated: *at, gone });
             }
             Fact::Progressed { job, state, at, .. } => {
                 if let Some(record) = self.jobs.get_mut(job) {
@@ -55,8 +56,9 @@ impl Lists {
             }
             Fact::Assigned { assignment: id, worker, request, at } => {
                 let (request, state) = (request.clone(), AssignmentState::Waiting);
+                let gone = Gone::default();
                 let assignment = Assignment { worker: *worker, request, state, accepted: *at };
-                self.assignments.insert(*id, AssignmentRecord { id: *id, assignment, updated: *at });
+                self.assignments.insert(*id, AssignmentRecord { id: *id, assignment, updated: *at, gone });
             }
             Fact::Advanced { assignment, state, at } => {
                 if let Some(record) = self.assignments.get_mut(assignment) {

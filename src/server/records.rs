@@ -3,11 +3,13 @@
 //! Main type: [`Shelf`]. Refuses: to write.
 
 use crate::api::port::{
-    AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, JobFilter, JobRecord, Later,
+    AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, Gone, JobFilter, JobRecord, Later,
     Records,
 };
 use crate::id::{AssignmentId, JobId};
-use crate::store::{AssignmentQuery, AssignmentRow, EncounterQuery, JobQuery, JobRow, Store, StoreError};
+use crate::store::{
+    AssignmentQuery, AssignmentRow, EncounterQuery, GoneNames, JobQuery, JobRow, Store, StoreError,
+};
 use std::sync::Arc;
 
 /// Durable lists, to be read.
@@ -57,13 +59,16 @@ impl Records for Shelf {
 
 impl From<AssignmentRow> for AssignmentRecord {
     fn from(row: AssignmentRow) -> AssignmentRecord {
-        AssignmentRecord { id: row.id, assignment: row.assignment, updated: row.updated }
+        let gone = Gone { node: row.gone, ..Gone::default() };
+        AssignmentRecord { id: row.id, assignment: row.assignment, updated: row.updated, gone }
     }
 }
 
 impl From<JobRow> for JobRecord {
     fn from(row: JobRow) -> JobRecord {
-        JobRecord { id: row.id, job: row.job, robot: row.robot, updated: row.updated }
+        let GoneNames { rack, station, node } = row.gone;
+        let gone = Gone { rack, station, node };
+        JobRecord { id: row.id, job: row.job, robot: row.robot, updated: row.updated, gone }
     }
 }
 

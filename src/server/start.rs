@@ -13,7 +13,7 @@ use crate::api::port::{Alarms, Figures};
 use crate::fleet::{Fleet, Ledger, Settings};
 use crate::history::History;
 use crate::sim::World;
-use crate::store::{Opening, Store};
+use crate::store::{CarryOver, Opening, Store};
 use crate::time::Span;
 use anyhow::Context;
 use std::any::Any;
@@ -59,7 +59,9 @@ pub async fn open(config: &Config, floor: &Floor) -> anyhow::Result<Arc<Store>> 
         anyhow::Ok(now.strftime("%Y-%m-%dT%H%M%SZ").to_string())
     };
     let new = config.new.then(stamp).transpose()?;
-    let opening = Opening { new, traces: vec![config.past_folder()] };
+    let clearance = floor.scenario.kinematics.clearance;
+    let carry = Some(CarryOver { clearance, accept_losses: false, stamp: stamp()? });
+    let opening = Opening { new, traces: vec![config.past_folder()], carry };
     let store = Store::open_as(&config.database, &floor.map, &opening).await?;
     Ok(Arc::new(store.keep_days(config.keep_days)))
 }

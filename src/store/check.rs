@@ -3,11 +3,12 @@
 //! Main functions: [`Store::inspect`], [`Store::integrity`], [`Store::copy_to`], [`Store::restore`]. A copy is what was
 //! committed when it began, also while a server writes. Refuses: to overwrite anything.
 
+use super::gone::Gone;
 use super::identity::{Place, beside};
 use super::lock::Lock;
 use super::opening::set_aside;
 use super::{ABOUT, BUSY, Store, StoreError, last_step};
-use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
+use sqlx::sqlite::{SqliteConnectOptions, SqlitePool, SqlitePoolOptions};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -34,10 +35,11 @@ impl Store {
         let open = |why| StoreError::Open { path: path.into(), why };
         let options = SqliteConnectOptions::new().filename(path).read_only(true).busy_timeout(BUSY);
         let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.map_err(open)?;
-        let last = last_step(&pool).await?;
+        let (last, gone) = (last_step(&pool).await?, Gone::read(&pool).await?);
         let lock = Arc::new(Lock::none(path));
         let (run, keep) = (String::new(), super::days(super::KEEP_DAYS));
-        Ok(Store { writer: pool.clone(), readers: pool, place: Place::default(), last, run, keep, lock })
+        let (writer, readers, place) = (pool.clone(), pool, Place::default());
+        Ok(Store { writer, readers, place, last, run, keep, lock, gone, carried: None })
     }
 
     /// The number of the last step when it was opened.
@@ -71,14 +73,7 @@ impl Store {
     /// # Errors
     /// Where the file is there already, or cannot be written.
     pub async fn copy_to(&self, target: &Path) -> Result<(), StoreError> {
-        let fail = |why| StoreError::Target { path: target.into(), why };
-        let name = target.to_str().ok_or_else(|| fail(io::ErrorKind::InvalidFilename.into()))?;
-        if target.exists() {
-            return Err(fail(io::ErrorKind::AlreadyExists.into()));
-        }
-        sqlx::query(COPY).bind(name).execute(&self.readers).await?;
-        File::open(target).and_then(|f| f.sync_all()).map_err(fail)?;
-        sync_folder(target).map_err(fail)
+        copy(&self.readers, target).await
     }
 
     /// Puts a copy of this database in the place of another, which is moved aside with all its files. Gives their new
@@ -104,8 +99,38 @@ impl Store {
     }
 }
 
+/// Writes everything that is committed into a new file, and makes it outlast a loss of power.
+async fn copy(db: &SqlitePool, target: &Path) -> Result<(), StoreError> {
+    let fail = |why| StoreError::Target { path: target.into(), why };
+    let name = target.to_str().ok_or_else(|| fail(io::ErrorKind::InvalidFilename.into()))?;
+    if target.exists() {
+        return Err(fail(io::ErrorKind::AlreadyExists.into()));
+    }
+    sqlx::query(COPY).bind(name).execute(db).await?;
+    File::open(target).and_then(|f| f.sync_all()).map_err(fail)?;
+    sync_folder(target).map_err(fail)
+}
+
+/// A copy that is looked through for damage before it gets its name.
+pub(super) async fn back_up(db: &SqlitePool, target: &Path) -> Result<(), StoreError> {
+    let fail = |why| StoreError::Target { path: target.into(), why };
+    let partial = beside(target, ".partial");
+    match std::fs::remove_file(&partial) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(fail(e)),
+        _ => {}
+    }
+    copy(db, &partial).await?;
+    let store = Store::inspect(&partial).await?;
+    let problems = store.integrity().await;
+    store.close().await;
+    if let Some(problem) = problems?.first() {
+        return Err(fail(io::Error::other(format!("the copy is damaged: {problem}"))));
+    }
+    std::fs::rename(&partial, target).and_then(|()| sync_folder(target)).map_err(fail)
+}
+
 /// Makes the names in the folder of a file outlast a loss of power.
-fn sync_folder(path: &Path) -> io::Result<()> {
+pub(super) fn sync_folder(path: &Path) -> io::Result<()> {
     let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
 }

@@ -4,6 +4,7 @@
 
 use super::ledger_record::SnapshotError;
 use super::record::RecordError;
+use crate::fleet::carry::Report;
 use std::path::PathBuf;
 
 /// Why the store cannot do what it should.
@@ -122,6 +123,47 @@ pub enum StoreError {
         /// Name of the map given.
         ours: String,
     },
+    /// The facts speak of another map, which the database does not have.
+    #[error(
+        "the database {path} belongs to the map \"{theirs}\", and was last opened by a Giveway that did not write its \
+         map down, so it cannot be compared with the map \"{ours}\": open it once with the old map first (start this \
+         Giveway with it, and stop it again), then start with the new one; or use another --database"
+    )]
+    UnknownMap {
+        /// Which file.
+        path: PathBuf,
+        /// Name of the map in the database.
+        theirs: String,
+        /// Name of the map given.
+        ours: String,
+    },
+    /// What the facts speak of cannot all be carried over to this map.
+    #[error(
+        "the database {path} belongs to the map \"{theirs}\", and not all of it can be carried over to the map \
+         \"{ours}\". Nothing was changed; a start with the old map goes on as before.\n{report}\n{}",
+        remedy_of(.report)
+    )]
+    ChangedMap {
+        /// Which file.
+        path: PathBuf,
+        /// Name of the map in the database.
+        theirs: String,
+        /// Name of the map given.
+        ours: String,
+        /// What is in the way, and what would be lost.
+        report: Box<Report>,
+    },
+    /// What was carried over makes no sense.
+    #[error(
+        "the database {path} cannot be carried over to the changed map: {why}. Nothing was changed: start with the old \
+         map, or use another --database"
+    )]
+    Carry {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
     /// It is from before the first release.
     #[error(
         "the database {0} was made by a Giveway from before the first release, which this one cannot read: take \
@@ -212,6 +254,17 @@ impl StoreError {
             StoreError::Sql(e) => matches!(primary_code(e), Some(5 | 6 | 13 | 19)),
             _ => false,
         }
+    }
+}
+
+/// What to do about a report, beyond what its entries say.
+fn remedy_of(report: &Report) -> &'static str {
+    match report.obstacles.is_empty() {
+        true => {
+            "To accept these losses, run `giveway database carry --map MAP --accept-losses`, then start again; a \
+             backup is made first"
+        }
+        false => "See to the obstacles first; `giveway database check --map MAP` lists what is left of them",
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! Main types: [`JobRow`], [`JobQuery`]. Refuses: names, which the map gives to ids elsewhere.
 
-use super::{Store, StoreError, record};
+use super::gone::Gone;
+use super::{GoneNames, Store, StoreError, record};
 use crate::fleet::{Fact, Job, JobKind, JobRequest, JobState};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
@@ -20,6 +21,8 @@ pub struct JobRow {
     pub robot: Option<RobotId>,
     /// When its state changed last.
     pub updated: Time,
+    /// Names of what it speaks of and the map no longer has.
+    pub gone: GoneNames,
 }
 
 /// Which jobs to list, newest first.
@@ -56,7 +59,12 @@ impl Store {
     /// Where the database does not answer.
     pub async fn job(&self, id: JobId) -> Result<Option<JobRow>, StoreError> {
         let Ok(id) = i64::try_from(id.0) else { return Ok(None) };
-        sqlx::query(ONE).bind(id).fetch_optional(&self.readers).await?.map(|row| decode(&row)).transpose()
+        sqlx::query(ONE)
+            .bind(id)
+            .fetch_optional(&self.readers)
+            .await?
+            .map(|row| decode(&row, &self.gone))
+            .transpose()
     }
 
     /// Some jobs, newest first.
@@ -69,7 +77,7 @@ impl Store {
             None => sqlx::query(PAGE).bind(before).bind(q.limit),
             Some(state) => sqlx::query(PAGE_OF_STATE).bind(before).bind(q.limit).bind(state),
         };
-        query.fetch_all(&self.readers).await?.iter().map(decode).collect()
+        query.fetch_all(&self.readers).await?.iter().map(|row| decode(row, &self.gone)).collect()
     }
 
     /// How many jobs there are, and how many of them are not over.
@@ -157,7 +165,7 @@ async fn progress(
     Ok(())
 }
 
-fn decode(row: &SqliteRow) -> Result<JobRow, StoreError> {
+fn decode(row: &SqliteRow, gone: &Gone) -> Result<JobRow, StoreError> {
     let id: i64 = row.try_get("id")?;
     let broken = |why: &str| StoreError::Job { id, why: why.into() };
     let worker = row.try_get::<Option<u32>, _>("worker")?.map(RobotId);
@@ -182,7 +190,9 @@ fn decode(row: &SqliteRow) -> Result<JobRow, StoreError> {
         }
         (state, _, _) => return Err(broken(&format!("state {state} and its columns do not go together"))),
     };
+    let gone = gone.of_job(&request.kind, state);
     Ok(JobRow {
+        gone,
         id: JobId(id.unsigned_abs()),
         job: Job { request, state, accepted: Time(row.try_get("created")?) },
         robot: worker,

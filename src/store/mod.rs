@@ -7,11 +7,15 @@
 //! and nobody outside sees a row. What is guaranteed: an [`Store::append`] that returned `Ok` survives loss of
 //! power; a step is there whole or not at all; the journal and the lists never differ; a batch that is appended
 //! again after an unclear failure is written once. Refuses: observations, a second process on the same file, a map
-//! other than the one that the facts speak of, to acknowledge what goes into a file that was taken away.
+//! other than the one that the facts speak of unless they can be carried over to it, to acknowledge what goes into a
+//! file that was taken away.
 
 mod act_record;
+mod carry;
 mod check;
 mod error;
+mod floor;
+mod gone;
 mod history;
 mod identity;
 mod jobs;
@@ -27,8 +31,10 @@ mod seal;
 mod snapshot;
 mod steps;
 
+pub use carry::{CarriedOver, CarryOver};
 pub use check::Belongs;
 pub use error::StoreError;
+pub use gone::GoneNames;
 pub use jobs::{JobQuery, JobRow};
 pub use opening::Opening;
 pub use people::{AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow};
@@ -38,6 +44,7 @@ pub use steps::{Entry, Loaded};
 
 use crate::time::Span;
 use crate::warehouse::Warehouse;
+use gone::Gone;
 use identity::Place;
 use lock::{Lock, Record};
 use sqlx::migrate::{Migration, MigrationType, Migrator};
@@ -56,7 +63,6 @@ const BUSY: Duration = Duration::from_secs(5);
 const READERS: u32 = 4;
 
 const ABOUT: &str = "SELECT value FROM about WHERE key = $1";
-const SET_ABOUT: &str = "INSERT INTO about (key, value) VALUES ($1, $2)";
 const TAKE: &str = "INSERT OR REPLACE INTO about (key, value) VALUES ('run', $1)";
 const EARLIER: &str = "SELECT count(*) FROM sqlite_schema WHERE name = 'journal'";
 const EARLIER_ROWS: &str = "SELECT count(*) FROM (SELECT 1 FROM journal LIMIT 1)";
@@ -83,6 +89,9 @@ pub struct Store {
     run: String,
     keep: Span,
     lock: Arc<Lock>,
+    /// Names of what the lists speak of and the map no longer has.
+    gone: Gone,
+    carried: Option<CarriedOver>,
 }
 
 impl Store {
@@ -95,7 +104,12 @@ impl Store {
     }
 
     /// Opens the database whose lock is held. It must have the facts that the lock file knows of.
-    async fn connect(lock: &Arc<Lock>, known: Option<&Record>, map: &Warehouse) -> Result<Store, StoreError> {
+    async fn connect(
+        lock: &Arc<Lock>,
+        known: Option<&Record>,
+        map: &Warehouse,
+        opening: &Opening,
+    ) -> Result<Store, StoreError> {
         let path = lock.path();
         let open = |why| StoreError::Open { path: path.into(), why };
         let options = SqliteConnectOptions::new()
@@ -119,7 +133,13 @@ impl Store {
             return Err(StoreError::Lost { path: path.into(), found: last, known });
         }
         migrator().run(&writer).await.map_err(|why| StoreError::Migrate { path: path.into(), why })?;
-        check_seal(&writer, path, map).await?;
+        let carried = match settle_map(&writer, path, map, opening).await {
+            Ok(carried) => carried,
+            Err(e) => {
+                writer.close().await;
+                return Err(e);
+            }
+        };
         let run = lock.run().to_string();
         sqlx::query(TAKE).bind(&run).execute(&writer).await?;
         // One of them is always open: with its last connection SQLite would remove the write-ahead log.
@@ -133,8 +153,10 @@ impl Store {
             .await
             .map_err(open)?;
         let place = Place::of(path).map_err(|why| StoreError::Lock { path: path.into(), why })?;
+        let gone = Gone::read(&readers).await?;
         lock.note(last);
-        Ok(Store { writer, readers, place, last, run, keep: days(KEEP_DAYS), lock: lock.clone() })
+        let (keep, lock) = (days(KEEP_DAYS), lock.clone());
+        Ok(Store { writer, readers, place, last, run, keep, lock, gone, carried })
     }
 
     /// Whether the files that it writes to are still the database. What is appended is acknowledged only then.
@@ -156,6 +178,11 @@ impl Store {
     /// The file.
     pub fn path(&self) -> &Path {
         self.lock.path()
+    }
+
+    /// What was done to bring it to the map, where it was opened with another one than it belonged to.
+    pub fn carried(&self) -> Option<&CarriedOver> {
+        self.carried.as_ref()
     }
 
     /// The same, but what is over stays in the lists for so many days.
@@ -211,31 +238,30 @@ fn migrator() -> Migrator {
     let second = include_str!("../../migrations/sqlite/0002_people.sql").into_sql_str();
     let third = include_str!("../../migrations/sqlite/0003_history.sql").into_sql_str();
     let fourth = include_str!("../../migrations/sqlite/0004_steps.sql").into_sql_str();
+    let fifth = include_str!("../../migrations/sqlite/0005_maps.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
         Migration::new(3, "history".into(), MigrationType::Simple, third, false),
         Migration::new(4, "steps".into(), MigrationType::Simple, fourth, false),
+        Migration::new(5, "maps".into(), MigrationType::Simple, fifth, false),
     ])
 }
 
-/// Seals a new database with the map, and refuses another map later.
-async fn check_seal(writer: &SqlitePool, path: &Path, map: &Warehouse) -> Result<(), StoreError> {
-    let ours = seal(map);
-    let mut tx = writer.begin_with("BEGIN IMMEDIATE").await?;
-    let theirs: Option<String> = sqlx::query_scalar(ABOUT).bind("seal").fetch_optional(&mut *tx).await?;
-    match theirs {
-        None => {
-            sqlx::query(SET_ABOUT).bind("seal").bind(&ours).execute(&mut *tx).await?;
-            sqlx::query(SET_ABOUT).bind("map").bind(&map.name).execute(&mut *tx).await?;
-            tx.commit().await?;
-            Ok(())
-        }
-        Some(seal) if seal == ours => Ok(()),
-        Some(_) => {
-            let name: Option<String> = sqlx::query_scalar(ABOUT).bind("map").fetch_optional(&mut *tx).await?;
-            let theirs = name.unwrap_or_default();
-            Err(StoreError::OtherMap { path: path.into(), theirs, ours: map.name.clone() })
-        }
+/// Seals a new database with the map, and carries one that belongs to another map over to this one.
+async fn settle_map(
+    writer: &SqlitePool,
+    path: &Path,
+    map: &Warehouse,
+    opening: &Opening,
+) -> Result<Option<CarriedOver>, StoreError> {
+    let theirs: Option<String> = sqlx::query_scalar(ABOUT).bind("seal").fetch_optional(writer).await?;
+    if theirs.is_some_and(|theirs| theirs != seal(map)) {
+        let name: Option<String> = sqlx::query_scalar(ABOUT).bind("map").fetch_optional(writer).await?;
+        return carry::carry_over(writer, path, map, name.unwrap_or_default(), opening).await.map(Some);
     }
+    let mut tx = writer.begin_with("BEGIN IMMEDIATE").await?;
+    floor::keep(&mut tx, map).await?;
+    tx.commit().await?;
+    Ok(None)
 }

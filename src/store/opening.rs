@@ -3,6 +3,7 @@
 //! Main type: [`Opening`]. A database that was here and is not, or that has fewer facts than were acknowledged, is not
 //! taken for a new one. Refuses: to start empty without being told so, and to delete anything.
 
+use super::carry::CarryOver;
 use super::identity::beside;
 use super::lock::{Lock, Record};
 use super::{Store, StoreError};
@@ -21,6 +22,8 @@ pub struct Opening {
     pub new: Option<String>,
     /// Folders that are there only where a database was.
     pub traces: Vec<PathBuf>,
+    /// Carry the database over where it belongs to another map; refuse it where this is not given.
+    pub carry: Option<CarryOver>,
 }
 
 impl Store {
@@ -40,12 +43,14 @@ impl Store {
             (Some(stamp), false) => _ = set_aside(&lock, &opening.traces, stamp)?,
         }
         lock.hold_main()?;
-        let Some(stamp) = &opening.new else { return Store::connect(&lock, lock.found(), map).await };
-        match Store::connect(&lock, lock.found().filter(|_| traces.is_empty()), map).await {
+        let Some(stamp) = &opening.new else {
+            return Store::connect(&lock, lock.found(), map, opening).await;
+        };
+        match Store::connect(&lock, lock.found().filter(|_| traces.is_empty()), map, opening).await {
             Err(StoreError::Lost { .. }) => {
                 set_aside(&lock, &opening.traces, stamp)?;
                 lock.hold_main()?;
-                Store::connect(&lock, None, map).await
+                Store::connect(&lock, None, map, opening).await
             }
             Ok(store) if store.last > 0 => {
                 let facts = store.last;
@@ -106,7 +111,7 @@ pub(super) fn set_aside(lock: &Lock, folders: &[PathBuf], stamp: &str) -> Result
 }
 
 /// A dated name beside a file that nothing has yet.
-fn free_name(path: &Path, stamp: &str) -> PathBuf {
+pub(super) fn free_name(path: &Path, stamp: &str) -> PathBuf {
     let name = |n: u32| if n == 0 { format!(".{stamp}") } else { format!(".{stamp}-{n}") };
     (0..).map(|n| beside(path, &name(n))).find(|p| !p.exists()).expect("some number is free")
 }

@@ -3,6 +3,7 @@
 //! Main types: [`AssignmentRow`], [`AssignmentQuery`], [`EncounterRow`], [`EncounterQuery`]. Refuses: names, which
 //! others give to ids.
 
+use super::gone::Gone;
 use super::{Store, StoreError};
 use crate::fleet::{Assignment, AssignmentRequest, AssignmentState, Encounter, Fact, Reaction};
 use crate::geometry::Spot;
@@ -20,6 +21,8 @@ pub struct AssignmentRow {
     pub assignment: Assignment,
     /// When its state changed last.
     pub updated: Time,
+    /// The name of its place, where the map no longer has it.
+    pub gone: Option<String>,
 }
 
 /// Which assignments to list, newest first.
@@ -86,7 +89,7 @@ impl Store {
     pub async fn assignment(&self, id: AssignmentId) -> Result<Option<AssignmentRow>, StoreError> {
         let Ok(id) = i64::try_from(id.0) else { return Ok(None) };
         let row = sqlx::query(ASSIGNMENT).bind(id).fetch_optional(&self.readers).await?;
-        row.map(|row| assignment(&row)).transpose()
+        row.map(|row| assignment(&row, &self.gone)).transpose()
     }
 
     /// Some assignments, newest first.
@@ -97,7 +100,7 @@ impl Store {
         let before = q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX));
         let query = sqlx::query(ASSIGNMENTS).bind(before).bind(q.worker.map(|w| w.0));
         let rows = query.bind(q.state).bind(q.limit).fetch_all(&self.readers).await?;
-        rows.iter().map(assignment).collect()
+        rows.iter().map(|row| assignment(row, &self.gone)).collect()
     }
 
     /// Some encounters, newest first.
@@ -151,7 +154,7 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<()
     Ok(())
 }
 
-fn assignment(row: &SqliteRow) -> Result<AssignmentRow, StoreError> {
+fn assignment(row: &SqliteRow, gone: &Gone) -> Result<AssignmentRow, StoreError> {
     use AssignmentState::{Cancelled, Done, Waiting, Walking, Working};
     let id: i64 = row.try_get("id")?;
     let word: &str = row.try_get("state")?;
@@ -165,6 +168,7 @@ fn assignment(row: &SqliteRow) -> Result<AssignmentRow, StoreError> {
     };
     let (worker, accepted) = (WorkerId(row.try_get("worker")?), Time(row.try_get("created")?));
     Ok(AssignmentRow {
+        gone: gone.node(request.place),
         id: AssignmentId(id.unsigned_abs()),
         assignment: Assignment { worker, request, state, accepted },
         updated: Time(row.try_get("updated")?),

@@ -233,6 +233,7 @@ pub(super) enum FailureRecord {
     Unreachable,
     StorageTaken(u32),
     Short,
+    MapChanged,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -483,6 +484,7 @@ impl From<JobFailure> for FailureRecord {
             JobFailure::Predecessor(job) => FailureRecord::Predecessor(job.0),
             JobFailure::Unreachable => FailureRecord::Unreachable,
             JobFailure::Short => FailureRecord::Short,
+            JobFailure::MapChanged => FailureRecord::MapChanged,
             JobFailure::StorageTaken(node) => FailureRecord::StorageTaken(node.0),
         }
     }
@@ -494,6 +496,7 @@ impl From<FailureRecord> for JobFailure {
             FailureRecord::Predecessor(job) => JobFailure::Predecessor(JobId(job)),
             FailureRecord::Unreachable => JobFailure::Unreachable,
             FailureRecord::Short => JobFailure::Short,
+            FailureRecord::MapChanged => JobFailure::MapChanged,
             FailureRecord::StorageTaken(node) => JobFailure::StorageTaken(NodeId(node)),
         }
     }

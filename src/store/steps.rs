@@ -8,7 +8,7 @@ use crate::fleet::{Fact, Ledger};
 use crate::time::Time;
 use futures_util::TryStreamExt;
 use sqlx::Row;
-use sqlx::sqlite::{SqliteConnection, SqliteRow};
+use sqlx::sqlite::{SqliteConnection, SqlitePool, SqliteRow};
 
 const STEPS: &str = "SELECT seq, at, wire, facts FROM steps WHERE seq > $1 ORDER BY seq";
 pub(super) const LAST: &str = "SELECT max(coalesce((SELECT max(seq) FROM steps), 0), \
@@ -55,23 +55,7 @@ impl Store {
     /// # Errors
     /// Where the database does not answer, or something in it cannot be read: what was promised is not guessed.
     pub async fn load(&self, empty: Ledger) -> Result<Loaded, StoreError> {
-        let found = snapshot::newest(&self.readers, &empty).await?;
-        let (behind, last, ledger) = match found {
-            Some(s) => (s.seq, Some(s.at), s.ledger),
-            None => (0, None, empty),
-        };
-        let mut out = Loaded { ledger, steps: Vec::new(), last, next: behind + 1 };
-        let mut rows = sqlx::query(STEPS).bind(behind).fetch(&self.readers);
-        while let Some(row) = rows.try_next().await? {
-            let (seq, entry) = decode(&row)?;
-            if seq != out.next {
-                return Err(StoreError::Gap { expected: out.next, found: seq });
-            }
-            out.last = Some(entry.at).max(out.last);
-            out.next = seq + 1;
-            out.steps.push(entry);
-        }
-        Ok(out)
+        load(&self.readers, empty).await
     }
 
     /// Reads every step that is there: how many facts they have, and when the last one was.
@@ -154,6 +138,27 @@ impl Store {
         }
         Ok(sqlx::query_scalar(LAST).fetch_one(db).await?)
     }
+}
+
+/// See [`Store::load`].
+pub(super) async fn load(db: &SqlitePool, empty: Ledger) -> Result<Loaded, StoreError> {
+    let found = snapshot::newest(db, &empty).await?;
+    let (behind, last, ledger) = match found {
+        Some(s) => (s.seq, Some(s.at), s.ledger),
+        None => (0, None, empty),
+    };
+    let mut out = Loaded { ledger, steps: Vec::new(), last, next: behind + 1 };
+    let mut rows = sqlx::query(STEPS).bind(behind).fetch(db);
+    while let Some(row) = rows.try_next().await? {
+        let (seq, entry) = decode(&row)?;
+        if seq != out.next {
+            return Err(StoreError::Gap { expected: out.next, found: seq });
+        }
+        out.last = Some(entry.at).max(out.last);
+        out.next = seq + 1;
+        out.steps.push(entry);
+    }
+    Ok(out)
 }
 
 fn decode(row: &SqliteRow) -> Result<(i64, Entry), StoreError> {

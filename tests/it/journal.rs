@@ -46,14 +46,14 @@ async fn number(database: &Path, query: &'static str) -> i64 {
     found
 }
 
-fn log_of(database: &Path) -> PathBuf {
+pub fn log_of(database: &Path) -> PathBuf {
     let mut name = database.as_os_str().to_owned();
     name.push("-wal");
     name.into()
 }
 
 /// Where the commits in a write-ahead log end, in bytes: after frames that say how large the database is then.
-fn commits(log: &[u8]) -> Vec<usize> {
+pub fn commits(log: &[u8]) -> Vec<usize> {
     let word = |at: usize| u32::from_be_bytes(log[at..at + 4].try_into().unwrap()) as usize;
     let (header, frame) = (32, 24 + word(8));
     assert!(log[header..].len().is_multiple_of(frame), "whole frames");

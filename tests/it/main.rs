@@ -5,6 +5,7 @@
 #![cfg(feature = "edge")]
 
 mod api;
+mod carry;
 mod command;
 mod custody;
 mod database;

@@ -53,6 +53,7 @@ fn every_fact() -> Vec<Fact> {
         JobState::Picking { robot },
         JobState::Done,
         JobState::Cancelled,
+        JobState::Failed(JobFailure::MapChanged),
         JobState::Failed(JobFailure::Unreachable),
         JobState::Failed(JobFailure::Predecessor(job)),
     ];

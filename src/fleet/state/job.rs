@@ -142,6 +142,8 @@ pub enum JobFailure {
     StorageTaken(NodeId),
     /// The rack came to its station, where goods were missing.
     Short,
+    /// The map was changed, and no longer has a rack, a station or a node that it names.
+    MapChanged,
 }
 
 impl JobState {

@@ -27,6 +27,8 @@ const SLACK_M: f64 = 1e-3;
 pub struct Laws {
     shadow: Ledger,
     over: BTreeSet<JobId>,
+    /// How many jobs were over before it looked.
+    before: u64,
     accepted: u64,
     progress: BTreeMap<RobotId, (u64, Option<u64>, Time)>,
     run_over: usize,
@@ -46,6 +48,7 @@ impl Laws {
         Laws {
             shadow: fleet.ledger().clone(),
             over: BTreeSet::new(),
+            before: fleet.ledger().next_job - 1 - fleet.ledger().jobs.len() as u64,
             accepted: fleet.ledger().next_job - 1,
             progress: BTreeMap::new(),
             run_over: 0,
@@ -166,7 +169,7 @@ impl Laws {
             }
         }
         let live = fleet.ledger().jobs.len() as u64;
-        if live + self.over.len() as u64 != self.accepted {
+        if self.before + live + self.over.len() as u64 != self.accepted {
             self.break_law(now, Violation::JobLost(JobId(self.accepted)));
         }
     }

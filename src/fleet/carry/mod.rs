@@ -1,0 +1,227 @@
+//! A ledger carried over to a changed map: robots stand where they stood, and the jobs that they had wait again.
+//!
+//! Main types: [`Carried`], [`Report`], [`Matching`]; main function [`carry`]. Nodes, stations and racks are matched by
+//! name, all routes are dropped, and everything that the new map has no name for is listed with what to do about it.
+//! Refuses: to guess where something is, and to decide whether a loss is acceptable: that is the operator's business.
+
+mod changes;
+mod matching;
+mod places;
+mod report;
+
+pub use matching::Matching;
+pub use report::{Entry, Report};
+
+use crate::fleet::state::worker::{Assignment, Closure};
+use crate::fleet::{Job, JobKind, JobState, Ledger, Parts, Wishes};
+use crate::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, StationId};
+use crate::time::Time;
+use crate::warehouse::{NodeKind, Warehouse};
+use std::collections::BTreeMap;
+
+/// What becomes of a ledger under a changed map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Carried {
+    /// What is in the way, what would be lost, what is new.
+    pub report: Report,
+    /// The ledger under the new map, without what is lost; nothing where something is in the way.
+    pub parts: Option<Parts>,
+    /// Jobs that robots had and that wait again.
+    pub waiting: Vec<JobId>,
+    /// Jobs that fail, since the map does not have what they name.
+    pub failed: Vec<JobId>,
+    /// Assignments that are cancelled, since the map does not have their place.
+    pub cancelled: Vec<AssignmentId>,
+    /// Which of the old map's ids is which of the new one's.
+    pub ids: Matching,
+}
+
+/// Both maps, and what is found out on the way.
+struct Move<'a> {
+    ledger: &'a Ledger,
+    old: &'a Warehouse,
+    new: &'a Warehouse,
+    ids: Matching,
+    report: Report,
+    at: Time,
+}
+
+/// Carries a ledger over to a changed map. `at` is the time of its last step: from then on robots stand where they are.
+pub fn carry(ledger: &Ledger, new: &Warehouse, at: Time) -> Carried {
+    let old = &**ledger.warehouse();
+    let ids = Matching::new(old, new);
+    let mut m = Move { ledger, old, new, ids, report: Report::default(), at };
+    m.report.notes = changes::notes(old, new, &m.ids);
+    let placed = m.place();
+    let (jobs, waiting, failed) = m.jobs();
+    let (assignments, cancelled) = m.assignments();
+    let closures = m.closures();
+    let mut parts = Parts {
+        jobs,
+        robots: placed.robots,
+        racks: placed.racks,
+        chains: placed.chains,
+        served: m.served(),
+        assignments,
+        closures,
+        paused_stations: m.paused_stations(),
+        wishes: m.wishes(),
+        ..ledger.to_parts()
+    };
+    for id in &failed {
+        end_job(&mut parts, ledger, *id, at);
+    }
+    for id in &cancelled {
+        let over = &ledger.assignments[id];
+        if let Some(key) = over.request.key.clone() {
+            parts.assignment_keys.end(*id, key, over.accepted);
+        }
+    }
+    if !waiting.is_empty() {
+        m.report.notes.push(format!("jobs that robots were at and that wait again: {}", waiting.len()));
+    }
+    let parts = m.report.obstacles.is_empty().then_some(parts);
+    Carried { report: m.report, parts, waiting, failed, cancelled, ids: m.ids }
+}
+
+/// What [`Ledger::evolve`] does where a job fails. Jobs that come after it fail by the usual rule, in the next steps.
+fn end_job(parts: &mut Parts, ledger: &Ledger, id: JobId, at: Time) {
+    let over = &ledger.jobs[&id];
+    if let Some(key) = over.request.key.clone() {
+        parts.keys.end(id, key, over.accepted);
+    }
+    parts.ended_badly.insert(id, at);
+    parts.counts.failed += 1;
+}
+
+impl Move<'_> {
+    /// Jobs that are not over, those that wait again, and those that fail.
+    fn jobs(&mut self) -> (BTreeMap<JobId, Job>, Vec<JobId>, Vec<JobId>) {
+        let (mut open, mut waiting, mut failed) = (BTreeMap::new(), Vec::new(), Vec::new());
+        for (id, job) in &self.ledger.jobs {
+            match self.kind(job.request.kind) {
+                Ok(kind) => {
+                    if job.state != JobState::Waiting {
+                        waiting.push(*id);
+                    }
+                    let mut carried = Job { state: JobState::Waiting, ..job.clone() };
+                    carried.request.kind = kind;
+                    open.insert(*id, carried);
+                }
+                Err(missing) => {
+                    let what = format!("job {id:?} ({}) asks for {missing}", job.request.kind.word());
+                    let remedy = "start with the old map and cancel it or let it end, or accept that it fails, and \
+                                  with it the jobs that come after it";
+                    self.report.lose(what, remedy);
+                    failed.push(*id);
+                }
+            }
+        }
+        (open, waiting, failed)
+    }
+
+    /// What a job wants, by the new map's ids; or what the new map does not have.
+    fn kind(&self, kind: JobKind) -> Result<JobKind, String> {
+        let has = |place| self.new.nodes.iter().any(|n| n.kind == place);
+        Ok(match kind {
+            JobKind::Deliver { rack, station, pick } => {
+                JobKind::Deliver { rack: self.rack(rack)?, station: self.station(station)?, pick }
+            }
+            JobKind::Return { rack } => JobKind::Return { rack: self.rack(rack)? },
+            JobKind::Relocate { rack, node } => {
+                let (rack, node) = (self.rack(rack)?, self.node(node)?);
+                if self.new.nodes[node].kind != NodeKind::Storage {
+                    return Err(format!("{}, which is no storage node any more", self.new.nodes[node].name));
+                }
+                JobKind::Relocate { rack, node }
+            }
+            JobKind::Charge { .. } if !has(NodeKind::Charger) => {
+                return Err("a charger; there is none".into());
+            }
+            JobKind::Park { .. } if !has(NodeKind::Parking) => {
+                return Err("a parking place; there is none".into());
+            }
+            JobKind::Charge { .. } | JobKind::Park { .. } => kind,
+            JobKind::Go { robot, node } => JobKind::Go { robot, node: self.node(node)? },
+        })
+    }
+
+    fn rack(&self, rack: RackId) -> Result<RackId, String> {
+        self.ids.racks[rack].ok_or_else(|| format!("rack {}, which is gone", self.old.racks[rack].name))
+    }
+
+    fn station(&self, station: StationId) -> Result<StationId, String> {
+        let gone = || format!("station {}, which is gone", self.old.stations[station].name);
+        self.ids.stations[station].ok_or_else(gone)
+    }
+
+    fn node(&self, node: NodeId) -> Result<NodeId, String> {
+        self.ids.nodes[node].ok_or_else(|| format!("node {}, which is gone", self.old.nodes[node].name))
+    }
+
+    /// Assignments that are not over, and those that are cancelled.
+    fn assignments(&mut self) -> (BTreeMap<AssignmentId, Assignment>, Vec<AssignmentId>) {
+        let (mut open, mut cancelled) = (BTreeMap::new(), Vec::new());
+        for (id, assignment) in &self.ledger.assignments {
+            match self.node(assignment.request.place) {
+                Ok(place) => {
+                    let mut carried = assignment.clone();
+                    carried.request.place = place;
+                    open.insert(*id, carried);
+                }
+                Err(missing) => {
+                    let worker = &self.ledger.workers[assignment.worker];
+                    let what = format!("assignment a{} of worker {worker} is at {missing}", id.0);
+                    self.report
+                        .lose(what, "assign the worker to another place, or accept that it is cancelled");
+                    cancelled.push(*id);
+                }
+            }
+        }
+        (open, cancelled)
+    }
+
+    /// Closures by outline stay as they are; those of nodes lose the nodes that are gone.
+    fn closures(&mut self) -> BTreeMap<ClosureId, Closure> {
+        let mut kept = BTreeMap::new();
+        for (id, area) in &self.ledger.closures {
+            let nodes: Vec<NodeId> = area.nodes.iter().filter_map(|n| self.ids.nodes[*n]).collect();
+            let gone = area.nodes.len() - nodes.len();
+            if gone > 0 && nodes.is_empty() {
+                let what = format!("closure c{} (\"{}\") is of nodes that are all gone", id.0, area.reason);
+                self.report.lose(what, "close the area anew on the new map, and accept that this one ends");
+                continue;
+            }
+            if gone > 0 {
+                self.report.notes.push(format!("closure c{} loses {gone} nodes that are gone", id.0));
+            }
+            kept.insert(*id, Closure { nodes, ..area.clone() });
+        }
+        kept
+    }
+
+    fn served(&self) -> IdVec<StationId, u64> {
+        let mut served = IdVec::filled(0, self.new.stations.len());
+        for (old, count) in self.ledger.served.pairs() {
+            if let Some(new) = self.ids.stations[old] {
+                served[new] = *count;
+            }
+        }
+        served
+    }
+
+    fn paused_stations(&self) -> BTreeMap<StationId, Time> {
+        let paused = self.ledger.paused_stations.iter();
+        paused.filter_map(|(old, since)| Some((self.ids.stations[*old]?, *since))).collect()
+    }
+
+    fn wishes(&self) -> Wishes {
+        let mut counts: IdVec<RackId, u32> = IdVec::filled(0, self.new.racks.len());
+        for (old, count) in self.ledger.wishes.counts().pairs() {
+            if let Some(new) = self.ids.racks[old] {
+                counts[new] = *count;
+            }
+        }
+        Wishes::of(counts.iter().copied().collect())
+    }
+}

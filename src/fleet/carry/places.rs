@@ -1,0 +1,268 @@
+//! Where robots and racks are on the new map, and where robots bring the racks that are on them.
+//!
+//! Main type: `Placed`. Refuses: to move anything that stands, and two robots or two racks where one has room.
+
+use super::Move;
+use super::matching::added;
+use crate::fleet::dispatch::storage::along_axes;
+use crate::fleet::state::fact::Task;
+use crate::fleet::state::ledger::{Robot, stand};
+use crate::fleet::{JobKind, RackAt};
+use crate::id::{IdVec, NodeId, RackId, RobotId};
+use crate::timeline::{ChainParts, Holder};
+use crate::warehouse::NodeKind;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Robots and racks on the new map.
+pub(super) struct Placed {
+    pub robots: IdVec<RobotId, Robot>,
+    pub chains: Vec<ChainParts>,
+    pub racks: IdVec<RackId, RackAt>,
+}
+
+/// A robot with a rack.
+struct Load {
+    robot: RobotId,
+    rack: RackId,
+    /// Where the robot stands.
+    at: NodeId,
+    /// The storage node that the rack was bound for, where it is one still.
+    bound: Option<NodeId>,
+    store: Option<NodeId>,
+}
+
+impl Move<'_> {
+    /// Where everything is on the new map. If the report has obstacles, the result is incomplete and must not be used.
+    pub(super) fn place(&mut self) -> Placed {
+        let stands = self.stands();
+        let racks = self.stored();
+        let mut loads = self.loads(&stands);
+        self.shut_in(&loads);
+        let mut taken: BTreeSet<NodeId> = racks.iter().flatten().filter_map(stored_on).collect();
+        for load in &mut loads {
+            load.store = load.bound.filter(|n| taken.insert(*n));
+        }
+        let racks = self.new_racks(racks, &loads, &mut taken);
+        let wanted = self.wanted();
+        for load in loads.iter_mut().filter(|l| l.store.is_none()) {
+            load.store = self.best_free(load, &taken, &wanted, &stands);
+            match load.store {
+                Some(node) => _ = taken.insert(node),
+                None => self.no_room(load),
+            }
+        }
+        let stores: BTreeMap<RobotId, Task> = loads.iter().filter_map(task).collect();
+        Placed { robots: self.robots(&stores), chains: self.chains(&stands), racks }
+    }
+
+    /// Where each robot stands.
+    fn stands(&mut self) -> BTreeMap<RobotId, NodeId> {
+        let ledger = self.ledger;
+        let mut stands = BTreeMap::new();
+        let mut by_node: BTreeMap<NodeId, RobotId> = BTreeMap::new();
+        for (robot, record) in ledger.robots.pairs() {
+            let node = ledger.node_of(robot);
+            let Some(here) = self.ids.nodes[node] else {
+                let name = &self.old.nodes[node].name;
+                let what = format!("{} stands on {name}, which the new map does not have", record.name);
+                self.report.refuse(what, SEND_ELSEWHERE);
+                continue;
+            };
+            let near = self.new.conflicts(self.new.node_resource(here)).iter();
+            let near = near.filter_map(|r| self.new.resource(*r).ok()).chain([here]);
+            for other in near.filter_map(|n| by_node.get(&n).copied()).collect::<Vec<_>>() {
+                let place = |r: RobotId| &self.old.nodes[ledger.node_of(r)].name;
+                let other_name = &ledger.robots[other].name;
+                let what = format!(
+                    "{} on {} and {other_name} on {} have no room beside one another on the new map",
+                    record.name,
+                    place(robot),
+                    place(other)
+                );
+                self.report.refuse(what, SEND_ELSEWHERE);
+            }
+            by_node.insert(here, robot);
+            stands.insert(robot, here);
+        }
+        stands
+    }
+
+    /// Where racks of the old map are on the new one; nothing for racks that are new.
+    fn stored(&mut self) -> IdVec<RackId, Option<RackAt>> {
+        let mut racks = IdVec::filled(None, self.new.racks.len());
+        for (rack, at) in self.ledger.racks.pairs() {
+            let name = &self.old.racks[rack].name;
+            match (self.ids.racks[rack], *at) {
+                (Some(new), RackAt::On(robot)) => racks[new] = Some(RackAt::On(robot)),
+                (Some(new), RackAt::Stored(node)) => racks[new] = self.stored_at(name, node),
+                (None, RackAt::On(robot)) => {
+                    let robot = &self.ledger.robots[robot].name;
+                    let what = format!("{robot} carries rack {name}, which the new map does not have");
+                    self.report.refuse(
+                        what,
+                        "start with the old map, wait until the robot has set it down, stop, and start again",
+                    );
+                }
+                (None, RackAt::Stored(node)) => {
+                    let node = &self.old.nodes[node].name;
+                    let what = format!("rack {name}, which stands on {node}, is gone from the map");
+                    self.report
+                        .lose(what, "put it back into the map, or take it off the floor and accept its loss");
+                }
+            }
+        }
+        racks
+    }
+
+    /// A rack on the node of the same name, which has to be a storage node.
+    fn stored_at(&mut self, rack: &str, node: NodeId) -> Option<RackAt> {
+        let name = &self.old.nodes[node].name;
+        let why = match self.ids.nodes[node] {
+            None => "which the new map does not have",
+            Some(new) if self.new.nodes[new].kind != NodeKind::Storage => {
+                "which is no storage node on the new map"
+            }
+            Some(new) => return Some(RackAt::Stored(new)),
+        };
+        self.report.refuse(
+            format!("rack {rack} stands on {name}, {why}"),
+            "start with the old map, relocate the rack to a node that is a storage node on both maps, stop, and start \
+             again",
+        );
+        None
+    }
+
+    /// Robots that carry racks.
+    fn loads(&self, stands: &BTreeMap<RobotId, NodeId>) -> Vec<Load> {
+        let mut loads = Vec::new();
+        for (rack, at) in self.ledger.racks.pairs() {
+            let (RackAt::On(robot), Some(rack)) = (*at, self.ids.racks[rack]) else { continue };
+            let Some(at) = stands.get(&robot).copied() else { continue };
+            let bound = match self.ledger.robots[robot].task {
+                Task::Deliver { store, .. } | Task::Store { store, .. } => self.ids.nodes[store],
+                Task::Idle | Task::Fetch { .. } | Task::Move { .. } => None,
+            };
+            let bound = bound.filter(|n| self.new.nodes[*n].kind == NodeKind::Storage);
+            loads.push(Load { robot, rack, at, bound, store: None });
+        }
+        loads
+    }
+
+    /// Robots that cannot leave with their racks: the place is one now that only unloaded robots come to.
+    fn shut_in(&mut self, loads: &[Load]) {
+        for load in loads {
+            let leaves = self.new.out(load.at).any(|(_, arc)| arc.users.allows(true));
+            if !leaves && self.new.nodes[load.at].kind != NodeKind::Storage {
+                let (robot, node) = (&self.ledger.robots[load.robot].name, &self.new.nodes[load.at].name);
+                let what = format!(
+                    "{robot} stands on {node} with a rack, and on the new map no lane for loaded robots leads from \
+                     there"
+                );
+                self.report.refuse(what, SEND_ELSEWHERE);
+            }
+        }
+    }
+
+    /// Racks that are new on the map stand at home, or, where something is there, on the nearest node that is free.
+    fn new_racks(
+        &mut self,
+        mut racks: IdVec<RackId, Option<RackAt>>,
+        loads: &[Load],
+        taken: &mut BTreeSet<NodeId>,
+    ) -> IdVec<RackId, RackAt> {
+        let under_load: BTreeSet<NodeId> = loads.iter().map(|l| l.at).collect();
+        for rack in added(&self.ids.racks, self.new.racks.len()) {
+            let (name, home) = (&self.new.racks[rack].name, self.new.racks[rack].home);
+            let is_free = |n: &NodeId| !taken.contains(n) && !under_load.contains(n);
+            let at = |n: NodeId| self.new.nodes[n].at;
+            let storage = self.new.nodes_where(|k| k == NodeKind::Storage);
+            let far = |n: &NodeId| ((along_axes(at(home), at(*n)) * 1000.0) as i64, *n);
+            let Some(node) = storage.into_iter().filter(is_free).min_by_key(far) else {
+                let what = format!("the new map has no free storage node for its new rack {name}");
+                self.report.refuse(what, "add a storage node to the map, or leave the rack out");
+                continue;
+            };
+            if node != home {
+                let (node, home) = (&self.new.nodes[node].name, &self.new.nodes[home].name);
+                let note = format!("put the new rack {name} onto {node}: its home {home} is taken");
+                self.report.notes.push(note);
+            }
+            taken.insert(node);
+            racks[rack] = Some(RackAt::Stored(node));
+        }
+        let nowhere = RackAt::Stored(NodeId(u32::MAX));
+        racks.iter().map(|at| at.unwrap_or(nowhere)).collect()
+    }
+
+    /// Storage nodes that jobs ask for, with the rack that is to come there.
+    fn wanted(&self) -> BTreeSet<(NodeId, RackId)> {
+        let kinds = self.ledger.jobs.values().map(|job| job.request.kind);
+        let goals = kinds.filter_map(|kind| match kind {
+            JobKind::Relocate { rack, node } => Some((self.ids.nodes[node]?, self.ids.racks[rack]?)),
+            _ => None,
+        });
+        goals.collect()
+    }
+
+    /// The nearest storage node that is free; one that no job wants for another rack, and on which no other robot
+    /// stands, if there is one.
+    fn best_free(
+        &self,
+        load: &Load,
+        taken: &BTreeSet<NodeId>,
+        wanted: &BTreeSet<(NodeId, RackId)>,
+        stands: &BTreeMap<RobotId, NodeId>,
+    ) -> Option<NodeId> {
+        let at = |n: NodeId| self.new.nodes[n].at;
+        let others: BTreeSet<NodeId> =
+            stands.iter().filter(|(r, _)| **r != load.robot).map(|(_, n)| *n).collect();
+        let for_another = |n: NodeId| {
+            let racks = wanted.range((n, RackId(0))..=(n, RackId(u32::MAX)));
+            racks.into_iter().any(|(_, rack)| *rack != load.rack)
+        };
+        let far = |n: NodeId| (along_axes(at(load.at), at(n)) * 1000.0) as i64;
+        let storage = self.new.nodes_where(|k| k == NodeKind::Storage);
+        let free = storage.into_iter().filter(|n| !taken.contains(n));
+        free.min_by_key(|n| (others.contains(n) || for_another(*n), far(*n), *n))
+    }
+
+    fn no_room(&mut self, load: &Load) {
+        let (robot, rack) = (&self.ledger.robots[load.robot].name, &self.new.racks[load.rack].name);
+        let what = format!("{robot} carries rack {rack}, and the new map has no free storage node for it");
+        self.report.refuse(what, "add a storage node to the map");
+    }
+
+    /// Each robot is idle, or brings away the rack that it carries.
+    fn robots(&self, stores: &BTreeMap<RobotId, Task>) -> IdVec<RobotId, Robot> {
+        let robot = |(id, old): (RobotId, &Robot)| {
+            let task = stores.get(&id).copied().unwrap_or(Task::Idle);
+            Robot { task, stops: Vec::new(), interrupted: task != Task::Idle, ..old.clone() }
+        };
+        self.ledger.robots.pairs().map(robot).collect()
+    }
+
+    /// One visit for each robot, without end. Its serial number is higher than all of the old route, so that a late
+    /// report about the old route cannot be mistaken for one about the new.
+    fn chains(&self, stands: &BTreeMap<RobotId, NodeId>) -> Vec<ChainParts> {
+        let chain = |(robot, node): (&RobotId, &NodeId)| {
+            let first = self.ledger.chain(*robot).end();
+            let visits = vec![stand(*node, self.at)];
+            ChainParts { holder: Holder::Robot(*robot), first, granted: first + 1, visits }
+        };
+        stands.iter().map(chain).collect()
+    }
+}
+
+const SEND_ELSEWHERE: &str =
+    "start with the old map, send the robot to a node that both maps have, stop, and start again";
+
+fn stored_on(at: &RackAt) -> Option<NodeId> {
+    match *at {
+        RackAt::Stored(node) => Some(node),
+        RackAt::On(_) => None,
+    }
+}
+
+fn task(load: &Load) -> Option<(RobotId, Task)> {
+    Some((load.robot, Task::Store { job: None, rack: load.rack, store: load.store? }))
+}

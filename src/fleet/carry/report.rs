@@ -1,0 +1,72 @@
+//! What is said about carrying a ledger over: in words, each entry with what to do.
+//!
+//! Main types: [`Report`], [`Entry`]. Refuses: to leave an entry out; texts for people are cut, and say how much.
+
+use std::fmt;
+
+/// So many entries of each kind are shown as text.
+const SHOWN: usize = 20;
+
+/// Something that is in the way or would be lost.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// What, and where.
+    pub what: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+impl fmt::Display for Entry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.what, self.remedy)
+    }
+}
+
+/// What is said about carrying a ledger over to a changed map.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// What has to be changed on the floor or on the map first: nothing is carried over.
+    pub obstacles: Vec<Entry>,
+    /// What would be lost: carried over only if the operator accepts that.
+    pub losses: Vec<Entry>,
+    /// What is different, and needs nothing.
+    pub notes: Vec<String>,
+}
+
+impl Report {
+    /// Whether nothing is in the way and nothing would be lost.
+    pub fn is_clean(&self) -> bool {
+        self.obstacles.is_empty() && self.losses.is_empty()
+    }
+
+    pub(super) fn refuse(&mut self, what: String, remedy: &str) {
+        self.obstacles.push(Entry { what, remedy: remedy.to_owned() });
+    }
+
+    pub(super) fn lose(&mut self, what: String, remedy: &str) {
+        self.losses.push(Entry { what, remedy: remedy.to_owned() });
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let texts = |entries: &[Entry]| entries.iter().map(ToString::to_string).collect::<Vec<_>>();
+        let lists = [
+            ("obstacle", texts(&self.obstacles)),
+            ("loss", texts(&self.losses)),
+            ("note", self.notes.clone()),
+        ];
+        let mut first = true;
+        for (kind, list) in lists {
+            let more = list.len().saturating_sub(SHOWN);
+            let rest = (more > 0).then(|| format!("and {more} more"));
+            for text in list.into_iter().take(SHOWN).chain(rest) {
+                if !std::mem::take(&mut first) {
+                    f.write_str("\n")?;
+                }
+                write!(f, "  {kind}: {text}")?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,267 @@
+//! A database under a changed map: compared, backed up, and carried over in one transaction, or refused in words.
+//!
+//! Main types: [`CarryOver`] (what the caller wants), [`CarriedOver`] (what was done). The ledger is carried over by
+//! the core ([`crate::fleet::carry`]); the lists get the new map's ids, and what they name that is gone keeps its name.
+//! A kill at any instant leaves the old database or the new one. Refuses: obstacles always, losses unless they were
+//! accepted, and to begin without a backup.
+
+use super::check::{back_up, sync_folder};
+use super::gone::{BEYOND, Gone, Kind};
+use super::opening::free_name;
+use super::{Opening, Store, StoreError, floor, last_step, ledger_record, record, seal, steps};
+use crate::fleet::carry::{Carried, Report, carry};
+use crate::fleet::{AssignmentState, JobFailure, JobState, Ledger};
+use crate::id::{Dense, IdVec};
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
+use sqlx::sqlite::{SqliteConnection, SqlitePool};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+const IDS: &str =
+    "CREATE TEMP TABLE ids (kind TEXT, old INTEGER, new INTEGER, PRIMARY KEY (kind, old)) WITHOUT ROWID";
+const MAP_ID: &str = "INSERT INTO temp.ids \
+    SELECT $1, json_extract(value, '$[0]'), json_extract(value, '$[1]') FROM json_each($2)";
+const DROP_IDS: &str = "DROP TABLE temp.ids";
+const FORGET_GONE: &str = "DELETE FROM gone";
+const NOTE_GONE: &str = "INSERT INTO gone (kind, id, name) VALUES ($1, $2, $3)";
+/// Rows of the heat are known by their node: each goes below 0 first, so that no two have one number in between.
+const RENUMBER: [&str; 7] = [
+    "UPDATE jobs SET rack = (SELECT new FROM temp.ids WHERE kind = 'rack' AND old = rack) \
+     WHERE rack IN (SELECT old FROM temp.ids WHERE kind = 'rack')",
+    "UPDATE jobs SET station = (SELECT new FROM temp.ids WHERE kind = 'station' AND old = station) \
+     WHERE station IN (SELECT old FROM temp.ids WHERE kind = 'station')",
+    "UPDATE jobs SET node = (SELECT new FROM temp.ids WHERE kind = 'node' AND old = node) \
+     WHERE node IN (SELECT old FROM temp.ids WHERE kind = 'node')",
+    "UPDATE jobs SET why = json_object('storage_taken', (SELECT new FROM temp.ids WHERE kind = 'node' \
+     AND old = json_extract(why, '$.storage_taken'))) WHERE state = 'failed' AND why LIKE '{\"storage_taken\"%' \
+     AND json_extract(why, '$.storage_taken') IN (SELECT old FROM temp.ids WHERE kind = 'node')",
+    "UPDATE assignments SET place = (SELECT new FROM temp.ids WHERE kind = 'node' AND old = place) \
+     WHERE place IN (SELECT old FROM temp.ids WHERE kind = 'node')",
+    "UPDATE heat SET node = -1 - (SELECT new FROM temp.ids WHERE kind = 'node' AND old = node) \
+     WHERE node IN (SELECT old FROM temp.ids WHERE kind = 'node')",
+    "UPDATE heat SET node = -1 - node WHERE node < 0",
+];
+const WAIT_AGAIN: &str = "UPDATE jobs SET state = 'waiting', why = NULL, worker = NULL, updated = $1 \
+    WHERE id IN (SELECT value FROM json_each($2))";
+const FAIL: &str =
+    "UPDATE jobs SET state = $3, why = $4, updated = $1 WHERE id IN (SELECT value FROM json_each($2))";
+const CANCEL: &str =
+    "UPDATE assignments SET state = $3, updated = $1 WHERE id IN (SELECT value FROM json_each($2))";
+const FORGET: [&str; 2] = ["DELETE FROM steps", "DELETE FROM snapshots"];
+const SNAPSHOT: &str = "INSERT INTO snapshots (seq, at, wire, body) VALUES ($1, $2, $3, $4)";
+
+/// How a database is to be carried over where it belongs to another map.
+#[derive(Clone, Debug)]
+pub struct CarryOver {
+    /// Between robots that follow one another on a resource.
+    pub clearance: Span,
+    /// Whether losses are accepted.
+    pub accept_losses: bool,
+    /// Becomes part of the names of what is kept of before.
+    pub stamp: String,
+}
+
+/// A database that was carried over.
+#[derive(Clone, Debug)]
+pub struct CarriedOver {
+    /// The name of the map to which it belonged.
+    pub from: String,
+    /// What was said about it.
+    pub report: Report,
+    /// A whole copy of the database as it was; nothing where there was nothing in it.
+    pub backup: Option<PathBuf>,
+}
+
+/// The ledger under the old map, carried over, and where the journal ends.
+struct Compared {
+    carried: Carried,
+    last: i64,
+    at: Time,
+}
+
+/// Carries a database over to another map than its own.
+pub(super) async fn carry_over(
+    db: &SqlitePool,
+    path: &Path,
+    map: &Warehouse,
+    theirs: String,
+    opening: &Opening,
+) -> Result<CarriedOver, StoreError> {
+    let other = || StoreError::OtherMap { path: path.into(), theirs: theirs.clone(), ours: map.name.clone() };
+    let wanted = opening.carry.as_ref().filter(|_| opening.new.is_none()).ok_or_else(other)?;
+    if last_step(db).await? == 0 {
+        // Nothing was ever promised.
+        floor::keep(&mut *db.acquire().await?, map).await?;
+        return Ok(CarriedOver { from: theirs, report: Report::default(), backup: None });
+    }
+    let unknown =
+        || StoreError::UnknownMap { path: path.into(), theirs: theirs.clone(), ours: map.name.clone() };
+    let old = Arc::new(floor::stored(db).await?.ok_or_else(unknown)?);
+    let compared = compare(db, path, old.clone(), Arc::new(map.clone()), wanted.clearance).await?;
+    let report = compared.carried.report.clone();
+    if !report.obstacles.is_empty() || (!report.losses.is_empty() && !wanted.accept_losses) {
+        let (ours, report) = (map.name.clone(), Box::new(report));
+        return Err(StoreError::ChangedMap { path: path.into(), theirs, ours, report });
+    }
+    let backup = free_name(path, &format!("before-map-change-{}", wanted.stamp));
+    back_up(db, &backup).await?;
+    tracing::warn!("the map has changed; the database as it was is kept as {}", backup.display());
+    if !compared.carried.ids.keeps_ids() {
+        set_pictures_aside(&opening.traces, &wanted.stamp)?;
+    }
+    write(db, &old, map, compared).await?;
+    tracing::warn!("the database was carried over from the map \"{theirs}\" to \"{}\":\n{report}", map.name);
+    Ok(CarriedOver { from: theirs, report, backup: Some(backup) })
+}
+
+impl Store {
+    /// What a start with this map would carry over, and what not; nothing where the map is the database's own.
+    ///
+    /// # Errors
+    /// Where the database cannot be read, or does not have its own map.
+    pub async fn compare(&self, map: &Arc<Warehouse>, clearance: Span) -> Result<Option<Report>, StoreError> {
+        let Some(about) = self.belongs().await?.filter(|about| about.seal != seal(map)) else {
+            return Ok(None);
+        };
+        if self.last() == 0 {
+            return Ok(Some(Report::default()));
+        }
+        let (path, ours) = (self.path().to_owned(), map.name.clone());
+        let unknown = || StoreError::UnknownMap { path: path.clone(), theirs: about.map.clone(), ours };
+        let old = Arc::new(self.map().await?.ok_or_else(unknown)?);
+        let compared = compare(&self.readers, &path, old, map.clone(), clearance).await?;
+        Ok(Some(compared.carried.report))
+    }
+}
+
+/// Folds the journal under the old map and carries the ledger over. What comes out is read back before it is believed.
+async fn compare(
+    db: &SqlitePool,
+    path: &Path,
+    old: Arc<Warehouse>,
+    new: Arc<Warehouse>,
+    clearance: Span,
+) -> Result<Compared, StoreError> {
+    let loaded = steps::load(db, Ledger::new(old, clearance, false)).await?;
+    let (last, at) = (loaded.next - 1, loaded.last.unwrap_or(Time::ZERO));
+    let fold = move || {
+        let (mut ledger, facts) = loaded.into_parts();
+        facts.into_iter().for_each(|fact| ledger.evolve(&fact));
+        let carried = carry(&ledger, &new, at);
+        let read = |parts| Ledger::from_parts(new.clone(), clearance, parts).map(drop);
+        let sound = carried.parts.clone().map_or(Ok(()), read);
+        (carried, sound)
+    };
+    let broken = |why: String| StoreError::Carry { path: path.into(), why };
+    let folded = tokio::task::spawn_blocking(fold).await;
+    let (carried, sound) =
+        folded.map_err(|_| broken("the journal contradicts itself, as said above".into()))?;
+    sound.map_err(|why| broken(why.to_string()))?;
+    Ok(Compared { carried, last, at })
+}
+
+/// Pictures of the past name places by the old map's positions, so they are no longer shown, but kept.
+fn set_pictures_aside(folders: &[PathBuf], stamp: &str) -> Result<(), StoreError> {
+    for folder in folders.iter().filter(|folder| folder.exists()) {
+        let aside = free_name(folder, &format!("before-map-change-{stamp}"));
+        std::fs::rename(folder, &aside).map_err(|why| StoreError::Aside { path: folder.clone(), why })?;
+        let _ = sync_folder(folder);
+        tracing::warn!("pictures of the past are of the old map; they are kept in {}", aside.display());
+    }
+    Ok(())
+}
+
+/// Everything in one transaction.
+async fn write(
+    db: &SqlitePool,
+    old: &Warehouse,
+    new: &Warehouse,
+    compared: Compared,
+) -> Result<(), StoreError> {
+    let Compared { carried, last, at } = compared;
+    let parts = carried.parts.expect("nothing is in the way");
+    let encode = move || ledger_record::encode(&parts);
+    let body = tokio::task::spawn_blocking(encode).await.expect("writing text does not break");
+    let mut tx = db.begin_with("BEGIN IMMEDIATE").await?;
+    let found: i64 = sqlx::query_scalar(steps::LAST).fetch_one(&mut *tx).await?;
+    if found != last {
+        return Err(StoreError::OutOfStep { expected: last, found });
+    }
+    renumber(&mut tx, old, new).await?;
+    let (jobs, failed) = (numbers(&carried.waiting, |j| j.0), numbers(&carried.failed, |j| j.0));
+    let cancelled = numbers(&carried.cancelled, |a| a.0);
+    let (state, why) =
+        (JobState::Failed(JobFailure::MapChanged), record::encode_failure(JobFailure::MapChanged));
+    sqlx::query(WAIT_AGAIN).bind(at.0).bind(jobs).execute(&mut *tx).await?;
+    sqlx::query(FAIL).bind(at.0).bind(failed).bind(state.word()).bind(why).execute(&mut *tx).await?;
+    let word = AssignmentState::Cancelled.word();
+    sqlx::query(CANCEL).bind(at.0).bind(cancelled).bind(word).execute(&mut *tx).await?;
+    for statement in FORGET {
+        sqlx::query(statement).execute(&mut *tx).await?;
+    }
+    let row = sqlx::query(SNAPSHOT).bind(last).bind(at.0).bind(ledger_record::VERSION).bind(body);
+    row.execute(&mut *tx).await?;
+    floor::keep(&mut tx, new).await?;
+    tx.commit().await?;
+    Ok(())
+}
+
+fn numbers<I: Copy>(ids: &[I], number: impl Fn(I) -> u64) -> String {
+    let ids: Vec<u64> = ids.iter().map(|id| number(*id)).collect();
+    serde_json::to_string(&ids).expect("a list of numbers is JSON")
+}
+
+/// Gives the rows of all lists the new map's ids, and notes the names of what is gone.
+async fn renumber(db: &mut SqliteConnection, old: &Warehouse, new: &Warehouse) -> Result<(), StoreError> {
+    let known = Gone::of(&mut *db).await?;
+    let mut gone = Gone::default();
+    sqlx::query(IDS).execute(&mut *db).await?;
+    for kind in Kind::ALL {
+        let changes = changes(kind, &names(kind, old), &names(kind, new), &known, &mut gone);
+        let changes = serde_json::to_string(&changes).expect("a list of numbers is JSON");
+        sqlx::query(MAP_ID).bind(kind.word()).bind(changes).execute(&mut *db).await?;
+    }
+    for statement in RENUMBER {
+        sqlx::query(statement).execute(&mut *db).await?;
+    }
+    sqlx::query(DROP_IDS).execute(&mut *db).await?;
+    sqlx::query(FORGET_GONE).execute(&mut *db).await?;
+    for ((kind, id), name) in &gone.0 {
+        sqlx::query(NOTE_GONE).bind(kind.word()).bind(id).bind(name).execute(&mut *db).await?;
+    }
+    Ok(())
+}
+
+/// All names of a kind, in the order of their ids.
+fn names(kind: Kind, map: &Warehouse) -> Vec<&str> {
+    fn list<I: Dense, T>(things: &IdVec<I, T>, name: impl Fn(&T) -> &str) -> Vec<&str> {
+        things.iter().map(name).collect()
+    }
+    match kind {
+        Kind::Node => list(&map.nodes, |n| &n.name),
+        Kind::Station => list(&map.stations, |s| &s.name),
+        Kind::Rack => list(&map.racks, |r| &r.name),
+    }
+}
+
+/// Which ids of one kind become which, as far as they change. What is gone gets ids beyond the map; what was gone and
+/// has come back gets its place in the map.
+fn changes(kind: Kind, old: &[&str], new: &[&str], known: &Gone, gone: &mut Gone) -> Vec<(u32, u32)> {
+    let at: BTreeMap<&str, u32> = (0..).zip(new).map(|(id, name)| (*name, id)).collect();
+    let before = known.0.iter().filter(|((k, _), _)| *k == kind).map(|((_, id), name)| (*id, name.as_str()));
+    let mut beyond: BTreeMap<&str, u32> = BTreeMap::new();
+    let mut changes = Vec::new();
+    for (id, name) in (0..).zip(old.iter().copied()).chain(before) {
+        let next = BEYOND + beyond.len() as u32;
+        let to = at.get(name).copied().unwrap_or_else(|| *beyond.entry(name).or_insert(next));
+        if to >= BEYOND {
+            gone.0.insert((kind, to), name.to_owned());
+        }
+        if to != id {
+            changes.push((id, to));
+        }
+    }
+    changes
+}

@@ -1,0 +1,51 @@
+//! The map that the facts of a database speak of: kept whole beside them, so that a changed map can be compared.
+//!
+//! Main functions: `keep`, `stored`. It is written whenever a database is opened with a map of the same seal: databases
+//! of earlier releases get it then. Refuses: a text that does not say what the seal says.
+
+use super::{ABOUT, Store, StoreError, seal};
+use crate::warehouse::Warehouse;
+use crate::warehouse::formats::{MapError, json};
+use sqlx::sqlite::{SqliteConnection, SqlitePool};
+
+const PUT: &str = "INSERT OR REPLACE INTO about (key, value) VALUES ($1, $2)";
+
+/// Notes the map, unless it is noted just so. Its name and its speed limits, say, may change under one seal.
+pub(super) async fn keep(db: &mut SqliteConnection, map: &Warehouse) -> Result<(), StoreError> {
+    let text = json::write(map);
+    for (key, value) in [("seal", &seal(map)), ("map", &map.name), ("floor", &text)] {
+        let there: Option<String> = sqlx::query_scalar(ABOUT).bind(key).fetch_optional(&mut *db).await?;
+        if there.as_ref() != Some(value) {
+            sqlx::query(PUT).bind(key).bind(value).execute(&mut *db).await?;
+        }
+    }
+    Ok(())
+}
+
+/// The map that a database has; nothing where no Giveway has written it down yet.
+pub(super) async fn stored(db: &SqlitePool) -> Result<Option<Warehouse>, StoreError> {
+    let text: Option<String> = sqlx::query_scalar(ABOUT).bind("floor").fetch_optional(db).await?;
+    let sealed: Option<String> = sqlx::query_scalar(ABOUT).bind("seal").fetch_optional(db).await?;
+    let map = text.and_then(|text| read(&text));
+    Ok(map.filter(|map| Some(seal(map)) == sealed))
+}
+
+/// It was well-formed for the Giveway that wrote it. A later one may find fault with it, and that may be why the map
+/// was changed: it is only read to know what is where.
+fn read(text: &str) -> Option<Warehouse> {
+    match json::parse(text) {
+        Ok(map) => Some(map),
+        Err(MapError::Findings(_)) => Some(json::parse_draft(text).ok()?.build_unchecked()),
+        Err(MapError::Syntax { .. }) => None,
+    }
+}
+
+impl Store {
+    /// The map that the facts speak of; nothing where no Giveway has written it down yet.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn map(&self) -> Result<Option<Warehouse>, StoreError> {
+        stored(&self.readers).await
+    }
+}

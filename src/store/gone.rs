@@ -1,0 +1,95 @@
+//! Names of what rows of the past speak of and the map no longer has.
+//!
+//! Main types: [`GoneNames`] (of one row), `Gone` (all of them). Ids of what is gone are beyond every map, so that they
+//! never come to mean something else. Refuses: to name what the map has.
+
+use super::StoreError;
+use crate::fleet::{JobFailure, JobKind, JobState};
+use crate::id::NodeId;
+use sqlx::Row;
+use sqlx::sqlite::{SqliteExecutor, SqlitePool};
+use std::collections::BTreeMap;
+
+/// Ids of what is gone begin here: no map is that large.
+pub(super) const BEYOND: u32 = 1 << 31;
+
+const ALL: &str = "SELECT kind, id, name FROM gone";
+const TABLES: &str = "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = 'gone'";
+
+/// The names of what a row speaks of, where the map does not have it any more.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct GoneNames {
+    /// Of its rack.
+    pub rack: Option<String>,
+    /// Of its station.
+    pub station: Option<String>,
+    /// Of its node, or place.
+    pub node: Option<String>,
+}
+
+/// What has positions in a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Kind {
+    Node,
+    Station,
+    Rack,
+}
+
+impl Kind {
+    pub const ALL: [Kind; 3] = [Kind::Node, Kind::Station, Kind::Rack];
+
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Node => "node",
+            Kind::Station => "station",
+            Kind::Rack => "rack",
+        }
+    }
+}
+
+/// All names of what is gone.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Gone(pub BTreeMap<(Kind, u32), String>);
+
+impl Gone {
+    /// What a database has of them; nothing where its tables are older.
+    pub async fn read(db: &SqlitePool) -> Result<Gone, StoreError> {
+        let tables: i64 = sqlx::query_scalar(TABLES).fetch_one(db).await?;
+        if tables == 0 { Ok(Gone::default()) } else { Gone::of(db).await }
+    }
+
+    /// What the table has.
+    pub async fn of(db: impl SqliteExecutor<'_>) -> Result<Gone, StoreError> {
+        let mut gone = BTreeMap::new();
+        for row in sqlx::query(ALL).fetch_all(db).await? {
+            let word: &str = row.try_get(0)?;
+            if let Some(kind) = Kind::ALL.into_iter().find(|k| k.word() == word) {
+                gone.insert((kind, row.try_get(1)?), row.try_get(2)?);
+            }
+        }
+        Ok(Gone(gone))
+    }
+
+    fn name(&self, kind: Kind, id: u32) -> Option<String> {
+        self.0.get(&(kind, id)).cloned()
+    }
+
+    /// The name of a place.
+    pub fn node(&self, node: NodeId) -> Option<String> {
+        self.name(Kind::Node, node.0)
+    }
+
+    /// The names of what a job speaks of.
+    pub fn of_job(&self, kind: &JobKind, state: JobState) -> GoneNames {
+        let node = match (*kind, state) {
+            (JobKind::Relocate { node, .. } | JobKind::Go { node, .. }, _)
+            | (_, JobState::Failed(JobFailure::StorageTaken(node))) => self.node(node),
+            _ => None,
+        };
+        GoneNames {
+            rack: kind.rack().and_then(|r| self.name(Kind::Rack, r.0)),
+            station: kind.station().and_then(|s| self.name(Kind::Station, s.0)),
+            node,
+        }
+    }
+}
