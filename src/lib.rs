@@ -62,7 +62,8 @@
 //!    farther out, *dear* where a person may walk. Limits of speed and stops leave at once (`limit.rs`), and so does
 //!    what workers are told (`guide.rs`). On a floor without people and closures this phase does nothing.
 //! 3. **settle** (`settle.rs`): what has come true? Visits behind a robot are released, a stop that is done leads to
-//!    the next task, a late robot's windows slide and those of all who come after it; a broken one keeps its place.
+//!    the next task, a late robot's windows slide and those of all who come after it; a broken one keeps its place. A
+//!    robot that stands elsewhere is taken up there, or treated as broken (`displaced.rs`).
 //! 4. **assign** (`assign.rs`): waiting jobs and idle robots are matched all together at the least sum of costs. Who is
 //!    left charges or leaves the floor.
 //! 5. **plan** (`plan.rs`): whoever has a task without a route gets a search each, longest waiting first, until the
@@ -135,6 +136,8 @@
 //!   picture, and the order of all stays free of cycles, although the robot may come before others now.
 //! - *A broken robot* keeps what it was granted without end. Whoever has to pass it, and whoever would have to pass
 //!   those, loses what was not granted yet (`fleet/cut.rs`) and is routed anew.
+//! - *A robot that was pushed elsewhere* (`fleet/displaced.rs`) holds one place without end, which nobody was granted;
+//!   those who were promised it, and those behind them, lose what was not granted yet, as with a broken one.
 //! - *A robot that was called back* (`fleet/recall.rs`) only holds again what it had been granted. It is first in the
 //!   order of all that, and nobody can come before a hold that began in the past, so it waits for nobody there.
 //!
@@ -165,6 +168,7 @@
 //! | the search, its order, its bounds | `route/search.rs`, `route/label.rs`, `route/estimate.rs` |
 //! | how far ahead robots are granted | `fleet/grant.rs` |
 //! | what happens when robots are late, or break down | `fleet/settle.rs`, `timeline/delay.rs`; `fleet/cut.rs` |
+//! | what happens to robots that people pushed elsewhere | `fleet/displaced.rs`; in words: `api/displaced.rs` |
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
 //! | which maps are refused | `warehouse/check/` |
 //! | where people walk | `warehouse/walkway/` |

@@ -7,6 +7,7 @@
 //! decide anything about robots, and to know store or server.
 
 pub mod auth;
+pub mod displaced;
 pub mod dto;
 pub mod error;
 mod extract;

@@ -13,6 +13,7 @@ pub mod charging;
 mod closing;
 mod crowd;
 mod cut;
+mod displaced;
 pub mod fact;
 mod fence;
 mod foresee;
@@ -51,6 +52,7 @@ mod yielding;
 
 pub use backlog::{Backlog, Pending};
 pub use charging::Charging;
+pub use displaced::{Displaced, Displacement, OFF_ROUTE_M};
 pub use fact::{Act, Booking, Fact, Kept, Moved, Purpose, Stop, Task};
 pub use foresee::{AHEAD_S, Expected};
 pub use io::{Bounded, Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
@@ -77,6 +79,7 @@ use crate::warehouse::Warehouse;
 use crowd::Crowd;
 use plan::Needs;
 use scene::Scene;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Settings of the core. They never change while it runs.
@@ -161,6 +164,10 @@ pub struct Fleet {
     plan_times: Vec<u64>,
     /// The robot that is being dealt with: named where a contradiction ends the step.
     at_hand: Option<RobotId>,
+    /// Robots of which the ledger knew at the start and that have not been heard of since.
+    unheard: BTreeSet<RobotId>,
+    /// When the first step was, if there were such robots.
+    started: Option<Time>,
     out: Step,
 }
 
@@ -180,6 +187,8 @@ impl Fleet {
             tally: Tally::default(),
             plan_times: Vec::new(),
             at_hand: None,
+            unheard: BTreeSet::new(),
+            started: None,
             out: Step::default(),
             settings,
         }
@@ -205,7 +214,8 @@ impl Fleet {
     pub fn resume(mut ledger: Ledger, settings: Settings, facts: impl IntoIterator<Item = Fact>) -> Fleet {
         facts.into_iter().for_each(|fact| ledger.evolve(&fact));
         let fleet = Fleet::new(ledger.warehouse().clone(), settings);
-        Fleet { ledger, ..fleet }
+        let unheard = ledger.robots.ids().collect();
+        Fleet { ledger, unheard, ..fleet }
     }
 
     /// Takes all inputs in, then decides once from what is known now.

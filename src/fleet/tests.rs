@@ -4,6 +4,7 @@ mod after;
 mod cancel;
 mod charging;
 mod closures;
+mod displaced;
 mod failure;
 mod hand;
 mod jobs;

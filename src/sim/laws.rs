@@ -4,6 +4,7 @@
 //! Refuses: to mend anything; one violation fails the run.
 
 use super::job_laws::{DELIVERS, JobLaws, OVERDUE, undrained, why_undrained};
+use super::place_laws::PlaceLaws;
 use super::world::World;
 use crate::fleet::{Fact, Fleet, JobKind, JobState, JobWhy, Ledger, Task, Why};
 use crate::geometry::{Point, axis_distance};
@@ -44,6 +45,8 @@ pub enum Violation {
     NotDrained(usize, usize, Vec<String>),
     /// A robot drove into a worker and did not brake.
     RunOver(RobotId, usize),
+    /// A robot has been standing where the fleet does not know it to be, or is called displaced and is not.
+    Misjudged(RobotId),
     /// The ledger is not the fold of the facts.
     Fold,
 }
@@ -80,6 +83,9 @@ impl fmt::Display for Violation {
             Violation::RunOver(r, w) => {
                 write!(f, "robot {} drove into worker {} and did not brake", r.0 + 1, w + 1)
             }
+            Violation::Misjudged(r) => {
+                write!(f, "robot {} does not stand where the fleet believes it to be", r.0 + 1)
+            }
             Violation::Fold => write!(f, "the ledger is not the fold of its facts"),
         }
     }
@@ -95,6 +101,7 @@ pub struct Laws {
     run_over: usize,
     misplaced: usize,
     jobs: JobLaws,
+    places: PlaceLaws,
     steps: u64,
     reach_m: f64,
     /// What was broken, and when; the first hundred.
@@ -114,6 +121,7 @@ impl Laws {
             run_over: 0,
             misplaced: 0,
             jobs: JobLaws::new(fleet),
+            places: PlaceLaws::default(),
             steps: 0,
             reach_m: fleet.warehouse().footprint_m - SLACK_M,
             broken: Vec::new(),
@@ -138,6 +146,8 @@ impl Laws {
         self.check_jobs(now, facts, fleet);
         self.check_racks(now, world);
         let broken = self.jobs.check(now, world, fleet, facts);
+        broken.into_iter().for_each(|v| self.break_law(now, v));
+        let broken = self.places.check(now, world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         self.check_progress(now, fleet);
         for fact in facts {

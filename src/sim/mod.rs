@@ -16,6 +16,8 @@ mod habits;
 mod job_laws;
 pub mod laws;
 mod link;
+mod place_laws;
+mod pushes;
 mod random;
 pub mod recording;
 pub mod replay;
