@@ -90,7 +90,7 @@
 //!    this phase does nothing.
 //! 3. **Progress** (`traffic/progress.rs`): what has come true? Visits behind a robot are released, a stop that is done
 //!    leads to the next task, the windows of a late robot slide with those of all robots after it; a broken robot keeps
-//!    its place.
+//!    its place, and a robot that stands elsewhere is taken up there or treated as broken (`traffic/displaced.rs`).
 //! 4. **Dispatch** (`dispatch/jobs.rs`): waiting jobs and idle robots are matched all together at the least sum of
 //!    costs (`dispatch/assignment.rs`). A robot that is left over charges or leaves the floor.
 //! 5. **Plan** (`traffic/plan.rs`): each robot that has a task and no route gets a search, the longest waiting first,
@@ -163,6 +163,8 @@
 //!   into the picture, and the order of all stays free of cycles, although the robot may come before others now.
 //! - *A broken robot* keeps what it was granted without end. Whoever has to pass it, and whoever would have to pass
 //!   those, loses what was not granted yet (`fleet/traffic/truncate.rs`) and is routed anew.
+//! - *A robot that was pushed elsewhere* (`fleet/traffic/displaced.rs`) holds one place without end, which was granted to
+//!   no other robot; those that were promised it, and those behind them, lose what was not granted yet.
 //! - *A robot whose grant is revoked* (`fleet/yielding/revoke.rs`) only holds again what it had been granted. It is
 //!   first in the order of all that, and no robot can come before a hold that began in the past, so it waits for none
 //!   there.
@@ -198,6 +200,7 @@
 //! | how far ahead robots are granted (base, horizon) | `fleet/traffic/grant.rs` |
 //! | a grant is revoked, a route is truncated | `fleet/yielding/revoke.rs`; `fleet/traffic/truncate.rs` |
 //! | delays, breakdowns | `fleet/traffic/progress.rs`, `timeline/delay.rs`; `fleet/traffic/truncate.rs` |
+//! | robots that people pushed elsewhere | `fleet/traffic/displaced.rs`; in words: `api/displaced.rs` |
 //! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog.rs` |
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
 //! | which maps are refused | `warehouse/check/` |

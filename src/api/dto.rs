@@ -3,6 +3,7 @@
 //! Main types: [`RobotDto`], [`RackDto`], [`StationDto`], [`JobDto`], [`Page`], and [`Names`], which makes
 //! them. Ids on the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
 
+use super::displaced;
 use super::port::JobRecord;
 use super::text::{closure_name, job_name, round3, time_text, worker_name};
 use crate::fleet::{Counts, Doing, JobFailure, JobKind, JobState, JobWhy, RackAt, RobotState, View, Why};
@@ -300,6 +301,8 @@ impl Names<'_> {
             },
             Why::NoRoute => "no route found yet; trying again".into(),
             Why::Failed => "cannot drive".into(),
+            Why::Displaced(displacement) => displaced::words(self.map, |r| self.robot(r), displacement),
+            Why::BlockedBy(r) => format!("waiting for {} to be moved out of its way", self.robot(r)),
             Why::Silent => "not heard of".into(),
             Why::Paused => PAUSED.into(),
             Why::Stopped => "stopped with the whole fleet".into(),

@@ -9,6 +9,7 @@
 mod assets;
 pub mod auth;
 mod building;
+pub mod displaced;
 pub mod dto;
 pub mod error;
 mod extract;

@@ -21,6 +21,7 @@ pub use read::occupancy::{Area, MOST_STRIPS, Strip};
 pub use read::view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
 pub use read::why::{Because, Waiting, Who};
 pub use requests::station::StationOrder;
+pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 pub use state::fact::{Act, Booking, Fact, Kept, Moved, Purpose, Stop, Task};
 pub use state::io::{Bounded, Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
 pub use state::job::{Job, JobFailure, JobKind, JobRequest, JobState};
@@ -41,6 +42,7 @@ use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use people::state::Crowd;
 use state::scene::Scene;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use traffic::plan::Needs;
 
@@ -126,6 +128,10 @@ pub struct Fleet {
     plan_times: Vec<u64>,
     /// The robot that is being dealt with: named where a contradiction ends the step.
     at_hand: Option<RobotId>,
+    /// Robots of which the ledger knew at the start and that have not been heard of since.
+    unheard: BTreeSet<RobotId>,
+    /// When the first step was, if there were such robots.
+    started: Option<Time>,
     out: Step,
 }
 
@@ -145,6 +151,8 @@ impl Fleet {
             tally: Tally::default(),
             plan_times: Vec::new(),
             at_hand: None,
+            unheard: BTreeSet::new(),
+            started: None,
             out: Step::default(),
             settings,
         }
@@ -170,7 +178,8 @@ impl Fleet {
     pub fn resume(mut ledger: Ledger, settings: Settings, facts: impl IntoIterator<Item = Fact>) -> Fleet {
         facts.into_iter().for_each(|fact| ledger.evolve(&fact));
         let fleet = Fleet::new(ledger.warehouse().clone(), settings);
-        Fleet { ledger, ..fleet }
+        let unheard = ledger.robots.ids().collect();
+        Fleet { ledger, unheard, ..fleet }
     }
 
     /// Takes all inputs in, then decides once from what is known now.

@@ -5,6 +5,7 @@ mod cancel;
 mod carry;
 mod charging;
 mod closures;
+mod displaced;
 mod failure;
 mod hand;
 mod jobs;

@@ -4,7 +4,7 @@
 //! Refuses: to know why a condition holds, beyond whose it is.
 
 use crate::geometry::Point;
-use crate::id::{ClosureId, Dense, IdVec, NodeId, WorkerId};
+use crate::id::{ClosureId, Dense, IdVec, NodeId, RobotId, WorkerId};
 use crate::time::{Span, Time, Window};
 use crate::warehouse::Warehouse;
 use smallvec::SmallVec;
@@ -17,6 +17,8 @@ pub enum Cause {
     Worker(WorkerId),
     /// Somebody marked the area.
     Closure(ClosureId),
+    /// A robot stands there that is booked elsewhere.
+    Robot(RobotId),
 }
 
 /// What holds on a node during a window.
@@ -141,6 +143,13 @@ impl Conditions {
                 c.window = Window::new(a.start().min(b.start()), a.end().max(b.end()));
             }
             None => list.push(condition),
+        }
+    }
+
+    /// Takes the passing ones of a cause back.
+    pub fn withdraw(&mut self, cause: Cause) {
+        for node in &self.touched {
+            self.nodes[*node].retain(|c| c.cause != cause);
         }
     }
 

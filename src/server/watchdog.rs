@@ -5,6 +5,7 @@
 //! Refuses: to mend anything, and to look at everything in one turn of the loop.
 
 use super::start::panic_text;
+use crate::api::displaced::words;
 use crate::api::port::Alarms;
 use crate::fleet::{Fleet, Ledger, Task};
 use crate::id::RobotId;
@@ -17,6 +18,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 const STANDS: &str = "progress";
 /// The alarm when a robot says that it is beyond what it was granted.
 const BEYOND: &str = "grant";
+/// The alarm while a robot stands where it is not booked.
+const DISPLACED: &str = "displaced";
 /// The alarm when what was promised contradicts itself.
 const UNSOUND: &str = "ledger";
 /// Robots are looked at this often.
@@ -46,6 +49,8 @@ impl Watchdog {
             let seconds = STUCK.0 / 1_000_000;
             format!("no progress for {seconds} s: {names}. GET /v1/robots/NAME/why says what each waits for.")
         });
+        let displaced = displaced(fleet);
+        set(alarms, DISPLACED, now, &displaced, str::to_owned);
         let beyond = beyond_grant(fleet);
         set(alarms, BEYOND, now, &beyond, |names| {
             format!("beyond what was granted, as they say: {names}. Stop them and see where they are.")
@@ -75,6 +80,14 @@ impl Watchdog {
         }
         found
     }
+}
+
+/// Robots that cannot go on from where they stand, each with why and what to do.
+fn displaced(fleet: &Fleet) -> Vec<String> {
+    let (ledger, map) = (fleet.ledger(), fleet.warehouse());
+    let name = |r: RobotId| ledger.robots[r].name.clone();
+    let found = ledger.robots.ids().filter_map(|r| Some((r, fleet.displacement(r)?)));
+    found.map(|(r, why)| format!("{} {}", name(r), words(map, name, why))).collect()
 }
 
 /// Robots that say that they reached, or know of, more than they were granted.

@@ -14,6 +14,7 @@ pub mod encounter;
 mod guard;
 pub mod laws;
 mod link;
+mod pushes;
 mod random;
 pub mod recording;
 pub mod replay;

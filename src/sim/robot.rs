@@ -4,7 +4,7 @@
 //! told, and it can always stop before the end of it. Refuses: to know where others are.
 
 use super::guard::Guard;
-use crate::fleet::{Act, Command, Telemetry, Waypoint};
+use crate::fleet::{Act, Command, OFF_ROUTE_M, Telemetry, Waypoint};
 use crate::geometry::{Point, Pose, Segment, Vector, turn_between, wrap_angle};
 use crate::id::{NodeId, RackId, RobotId};
 use crate::route::Kinematics;
@@ -42,9 +42,13 @@ pub(super) struct Body {
     pub id: RobotId,
     pub pose: Pose,
     pub speed_mps: f64,
-    /// The visit whose centre it reached last, with its node.
+    /// The visit whose centre it reached last; the node of that, or where people put it since.
     pub reached: u64,
     pub node: NodeId,
+    /// Where that visit was: it may have been pushed elsewhere since.
+    stood_at: Point,
+    /// The node of that visit.
+    pub stood_on: NodeId,
     pub rack: Option<RackId>,
     pub failed_until: Option<Time>,
     /// The limit of its speed that it was told last.
@@ -82,6 +86,8 @@ impl Body {
             speed_mps: 0.0,
             reached: 0,
             node,
+            stood_at: at,
+            stood_on: node,
             rack: None,
             failed_until: None,
             limit_mps: None,
@@ -101,6 +107,33 @@ impl Body {
     /// Puts it where the ledger has it: a restarted simulation.
     pub fn resume(&mut self, reached: u64, acted: Option<u64>, recalls: u64, rack: Option<RackId>) {
         (self.reached, self.acted, self.recalls, self.rack) = (reached, acted, recalls, rack);
+    }
+
+    /// People switch it off, push it elsewhere and switch it on: it has forgotten its waypoints. `node` is the one to
+    /// which it is nearest there.
+    pub fn put(&mut self, at: Point, node: NodeId) {
+        (self.pose.at, self.node, self.speed_mps) = (at, node, 0.0);
+        (self.acting, self.returns) = (None, false);
+        self.path.clear();
+    }
+
+    /// Whether it stands, carries nothing out and could be pushed.
+    pub fn can_be_pushed(&self) -> bool {
+        self.speed_mps == 0.0 && self.acting.is_none() && self.failed_until.is_none()
+    }
+
+    /// Whether it was pushed elsewhere and has not been told yet where it is.
+    pub fn is_astray(&self) -> bool {
+        self.path.is_empty() && !self.is_near(self.stood_at)
+    }
+
+    fn is_near(&self, at: Point) -> bool {
+        (at - self.pose.at).norm() <= OFF_ROUTE_M
+    }
+
+    /// Whether it stands on the straight way from what it reached last to another place.
+    fn is_on_the_way_to(&self, next: Point) -> bool {
+        Segment { a: self.stood_at, b: next }.distance_to(self.pose.at) <= OFF_ROUTE_M
     }
 
     /// Serial number of the last waypoint it knows.
@@ -123,7 +156,8 @@ impl Body {
 
     /// Where it stands on the way to the next waypoint, it drives back to the one before.
     fn come_back(&mut self, to: u64, number: u64, warehouse: &Warehouse) {
-        let stands = self.speed_mps == 0.0 && self.acting.is_none();
+        let next = self.path.front().map_or(self.stood_at, |t| t.at);
+        let stands = self.speed_mps == 0.0 && self.acting.is_none() && self.is_on_the_way_to(next);
         if self.failed_until.is_some() || !stands || to != self.reached || number != self.recalls + 1 {
             return;
         }
@@ -132,8 +166,21 @@ impl Body {
         self.returns = true;
     }
 
-    /// Waypoints that it knows already are skipped, an act for the place where it stands is begun.
+    /// An order that begins later than all it knows is for the place where it was put, if it stands there.
+    fn take_up(&mut self, first: &Waypoint, warehouse: &Warehouse) {
+        let at = warehouse.nodes[first.node].at;
+        if first.serial > self.known() && self.path.is_empty() && self.speed_mps == 0.0 && self.is_near(at) {
+            (self.reached, self.node) = (first.serial, first.node);
+            (self.stood_at, self.stood_on) = (at, first.node);
+            self.acting = None;
+        }
+    }
+
+    /// Waypoints that it knows already are skipped, an act for the place where it stands is begun. It takes no
+    /// waypoint on to which it does not stand on the way, and does nothing where it was not to do it: it was pushed
+    /// elsewhere meanwhile.
     fn learn(&mut self, waypoints: &[Waypoint], warehouse: &Warehouse) {
+        waypoints.iter().take(1).for_each(|first| self.take_up(first, warehouse));
         // It is sent on: the pick has ended, whatever was planned.
         if let Some((serial, Act::Pick(_), _)) = self.acting
             && waypoints.iter().any(|w| w.serial > serial)
@@ -142,7 +189,8 @@ impl Body {
         }
         for w in waypoints {
             if w.serial == self.reached {
-                if let Some(act) = w.act.filter(|_| self.acted < Some(w.serial) && self.acting.is_none()) {
+                let begins = self.acted < Some(w.serial) && self.acting.is_none();
+                if let Some(act) = w.act.filter(|_| begins && self.is_near(self.stood_at)) {
                     self.acting = Some((w.serial, act, None));
                 }
             } else if w.serial == self.known() + 1 {
@@ -150,6 +198,9 @@ impl Body {
                 let arc = warehouse.out(from).find(|(_, a)| a.to == w.node);
                 let limit_mps = arc.map_or(f64::INFINITY, |(_, a)| a.speed_limit_mps);
                 let at = warehouse.nodes[w.node].at;
+                if self.path.is_empty() && !self.is_on_the_way_to(at) {
+                    return;
+                }
                 self.path.push_back(Target { serial: w.serial, node: w.node, at, act: w.act, limit_mps });
             }
         }
@@ -306,6 +357,7 @@ impl Body {
         self.path.pop_front();
         self.recalls += u64::from(std::mem::take(&mut self.returns));
         (self.reached, self.node, self.pose.at) = (target.serial, target.node, target.at);
+        (self.stood_at, self.stood_on) = (target.at, target.node);
         self.acting = target.act.map(|act| (target.serial, act, None));
     }
 
@@ -351,5 +403,47 @@ impl Body {
         }
         self.acted = Some(serial);
         self.acting = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::timeline::{Holder, Reserved, Timeline};
+    use crate::warehouse::lab;
+    use std::sync::Arc;
+
+    fn proof(warehouse: &Warehouse, node: NodeId) -> Reserved {
+        let mut timeline = Timeline::new(Arc::new(warehouse.clone()), Span::from_millis(100));
+        let stands = crate::fleet::state::ledger::stand(node, Time::ZERO);
+        timeline.reserve(Holder::Robot(RobotId(0)), vec![stands]).expect("nobody else is there")
+    }
+
+    #[test]
+    fn a_robot_that_was_pushed_ignores_orders_for_where_it_was_and_takes_the_one_for_where_it_is() {
+        let w = lab();
+        let arc = w.arcs.iter().next().expect("a lane of the laboratory");
+        let (home, next) = (arc.from, arc.to);
+        let far = |n: &NodeId| (w.nodes[*n].at - w.nodes[home].at).norm() > 3.0;
+        let away = w.nodes.ids().find(far).expect("the laboratory is larger than that");
+        let mut body = Body::new(RobotId(0), home, w.nodes[home].at, (1.0, 8.0), Kinematics::default());
+        let drive = |first: u64, nodes: &[NodeId], act: Option<Act>| Command::Drive {
+            grant: proof(&w, home),
+            waypoints: (first..).zip(nodes).map(|(serial, n)| Waypoint { serial, node: *n, act }).collect(),
+            recalls: 0,
+        };
+        body.put(w.nodes[away].at, away);
+        assert!(body.is_astray());
+        body.obey(&drive(0, &[home, next], Some(Act::Lift(RackId(0)))), &w);
+        body.obey(&Command::Recall { to: 0, number: 1 }, &w);
+        body.advance(Time::ZERO, Time::from_secs_f64(5.0), false);
+        let said = body.report(Time::ZERO);
+        assert_eq!((said.reached, said.known, said.rack, said.recalls), (0, 0, None, 0));
+        assert_eq!(said.pose.at, w.nodes[away].at, "it stays where it was put");
+        body.obey(&drive(7, &[away], None), &w);
+        assert_eq!((body.reached, body.node, body.is_astray()), (7, away, false));
+        body.put(w.nodes[home].at, home);
+        body.obey(&drive(7, &[away], None), &w);
+        assert!(body.is_astray(), "the same order says nothing about where it was put next");
     }
 }

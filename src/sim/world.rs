@@ -7,6 +7,7 @@ use super::crew::{Crew, Presence};
 use super::customers::{Customers, OrderLine};
 use super::encounter::{Figures, Meter, Person};
 use super::link::Link;
+use super::pushes::{Around, NEARBY_M};
 use super::random::Stream;
 use super::robot::Body;
 use super::scenario::{Faults, Scenario};
@@ -31,6 +32,12 @@ struct Robot {
     orders: Link<Command>,
     reports: Link<Telemetry>,
     luck: Stream,
+    /// Whether people push it, and where to.
+    pushes: Stream,
+    /// When they push it on, if it stands between nodes then, or has not been taken up where it is.
+    push_on: Option<Time>,
+    /// How often they found no place for it: they look farther away then.
+    tries: u32,
 }
 
 /// The simulated floor.
@@ -51,6 +58,8 @@ pub struct World {
     /// Racks that were lifted where they did not stand, or set down onto another one.
     misplaced: Vec<(RobotId, RackId)>,
     closing: Vec<Closure>,
+    /// How often robots were pushed elsewhere.
+    pushed: u64,
     now: Time,
 }
 
@@ -93,6 +102,7 @@ impl World {
             meter,
             joining,
             closing,
+            pushed: 0,
             now,
         };
         world.meet(fleet);
@@ -112,6 +122,7 @@ impl World {
             }
             robot.break_down(&self.faults, from, now);
         }
+        self.push_robots(from, now);
         self.live(from, now);
         self.note_racks();
         inputs.extend(self.picks(fleet));
@@ -126,6 +137,75 @@ impl World {
             inputs.extend(crew.say(now, fleet));
         }
         inputs
+    }
+
+    /// People push robots elsewhere that stand, and later on those that have not been taken up where they are.
+    fn push_robots(&mut self, from: Time, to: Time) {
+        if self.faults.robot_pushes_per_hour <= 0.0 {
+            return;
+        }
+        let often = self.faults.robot_pushes_per_hour * (to - from).as_secs_f64() / 3600.0;
+        for i in 0..self.robots.len() {
+            let robot = &mut self.robots[i];
+            robot.push_on = robot.push_on.filter(|_| robot.body.is_astray());
+            let again = robot.push_on.is_some();
+            let due = match robot.push_on {
+                Some(at) => to >= at,
+                None => robot.pushes.happens(often) && robot.body.can_be_pushed(),
+            };
+            if due {
+                let onto_node = again || robot.pushes.happens(0.5);
+                self.push(i, onto_node, (from, to));
+            }
+        }
+    }
+
+    /// Pushes a robot onto a node nearby or to a place between nodes, if there is one where it is in nobody's way.
+    fn push(&mut self, i: usize, onto_node: bool, (from, to): (Time, Time)) {
+        let others = self.robots.iter().enumerate().filter(|(j, _)| *j != i);
+        let floor = Around {
+            warehouse: &self.warehouse,
+            racks: &self.racks,
+            others: others.map(|(_, r)| (r.body.pose.at, r.body.speed_mps)).collect(),
+            kinematics: self.kinematics,
+            blind_s: 2.0 * self.faults.message_delay_ms as f64 / 1000.0 + 5.0 * (to - from).as_secs_f64(),
+        };
+        let robot = &mut self.robots[i];
+        let (at, loaded) = (robot.body.pose.at, robot.body.rack.is_some());
+        let nearby_m = NEARBY_M + f64::from(robot.tries);
+        let place = floor.place_near((at, nearby_m), loaded, onto_node, &mut robot.pushes);
+        robot.tries = if place.is_some() { 0 } else { robot.tries + 1 };
+        if let Some((at, node)) = place {
+            robot.body.put(at, node);
+            self.pushed += 1;
+        }
+        let pause = if place.is_some() { self.faults.repair_s } else { 1.0 };
+        let astray = place.is_some() || robot.push_on.is_some();
+        robot.push_on = astray.then(|| to + Span::from_secs_f64(pause));
+    }
+
+    /// How often robots were pushed elsewhere.
+    pub fn pushed(&self) -> u64 {
+        self.pushed
+    }
+
+    /// Puts a robot somewhere, for tests of what happens then.
+    #[cfg(test)]
+    pub fn put(&mut self, robot: RobotId, at: Point) {
+        let nodes = self.warehouse.nodes.pairs();
+        let nearest = nodes.min_by(|(_, a), (_, b)| (a.at - at).norm().total_cmp(&(b.at - at).norm()));
+        let nearest = nearest.expect("maps have nodes").0;
+        let robot = &mut self.robots[robot.ix()];
+        robot.body.put(at, nearest);
+        robot.push_on = Some(self.now + Span::from_secs_f64(self.faults.repair_s));
+        self.pushed += 1;
+    }
+
+    /// The rack on a robot is another one, or gone, for tests of what happens then.
+    #[cfg(test)]
+    pub fn load(&mut self, robot: RobotId, rack: Option<RackId>) {
+        let robot = &mut self.robots[robot.ix()];
+        (robot.body.rack, robot.had) = (rack, rack);
     }
 
     /// Customers want nothing new from now on.
@@ -184,9 +264,9 @@ impl World {
         &self.misplaced
     }
 
-    /// The node on which a robot truly stands or which it passed last.
+    /// The node that a robot truly reached last on its way; people may have pushed it elsewhere since.
     pub fn node_of(&self, robot: RobotId) -> Option<NodeId> {
-        self.robots.get(robot.ix()).map(|r| r.body.node)
+        self.robots.get(robot.ix()).map(|r| r.body.stood_on)
     }
 
     /// Robots and people move. Without people each robot goes alone, which is the same and quicker.
@@ -295,6 +375,9 @@ impl World {
                 orders: Link::new(delay, loss, Stream::new(self.seed, 1, who)),
                 reports: Link::new(delay, loss, Stream::new(self.seed, 2, who)),
                 luck: Stream::new(self.seed, 5, who),
+                pushes: Stream::new(self.seed, 6, who),
+                push_on: None,
+                tries: 0,
             });
         }
     }

@@ -116,6 +116,14 @@ enum Record {
     Cut {
         robots: Vec<KeptRecord>,
     },
+    Placed {
+        robot: u32,
+        node: u32,
+        serial: u64,
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        cut: Vec<KeptRecord>,
+        at: i64,
+    },
     Failed {
         robot: u32,
         at: i64,
@@ -285,6 +293,7 @@ impl From<&Fact> for Record {
                 Record::Recalled { robot: robot.0, serial: *serial, recalls: *recalls, at: at.0 }
             }
             Fact::Cut { robots } => Record::Cut { robots: robots.iter().map(KeptRecord::from).collect() },
+            Fact::Placed { robot, node, serial, cut, at } => record_placed(*robot, *node, *serial, cut, *at),
             Fact::Failed { robot, at } => Record::Failed { robot: robot.0, at: at.0 },
             Fact::Repaired { robot, at } => Record::Repaired { robot: robot.0, at: at.0 },
             Fact::Fenced { robot, at } => Record::Fenced { robot: robot.0, at: at.0 },
@@ -356,6 +365,7 @@ impl From<Record> for Fact {
                 Fact::Recalled { robot: RobotId(robot), serial, recalls, at: Time(at) }
             }
             Record::Cut { robots } => Fact::Cut { robots: robots.into_iter().map(Kept::from).collect() },
+            Record::Placed { robot, node, serial, cut, at } => placed(robot, node, serial, cut, at),
             Record::Failed { robot, at } => Fact::Failed { robot: RobotId(robot), at: Time(at) },
             Record::Repaired { robot, at } => Fact::Repaired { robot: RobotId(robot), at: Time(at) },
             Record::Fenced { robot, at } => Fact::Fenced { robot: RobotId(robot), at: Time(at) },
@@ -392,6 +402,16 @@ impl From<Record> for Fact {
             Record::KeysExpired { jobs, assignments } => keys_expired(jobs, assignments),
         }
     }
+}
+
+fn record_placed(robot: RobotId, node: NodeId, serial: u64, cut: &[Kept], at: Time) -> Record {
+    let cut = cut.iter().map(KeptRecord::from).collect();
+    Record::Placed { robot: robot.0, node: node.0, serial, cut, at: at.0 }
+}
+
+fn placed(robot: u32, node: u32, serial: u64, cut: Vec<KeptRecord>, at: i64) -> Fact {
+    let cut = cut.into_iter().map(Kept::from).collect();
+    Fact::Placed { robot: RobotId(robot), node: NodeId(node), serial, cut, at: Time(at) }
 }
 
 fn interrupted(robot: u32, worker: u32, reaction: ReactionRecord, at: i64) -> Fact {

@@ -1,9 +1,10 @@
 //! Cutting: holders lose what they were promised but not granted.
 //!
-//! Main functions: [`Timeline::cut_down`] works out what stays, [`Timeline::keep`] keeps only that. Refuses: to
+//! Main functions: [`Timeline::cut_down`] works out what stays, [`Timeline::keep`] keeps only that;
+//! [`Timeline::place`] is for a holder that stands somewhere else. Refuses: to
 //! take back what was granted.
 
-use super::{Holder, Shift, Timeline};
+use super::{Chain, Holder, Shift, Timeline, Visit};
 use crate::time::Time;
 
 /// What a holder keeps: one past the last visit that stays, and the visits that have other times from now on.
@@ -56,5 +57,24 @@ impl Timeline {
             assert_eq!(self.check(holder, &visits), Ok(()), "{holder:?} cannot stay where others want to be");
             self.put(holder, visits);
         }
+    }
+
+    /// A holder stands somewhere else: it holds that visit alone, with this serial number, and others keep what they
+    /// are told.
+    ///
+    /// # Panics
+    /// If the number is not later than all that the holder had, or the place is held by somebody after that.
+    pub fn place(&mut self, holder: Holder, serial: u64, visit: Visit, kept: &[Kept<'_>]) {
+        let end = self.chains.get(&holder).expect("only holders stand elsewhere").end();
+        assert!(end <= serial, "{holder:?} had the visit {serial} before");
+        self.remove(holder);
+        self.keep(kept);
+        assert_eq!(
+            self.check(holder, std::slice::from_ref(&visit)),
+            Ok(()),
+            "{holder:?} stands where others are"
+        );
+        self.chains.insert(holder, Chain { first: serial, granted: serial + 1, ..Chain::default() });
+        self.put(holder, [visit]);
     }
 }

@@ -26,6 +26,11 @@ impl Timeline {
         self.lines[r].during(window).map(|h| self.held(h))
     }
 
+    /// All holds of others on a resource, in their order, also those whose time is over.
+    pub fn held_by_others(&self, r: ResourceId, own: Holder) -> impl Iterator<Item = Held> {
+        self.lines[r].all().filter(move |h| h.holder != own).map(|h| self.held(h))
+    }
+
     /// Everybody who passes before `holder` has the visit `serial`, in order, on the resource that
     /// [`Timeline::waits_for`] names; nothing where nobody does.
     pub fn before(&self, holder: Holder, serial: u64) -> Option<(ResourceId, Vec<Held>)> {

@@ -103,6 +103,11 @@ impl Line {
         self.holds[..to].iter().filter(move |h| h.end > w.start())
     }
 
+    /// All entries in their order.
+    pub fn all(&self) -> impl Iterator<Item = &Hold> {
+        self.holds.iter()
+    }
+
     /// The first other holder that stands before this visit in the order of the resource.
     pub fn first_before(&self, holder: Holder, serial: u64) -> Option<Holder> {
         self.before(holder, serial).map(|h| h.holder).find(|h| *h != holder)

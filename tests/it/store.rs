@@ -86,6 +86,13 @@ fn every_fact() -> Vec<Fact> {
         Fact::Acted { robot, serial: 8 },
         Fact::Delayed { moved: vec![Moved { robot, shifts: shifts(at) }] },
         Fact::Recalled { robot, serial: 8, recalls: 3, at },
+        Fact::Placed {
+            robot,
+            node: NodeId(7),
+            serial: 12,
+            cut: vec![Kept { robot, end: 9, shifts: shifts(at) }],
+            at,
+        },
         Fact::Cut { robots: vec![Kept { robot, end: 9, shifts: shifts(at) }] },
         Fact::KeysExpired { jobs: vec![job], assignments: vec![] },
         Fact::KeysExpired { jobs: vec![], assignments: vec![AssignmentId(3)] },

@@ -91,10 +91,10 @@ pub struct HoldDto {
 /// One condition.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ConditionDto {
-    /// The worker, or the closure.
+    /// The worker, the closure, or the robot that stands there and is booked elsewhere.
     #[schema(example = "w1")]
     pub by: String,
-    /// worker or closure.
+    /// worker, closure or robot.
     pub kind: &'static str,
     /// Seconds from `at`; below 0 where it has begun.
     pub from_s: f64,
@@ -159,7 +159,7 @@ fn strip(names: Names, strip: &Strip, at: Time) -> StripDto {
         x: round3(place.x),
         y: round3(place.y),
         holds: strip.holds.iter().map(|h| hold(names, h, at)).collect(),
-        conditions: strip.conditions.iter().map(|c| condition(c, at)).collect(),
+        conditions: strip.conditions.iter().map(|c| condition(names, c, at)).collect(),
     }
 }
 
@@ -172,10 +172,11 @@ fn hold(names: Names, held: &Held, at: Time) -> HoldDto {
     HoldDto { by, kind, from_s, to_s, granted: held.granted, conflict: held.layer == Layer::Conflict }
 }
 
-fn condition(c: &Condition, at: Time) -> ConditionDto {
+fn condition(names: Names, c: &Condition, at: Time) -> ConditionDto {
     let (by, kind) = match c.cause {
         Cause::Worker(w) => (worker_name(w), "worker"),
         Cause::Closure(c) => (closure_name(c), "closure"),
+        Cause::Robot(r) => (names.robot(r), "robot"),
     };
     let (effect, limit_mps, price_s) = match c.effect {
         Effect::Closed => ("closed", None, None),

@@ -46,7 +46,10 @@ impl Fleet {
         self.crowd.conditions.clear();
         self.note_areas(now);
         if self.crowd.people.is_empty() {
-            return self.limit_robots(now);
+            self.crowd.closing.clear();
+            self.close_displaced(now);
+            self.limit_robots(now);
+            return self.call_back_from_displaced(now);
         }
         for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
             self.watch(worker, now);
@@ -56,8 +59,10 @@ impl Fleet {
         self.follow_procedure(now);
         self.set_conditions(now);
         self.note_closing(now);
+        self.close_displaced(now);
         self.limit_robots(now);
         self.call_back(now);
+        self.call_back_from_displaced(now);
         self.meet(now);
         self.guide(now);
         for worker in (0..self.crowd.people.len()).map(WorkerId::at) {

@@ -144,6 +144,9 @@ impl Fleet {
         if record.paused.is_some() {
             return Some(Why::Paused);
         }
+        if let Some(displacement) = self.displacement(r) {
+            return Some(Why::Displaced(displacement));
+        }
         if record.failed {
             return Some(Why::Failed);
         }
@@ -152,6 +155,9 @@ impl Fleet {
         }
         if self.scene.fit(r, now).is_none() {
             return Some(Why::Silent);
+        }
+        if let Some(other) = self.drives_into(r) {
+            return Some(Why::BlockedBy(other));
         }
         if let Some(station) = self.station_of(r)
             && self.lacks_route(r)
@@ -176,6 +182,7 @@ impl Fleet {
         match held.and_then(|v| self.grant_waits_for(r, v, now)) {
             Some(Cause::Worker(w)) => return Some(Why::GivesWay(w)),
             Some(Cause::Closure(c)) => return Some(Why::Closed(c)),
+            Some(Cause::Robot(r)) => return Some(Why::BlockedBy(r)),
             None => {}
         }
         let (resource, holder) = self.ledger.timeline.waits_for(Holder::Robot(r), chain.granted())?;

@@ -3,6 +3,7 @@
 //! Main types: [`View`], [`RobotView`], [`Why`], [`JobWhy`]. Made on demand by [`crate::fleet::Fleet::view`], since
 //! a simulation of an hour needs none of the 72 000 it could have. Refuses: to be an input of any decision.
 
+use crate::fleet::state::displaced::Displacement;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::job::{Job, JobKind, JobState};
 use crate::fleet::state::worker::{ClosureView, WorkerView};
@@ -165,6 +166,10 @@ pub enum Why {
     NoRoute,
     /// It cannot drive.
     Failed,
+    /// It stands where nothing is held for it, or does not carry what it should.
+    Displaced(Displacement),
+    /// Another robot stands on its way that is booked elsewhere.
+    BlockedBy(RobotId),
     /// It has not been heard of.
     Silent,
     /// Somebody paused it.
@@ -215,7 +220,7 @@ impl View {
         if let Some(named) = job.request.kind.robot() {
             let robot = self.robots.get(named.ix())?;
             return match robot.why {
-                Some(why @ (Why::Failed | Why::Silent | Why::Paused | Why::Stopped)) => {
+                Some(why @ (Why::Failed | Why::Displaced(_) | Why::Silent | Why::Paused | Why::Stopped)) => {
                     Some(JobWhy::Robot(named, why))
                 }
                 _ if robot.task != Task::Idle => Some(JobWhy::RobotBusy(named, robot.job)),

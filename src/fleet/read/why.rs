@@ -154,7 +154,8 @@ impl Fleet {
         let chain = self.ledger.chain(robot);
         let why = self.why(robot, now);
         // Who is broken, silent or told to stand is so at a stop, too.
-        let stopped = matches!(why, Some(Why::Failed | Why::Silent | Why::Paused | Why::Stopped));
+        let stopped =
+            matches!(why, Some(Why::Failed | Why::Displaced(_) | Why::Silent | Why::Paused | Why::Stopped));
         if let Some(act) = self.act_here(robot).filter(|_| !stopped) {
             let until = chain.get(chain.first()).map(|v| v.depart);
             return (link(Because::AtStop(act), until, 0), None);
@@ -172,6 +173,7 @@ impl Fleet {
                 let until = ahead.and_then(|v| self.holds_back(robot, v, now)).map(|c| c.window.end());
                 (link(Because::Robot(why), until, 0), None)
             }
+            Some(why @ Why::BlockedBy(other)) => (link(Because::Robot(why), None, 0), Some(other)),
             Some(why @ Why::QueueFull(station)) => {
                 let node = self.warehouse().stations[station].node;
                 let there = self.ledger.robots.ids().find(|r| self.ledger.node_of(*r) == node);

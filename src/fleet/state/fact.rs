@@ -229,6 +229,20 @@ pub enum Fact {
         /// The assignments that had them.
         assignments: Vec<AssignmentId>,
     },
+    /// A robot was found standing on a node that it did not hold: it holds that and nothing else from now on, and has
+    /// no stops any more.
+    Placed {
+        /// Which.
+        robot: RobotId,
+        /// Where it stands.
+        node: NodeId,
+        /// Serial number of this visit; later than any that it had.
+        serial: u64,
+        /// Robots that were promised this place, or would have had to pass those: what they keep.
+        cut: Vec<Kept>,
+        /// When.
+        at: Time,
+    },
 }
 
 /// Visits of one robot that have other times now.

@@ -190,6 +190,9 @@ impl Telemetry {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// Drive along these waypoints, in order. Waypoints that the robot knows already are repeated until it says so.
+    /// If the first one is later than all it knows, the robot takes that for where it stands, provided that it knows
+    /// no way to drive and is at that node: it was pushed there. A robot that does not stand on the way to the
+    /// next waypoint takes none on.
     Drive {
         /// The proof that they are held and granted.
         grant: Reserved,

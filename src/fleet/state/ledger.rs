@@ -14,7 +14,7 @@ use crate::fleet::state::wishes::Wishes;
 use crate::fleet::state::worker::{Assignment, AssignmentRequest, AssignmentState, Closure};
 use crate::id::{AssignmentId, ClosureId, Dense, IdVec, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
-use crate::timeline::{Chain, Holder, Timeline, Visit};
+use crate::timeline::{self, Chain, Holder, Timeline, Visit};
 use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -234,6 +234,7 @@ impl Ledger {
                 self.timeline.slide(&slip);
             }
             Fact::Cut { robots } => self.cut(robots),
+            Fact::Placed { robot, node, serial, cut, at } => self.place(*robot, *node, *serial, cut, *at),
             Fact::Failed { robot, .. } => self.robots[*robot].failed = true,
             Fact::Repaired { robot, .. } => {
                 self.robots[*robot].failed = false;
@@ -452,9 +453,20 @@ impl Ledger {
     }
 
     fn cut(&mut self, robots: &[Kept]) {
-        let kept: Vec<_> =
-            robots.iter().map(|k| (Holder::Robot(k.robot), k.end, k.shifts.as_slice())).collect();
-        self.timeline.keep(&kept);
+        self.timeline.keep(&kept(robots));
+        self.interrupt(robots);
+    }
+
+    /// A robot stands elsewhere: it holds that place alone, and others lose what they were promised there.
+    fn place(&mut self, robot: RobotId, node: NodeId, serial: u64, cut: &[Kept], at: Time) {
+        self.timeline.place(Holder::Robot(robot), serial, stand(node, at), &kept(cut));
+        let record = &mut self.robots[robot];
+        record.stops.clear();
+        record.interrupted = true;
+        self.interrupt(cut);
+    }
+
+    fn interrupt(&mut self, robots: &[Kept]) {
         for k in robots {
             self.robots[k.robot].stops.retain(|s| s.serial < k.end);
             self.robots[k.robot].interrupted = true;
@@ -465,6 +477,10 @@ impl Ledger {
     pub fn resident(&self, node: NodeId) -> Option<RobotId> {
         self.index.places.resident(node)
     }
+}
+
+fn kept(robots: &[Kept]) -> Vec<timeline::Kept<'_>> {
+    robots.iter().map(|k| (Holder::Robot(k.robot), k.end, k.shifts.as_slice())).collect()
 }
 
 /// Standing on a node for ever.

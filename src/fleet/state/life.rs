@@ -52,6 +52,8 @@ pub enum Event {
     Lifted,
     /// The robot stands at the station.
     AtStation,
+    /// The robot was pushed away from the station before the pick had ended.
+    PushedAway,
     /// The person at the station has what was wanted.
     Picked,
     /// The rack stands where it was to stand.
@@ -128,6 +130,7 @@ pub fn next(kind: &JobKind, from: Stage, event: Event) -> Option<Stage> {
         (Deliver, Waiting, Event::Chained) => Carrying,
         (Deliver | Put, Assigned, Event::Lifted) => Carrying,
         (Deliver, Carrying, Event::AtStation) => Picking,
+        (Deliver, Picking, Event::PushedAway) => Carrying,
         (Deliver, Picking, Event::Picked) => Done,
         (Put, Carrying, Event::SetDown) => Done,
         (Send, Assigned, Event::Arrived) => Done,
@@ -158,11 +161,12 @@ pub fn event(kind: &JobKind, from: Stage, to: Stage) -> Option<Event> {
 }
 
 /// Every event.
-pub const EVENTS: [Event; 10] = [
+pub const EVENTS: [Event; 11] = [
     Event::Assigned,
     Event::Chained,
     Event::Lifted,
     Event::AtStation,
+    Event::PushedAway,
     Event::Picked,
     Event::SetDown,
     Event::Arrived,

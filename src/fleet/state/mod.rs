@@ -3,6 +3,7 @@
 //! Main types: [`ledger::Ledger`] (a fold over [`fact::Fact`]s), [`scene::Scene`], [`io::Input`], [`io::Step`].
 //! Refuses: to decide anything; it knows no other room.
 
+pub mod displaced;
 pub mod fact;
 pub mod index;
 pub mod io;

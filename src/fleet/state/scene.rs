@@ -2,9 +2,11 @@
 //!
 //! Main types: [`Scene`], [`Seen`]. Refuses: older observations than it has, and to trust any for ever.
 
+use crate::fleet::state::displaced::Displaced;
 use crate::fleet::state::io::Telemetry;
 use crate::id::{Dense, RobotId};
 use crate::time::{Span, Time};
+use std::collections::BTreeMap;
 
 /// After this long without an observation a robot is silent: it gets no new grants.
 pub const SILENCE: Span = Span::from_secs(3);
@@ -16,12 +18,16 @@ pub struct Seen {
     pub newest: Option<Telemetry>,
     /// When orders were sent to it last.
     pub told: Option<Time>,
+    /// Whether it was found once where the ledger has it.
+    placed: bool,
 }
 
 /// All robots as they are seen.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     robots: Vec<Seen>,
+    /// Robots that cannot go on from where they stand.
+    displaced: BTreeMap<RobotId, Displaced>,
 }
 
 impl Scene {
@@ -41,6 +47,33 @@ impl Scene {
     /// A robot that was heard of lately and can drive.
     pub fn fit(&self, robot: RobotId, now: Time) -> Option<&Telemetry> {
         self.robot(robot).filter(|t| !t.cannot_drive() && now - t.seen <= SILENCE)
+    }
+
+    /// Whether a robot was found where the ledger has it, and has not been found elsewhere since.
+    pub fn is_placed(&self, robot: RobotId) -> bool {
+        self.robots.get(robot.ix()).is_some_and(|r| r.placed)
+    }
+
+    /// A robot is where the ledger has it. What was wrong before, if anything was.
+    pub fn place(&mut self, robot: RobotId) -> Option<Displaced> {
+        self.robot_mut(robot).placed = true;
+        self.displaced.remove(&robot)
+    }
+
+    /// A robot cannot go on from where it stands.
+    pub fn displace(&mut self, robot: RobotId, how: Displaced) {
+        self.robot_mut(robot).placed = false;
+        self.displaced.insert(robot, how);
+    }
+
+    /// How it is with a robot that cannot go on from where it stands.
+    pub fn displaced(&self, robot: RobotId) -> Option<&Displaced> {
+        self.displaced.get(&robot)
+    }
+
+    /// All robots that cannot go on from where they stand.
+    pub fn all_displaced(&self) -> impl Iterator<Item = (RobotId, &Displaced)> {
+        self.displaced.iter().map(|(r, d)| (*r, d))
     }
 
     /// The record of a robot.

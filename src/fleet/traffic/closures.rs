@@ -113,7 +113,9 @@ impl Fleet {
             let robot = Window::new(enter, leave.max(enter + Span(1)));
             let binding = conditions.binding(v.node, self.warehouse().nodes[v.node].at, &away);
             binding
-                .filter(|c| c.effect == Effect::Closed && matches!(c.cause, Cause::Closure(_)))
+                .filter(|c| {
+                    c.effect == Effect::Closed && matches!(c.cause, Cause::Closure(_) | Cause::Robot(_))
+                })
                 .any(|c| Zone { robot, worker: c.window }.meets())
         })
     }

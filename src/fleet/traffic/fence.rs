@@ -37,6 +37,7 @@ pub(in crate::fleet) fn robot_of(fact: &Fact) -> Option<RobotId> {
         | Fact::Passed { robot, .. }
         | Fact::Acted { robot, .. }
         | Fact::Recalled { robot, .. }
+        | Fact::Placed { robot, .. }
         | Fact::Failed { robot, .. }
         | Fact::Repaired { robot, .. }
         | Fact::Fenced { robot, .. } => Some(*robot),

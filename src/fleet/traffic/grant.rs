@@ -24,6 +24,9 @@ const REMIND: Span = Span::from_secs(3);
 
 impl Fleet {
     pub(in crate::fleet) fn grant(&mut self, now: Time) {
+        if self.waits_for_first_reports(now) {
+            return;
+        }
         for robot in ledger::all(&self.ledger.robots) {
             self.at_hand = Some(robot);
             if self.ledger.robots[robot].failed || self.scene.fit(robot, now).is_none() {

@@ -4,6 +4,7 @@
 
 pub(in crate::fleet) mod closed_areas;
 pub(in crate::fleet) mod closures;
+pub(in crate::fleet) mod displaced;
 pub(in crate::fleet) mod fence;
 pub(in crate::fleet) mod grant;
 pub(in crate::fleet) mod joint;

@@ -226,7 +226,7 @@ impl Fleet {
     }
 
     /// The legs that the rest of a robot's task asks for.
-    fn stages(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
+    pub(super) fn stages(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
         let lift = self.settings.kinematics.lift;
         let leg = |goal, loaded, stay| Stage { goal, loaded, stay };
         match self.ledger.robots[robot].task {

@@ -26,12 +26,14 @@ impl Fleet {
             let Some(seen) = self.scene.robot(robot).copied() else { continue };
             // What a robot reports that is fenced off would only meet the same contradiction.
             if self.ledger.robots[robot].fenced.is_some() {
+                self.settle_place(robot, &seen, now);
                 continue;
             }
             self.settle_health(robot, seen.cannot_drive(), now);
             self.settle_progress(robot, seen.reached, now);
             self.settle_recall(robot, &seen, now);
             self.settle_stop(robot, seen.acted, now);
+            self.settle_place(robot, &seen, now);
             self.settle_delay(robot, now);
         }
         self.at_hand = None;
@@ -41,14 +43,15 @@ impl Fleet {
     fn settle_health(&mut self, robot: RobotId, failed: bool, now: Time) {
         match (self.ledger.robots[robot].failed, failed) {
             (false, true) => self.fail(robot, now),
-            (true, false) => self.record(Fact::Repaired { robot, at: now }),
+            // One that is displaced counts as failed; of one that is not heard of since a start, nobody knows yet.
+            (true, false) if self.scene.is_placed(robot) => self.record(Fact::Repaired { robot, at: now }),
             _ => {}
         }
     }
 
     /// A robot stops for good: its job goes to another if it cannot lift the rack any more, and all robots whose way
     /// leads over its place lose that way.
-    fn fail(&mut self, robot: RobotId, now: Time) {
+    pub(super) fn fail(&mut self, robot: RobotId, now: Time) {
         self.record(Fact::Failed { robot, at: now });
         self.give_up(robot, now);
     }

@@ -13,20 +13,37 @@ impl Fleet {
     /// for an unknown time, and to everybody who would have to pass those in turn. They all keep what they were
     /// granted: nobody asks robots that may be broken to come back.
     pub(in crate::fleet) fn cut_for(&mut self, broken: RobotId) {
-        let mut found = BTreeSet::from([broken]);
-        let mut queue = VecDeque::from([broken]);
+        let found = self.all_behind(BTreeSet::from([broken]), None);
+        let robots = self.kept_by(found);
+        self.record(Fact::Cut { robots });
+    }
+
+    /// These robots, those that would have to pass them, and those behind them in turn; without one that holds nothing
+    /// here from now on.
+    pub(in crate::fleet) fn all_behind(
+        &self,
+        first: BTreeSet<RobotId>,
+        without: Option<RobotId>,
+    ) -> BTreeSet<RobotId> {
+        let broken = if without.is_none() { first.first().copied() } else { None };
+        let mut queue: VecDeque<RobotId> = first.iter().copied().collect();
+        let mut found = first;
         while let Some(robot) = queue.pop_front() {
-            for other in self.behind(robot, robot == broken) {
-                if found.insert(other) {
+            for other in self.behind(robot, Some(robot) == broken) {
+                if Some(other) != without && found.insert(other) {
                     queue.push_back(other);
                 }
             }
         }
+        found
+    }
+
+    /// What robots keep that lose all that was not granted to them.
+    pub(super) fn kept_by(&self, robots: BTreeSet<RobotId>) -> Vec<Kept> {
         let stuck = |r| (Holder::Robot(r), self.ledger.robots[r].failed);
-        let holders: Vec<(Holder, bool)> = found.into_iter().map(stuck).collect();
+        let holders: Vec<(Holder, bool)> = robots.into_iter().map(stuck).collect();
         let kept = self.ledger.timeline.cut_down(&holders);
-        let kept = kept.into_iter().map(|(h, end, shifts)| Kept { robot: robot_of(h), end, shifts });
-        self.record(Fact::Cut { robots: kept.collect() });
+        kept.into_iter().map(|(h, end, shifts)| Kept { robot: robot_of(h), end, shifts }).collect()
     }
 
     /// Robots that were promised something which `robot` will now keep: its last granted visit, or all of them where

@@ -59,6 +59,7 @@ impl Fleet {
         let at = match from {
             Cause::Worker(worker) => self.whereabouts(worker, now)?.at,
             Cause::Closure(_) => self.at(node),
+            Cause::Robot(robot) => self.place_of(robot),
         };
         Some(Away { from, at, distance_m: (self.at(node) - at).norm() })
     }
@@ -126,7 +127,7 @@ impl Fleet {
         let due = chain.get(chain.granted()).filter(|v| at_end && stands && v.enter <= now);
         match due.and_then(|v| self.grant_waits_for(robot, v, now)) {
             Some(Cause::Worker(worker)) => self.gives_way(robot, worker, Reaction::Held, now),
-            Some(Cause::Closure(_)) => {}
+            Some(Cause::Closure(_) | Cause::Robot(_)) => {}
             None if !stands => {
                 let free = self.crowd.limits.get(&robot).is_none_or(|(l, _)| *l != Some(0.0));
                 if free && self.crowd.yielding.get(&robot).is_some_and(|y| now - y.since > PATIENCE) {
@@ -166,7 +167,7 @@ impl Fleet {
         }
         let by_worker = |(c, zone): &(Cause, Zone)| match c {
             Cause::Worker(w) => Some((*w, *zone)),
-            Cause::Closure(_) => None,
+            Cause::Closure(_) | Cause::Robot(_) => None,
         };
         let Some((worker, zone)) = self.meetings(robot, now).iter().find_map(by_worker) else {
             return Decision::Keep;

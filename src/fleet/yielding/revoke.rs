@@ -30,17 +30,24 @@ impl Fleet {
         }
         let standing: Vec<RobotId> = self.crowd.stands.keys().copied().collect();
         for robot in standing {
-            let called = self.crowd.called_back.get(&robot).is_some_and(|t| now - *t < AGAIN);
             let leaves = |w| self.drives_away(robot, self.place_of(robot), w, now);
             let stood_for = self.stood_for(robot, now).and_then(|w| self.whereabouts(w, now));
-            if called || stood_for.is_none_or(|w| leaves(w.at)) || !self.can_come_back(robot, now) {
-                continue;
+            if stood_for.is_some_and(|w| !leaves(w.at)) {
+                self.call_back_one(robot, now);
             }
-            self.crowd.called_back.insert(robot, now);
-            let (to, number) = (self.ledger.chain(robot).first(), self.ledger.robots[robot].recalls + 1);
-            self.out.urgent.push((robot, Command::Recall { to, number }));
         }
         self.crowd.called_back.retain(|_, called| now - *called < LEAVES);
+    }
+
+    /// Calls a robot back to the node that it reached last, if it can come and was not called just now.
+    pub(in crate::fleet) fn call_back_one(&mut self, robot: RobotId, now: Time) {
+        let called = self.crowd.called_back.get(&robot).is_some_and(|t| now - *t < AGAIN);
+        if called || !self.can_come_back(robot, now) {
+            return;
+        }
+        self.crowd.called_back.insert(robot, now);
+        let (to, number) = (self.ledger.chain(robot).first(), self.ledger.robots[robot].recalls + 1);
+        self.out.urgent.push((robot, Command::Recall { to, number }));
     }
 
     fn can_come_back(&self, robot: RobotId, now: Time) -> bool {

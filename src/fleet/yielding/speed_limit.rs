@@ -72,7 +72,8 @@ impl Fleet {
         let speed = self.scene.robot(robot).map_or(0.0, |t| t.speed_mps);
         let loaded = self.ledger.rack_on(robot).is_some();
         let mut slowest: (Option<f64>, Option<WorkerId>) = (None, None);
-        if self.is_halted(robot) {
+        let is_displaced = self.scene.displaced(robot).is_some();
+        if self.is_halted(robot) || is_displaced || self.drives_into(robot).is_some() {
             return (Some(0.0), None);
         }
         for (worker, w) in present {

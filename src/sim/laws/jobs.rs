@@ -120,8 +120,9 @@ impl JobLaws {
         });
         let picking = ledger.jobs.values().any(|j| matches!(j.state, JobState::Picking { .. }));
         let view = fleet.view(now);
-        let drives =
-            |why: Option<Why>| !matches!(why, Some(Why::Failed | Why::Silent | Why::Paused | Why::Stopped));
+        let drives = |why: Option<Why>| {
+            !matches!(why, Some(Why::Failed | Why::Displaced(_) | Why::Silent | Why::Paused | Why::Stopped))
+        };
         let critical = fleet.settings().charging.critical;
         let can = view.robots.iter().any(|r| drives(r.why) && r.battery >= critical);
         if delivered != self.delivered.0 || !wanted || picking || !can {
@@ -168,7 +169,8 @@ fn is_true(why: JobWhy, now: Time, world: &World, fleet: &Fleet) -> bool {
             fetches || there || world.racks()[rack] == RackAt::On(robot)
         }
         JobWhy::RobotBusy(robot, _) => works(robot),
-        JobWhy::Robot(_, Why::Failed | Why::Silent | Why::Paused | Why::Stopped) => true,
+        // Whether a displaced robot truly is has a law of its own.
+        JobWhy::Robot(_, Why::Failed | Why::Displaced(_) | Why::Silent | Why::Paused | Why::Stopped) => true,
         JobWhy::Robot(robot, _) => works(robot),
         JobWhy::RobotLow(robot) => {
             world.truth().any(|(r, t)| r == robot && t.battery <= fleet.settings().charging.critical + 0.01)
@@ -179,7 +181,10 @@ fn is_true(why: JobWhy, now: Time, world: &World, fleet: &Fleet) -> bool {
             ledger.robots.ids().any(|r| ledger.node_of(r) == there || works(r))
         }
         JobWhy::StationPaused(station) => ledger.paused_stations.contains_key(&station),
-        JobWhy::ClosedOff => !ledger.closures.is_empty() || !ledger.workers.is_empty(),
+        JobWhy::ClosedOff => {
+            let displaced = || ledger.robots.ids().any(|r| fleet.displacement(r).is_some());
+            !ledger.closures.is_empty() || !ledger.workers.is_empty() || displaced()
+        }
         JobWhy::RackBlocked(rack, robot) => {
             let last = ledger.chain(robot).last().map(|v| v.node);
             matches!((world.racks()[rack], last), (RackAt::Stored(a), Some(b)) if a == b)

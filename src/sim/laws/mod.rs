@@ -4,9 +4,11 @@
 //! Refuses: to mend anything; one violation fails the run.
 
 mod jobs;
+mod places;
 mod violation;
 
 pub(super) use jobs::undrained;
+use places::PlaceLaws;
 pub use violation::{STUCK, Violation};
 
 use super::world::World;
@@ -34,6 +36,7 @@ pub struct Laws {
     run_over: usize,
     misplaced: usize,
     jobs: JobLaws,
+    places: PlaceLaws,
     steps: u64,
     reach_m: f64,
     /// What was broken, and when; the first hundred.
@@ -54,6 +57,7 @@ impl Laws {
             run_over: 0,
             misplaced: 0,
             jobs: JobLaws::new(fleet),
+            places: PlaceLaws::default(),
             steps: 0,
             reach_m: fleet.warehouse().footprint_m - SLACK_M,
             broken: Vec::new(),
@@ -78,6 +82,8 @@ impl Laws {
         self.check_jobs(now, facts, fleet);
         self.check_racks(now, world);
         let broken = self.jobs.check(now, world, fleet, facts);
+        broken.into_iter().for_each(|v| self.break_law(now, v));
+        let broken = self.places.check(now, world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         self.check_progress(now, fleet);
         for fact in facts {

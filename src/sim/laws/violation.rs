@@ -39,6 +39,8 @@ pub enum Violation {
     NotDrained(usize, usize, Vec<String>),
     /// A robot drove into a worker and did not brake.
     RunOver(RobotId, usize),
+    /// A robot has been standing where the fleet does not know it to be, or is called displaced and is not.
+    Misjudged(RobotId),
     /// The ledger is not the fold of the facts.
     Fold,
 }
@@ -74,6 +76,9 @@ impl fmt::Display for Violation {
             }
             Violation::RunOver(r, w) => {
                 write!(f, "robot {} drove into worker {} and did not brake", r.0 + 1, w + 1)
+            }
+            Violation::Misjudged(r) => {
+                write!(f, "robot {} does not stand where the fleet believes it to be", r.0 + 1)
             }
             Violation::Fold => write!(f, "the ledger is not the fold of its facts"),
         }

@@ -93,13 +93,21 @@ pub struct Faults {
     pub message_delay_ms: i64,
     /// Break-downs per robot and hour of driving.
     pub failures_per_hour: f64,
-    /// How long a broken robot stands, seconds.
+    /// How long a broken robot stands, seconds; and one that was pushed between nodes.
     pub repair_s: f64,
+    /// How often each robot is pushed elsewhere by people while it stands.
+    pub robot_pushes_per_hour: f64,
 }
 
 impl Default for Faults {
     fn default() -> Faults {
-        Faults { message_loss: 0.0, message_delay_ms: 20, failures_per_hour: 0.0, repair_s: 300.0 }
+        Faults {
+            message_loss: 0.0,
+            message_delay_ms: 20,
+            failures_per_hour: 0.0,
+            repair_s: 300.0,
+            robot_pushes_per_hour: 0.0,
+        }
     }
 }
 
@@ -229,6 +237,7 @@ impl Scenario {
         check("faults.message_delay_ms", f.message_delay_ms as f64, 0.0..=2000.0, "from 0 to 2000")?;
         check("faults.failures_per_hour", f.failures_per_hour, 0.0..=1000.0, "from 0 to 1000")?;
         check("faults.repair_s", f.repair_s, 1.0..=1e6, "from 1 to 1000000")?;
+        check("faults.robot_pushes_per_hour", f.robot_pushes_per_hour, 0.0..=1000.0, "from 0 to 1000")?;
         check("drain_s", file.drain_s, 0.0..=1e6, "from 0 to 1000000")?;
         file.customers.check()?;
         file.workers.check()?;

@@ -157,6 +157,10 @@ impl Ledger {
             Fact::Enlisted { robot, .. } | Fact::Tasked { robot, .. } => self.index_robot(*robot),
             Fact::Routed { bookings } => bookings.iter().for_each(|b| self.index_robot(b.robot)),
             Fact::Cut { robots } => robots.iter().for_each(|kept| self.index_robot(kept.robot)),
+            Fact::Placed { robot, cut, .. } => {
+                self.index_robot(*robot);
+                cut.iter().for_each(|kept| self.index_robot(kept.robot));
+            }
             Fact::Accepted { job, .. } | Fact::Prioritised { job, .. } => self.index_job(*job),
             Fact::Progressed { job, state, tasked, at } => {
                 if let Some((robot, _)) = tasked {

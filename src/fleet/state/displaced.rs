@@ -1,0 +1,53 @@
+//! Robots that stand where nothing is held for them.
+//!
+//! Main types: [`Displacement`] (why a robot cannot go on from where it stands), [`Displaced`] (where that is, and
+//! which nodes it blocks). Refuses: to find out; `traffic/displaced.rs` does.
+
+use crate::geometry::{Point, Spot};
+use crate::id::{NodeId, RackId, RobotId};
+
+/// A robot may stand so far off its route, metres. Robots that find their way by natural features know where they are
+/// to about 0.05 m (one standard deviation) and stop to a few centimetres: 0.2 m is more than three times that. It is
+/// less than half of the shortest lane of the maps here (0.75 m), so that a place is near one node only.
+pub const OFF_ROUTE_M: f64 = 0.2;
+/// Why a robot cannot go on from where it stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Displacement {
+    /// It stands between nodes, off everything that it holds.
+    OffNode {
+        /// Where.
+        at: Spot,
+        /// The nearest node.
+        nearest: NodeId,
+        /// How far from that, millimetres.
+        off_mm: i64,
+    },
+    /// It stands on a node that it does not hold and still knows waypoints of its old route.
+    KnowsWaypoints(NodeId),
+    /// It stands where another robot may drive already.
+    GrantedTo(NodeId, RobotId),
+    /// It carries a rack and stands where another one is stored.
+    RackThere(NodeId, RackId),
+    /// No lane leads on from the node for a robot with its load.
+    NoWayOut(NodeId),
+    /// The rack on it is not the one that is promised to be there.
+    Load {
+        /// What it says that it carries.
+        carries: Option<RackId>,
+        /// What was on it by all that is known.
+        expected: Option<RackId>,
+    },
+}
+
+/// A robot that cannot go on from where it stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Displaced {
+    /// Why.
+    pub why: Displacement,
+    /// Where it stands.
+    pub at: Point,
+    /// Whether that is off everything that it holds.
+    pub is_off: bool,
+    /// Nodes that other robots cannot pass because of that.
+    pub nodes: Vec<NodeId>,
+}

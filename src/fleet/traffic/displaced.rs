@@ -1,0 +1,288 @@
+//! Robots that stand where nothing is held for them: people pushed them while the server was down, or drove them by
+//! hand.
+//!
+//! Main function: `settle_place`. A robot that stands on a free node and has forgotten its route is taken up there
+//! ([`Fact::Placed`]). Any other one is treated as failed, and the floor where it truly stands is closed, until its
+//! reports fit again. Refuses: to look at robots that drive, except at the first report after a start, and to guess
+//! what became of a rack.
+
+use super::truncate;
+use crate::fleet::Fleet;
+use crate::fleet::state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
+use crate::fleet::state::fact::{Act, Fact, Kept, Task};
+use crate::fleet::state::io::Telemetry;
+use crate::fleet::state::job::JobState;
+use crate::fleet::state::ledger;
+use crate::fleet::state::scene::SILENCE;
+use crate::geometry::{Point, Segment, axis_distance, axis_distance_to_segment, to_mm};
+use crate::id::{NodeId, RobotId};
+use crate::route::{Cause, Condition, Effect};
+use crate::time::{Time, Window};
+use crate::timeline::Holder;
+use crate::warehouse::NodeKind;
+
+/// A robot slower than this stands, metres per second.
+const STANDS_MPS: f64 = 0.01;
+/// Squares that overlap by less than this only touch, metres.
+const TOUCH_M: f64 = 1e-3;
+/// A displaced robot that moved by less than this blocks the same nodes, metres.
+const SAME_M: f64 = 0.01;
+
+impl Fleet {
+    /// Whether a robot stands where, and carries what, the ledger has for it.
+    pub fn is_in_place(&self, seen: &Telemetry) -> bool {
+        self.keeps_to_its_holds(seen) && self.carries_what_is_promised(seen)
+    }
+
+    /// Why a robot cannot go on from where it stands, if that is so.
+    pub fn displacement(&self, robot: RobotId) -> Option<Displacement> {
+        self.scene.displaced(robot).map(|d| d.why)
+    }
+
+    /// Whether the pose is on the nodes that the robot was granted or on the straight lanes between them: from the one
+    /// reached last on to the last one that it knows. A robot that knows no more than it reached takes on the next
+    /// waypoint if it stands on the way there, so that lane counts, too.
+    fn keeps_to_its_holds(&self, seen: &Telemetry) -> bool {
+        let chain = self.ledger.chain(seen.robot);
+        let last = chain.granted() - 1;
+        let from = seen.reached.clamp(chain.first(), last);
+        let to = seen.known.max(from + 1).min(last);
+        let place =
+            |serial| self.warehouse().nodes[chain.get(serial).expect("granted visits are held").node].at;
+        (place(from) - seen.pose.at).norm() <= OFF_ROUTE_M
+            || (from..to).any(|s| {
+                let lane = Segment { a: place(s), b: place(s + 1) };
+                lane.distance_to(seen.pose.at) <= OFF_ROUTE_M
+            })
+    }
+
+    /// Whether the rack on a robot is the one that was on it before, or after, what it may be doing just now.
+    fn carries_what_is_promised(&self, seen: &Telemetry) -> bool {
+        let robot = seen.robot;
+        let next = self.ledger.robots[robot].stops.first().filter(|_| self.next_stop_is_granted(robot));
+        let after = match next.map(|s| s.act) {
+            Some(Act::Lift(rack)) => seen.rack == Some(rack),
+            Some(Act::Set(_)) => seen.rack.is_none(),
+            Some(Act::Pick(_) | Act::Arrive) | None => false,
+        };
+        after || seen.rack == self.ledger.rack_on(robot)
+    }
+
+    /// Compares what a robot reports with what the ledger has: when it stands, and at its first report after a start.
+    pub(in crate::fleet) fn settle_place(&mut self, robot: RobotId, seen: &Telemetry, now: Time) {
+        let (known, displaced) = (self.scene.is_placed(robot), self.scene.displaced(robot).is_some());
+        let stands = seen.speed_mps < STANDS_MPS;
+        if known && !stands && !displaced {
+            return;
+        }
+        if self.settings.ghosts || self.is_in_place(seen) {
+            self.fits_again(robot);
+            return;
+        }
+        // A robot that is fenced off is not taken up, but nobody is to drive into it either.
+        let is_fenced = self.ledger.robots[robot].fenced.is_some();
+        match self.place_for(seen) {
+            Ok(node) if stands && !is_fenced => self.take_up(robot, node, now),
+            Ok(node) => self.displace(seen, Displacement::KnowsWaypoints(node), now),
+            Err(why) => self.displace(seen, why, now),
+        }
+    }
+
+    fn fits_again(&mut self, robot: RobotId) {
+        if self.scene.place(robot).is_some() {
+            self.crowd.conditions.withdraw(Cause::Robot(robot));
+        }
+    }
+
+    /// The node on which a robot can be taken up.
+    fn place_for(&mut self, seen: &Telemetry) -> Result<NodeId, Displacement> {
+        let robot = seen.robot;
+        let (node, off_m) = self.nearest_node(seen.pose.at);
+        if !self.carries_what_is_promised(seen) {
+            let expected = self.ledger.rack_on(robot);
+            return Err(Displacement::Load { carries: seen.rack, expected });
+        }
+        if off_m > OFF_ROUTE_M {
+            let off_mm = to_mm(off_m);
+            return Err(Displacement::OffNode { at: seen.pose.at.into(), nearest: node, off_mm });
+        }
+        if seen.known > seen.reached {
+            return Err(Displacement::KnowsWaypoints(node));
+        }
+        if let Some(other) = self.granted_to_another(robot, node) {
+            return Err(Displacement::GrantedTo(node, other));
+        }
+        let stored = self.ledger.index.places.rack_on(node);
+        if let Some(rack) = stored.filter(|_| seen.rack.is_some()) {
+            return Err(Displacement::RackThere(node, rack));
+        }
+        // Asked once for each place: the answer stays the same and costs a search.
+        let no_way = Displacement::NoWayOut(node);
+        let asked = self.scene.displaced(robot).is_some_and(|d| d.why == no_way);
+        if asked || !self.has_way_out(robot, node) { Err(no_way) } else { Ok(node) }
+    }
+
+    fn nearest_node(&self, at: Point) -> (NodeId, f64) {
+        let nodes = self.warehouse().nodes.pairs().map(|(id, n)| (id, (n.at - at).norm()));
+        nodes.min_by(|a, b| a.1.total_cmp(&b.1)).expect("a robot stands on a floor that has nodes")
+    }
+
+    /// Another robot that may be on a node, or on something in conflict with it.
+    fn granted_to_another(&self, robot: RobotId, node: NodeId) -> Option<RobotId> {
+        let others = self.holders_of(robot, node);
+        others.into_iter().find_map(|(r, granted)| granted.then_some(r))
+    }
+
+    /// Other robots that hold a node, or something in conflict with it, and whether that was granted to them.
+    fn holders_of(&self, robot: RobotId, node: NodeId) -> Vec<(RobotId, bool)> {
+        let resource = self.warehouse().node_resource(node);
+        let held = self.ledger.timeline.held_by_others(resource, Holder::Robot(robot));
+        held.map(|h| (truncate::robot_of(h.holder), h.granted)).collect()
+    }
+
+    /// Whether lanes lead on from a node: to where the robot is to bring its rack, else to a place where it may stay.
+    fn has_way_out(&mut self, robot: RobotId, node: NodeId) -> bool {
+        let stages = match self.ledger.robots[robot].task {
+            task if task.carried().is_some() => self.stages(robot),
+            _ if self.warehouse().kind(node).is_lasting() => return true,
+            _ => {
+                let stays = self.warehouse().nodes_where(NodeKind::is_lasting);
+                stays.first().map(|n| super::plan::stay_at(*n)).into_iter().collect()
+            }
+        };
+        self.planner.free_flow(node, &stages).is_some()
+    }
+
+    /// A robot stands on a free node: it is booked there and nowhere else. It keeps the rack that it carries and
+    /// the job for which it does, and gives any other job back. Others that were promised the place lose that way.
+    fn take_up(&mut self, robot: RobotId, node: NodeId, now: Time) {
+        match self.ledger.robots[robot].task {
+            Task::Fetch { job: Some(job), .. } | Task::Move { job: Some(job), .. } => {
+                self.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
+            }
+            Task::Fetch { job: None, .. } | Task::Move { job: None, .. } => {
+                self.record(Fact::Tasked { robot, task: Task::Idle });
+            }
+            Task::Deliver { job, .. } if matches!(self.ledger.jobs[&job].state, JobState::Picking { .. }) => {
+                self.progress(job, JobState::Carrying { robot }, None, now);
+            }
+            Task::Deliver { .. } | Task::Store { .. } | Task::Idle => {}
+        }
+        let serial = self.ledger.chain(robot).end();
+        let cut = self.cut_for_place(robot, node);
+        self.record(Fact::Placed { robot, node, serial, cut, at: now });
+        self.fits_again(robot);
+        self.crowd.called_back.remove(&robot);
+        self.crowd.stands.remove(&robot);
+    }
+
+    /// What others keep that were promised a node on which a robot stands now, and those behind them in turn.
+    fn cut_for_place(&self, robot: RobotId, node: NodeId) -> Vec<Kept> {
+        let promised = self.holders_of(robot, node).into_iter().map(|(r, _)| r).collect();
+        self.kept_by(self.all_behind(promised, Some(robot)))
+    }
+
+    /// A robot cannot go on from where it stands: it counts as failed, and nobody drives into it.
+    fn displace(&mut self, seen: &Telemetry, why: Displacement, now: Time) {
+        let (robot, at) = (seen.robot, seen.pose.at);
+        let before = self.scene.displaced(robot);
+        let is_off = !self.keeps_to_its_holds(seen);
+        let nodes = match before {
+            Some(b) if (b.at - at).norm() < SAME_M && b.is_off == is_off => b.nodes.clone(),
+            _ if is_off => self.nodes_blocked_at(at),
+            _ => Vec::new(),
+        };
+        if before.is_none_or(|b| b.why != why) {
+            tracing::warn!(robot = self.ledger.robots[robot].name, ?why, "a robot is not where it is booked");
+        }
+        self.scene.displace(robot, Displaced { why, at, is_off, nodes });
+        self.close_around(robot, now);
+        if !self.ledger.robots[robot].failed {
+            self.fail(robot, now);
+        }
+    }
+
+    /// Nodes on which another robot would touch one that stands here, and the ends of lanes on which it would.
+    fn nodes_blocked_at(&self, at: Point) -> Vec<NodeId> {
+        let w = self.warehouse();
+        let reach = w.footprint_m - TOUCH_M;
+        let place = |n: NodeId| w.nodes[n].at;
+        let touches = |n: NodeId| axis_distance(place(n), at) < reach;
+        let mut blocked: Vec<NodeId> = w.nodes.ids().filter(|n| touches(*n)).collect();
+        for lane in w.lanes.iter().filter(|l| !touches(l.a) && !touches(l.b)) {
+            let way = Segment { a: place(lane.a), b: place(lane.b) };
+            if axis_distance_to_segment(at, way) < reach {
+                blocked.extend([lane.a, lane.b]);
+            }
+        }
+        blocked.sort_unstable();
+        blocked.dedup();
+        blocked
+    }
+
+    /// Closes the floor where robots stand that are off everything they hold. To be called in every step, behind
+    /// whatever makes the other conditions.
+    pub(in crate::fleet) fn close_displaced(&mut self, now: Time) {
+        for robot in self.scene.all_displaced().map(|(r, _)| r).collect::<Vec<_>>() {
+            self.close_around(robot, now);
+        }
+    }
+
+    fn close_around(&mut self, robot: RobotId, now: Time) {
+        let warehouse = self.ledger.warehouse();
+        let Some(displaced) = self.scene.displaced(robot) else { return };
+        let (cause, window) = (Cause::Robot(robot), Window::new(now, Time::MAX));
+        for node in &displaced.nodes {
+            self.crowd.conditions.add(*node, Condition { window, effect: Effect::Closed, cause });
+            self.crowd.closing.insert(*node, now);
+        }
+        let shut = |n: NodeId| displaced.nodes.contains(&n).then_some(now);
+        let cut_off =
+            displaced.nodes.iter().flat_map(|n| super::closed_areas::storage_behind(warehouse, *n, shut));
+        let cut_off: Vec<(NodeId, Time)> = cut_off.collect();
+        self.crowd.closing.extend(cut_off);
+    }
+
+    /// The displaced robot into which a robot would drive with what it was granted.
+    pub(in crate::fleet) fn drives_into(&self, robot: RobotId) -> Option<RobotId> {
+        let others = || self.scene.all_displaced().filter(|(r, d)| *r != robot && d.is_off);
+        others().next()?;
+        let at = self.place_of(robot);
+        let way = self.granted_way(robot, at);
+        let reach = self.warehouse().footprint_m - TOUCH_M;
+        let hits = |p: Point| {
+            let nearest = way.windows(2).map(|w| axis_distance_to_segment(p, Segment { a: w[0], b: w[1] }));
+            // One that is too near already may leave.
+            nearest.fold(f64::INFINITY, f64::min) < reach.min(axis_distance(p, at) - SAME_M)
+        };
+        others().find(|(_, d)| hits(d.at)).map(|(r, _)| r)
+    }
+
+    /// Calls robots back that were stopped before they drove into a displaced one, so that they can go round it and it
+    /// can be taken up.
+    pub(in crate::fleet) fn call_back_from_displaced(&mut self, now: Time) {
+        if self.scene.all_displaced().next().is_none() {
+            return;
+        }
+        for robot in ledger::all(&self.ledger.robots) {
+            if self.drives_into(robot).is_some() {
+                self.call_back_one(robot, now);
+            }
+        }
+    }
+
+    /// Whether robots of which the ledger knows have not been heard of since a start, a short while ago: they may
+    /// stand anywhere, so nobody is told to drive until then.
+    pub(in crate::fleet) fn waits_for_first_reports(&mut self, now: Time) -> bool {
+        if self.unheard.is_empty() {
+            return false;
+        }
+        let scene = &self.scene;
+        self.unheard.retain(|r| scene.robot(*r).is_none());
+        let since = *self.started.get_or_insert(now);
+        if now - since >= SILENCE {
+            self.unheard.clear();
+        }
+        !self.unheard.is_empty()
+    }
+}

@@ -1,0 +1,45 @@
+//! The law about where robots stand: the fleet takes none for being where it is not, nor for displaced when it is not.
+//!
+//! Main type: [`PlaceLaws`]. Refuses: to judge robots that drive, and reports that are still on their way.
+
+use super::super::world::World;
+use super::violation::Violation;
+use crate::fleet::Fleet;
+use crate::id::RobotId;
+use crate::time::{Span, Time};
+use std::collections::BTreeMap;
+
+/// A robot that stands is seen where it is within this, whatever messages were lost.
+const SEEN: Span = Span::from_secs(30);
+/// Every how many steps robots are looked at.
+const LOOKS_EVERY: u64 = 10;
+
+/// Robots of which the fleet believes what is not so, since when.
+#[derive(Debug, Default)]
+pub(super) struct PlaceLaws {
+    wrong: BTreeMap<RobotId, Time>,
+    steps: u64,
+}
+
+impl PlaceLaws {
+    pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet) -> Vec<Violation> {
+        self.steps += 1;
+        if !self.steps.is_multiple_of(LOOKS_EVERY) {
+            return Vec::new();
+        }
+        let mut broken = Vec::new();
+        for (robot, truth) in world.truth() {
+            let believed = fleet.displacement(robot).is_none();
+            if truth.speed_mps > 0.0 || believed == fleet.is_in_place(&truth) {
+                self.wrong.remove(&robot);
+                continue;
+            }
+            let since = *self.wrong.entry(robot).or_insert(now);
+            if now - since > SEEN {
+                self.wrong.insert(robot, now);
+                broken.push(Violation::Misjudged(robot));
+            }
+        }
+        broken
+    }
+}
