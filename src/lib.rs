@@ -163,8 +163,8 @@
 //!   into the picture, and the order of all stays free of cycles, although the robot may come before others now.
 //! - *A broken robot* keeps what it was granted without end. Whoever has to pass it, and whoever would have to pass
 //!   those, loses what was not granted yet (`fleet/traffic/truncate.rs`) and is routed anew.
-//! - *A robot that was pushed elsewhere* (`fleet/traffic/displaced.rs`) holds one place without end, which was granted to
-//!   no other robot; those that were promised it, and those behind them, lose what was not granted yet.
+//! - *A robot that was pushed elsewhere* (`fleet/traffic/displaced.rs`) holds one place without end, which was granted
+//!   to no other robot; those that were promised it, and those behind them, lose what was not granted yet.
 //! - *A robot whose grant is revoked* (`fleet/yielding/revoke.rs`) only holds again what it had been granted. It is
 //!   first in the order of all that, and no robot can come before a hold that began in the past, so it waits for none
 //!   there.
