@@ -41,6 +41,7 @@ use crate::route::{Kinematics, Planner, Rules};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use people::state::Crowd;
+use state::floor::Floor;
 use state::scene::Scene;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -192,6 +193,11 @@ impl Fleet {
         self.plan(now);
         self.grant(now);
         std::mem::take(&mut self.out)
+    }
+
+    /// The floor as it is now, for questions.
+    fn floor(&self) -> Floor<'_> {
+        Floor { ledger: &self.ledger, scene: &self.scene, settings: &self.settings }
     }
 
     /// The building.

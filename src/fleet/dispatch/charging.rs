@@ -6,6 +6,7 @@
 
 use crate::fleet::Fleet;
 use crate::fleet::state::fact::{Purpose, Task};
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobKind, JobState};
 use crate::fleet::state::ledger;
 use crate::id::{JobId, NodeId, RobotId};
@@ -41,6 +42,96 @@ const MARGIN: f64 = 0.1;
 const LOOKS: Span = Span::from_secs(5);
 
 impl Fleet {
+    /// Whether some charger is free for a robot that is not at one.
+    pub(in crate::fleet) fn a_charger_is_free(&self) -> bool {
+        let low = |r: &RobotId| {
+            self.floor().battery(*r) < self.settings.charging.low && !self.floor().at_charger(*r)
+        };
+        ledger::all(&self.ledger.robots).find(low).is_some_and(|r| self.free_charger(r).is_some())
+    }
+
+    fn free_charger(&self, robot: RobotId) -> Option<NodeId> {
+        self.free_place(robot, NodeKind::Charger)
+    }
+
+    /// Robots with too little charge give back what they have not begun.
+    pub(in crate::fleet) fn give_back_jobs(&mut self, now: Time) {
+        for robot in ledger::all(&self.ledger.robots) {
+            let Task::Fetch { job: Some(job), node, .. } = self.ledger.robots[robot].task else { continue };
+            let fit = self.scene.fit(robot, now).is_some();
+            if fit && self.floor().is_critical(robot) && !self.floor().next_stop_is_granted(robot) {
+                let stay = self.free_charger(robot).unwrap_or(node);
+                let purpose = if stay == node { Purpose::Park } else { Purpose::Charge };
+                let task = Task::Move { job: None, goal: stay, stay, purpose };
+                self.progress(job, JobState::Waiting, Some((robot, task)), now);
+            }
+        }
+    }
+
+    /// What idle robots without a job do: charge if they should, lowest first, make room at chargers, and leave places
+    /// where they are in the way.
+    pub(in crate::fleet) fn rest(&mut self, mut robots: Vec<RobotId>, now: Time) {
+        robots.sort_by(|a, b| self.floor().battery(*a).total_cmp(&self.floor().battery(*b)).then(a.cmp(b)));
+        let mut without = Vec::new();
+        for robot in robots {
+            if self.send_to_charger(robot) {
+                continue;
+            }
+            let low = self.floor().battery(robot) < self.settings.charging.low;
+            if (low || self.floor().is_sent_to_charge(robot)) && !self.floor().at_charger(robot) {
+                without.push(robot);
+            }
+            self.leave_the_way(robot, now);
+        }
+        self.make_room_at_chargers(&without, now);
+    }
+
+    /// Sends an idle robot to a free charger if it should charge.
+    fn send_to_charger(&mut self, robot: RobotId) -> bool {
+        let (battery, c) = (self.floor().battery(robot), self.settings.charging);
+        let should = battery < c.low || (c.opportunity && battery < c.full);
+        if !should || self.floor().at_charger(robot) {
+            return false;
+        }
+        let Some(stay) = self.free_charger(robot) else { return false };
+        self.move_to(robot, stay, Purpose::Charge);
+        true
+    }
+
+    /// Sends a robot that stands where it may not stay, or in the way of a rack that is wanted, somewhere else.
+    fn leave_the_way(&mut self, robot: RobotId, now: Time) {
+        let node = self.ledger.node_of(robot);
+        let may_stay = self.warehouse().nodes[node].kind.is_lasting() && !self.is_closing(node);
+        let stay = match may_stay {
+            false => self.any_stay(robot),
+            true if self.floor().is_in_the_way(robot, node, now) => self.free_place(robot, NodeKind::Parking),
+            true => None,
+        };
+        if let Some(stay) = stay {
+            self.move_to(robot, stay, Purpose::Park);
+        }
+    }
+
+    /// For each robot without a charger, one that has enough leaves its charger, the fullest first.
+    fn make_room_at_chargers(&mut self, without: &[RobotId], now: Time) {
+        let leaving = ledger::all(&self.ledger.robots).filter(|r| self.floor().leaves_charger(*r)).count();
+        for needs in without.iter().skip(leaving) {
+            let Some(robot) = self.floor().fullest_at_a_charger(*needs, now) else { return };
+            let stay = self
+                .free_place(robot, NodeKind::Parking)
+                .or_else(|| self.free_place(robot, NodeKind::Storage));
+            let Some(stay) = stay else { return };
+            self.move_to(robot, stay, Purpose::Park);
+        }
+    }
+
+    fn move_to(&mut self, robot: RobotId, stay: NodeId, purpose: Purpose) {
+        let task = Task::Move { job: None, goal: stay, stay, purpose };
+        self.record(crate::fleet::Fact::Tasked { robot, task });
+    }
+}
+
+impl Floor<'_> {
     /// Charge of a robot, 0 to 1; 0 if it was never heard of.
     pub(in crate::fleet) fn battery(&self, robot: RobotId) -> f64 {
         self.scene.robot(robot).map_or(0.0, |t| t.battery)
@@ -60,33 +151,9 @@ impl Fleet {
         }
     }
 
-    /// Whether some charger is free for a robot that is not at one.
-    pub(in crate::fleet) fn a_charger_is_free(&self) -> bool {
-        let low = |r: &RobotId| self.battery(*r) < self.settings.charging.low && !self.at_charger(*r);
-        ledger::all(&self.ledger.robots).find(low).is_some_and(|r| self.free_charger(r).is_some())
-    }
-
-    fn free_charger(&self, robot: RobotId) -> Option<NodeId> {
-        self.free_place(robot, NodeKind::Charger)
-    }
-
     /// The share of a full charge that so many metres take.
     pub(in crate::fleet) fn charge_for(&self, way_m: f64) -> f64 {
         way_m / self.settings.kinematics.speed_mps / (self.settings.charging.driving_h * 3600.0)
-    }
-
-    /// Robots with too little charge give back what they have not begun.
-    pub(in crate::fleet) fn give_back_jobs(&mut self, now: Time) {
-        for robot in ledger::all(&self.ledger.robots) {
-            let Task::Fetch { job: Some(job), node, .. } = self.ledger.robots[robot].task else { continue };
-            let fit = self.scene.fit(robot, now).is_some();
-            if fit && self.is_critical(robot) && !self.next_stop_is_granted(robot) {
-                let stay = self.free_charger(robot).unwrap_or(node);
-                let purpose = if stay == node { Purpose::Park } else { Purpose::Charge };
-                let task = Task::Move { job: None, goal: stay, stay, purpose };
-                self.progress(job, JobState::Waiting, Some((robot, task)), now);
-            }
-        }
     }
 
     /// Whether a robot has the charge for this job by name.
@@ -95,54 +162,10 @@ impl Fleet {
         matches!(kind, JobKind::Charge { .. }) || !self.is_critical(robot)
     }
 
-    /// What idle robots without a job do: charge if they should, lowest first, make room at chargers, and leave places
-    /// where they are in the way.
-    pub(in crate::fleet) fn rest(&mut self, mut robots: Vec<RobotId>, now: Time) {
-        robots.sort_by(|a, b| self.battery(*a).total_cmp(&self.battery(*b)).then(a.cmp(b)));
-        let mut without = Vec::new();
-        for robot in robots {
-            if self.send_to_charger(robot) {
-                continue;
-            }
-            let low = self.battery(robot) < self.settings.charging.low;
-            if (low || self.is_sent_to_charge(robot)) && !self.at_charger(robot) {
-                without.push(robot);
-            }
-            self.leave_the_way(robot, now);
-        }
-        self.make_room_at_chargers(&without, now);
-    }
-
     /// Whether a customer wants an idle robot to charge, and no charger was free.
     fn is_sent_to_charge(&self, robot: RobotId) -> bool {
         let job = self.named_job_for(robot).map(|job| self.ledger.jobs[&job].request.kind);
         matches!(job, Some(JobKind::Charge { .. }))
-    }
-
-    /// Sends an idle robot to a free charger if it should charge.
-    fn send_to_charger(&mut self, robot: RobotId) -> bool {
-        let (battery, c) = (self.battery(robot), self.settings.charging);
-        let should = battery < c.low || (c.opportunity && battery < c.full);
-        if !should || self.at_charger(robot) {
-            return false;
-        }
-        let Some(stay) = self.free_charger(robot) else { return false };
-        self.move_to(robot, stay, Purpose::Charge);
-        true
-    }
-
-    /// Sends a robot that stands where it may not stay, or in the way of a rack that is wanted, somewhere else.
-    fn leave_the_way(&mut self, robot: RobotId, now: Time) {
-        let node = self.ledger.node_of(robot);
-        let may_stay = self.warehouse().nodes[node].kind.is_lasting() && !self.is_closing(node);
-        let stay = match may_stay {
-            false => self.any_stay(robot),
-            true if self.is_in_the_way(robot, node, now) => self.free_place(robot, NodeKind::Parking),
-            true => None,
-        };
-        if let Some(stay) = stay {
-            self.move_to(robot, stay, Purpose::Park);
-        }
     }
 
     /// Whether a robot that takes no job stands beneath a rack that waiting jobs ask for: no other robot is sent there.
@@ -154,19 +177,6 @@ impl Fleet {
         }
         let rack = self.ledger.index.places.rack_on(node);
         rack.is_some_and(|rack| self.ledger.index.queue.is_wanted(rack))
-    }
-
-    /// For each robot without a charger, one that has enough leaves its charger, the fullest first.
-    fn make_room_at_chargers(&mut self, without: &[RobotId], now: Time) {
-        let leaving = ledger::all(&self.ledger.robots).filter(|r| self.leaves_charger(*r)).count();
-        for needs in without.iter().skip(leaving) {
-            let Some(robot) = self.fullest_at_a_charger(*needs, now) else { return };
-            let stay = self
-                .free_place(robot, NodeKind::Parking)
-                .or_else(|| self.free_place(robot, NodeKind::Storage));
-            let Some(stay) = stay else { return };
-            self.move_to(robot, stay, Purpose::Park);
-        }
     }
 
     fn leaves_charger(&self, robot: RobotId) -> bool {
@@ -182,10 +192,5 @@ impl Fleet {
         };
         let stands = self.idle_robots(now).into_iter().filter(|r| self.at_charger(*r)).filter(spare);
         stands.max_by(|a, b| self.battery(*a).total_cmp(&self.battery(*b)).then(b.cmp(a)))
-    }
-
-    fn move_to(&mut self, robot: RobotId, stay: NodeId, purpose: Purpose) {
-        let task = Task::Move { job: None, goal: stay, stay, purpose };
-        self.record(crate::fleet::Fact::Tasked { robot, task });
     }
 }

@@ -7,6 +7,7 @@ use crate::fleet::RackAt;
 use crate::fleet::dispatch::assignment::{NEVER, least_cost};
 use crate::fleet::dispatch::storage::along_axes;
 use crate::fleet::state::fact::{Purpose, Task};
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::index::Goal;
 use crate::fleet::state::job::{Job, JobFailure, JobKind, JobState};
 use crate::fleet::state::ledger;
@@ -29,38 +30,23 @@ impl Fleet {
         self.give_back_jobs(now);
         self.assign_named(now);
         let charger_is_free = self.a_charger_is_free();
-        let (working, mut resting): (Vec<RobotId>, Vec<RobotId>) =
-            self.idle_robots(now).into_iter().partition(|r| self.is_charged(*r, charger_is_free));
+        let (working, mut resting): (Vec<RobotId>, Vec<RobotId>) = self
+            .floor()
+            .idle_robots(now)
+            .into_iter()
+            .partition(|r| self.floor().is_charged(*r, charger_is_free));
         resting.extend(self.assign_racks(working, now));
         self.rest(resting, now);
     }
 
-    /// Robots with nothing to do that could do something.
-    pub(in crate::fleet) fn idle_robots(&self, now: Time) -> Vec<RobotId> {
-        let idle = |r: &RobotId| {
-            let record = &self.ledger.robots[*r];
-            let fit = !record.failed && !self.is_halted(*r) && self.scene.fit(*r, now).is_some();
-            record.task == Task::Idle && fit
-        };
-        ledger::all(&self.ledger.robots).filter(idle).collect()
-    }
-
     /// Jobs for a robot that the customer named: one for each idle robot, before any rack.
     fn assign_named(&mut self, now: Time) {
-        for robot in self.idle_robots(now) {
-            if let Some(job) = self.named_job_for(robot).filter(|j| self.may_begin(robot, *j)) {
+        for robot in self.floor().idle_robots(now) {
+            if let Some(job) = self.floor().named_job_for(robot).filter(|j| self.floor().may_begin(robot, *j))
+            {
                 self.begin_named(robot, job, now);
             }
         }
-    }
-
-    /// The job that a robot is to do next by name: the highest priority first, then the nearest deadline, then the
-    /// oldest. Nothing where none can start.
-    pub(in crate::fleet) fn named_job_for(&self, robot: RobotId) -> Option<JobId> {
-        let named = self.ledger.named.get(&robot)?.iter().map(|id| (*id, &self.ledger.jobs[id]));
-        let ready = named.filter(|(id, _)| !self.ledger.index.waits.is_blocked(*id));
-        let rank = |j: &Job| (std::cmp::Reverse(j.request.priority), j.request.deadline.unwrap_or(Time::MAX));
-        ready.min_by_key(|(id, j)| (rank(j), *id)).map(|(id, _)| id)
     }
 
     /// Sends an idle robot where a job says. The job waits while there is no place for it, and fails where no way
@@ -84,7 +70,7 @@ impl Fleet {
     /// The node itself if the robot may stay there, else some other place to stay.
     fn stay_for(&self, robot: RobotId, node: NodeId) -> Option<NodeId> {
         let lasting = self.warehouse().nodes[node].kind.is_lasting();
-        if lasting && !self.is_promised(node, robot) { Some(node) } else { self.any_stay(robot) }
+        if lasting && !self.floor().is_promised(node, robot) { Some(node) } else { self.any_stay(robot) }
     }
 
     /// Gives rack jobs to robots; gives back the robots that got none.
@@ -99,15 +85,14 @@ impl Fleet {
             left.extend(few);
             return left;
         }
-        let under_way = self.under_way();
-        let crowd = |id: &JobId| self.crowd(*id, &under_way);
+        let under_way = self.floor().under_way();
+        let crowd = |id: &JobId| self.floor().crowd(*id, &under_way);
         let worth: Vec<i64> = jobs.iter().map(|(id, _, _, urgency_ms)| crowd(id) - urgency_ms).collect();
         let cost: Vec<Vec<i64>> = (few.iter())
             .map(|r| {
-                let known = jobs
-                    .iter()
-                    .zip(&worth)
-                    .map(|((id, _, node, _), w)| self.way_ms(*r, *id, *node).map_or(NEVER, |way| way + w));
+                let known = jobs.iter().zip(&worth).map(|((id, _, node, _), w)| {
+                    self.floor().way_ms(*r, *id, *node).map_or(NEVER, |way| way + w)
+                });
                 known.chain(std::iter::repeat_n(NEVER, few.len())).collect()
             })
             .collect();
@@ -158,8 +143,8 @@ impl Fleet {
     /// leave its robot waiting while others need it.
     pub(in crate::fleet) fn stations_with_enough(&self, now: Time) -> BTreeSet<StationId> {
         let mut waiting = IdVec::filled((0, Span::ZERO), self.warehouse().stations.len());
-        for robot in self.ledger.robots.ids().filter(|r| self.waits_for_room(*r)) {
-            let station = self.station_of(robot).expect("it waits for one");
+        for robot in self.ledger.robots.ids().filter(|r| self.floor().waits_for_room(*r)) {
+            let station = self.floor().station_of(robot).expect("it waits for one");
             let (number, longest): &mut (usize, Span) = &mut waiting[station];
             (*number, *longest) = (*number + 1, self.needs.waited(robot, now).max(*longest));
         }
@@ -169,6 +154,27 @@ impl Fleet {
         let paused = self.ledger.paused_stations.keys().copied();
         let full = waiting.pairs().filter(|(s, w)| w.0 >= enough(*s, w.1)).map(|(s, _)| s);
         full.chain(paused).collect()
+    }
+}
+
+impl Floor<'_> {
+    /// Robots with nothing to do that could do something.
+    pub(in crate::fleet) fn idle_robots(&self, now: Time) -> Vec<RobotId> {
+        let idle = |r: &RobotId| {
+            let record = &self.ledger.robots[*r];
+            let fit = !record.failed && !self.is_halted(*r) && self.scene.fit(*r, now).is_some();
+            record.task == Task::Idle && fit
+        };
+        ledger::all(&self.ledger.robots).filter(idle).collect()
+    }
+
+    /// The job that a robot is to do next by name: the highest priority first, then the nearest deadline, then the
+    /// oldest. Nothing where none can start.
+    pub(in crate::fleet) fn named_job_for(&self, robot: RobotId) -> Option<JobId> {
+        let named = self.ledger.named.get(&robot)?.iter().map(|id| (*id, &self.ledger.jobs[id]));
+        let ready = named.filter(|(id, _)| !self.ledger.index.waits.is_blocked(*id));
+        let rank = |j: &Job| (std::cmp::Reverse(j.request.priority), j.request.deadline.unwrap_or(Time::MAX));
+        ready.min_by_key(|(id, j)| (rank(j), *id)).map(|(id, _)| id)
     }
 
     /// How long the robot's way to a rack takes, milliseconds; nothing if another robot stands there for ever, or the

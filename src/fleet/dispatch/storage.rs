@@ -3,6 +3,7 @@
 //! Main type: [`Storage`] (what the map says about it). Refuses: places that are taken or promised.
 
 use crate::fleet::Fleet;
+use crate::fleet::state::floor::Floor;
 use crate::geometry::Point;
 use crate::id::{IdVec, NodeId, RackId, RobotId};
 use crate::warehouse::{NodeKind, Warehouse};
@@ -48,21 +49,14 @@ impl Fleet {
         let closed = |n: NodeId| if self.is_closing(n) { CLOSED_M } else { 0.0 };
         let cost =
             |n: NodeId| along_axes(at(from), at(n)) + (heat - 1.0) * self.storage.to_station_m[n] + closed(n);
-        let free = self.storage.nodes.iter().copied().filter(|n| !self.is_taken_storage(*n, rack, robot));
+        let free =
+            self.storage.nodes.iter().copied().filter(|n| !self.floor().is_taken_storage(*n, rack, robot));
         let mut ranked: Vec<(i64, NodeId)> = free.map(|n| ((cost(n) * 1000.0) as i64, n)).collect();
         let wanted = choice.min(ranked.len().saturating_sub(1)).min(16);
         match ranked.is_empty() {
             true => self.ledger.robots[robot].task.destination().unwrap_or(self.ledger.node_of(robot)),
             false => ranked.select_nth_unstable(wanted).1.1,
         }
-    }
-
-    /// Whether a storage node cannot be promised to `rack` on `robot`.
-    fn is_taken_storage(&self, node: NodeId, rack: RackId, robot: RobotId) -> bool {
-        let places = &self.ledger.index.places;
-        places.rack_on(node).is_some_and(|k| k != rack)
-            || places.is_promised(node, robot)
-            || places.is_wanted_for_another(node, rack)
     }
 
     /// A free charger or parking place near a robot, for it to go to.
@@ -77,6 +71,16 @@ impl Fleet {
         self.free_place(robot, NodeKind::Parking)
             .or_else(|| self.free_place(robot, NodeKind::Charger))
             .or_else(|| self.free_place(robot, NodeKind::Storage))
+    }
+}
+
+impl Floor<'_> {
+    /// Whether a storage node cannot be promised to `rack` on `robot`.
+    fn is_taken_storage(&self, node: NodeId, rack: RackId, robot: RobotId) -> bool {
+        let places = &self.ledger.index.places;
+        places.rack_on(node).is_some_and(|k| k != rack)
+            || places.is_promised(node, robot)
+            || places.is_wanted_for_another(node, rack)
     }
 
     /// Whether somebody else stands on, or is sent to, a node.

@@ -8,6 +8,7 @@ use crate::fleet::Fleet;
 use crate::fleet::people::routing::REDIRECT;
 use crate::fleet::people::state::Mode;
 use crate::fleet::state::fact::Fact;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::yielding::speed_limit::STROLL_MPS;
 use crate::geometry::Point;
 use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, Taken, Whereabouts};
@@ -22,7 +23,7 @@ const MARGIN_M: f64 = 3.0;
 impl Fleet {
     /// Takes a sighting in.
     pub(in crate::fleet) fn sight(&mut self, s: &Sighting, now: Time) {
-        let is_on_map = self.is_on_map();
+        let is_on_map = self.floor().is_on_map();
         let person = self.crowd.person(s.worker);
         let taken = person.track.see(s, now, is_on_map);
         match taken {
@@ -31,15 +32,6 @@ impl Fleet {
             Taken::Relocated => (person.fresh, person.relocated) = (true, true),
         }
         self.follow_motion(s, taken);
-    }
-
-    /// Tells whether anybody can be at a place at all.
-    pub(in crate::fleet) fn is_on_map(&self) -> impl Fn(Point) -> bool + use<> {
-        let (low, high) = self.warehouse().bounds();
-        move |p| {
-            let x = (low.x - MARGIN_M..=high.x + MARGIN_M).contains(&p.x);
-            x && (low.y - MARGIN_M..=high.y + MARGIN_M).contains(&p.y)
-        }
     }
 
     pub(in crate::fleet) fn judge(&mut self, now: Time) {
@@ -123,17 +115,6 @@ impl Fleet {
         }
     }
 
-    /// The assignment that a worker is at, or is to begin.
-    pub(in crate::fleet) fn next_assignment(&self, worker: WorkerId) -> Option<AssignmentId> {
-        self.ledger.index.assignments_of(worker).next()
-    }
-
-    /// Where a robot is, as far as it was seen.
-    pub(in crate::fleet) fn place_of(&self, robot: RobotId) -> Point {
-        let node = self.warehouse().nodes[self.ledger.node_of(robot)].at;
-        self.scene.robot(robot).map_or(node, |t| t.pose.at)
-    }
-
     /// Areas that robots keep out of; forgets those that have been over for long.
     fn note_areas(&mut self, now: Time) {
         let (crowd, ledger) = (&mut self.crowd, &self.ledger);
@@ -168,5 +149,27 @@ impl Fleet {
             }
         }
         self.crowd.conditions = conditions;
+    }
+}
+
+impl Floor<'_> {
+    /// Tells whether anybody can be at a place at all.
+    pub(in crate::fleet) fn is_on_map(&self) -> impl Fn(Point) -> bool + use<> {
+        let (low, high) = self.warehouse().bounds();
+        move |p| {
+            let x = (low.x - MARGIN_M..=high.x + MARGIN_M).contains(&p.x);
+            x && (low.y - MARGIN_M..=high.y + MARGIN_M).contains(&p.y)
+        }
+    }
+
+    /// The assignment that a worker is at, or is to begin.
+    pub(in crate::fleet) fn next_assignment(&self, worker: WorkerId) -> Option<AssignmentId> {
+        self.ledger.index.assignments_of(worker).next()
+    }
+
+    /// Where a robot is, as far as it was seen.
+    pub(in crate::fleet) fn place_of(&self, robot: RobotId) -> Point {
+        let node = self.warehouse().nodes[self.ledger.node_of(robot)].at;
+        self.scene.robot(robot).map_or(node, |t| t.pose.at)
     }
 }

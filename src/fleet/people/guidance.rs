@@ -5,6 +5,7 @@
 
 use crate::fleet::Fleet;
 use crate::fleet::people::state::{Mode, Person};
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{Guidance, GuidanceReason, GuidanceState, NearRobot};
 use crate::geometry::{Point, Vector};
 use crate::human::{Presence, Whereabouts};
@@ -43,7 +44,7 @@ impl Fleet {
     /// What a worker is to be told now.
     pub(in crate::fleet) fn guidance(&self, worker: WorkerId, place: &Whereabouts, now: Time) -> Guidance {
         let person = &self.crowd.people[worker];
-        let near = self.near(place);
+        let near = self.floor().near(place);
         let (state, reason) = self.state_of(person, place, &near);
         let plan = person.plan.as_ref();
         let path: Vec<Point> = plan.map_or(Vec::new(), |p| p.follower.ahead().to_vec());
@@ -99,7 +100,9 @@ impl Fleet {
         let along = Vector::new(seen.pose.heading.cos(), seen.pose.heading.sin());
         to.norm() < radius_m && along.dot(&to) > 0.0
     }
+}
 
+impl Floor<'_> {
     fn near(&self, place: &Whereabouts) -> Vec<NearRobot> {
         let mut near: Vec<NearRobot> = (self.ledger.robots.ids())
             .filter_map(|robot| {

@@ -7,6 +7,7 @@
 use crate::aware::Arm;
 use crate::fleet::Fleet;
 use crate::fleet::people::state::Mode;
+use crate::fleet::state::floor::Floor;
 use crate::geometry::Point;
 use crate::human::{
     Belief, Distances, Hypothesis, Intention, Method, Presence, Quality, Whereabouts, straight_on,
@@ -98,8 +99,8 @@ impl Fleet {
 
     /// Keeps the places of tasks that somebody may be bound for among the goals, and no others.
     fn know_places(&mut self) {
-        self.crowd.mind.early = self.early_assignments();
-        let own = self.crowd.people.ids().filter_map(|w| self.next_assignment(w));
+        self.crowd.mind.early = self.floor().early_assignments();
+        let own = self.crowd.people.ids().filter_map(|w| self.floor().next_assignment(w));
         let may_be = own.chain(self.crowd.mind.early.iter().map(|(id, _)| *id));
         let place = |id| self.ledger.assignments[&id].request.place;
         let wanted: BTreeMap<GoalId, NodeId> = may_be.map(|id| (goal_of(place(id)), place(id))).collect();
@@ -115,17 +116,6 @@ impl Fleet {
         }
     }
 
-    /// The oldest assignments, and no more of one worker than another may help with: whoever it is, the oldest of all
-    /// others are among them.
-    fn early_assignments(&self) -> Vec<(AssignmentId, WorkerId)> {
-        let index = &self.ledger.index;
-        let own = |worker| index.assignments_of(worker).take(OTHERS).map(move |id| (id, worker));
-        let mut early: Vec<(AssignmentId, WorkerId)> = index.assigned_workers().flat_map(own).collect();
-        early.sort_unstable();
-        early.truncate(2 * OTHERS);
-        early
-    }
-
     /// Cuts the walkways on which robots stand, and restores those that they left.
     fn block_walkways(&mut self, now: Time) {
         if self.crowd.mind.cut_at.is_some_and(|t| now - t < CUT_AGAIN) {
@@ -136,7 +126,7 @@ impl Fleet {
         let reach = self.warehouse().footprint_m / 2.0 + 0.2;
         for robot in self.ledger.robots.ids() {
             if self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05) {
-                let edges = self.crowd.walkways.edges_within(self.place_of(robot), reach);
+                let edges = self.crowd.walkways.edges_within(self.floor().place_of(robot), reach);
                 edges.into_iter().for_each(|e| {
                     cut.insert(e);
                 });
@@ -147,7 +137,8 @@ impl Fleet {
 
     fn infer_one(&mut self, worker: WorkerId, place: &Whereabouts, method: Method) {
         let goals = self.goals_of(worker);
-        let task = self.next_assignment(worker).map(|a| goal_of(self.ledger.assignments[&a].request.place));
+        let task =
+            self.floor().next_assignment(worker).map(|a| goal_of(self.ledger.assignments[&a].request.place));
         let person = &self.crowd.people[worker];
         let Some(seen) = person.track.newest().filter(|_| person.fresh).copied() else { return };
         if place.presence != Presence::Tracked || seen.quality != Quality::Tracked {
@@ -177,7 +168,7 @@ impl Fleet {
     /// The goals that a worker may have, with their weights: the own task first.
     fn goals_of(&self, worker: WorkerId) -> BTreeMap<GoalId, f64> {
         let mut goals: BTreeMap<GoalId, f64> = self.crowd.mind.fixed.iter().map(|g| (*g, 1.0)).collect();
-        if let Some(id) = self.next_assignment(worker) {
+        if let Some(id) = self.floor().next_assignment(worker) {
             goals.insert(goal_of(self.ledger.assignments[&id].request.place), OWN_TASK);
         }
         if self.settings.arm == Arm::Giveway {
@@ -220,5 +211,18 @@ impl Fleet {
             vec![place.at]
         };
         vec![Hypothesis { probability, path, stay: Some(Span::from_secs(1)) }]
+    }
+}
+
+impl Floor<'_> {
+    /// The oldest assignments, and no more of one worker than another may help with: whoever it is, the oldest of all
+    /// others are among them.
+    fn early_assignments(&self) -> Vec<(AssignmentId, WorkerId)> {
+        let index = &self.ledger.index;
+        let own = |worker| index.assignments_of(worker).take(OTHERS).map(move |id| (id, worker));
+        let mut early: Vec<(AssignmentId, WorkerId)> = index.assigned_workers().flat_map(own).collect();
+        early.sort_unstable();
+        early.truncate(2 * OTHERS);
+        early
     }
 }

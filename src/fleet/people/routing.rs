@@ -6,6 +6,7 @@ use crate::aware::{Arm, BODY_M};
 use crate::fleet::Fleet;
 use crate::fleet::people::state::Mode;
 use crate::fleet::state::fact::Fact;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::AssignmentState;
 use crate::geometry::{Point, Segment};
 use crate::human::Whereabouts;
@@ -27,7 +28,7 @@ const REFUGE_AHEAD: usize = 6;
 impl Fleet {
     /// Starts the next assignment, or drops the path of one that was cancelled.
     pub(in crate::fleet) fn take_up_work(&mut self, worker: WorkerId, at: Point, now: Time) {
-        let next = self.next_assignment(worker);
+        let next = self.floor().next_assignment(worker);
         let person = &self.crowd.people[worker];
         let current = person.plan.as_ref().and_then(|p| p.assignment);
         if person.plan.is_some() && (current == next || current.is_none()) {
@@ -50,7 +51,7 @@ impl Fleet {
 
     /// Gives a worker the way from `at` to the next assignment.
     pub(in crate::fleet) fn lead_on(&mut self, worker: WorkerId, at: Point, now: Time) {
-        let Some(id) = self.next_assignment(worker) else {
+        let Some(id) = self.floor().next_assignment(worker) else {
             self.crowd.people[worker].plan = None;
             return;
         };
@@ -97,9 +98,9 @@ impl Fleet {
         person.blocked_since = robot.map(|r| (r, now));
         let Some(goal) = person.plan.as_ref().map(|p| p.follower.goal()) else { return };
         let mut cut = self.edges_blocked_for_long();
-        for r in self.ledger.robots.ids().filter(|r| self.stands_near(*r, place.at)) {
+        for r in self.ledger.robots.ids().filter(|r| self.floor().stands_near(*r, place.at)) {
             let reach = self.warehouse().footprint_m / 2.0 + 0.2;
-            self.crowd.walkways.edges_within(self.place_of(r), reach).into_iter().for_each(|e| {
+            self.crowd.walkways.edges_within(self.floor().place_of(r), reach).into_iter().for_each(|e| {
                 cut.insert(e);
             });
         }
@@ -148,7 +149,7 @@ impl Fleet {
             return Some(way.points);
         }
         let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
-        let robots: Vec<Point> = self.ledger.robots.ids().map(|r| self.place_of(r)).collect();
+        let robots: Vec<Point> = self.ledger.robots.ids().map(|r| self.floor().place_of(r)).collect();
         let is_clear = |to: Point| {
             let step = Segment { a: at, b: to };
             robots.iter().all(|r| step.distance_to(*r) >= reach || (to - r).norm() > (at - r).norm() + 0.3)
@@ -163,11 +164,6 @@ impl Fleet {
         Some(points)
     }
 
-    fn stands_near(&self, robot: RobotId, at: Point) -> bool {
-        let stands = self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05);
-        stands && (self.place_of(robot) - at).norm() < 3.0
-    }
-
     /// A robot that stands where a worker would be within the next steps.
     fn robot_on_path(&self, worker: WorkerId, place: &Whereabouts) -> Option<RobotId> {
         let plan = self.crowd.people[worker].plan.as_ref()?;
@@ -179,9 +175,9 @@ impl Fleet {
         let mut ahead = vec![place.at];
         ahead.extend(plan.follower.ahead().iter().take(3));
         let stops = |robot: &RobotId| {
-            let at = self.place_of(*robot);
+            let at = self.floor().place_of(*robot);
             let near = ahead.windows(2).any(|s| Segment { a: s[0], b: s[1] }.distance_to(at) < reach);
-            near && (at - place.at).norm() < 2.0 && self.stands_near(*robot, place.at)
+            near && (at - place.at).norm() < 2.0 && self.floor().stands_near(*robot, place.at)
         };
         self.ledger.robots.ids().find(stops)
     }
@@ -194,7 +190,7 @@ impl Fleet {
             let chain = self.ledger.chain(robot);
             let rests = chain.first() + 1 == chain.end();
             if rests || self.ledger.robots[robot].failed {
-                let at = self.place_of(robot);
+                let at = self.floor().place_of(robot);
                 for e in self.crowd.walkways.edges_within(at, reach) {
                     cut.insert(e);
                 }
@@ -239,5 +235,12 @@ impl Fleet {
         if self.ledger.assignments.get(&id).is_some_and(|a| a.state != state) {
             self.record(Fact::Advanced { assignment: id, state, at: now });
         }
+    }
+}
+
+impl Floor<'_> {
+    fn stands_near(&self, robot: RobotId, at: Point) -> bool {
+        let stands = self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05);
+        stands && (self.place_of(robot) - at).norm() < 3.0
     }
 }

@@ -27,7 +27,7 @@ impl Fleet {
             return s.worker.ix() < self.ledger.workers.len();
         };
         let mut track = person.track.clone();
-        if track.see(s, now, self.is_on_map()) == Taken::Ignored {
+        if track.see(s, now, self.floor().is_on_map()) == Taken::Ignored {
             return false;
         }
         let Some(place) = track.whereabouts(now) else { return false };

@@ -4,6 +4,7 @@
 //! hundred thousand jobs may wait. Refuses: to list more than it is asked for, and to be an input of any decision.
 
 use crate::fleet::Fleet;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobKind;
 use crate::id::JobId;
 use crate::time::Time;
@@ -40,11 +41,13 @@ impl Fleet {
         let pending = |id: JobId| {
             let job = &self.ledger.jobs[&id];
             let (kind, priority) = (job.request.kind, job.request.priority);
-            Pending { job: id, kind, priority, accepted: job.accepted, after: self.first_before(id) }
+            Pending { job: id, kind, priority, accepted: job.accepted, after: self.floor().first_before(id) }
         };
         Backlog { at: now, jobs: self.ledger.index.queue.in_order(now).take(most).map(pending).collect() }
     }
+}
 
+impl Floor<'_> {
     /// The first job that keeps this one from starting: it is not over, or it ended badly.
     pub(in crate::fleet) fn first_before(&self, job: JobId) -> Option<JobId> {
         self.ledger.index.waits.first_before(job)

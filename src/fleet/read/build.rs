@@ -6,6 +6,7 @@ use crate::fleet::Fleet;
 use crate::fleet::people::state::Standing;
 use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
 use crate::fleet::state::fact::{Act, Purpose, Task};
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{ClosureView, Presence, WorkerView};
 use crate::geometry::{Point, Pose};
 use crate::human::Belief;
@@ -25,12 +26,12 @@ impl Fleet {
         let active = self.ledger.jobs.len() as u64 - waiting;
         let counts = self.counts(waiting, active);
         let racks = self.ledger.racks.iter().copied().collect();
-        let (workers, closures) = (self.worker_views(now), self.closure_views());
+        let (workers, closures) = (self.worker_views(now), self.floor().closure_views());
         let charger_is_free = self.a_charger_is_free();
-        let idle = self.idle_robots(now).into_iter();
-        let free = idle.filter(|r| self.is_charged(*r, charger_is_free)).count();
+        let idle = self.floor().idle_robots(now).into_iter();
+        let free = idle.filter(|r| self.floor().is_charged(*r, charger_is_free)).count();
         let foresight = self.crowd.coverage.foresight().to_vec();
-        let (blocked, stopped) = (self.blocked(), self.ledger.stopped);
+        let (blocked, stopped) = (self.floor().blocked(), self.ledger.stopped);
         let full = self.stations_with_enough(now);
         let paused_stations = self.ledger.paused_stations.clone();
         let closing = self.crowd.closing_nodes();
@@ -74,11 +75,6 @@ impl Fleet {
         }
     }
 
-    /// Waiting jobs that come after others, each with the first one that is not over yet.
-    fn blocked(&self) -> BTreeMap<JobId, JobId> {
-        self.ledger.index.waits.blocked().collect()
-    }
-
     fn robot_view(&self, r: RobotId, now: Time) -> RobotView {
         let record = &self.ledger.robots[r];
         let seen = self.scene.robot(r);
@@ -93,47 +89,14 @@ impl Fleet {
             seen: seen.map(|t| t.seen),
             speed_mps: seen.map_or(0.0, |t| t.speed_mps),
             battery: seen.map_or(0.0, |t| t.battery),
-            state: self.robot_state(r),
+            state: self.floor().robot_state(r),
             task: record.task,
             rack: self.ledger.rack_on(r),
-            doing: self.doing(r),
+            doing: self.floor().doing(r),
             job: record.task.job(),
             granted: nodes(chain.first(), chain.granted()),
             held: nodes(chain.granted(), chain.end()),
             why: self.why(r, now),
-        }
-    }
-
-    fn robot_state(&self, r: RobotId) -> RobotState {
-        let record = &self.ledger.robots[r];
-        match record.task {
-            _ if record.failed => RobotState::Failed,
-            _ if record.interrupted && record.task != Task::Idle => RobotState::Interrupted,
-            Task::Idle => RobotState::Idle,
-            Task::Move { job: None, .. } => RobotState::Free,
-            _ => RobotState::Busy,
-        }
-    }
-
-    fn doing(&self, r: RobotId) -> Doing {
-        let record = &self.ledger.robots[r];
-        let chain = self.ledger.chain(r);
-        let at_stop = record.stops.first().filter(|s| s.serial == chain.first()).map(|s| s.act);
-        let queueing = || matches!(self.warehouse().nodes[self.ledger.node_of(r)].kind, NodeKind::Queue(_));
-        match (record.task, at_stop) {
-            _ if record.failed => Doing::Failed,
-            (Task::Fetch { .. }, Some(Act::Lift(_))) => Doing::Lifting,
-            (Task::Fetch { .. }, _) => Doing::ToRack,
-            (Task::Deliver { .. }, Some(Act::Pick(_))) => Doing::Picking,
-            (Task::Deliver { .. }, _) if queueing() => Doing::Queueing,
-            (Task::Deliver { .. }, _) => Doing::Carrying,
-            (Task::Store { .. }, Some(Act::Set(_))) => Doing::SettingDown,
-            (Task::Store { .. }, _) => Doing::Returning,
-            (Task::Move { purpose: Purpose::Charge, .. }, _) => Doing::ToCharger,
-            (Task::Move { purpose: Purpose::Park, .. }, _) => Doing::Parking,
-            (Task::Move { purpose: Purpose::Go, .. }, _) => Doing::Going,
-            (Task::Idle, _) if self.at_charger(r) => Doing::Charging,
-            (Task::Idle, _) => Doing::Idle,
         }
     }
 
@@ -159,13 +122,13 @@ impl Fleet {
         if let Some(other) = self.drives_into(r) {
             return Some(Why::BlockedBy(other));
         }
-        if let Some(station) = self.station_of(r)
-            && self.lacks_route(r)
-            && !self.station_has_room(r, &self.bound_for_stations())
+        if let Some(station) = self.floor().station_of(r)
+            && self.floor().lacks_route(r)
+            && !self.floor().station_has_room(r, &self.floor().bound_for_stations())
         {
             return Some(Why::QueueFull(station));
         }
-        if self.lacks_route(r) && self.needs.failed_before(r) {
+        if self.floor().lacks_route(r) && self.needs.failed_before(r) {
             return Some(Why::NoRoute);
         }
         let stands = self.crowd.limits.get(&r).is_some_and(|(limit, _)| *limit == Some(0.0));
@@ -227,11 +190,6 @@ impl Fleet {
         goals
     }
 
-    fn closure_views(&self) -> Vec<ClosureView> {
-        let closures = self.ledger.closures.iter();
-        closures.map(|(id, closure)| ClosureView { id: *id, closure: closure.clone() }).collect()
-    }
-
     fn station_view(&self, s: StationId) -> StationView {
         let station = &self.warehouse().stations[s];
         let stands = |n: NodeId| self.ledger.robots.ids().find(|r| self.ledger.node_of(*r) == n);
@@ -242,5 +200,50 @@ impl Fleet {
             queue: station.queue.iter().filter_map(|q| stands(*q)).collect(),
             served: self.ledger.served[s],
         }
+    }
+}
+
+impl Floor<'_> {
+    /// Waiting jobs that come after others, each with the first one that is not over yet.
+    fn blocked(&self) -> BTreeMap<JobId, JobId> {
+        self.ledger.index.waits.blocked().collect()
+    }
+
+    fn robot_state(&self, r: RobotId) -> RobotState {
+        let record = &self.ledger.robots[r];
+        match record.task {
+            _ if record.failed => RobotState::Failed,
+            _ if record.interrupted && record.task != Task::Idle => RobotState::Interrupted,
+            Task::Idle => RobotState::Idle,
+            Task::Move { job: None, .. } => RobotState::Free,
+            _ => RobotState::Busy,
+        }
+    }
+
+    fn doing(&self, r: RobotId) -> Doing {
+        let record = &self.ledger.robots[r];
+        let chain = self.ledger.chain(r);
+        let at_stop = record.stops.first().filter(|s| s.serial == chain.first()).map(|s| s.act);
+        let queueing = || matches!(self.warehouse().nodes[self.ledger.node_of(r)].kind, NodeKind::Queue(_));
+        match (record.task, at_stop) {
+            _ if record.failed => Doing::Failed,
+            (Task::Fetch { .. }, Some(Act::Lift(_))) => Doing::Lifting,
+            (Task::Fetch { .. }, _) => Doing::ToRack,
+            (Task::Deliver { .. }, Some(Act::Pick(_))) => Doing::Picking,
+            (Task::Deliver { .. }, _) if queueing() => Doing::Queueing,
+            (Task::Deliver { .. }, _) => Doing::Carrying,
+            (Task::Store { .. }, Some(Act::Set(_))) => Doing::SettingDown,
+            (Task::Store { .. }, _) => Doing::Returning,
+            (Task::Move { purpose: Purpose::Charge, .. }, _) => Doing::ToCharger,
+            (Task::Move { purpose: Purpose::Park, .. }, _) => Doing::Parking,
+            (Task::Move { purpose: Purpose::Go, .. }, _) => Doing::Going,
+            (Task::Idle, _) if self.at_charger(r) => Doing::Charging,
+            (Task::Idle, _) => Doing::Idle,
+        }
+    }
+
+    fn closure_views(&self) -> Vec<ClosureView> {
+        let closures = self.ledger.closures.iter();
+        closures.map(|(id, closure)| ClosureView { id: *id, closure: closure.clone() }).collect()
     }
 }

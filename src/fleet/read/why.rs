@@ -8,6 +8,7 @@ use crate::fleet::Fleet;
 use crate::fleet::JobState;
 use crate::fleet::read::view::{JobWhy, View, Why};
 use crate::fleet::state::fact::{Act, Task};
+use crate::fleet::state::floor::Floor;
 use crate::id::{JobId, ResourceId, RobotId};
 use crate::time::Time;
 use crate::timeline::Holder;
@@ -156,7 +157,7 @@ impl Fleet {
         // Who is broken, silent or told to stand is so at a stop, too.
         let stopped =
             matches!(why, Some(Why::Failed | Why::Displaced(_) | Why::Silent | Why::Paused | Why::Stopped));
-        if let Some(act) = self.act_here(robot).filter(|_| !stopped) {
+        if let Some(act) = self.floor().act_here(robot).filter(|_| !stopped) {
             let until = chain.get(chain.first()).map(|v| v.depart);
             return (link(Because::AtStop(act), until, 0), None);
         }
@@ -180,10 +181,12 @@ impl Fleet {
                 (link(Because::Robot(why), None, 0), there.filter(|r| *r != robot))
             }
             Some(why) => (link(Because::Robot(why), None, 0), None),
-            None => (self.goes_on(robot, wanted, now, link), None),
+            None => (self.floor().goes_on(robot, wanted, now, link), None),
         }
     }
+}
 
+impl Floor<'_> {
     /// A robot that waits for nobody.
     fn goes_on(
         &self,

@@ -4,6 +4,7 @@
 
 use crate::fleet::Fleet;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
 use crate::fleet::state::job::{JobKind, JobRequest, JobState};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId};
@@ -55,7 +56,7 @@ impl Fleet {
         if let Some(job) = request.key.as_ref().and_then(|k| self.ledger.keys.get(k)) {
             return Ok((*job, false));
         }
-        self.check_places(&request.kind)?;
+        self.floor().check_places(&request.kind)?;
         if request.priority > 9 {
             return Err(Refusal::Priority(request.priority));
         }
@@ -73,6 +74,23 @@ impl Fleet {
         Ok((job, true))
     }
 
+    /// Cancels a job at any stage: the job is over at once; a robot at work on it brings its rack to storage.
+    fn cancel(&mut self, job: JobId, now: Time) -> Result<(), Refusal> {
+        if job.0 == 0 || job.0 >= self.ledger.next_job {
+            return Err(Refusal::UnknownJob(job));
+        }
+        let Some(record) = self.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
+        let tasked = record.state.robot().map(|robot| (robot, self.floor().task_without_job(robot)));
+        self.progress(job, JobState::Cancelled, tasked, now);
+        if let Some((robot, _)) = tasked {
+            self.end_cancelled_pick(robot);
+            self.needs.left_early(robot);
+        }
+        Ok(())
+    }
+}
+
+impl Floor<'_> {
     fn check_places(&self, kind: &JobKind) -> Result<(), Refusal> {
         let w = self.warehouse();
         let rack_known = |r: RackId| r.ix() < w.racks.len();
@@ -125,21 +143,6 @@ impl Fleet {
         stands
             || places.bound_for(node).iter().any(|r| promised(&self.ledger.robots[*r].task))
             || places.is_wanted_for_another(node, rack)
-    }
-
-    /// Cancels a job at any stage: the job is over at once; a robot at work on it brings its rack to storage.
-    fn cancel(&mut self, job: JobId, now: Time) -> Result<(), Refusal> {
-        if job.0 == 0 || job.0 >= self.ledger.next_job {
-            return Err(Refusal::UnknownJob(job));
-        }
-        let Some(record) = self.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
-        let tasked = record.state.robot().map(|robot| (robot, self.task_without_job(robot)));
-        self.progress(job, JobState::Cancelled, tasked, now);
-        if let Some((robot, _)) = tasked {
-            self.end_cancelled_pick(robot);
-            self.needs.left_early(robot);
-        }
-        Ok(())
     }
 
     /// What a robot goes on with when its job is over before its task is: it brings its rack to storage, or goes to

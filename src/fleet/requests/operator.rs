@@ -7,18 +7,13 @@
 
 use crate::fleet::Fleet;
 use crate::fleet::state::fact::Fact;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Refusal, Reply};
 use crate::fleet::state::job::JobState;
 use crate::id::{Dense, JobId, RobotId};
 use crate::time::Time;
 
 impl Fleet {
-    /// Whether a robot is to stand, by itself or with all others, or since it is fenced off.
-    pub(in crate::fleet) fn is_halted(&self, robot: RobotId) -> bool {
-        let record = &self.ledger.robots[robot];
-        self.ledger.stopped.is_some() || record.paused.is_some() || record.fenced.is_some()
-    }
-
     /// One robot, or the whole fleet, is to stand.
     pub(in crate::fleet) fn halt(
         &mut self,
@@ -26,7 +21,7 @@ impl Fleet {
         robot: Option<RobotId>,
         now: Time,
     ) -> Result<Reply, Refusal> {
-        if self.halted_since(robot)?.is_none() {
+        if self.floor().halted_since(robot)?.is_none() {
             self.record(Fact::Halted { robot, at: now });
         }
         Ok(Reply::Done { token })
@@ -40,18 +35,10 @@ impl Fleet {
         now: Time,
     ) -> Result<Reply, Refusal> {
         let fenced = robot.is_some_and(|r| self.ledger.robots.get(r).is_some_and(|r| r.fenced.is_some()));
-        if self.halted_since(robot)?.is_some() || fenced {
+        if self.floor().halted_since(robot)?.is_some() || fenced {
             self.record(Fact::Released { robot, at: now });
         }
         Ok(Reply::Done { token })
-    }
-
-    fn halted_since(&self, robot: Option<RobotId>) -> Result<Option<Time>, Refusal> {
-        match robot {
-            None => Ok(self.ledger.stopped),
-            Some(r) if r.ix() < self.ledger.robots.len() => Ok(self.ledger.robots[r].paused),
-            Some(_) => Err(Refusal::UnknownPlace),
-        }
     }
 
     /// A job that nobody has yet gets another priority.
@@ -76,5 +63,21 @@ impl Fleet {
             self.record(Fact::Prioritised { job, priority, at: now });
         }
         Ok(Reply::Done { token })
+    }
+}
+
+impl Floor<'_> {
+    /// Whether a robot is to stand, by itself or with all others, or since it is fenced off.
+    pub(in crate::fleet) fn is_halted(&self, robot: RobotId) -> bool {
+        let record = &self.ledger.robots[robot];
+        self.ledger.stopped.is_some() || record.paused.is_some() || record.fenced.is_some()
+    }
+
+    fn halted_since(&self, robot: Option<RobotId>) -> Result<Option<Time>, Refusal> {
+        match robot {
+            None => Ok(self.ledger.stopped),
+            Some(r) if r.ix() < self.ledger.robots.len() => Ok(self.ledger.robots[r].paused),
+            Some(_) => Err(Refusal::UnknownPlace),
+        }
     }
 }

@@ -5,6 +5,7 @@
 
 pub mod displaced;
 pub mod fact;
+pub(in crate::fleet) mod floor;
 pub mod index;
 pub mod io;
 pub mod job;

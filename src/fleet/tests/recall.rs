@@ -120,7 +120,7 @@ fn who_waits_for_a_place_in_a_queue_does_not_overtake_by_stepping_aside() {
     for i in 0..12 {
         floor.submit(request(deliver(i * 5 % racks)));
     }
-    let waiting = |f: &Floor| f.fleet.ledger().robots.ids().find(|r| f.fleet.waits_for_room(*r));
+    let waiting = |f: &Floor| f.fleet.ledger().robots.ids().find(|r| f.fleet.floor().waits_for_room(*r));
     floor.until(120, "the queue is full", |f| waiting(f).is_some());
     let robot = waiting(&floor).expect("just seen");
     let here = floor.fleet.ledger().node_of(robot);
@@ -128,7 +128,7 @@ fn who_waits_for_a_place_in_a_queue_does_not_overtake_by_stepping_aside() {
     assert!(floor.fleet.detour(robot, way.to, floor.now), "there is room beside it");
     let chain = floor.fleet.ledger().chain(robot);
     assert!(chain.end() > chain.granted() && chain.last().map(|v| v.node) == Some(here), "it comes back");
-    assert!(floor.fleet.lacks_route(robot), "and it stands in line as before");
+    assert!(floor.fleet.floor().lacks_route(robot), "and it stands in line as before");
     floor.until_over(1200);
 }
 
@@ -142,13 +142,13 @@ fn nobody_fetches_another_rack_for_a_station_for_which_enough_wait() {
     floor.run(90);
     let robots: Vec<RobotId> = floor.fleet.ledger().robots.ids().collect();
     let places = floor.fleet.warehouse().stations[StationId(0)].queue.len() + 1;
-    let wait = robots.iter().filter(|r| floor.fleet.waits_for_room(**r)).count();
+    let wait = robots.iter().filter(|r| floor.fleet.floor().waits_for_room(**r)).count();
     assert!(wait >= places, "{wait} wait for {places} places");
     floor.run(5);
     let fetches = |r: &&RobotId| matches!(floor.fleet.ledger().robots[**r].task, Task::Fetch { .. });
     let jobs = floor.fleet.ledger().jobs.values().filter(|j| j.state == JobState::Waiting).count();
     assert!(robots.iter().filter(fetches).count() == 0 && jobs > 0, "somebody is still sent for a rack");
-    assert!(robots.iter().any(|r| !floor.fleet.waits_for_room(*r)), "and some are free for others");
+    assert!(robots.iter().any(|r| !floor.fleet.floor().waits_for_room(*r)), "and some are free for others");
 }
 
 #[test]

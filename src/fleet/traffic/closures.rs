@@ -8,6 +8,7 @@
 use crate::aware::{Arm, Zone};
 use crate::fleet::Fleet;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobKind, JobState};
 use crate::fleet::state::ledger;
 use crate::fleet::traffic::closed_areas::storage_behind;
@@ -78,7 +79,7 @@ impl Fleet {
         }
         for robot in ledger::all(&self.ledger.robots) {
             let looked = self.crowd.looked_round.get(&robot).is_some_and(|t| now - *t < AGAIN);
-            if *budget == 0 || looked || !self.can_be_routed_round(robot, now) {
+            if *budget == 0 || looked || !self.floor().can_be_routed_round(robot, now) {
                 continue;
             }
             let ends_there = self.task_elsewhere(robot) != self.ledger.robots[robot].task;
@@ -87,13 +88,6 @@ impl Fleet {
                 *budget = budget.saturating_sub(self.route_round(robot, now));
             }
         }
-    }
-
-    /// Whether a robot has a route of which something may be changed.
-    fn can_be_routed_round(&self, robot: RobotId, now: Time) -> bool {
-        let at_stop = self.ledger.robots[robot].stops.first().map(|s| s.serial);
-        let free = at_stop.is_some_and(|s| s >= self.ledger.chain(robot).granted());
-        free && !self.lacks_route(robot) && self.scene.fit(robot, now).is_some()
     }
 
     /// Whether something that the robot was promised, but not granted, meets a closure.
@@ -131,7 +125,7 @@ impl Fleet {
         if task != old {
             self.record(Fact::Tasked { robot, task });
         }
-        let stages = self.stages_left(robot);
+        let stages = self.floor().stages_left(robot);
         self.tally.replans += 1;
         match self.search(robot, &stages, now) {
             Ok(route) => {
@@ -176,5 +170,14 @@ impl Fleet {
             }
             task => task,
         }
+    }
+}
+
+impl Floor<'_> {
+    /// Whether a robot has a route of which something may be changed.
+    fn can_be_routed_round(&self, robot: RobotId, now: Time) -> bool {
+        let at_stop = self.ledger.robots[robot].stops.first().map(|s| s.serial);
+        let free = at_stop.is_some_and(|s| s >= self.ledger.chain(robot).granted());
+        free && !self.lacks_route(robot) && self.scene.fit(robot, now).is_some()
     }
 }

@@ -10,6 +10,7 @@ use super::truncate;
 use crate::fleet::Fleet;
 use crate::fleet::state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 use crate::fleet::state::fact::{Act, Fact, Kept, Task};
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Telemetry;
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::ledger;
@@ -31,41 +32,12 @@ const SAME_M: f64 = 0.01;
 impl Fleet {
     /// Whether a robot stands where, and carries what, the ledger has for it.
     pub fn is_in_place(&self, seen: &Telemetry) -> bool {
-        self.keeps_to_its_holds(seen) && self.carries_what_is_promised(seen)
+        self.floor().keeps_to_its_holds(seen) && self.floor().carries_what_is_promised(seen)
     }
 
     /// Why a robot cannot go on from where it stands, if that is so.
     pub fn displacement(&self, robot: RobotId) -> Option<Displacement> {
         self.scene.displaced(robot).map(|d| d.why)
-    }
-
-    /// Whether the pose is on the nodes that the robot was granted or on the straight lanes between them: from the one
-    /// reached last on to the last one that it knows. A robot that knows no more than it reached takes on the next
-    /// waypoint if it stands on the way there, so that lane counts, too.
-    fn keeps_to_its_holds(&self, seen: &Telemetry) -> bool {
-        let chain = self.ledger.chain(seen.robot);
-        let last = chain.granted() - 1;
-        let from = seen.reached.clamp(chain.first(), last);
-        let to = seen.known.max(from + 1).min(last);
-        let place =
-            |serial| self.warehouse().nodes[chain.get(serial).expect("granted visits are held").node].at;
-        (place(from) - seen.pose.at).norm() <= OFF_ROUTE_M
-            || (from..to).any(|s| {
-                let lane = Segment { a: place(s), b: place(s + 1) };
-                lane.distance_to(seen.pose.at) <= OFF_ROUTE_M
-            })
-    }
-
-    /// Whether the rack on a robot is the one that was on it before, or after, what it may be doing just now.
-    fn carries_what_is_promised(&self, seen: &Telemetry) -> bool {
-        let robot = seen.robot;
-        let next = self.ledger.robots[robot].stops.first().filter(|_| self.next_stop_is_granted(robot));
-        let after = match next.map(|s| s.act) {
-            Some(Act::Lift(rack)) => seen.rack == Some(rack),
-            Some(Act::Set(_)) => seen.rack.is_none(),
-            Some(Act::Pick(_) | Act::Arrive) | None => false,
-        };
-        after || seen.rack == self.ledger.rack_on(robot)
     }
 
     /// Compares what a robot reports with what the ledger has: when it stands, and at its first report after a start.
@@ -97,8 +69,8 @@ impl Fleet {
     /// The node on which a robot can be taken up.
     fn place_for(&mut self, seen: &Telemetry) -> Result<NodeId, Displacement> {
         let robot = seen.robot;
-        let (node, off_m) = self.nearest_node(seen.pose.at);
-        if !self.carries_what_is_promised(seen) {
+        let (node, off_m) = self.floor().nearest_node(seen.pose.at);
+        if !self.floor().carries_what_is_promised(seen) {
             let expected = self.ledger.rack_on(robot);
             return Err(Displacement::Load { carries: seen.rack, expected });
         }
@@ -109,7 +81,7 @@ impl Fleet {
         if seen.known > seen.reached {
             return Err(Displacement::KnowsWaypoints(node));
         }
-        if let Some(other) = self.granted_to_another(robot, node) {
+        if let Some(other) = self.floor().granted_to_another(robot, node) {
             return Err(Displacement::GrantedTo(node, other));
         }
         let stored = self.ledger.index.places.rack_on(node);
@@ -122,28 +94,10 @@ impl Fleet {
         if asked || !self.has_way_out(robot, node) { Err(no_way) } else { Ok(node) }
     }
 
-    fn nearest_node(&self, at: Point) -> (NodeId, f64) {
-        let nodes = self.warehouse().nodes.pairs().map(|(id, n)| (id, (n.at - at).norm()));
-        nodes.min_by(|a, b| a.1.total_cmp(&b.1)).expect("a robot stands on a floor that has nodes")
-    }
-
-    /// Another robot that may be on a node, or on something in conflict with it.
-    fn granted_to_another(&self, robot: RobotId, node: NodeId) -> Option<RobotId> {
-        let others = self.holders_of(robot, node);
-        others.into_iter().find_map(|(r, granted)| granted.then_some(r))
-    }
-
-    /// Other robots that hold a node, or something in conflict with it, and whether that was granted to them.
-    fn holders_of(&self, robot: RobotId, node: NodeId) -> Vec<(RobotId, bool)> {
-        let resource = self.warehouse().node_resource(node);
-        let held = self.ledger.timeline.held_by_others(resource, Holder::Robot(robot));
-        held.map(|h| (truncate::robot_of(h.holder), h.granted)).collect()
-    }
-
     /// Whether lanes lead on from a node: to where the robot is to bring its rack, else to a place where it may stay.
     fn has_way_out(&mut self, robot: RobotId, node: NodeId) -> bool {
         let stages = match self.ledger.robots[robot].task {
-            task if task.carried().is_some() => self.stages(robot),
+            task if task.carried().is_some() => self.floor().stages(robot),
             _ if self.warehouse().kind(node).is_lasting() => return true,
             _ => {
                 let stays = self.warehouse().nodes_where(NodeKind::is_lasting);
@@ -169,27 +123,21 @@ impl Fleet {
             Task::Deliver { .. } | Task::Store { .. } | Task::Idle => {}
         }
         let serial = self.ledger.chain(robot).end();
-        let cut = self.cut_for_place(robot, node);
+        let cut = self.floor().cut_for_place(robot, node);
         self.record(Fact::Placed { robot, node, serial, cut, at: now });
         self.fits_again(robot);
         self.crowd.called_back.remove(&robot);
         self.crowd.stands.remove(&robot);
     }
 
-    /// What others keep that were promised a node on which a robot stands now, and those behind them in turn.
-    fn cut_for_place(&self, robot: RobotId, node: NodeId) -> Vec<Kept> {
-        let promised = self.holders_of(robot, node).into_iter().map(|(r, _)| r).collect();
-        self.kept_by(self.all_behind(promised, Some(robot)))
-    }
-
     /// A robot cannot go on from where it stands: it counts as failed, and nobody drives into it.
     fn displace(&mut self, seen: &Telemetry, why: Displacement, now: Time) {
         let (robot, at) = (seen.robot, seen.pose.at);
         let before = self.scene.displaced(robot);
-        let is_off = !self.keeps_to_its_holds(seen);
+        let is_off = !self.floor().keeps_to_its_holds(seen);
         let nodes = match before {
             Some(b) if (b.at - at).norm() < SAME_M && b.is_off == is_off => b.nodes.clone(),
-            _ if is_off => self.nodes_blocked_at(at),
+            _ if is_off => self.floor().nodes_blocked_at(at),
             _ => Vec::new(),
         };
         if before.is_none_or(|b| b.why != why) {
@@ -200,24 +148,6 @@ impl Fleet {
         if !self.ledger.robots[robot].failed {
             self.fail(robot, now);
         }
-    }
-
-    /// Nodes on which another robot would touch one that stands here, and the ends of lanes on which it would.
-    fn nodes_blocked_at(&self, at: Point) -> Vec<NodeId> {
-        let w = self.warehouse();
-        let reach = w.footprint_m - TOUCH_M;
-        let place = |n: NodeId| w.nodes[n].at;
-        let touches = |n: NodeId| axis_distance(place(n), at) < reach;
-        let mut blocked: Vec<NodeId> = w.nodes.ids().filter(|n| touches(*n)).collect();
-        for lane in w.lanes.iter().filter(|l| !touches(l.a) && !touches(l.b)) {
-            let way = Segment { a: place(lane.a), b: place(lane.b) };
-            if axis_distance_to_segment(at, way) < reach {
-                blocked.extend([lane.a, lane.b]);
-            }
-        }
-        blocked.sort_unstable();
-        blocked.dedup();
-        blocked
     }
 
     /// Closes the floor where robots stand that are off everything they hold. To be called in every step, behind
@@ -247,7 +177,7 @@ impl Fleet {
     pub(in crate::fleet) fn drives_into(&self, robot: RobotId) -> Option<RobotId> {
         let others = || self.scene.all_displaced().filter(|(r, d)| *r != robot && d.is_off);
         others().next()?;
-        let at = self.place_of(robot);
+        let at = self.floor().place_of(robot);
         let way = self.granted_way(robot, at);
         let reach = self.warehouse().footprint_m - TOUCH_M;
         let hits = |p: Point| {
@@ -284,5 +214,78 @@ impl Fleet {
             self.unheard.clear();
         }
         !self.unheard.is_empty()
+    }
+}
+
+impl Floor<'_> {
+    /// Whether the pose is on the nodes that the robot was granted or on the straight lanes between them: from the one
+    /// reached last on to the last one that it knows. A robot that knows no more than it reached takes on the next
+    /// waypoint if it stands on the way there, so that lane counts, too.
+    fn keeps_to_its_holds(&self, seen: &Telemetry) -> bool {
+        let chain = self.ledger.chain(seen.robot);
+        let last = chain.granted() - 1;
+        let from = seen.reached.clamp(chain.first(), last);
+        let to = seen.known.max(from + 1).min(last);
+        let place =
+            |serial| self.warehouse().nodes[chain.get(serial).expect("granted visits are held").node].at;
+        (place(from) - seen.pose.at).norm() <= OFF_ROUTE_M
+            || (from..to).any(|s| {
+                let lane = Segment { a: place(s), b: place(s + 1) };
+                lane.distance_to(seen.pose.at) <= OFF_ROUTE_M
+            })
+    }
+
+    /// Whether the rack on a robot is the one that was on it before, or after, what it may be doing just now.
+    fn carries_what_is_promised(&self, seen: &Telemetry) -> bool {
+        let robot = seen.robot;
+        let next = self.ledger.robots[robot].stops.first().filter(|_| self.next_stop_is_granted(robot));
+        let after = match next.map(|s| s.act) {
+            Some(Act::Lift(rack)) => seen.rack == Some(rack),
+            Some(Act::Set(_)) => seen.rack.is_none(),
+            Some(Act::Pick(_) | Act::Arrive) | None => false,
+        };
+        after || seen.rack == self.ledger.rack_on(robot)
+    }
+
+    fn nearest_node(&self, at: Point) -> (NodeId, f64) {
+        let nodes = self.warehouse().nodes.pairs().map(|(id, n)| (id, (n.at - at).norm()));
+        nodes.min_by(|a, b| a.1.total_cmp(&b.1)).expect("a robot stands on a floor that has nodes")
+    }
+
+    /// Another robot that may be on a node, or on something in conflict with it.
+    fn granted_to_another(&self, robot: RobotId, node: NodeId) -> Option<RobotId> {
+        let others = self.holders_of(robot, node);
+        others.into_iter().find_map(|(r, granted)| granted.then_some(r))
+    }
+
+    /// Other robots that hold a node, or something in conflict with it, and whether that was granted to them.
+    fn holders_of(&self, robot: RobotId, node: NodeId) -> Vec<(RobotId, bool)> {
+        let resource = self.warehouse().node_resource(node);
+        let held = self.ledger.timeline.held_by_others(resource, Holder::Robot(robot));
+        held.map(|h| (truncate::robot_of(h.holder), h.granted)).collect()
+    }
+
+    /// What others keep that were promised a node on which a robot stands now, and those behind them in turn.
+    fn cut_for_place(&self, robot: RobotId, node: NodeId) -> Vec<Kept> {
+        let promised = self.holders_of(robot, node).into_iter().map(|(r, _)| r).collect();
+        self.kept_by(self.all_behind(promised, Some(robot)))
+    }
+
+    /// Nodes on which another robot would touch one that stands here, and the ends of lanes on which it would.
+    fn nodes_blocked_at(&self, at: Point) -> Vec<NodeId> {
+        let w = self.warehouse();
+        let reach = w.footprint_m - TOUCH_M;
+        let place = |n: NodeId| w.nodes[n].at;
+        let touches = |n: NodeId| axis_distance(place(n), at) < reach;
+        let mut blocked: Vec<NodeId> = w.nodes.ids().filter(|n| touches(*n)).collect();
+        for lane in w.lanes.iter().filter(|l| !touches(l.a) && !touches(l.b)) {
+            let way = Segment { a: place(lane.a), b: place(lane.b) };
+            if axis_distance_to_segment(at, way) < reach {
+                blocked.extend([lane.a, lane.b]);
+            }
+        }
+        blocked.sort_unstable();
+        blocked.dedup();
+        blocked
     }
 }

@@ -7,6 +7,7 @@
 use crate::aware::SLOW_MPS;
 use crate::fleet::Fleet;
 use crate::fleet::state::fact::Fact;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Waypoint};
 use crate::fleet::state::ledger;
 use crate::id::RobotId;
@@ -32,7 +33,7 @@ impl Fleet {
             if self.ledger.robots[robot].failed || self.scene.fit(robot, now).is_none() {
                 continue;
             }
-            let held_back = self.is_halted(robot) || self.crowd.procedure.holds(robot);
+            let held_back = self.floor().is_halted(robot) || self.crowd.procedure.holds(robot);
             let granted = !held_back && self.extend_grant(robot, now);
             if granted || self.must_repeat(robot, now) {
                 self.send(robot, now);
@@ -45,10 +46,10 @@ impl Fleet {
         let holder = Holder::Robot(robot);
         let mut serial = self.ledger.chain(robot).granted();
         let first = serial;
-        let mut ahead = self.granted_ahead_m(robot);
+        let mut ahead = self.floor().granted_ahead_m(robot);
         let enough = self.needed_ahead_m(robot);
         while ahead < enough && self.may_grant(robot, serial, now) {
-            ahead += self.step_m(robot, serial);
+            ahead += self.floor().step_m(robot, serial);
             serial += 1;
         }
         if serial == first {
@@ -67,25 +68,6 @@ impl Fleet {
             && visit.enter <= now + EARLY
             && self.ledger.timeline.waits_for(Holder::Robot(robot), serial).is_none()
             && self.grant_waits_for(robot, visit, now).is_none()
-    }
-
-    /// Distance from the visit before to this one, metres.
-    fn step_m(&self, robot: RobotId, serial: u64) -> f64 {
-        let chain = self.ledger.chain(robot);
-        let at = |s: u64| chain.get(s).map(|v| self.warehouse().nodes[v.node].at);
-        match (serial.checked_sub(1).and_then(at), at(serial)) {
-            (Some(a), Some(b)) => (b - a).norm(),
-            _ => 0.0,
-        }
-    }
-
-    /// How far the robot can drive already, metres.
-    fn granted_ahead_m(&self, robot: RobotId) -> f64 {
-        let chain = self.ledger.chain(robot);
-        let whole: f64 = (chain.first() + 1..chain.granted()).map(|s| self.step_m(robot, s)).sum();
-        let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;
-        let driven = self.scene.robot(robot).map_or(0.0, |t| (t.pose.at - here).norm());
-        (whole - driven).max(0.0)
     }
 
     /// How far ahead it must be sure of its way to go on as fast as it may: its braking distance, what it drives
@@ -127,5 +109,26 @@ impl Fleet {
         let recalls = self.ledger.robots[robot].recalls;
         self.out.commands.push((robot, Command::Drive { grant, waypoints, recalls }));
         self.scene.robot_mut(robot).told = Some(now);
+    }
+}
+
+impl Floor<'_> {
+    /// Distance from the visit before to this one, metres.
+    fn step_m(&self, robot: RobotId, serial: u64) -> f64 {
+        let chain = self.ledger.chain(robot);
+        let at = |s: u64| chain.get(s).map(|v| self.warehouse().nodes[v.node].at);
+        match (serial.checked_sub(1).and_then(at), at(serial)) {
+            (Some(a), Some(b)) => (b - a).norm(),
+            _ => 0.0,
+        }
+    }
+
+    /// How far the robot can drive already, metres.
+    fn granted_ahead_m(&self, robot: RobotId) -> f64 {
+        let chain = self.ledger.chain(robot);
+        let whole: f64 = (chain.first() + 1..chain.granted()).map(|s| self.step_m(robot, s)).sum();
+        let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;
+        let driven = self.scene.robot(robot).map_or(0.0, |t| (t.pose.at - here).norm());
+        (whole - driven).max(0.0)
     }
 }

@@ -21,7 +21,7 @@ type Found = (RobotId, Route);
 impl Fleet {
     /// Plans `robot` together with the few robots that stand most in its way. Whether that worked.
     pub(in crate::fleet) fn insert(&mut self, robot: RobotId, now: Time) -> bool {
-        if self.next_stop_is_granted(robot) {
+        if self.floor().next_stop_is_granted(robot) {
             return false;
         }
         let start = (self.settings.stopwatch)();
@@ -41,7 +41,7 @@ impl Fleet {
         }
         self.plan_times.push((self.settings.stopwatch)() - start);
         let Some((_, routes)) = best else { return false };
-        let bookings = routes.into_iter().map(|(r, route)| self.booking(r, route)).collect();
+        let bookings = routes.into_iter().map(|(r, route)| self.floor().booking(r, route)).collect();
         self.record(Fact::Routed { bookings });
         true
     }
@@ -50,8 +50,8 @@ impl Fleet {
     /// first.
     fn influencers(&mut self, robot: RobotId, now: Time) -> Vec<RobotId> {
         let fit = |r: &RobotId| !self.ledger.robots[*r].failed && self.scene.fit(*r, now).is_some();
-        let busy = |r: &RobotId| self.next_stop_is_granted(*r);
-        let movable = |r: &RobotId| *r != robot && fit(r) && !busy(r) && !self.waits_for_room(*r);
+        let busy = |r: &RobotId| self.floor().next_stop_is_granted(*r);
+        let movable = |r: &RobotId| *r != robot && fit(r) && !busy(r) && !self.floor().waits_for_room(*r);
         let movable: Vec<RobotId> = self.ledger.robots.ids().filter(movable).collect();
         let mut without = self.ledger.timeline.clone();
         for r in movable.iter().chain([&robot]) {
@@ -70,7 +70,7 @@ impl Fleet {
         let mut ranked: Vec<(usize, RobotId)> = met.into_iter().map(|(r, n)| (n, r)).collect();
         ranked.retain(|(_, r)| movable.contains(r));
         // Whoever stands in the way for ever meets few windows, but no order helps while it does.
-        ranked.sort_by_key(|(n, r)| (!self.lacks_route(*r), std::cmp::Reverse(*n), *r));
+        ranked.sort_by_key(|(n, r)| (!self.floor().lacks_route(*r), std::cmp::Reverse(*n), *r));
         ranked.into_iter().take(OTHERS).map(|(_, r)| r).collect()
     }
 
@@ -94,7 +94,7 @@ impl Fleet {
 
     /// A route for the rest of a robot's task on some other timeline, from which its own has been withdrawn.
     fn search_on(&mut self, timeline: &Timeline, robot: RobotId, now: Time) -> Option<Route> {
-        let mut stages = self.stages_left(robot);
+        let mut stages = self.floor().stages_left(robot);
         if stages.is_empty() {
             // It has nothing to do: any place to stay will do.
             let goal = self.any_stay(robot)?;
@@ -112,9 +112,9 @@ impl Fleet {
         (place, away): (NodeId, &[Away]),
         now: Time,
     ) -> Option<Route> {
-        let stages = self.stages_aside(robot, place);
+        let stages = self.floor().stages_aside(robot, place);
         let route = self.search_stages_on(timeline, robot, &stages, away, now)?;
-        Some(self.with_own_stops(robot, route))
+        Some(self.floor().with_own_stops(robot, route))
     }
 
     fn search_stages_on(
@@ -125,7 +125,7 @@ impl Fleet {
         away: &[Away],
         now: Time,
     ) -> Option<Route> {
-        let (from, heading) = self.grant_end(robot);
+        let (from, heading) = self.floor().grant_end(robot);
         let ready = now.max(from.arrive) + self.settings.period;
         let (budget, conditions) = (self.settings.expansions_per_plan, &self.crowd.conditions);
         let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away };

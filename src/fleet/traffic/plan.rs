@@ -6,6 +6,7 @@
 
 use crate::fleet::Fleet;
 use crate::fleet::state::fact::{Act, Booking, Fact, Stop, Task};
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobKind;
 use crate::fleet::state::ledger;
 use crate::fleet::state::worker::Reaction;
@@ -68,20 +69,21 @@ impl Fleet {
     pub(in crate::fleet) fn plan(&mut self, now: Time) {
         let mut budget = self.settings.expansions_per_step;
         let in_need = self.in_need(now);
-        let mut bound = if in_need.is_empty() { IdVec::new() } else { self.bound_for_stations() };
+        let mut bound = if in_need.is_empty() { IdVec::new() } else { self.floor().bound_for_stations() };
         for robot in in_need {
             if budget == 0 {
                 return;
             }
             // What is granted is done before anything else is planned: the robot may be at it already.
-            let fit = self.scene.fit(robot, now).is_some() && !self.next_stop_is_granted(robot);
-            if !fit || !self.station_has_room(robot, &bound) {
+            let fit = self.scene.fit(robot, now).is_some() && !self.floor().next_stop_is_granted(robot);
+            if !fit || !self.floor().station_has_room(robot, &bound) {
                 continue;
             }
             let waited = self.needs.waited(robot, now);
             let spent = self.plan_one(robot, now);
             budget = budget.saturating_sub(spent);
-            if let Some(station) = self.station_of(robot).filter(|_| !self.lacks_route(robot)) {
+            if let Some(station) = self.floor().station_of(robot).filter(|_| !self.floor().lacks_route(robot))
+            {
                 self.needs.set_off.insert(station, waited);
                 bound[station] += 1;
             }
@@ -96,7 +98,7 @@ impl Fleet {
     /// Robots whose stop ended before it was to end look for an earlier route.
     fn plan_early(&mut self, now: Time, budget: &mut u32) {
         for robot in std::mem::take(&mut self.needs.early) {
-            if !self.lacks_route(robot) && self.scene.fit(robot, now).is_some() {
+            if !self.floor().lacks_route(robot) && self.scene.fit(robot, now).is_some() {
                 *budget = budget.saturating_sub(self.improve_one(robot, now));
             }
         }
@@ -105,7 +107,7 @@ impl Fleet {
     /// Robots whose task asks for a route that they do not have, longest waiting first.
     fn in_need(&mut self, now: Time) -> Vec<RobotId> {
         for robot in ledger::all(&self.ledger.robots) {
-            if self.lacks_route(robot) {
+            if self.floor().lacks_route(robot) {
                 let fresh = Need { since: now, next_try: now, tries: 0 };
                 self.needs.waiting.entry(robot).or_insert(fresh);
             } else {
@@ -118,30 +120,10 @@ impl Fleet {
         robots.into_iter().map(|(_, r)| r).collect()
     }
 
-    /// Whether the stops ahead are not those of the task.
-    pub(in crate::fleet) fn lacks_route(&self, robot: RobotId) -> bool {
-        let record = &self.ledger.robots[robot];
-        if record.failed {
-            return false;
-        }
-        let has = |wanted: fn(&Act) -> bool| record.stops.iter().any(|s| wanted(&s.act));
-        let pick = |a: &Act| matches!(a, Act::Pick(_));
-        match record.task {
-            Task::Idle => false,
-            Task::Fetch { .. } => !has(|a| matches!(a, Act::Lift(_))),
-            Task::Deliver { .. } => !has(pick),
-            Task::Store { .. } => !has(|a| matches!(a, Act::Set(_))) || has(pick),
-            Task::Move { goal, .. } => {
-                let at = |serial: u64| self.ledger.chain(robot).get(serial).map(|v| v.node);
-                !record.stops.iter().any(|s| s.act == Act::Arrive && at(s.serial) == Some(goal))
-            }
-        }
-    }
-
     /// One robot, one search; gives the expansions spent.
     fn plan_one(&mut self, robot: RobotId, now: Time) -> u32 {
         self.choose_storage(robot);
-        let stages = self.stages(robot);
+        let stages = self.floor().stages(robot);
         match self.search(robot, &stages, now) {
             Ok(route) => {
                 let spent = route.expansions;
@@ -159,6 +141,175 @@ impl Fleet {
                     self.needs.waiting.remove(&robot);
                 }
                 if why == NoRoute::BudgetSpent { self.settings.expansions_per_plan } else { 1_000 }
+            }
+        }
+    }
+
+    /// Looks for a better storage node before a rack leaves, and after each failed search.
+    fn choose_storage(&mut self, robot: RobotId) {
+        let tries = self.needs.waiting.get(&robot).map_or(0, |n| n.tries as usize);
+        let task = match self.ledger.robots[robot].task {
+            Task::Deliver { job, rack, station, store } => {
+                let best = self.best_storage(robot, rack, station, tries);
+                (best != store).then_some(Task::Deliver { job, rack, station, store: best })
+            }
+            Task::Store { job, rack, store } if tries > 0 && !self.floor().is_relocation(job) => {
+                let best = self.best_storage(robot, rack, self.ledger.node_of(robot), tries);
+                (best != store).then_some(Task::Store { job, rack, store: best })
+            }
+            _ => None,
+        };
+        if let Some(task) = task {
+            self.record(Fact::Tasked { robot, task });
+        }
+    }
+
+    /// A route from where the robot's grants end.
+    pub(in crate::fleet) fn search(
+        &mut self,
+        robot: RobotId,
+        stages: &[Stage],
+        now: Time,
+    ) -> Result<Route, NoRoute> {
+        self.at_hand = Some(robot);
+        let holder = Holder::Robot(robot);
+        let (from, heading) = self.floor().grant_end(robot);
+        let ready = now.max(from.arrive) + self.settings.period;
+        let (budget, away) = (self.settings.expansions_per_plan, self.away(robot, now));
+        let conditions = &self.crowd.conditions;
+        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away: &away };
+        let (planner, timeline) = (&mut self.planner, &mut self.ledger.timeline);
+        let start = (self.settings.stopwatch)();
+        let found = timeline.without(&[holder], |others| planner.plan(&ask, others));
+        self.plan_times.push((self.settings.stopwatch)() - start);
+        self.tally.plans += 1;
+        found
+    }
+
+    pub(in crate::fleet) fn commit(&mut self, robot: RobotId, route: Route) {
+        let booking = self.floor().booking(robot, route);
+        self.record(Fact::Routed { bookings: vec![booking] });
+    }
+
+    /// Robots that wait for others look for a better way now and then: that is how the order on a resource is
+    /// changed where keeping it would hand one robot's delay on to the fleet. The new windows fit into what
+    /// everybody holds, so the order of all stays free of cycles.
+    fn improve(&mut self, now: Time, mut budget: u32) {
+        for robot in ledger::all(&self.ledger.robots) {
+            if budget == 0 {
+                return;
+            }
+            let looked = self.needs.looked.get(&robot).copied().unwrap_or(Time::ZERO);
+            if now - looked < PATIENCE || !self.floor().is_held_up(robot, now) {
+                continue;
+            }
+            self.needs.looked.insert(robot, now);
+            budget = budget.saturating_sub(self.improve_one(robot, now));
+        }
+    }
+
+    fn improve_one(&mut self, robot: RobotId, now: Time) -> u32 {
+        let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return 0 };
+        let chain = self.ledger.chain(robot);
+        let Some(planned) = chain.get(stop.serial).map(|v| v.arrive) else { return 0 };
+        if stop.serial < chain.granted() {
+            return 0;
+        }
+        let stages = self.floor().stages_left(robot);
+        match self.search(robot, &stages, now) {
+            Ok(route) if reached(&route) + WORTH < planned => {
+                let spent = route.expansions;
+                self.commit(robot, route);
+                spent
+            }
+            Ok(route) => route.expansions,
+            Err(_) => self.settings.expansions_per_plan / 4,
+        }
+    }
+
+    /// Looks for a route that avoids somebody; takes it where it is earlier than what is left of the old one
+    /// after the wait. Gives the expansions spent.
+    pub(in crate::fleet) fn reroute(&mut self, robot: RobotId, worker: WorkerId, now: Time) -> u32 {
+        let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return 0 };
+        let planned = self.expected(robot, stop.serial, now);
+        let stages = self.floor().stages_left(robot);
+        match self.search(robot, &stages, now) {
+            Ok(route) => {
+                let spent = route.expansions;
+                if reached(&route) + WORTH < planned {
+                    self.commit(robot, route);
+                    self.tally.replans += 1;
+                    self.gives_way(robot, worker, Reaction::Rerouted, now);
+                }
+                spent
+            }
+            Err(_) => self.settings.expansions_per_plan / 4,
+        }
+    }
+
+    /// Plans an interrupted robot anew; the old route stands where the new one is no earlier. Gives the
+    /// expansions spent.
+    pub(in crate::fleet) fn plan_again(&mut self, robot: RobotId, now: Time) -> u32 {
+        let stop = self.ledger.robots[robot].stops.first().copied();
+        let Some(stop) = stop.filter(|s| s.serial >= self.ledger.chain(robot).granted()) else { return 0 };
+        let planned = self.expected(robot, stop.serial, now);
+        let stages = self.floor().stages_left(robot);
+        self.tally.replans += 1;
+        match self.search(robot, &stages, now) {
+            Ok(route) => {
+                let spent = route.expansions;
+                if reached(&route) < planned {
+                    self.commit(robot, route);
+                }
+                spent
+            }
+            Err(_) => self.settings.expansions_per_plan / 4,
+        }
+    }
+
+    /// When a robot reaches a visit if it waits for everybody on its way.
+    fn expected(&self, robot: RobotId, serial: u64, now: Time) -> Time {
+        let chain = self.ledger.chain(robot);
+        let planned = chain.get(serial).map_or(now, |v| v.arrive);
+        let late = match self.waits_until(robot, now) {
+            Some(until) => {
+                let next = chain.get(chain.granted()).map_or(now, |v| v.enter.max(now));
+                (until - next).max(Span::ZERO)
+            }
+            None => Span::ZERO,
+        };
+        // Nobody knows how long people stay; as long again as so far is the best guess.
+        let waited = self.crowd.yielding.get(&robot).map_or(Span::ZERO, |y| now - y.since);
+        planned + late.max(waited)
+    }
+
+    /// A way to a place aside first, then on with the task. Whether it was found and taken.
+    pub(in crate::fleet) fn detour(&mut self, robot: RobotId, place: NodeId, now: Time) -> bool {
+        let stages = self.floor().stages_aside(robot, place);
+        let Ok(route) = self.search(robot, &stages, now) else { return false };
+        let route = self.floor().with_own_stops(robot, route);
+        self.commit(robot, route);
+        true
+    }
+}
+
+impl Floor<'_> {
+    /// Whether the stops ahead are not those of the task.
+    pub(in crate::fleet) fn lacks_route(&self, robot: RobotId) -> bool {
+        let record = &self.ledger.robots[robot];
+        if record.failed {
+            return false;
+        }
+        let has = |wanted: fn(&Act) -> bool| record.stops.iter().any(|s| wanted(&s.act));
+        let pick = |a: &Act| matches!(a, Act::Pick(_));
+        match record.task {
+            Task::Idle => false,
+            Task::Fetch { .. } => !has(|a| matches!(a, Act::Lift(_))),
+            Task::Deliver { .. } => !has(pick),
+            Task::Store { .. } => !has(|a| matches!(a, Act::Set(_))) || has(pick),
+            Task::Move { goal, .. } => {
+                let at = |serial: u64| self.ledger.chain(robot).get(serial).map(|v| v.node);
+                !record.stops.iter().any(|s| s.act == Act::Arrive && at(s.serial) == Some(goal))
             }
         }
     }
@@ -199,25 +350,6 @@ impl Fleet {
     pub(in crate::fleet) fn waits_for_room(&self, robot: RobotId) -> bool {
         let here = self.warehouse().kind(self.ledger.node_of(robot));
         here == NodeKind::Storage && self.station_of(robot).is_some() && self.lacks_route(robot)
-    }
-
-    /// Looks for a better storage node before a rack leaves, and after each failed search.
-    fn choose_storage(&mut self, robot: RobotId) {
-        let tries = self.needs.waiting.get(&robot).map_or(0, |n| n.tries as usize);
-        let task = match self.ledger.robots[robot].task {
-            Task::Deliver { job, rack, station, store } => {
-                let best = self.best_storage(robot, rack, station, tries);
-                (best != store).then_some(Task::Deliver { job, rack, station, store: best })
-            }
-            Task::Store { job, rack, store } if tries > 0 && !self.is_relocation(job) => {
-                let best = self.best_storage(robot, rack, self.ledger.node_of(robot), tries);
-                (best != store).then_some(Task::Store { job, rack, store: best })
-            }
-            _ => None,
-        };
-        if let Some(task) = task {
-            self.record(Fact::Tasked { robot, task });
-        }
     }
 
     fn is_relocation(&self, job: Option<crate::id::JobId>) -> bool {
@@ -264,28 +396,6 @@ impl Fleet {
         }
     }
 
-    /// A route from where the robot's grants end.
-    pub(in crate::fleet) fn search(
-        &mut self,
-        robot: RobotId,
-        stages: &[Stage],
-        now: Time,
-    ) -> Result<Route, NoRoute> {
-        self.at_hand = Some(robot);
-        let holder = Holder::Robot(robot);
-        let (from, heading) = self.grant_end(robot);
-        let ready = now.max(from.arrive) + self.settings.period;
-        let (budget, away) = (self.settings.expansions_per_plan, self.away(robot, now));
-        let conditions = &self.crowd.conditions;
-        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away: &away };
-        let (planner, timeline) = (&mut self.planner, &mut self.ledger.timeline);
-        let start = (self.settings.stopwatch)();
-        let found = timeline.without(&[holder], |others| planner.plan(&ask, others));
-        self.plan_times.push((self.settings.stopwatch)() - start);
-        self.tally.plans += 1;
-        found
-    }
-
     /// The last granted visit, and the heading with which the robot arrives there.
     pub(in crate::fleet) fn grant_end(&self, robot: RobotId) -> (Visit, f64) {
         let chain = self.ledger.chain(robot);
@@ -296,11 +406,6 @@ impl Fleet {
         let seen = self.scene.robot(robot).map_or(0.0, |t| t.pose.heading);
         let heading = before.map_or(seen, |b| Segment { a: at(b.node), b: at(visit.node) }.heading());
         (visit, heading)
-    }
-
-    pub(in crate::fleet) fn commit(&mut self, robot: RobotId, route: Route) {
-        let booking = self.booking(robot, route);
-        self.record(Fact::Routed { bookings: vec![booking] });
     }
 
     /// A route as it is booked. A stop where the robot stands already becomes a visit of its own.
@@ -330,107 +435,6 @@ impl Fleet {
             stages.drain(..stages.len() - left);
         }
         stages
-    }
-
-    /// Robots that wait for others look for a better way now and then: that is how the order on a resource is
-    /// changed where keeping it would hand one robot's delay on to the fleet. The new windows fit into what
-    /// everybody holds, so the order of all stays free of cycles.
-    fn improve(&mut self, now: Time, mut budget: u32) {
-        for robot in ledger::all(&self.ledger.robots) {
-            if budget == 0 {
-                return;
-            }
-            let looked = self.needs.looked.get(&robot).copied().unwrap_or(Time::ZERO);
-            if now - looked < PATIENCE || !self.is_held_up(robot, now) {
-                continue;
-            }
-            self.needs.looked.insert(robot, now);
-            budget = budget.saturating_sub(self.improve_one(robot, now));
-        }
-    }
-
-    fn improve_one(&mut self, robot: RobotId, now: Time) -> u32 {
-        let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return 0 };
-        let chain = self.ledger.chain(robot);
-        let Some(planned) = chain.get(stop.serial).map(|v| v.arrive) else { return 0 };
-        if stop.serial < chain.granted() {
-            return 0;
-        }
-        let stages = self.stages_left(robot);
-        match self.search(robot, &stages, now) {
-            Ok(route) if reached(&route) + WORTH < planned => {
-                let spent = route.expansions;
-                self.commit(robot, route);
-                spent
-            }
-            Ok(route) => route.expansions,
-            Err(_) => self.settings.expansions_per_plan / 4,
-        }
-    }
-
-    /// Looks for a route that avoids somebody; takes it where it is earlier than what is left of the old one
-    /// after the wait. Gives the expansions spent.
-    pub(in crate::fleet) fn reroute(&mut self, robot: RobotId, worker: WorkerId, now: Time) -> u32 {
-        let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return 0 };
-        let planned = self.expected(robot, stop.serial, now);
-        let stages = self.stages_left(robot);
-        match self.search(robot, &stages, now) {
-            Ok(route) => {
-                let spent = route.expansions;
-                if reached(&route) + WORTH < planned {
-                    self.commit(robot, route);
-                    self.tally.replans += 1;
-                    self.gives_way(robot, worker, Reaction::Rerouted, now);
-                }
-                spent
-            }
-            Err(_) => self.settings.expansions_per_plan / 4,
-        }
-    }
-
-    /// Plans an interrupted robot anew; the old route stands where the new one is no earlier. Gives the
-    /// expansions spent.
-    pub(in crate::fleet) fn plan_again(&mut self, robot: RobotId, now: Time) -> u32 {
-        let stop = self.ledger.robots[robot].stops.first().copied();
-        let Some(stop) = stop.filter(|s| s.serial >= self.ledger.chain(robot).granted()) else { return 0 };
-        let planned = self.expected(robot, stop.serial, now);
-        let stages = self.stages_left(robot);
-        self.tally.replans += 1;
-        match self.search(robot, &stages, now) {
-            Ok(route) => {
-                let spent = route.expansions;
-                if reached(&route) < planned {
-                    self.commit(robot, route);
-                }
-                spent
-            }
-            Err(_) => self.settings.expansions_per_plan / 4,
-        }
-    }
-
-    /// When a robot reaches a visit if it waits for everybody on its way.
-    fn expected(&self, robot: RobotId, serial: u64, now: Time) -> Time {
-        let chain = self.ledger.chain(robot);
-        let planned = chain.get(serial).map_or(now, |v| v.arrive);
-        let late = match self.waits_until(robot, now) {
-            Some(until) => {
-                let next = chain.get(chain.granted()).map_or(now, |v| v.enter.max(now));
-                (until - next).max(Span::ZERO)
-            }
-            None => Span::ZERO,
-        };
-        // Nobody knows how long people stay; as long again as so far is the best guess.
-        let waited = self.crowd.yielding.get(&robot).map_or(Span::ZERO, |y| now - y.since);
-        planned + late.max(waited)
-    }
-
-    /// A way to a place aside first, then on with the task. Whether it was found and taken.
-    pub(in crate::fleet) fn detour(&mut self, robot: RobotId, place: NodeId, now: Time) -> bool {
-        let stages = self.stages_aside(robot, place);
-        let Ok(route) = self.search(robot, &stages, now) else { return false };
-        let route = self.with_own_stops(robot, route);
-        self.commit(robot, route);
-        true
     }
 
     /// The legs to a place aside, and of the rest of the task from there.

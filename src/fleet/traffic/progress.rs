@@ -4,6 +4,7 @@
 
 use crate::fleet::Fleet;
 use crate::fleet::state::fact::{Act, Fact, Moved, Purpose, Task};
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobFailure, JobKind, JobState};
 use crate::fleet::state::ledger;
 use crate::fleet::traffic::truncate::robot_of;
@@ -59,7 +60,7 @@ impl Fleet {
     /// What others take over from a robot that stands for good.
     pub(in crate::fleet) fn give_up(&mut self, robot: RobotId, now: Time) {
         if let Task::Fetch { job: Some(job), .. } = self.ledger.robots[robot].task
-            && !self.next_stop_is_granted(robot)
+            && !self.floor().next_stop_is_granted(robot)
         {
             self.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
         }
@@ -136,7 +137,7 @@ impl Fleet {
                 let station = self.warehouse().stations[station].node;
                 Task::Deliver { job, rack, station, store: here }
             }
-            JobKind::Relocate { node, .. } if self.storage_taken(node, rack) => {
+            JobKind::Relocate { node, .. } if self.floor().storage_taken(node, rack) => {
                 let state = JobState::Failed(JobFailure::StorageTaken(node));
                 let task = self.put_away(robot, None, rack);
                 return self.progress(job, state, Some((robot, task)), now);
@@ -177,7 +178,7 @@ impl Fleet {
         store: NodeId,
         now: Time,
     ) {
-        if self.named_job_for(robot).is_some() || self.is_critical(robot) {
+        if self.floor().named_job_for(robot).is_some() || self.floor().is_critical(robot) {
             return;
         }
         let Some(job) = self.ledger.index.queue.next_delivery(rack) else { return };
@@ -211,7 +212,9 @@ impl Fleet {
             self.progress(job, state, None, now);
         }
     }
+}
 
+impl Floor<'_> {
     /// Whether a robot standing on this node is at a charger.
     pub(in crate::fleet) fn at_charger(&self, robot: RobotId) -> bool {
         self.warehouse().nodes[self.ledger.node_of(robot)].kind == NodeKind::Charger

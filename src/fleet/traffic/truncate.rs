@@ -4,6 +4,7 @@
 
 use crate::fleet::Fleet;
 use crate::fleet::state::fact::{Fact, Kept};
+use crate::fleet::state::floor::Floor;
 use crate::id::RobotId;
 use crate::timeline::Holder;
 use std::collections::{BTreeSet, VecDeque};
@@ -13,11 +14,13 @@ impl Fleet {
     /// for an unknown time, and to everybody who would have to pass those in turn. They all keep what they were
     /// granted: nobody asks robots that may be broken to come back.
     pub(in crate::fleet) fn cut_for(&mut self, broken: RobotId) {
-        let found = self.all_behind(BTreeSet::from([broken]), None);
-        let robots = self.kept_by(found);
+        let found = self.floor().all_behind(BTreeSet::from([broken]), None);
+        let robots = self.floor().kept_by(found);
         self.record(Fact::Cut { robots });
     }
+}
 
+impl Floor<'_> {
     /// These robots, those that would have to pass them, and those behind them in turn; without one that holds nothing
     /// here from now on.
     pub(in crate::fleet) fn all_behind(

@@ -7,6 +7,7 @@
 
 use crate::aware::{Answer, Arm, Zone};
 use crate::fleet::Fleet;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::Reaction;
 use crate::geometry::Point;
 use crate::id::{NodeId, RobotId, WorkerId};
@@ -58,14 +59,10 @@ impl Fleet {
     pub(in crate::fleet) fn away_from(&self, node: NodeId, from: Cause, now: Time) -> Option<Away> {
         let at = match from {
             Cause::Worker(worker) => self.whereabouts(worker, now)?.at,
-            Cause::Closure(_) => self.at(node),
-            Cause::Robot(robot) => self.place_of(robot),
+            Cause::Closure(_) => self.floor().at(node),
+            Cause::Robot(robot) => self.floor().place_of(robot),
         };
-        Some(Away { from, at, distance_m: (self.at(node) - at).norm() })
-    }
-
-    fn at(&self, node: NodeId) -> Point {
-        self.warehouse().nodes[node].at
+        Some(Away { from, at, distance_m: (self.floor().at(node) - at).norm() })
     }
 
     /// Because of whom a visit cannot be granted now.
@@ -93,7 +90,7 @@ impl Fleet {
             Effect::Still => c.window.overlaps(soon),
             Effect::Price(_) | Effect::Slow(_) => false,
         };
-        self.crowd.conditions.binding(visit.node, self.at(visit.node), &away).find(binds).copied()
+        self.crowd.conditions.binding(visit.node, self.floor().at(visit.node), &away).find(binds).copied()
     }
 
     /// Looks at everybody whose holds a worker touches, and lets those change their route who would wait for
@@ -148,7 +145,7 @@ impl Fleet {
             let enter = visit.enter.max(now);
             let stay = if visit.leave.is_forever() { STOPPING } else { visit.leave - visit.enter };
             let own = Window::new(enter, enter + stay.max(PASSING).min(STOPPING));
-            let binding = self.crowd.conditions.binding(visit.node, self.at(visit.node), &away);
+            let binding = self.crowd.conditions.binding(visit.node, self.floor().at(visit.node), &away);
             let hard = |c: &&Condition| matches!(c.effect, Effect::Closed | Effect::Still);
             let zones = binding.filter(hard).map(|c| (c.cause, Zone { robot: own, worker: c.window }));
             let last = zones.filter(|(_, z)| z.meets()).max_by_key(|(_, z)| z.worker.end());
@@ -237,6 +234,12 @@ impl Fleet {
     }
 }
 
+impl Floor<'_> {
+    fn at(&self, node: NodeId) -> Point {
+        self.warehouse().nodes[node].at
+    }
+}
+
 /// Nodes to look at for a place out of the way.
 const PLACES: usize = 60;
 /// Searches for one.
@@ -257,7 +260,8 @@ impl Fleet {
     /// Drives out of a worker's way to the nearest place where nobody is expected, and on with the task from
     /// there.
     fn evade(&mut self, robot: RobotId, worker: WorkerId, now: Time) -> u32 {
-        if !self.leaves(robot, worker, now) && !self.waits_for_room(robot) && self.insert(robot, now) {
+        if !self.leaves(robot, worker, now) && !self.floor().waits_for_room(robot) && self.insert(robot, now)
+        {
             self.gives_way(robot, worker, Reaction::Rerouted, now);
         }
         self.settings.expansions_per_plan
@@ -274,7 +278,7 @@ impl Fleet {
         let Some(w) = self.whereabouts(worker, now) else { return Vec::new() };
         let loaded = self.ledger.rack_on(robot).is_some();
         let start = self.ledger.node_of(robot);
-        let own = (self.at(start) - w.at).norm();
+        let own = (self.floor().at(start) - w.at).norm();
         let mut seen = vec![start];
         let mut found = Vec::new();
         let mut i = 0;
@@ -291,7 +295,7 @@ impl Fleet {
                 let open = way.users.allows(loaded)
                     && kind.reserved_for().is_none()
                     && !(loaded && kind == crate::warehouse::NodeKind::Storage);
-                if open && (self.at(way.to) - w.at).norm() >= own - 0.15 && !seen.contains(&way.to) {
+                if open && (self.floor().at(way.to) - w.at).norm() >= own - 0.15 && !seen.contains(&way.to) {
                     seen.push(way.to);
                 }
             }

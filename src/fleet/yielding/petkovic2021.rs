@@ -12,6 +12,7 @@ use crate::fleet::Fleet;
 use crate::fleet::people::intent::goal_of;
 use crate::fleet::people::state::Mode;
 use crate::fleet::state::fact::Fact;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::Reaction;
 use crate::fleet::yielding::evade::TRIES;
 use crate::geometry::{Point, Segment};
@@ -97,7 +98,7 @@ impl Fleet {
                 self.ledger.robots.ids().any(|r| {
                     let loaded = self.ledger.rack_on(r).is_some();
                     let radius = self.crowd.regions.stop_radius_m(loaded, 0.0);
-                    (self.place_of(r) - place.at).norm() < radius
+                    (self.floor().place_of(r) - place.at).norm() < radius
                 })
             }
             Mode::Deviating { since } => since == now,
@@ -121,19 +122,19 @@ impl Fleet {
         let Some(place) = self.whereabouts(worker, now) else { return };
         let segment = self.predicted_segment(worker, place.at, now);
         let Some(end) = segment.last().copied() else { return };
-        let in_the_way = self.robots_on(&segment);
+        let in_the_way = self.floor().robots_on(&segment);
         if in_the_way.is_empty() {
             return self.accept(worker, segment, Mode::Following, now);
         }
         let mut cut = self.crowd.walkways.no_edges();
         let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
         for robot in self.ledger.robots.ids() {
-            self.crowd.walkways.edges_within(self.place_of(robot), reach).into_iter().for_each(|e| {
+            self.crowd.walkways.edges_within(self.floor().place_of(robot), reach).into_iter().for_each(|e| {
                 cut.insert(e);
             });
         }
         let other = self.crowd.walkways.path(place.at, end, &cut).map(|w| w.points);
-        if let Some(path) = other.filter(|p| self.robots_on(p).is_empty()) {
+        if let Some(path) = other.filter(|p| self.floor().robots_on(p).is_empty()) {
             return self.accept(worker, path, Mode::Redirected, now);
         }
         if self.all_leave(worker, &segment, &in_the_way, now) {
@@ -149,16 +150,6 @@ impl Fleet {
         person.mode = mode;
     }
 
-    /// Robots that stand where a path leads.
-    fn robots_on(&self, path: &[Point]) -> Vec<RobotId> {
-        let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
-        let on = |robot: &RobotId| {
-            let at = self.place_of(*robot);
-            path.windows(2).any(|s| Segment { a: s[0], b: s[1] }.distance_to(at) < reach)
-        };
-        self.ledger.robots.ids().filter(on).collect()
-    }
-
     /// Evasive moves: every robot on the path gets a route to a place off it, in time, or none of them moves.
     fn all_leave(&mut self, worker: WorkerId, path: &[Point], robots: &[RobotId], now: Time) -> bool {
         let before = self.crowd.conditions.clone();
@@ -170,7 +161,7 @@ impl Fleet {
         let routes = self.evasions(worker, robots, now);
         self.crowd.conditions = before;
         let Some(routes) = routes else { return false };
-        let bookings = routes.into_iter().map(|(r, route)| self.booking(r, route)).collect();
+        let bookings = routes.into_iter().map(|(r, route)| self.floor().booking(r, route)).collect();
         self.record(Fact::Routed { bookings });
         for robot in robots {
             // It has just been planned; whatever else is earlier may lead back onto the path.
@@ -185,7 +176,7 @@ impl Fleet {
     fn evasions(&mut self, worker: WorkerId, robots: &[RobotId], now: Time) -> Option<Vec<(RobotId, Route)>> {
         let stands = |r: &RobotId| {
             let chain = self.ledger.chain(*r);
-            let at_rest = chain.first() + 1 == chain.granted() && !self.next_stop_is_granted(*r);
+            let at_rest = chain.first() + 1 == chain.granted() && !self.floor().next_stop_is_granted(*r);
             at_rest && !self.ledger.robots[*r].failed
         };
         if !robots.iter().all(stands) {
@@ -229,7 +220,7 @@ impl Fleet {
     /// The path that is expected of a worker.
     fn predicted_segment(&self, worker: WorkerId, at: Point, now: Time) -> Vec<Point> {
         let home = || {
-            let id = self.next_assignment(worker)?;
+            let id = self.floor().next_assignment(worker)?;
             let goal = self.warehouse().nodes[self.ledger.assignments[&id].request.place].at;
             Some(self.crowd.walkways.path(at, goal, &self.crowd.walkways.no_edges())?.points)
         };
@@ -248,7 +239,7 @@ impl Fleet {
     fn most_probable_segment(&self, worker: WorkerId, at: Point) -> Option<Vec<Point>> {
         let mind = &self.crowd.mind;
         let belief = mind.belief(worker)?;
-        let own = self.next_assignment(worker).map(|id| self.ledger.assignments[&id].request.place);
+        let own = self.floor().next_assignment(worker).map(|id| self.ledger.assignments[&id].request.place);
         let end = own.map_or(crate::id::GoalId(u64::MAX), goal_of);
         let path = |goal| towards_goal(&mind.distances, goal, at, FAR_M);
         let paths: Vec<Vec<Point>> = reported_goals(&belief, end).into_iter().filter_map(path).collect();
@@ -267,5 +258,17 @@ impl Fleet {
             let spent = self.plan_again(robot, now);
             *budget = budget.saturating_sub(spent);
         }
+    }
+}
+
+impl Floor<'_> {
+    /// Robots that stand where a path leads.
+    fn robots_on(&self, path: &[Point]) -> Vec<RobotId> {
+        let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
+        let on = |robot: &RobotId| {
+            let at = self.place_of(*robot);
+            path.windows(2).any(|s| Segment { a: s[0], b: s[1] }.distance_to(at) < reach)
+        };
+        self.ledger.robots.ids().filter(on).collect()
     }
 }

@@ -7,6 +7,7 @@
 use crate::aware::Arm;
 use crate::fleet::Fleet;
 use crate::fleet::state::fact::Fact;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Telemetry};
 use crate::fleet::traffic::closures::STANDS;
 use crate::geometry::Point;
@@ -30,7 +31,7 @@ impl Fleet {
         }
         let standing: Vec<RobotId> = self.crowd.stands.keys().copied().collect();
         for robot in standing {
-            let leaves = |w| self.drives_away(robot, self.place_of(robot), w, now);
+            let leaves = |w| self.drives_away(robot, self.floor().place_of(robot), w, now);
             let stood_for = self.stood_for(robot, now).and_then(|w| self.whereabouts(w, now));
             if stood_for.is_some_and(|w| !leaves(w.at)) {
                 self.call_back_one(robot, now);
@@ -42,22 +43,12 @@ impl Fleet {
     /// Calls a robot back to the node that it reached last, if it can come and was not called just now.
     pub(in crate::fleet) fn call_back_one(&mut self, robot: RobotId, now: Time) {
         let called = self.crowd.called_back.get(&robot).is_some_and(|t| now - *t < AGAIN);
-        if called || !self.can_come_back(robot, now) {
+        if called || !self.floor().can_come_back(robot, now) {
             return;
         }
         self.crowd.called_back.insert(robot, now);
         let (to, number) = (self.ledger.chain(robot).first(), self.ledger.robots[robot].recalls + 1);
         self.out.urgent.push((robot, Command::Recall { to, number }));
-    }
-
-    fn can_come_back(&self, robot: RobotId, now: Time) -> bool {
-        let (chain, record) = (self.ledger.chain(robot), &self.ledger.robots[robot]);
-        let works = record.stops.first().is_some_and(|s| s.serial == chain.first());
-        let stands = |t: &Telemetry| {
-            let at_rest = t.limit_mps == Some(0.0) && t.speed_mps < STANDS_MPS;
-            at_rest && t.reached == chain.first() && t.recalls == record.recalls
-        };
-        chain.first() + 1 < chain.granted() && !works && self.scene.fit(robot, now).is_some_and(stands)
     }
 
     /// The robot says how often it came back.
@@ -96,8 +87,20 @@ impl Fleet {
             return None;
         }
         let w = self.whereabouts(standing.worker, now)?.at;
-        let (there, here) = (self.warehouse().nodes[node].at, self.place_of(robot));
+        let (there, here) = (self.warehouse().nodes[node].at, self.floor().place_of(robot));
         let near = (there - w).norm();
         (near < (here - w).norm() && near < FACES_M).then_some(standing.worker)
+    }
+}
+
+impl Floor<'_> {
+    fn can_come_back(&self, robot: RobotId, now: Time) -> bool {
+        let (chain, record) = (self.ledger.chain(robot), &self.ledger.robots[robot]);
+        let works = record.stops.first().is_some_and(|s| s.serial == chain.first());
+        let stands = |t: &Telemetry| {
+            let at_rest = t.limit_mps == Some(0.0) && t.speed_mps < STANDS_MPS;
+            at_rest && t.reached == chain.first() && t.recalls == record.recalls
+        };
+        chain.first() + 1 < chain.granted() && !works && self.scene.fit(robot, now).is_some_and(stands)
     }
 }

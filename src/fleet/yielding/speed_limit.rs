@@ -7,6 +7,7 @@ use crate::aware::{Arm, Drive, Near, SLOW_MPS, Walk, moves_within};
 use crate::fleet::Fleet;
 use crate::fleet::people::state::{Mode, Standing};
 use crate::fleet::state::fact::Fact;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Command;
 use crate::fleet::state::worker::{Encounter, Reaction};
 use crate::fleet::traffic::closures::STANDS;
@@ -68,12 +69,12 @@ impl Fleet {
         present: &[(WorkerId, Whereabouts)],
         now: Time,
     ) -> (Option<f64>, Option<WorkerId>) {
-        let at = self.place_of(robot);
+        let at = self.floor().place_of(robot);
         let speed = self.scene.robot(robot).map_or(0.0, |t| t.speed_mps);
         let loaded = self.ledger.rack_on(robot).is_some();
         let mut slowest: (Option<f64>, Option<WorkerId>) = (None, None);
         let is_displaced = self.scene.displaced(robot).is_some();
-        if self.is_halted(robot) || is_displaced || self.drives_into(robot).is_some() {
+        if self.floor().is_halted(robot) || is_displaced || self.drives_into(robot).is_some() {
             return (Some(0.0), None);
         }
         for (worker, w) in present {
@@ -113,7 +114,7 @@ impl Fleet {
         now: Time,
     ) -> Option<f64> {
         let loaded = self.ledger.rack_on(robot).is_some();
-        let (chain, reached) = (self.ledger.chain(robot), self.reached(robot));
+        let (chain, reached) = (self.ledger.chain(robot), self.floor().reached(robot));
         let nodes = (reached..).map_while(|serial| chain.get(serial)).take(2).map(|v| v.node);
         if self.settings.arm == Arm::Giveway {
             if self.is_caught_up(robot, worker, w, now) {
@@ -187,22 +188,8 @@ impl Fleet {
         if let Some(back) = self.comes_back_to(robot) {
             return vec![at, back];
         }
-        let ahead = self.granted_ahead(robot);
+        let ahead = self.floor().granted_ahead(robot);
         std::iter::once(at).chain(ahead.map(|v| self.warehouse().nodes[v.node].at)).collect()
-    }
-
-    /// The number of the visit whose centre a robot has reached, by its own word: the ledger follows later in the step,
-    /// and whoever drove on meanwhile would seem to turn back.
-    fn reached(&self, robot: RobotId) -> u64 {
-        let chain = self.ledger.chain(robot);
-        let said = self.scene.robot(robot).map_or(0, |t| t.reached);
-        said.clamp(chain.first(), chain.granted() - 1)
-    }
-
-    /// What a robot was granted and has not reached.
-    fn granted_ahead(&self, robot: RobotId) -> impl Iterator<Item = &Visit> {
-        let chain = self.ledger.chain(robot);
-        (self.reached(robot) + 1..chain.granted()).filter_map(|serial| chain.get(serial))
     }
 
     /// How a worker will walk on, as far as that is known: along the path, straight on without one, and from where
@@ -237,15 +224,17 @@ impl Fleet {
     /// it does not lead into region 1. Else it could not be at rest when the worker comes.
     fn may_finish(&self, robot: RobotId, w: &Whereabouts, loaded: bool) -> bool {
         let clear_m = self.crowd.regions.stop_radius_m(loaded, w.sigma_m) + ROOM_M;
-        let leaves_room =
-            self.granted_ahead(robot).all(|v| (self.warehouse().nodes[v.node].at - w.at).norm() > clear_m);
+        let leaves_room = self
+            .floor()
+            .granted_ahead(robot)
+            .all(|v| (self.warehouse().nodes[v.node].at - w.at).norm() > clear_m);
         w.velocity.norm() < STROLL_MPS && leaves_room
     }
 
     /// Whether a robot's next piece of way leads away from a place: what it was granted, or back where it is called to.
     /// Who comes back, or has stood there for long, may also pass, where that is not nearer than it is already.
     pub(in crate::fleet) fn drives_away(&self, robot: RobotId, at: Point, from: Point, now: Time) -> bool {
-        let next = self.granted_ahead(robot).next();
+        let next = self.floor().granted_ahead(robot).next();
         let back = self.comes_back_to(robot);
         let Some(there) = back.or(next.map(|v| self.warehouse().nodes[v.node].at)) else { return false };
         let (on, off) = (there - at, at - from);
@@ -307,5 +296,21 @@ impl Fleet {
                 delay: meeting.stood,
             }));
         }
+    }
+}
+
+impl<'a> Floor<'a> {
+    /// The number of the visit whose centre a robot has reached, by its own word: the ledger follows later in the step,
+    /// and whoever drove on meanwhile would seem to turn back.
+    fn reached(&self, robot: RobotId) -> u64 {
+        let chain = self.ledger.chain(robot);
+        let said = self.scene.robot(robot).map_or(0, |t| t.reached);
+        said.clamp(chain.first(), chain.granted() - 1)
+    }
+
+    /// What a robot was granted and has not reached.
+    fn granted_ahead(self, robot: RobotId) -> impl Iterator<Item = &'a Visit> {
+        let chain = self.ledger.chain(robot);
+        (self.reached(robot) + 1..chain.granted()).filter_map(|serial| chain.get(serial))
     }
 }
