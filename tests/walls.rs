@@ -20,6 +20,8 @@ const EDGE: [&str; 5] = ["store", "api", "vda5050", "server", "cli"];
 /// Files of `src/api/feed` that are numbers in, numbers out, though they stand at the edge.
 const PURE_FEED: [&str; 6] = ["align", "clock", "intake", "pose", "thin", "warn"];
 
+/// Rooms of `fleet` that build on its state.
+const ROOMS: [&str; 7] = ["requests", "people", "yielding", "dispatch", "traffic", "read", "carry"];
 /// Modules inside which imports go one way. In the others a folder's file and those inside it still share types.
 const ONE_WAY: [&str; 4] = ["aware", "history", "sim", "api"];
 
@@ -106,6 +108,7 @@ fn check(path: &str, text: &str) -> Vec<Violation> {
     }
     let code = without_tests(&tokens);
     check_layers(&parts, &code, &mut add);
+    check_rooms(&parts, &code, &mut add);
     if is_pure(top) || matches!(parts[..], ["api", "feed", file] if PURE_FEED.contains(&file)) {
         check_purity(path, &code, &mut add);
     }
@@ -158,6 +161,21 @@ fn check_layers(parts: &[&str], code: &[Token<'_>], add: &mut impl FnMut(usize, 
         let Some(named) = named else { continue };
         if *named != top && !allowed.contains(named) {
             add(line, format!("{top} names {named}, which it may not know"));
+        }
+    }
+}
+
+/// Inside `fleet`, what was promised and what is seen know no other room.
+fn check_rooms(parts: &[&str], code: &[Token<'_>], add: &mut impl FnMut(usize, String)) {
+    let ["fleet", "state", ..] = parts else { return };
+    for (line, path) in paths(code) {
+        let room = match path[..] {
+            ["crate" | "giveway", "fleet", room, ..] => room,
+            ["super", "super", room, ..] if parts.len() == 3 => room,
+            _ => continue,
+        };
+        if ROOMS.contains(&room) {
+            add(line, format!("fleet/state names fleet/{room}, another room"));
         }
     }
 }
@@ -564,6 +582,15 @@ fn a_path_in_a_group_in_an_expression_or_through_super_is_found_too() {
     assert_eq!(found, ["src/fleet/x.rs:5: fleet names sim, which it may not know"]);
     let found = planted("src/fleet/mod.rs", "use super::*;\n");
     assert_eq!(found, ["src/fleet/mod.rs:5: fleet names *, which it may not know"]);
+}
+
+#[test]
+fn the_state_of_the_fleet_that_names_another_room_is_found() {
+    let found = planted("src/fleet/state/x.rs", "use crate::fleet::{state::fact::Fact, read::view::View};\n");
+    assert_eq!(found, ["src/fleet/state/x.rs:5: fleet/state names fleet/read, another room"]);
+    let found = planted("src/fleet/state/x.rs", "use super::super::people::state::Crowd;\n");
+    assert_eq!(found, ["src/fleet/state/x.rs:5: fleet/state names fleet/people, another room"]);
+    assert_eq!(planted("src/fleet/read/x.rs", "use crate::fleet::state::fact::Fact;\n"), [""; 0]);
 }
 
 #[test]

@@ -29,13 +29,14 @@ pub struct Memory {
 }
 
 /// What a row shows, and under which name.
-const COLUMNS: [(&str, &str); 9] = [
+const COLUMNS: [(&str, &str); 10] = [
     ("day", "day"),
     ("memory kB", "memory_kb"),
     ("jobs", "accepted"),
     ("done", "done"),
     ("open", "open_jobs"),
     ("bad ends", "bad_ends"),
+    ("keys", "keys"),
     ("assignments", "assignments"),
     ("closures", "closures"),
     ("kept", "kept_closures"),
@@ -74,6 +75,7 @@ fn row(day: &Day) -> Value {
         "day": day.day, "memory_kb": resident_kb(), "accepted": day.jobs[0], "done": day.jobs[1],
         "assignments": day.assignments, "closures": day.closures, "open_jobs": day.open_jobs,
         "open_assignments": day.open_assignments, "kept_closures": day.kept_closures, "bad_ends": day.bad_ends,
+        "keys": day.keys,
     })
 }
 

@@ -39,6 +39,8 @@ pub struct Day {
     pub kept_closures: usize,
     /// Badly ended jobs that are known.
     pub bad_ends: usize,
+    /// Keys of customers that are known.
+    pub keys: usize,
 }
 
 /// Runs so many days with so many robots; `at_end` is told of each.
@@ -48,7 +50,8 @@ pub struct Day {
 pub fn run(warehouse: &Arc<Warehouse>, robots: usize, days: u64, mut at_end: impl FnMut(&Day)) {
     let text = format!(
         r#"{{"giveway_scenario": 1, "name": "month", "map": "-", "robots": {robots}, "period_ms": 1000,
-            "jobs": {{"per_hour": 40}}, "faults": {{"failures_per_hour": 0.2, "repair_s": 120}}}}"#
+            "jobs": {{"per_hour": 40}}, "customers": {{"twice": 0.5}},
+            "faults": {{"failures_per_hour": 0.2, "repair_s": 120}}}}"#
     );
     let scenario = Scenario::parse(&text).expect("the text is a scenario");
     let mut fleet = Fleet::new(warehouse.clone(), scenario.settings());
@@ -82,6 +85,7 @@ fn what_is_kept(fleet: &Fleet, day: u64) -> Day {
         open_assignments: l.assignments.len(),
         kept_closures: l.closures.len(),
         bad_ends: l.ended_badly.len(),
+        keys: l.keys.len() + l.assignment_keys.len(),
     }
 }
 
@@ -94,7 +98,8 @@ fn people(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
         1 => {
             let place = aisles[(hour * 31) as usize % aisles.len()];
             let stay = Span::from_secs(30);
-            let request = AssignmentRequest { place, stay, what: "round".into(), key: None };
+            let request =
+                AssignmentRequest { place, stay, what: "round".into(), key: Some(format!("round {hour}")) };
             inputs.push(Input::Assign { token: 0, worker, request });
         }
         ON_FLOOR => {
@@ -143,7 +148,8 @@ fn orders(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
         let kind = JobKind::Deliver { rack, station: StationId(0), pick: None };
         for i in 0..4 {
             let after = if i == 0 { vec![] } else { vec![JobId(next)] };
-            let request = JobRequest { kind, priority: 1, deadline: Some(now), after, key: None };
+            let key = Some(format!("order {s}, line {i}"));
+            let request = JobRequest { kind, priority: 1, deadline: Some(now), after, key };
             inputs.push(Input::Submit { token: 0, request });
         }
     }

@@ -18,15 +18,14 @@ pub use dispatch::charging::Charging;
 pub use people::forecast::{AHEAD_S, Expected};
 pub use read::backlog::{Backlog, Pending};
 pub use read::occupancy::{Area, MOST_STRIPS, Strip};
-pub use read::view::{Counts, Doing, JobWhy, RackAt, RobotState, RobotView, StationView, View, Why};
+pub use read::view::{Counts, Doing, JobWhy, RobotState, RobotView, StationView, View, Why};
 pub use read::why::{Because, Waiting, Who};
-pub use requests::station::StationOrder;
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 pub use state::fact::{Act, Booking, Fact, Kept, Moved, Purpose, Stop, Task};
-pub use state::io::{Bounded, Command, Input, Refusal, Reply, Step, Telemetry, Waypoint};
+pub use state::io::{Bounded, Command, Input, Refusal, Reply, StationOrder, Step, Telemetry, Waypoint};
 pub use state::job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use state::keys::{KEY_LIFE, Keys};
-pub use state::ledger::{Ledger, Robot, Sums};
+pub use state::ledger::{Ledger, RackAt, Robot, Sums};
 pub use state::parts::{Contradiction, Parts};
 pub use state::wishes::Wishes;
 pub use state::worker::{

@@ -6,6 +6,7 @@
 use crate::fleet::state::displaced::Displacement;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::job::{Job, JobKind, JobState};
+use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::worker::{ClosureView, WorkerView};
 use crate::geometry::Pose;
 use crate::human::Foresight;
@@ -125,15 +126,6 @@ pub enum Doing {
     Going,
     /// Broken.
     Failed,
-}
-
-/// Where a rack is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum RackAt {
-    /// On a storage node.
-    Stored(NodeId),
-    /// On a robot.
-    On(RobotId),
 }
 
 /// One station.

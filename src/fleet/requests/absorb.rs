@@ -40,6 +40,14 @@ impl Fleet {
         }
     }
 
+    /// Forgets some of the keys that are too old.
+    fn expire_keys(&mut self, now: Time) {
+        let (jobs, assignments) = (self.ledger.keys.expired(now), self.ledger.assignment_keys.expired(now));
+        if !jobs.is_empty() || !assignments.is_empty() {
+            self.record(Fact::KeysExpired { jobs, assignments });
+        }
+    }
+
     /// A robot joins, unless its name is known or its place is taken.
     fn enlist(&mut self, name: String, node: NodeId, now: Time) {
         let known = self.ledger.robots.iter().any(|r| r.name == name);

@@ -1,28 +1,16 @@
 //! Stations say when a pick has ended, and whether they work at all.
 //!
-//! Main type: [`StationOrder`]. A pick lasts until the person at the station says that it is done, or that goods were
+//! Main function: `hear_station`. A pick lasts until the person at the station says that it is done, or that goods were
 //! missing; how long it was planned to take only decides when others come. A paused station gets no more racks; those
 //! in its queue wait. Refuses: to end a pick by the clock, and one that has not begun.
 
 use crate::fleet::Fleet;
 use crate::fleet::state::fact::{Act, Fact, Task};
+use crate::fleet::state::io::StationOrder;
 use crate::fleet::state::io::{Refusal, Reply};
 use crate::fleet::state::job::{JobFailure, JobState};
 use crate::id::{Dense, RobotId, StationId};
 use crate::time::Time;
-
-/// What a station says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum StationOrder {
-    /// The pick is done.
-    Done,
-    /// The pick has ended, but goods were missing.
-    Short,
-    /// Nobody picks until further notice.
-    Pause,
-    /// Picking goes on.
-    Resume,
-}
 
 impl Fleet {
     /// Takes in what a station says.

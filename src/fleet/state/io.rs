@@ -2,7 +2,6 @@
 //!
 //! Main types: [`Input`], [`Command`], [`Reply`], [`Step`]. Refuses: to say how any of it travels.
 
-use crate::fleet::requests::station::StationOrder;
 use crate::fleet::state::fact::{Act, Fact};
 use crate::fleet::state::job::JobRequest;
 use crate::fleet::state::worker::{AssignmentRequest, Closure, Guidance};
@@ -148,6 +147,19 @@ impl Input {
             | Input::Prioritise { token, .. } => Some(*token),
         }
     }
+}
+
+/// What a station says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StationOrder {
+    /// The pick is done.
+    Done,
+    /// The pick has ended, but goods were missing.
+    Short,
+    /// Nobody picks until further notice.
+    Pause,
+    /// Picking goes on.
+    Resume,
 }
 
 /// How a robot is. Observations of one robot may be late, repeated or out of order; the newest by `seen` counts.

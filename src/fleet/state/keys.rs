@@ -1,10 +1,8 @@
 //! Customers' keys: the same key never makes a second job or assignment, for as long as the key is known.
 //!
 //! Main type: [`Keys`]. A key lives as long as its job is open, and at least [`KEY_LIFE`] after the job was accepted.
-//! Refuses: to forget anything by itself; a step records which keys are forgotten ([`Fact::KeysExpired`]).
+//! Refuses: to forget anything by itself; a step records which keys are forgotten ([`super::fact::Fact::KeysExpired`]).
 
-use crate::fleet::Fleet;
-use crate::fleet::state::fact::Fact;
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
 
@@ -86,18 +84,8 @@ impl<I: Copy + Ord> Keys<I> {
     }
 
     /// The oldest keys that may be forgotten now.
-    fn expired(&self, now: Time) -> Vec<I> {
+    pub fn expired(&self, now: Time) -> Vec<I> {
         let old = self.over.iter().take_while(|(_, (accepted, _))| *accepted + KEY_LIFE <= now);
         old.take(AT_ONCE).map(|(id, _)| *id).collect()
-    }
-}
-
-impl Fleet {
-    /// Forgets some of the keys that are too old.
-    pub(in crate::fleet) fn expire_keys(&mut self, now: Time) {
-        let (jobs, assignments) = (self.ledger.keys.expired(now), self.ledger.assignment_keys.expired(now));
-        if !jobs.is_empty() || !assignments.is_empty() {
-            self.record(Fact::KeysExpired { jobs, assignments });
-        }
     }
 }

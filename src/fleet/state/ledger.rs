@@ -4,7 +4,6 @@
 //! alike, and it asserts that what it is told is possible: a journal that books a lane twice does not load.
 //! Refuses: to plan, to read a clock, to know where anything is seen.
 
-use crate::fleet::read::view::RackAt;
 use crate::fleet::state::fact::{Act, Booking, Fact, Kept, Stop, Task};
 use crate::fleet::state::index::Index;
 use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState};
@@ -18,6 +17,15 @@ use crate::timeline::{self, Chain, Holder, Timeline, Visit};
 use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
+
+/// Where a rack is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RackAt {
+    /// On a storage node.
+    Stored(NodeId),
+    /// On a robot.
+    On(RobotId),
+}
 
 /// A robot as it was told to be.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -12,10 +12,10 @@ pub use places::Places;
 pub use queue::{Goal, Line, Queue, Rank, Stage, urgency_ms};
 pub use waits::Waits;
 
-use crate::fleet::read::view::RackAt;
 use crate::fleet::state::fact::{Act, Fact, Task};
 use crate::fleet::state::job::{Job, JobKind, JobState};
 use crate::fleet::state::ledger::Ledger;
+use crate::fleet::state::ledger::RackAt;
 use crate::id::{AssignmentId, JobId, RackId, RobotId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::Holder;
