@@ -340,8 +340,8 @@ fn pushed_at_restarts_of(seeds: std::ops::Range<u64>) {
     assert!(sum.0 > 10 && sum.1 > 5 && sum.2 > 0, "{sum:?}");
 }
 
-/// Runs each seed and counts those whose floor comes to a standstill, which is known to happen (docs/robustness.md). Any
-/// other broken law fails.
+/// Runs each seed and counts those whose floor comes to a standstill, which is known to happen (docs/robustness.md).
+/// Any other broken law fails.
 fn with_standstills<T>(seeds: std::ops::Range<u64>, run: impl Fn(u64) -> T) -> (Vec<T>, Vec<u64>) {
     let (mut whole, mut standing) = (Vec::new(), Vec::new());
     for seed in seeds {
