@@ -220,7 +220,7 @@ fn routes_change_when_the_aisle_is_closed_and_again_when_it_opens() {
         entered[part] += (step.commands.iter())
             .filter_map(|(_, c)| match c {
                 Command::Drive { waypoints, .. } => waypoints.last(),
-                Command::Limit(_) | Command::Recall { .. } => None,
+                Command::Limit(_) | Command::Revoke { .. } => None,
             })
             .filter(|w| aisle.contains(&w.node))
             .count();

@@ -94,7 +94,7 @@ fn people(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
     let (hour, second) = (s / HOUR, s % HOUR);
     let worker = WorkerId((hour % WORKERS) as u32);
     match second {
-        0 => inputs.push(Input::Hire { token: 0, name: format!("worker-{}", worker.0) }),
+        0 => inputs.push(Input::RegisterWorker { token: 0, name: format!("worker-{}", worker.0) }),
         1 => {
             let place = aisles[(hour * 31) as usize % aisles.len()];
             let stay = Span::from_secs(30);
@@ -103,7 +103,7 @@ fn people(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
             inputs.push(Input::Assign { token: 0, worker, request });
         }
         ON_FLOOR => {
-            inputs.push(Input::Clear { token: 0, worker });
+            inputs.push(Input::ClearWorker { token: 0, worker });
             let left: Vec<AssignmentId> = fleet.ledger().assignments.keys().copied().collect();
             inputs.extend(left.into_iter().map(|assignment| Input::Unassign { token: 0, assignment }));
         }

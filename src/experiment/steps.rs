@@ -120,7 +120,7 @@ fn requests(warehouse: &Warehouse, case: Case, now: Time) -> Vec<Input> {
             [halt, first].into_iter().chain(rest).collect()
         }
         Case::Assignments(n) => {
-            let hired = (0..WORKERS).map(|w| Input::Hire { token: 0, name: format!("worker-{w}") });
+            let hired = (0..WORKERS).map(|w| Input::RegisterWorker { token: 0, name: format!("worker-{w}") });
             hired.chain((0..n).map(|i| assign(warehouse, i))).collect()
         }
     }

@@ -128,8 +128,8 @@ fn input(token: u64, what: What) -> Input {
     match what {
         What::Submit(request) => Input::Submit { token, request },
         What::Cancel(job) => Input::Cancel { token, job },
-        What::Hire(name) => Input::Hire { token, name },
-        What::Clear(worker) => Input::Clear { token, worker },
+        What::Hire(name) => Input::RegisterWorker { token, name },
+        What::Clear(worker) => Input::ClearWorker { token, worker },
         What::Assign(worker, request) => Input::Assign { token, worker, request },
         What::Unassign(assignment) => Input::Unassign { token, assignment },
         What::Finish(worker, assignment) => Input::Finish { token, worker, assignment },

@@ -121,7 +121,7 @@ impl Crew {
                 && walker.is_gone()
                 && member.device.take().is_some()
             {
-                inputs.push(Input::Clear { token: self.token(), worker });
+                inputs.push(Input::ClearWorker { token: self.token(), worker });
             }
         }
         inputs
@@ -139,7 +139,7 @@ impl Crew {
             let known = fleet.ledger().workers.pairs().find(|(_, n)| **n == name);
             self.members[i].id = known.map(|(w, _)| w);
             if known.is_none() {
-                inputs.push(Input::Hire { token: self.token(), name });
+                inputs.push(Input::RegisterWorker { token: self.token(), name });
             }
         }
     }

@@ -236,11 +236,11 @@ fn sighted(s: &Sighting) -> Seen {
 
 fn asked(input: &Input) -> Other {
     match input {
-        Input::Enlist { name, node } => Other::Enlist(name.clone(), node.0),
+        Input::Register { name, node } => Other::Enlist(name.clone(), node.0),
         Input::Submit { token, request } => submit(*token, request),
         Input::Cancel { token, job } => Other::Cancel(*token, job.0),
-        Input::Hire { token, name } => Other::Hire(*token, name.clone()),
-        Input::Clear { token, worker } => Other::Clear(*token, worker.0),
+        Input::RegisterWorker { token, name } => Other::Hire(*token, name.clone()),
+        Input::ClearWorker { token, worker } => Other::Clear(*token, worker.0),
         Input::Assign { token, worker, request: r } => {
             let (what, key) = (r.what.clone(), r.key.clone());
             Other::Assign { token: *token, worker: worker.0, place: r.place.0, stay: r.stay.0, what, key }
@@ -373,7 +373,7 @@ fn glimpsed(s: Seen) -> Sighting {
 
 fn other(o: Other) -> Input {
     match o {
-        Other::Enlist(name, node) => Input::Enlist { name, node: NodeId(node) },
+        Other::Enlist(name, node) => Input::Register { name, node: NodeId(node) },
         Other::Halt(token, robot) => Input::Halt { token, robot: robot.map(RobotId) },
         Other::Release(token, robot) => Input::Release { token, robot: robot.map(RobotId) },
         Other::Prioritise(token, job, priority) => Input::Prioritise { token, job: JobId(job), priority },
@@ -381,8 +381,8 @@ fn other(o: Other) -> Input {
             Input::Station { token, station: StationId(station), order: order.into() }
         }
         Other::Cancel(token, job) => Input::Cancel { token, job: JobId(job) },
-        Other::Hire(token, name) => Input::Hire { token, name },
-        Other::Clear(token, worker) => Input::Clear { token, worker: WorkerId(worker) },
+        Other::Hire(token, name) => Input::RegisterWorker { token, name },
+        Other::Clear(token, worker) => Input::ClearWorker { token, worker: WorkerId(worker) },
         Other::Assign { token, worker, place, stay, what, key } => {
             let request = AssignmentRequest { place: NodeId(place), stay: Span(stay), what, key };
             Input::Assign { token, worker: WorkerId(worker), request }

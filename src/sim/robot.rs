@@ -150,7 +150,7 @@ impl Body {
             }
             Command::Drive { .. } => {}
             Command::Limit(limit) => self.limit_mps = *limit,
-            Command::Recall { to, number } => self.come_back(*to, *number, warehouse),
+            Command::Revoke { to, number } => self.come_back(*to, *number, warehouse),
         }
     }
 
@@ -435,7 +435,7 @@ mod tests {
         body.put(w.nodes[away].at, away);
         assert!(body.is_astray());
         body.obey(&drive(0, &[home, next], Some(Act::Lift(RackId(0)))), &w);
-        body.obey(&Command::Recall { to: 0, number: 1 }, &w);
+        body.obey(&Command::Revoke { to: 0, number: 1 }, &w);
         body.advance(Time::ZERO, Time::from_secs_f64(5.0), false);
         let said = body.report(Time::ZERO);
         assert_eq!((said.reached, said.known, said.rack, said.recalls), (0, 0, None, 0));

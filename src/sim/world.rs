@@ -113,7 +113,7 @@ impl World {
     pub fn advance(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
         self.meet(fleet);
         let mut inputs = self.customers.order(now, now - self.now, fleet);
-        inputs.extend(self.joining.drain(..).map(|(name, node)| Input::Enlist { name, node }));
+        inputs.extend(self.joining.drain(..).map(|(name, node)| Input::Register { name, node }));
         inputs.extend(announce(std::mem::take(&mut self.closing), fleet));
         let from = self.now;
         for robot in &mut self.robots {

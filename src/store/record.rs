@@ -265,7 +265,7 @@ pub(super) enum PurposeRecord {
 impl From<&Fact> for Record {
     fn from(fact: &Fact) -> Record {
         match fact {
-            Fact::Enlisted { robot, name, node, at } => {
+            Fact::Registered { robot, name, node, at } => {
                 Record::Enlisted { robot: robot.0, name: name.clone(), node: node.0, at: at.0 }
             }
             Fact::Accepted { job, request, at } => {
@@ -289,15 +289,17 @@ impl From<&Fact> for Record {
             Fact::Delayed { moved } => {
                 Record::Delayed { moved: moved.iter().map(MovedRecord::from).collect() }
             }
-            Fact::Recalled { robot, serial, recalls, at } => {
+            Fact::Revoked { robot, serial, recalls, at } => {
                 Record::Recalled { robot: robot.0, serial: *serial, recalls: *recalls, at: at.0 }
             }
-            Fact::Cut { robots } => Record::Cut { robots: robots.iter().map(KeptRecord::from).collect() },
+            Fact::Truncated { robots } => {
+                Record::Cut { robots: robots.iter().map(KeptRecord::from).collect() }
+            }
             Fact::Placed { robot, node, serial, cut, at } => record_placed(*robot, *node, *serial, cut, *at),
             Fact::Failed { robot, at } => Record::Failed { robot: robot.0, at: at.0 },
             Fact::Repaired { robot, at } => Record::Repaired { robot: robot.0, at: at.0 },
             Fact::Fenced { robot, at } => Record::Fenced { robot: robot.0, at: at.0 },
-            Fact::Hired { worker, name, at } => {
+            Fact::WorkerRegistered { worker, name, at } => {
                 Record::Hired { worker: worker.0, name: name.clone(), at: at.0 }
             }
             Fact::Assigned { assignment, worker, request, at } => Record::Assigned {
@@ -338,7 +340,7 @@ impl From<Record> for Fact {
     fn from(record: Record) -> Fact {
         match record {
             Record::Enlisted { robot, name, node, at } => {
-                Fact::Enlisted { robot: RobotId(robot), name, node: NodeId(node), at: Time(at) }
+                Fact::Registered { robot: RobotId(robot), name, node: NodeId(node), at: Time(at) }
             }
             Record::Accepted { job, request, at } => {
                 Fact::Accepted { job: JobId(job), request: request.into(), at: Time(at) }
@@ -362,15 +364,17 @@ impl From<Record> for Fact {
                 Fact::Delayed { moved: moved.into_iter().map(Moved::from).collect() }
             }
             Record::Recalled { robot, serial, recalls, at } => {
-                Fact::Recalled { robot: RobotId(robot), serial, recalls, at: Time(at) }
+                Fact::Revoked { robot: RobotId(robot), serial, recalls, at: Time(at) }
             }
-            Record::Cut { robots } => Fact::Cut { robots: robots.into_iter().map(Kept::from).collect() },
+            Record::Cut { robots } => {
+                Fact::Truncated { robots: robots.into_iter().map(Kept::from).collect() }
+            }
             Record::Placed { robot, node, serial, cut, at } => placed(robot, node, serial, cut, at),
             Record::Failed { robot, at } => Fact::Failed { robot: RobotId(robot), at: Time(at) },
             Record::Repaired { robot, at } => Fact::Repaired { robot: RobotId(robot), at: Time(at) },
             Record::Fenced { robot, at } => Fact::Fenced { robot: RobotId(robot), at: Time(at) },
             Record::Hired { worker, name, at } => {
-                Fact::Hired { worker: WorkerId(worker), name, at: Time(at) }
+                Fact::WorkerRegistered { worker: WorkerId(worker), name, at: Time(at) }
             }
             Record::Assigned { assignment, worker, request, at } => Fact::Assigned {
                 assignment: AssignmentId(assignment),

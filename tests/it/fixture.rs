@@ -36,7 +36,7 @@ fn wishes(step: usize) -> Vec<Input> {
     match step {
         1 => vec![Input::Submit { token: 1, request: deliver(1, Some("first")) }],
         2 => vec![Input::Submit { token: 2, request: JobRequest { kind: moved, ..waits("second") } }],
-        3 => vec![Input::Hire { token: 3, name: "anna".into() }],
+        3 => vec![Input::RegisterWorker { token: 3, name: "anna".into() }],
         4 => vec![Input::Assign { token: 4, worker: WorkerId(0), request }],
         5 => vec![Input::Close { token: 5, area: area.clone() }, Input::Close { token: 6, area }],
         6 => vec![Input::Reopen { token: 7, closure: ClosureId(1) }],

@@ -171,7 +171,7 @@ fn a_ledger_from_a_snapshot_and_the_facts_behind_it_is_the_fold_of_all_facts() {
             let (_, step) = sim.step();
             for fact in &step.facts {
                 ledgers.iter_mut().for_each(|l: &mut giveway::fleet::Ledger| l.evolve(fact));
-                seen[0] |= matches!(fact, Fact::Cut { .. });
+                seen[0] |= matches!(fact, Fact::Truncated { .. });
                 seen[1] |= matches!(fact, Fact::Assigned { .. });
                 seen[2] |= matches!(fact, Fact::Closed { .. });
                 seen[3] |= matches!(fact, Fact::Delayed { .. });

@@ -271,7 +271,11 @@ async fn encounters_are_listed_filtered_and_exported() {
             reaction: Reaction::Stopped,
             delay: Span::from_millis(2500),
         };
-        let worker = |i: u32, name: &str| Fact::Hired { worker: WorkerId(i), name: name.into(), at: Time(1) };
+        let worker = |i: u32, name: &str| Fact::WorkerRegistered {
+            worker: WorkerId(i),
+            name: name.into(),
+            at: Time(1),
+        };
         let facts = [worker(0, "anna"), worker(1, "ben")]
             .into_iter()
             .chain((0..5).map(|i| Fact::Encountered(met(i))));

@@ -66,7 +66,7 @@ fn every_fact() -> Vec<Fact> {
         Task::Store { job: None, rack, store: node },
     ];
     let mut facts = vec![
-        Fact::Enlisted { robot, name: "robot-\"ü\"".into(), node, at },
+        Fact::Registered { robot, name: "robot-\"ü\"".into(), node, at },
         Fact::Routed {
             bookings: vec![Booking {
                 robot,
@@ -85,7 +85,7 @@ fn every_fact() -> Vec<Fact> {
         Fact::Passed { robot, serial: 8 },
         Fact::Acted { robot, serial: 8 },
         Fact::Delayed { moved: vec![Moved { robot, shifts: shifts(at) }] },
-        Fact::Recalled { robot, serial: 8, recalls: 3, at },
+        Fact::Revoked { robot, serial: 8, recalls: 3, at },
         Fact::Placed {
             robot,
             node: NodeId(7),
@@ -93,7 +93,7 @@ fn every_fact() -> Vec<Fact> {
             cut: vec![Kept { robot, end: 9, shifts: shifts(at) }],
             at,
         },
-        Fact::Cut { robots: vec![Kept { robot, end: 9, shifts: shifts(at) }] },
+        Fact::Truncated { robots: vec![Kept { robot, end: 9, shifts: shifts(at) }] },
         Fact::KeysExpired { jobs: vec![job], assignments: vec![] },
         Fact::KeysExpired { jobs: vec![], assignments: vec![AssignmentId(3)] },
         Fact::Failed { robot, at },
@@ -154,7 +154,7 @@ fn facts_about_people(at: Time) -> Vec<Fact> {
         })
     };
     let mut facts = vec![
-        Fact::Hired { worker, name: "anna".into(), at },
+        Fact::WorkerRegistered { worker, name: "anna".into(), at },
         Fact::Closed { closure, area },
         Fact::Reopened { closure, at },
         Fact::Deviated { worker, at },

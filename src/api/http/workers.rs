@@ -85,7 +85,7 @@ pub async fn hire(
         return Err(Problem::invalid(vec![FieldError::new("name", detail)]));
     }
     match api.ask(What::Hire(name.into())).await? {
-        Reply::Hired { worker: id, new, .. } => {
+        Reply::WorkerRegistered { worker: id, new, .. } => {
             let status = if new { StatusCode::CREATED } else { StatusCode::OK };
             let place = format!("/v1/workers/{}", worker_name(id));
             Ok((status, [(header::LOCATION, place)], Json(worker(&api, id, name.into()))))

@@ -18,7 +18,7 @@ impl Fleet {
             match input {
                 Input::Telemetry(t) if t.robot.ix() < self.ledger.robots.len() => self.scene.see(t),
                 Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry of an unknown robot"),
-                Input::Enlist { name, node } => self.enlist(name, node, now),
+                Input::Register { name, node } => self.enlist(name, node, now),
                 Input::Submit { token, request } => {
                     let reply = match self.submit(request, now) {
                         Ok((job, new)) => Reply::Accepted { token, job, new },
@@ -57,7 +57,7 @@ impl Fleet {
             return;
         }
         let robot = RobotId::at(self.ledger.robots.len());
-        self.record(Fact::Enlisted { robot, name, node, at: now });
+        self.record(Fact::Registered { robot, name, node, at: now });
     }
 
     fn submit(&mut self, request: JobRequest, now: Time) -> Result<(JobId, bool), Refusal> {

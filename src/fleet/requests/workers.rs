@@ -14,7 +14,7 @@ impl Fleet {
     /// Takes a request about people in.
     pub(in crate::fleet) fn absorb_request(&mut self, input: Input, now: Time) {
         let (token, answer) = match input {
-            Input::Hire { token, name } => (token, self.hire(token, name, now)),
+            Input::RegisterWorker { token, name } => (token, self.hire(token, name, now)),
             Input::Assign { token, worker, request } => (token, self.hand_out(token, worker, request, now)),
             Input::Unassign { token, assignment } => (token, self.take_back(token, assignment, now)),
             Input::Finish { token, worker, assignment } => {
@@ -22,7 +22,7 @@ impl Fleet {
             }
             Input::Close { token, area } => (token, self.close(token, area)),
             Input::Reopen { token, closure } => (token, self.reopen(token, closure, now)),
-            Input::Clear { token, worker } => (token, self.clear(token, worker)),
+            Input::ClearWorker { token, worker } => (token, self.clear(token, worker)),
             Input::Halt { token, robot } => (token, self.halt(token, robot, now)),
             Input::Release { token, robot } => (token, self.release(token, robot, now)),
             Input::Station { token, station, order } => {
@@ -37,14 +37,14 @@ impl Fleet {
     fn hire(&mut self, token: u64, name: String, now: Time) -> Result<Reply, Refusal> {
         let known = self.ledger.workers.pairs().find(|(_, n)| **n == name).map(|(w, _)| w);
         if let Some(worker) = known {
-            return Ok(Reply::Hired { token, worker, new: false });
+            return Ok(Reply::WorkerRegistered { token, worker, new: false });
         }
         if self.ledger.workers.len() >= self.settings.workers_max {
             return Err(Refusal::TooMany(Bounded::Workers, self.ledger.workers.len()));
         }
         let worker = WorkerId::at(self.ledger.workers.len());
-        self.record(Fact::Hired { worker, name, at: now });
-        Ok(Reply::Hired { token, worker, new: true })
+        self.record(Fact::WorkerRegistered { worker, name, at: now });
+        Ok(Reply::WorkerRegistered { token, worker, new: true })
     }
 
     fn hand_out(

@@ -13,7 +13,7 @@ use crate::timeline::{Shift, Visit};
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Fact {
     /// A robot joined the fleet, standing on a node. Robots are numbered in order of joining.
-    Enlisted {
+    Registered {
         /// The new number.
         robot: RobotId,
         /// Its name.
@@ -85,7 +85,7 @@ pub enum Fact {
         moved: Vec<Moved>,
     },
     /// A robot has come back and will not drive what it was granted after this visit; that is only held now.
-    Recalled {
+    Revoked {
         /// Which.
         robot: RobotId,
         /// Serial number of the last visit that it keeps.
@@ -96,7 +96,7 @@ pub enum Fact {
         at: Time,
     },
     /// These robots keep what they were granted, for ever for all we know, and nothing more.
-    Cut {
+    Truncated {
         /// Which, and what they keep.
         robots: Vec<Kept>,
     },
@@ -123,7 +123,7 @@ pub enum Fact {
         at: Time,
     },
     /// A worker is known from now on. Workers are numbered in order of joining.
-    Hired {
+    WorkerRegistered {
         /// The new number.
         worker: WorkerId,
         /// The name.

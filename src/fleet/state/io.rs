@@ -18,7 +18,7 @@ pub enum Input {
     /// A robot says how it is.
     Telemetry(Telemetry),
     /// A robot joins the fleet.
-    Enlist {
+    Register {
         /// Its name.
         name: String,
         /// Where it stands.
@@ -41,14 +41,14 @@ pub enum Input {
     /// Somebody saw a worker.
     Sighted(Sighting),
     /// A worker is to be known.
-    Hire {
+    RegisterWorker {
         /// Comes back with the reply.
         token: u64,
         /// The name; a known one is no second worker.
         name: String,
     },
     /// A worker has left the floor, or a supervisor vouches that nobody is where one was lost.
-    Clear {
+    ClearWorker {
         /// Comes back with the reply.
         token: u64,
         /// Who.
@@ -131,11 +131,11 @@ impl Input {
     /// The token under which a request is answered; observations have none.
     pub fn token(&self) -> Option<u64> {
         match self {
-            Input::Telemetry(_) | Input::Sighted(_) | Input::Enlist { .. } => None,
+            Input::Telemetry(_) | Input::Sighted(_) | Input::Register { .. } => None,
             Input::Submit { token, .. }
             | Input::Cancel { token, .. }
-            | Input::Hire { token, .. }
-            | Input::Clear { token, .. }
+            | Input::RegisterWorker { token, .. }
+            | Input::ClearWorker { token, .. }
             | Input::Assign { token, .. }
             | Input::Unassign { token, .. }
             | Input::Finish { token, .. }
@@ -216,7 +216,7 @@ pub enum Command {
     },
     /// If the robot stands, and this is the last visit whose centre it reached, it drives back there, forgets the
     /// waypoints after it, and says so by the number of recalls that it has followed. Else it goes on as before.
-    Recall {
+    Revoke {
         /// Serial number of the visit.
         to: u64,
         /// Which recall this is: one more than those that the robot has followed.
@@ -257,7 +257,7 @@ pub enum Reply {
         job: JobId,
     },
     /// The worker is known, now or before.
-    Hired {
+    WorkerRegistered {
         /// Of the request.
         token: u64,
         /// The number.
@@ -302,7 +302,7 @@ impl Reply {
         match *self {
             Reply::Accepted { token, .. }
             | Reply::Cancelled { token, .. }
-            | Reply::Hired { token, .. }
+            | Reply::WorkerRegistered { token, .. }
             | Reply::Assigned { token, .. }
             | Reply::Closed { token, .. }
             | Reply::Done { token }

@@ -192,7 +192,7 @@ impl Ledger {
                 jobs.iter().for_each(|job| self.keys.forget(*job));
                 assignments.iter().for_each(|assignment| self.assignment_keys.forget(*assignment));
             }
-            Fact::Hired { worker, name, .. } => {
+            Fact::WorkerRegistered { worker, name, .. } => {
                 let id = self.workers.push(name.clone());
                 assert_eq!(id, *worker, "workers are numbered in order");
             }
@@ -224,13 +224,13 @@ impl Ledger {
     /// Facts that change what robots hold, do or are.
     fn take_in_of_robots(&mut self, fact: &Fact) {
         match fact {
-            Fact::Enlisted { robot, name, node, at } => self.enlist(*robot, name, *node, *at),
+            Fact::Registered { robot, name, node, at } => self.enlist(*robot, name, *node, *at),
             Fact::Tasked { robot, task } => self.task(*robot, *task),
             Fact::Routed { bookings } => self.route(bookings),
             Fact::Granted { robot, serial, at } => {
                 self.timeline.grant(Holder::Robot(*robot), *serial, *at);
             }
-            Fact::Recalled { robot, serial, recalls, .. } => {
+            Fact::Revoked { robot, serial, recalls, .. } => {
                 self.robots[*robot].recalls = *recalls;
                 self.timeline.recall(Holder::Robot(*robot), *serial);
             }
@@ -241,7 +241,7 @@ impl Ledger {
                     moved.iter().map(|m| (Holder::Robot(m.robot), m.shifts.as_slice())).collect();
                 self.timeline.slide(&slip);
             }
-            Fact::Cut { robots } => self.cut(robots),
+            Fact::Truncated { robots } => self.cut(robots),
             Fact::Placed { robot, node, serial, cut, at } => self.place(*robot, *node, *serial, cut, *at),
             Fact::Failed { robot, .. } => self.robots[*robot].failed = true,
             Fact::Repaired { robot, .. } => {

@@ -300,7 +300,7 @@ fn closures_and_assignments_keep_what_is_left_of_them() {
         area(outline.clone(), vec![]),
         area(outline.clone(), vec![gone, left]),
         area(outline, vec![gone]),
-        Input::Hire { token: 7, name: "anna".into() },
+        Input::RegisterWorker { token: 7, name: "anna".into() },
         assigned(gone, "a"),
         assigned(left, "b"),
     ]);

@@ -59,7 +59,7 @@ fn keys_of_assignments_are_forgotten_too() {
         worker: WorkerId(0),
         request: request.clone(),
     };
-    floor.step(vec![Input::Hire { token: 1, name: "anna".into() }]);
+    floor.step(vec![Input::RegisterWorker { token: 1, name: "anna".into() }]);
     floor.step(vec![assign(&what)]);
     floor.step(vec![Input::Unassign { token: 3, assignment: AssignmentId(1) }]);
     floor.now = Time::ZERO + DAY * 8;

@@ -40,7 +40,7 @@ fn one_job_too_many_is_refused_and_one_that_comes_after_too_many() {
 #[test]
 fn one_worker_too_many_is_refused_and_a_known_one_is_not() {
     let mut fleet = limited(|s| s.workers_max = 1);
-    let hire = |name: &str| Input::Hire { token: 1, name: name.into() };
+    let hire = |name: &str| Input::RegisterWorker { token: 1, name: name.into() };
     let why = refusals(&mut fleet, vec![hire("anna"), hire("ben"), hire("anna")]);
     assert_eq!(why, [None, Some(Refusal::TooMany(Bounded::Workers, 1)), None]);
 }
@@ -52,7 +52,7 @@ fn one_assignment_too_many_is_refused_until_another_is_over() {
     let request = AssignmentRequest { place, stay: Span::from_secs(1), what: "look".into(), key: None };
     let assign = || Input::Assign { token: 1, worker: crate::id::WorkerId(0), request: request.clone() };
     let take_back = Input::Unassign { token: 1, assignment: crate::id::AssignmentId(1) };
-    let hire = Input::Hire { token: 1, name: "anna".into() };
+    let hire = Input::RegisterWorker { token: 1, name: "anna".into() };
     let why = refusals(&mut fleet, vec![hire, assign(), assign(), take_back, assign()]);
     let full = Some(Refusal::TooMany(Bounded::Assignments, 1));
     assert_eq!(why, [None, None, full, None, None]);

@@ -71,8 +71,8 @@ impl Floor {
     }
 
     pub(super) fn hire_as(&mut self, name: &str, at: Point) -> Puppet {
-        let reply = self.step(vec![Input::Hire { token: 1, name: name.into() }]).replies.remove(0);
-        let Reply::Hired { worker, .. } = reply else { panic!("not hired: {reply:?}") };
+        let reply = self.step(vec![Input::RegisterWorker { token: 1, name: name.into() }]).replies.remove(0);
+        let Reply::WorkerRegistered { worker, .. } = reply else { panic!("not hired: {reply:?}") };
         Puppet { worker, at, way: vec![], own: false, epoch: 0, seq: 0, waited_s: 0.0 }
     }
 
@@ -302,7 +302,7 @@ fn a_worker_of_whom_nothing_is_heard_stops_robots_in_a_growing_disc_until_cleare
     assert_eq!(moving, 0, "after 25 s she may be anywhere");
     let before = floor.fleet.ledger().counts.robot_deliveries;
     assert!(!floor.fleet.crowd.yielding.is_empty(), "robots wait because of her");
-    floor.step(vec![Input::Clear { token: 4, worker: ana.worker }]);
+    floor.step(vec![Input::ClearWorker { token: 4, worker: ana.worker }]);
     assert!(floor.fleet.crowd.yielding.is_empty(), "and nobody does any more");
     floor.run(120);
     assert!(floor.fleet.ledger().counts.robot_deliveries > before, "they go on");

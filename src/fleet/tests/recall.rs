@@ -31,7 +31,7 @@ impl Floor {
     }
 
     fn came_back(&self) -> usize {
-        self.facts.iter().filter(|f| matches!(f, Fact::Recalled { .. })).count()
+        self.facts.iter().filter(|f| matches!(f, Fact::Revoked { .. })).count()
     }
 }
 

@@ -31,12 +31,12 @@ impl Fleet {
 /// The one robot that a fact is about.
 pub(in crate::fleet) fn robot_of(fact: &Fact) -> Option<RobotId> {
     match fact {
-        Fact::Enlisted { robot, .. }
+        Fact::Registered { robot, .. }
         | Fact::Tasked { robot, .. }
         | Fact::Granted { robot, .. }
         | Fact::Passed { robot, .. }
         | Fact::Acted { robot, .. }
-        | Fact::Recalled { robot, .. }
+        | Fact::Revoked { robot, .. }
         | Fact::Placed { robot, .. }
         | Fact::Failed { robot, .. }
         | Fact::Repaired { robot, .. }

@@ -16,7 +16,7 @@ impl Fleet {
     pub(in crate::fleet) fn cut_for(&mut self, broken: RobotId) {
         let found = self.floor().all_behind(BTreeSet::from([broken]), None);
         let robots = self.floor().kept_by(found);
-        self.record(Fact::Cut { robots });
+        self.record(Fact::Truncated { robots });
     }
 }
 

@@ -48,7 +48,7 @@ impl Fleet {
         }
         self.crowd.called_back.insert(robot, now);
         let (to, number) = (self.ledger.chain(robot).first(), self.ledger.robots[robot].recalls + 1);
-        self.out.urgent.push((robot, Command::Recall { to, number }));
+        self.out.urgent.push((robot, Command::Revoke { to, number }));
     }
 
     /// The robot says how often it came back.
@@ -60,7 +60,7 @@ impl Fleet {
             return;
         }
         let (serial, recalls) = (seen.known, seen.recalls);
-        self.record(Fact::Recalled { robot, serial, recalls, at: now });
+        self.record(Fact::Revoked { robot, serial, recalls, at: now });
     }
 
     /// Where a robot that was called back drives to, until it is there.

@@ -154,9 +154,9 @@ impl Ledger {
             self.index_rack(rack);
         }
         match fact {
-            Fact::Enlisted { robot, .. } | Fact::Tasked { robot, .. } => self.index_robot(*robot),
+            Fact::Registered { robot, .. } | Fact::Tasked { robot, .. } => self.index_robot(*robot),
             Fact::Routed { bookings } => bookings.iter().for_each(|b| self.index_robot(b.robot)),
-            Fact::Cut { robots } => robots.iter().for_each(|kept| self.index_robot(kept.robot)),
+            Fact::Truncated { robots } => robots.iter().for_each(|kept| self.index_robot(kept.robot)),
             Fact::Placed { robot, cut, .. } => {
                 self.index_robot(*robot);
                 cut.iter().for_each(|kept| self.index_robot(kept.robot));
