@@ -39,7 +39,7 @@ use crate::id::RobotId;
 use crate::route::{Kinematics, Planner, Rules};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
-use people::state::Crowd;
+use people::state::HumanState;
 use state::floor::Floor;
 use state::scene::Scene;
 use std::collections::BTreeSet;
@@ -124,7 +124,7 @@ pub struct Fleet {
     needs: Needs,
     storage: dispatch::storage::Storage,
     tally: Tally,
-    crowd: Crowd,
+    crowd: HumanState,
     plan_times: Vec<u64>,
     /// The robot that is being dealt with: named where a contradiction ends the step.
     at_hand: Option<RobotId>,
@@ -142,7 +142,7 @@ impl Fleet {
         let period_s = settings.period.as_secs_f64();
         let regions = Regions::new(settings.kinematics, warehouse.footprint_m, period_s);
         Fleet {
-            crowd: Crowd::new(&warehouse, regions),
+            crowd: HumanState::new(&warehouse, regions),
             ledger: Ledger::new(warehouse.clone(), clearance, settings.ghosts),
             scene: Scene::default(),
             planner: Planner::new(warehouse.clone(), Rules::Drive(settings.kinematics)),

@@ -5,7 +5,7 @@
 
 use super::motion::Gait;
 use crate::id::{ArcId, NodeId};
-use crate::timeline::Gap;
+use crate::timeline::FreeWindow;
 
 /// "None" among label indices.
 pub(super) const NONE: u32 = u32::MAX;
@@ -23,7 +23,7 @@ pub(super) struct Label {
     /// Latest arrival that the windows on the way allow, for rolling labels.
     pub hi: i64,
     pub node: NodeId,
-    pub gap: Gap,
+    pub gap: FreeWindow,
     pub slot: u8,
     pub gait: Gait,
     pub stage: u8,
@@ -47,7 +47,7 @@ impl Label {
     pub fn new(
         (lo, hi): (i64, i64),
         node: NodeId,
-        gap: Gap,
+        gap: FreeWindow,
         slot: u8,
         gait: Gait,
         stage: u8,

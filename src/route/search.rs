@@ -20,7 +20,7 @@ use super::{Ask, NoRoute, Route, Stage, trace};
 use crate::geometry::turn_between;
 use crate::id::{ArcId, NodeId};
 use crate::time::{Span, Time};
-use crate::timeline::{Gap, Timeline};
+use crate::timeline::{FreeWindow, Timeline};
 use crate::warehouse::{Warehouse, Way};
 use smallvec::SmallVec;
 use std::cmp::Reverse;
@@ -178,7 +178,7 @@ fn goal_windows(
 impl Search<'_> {
     fn start(&self, labels: &mut Labels, open: &mut Open) -> Result<(), NoRoute> {
         let node = self.ask.from.node;
-        let own = self.timeline.gaps(self.warehouse.node_resource(node), self.ask.ready).next();
+        let own = self.timeline.free_windows(self.warehouse.node_resource(node), self.ask.ready).next();
         let gap = own.filter(|g| g.start <= self.ask.ready).ok_or(NoRoute::Blocked)?;
         let known = self.warehouse.headings(node).iter();
         let slot = known.clone().position(|h| turn_between(*h, self.ask.heading) < 0.02);
@@ -279,7 +279,7 @@ impl Search<'_> {
         let node = hop.way.to;
         let latest = hop.depart.1.min(label.gap.end.0);
         let resource = self.warehouse.node_resource(node);
-        for gap in self.timeline.gaps(resource, Time(hop.depart.0 - hop.lead)) {
+        for gap in self.timeline.free_windows(resource, Time(hop.depart.0 - hop.lead)) {
             if gap.start.0 > latest {
                 break;
             }
@@ -288,7 +288,7 @@ impl Search<'_> {
                 continue;
             }
             let lane = self.warehouse.lane_resource(hop.way.lane);
-            for lane_gap in self.timeline.gaps(lane, Time(hop.depart.0 - hop.lead)) {
+            for lane_gap in self.timeline.free_windows(lane, Time(hop.depart.0 - hop.lead)) {
                 if lane_gap.start.0 > latest {
                     break;
                 }
@@ -306,8 +306,8 @@ impl Search<'_> {
         label: &Label,
         hop: &Hop,
         node: NodeId,
-        gap: Gap,
-        lane_gap: Gap,
+        gap: FreeWindow,
+        lane_gap: FreeWindow,
     ) {
         for &(to, span) in &hop.ends {
             let times = if self.pace.holds_while_driving() {
@@ -329,8 +329,8 @@ impl Search<'_> {
         label: &Label,
         hop: &Hop,
         span: i64,
-        gap: Gap,
-        lane_gap: Gap,
+        gap: FreeWindow,
+        lane_gap: FreeWindow,
     ) -> Option<(i64, i64)> {
         let clear = self.pace.clearance();
         let latest_arrival = (label.gap.end - clear).min(lane_gap.end - clear).min(gap.end - Span(1)).0;
@@ -347,7 +347,7 @@ impl Search<'_> {
         hop: &Hop,
         span: i64,
         node: NodeId,
-        gap: Gap,
+        gap: FreeWindow,
     ) -> Option<(i64, i64)> {
         let lo = (hop.depart.0 + span).max(gap.start.0);
         let hi = label.gap.end.min(gap.end - Span(1)).0;
@@ -434,4 +434,4 @@ impl Search<'_> {
 }
 
 /// The window of a lane that nobody needs to hold.
-const FREE: Gap = Gap { start: Time(i64::MIN / 2), end: Time::MAX, index: 0 };
+const FREE: FreeWindow = FreeWindow { start: Time(i64::MIN / 2), end: Time::MAX, index: 0 };

@@ -4,7 +4,7 @@ use super::*;
 use crate::geometry::Point;
 use crate::id::{ArcId, ClosureId, Dense, ResourceId, RobotId};
 use crate::time::Window;
-use crate::timeline::{Gap, Holder};
+use crate::timeline::{FreeWindow, Holder};
 use crate::warehouse::{Draft, DraftLane, DraftNode, Users};
 use proptest::prelude::*;
 
@@ -78,12 +78,12 @@ struct Brute<'a> {
 #[derive(Clone, Copy)]
 struct Step {
     arc: ArcId,
-    gap: Gap,
+    gap: FreeWindow,
     gait: Gait,
 }
 
 impl Brute<'_> {
-    fn go(&mut self, at: NodeId, start_gap: Gap, steps: usize) {
+    fn go(&mut self, at: NodeId, start_gap: FreeWindow, steps: usize) {
         let Some(arrival) = self.schedule(start_gap) else { return };
         let last = self.walk.last();
         let standing = last.is_none_or(|s| s.gait == Gait::Standing);
@@ -95,7 +95,9 @@ impl Brute<'_> {
         }
         let hops: Vec<(ArcId, NodeId)> = self.warehouse.out(at).map(|(id, a)| (id, a.to)).collect();
         for (arc, next) in hops {
-            for gap in self.timeline.gaps(self.warehouse.node_resource(next), Time(0)).collect::<Vec<_>>() {
+            for gap in
+                self.timeline.free_windows(self.warehouse.node_resource(next), Time(0)).collect::<Vec<_>>()
+            {
                 for gait in [Gait::Standing, Gait::Rolling] {
                     self.walk.push(Step { arc, gap, gait });
                     self.go(next, start_gap, steps - 1);
@@ -106,7 +108,7 @@ impl Brute<'_> {
     }
 
     /// Earliest arrival of the walk so far as a system of difference constraints, solved by repetition.
-    fn schedule(&self, start_gap: Gap) -> Option<i64> {
+    fn schedule(&self, start_gap: FreeWindow) -> Option<i64> {
         let n = self.walk.len();
         let mut depart = vec![0i64; n];
         let (clear, lead) = (self.pace.clearance().0, self.pace.lead(false).0);
@@ -149,7 +151,7 @@ impl Brute<'_> {
 }
 
 fn brute(warehouse: &Warehouse, pace: &Pace, timeline: &Timeline, goal: u32, steps: usize) -> Option<i64> {
-    let start_gap = timeline.gaps(ResourceId(0), Time(0)).next()?;
+    let start_gap = timeline.free_windows(ResourceId(0), Time(0)).next()?;
     if start_gap.start > Time(0) {
         return None;
     }
@@ -206,7 +208,7 @@ proptest! {
 fn breadth_first(warehouse: &Warehouse, timeline: &Timeline, goal: u32, turns: bool) -> Option<i64> {
     let free = |n: NodeId, t: i64| {
         let at = Time(t * 1_000_000);
-        timeline.gaps(warehouse.node_resource(n), at).next().is_some_and(|g| g.start <= at)
+        timeline.free_windows(warehouse.node_resource(n), at).next().is_some_and(|g| g.start <= at)
     };
     let for_ever = |n: NodeId, t: i64| (t..24).all(|u| free(n, u));
     let mut here = vec![(NodeId(0), 0i64)];

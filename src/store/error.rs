@@ -181,7 +181,7 @@ pub enum StoreError {
         "the journal goes on with step {found} where step {expected} should be: the database is damaged; restore it \
          from a backup"
     )]
-    Gap {
+    FreeWindow {
         /// The step that should be there.
         expected: i64,
         /// The one that is.

@@ -152,7 +152,7 @@ pub(super) async fn load(db: &SqlitePool, empty: Ledger) -> Result<Loaded, Store
     while let Some(row) = rows.try_next().await? {
         let (seq, entry) = decode(&row)?;
         if seq != out.next {
-            return Err(StoreError::Gap { expected: out.next, found: seq });
+            return Err(StoreError::FreeWindow { expected: out.next, found: seq });
         }
         out.last = Some(entry.at).max(out.last);
         out.next = seq + 1;

@@ -1,6 +1,6 @@
 //! The timeline of one resource: holds sorted by start, and the gaps between them.
 //!
-//! Main types: [`Hold`], [`Line`], [`Gap`]. Refuses: overlapping holds of different holders on the physical
+//! Main types: [`Hold`], [`Line`], [`FreeWindow`]. Refuses: overlapping holds of different holders on the physical
 //! layer (asserted); conflict holds may overlap one another.
 
 use super::Holder;
@@ -27,7 +27,7 @@ pub(super) struct Hold {
 
 /// A free window of a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Gap {
+pub struct FreeWindow {
     /// First free instant.
     pub start: Time,
     /// First instant that is not free any more.
@@ -80,18 +80,18 @@ impl Line {
     }
 
     /// Gaps that end after `t`, in order.
-    pub fn gaps(&self, t: Time) -> impl Iterator<Item = Gap> {
+    pub fn free_windows(&self, t: Time) -> impl Iterator<Item = FreeWindow> {
         let from = self.edges.partition_point(|(start, _)| *start <= t);
         let mut free = if from == 0 { BEGINNING } else { self.edges[from - 1].1 };
         (from..=self.edges.len()).filter_map(move |i| {
             let (end, reach) = self.edges.get(i).copied().unwrap_or((Time::MAX, Time::MAX));
             let start = std::mem::replace(&mut free, reach);
-            (start < end).then_some(Gap { start, end, index: i as u32 })
+            (start < end).then_some(FreeWindow { start, end, index: i as u32 })
         })
     }
 
     /// Who is on either side of a gap.
-    pub fn neighbours(&self, gap: Gap) -> (Option<Holder>, Option<Holder>) {
+    pub fn neighbours(&self, gap: FreeWindow) -> (Option<Holder>, Option<Holder>) {
         let i = gap.index as usize;
         let before = i.checked_sub(1).map(|b| self.holds[b].holder);
         (before, self.holds.get(i).map(|h| h.holder))

@@ -1,7 +1,7 @@
 //! Who holds which resource when, and what is free in between.
 //!
 //! Main types: [`Timeline`] (all holds of everyone), [`Visit`] (a stay on one node as a holder plans it),
-//! [`Gap`] (a free window), [`Reserved`] (the proof that visits are held; only this module makes one).
+//! [`FreeWindow`] (a free window), [`Reserved`] (the proof that visits are held; only this module makes one).
 //! Refuses: to hold anything twice, to forget who was promised a resource first, and to know why anyone
 //! wants to be anywhere.
 //!
@@ -19,7 +19,7 @@ mod restore;
 pub use cut::Kept;
 pub use delay::{Shift, Slip};
 pub use held::Held;
-pub use line::{Gap, Layer};
+pub use line::{FreeWindow, Layer};
 pub use restore::{ChainParts, Flaw};
 
 use crate::id::{IdVec, NodeId, ResourceId, RobotId, WorkerId};
@@ -216,12 +216,12 @@ impl Timeline {
     }
 
     /// The free windows of a resource that end after `t`, in order.
-    pub fn gaps(&self, r: ResourceId, t: Time) -> impl Iterator<Item = Gap> {
-        self.lines[r].gaps(t)
+    pub fn free_windows(&self, r: ResourceId, t: Time) -> impl Iterator<Item = FreeWindow> {
+        self.lines[r].free_windows(t)
     }
 
     /// Who hands over at the two ends of a free window: the last holder before it and the first one after.
-    pub fn neighbours(&self, r: ResourceId, gap: Gap) -> (Option<Holder>, Option<Holder>) {
+    pub fn neighbours(&self, r: ResourceId, gap: FreeWindow) -> (Option<Holder>, Option<Holder>) {
         self.lines[r].neighbours(gap)
     }
 

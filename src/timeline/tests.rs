@@ -84,7 +84,7 @@ proptest! {
                 if !busy(t) && (t == 0 || busy(t - 1)) { model.push((t, t + 1)); }
                 else if !busy(t) { model.last_mut().unwrap().1 = t + 1; }
             }
-            let real: Vec<(i64, i64)> = timeline.gaps(ResourceId(node), Time(0))
+            let real: Vec<(i64, i64)> = timeline.free_windows(ResourceId(node), Time(0))
                 .map(|g| (g.start.0.max(0), g.end.0.min(LENGTH))).filter(|(a, b)| a < b).collect();
             prop_assert_eq!(real, model);
         }

@@ -1,7 +1,7 @@
 //! Where workers may be going: the goals that are known, the distances to them, and what is believed of each
 //! worker.
 //!
-//! Main type: [`Mind`]. Goals are the workers' tasks, the doors, and the corners of the hall, which stand for
+//! Main type: [`Intents`]. Goals are the workers' tasks, the doors, and the corners of the hall, which stand for
 //! everything else (Petković 2021, section 4.3.2). Refuses: to follow workers whose place is only guessed.
 
 use crate::aware::Arm;
@@ -37,7 +37,7 @@ const PLACES: u64 = 1000;
 
 /// Everything about intentions.
 #[derive(Debug)]
-pub(in crate::fleet) struct Mind {
+pub(in crate::fleet) struct Intents {
     pub distances: Distances,
     fixed: Vec<GoalId>,
     cut_at: Option<Time>,
@@ -46,8 +46,8 @@ pub(in crate::fleet) struct Mind {
     early: Vec<(AssignmentId, WorkerId)>,
 }
 
-impl Mind {
-    pub fn new(warehouse: &Warehouse, walkways: Arc<Walkways>) -> Mind {
+impl Intents {
+    pub fn new(warehouse: &Warehouse, walkways: Arc<Walkways>) -> Intents {
         let mut distances = Distances::over(walkways.clone());
         let (low, high) = warehouse.bounds();
         let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
@@ -63,7 +63,7 @@ impl Mind {
                 fixed.push(GoalId(i as u64));
             }
         }
-        Mind { distances, fixed, cut_at: None, intentions: BTreeMap::new(), early: Vec::new() }
+        Intents { distances, fixed, cut_at: None, intentions: BTreeMap::new(), early: Vec::new() }
     }
 
     /// What is believed of a worker.

@@ -1,6 +1,6 @@
 //! Evaluates people: where each worker is, whether the worker left the path, where to, what the worker is told.
 //!
-//! Main types: [`state::Crowd`], [`intent::Mind`]. Refuses: to plan for robots.
+//! Main types: [`state::HumanState`], [`intent::Intents`]. Refuses: to plan for robots.
 
 pub(in crate::fleet) mod evaluate;
 pub(in crate::fleet) mod forecast;

@@ -1,9 +1,9 @@
 //! What the fleet believes and keeps in mind about people, from step to step. Lost at a restart and seen again.
 //!
-//! Main types: [`Crowd`], [`Person`], [`Mode`]. Refuses: to decide; the judging phase does.
+//! Main types: [`HumanState`], [`Person`], [`Mode`]. Refuses: to decide; the judging phase does.
 
 use crate::aware::{Afoot, Meter, Regions};
-use crate::fleet::people::intent::Mind;
+use crate::fleet::people::intent::Intents;
 use crate::fleet::state::worker::{Guidance, Reaction};
 use crate::fleet::traffic::closed_areas::Areas;
 use crate::fleet::yielding::petkovic2021::Procedure;
@@ -107,9 +107,9 @@ pub(in crate::fleet) struct Yielding {
 
 /// All that is kept in mind about people.
 #[derive(Debug)]
-pub(in crate::fleet) struct Crowd {
+pub(in crate::fleet) struct HumanState {
     pub walkways: Arc<Walkways>,
-    pub mind: Mind,
+    pub mind: Intents,
     /// The published reaction, where that is what the fleet is to use.
     pub procedure: Procedure,
     pub regions: Regions,
@@ -137,11 +137,11 @@ pub(in crate::fleet) struct Crowd {
     pub looked_round: BTreeMap<RobotId, Time>,
 }
 
-impl Crowd {
-    pub fn new(warehouse: &Warehouse, regions: Regions) -> Crowd {
+impl HumanState {
+    pub fn new(warehouse: &Warehouse, regions: Regions) -> HumanState {
         let walkways = Arc::new(Walkways::of(warehouse));
-        Crowd {
-            mind: Mind::new(warehouse, walkways.clone()),
+        HumanState {
+            mind: Intents::new(warehouse, walkways.clone()),
             procedure: Procedure::default(),
             afoot: Afoot::new(warehouse, walkways.clone()),
             walkways,
@@ -170,7 +170,7 @@ impl Crowd {
     }
 }
 
-impl Crowd {
+impl HumanState {
     /// Nodes that are closed, will be soon, or are as good as closed.
     pub fn closing_nodes(&self) -> BTreeSet<NodeId> {
         self.areas.nodes().chain(self.closing.keys().copied()).collect()

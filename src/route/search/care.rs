@@ -11,7 +11,7 @@ use crate::route::Ask;
 use crate::route::conditions::{Cause, Condition, Effect, still_until};
 use crate::route::motion::{Gait, Pace, drive_span};
 use crate::time::{Span, Time, Window};
-use crate::timeline::{Gap, Timeline};
+use crate::timeline::{FreeWindow, Timeline};
 use crate::warehouse::Warehouse;
 use smallvec::{SmallVec, smallvec};
 
@@ -22,25 +22,25 @@ pub(super) fn open_gaps(
     ask: &Ask<'_>,
     node: NodeId,
     t: Time,
-) -> SmallVec<[Gap; 4]> {
+) -> SmallVec<[FreeWindow; 4]> {
     let at = warehouse.nodes[node].at;
     let conditions = ask.conditions.binding(node, at, ask.away);
     let mut closed: SmallVec<[Window; 4]> =
         conditions.filter(|c| c.effect == Effect::Closed).map(|c| c.window).collect();
     closed.sort_unstable_by_key(|w| w.start());
     let mut open = SmallVec::new();
-    for gap in timeline.gaps(warehouse.node_resource(node), t) {
+    for gap in timeline.free_windows(warehouse.node_resource(node), t) {
         let (mut start, mut part) = (gap.start, 0);
         let index = |part: u32| gap.index | part << PARTS_AT;
         for w in closed.iter().filter(|w| w.start() < gap.end && w.end() > gap.start) {
             if w.start() > start && w.start() > t {
-                open.push(Gap { start, end: w.start(), index: index(part) });
+                open.push(FreeWindow { start, end: w.start(), index: index(part) });
             }
             start = start.max(w.end());
             part += 1;
         }
         if start < gap.end {
-            open.push(Gap { start, end: gap.end, index: index(part) });
+            open.push(FreeWindow { start, end: gap.end, index: index(part) });
         }
     }
     open
@@ -62,7 +62,7 @@ pub(super) fn brief_stays(warehouse: &Warehouse, pace: &Pace, timeline: &Timelin
     if !ask.conditions.is_touched(last.goal) {
         return Brief::new();
     }
-    let whole = timeline.gaps(warehouse.node_resource(last.goal), ask.ready).last();
+    let whole = timeline.free_windows(warehouse.node_resource(last.goal), ask.ready).last();
     let Some(whole) = whole.filter(|g| g.end.is_forever()) else { return Brief::new() };
     let conditions = ask.conditions.binding(last.goal, warehouse.nodes[last.goal].at, ask.away);
     let by_hand = |c: &&Condition| c.effect == Effect::Closed && matches!(c.cause, Cause::Closure(_));
@@ -93,8 +93,11 @@ impl Search<'_> {
         let from = Time(hop.depart.0 - hop.lead);
         let gaps = open_gaps(self.warehouse, self.timeline, self.ask, node, from);
         let lane = self.warehouse.lane_resource(hop.way.lane);
-        let lanes: SmallVec<[Gap; 4]> =
-            if hop.way.lane_is_free { smallvec![FREE] } else { self.timeline.gaps(lane, from).collect() };
+        let lanes: SmallVec<[FreeWindow; 4]> = if hop.way.lane_is_free {
+            smallvec![FREE]
+        } else {
+            self.timeline.free_windows(lane, from).collect()
+        };
         for gap in gaps.into_iter().filter(|g| g.start.0 <= latest) {
             for &lane_gap in lanes.iter().filter(|g| g.start.0 <= latest) {
                 for &(to, span) in &hop.ends {
