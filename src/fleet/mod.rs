@@ -186,8 +186,8 @@ impl Fleet {
     pub fn step(&mut self, now: Time, inputs: Vec<Input>) -> Step {
         self.at_hand = None;
         self.absorb(now, inputs);
-        self.judge(now);
-        self.settle(now);
+        self.evaluate_people(now);
+        self.note_progress(now);
         self.assign(now);
         self.plan(now);
         self.grant(now);

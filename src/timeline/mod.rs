@@ -1,7 +1,7 @@
 //! Who holds which resource when, and what is free in between.
 //!
 //! Main types: [`Timeline`] (all holds of everyone), [`Visit`] (a stay on one node as a holder plans it),
-//! [`FreeWindow`] (a free window), [`Reserved`] (the proof that visits are held; only this module makes one).
+//! [`FreeWindow`] (an interval in which a resource is free), [`Reserved`] (the proof that visits are held; only this module makes one).
 //! Refuses: to hold anything twice, to forget who was promised a resource first, and to know why anyone
 //! wants to be anywhere.
 //!

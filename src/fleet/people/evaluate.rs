@@ -34,27 +34,27 @@ impl Fleet {
         self.follow_motion(s, taken);
     }
 
-    pub(in crate::fleet) fn judge(&mut self, now: Time) {
+    pub(in crate::fleet) fn evaluate_people(&mut self, now: Time) {
         self.crowd.conditions.clear();
         self.note_areas(now);
         if self.crowd.people.is_empty() {
             self.crowd.closing.clear();
             self.close_displaced(now);
             self.limit_robots(now);
-            return self.call_back_from_displaced(now);
+            return self.revoke_grants_into_displaced(now);
         }
         for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
             self.watch(worker, now);
         }
         self.infer(now);
-        self.foresee(now);
+        self.update_forecasts(now);
         self.follow_procedure(now);
         self.set_conditions(now);
         self.note_closing(now);
         self.close_displaced(now);
         self.limit_robots(now);
-        self.call_back(now);
-        self.call_back_from_displaced(now);
+        self.revoke_grants(now);
+        self.revoke_grants_into_displaced(now);
         self.meet(now);
         self.guide(now);
         for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
@@ -81,7 +81,7 @@ impl Fleet {
         let person = &mut self.crowd.people[worker];
         if person.relocated {
             // Nobody walked: the path starts here anew.
-            self.lead_on(worker, place.at, now);
+            self.route_on(worker, place.at, now);
             return;
         }
         if !person.fresh {

@@ -67,7 +67,7 @@ impl Fleet {
 
     /// Notes where everybody may be going, and keeps a forecast of everybody from time to time to see whether it
     /// comes true.
-    pub(in crate::fleet) fn foresee(&mut self, now: Time) {
+    pub(in crate::fleet) fn update_forecasts(&mut self, now: Time) {
         if self.settings.arm != Arm::Giveway {
             return;
         }
@@ -85,7 +85,7 @@ impl Fleet {
     }
 
     /// What is to be expected of a worker; nothing before it was seen.
-    fn outlook(&self, worker: WorkerId) -> Option<Outlook<'_>> {
+    fn forecast_of(&self, worker: WorkerId) -> Option<Outlook<'_>> {
         let person = self.crowd.people.get(worker)?;
         let motion = person.motion.as_ref()?;
         let model = &self.settings.model;
@@ -94,7 +94,7 @@ impl Fleet {
 
     /// Where a worker will be at a moment, with regions as wide as experience has made them.
     pub(in crate::fleet) fn forecast(&self, worker: WorkerId, t: Time) -> Option<Mixture> {
-        let outlook = self.outlook(worker)?;
+        let outlook = self.forecast_of(worker)?;
         let ahead_s = (t - outlook.motion.seen()?).max(Span::ZERO).as_secs_f64();
         Some(outlook.at(t)?.scaled(self.crowd.coverage.scale(ahead_s)))
     }

@@ -40,7 +40,7 @@ impl Fleet {
                     let state = AssignmentState::Walking;
                     self.record(Fact::Advanced { assignment: id, state, at: now });
                 }
-                self.lead_on(worker, at, now);
+                self.route_on(worker, at, now);
             }
             None => {
                 let person = &mut self.crowd.people[worker];
@@ -50,7 +50,7 @@ impl Fleet {
     }
 
     /// Gives a worker the way from `at` to the next assignment.
-    pub(in crate::fleet) fn lead_on(&mut self, worker: WorkerId, at: Point, now: Time) {
+    pub(in crate::fleet) fn route_on(&mut self, worker: WorkerId, at: Point, now: Time) {
         let Some(id) = self.floor().next_assignment(worker) else {
             self.crowd.people[worker].plan = None;
             return;
@@ -203,7 +203,7 @@ impl Fleet {
         self.record(Fact::Deviated { worker, at: now });
         self.crowd.people[worker].mode = Mode::Deviating { since: now };
         if self.settings.arm == Arm::Giveway {
-            self.lead_on(worker, at, now);
+            self.route_on(worker, at, now);
         }
     }
 
@@ -211,7 +211,7 @@ impl Fleet {
     pub(in crate::fleet) fn show_the_way_back(&mut self, worker: WorkerId, at: Point, now: Time) {
         let made = self.crowd.people[worker].plan.as_ref().map_or(Time::ZERO, |p| p.made);
         if self.settings.arm == Arm::Giveway && now - made >= REDIRECT {
-            self.lead_on(worker, at, now);
+            self.route_on(worker, at, now);
         }
     }
 
@@ -223,7 +223,7 @@ impl Fleet {
         let Some(id) = plan.assignment else {
             // A path that only led out of the way.
             person.mode = Mode::Following;
-            return self.lead_on(worker, at, now);
+            return self.route_on(worker, at, now);
         };
         if !is_there {
             return;

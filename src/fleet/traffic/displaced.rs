@@ -1,7 +1,7 @@
 //! Robots that stand where nothing is held for them: people pushed them while the server was down, or drove them by
 //! hand.
 //!
-//! Main function: `settle_place`. A robot that stands on a free node and has forgotten its route is taken up there
+//! Main function: `note_place`. A robot that stands on a free node and has forgotten its route is taken up there
 //! ([`Fact::Placed`]). Any other one is treated as failed, and the floor where it truly stands is closed, until its
 //! reports fit again. Refuses: to look at robots that drive, except at the first report after a start, and to guess
 //! what became of a rack.
@@ -41,7 +41,7 @@ impl Fleet {
     }
 
     /// Compares what a robot reports with what the ledger has: when it stands, and at its first report after a start.
-    pub(in crate::fleet) fn settle_place(&mut self, robot: RobotId, seen: &Telemetry, now: Time) {
+    pub(in crate::fleet) fn note_place(&mut self, robot: RobotId, seen: &Telemetry, now: Time) {
         let (known, displaced) = (self.scene.is_placed(robot), self.scene.displaced(robot).is_some());
         let stands = seen.speed_mps < STANDS_MPS;
         if known && !stands && !displaced {
@@ -123,7 +123,7 @@ impl Fleet {
             Task::Deliver { .. } | Task::Store { .. } | Task::Idle => {}
         }
         let serial = self.ledger.chain(robot).end();
-        let cut = self.floor().cut_for_place(robot, node);
+        let cut = self.floor().truncated_for_place(robot, node);
         self.record(Fact::Placed { robot, node, serial, cut, at: now });
         self.fits_again(robot);
         self.crowd.called_back.remove(&robot);
@@ -190,13 +190,13 @@ impl Fleet {
 
     /// Calls robots back that were stopped before they drove into a displaced one, so that they can go round it and it
     /// can be taken up.
-    pub(in crate::fleet) fn call_back_from_displaced(&mut self, now: Time) {
+    pub(in crate::fleet) fn revoke_grants_into_displaced(&mut self, now: Time) {
         if self.scene.all_displaced().next().is_none() {
             return;
         }
         for robot in ledger::all(&self.ledger.robots) {
             if self.drives_into(robot).is_some() {
-                self.call_back_one(robot, now);
+                self.revoke_grant(robot, now);
             }
         }
     }
@@ -266,7 +266,7 @@ impl Floor<'_> {
     }
 
     /// What others keep that were promised a node on which a robot stands now, and those behind them in turn.
-    fn cut_for_place(&self, robot: RobotId, node: NodeId) -> Vec<Kept> {
+    fn truncated_for_place(&self, robot: RobotId, node: NodeId) -> Vec<Kept> {
         let promised = self.holders_of(robot, node).into_iter().map(|(r, _)| r).collect();
         self.kept_by(self.all_behind(promised, Some(robot)))
     }

@@ -21,27 +21,27 @@ const GUESS: Span = Span::from_millis(1000);
 pub(in crate::fleet) const ORPHANS_PER_STEP: usize = 64;
 
 impl Fleet {
-    pub(in crate::fleet) fn settle(&mut self, now: Time) {
+    pub(in crate::fleet) fn note_progress(&mut self, now: Time) {
         for robot in ledger::all(&self.ledger.robots) {
             self.at_hand = Some(robot);
             let Some(seen) = self.scene.robot(robot).copied() else { continue };
             // What a robot reports that is fenced off would only meet the same contradiction.
             if self.ledger.robots[robot].fenced.is_some() {
-                self.settle_place(robot, &seen, now);
+                self.note_place(robot, &seen, now);
                 continue;
             }
-            self.settle_health(robot, seen.cannot_drive(), now);
-            self.settle_progress(robot, seen.reached, now);
-            self.settle_recall(robot, &seen, now);
-            self.settle_stop(robot, seen.acted, now);
-            self.settle_place(robot, &seen, now);
-            self.settle_delay(robot, now);
+            self.note_health(robot, seen.cannot_drive(), now);
+            self.note_passed(robot, seen.reached, now);
+            self.note_revoked(robot, &seen, now);
+            self.note_stop(robot, seen.acted, now);
+            self.note_place(robot, &seen, now);
+            self.note_delay(robot, now);
         }
         self.at_hand = None;
-        self.settle_orphans(now);
+        self.fail_orphans(now);
     }
 
-    fn settle_health(&mut self, robot: RobotId, failed: bool, now: Time) {
+    fn note_health(&mut self, robot: RobotId, failed: bool, now: Time) {
         match (self.ledger.robots[robot].failed, failed) {
             (false, true) => self.fail(robot, now),
             // One that is displaced counts as failed; of one that is not heard of since a start, nobody knows yet.
@@ -64,10 +64,10 @@ impl Fleet {
         {
             self.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
         }
-        self.cut_for(robot);
+        self.truncate_behind(robot);
     }
 
-    fn settle_progress(&mut self, robot: RobotId, reached: u64, now: Time) {
+    fn note_passed(&mut self, robot: RobotId, reached: u64, now: Time) {
         let chain = self.ledger.chain(robot);
         let reached = reached.min(chain.granted() - 1);
         if reached <= chain.first() {
@@ -96,7 +96,7 @@ impl Fleet {
     }
 
     /// The robot says that it did what it was to do at its next stop.
-    fn settle_stop(&mut self, robot: RobotId, acted: Option<u64>, now: Time) {
+    fn note_stop(&mut self, robot: RobotId, acted: Option<u64>, now: Time) {
         let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return };
         let there = self.ledger.chain(robot).first() == stop.serial;
         // The station says when a pick has ended.
@@ -189,7 +189,7 @@ impl Fleet {
     }
 
     /// Notes that a robot is late, so that everybody who comes after it is planned with what is true.
-    fn settle_delay(&mut self, robot: RobotId, now: Time) {
+    fn note_delay(&mut self, robot: RobotId, now: Time) {
         let chain = self.ledger.chain(robot);
         let serial = chain.first();
         let (Some(here), Some(next)) = (chain.get(serial), chain.get(serial + 1)) else { return };
@@ -205,7 +205,7 @@ impl Fleet {
     /// Jobs that come after one that was cancelled or failed will never start; neither will those that come after
     /// them. They fail a few in each step, so that the journal keeps up. The ledger knows meanwhile which ones have
     /// to, over a restart as well, and none of them starts.
-    fn settle_orphans(&mut self, now: Time) {
+    fn fail_orphans(&mut self, now: Time) {
         for _ in 0..ORPHANS_PER_STEP {
             let Some((job, bad)) = self.ledger.index.waits.next_doomed() else { return };
             let state = JobState::Failed(JobFailure::Predecessor(bad));

@@ -13,7 +13,7 @@ impl Fleet {
     /// Takes back what was promised, but not granted, to everybody who would have to pass a robot that stands still
     /// for an unknown time, and to everybody who would have to pass those in turn. They all keep what they were
     /// granted: nobody asks robots that may be broken to come back.
-    pub(in crate::fleet) fn cut_for(&mut self, broken: RobotId) {
+    pub(in crate::fleet) fn truncate_behind(&mut self, broken: RobotId) {
         let found = self.floor().all_behind(BTreeSet::from([broken]), None);
         let robots = self.floor().kept_by(found);
         self.record(Fact::Truncated { robots });

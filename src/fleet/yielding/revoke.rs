@@ -25,7 +25,7 @@ const STANDS_MPS: f64 = 0.01;
 
 impl Fleet {
     /// Calls back those who have stood for somebody for long and were granted more than the place where they stand.
-    pub(in crate::fleet) fn call_back(&mut self, now: Time) {
+    pub(in crate::fleet) fn revoke_grants(&mut self, now: Time) {
         if self.settings.arm != Arm::Giveway {
             return;
         }
@@ -34,16 +34,16 @@ impl Fleet {
             let leaves = |w| self.drives_away(robot, self.floor().place_of(robot), w, now);
             let stood_for = self.stood_for(robot, now).and_then(|w| self.whereabouts(w, now));
             if stood_for.is_some_and(|w| !leaves(w.at)) {
-                self.call_back_one(robot, now);
+                self.revoke_grant(robot, now);
             }
         }
         self.crowd.called_back.retain(|_, called| now - *called < LEAVES);
     }
 
     /// Calls a robot back to the node that it reached last, if it can come and was not called just now.
-    pub(in crate::fleet) fn call_back_one(&mut self, robot: RobotId, now: Time) {
+    pub(in crate::fleet) fn revoke_grant(&mut self, robot: RobotId, now: Time) {
         let called = self.crowd.called_back.get(&robot).is_some_and(|t| now - *t < AGAIN);
-        if called || !self.floor().can_come_back(robot, now) {
+        if called || !self.floor().can_be_revoked(robot, now) {
             return;
         }
         self.crowd.called_back.insert(robot, now);
@@ -52,7 +52,7 @@ impl Fleet {
     }
 
     /// The robot says how often it came back.
-    pub(in crate::fleet) fn settle_recall(&mut self, robot: RobotId, seen: &Telemetry, now: Time) {
+    pub(in crate::fleet) fn note_revoked(&mut self, robot: RobotId, seen: &Telemetry, now: Time) {
         let chain = self.ledger.chain(robot);
         if seen.recalls <= self.ledger.robots[robot].recalls
             || !(chain.first()..chain.granted()).contains(&seen.known)
@@ -94,7 +94,7 @@ impl Fleet {
 }
 
 impl Floor<'_> {
-    fn can_come_back(&self, robot: RobotId, now: Time) -> bool {
+    fn can_be_revoked(&self, robot: RobotId, now: Time) -> bool {
         let (chain, record) = (self.ledger.chain(robot), &self.ledger.robots[robot]);
         let works = record.stops.first().is_some_and(|s| s.serial == chain.first());
         let stands = |t: &Telemetry| {
