@@ -3,7 +3,7 @@
 //!
 //! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from whoever runs it; [`live`] is the
 //! feed of the floor, [`reel`] keeps its pictures on file, [`feed`] those of people. Reads look at the latest published
-//! picture or at durable lists; writes put a request onto the desk and answer when its facts are durable. Refuses: to
+//! picture or at durable lists; writes put a request onto the queue and answer when its facts are durable. Refuses: to
 //! decide anything about robots, and to know store or server.
 
 mod assets;
@@ -51,7 +51,7 @@ pub struct Api {
     /// Figures over time.
     pub figures: Arc<Figures>,
     /// Takes requests; absent where a recording is shown, since the past takes none.
-    pub desk: Option<mpsc::Sender<Ask>>,
+    pub queue: Option<mpsc::Sender<Ask>>,
     /// Takes questions.
     pub questions: mpsc::Sender<Question>,
     /// What stands.
@@ -81,15 +81,15 @@ impl Api {
     }
 
     /// Where requests go; a recording takes none, nor poses.
-    fn desk(&self) -> Result<&mpsc::Sender<Ask>, Problem> {
-        self.desk.as_ref().ok_or_else(|| {
+    fn queue(&self) -> Result<&mpsc::Sender<Ask>, Problem> {
+        self.queue.as_ref().ok_or_else(|| {
             let detail = "a recording is shown here, and nothing in it can be changed: ask a running server";
             Problem::conflict("recording", "This is a recording", detail)
         })
     }
 
     /// Asks what the picture does not say.
-    async fn wonder<T>(&self, question: impl FnOnce(oneshot::Sender<T>) -> Question) -> Result<T, Problem> {
+    async fn query<T>(&self, question: impl FnOnce(oneshot::Sender<T>) -> Question) -> Result<T, Problem> {
         let (reply, answer) = oneshot::channel();
         let busy = || Problem::unavailable("too many questions are waiting: ask again in a second", 1);
         self.questions.try_send(question(reply)).map_err(|_| busy())?;
@@ -101,9 +101,9 @@ impl Api {
 
     /// Asks the fleet and waits until its answer is durable.
     async fn ask(&self, what: What) -> Result<Reply, Problem> {
-        let desk = self.desk()?;
+        let queue = self.queue()?;
         let (reply, answer) = oneshot::channel();
-        desk.try_send(Ask { what, reply }).map_err(|_| {
+        queue.try_send(Ask { what, reply }).map_err(|_| {
             let cause = self.alarms.list().into_iter().map(|a| a.text).collect::<Vec<_>>().join("; ");
             let cause = if cause.is_empty() { "too many requests are waiting".into() } else { cause };
             Problem::unavailable(format!("nothing was accepted: {cause}. Try again soon."), 1)

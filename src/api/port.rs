@@ -1,4 +1,4 @@
-//! What the API needs from whoever runs it: durable lists to read, a desk for requests, alarms, a clock, and the
+//! What the API needs from whoever runs it: durable lists to read, a queue for requests, alarms, a clock, and the
 //! fleet's picture.
 //!
 //! Main types: [`Records`], [`JobRecord`], [`AssignmentRecord`], [`EncounterRecord`], [`Ask`], [`Question`],

@@ -301,7 +301,7 @@ mod tests {
         let (journal, writer) =
             journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
         let world = World::new(map, &scenario, &[], 1, &fleet, clock.now());
-        let ((feeds, heard), (desk, asks)) = (Feeds::new(), mpsc::channel(8));
+        let ((feeds, heard), (queue, asks)) = (Feeds::new(), mpsc::channel(8));
         let (measure, outbox, feeds) = (Measure::default(), outbox::Outbox::default(), Arc::new(feeds));
         let (inbox, moments) = (inbox::Inbox::new(asks, heard), watch::Sender::new(Arc::default()));
         let (period, (_, questions)) = (scenario.period, mpsc::channel(1));
@@ -328,7 +328,7 @@ mod tests {
             store: store.clone(),
             moments,
         };
-        (drive, writer, desk)
+        (drive, writer, queue)
     }
 
     /// Turns until all robots have this limit.
@@ -349,13 +349,13 @@ mod tests {
     async fn while_the_journal_is_full_all_robots_are_told_to_stand_and_go_on_when_it_is_back() {
         let folder = std::env::temp_dir().join(format!("giveway-drive-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let (mut drive, writer, desk) = drive(&folder).await;
+        let (mut drive, writer, queue) = drive(&folder).await;
         until(&mut drive, None).await;
         let fact = |i: u32| Fact::Deviated { worker: WorkerId(i), at: Time(1) };
         drive.journal.record(Time(1), (0..20_000).map(fact).collect());
         assert!(drive.journal.is_full());
-        let mut job = ask(&desk, What::Cancel(crate::id::JobId(1)));
-        let mut by_hand = [What::Halt(None), What::Release(None)].map(|what| ask(&desk, what));
+        let mut job = ask(&queue, What::Cancel(crate::id::JobId(1)));
+        let mut by_hand = [What::Halt(None), What::Release(None)].map(|what| ask(&queue, what));
         until(&mut drive, Some(0.0)).await;
         assert_eq!(job.try_recv(), Err(oneshot::error::TryRecvError::Closed), "it is answered");
         assert!(drive.alarms.list().iter().any(|a| a.id == ALARM));
@@ -385,13 +385,13 @@ mod tests {
     async fn a_step_that_panics_is_undone_and_where_it_happens_again_and_again_all_robots_stand() {
         let folder = std::env::temp_dir().join(format!("giveway-panics-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let (mut drive, writer, desk) = drive(&folder).await;
+        let (mut drive, writer, queue) = drive(&folder).await;
         let writer = tokio::spawn(writer.run());
         until(&mut drive, None).await;
         let (_stop, mut stop) = watch::channel(false);
         let known = drive.fleet.ledger().robots.clone();
-        let mut halt = ask(&desk, What::Halt(None));
-        let mut job = ask(&desk, What::Cancel(crate::id::JobId(1)));
+        let mut halt = ask(&queue, What::Halt(None));
+        let mut job = ask(&queue, What::Cancel(crate::id::JobId(1)));
         let mut inputs = drive.inbox.drain(false);
         inputs.extend(impossible());
         let now = drive.clock.now();
@@ -416,16 +416,16 @@ mod tests {
         until(&mut drive, Some(0.0)).await;
         let said = drive.alarms.list().into_iter().find(|a| a.id == "broken").expect("it says so").text;
         assert!(said.contains("again and again"), "{said}");
-        let mut refused = ask(&desk, What::Cancel(crate::id::JobId(1)));
+        let mut refused = ask(&queue, What::Cancel(crate::id::JobId(1)));
         drive.turn(&mut published);
         assert_eq!(refused.try_recv(), Err(oneshot::error::TryRecvError::Closed));
         writer.abort();
         let _ = std::fs::remove_dir_all(&folder);
     }
 
-    fn ask(desk: &mpsc::Sender<Ask>, what: What) -> oneshot::Receiver<Reply> {
+    fn ask(queue: &mpsc::Sender<Ask>, what: What) -> oneshot::Receiver<Reply> {
         let (reply, answer) = oneshot::channel();
-        desk.try_send(Ask { what, reply }).unwrap();
+        queue.try_send(Ask { what, reply }).unwrap();
         answer
     }
 
@@ -433,7 +433,7 @@ mod tests {
     async fn a_pose_that_calls_for_a_stop_does_not_wait_for_the_next_tick() {
         let folder = std::env::temp_dir().join(format!("giveway-called-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let (mut drive, writer, desk) = drive(&folder).await;
+        let (mut drive, writer, queue) = drive(&folder).await;
         let writer = tokio::spawn(writer.run());
         let mut published = drive.clock.now();
         until(&mut drive, None).await;
@@ -443,7 +443,7 @@ mod tests {
         let node = drive.fleet.warehouse().nodes.ids().max_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
         let kind = JobKind::Go { robot, node };
         let request = JobRequest { kind, priority: 5, deadline: None, after: vec![], key: None };
-        let _answers = [ask(&desk, What::Submit(request)), ask(&desk, What::Hire("anna".into()))];
+        let _answers = [ask(&queue, What::Submit(request)), ask(&queue, What::Hire("anna".into()))];
         let seen = loop {
             drive.turn(&mut published);
             drive.release();

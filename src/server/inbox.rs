@@ -12,20 +12,20 @@ use crate::sim::FIRST_TOKEN;
 use std::collections::BTreeMap;
 use tokio::sync::{mpsc, oneshot};
 
-/// How many requests may wait on the desk.
-pub const DESK: usize = 1024;
+/// How many requests may wait on the queue.
+pub const QUEUE: usize = 1024;
 
 /// How many simulated orders may wait while the fleet stands.
 const MOST_ORDERS: usize = 10_000;
 
-/// How many requests from outside may be kept while the fleet stands. Beyond, they wait on the desk, which refuses more
+/// How many requests from outside may be kept while the fleet stands. Beyond, they wait on the queue, which refuses more
 /// than it holds.
 const MOST_REQUESTS: usize = 10_000;
 
 /// Requests, and whom to answer.
 #[derive(Debug)]
 pub struct Inbox {
-    desk: mpsc::Receiver<Ask>,
+    queue: mpsc::Receiver<Ask>,
     heard: mpsc::Receiver<Heard>,
     waiting: BTreeMap<u64, oneshot::Sender<Reply>>,
     kept: Vec<Input>,
@@ -35,9 +35,9 @@ pub struct Inbox {
 }
 
 impl Inbox {
-    /// An inbox that is filled from a desk and from feeds.
-    pub fn new(desk: mpsc::Receiver<Ask>, heard: mpsc::Receiver<Heard>) -> Inbox {
-        Inbox { desk, heard, waiting: BTreeMap::new(), kept: Vec::new(), early: Vec::new(), next: 0 }
+    /// An inbox that is filled from a queue and from feeds.
+    pub fn new(queue: mpsc::Receiver<Ask>, heard: mpsc::Receiver<Heard>) -> Inbox {
+        Inbox { queue, heard, waiting: BTreeMap::new(), kept: Vec::new(), early: Vec::new(), next: 0 }
     }
 
     /// Everything that waits. While `refusing`, those who ask now are told so instead.
@@ -45,7 +45,7 @@ impl Inbox {
         let mut inputs = std::mem::take(&mut self.kept);
         let mut room = MOST_REQUESTS.saturating_sub(inputs.iter().filter(|i| !is_simulated(i)).count());
         while room > 0
-            && let Ok(ask) = self.desk.try_recv()
+            && let Ok(ask) = self.queue.try_recv()
         {
             // What is done by hand is neither refused nor overtaken: a release that was refused while the stop before
             // it waits would leave the floor standing.
@@ -167,13 +167,13 @@ mod tests {
 
     /// An inbox with the ends that feed it.
     fn inbox() -> (Inbox, mpsc::Sender<Ask>, mpsc::Sender<Heard>) {
-        let ((desk, asks), (feed, heard)) = (mpsc::channel(DESK), mpsc::channel(1));
-        (Inbox::new(asks, heard), desk, feed)
+        let ((queue, asks), (feed, heard)) = (mpsc::channel(QUEUE), mpsc::channel(1));
+        (Inbox::new(asks, heard), queue, feed)
     }
 
-    fn ask(desk: &mpsc::Sender<Ask>, what: What) -> oneshot::Receiver<Reply> {
+    fn ask(queue: &mpsc::Sender<Ask>, what: What) -> oneshot::Receiver<Reply> {
         let (reply, answer) = oneshot::channel();
-        desk.try_send(Ask { what, reply }).unwrap();
+        queue.try_send(Ask { what, reply }).unwrap();
         answer
     }
 
@@ -186,8 +186,8 @@ mod tests {
 
     #[test]
     fn a_reply_to_a_simulated_customer_answers_no_request_from_outside() {
-        let (mut inbox, desk, _feed) = inbox();
-        let mut answers: Vec<_> = (1..5).map(|job| ask(&desk, What::Cancel(JobId(job)))).collect();
+        let (mut inbox, queue, _feed) = inbox();
+        let mut answers: Vec<_> = (1..5).map(|job| ask(&queue, What::Cancel(JobId(job)))).collect();
         assert_eq!(inbox.drain(false).len(), 4);
         let tokens = orders().into_iter().filter_map(|i| match i {
             Input::Submit { token, .. } => Some(token),
@@ -215,13 +215,13 @@ mod tests {
 
     #[test]
     fn stops_and_releases_by_hand_outlast_any_load_of_simulated_orders_in_their_order() {
-        let (mut inbox, desk, _feed) = inbox();
+        let (mut inbox, queue, _feed) = inbox();
         let order = orders().into_iter().find(|i| matches!(i, Input::Submit { .. })).unwrap();
         let flood = |n: usize| vec![order.clone(); n];
         let mut answers = Vec::new();
         for what in [What::Halt(None), What::Release(None), What::Halt(None)] {
             inbox.keep(flood(MOST_ORDERS));
-            answers.push(ask(&desk, what));
+            answers.push(ask(&queue, what));
             let inputs = inbox.drain(true);
             inbox.keep(inputs);
             inbox.keep(flood(3));
@@ -240,14 +240,14 @@ mod tests {
 
     #[test]
     fn requests_that_are_refused_are_told_so_at_once_and_those_beyond_the_limit_wait_on_the_desk() {
-        let (mut inbox, desk, _feed) = inbox();
-        let mut refused = ask(&desk, What::Cancel(JobId(1)));
+        let (mut inbox, queue, _feed) = inbox();
+        let mut refused = ask(&queue, What::Cancel(JobId(1)));
         assert_eq!(inbox.drain(true), vec![]);
         assert_eq!(refused.try_recv(), Err(oneshot::error::TryRecvError::Closed));
         for token in 0..MOST_REQUESTS as u64 {
             inbox.kept.push(Input::Halt { token, robot: None });
         }
-        let _answer = ask(&desk, What::Halt(None));
+        let _answer = ask(&queue, What::Halt(None));
         let inputs = inbox.drain(true);
         assert_eq!(inputs.len(), MOST_REQUESTS);
         assert_eq!(inbox.drain(true).len(), 1, "it is taken as soon as there is room");

@@ -246,7 +246,7 @@ async fn work(
     let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
-    let ((desk, requests), (ask, questions)) = (mpsc::channel(inbox::DESK), mpsc::channel(QUESTIONS));
+    let ((queue, requests), (ask, questions)) = (mpsc::channel(inbox::QUEUE), mpsc::channel(QUESTIONS));
     let (displaced, gone) = watch::channel(false);
     let custody = custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced);
     let custody = tokio::spawn(custody);
@@ -284,7 +284,7 @@ async fn work(
         moments: picture,
         records: Arc::new(records::Shelf(store.clone())),
         figures: charts.figures,
-        desk: Some(desk),
+        queue: Some(queue),
         questions: ask,
         alarms,
         past: past.folder,

@@ -88,7 +88,7 @@ impl Show {
             moments: picture,
             records: past.clone(),
             figures: figures.clone(),
-            desk: None,
+            queue: None,
             questions: ask,
             alarms: alarms.clone(),
             past: Some(kept),

@@ -1,12 +1,12 @@
 //! Where poses of all sources and guidance for all workers meet.
 //!
-//! Main types: [`Feeds`], [`Seat`] (one connection's place), [`Heard`], [`Told`]. A worker has one source at a time:
+//! Main types: [`Feeds`], [`Connection`] (one connection's place), [`Heard`], [`Told`]. A worker has one source at a time:
 //! a new connection takes the place of an old one, and reports of tags count while no headset talks. A change of
 //! source is a change of frame, so it begins an epoch. Guidance is the newest or none: nobody queues here. Refuses:
 //! to know what is right for a worker.
 
 use super::intake::Senses;
-use super::thin::Thinner;
+use super::thin::RateLimiter;
 use crate::api::error::Problem;
 use crate::api::text::parse_worker_name;
 use crate::fleet::{FeedCounts, Guidance, View};
@@ -60,7 +60,7 @@ pub struct Carried {
 
 /// One connection's place.
 #[derive(Debug)]
-pub struct Seat {
+pub struct Connection {
     /// Its number: a later connection has a larger one.
     pub number: u64,
     /// The number of whoever has the place now.
@@ -96,7 +96,7 @@ struct Slot {
     epoch: u32,
     reports: u64,
     /// Reports that come too fast; the newest waits.
-    thinner: Thinner<Heard>,
+    limiter: RateLimiter<Heard>,
     taken: watch::Sender<u64>,
     told: watch::Sender<Told>,
     carried: Carried,
@@ -133,8 +133,8 @@ impl Feeds {
         for name in names.iter().skip(slots.len()) {
             let (taken, told) = (watch::Sender::new(0), watch::Sender::new(Told::default()));
             let (name, carried) = (name.clone(), Carried::default());
-            let (source, thinner) = (Source::Nobody, Thinner::default());
-            slots.push(Slot { name, source, epoch: 0, reports: 0, thinner, taken, told, carried });
+            let (source, limiter) = (Source::Nobody, RateLimiter::default());
+            slots.push(Slot { name, source, epoch: 0, reports: 0, limiter, taken, told, carried });
         }
     }
 
@@ -154,7 +154,7 @@ impl Feeds {
     }
 
     /// Gives a new connection the worker's place; whoever had it finds out.
-    pub fn sit(&self, worker: WorkerId) -> Option<Seat> {
+    pub fn sit(&self, worker: WorkerId) -> Option<Connection> {
         let mut slots = self.slots();
         let slot = slots.get(worker)?;
         let number = *slot.taken.borrow() + 1;
@@ -162,23 +162,29 @@ impl Feeds {
         slot.taken.send_replace(number);
         (slot.carried.connected, slot.carried.acknowledged) = (true, None);
         slot.carried.clock_error = None;
-        Some(Seat { number, taken: slot.taken.subscribe(), told: slot.told.subscribe() })
+        Some(Connection { number, taken: slot.taken.subscribe(), told: slot.told.subscribe() })
     }
 
     /// The connection is gone.
-    pub fn leave(&self, worker: WorkerId, seat: &Seat) {
+    pub fn leave(&self, worker: WorkerId, connection: &Connection) {
         let mut slots = self.slots();
         let slot = &mut slots[worker];
-        if *slot.taken.borrow() == seat.number {
+        if *slot.taken.borrow() == connection.number {
             slot.carried.connected = false;
         }
     }
 
     /// Hands a pose of a connection on. Whether there was room.
-    pub fn hand(&self, seat: &Seat, mut sighting: Sighting, senses: Senses, received: Time) -> bool {
+    pub fn hand(
+        &self,
+        connection: &Connection,
+        mut sighting: Sighting,
+        senses: Senses,
+        received: Time,
+    ) -> bool {
         let mut slots = self.slots();
         let slot = &mut slots[sighting.worker];
-        slot.switch(Source::Feed(seat.number, sighting.epoch));
+        slot.switch(Source::Feed(connection.number, sighting.epoch));
         sighting.epoch = slot.epoch;
         (slot.carried.senses, slot.carried.received) = (senses, Some(received));
         drop(slots);
@@ -204,7 +210,7 @@ impl Feeds {
         slot.reports += 1;
         (sighting.epoch, sighting.seq) = (slot.epoch, slot.reports);
         (slot.carried.senses, slot.carried.received) = (Senses::default(), Some(received));
-        let passes = slot.thinner.offer(Heard { received, sighting }, received);
+        let passes = slot.limiter.offer(Heard { received, sighting }, received);
         drop(slots);
         passes.map_or(Ok(()), |heard| self.inbox.try_send(heard).map_err(|_| Untaken::Full))
     }
@@ -213,8 +219,8 @@ impl Feeds {
     pub fn pass(&self, now: Time) -> u64 {
         let mut left_out = 0;
         for slot in self.slots().iter_mut() {
-            left_out += std::mem::take(&mut slot.thinner.thinned);
-            if let Some(heard) = slot.thinner.ready(now) {
+            left_out += std::mem::take(&mut slot.limiter.thinned);
+            if let Some(heard) = slot.limiter.ready(now) {
                 // Where there is no room, the next one says so to whoever sends it.
                 let _ = self.inbox.try_send(heard);
             }
@@ -277,7 +283,7 @@ impl Slot {
         if self.source != source {
             (self.source, self.epoch) = (source, self.epoch + 1);
             // What waits is of the old source.
-            self.thinner.forget();
+            self.limiter.forget();
         }
     }
 }
@@ -316,8 +322,8 @@ mod tests {
     #[test]
     fn every_change_of_source_or_alignment_begins_an_epoch_and_none_comes_back() {
         let (feeds, mut heard) = feeds();
-        let hand = |seat: &Seat, epoch, ms: i64| {
-            assert!(feeds.hand(seat, sighting(epoch, 1), Senses::default(), Time(ms * 1000)));
+        let hand = |connection: &Connection, epoch, ms: i64| {
+            assert!(feeds.hand(connection, sighting(epoch, 1), Senses::default(), Time(ms * 1000)));
         };
         let first = feeds.sit(ANNA).unwrap();
         hand(&first, 1, 0);
@@ -335,8 +341,8 @@ mod tests {
     fn a_tag_is_silent_while_a_headset_talks() {
         let (feeds, _heard) = feeds();
         feeds.report(sighting(0, 0), Time(0)).unwrap();
-        let seat = feeds.sit(ANNA).unwrap();
-        feeds.hand(&seat, sighting(1, 1), Senses::default(), Time(1_000_000));
+        let connection = feeds.sit(ANNA).unwrap();
+        feeds.hand(&connection, sighting(1, 1), Senses::default(), Time(1_000_000));
         assert_eq!(feeds.report(sighting(0, 0), Time(2_000_000)), Err(Untaken::Headset));
         assert_eq!(feeds.report(sighting(0, 0), Time(4_000_000)), Ok(()));
         let nobody = Sighting { worker: WorkerId(7), ..sighting(0, 0) };

@@ -4,9 +4,9 @@
 //! in time was replaced by newer. Refuses: to wait for a client, and to talk a version that it does not know.
 
 use super::clock::{Exchange, Outcome};
-use super::hub::{Seat, Told};
+use super::hub::{Connection, Told};
 use super::intake::{Intake, pairs};
-use super::thin::Thinner;
+use super::thin::RateLimiter;
 use super::warn::Warnings;
 use super::wire::{AnchorSaid, HelloSaid, PoseSaid, Said, VERSIONS};
 use crate::api::error::Problem;
@@ -72,7 +72,7 @@ pub async fn feed(
     Segment(id): Segment,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Problem> {
-    api.desk()?;
+    api.queue()?;
     let worker = api.feeds.worker(&id)?;
     let upgrade = upgrade.map_err(|e| {
         let detail = format!("this is a WebSocket: connect with ws:// or wss:// ({})", e.body_text());
@@ -99,9 +99,9 @@ struct Session<'a> {
     api: &'a Api,
     worker: WorkerId,
     socket: WebSocket,
-    seat: Seat,
+    connection: Connection,
     intake: Intake,
-    thinner: Thinner<(Time, Box<PoseSaid>)>,
+    limiter: RateLimiter<(Time, Box<PoseSaid>)>,
     warnings: Warnings,
     pings: VecDeque<(u64, Time)>,
     next_ping: u64,
@@ -123,16 +123,16 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
     let greeted = timeout(GREETING, greeting(&mut socket)).await;
     let end = match greeted.unwrap_or_else(|_| Err(End::Bye(close_code::POLICY, late.into()))) {
         Ok(hello) => {
-            let Some(seat) = api.feeds.sit(worker) else { return };
+            let Some(connection) = api.feeds.sit(worker) else { return };
             let now = (api.now)();
-            let counts = seat.told.borrow().counts;
+            let counts = connection.told.borrow().counts;
             let mut session = Session {
                 api,
                 worker,
                 socket,
-                seat,
+                connection,
                 intake: Intake::new(worker, hello.frame),
-                thinner: Thinner::default(),
+                limiter: RateLimiter::default(),
                 warnings: Warnings::default(),
                 pings: VecDeque::new(),
                 next_ping: 1,
@@ -146,7 +146,7 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
                 sent_at: Time(0),
             };
             let end = session.run(&hello).await.err();
-            api.feeds.leave(worker, &session.seat);
+            api.feeds.leave(worker, &session.connection);
             socket = session.socket;
             end
         }
@@ -202,13 +202,13 @@ impl Session<'_> {
             let wait = self.wait();
             tokio::select! {
                 biased;
-                changed = self.seat.told.changed() => {
+                changed = self.connection.told.changed() => {
                     changed.map_err(|_| End::Gone)?;
                     self.guide(false).await?;
                 }
-                taken = self.seat.taken.changed() => {
+                taken = self.connection.taken.changed() => {
                     taken.map_err(|_| End::Gone)?;
-                    if *self.seat.taken.borrow() != self.seat.number {
+                    if *self.connection.taken.borrow() != self.connection.number {
                         let reason = "another connection took this worker's place";
                         return Err(End::Bye(close_code::POLICY, reason.into()));
                     }
@@ -226,7 +226,7 @@ impl Session<'_> {
     /// How long nothing is due.
     fn wait(&self) -> Duration {
         let now = (self.api.now)();
-        let dues = [self.intake.clock.due(), self.thinner.due(), Some(self.sent_at + REFRESH)];
+        let dues = [self.intake.clock.due(), self.limiter.due(), Some(self.sent_at + REFRESH)];
         let first = dues.into_iter().flatten().min().unwrap_or(now);
         Duration::from_micros((first - now).0.max(0).unsigned_abs())
     }
@@ -236,7 +236,7 @@ impl Session<'_> {
         if now - self.last_heard > SILENT {
             return Err(End::Gone);
         }
-        if let Some((received, pose)) = self.thinner.ready(now) {
+        if let Some((received, pose)) = self.limiter.ready(now) {
             self.hand(&pose, received).await?;
         }
         if now - self.sent_at >= REFRESH { self.guide(true).await } else { Ok(()) }
@@ -257,7 +257,7 @@ impl Session<'_> {
         };
         self.unreadable = 0;
         match said {
-            Said::Pose(pose) => match self.thinner.offer((now, pose), now) {
+            Said::Pose(pose) => match self.limiter.offer((now, pose), now) {
                 Some((received, pose)) => self.hand(&pose, received).await,
                 None => Ok(()),
             },
@@ -316,7 +316,7 @@ impl Session<'_> {
                     self.handed.pop_front();
                 }
                 self.handed.push_back((received, said.epoch, said.seq));
-                if !self.api.feeds.hand(&self.seat, taken.sighting, taken.senses, received) {
+                if !self.api.feeds.hand(&self.connection, taken.sighting, taken.senses, received) {
                     self.api.metrics.refused("full");
                 }
                 taken.fault
@@ -399,9 +399,9 @@ impl Session<'_> {
 
     /// Sends guidance: at once where it changed, else only where it is time.
     async fn guide(&mut self, due: bool) -> Result<(), End> {
-        let Told { at, guidance: told, counts } = self.seat.told.borrow_and_update().clone();
+        let Told { at, guidance: told, counts } = self.connection.told.borrow_and_update().clone();
         let key = GuidanceKey::of(told.as_ref());
-        self.api.metrics.poses_thinned.inc_by(std::mem::take(&mut self.thinner.thinned));
+        self.api.metrics.poses_thinned.inc_by(std::mem::take(&mut self.limiter.thinned));
         let changed = self.sent != Some(key);
         let now = (self.api.now)();
         if !changed && !due && now - self.sent_at < REFRESH {

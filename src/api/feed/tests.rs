@@ -69,7 +69,7 @@ impl Stage {
             moments: picture,
             records: Arc::new(Nothing),
             figures: Arc::new(Figures::new(Time::ZERO, "giveway", Default::default())),
-            desk: Some(mpsc::channel(1).0),
+            queue: Some(mpsc::channel(1).0),
             questions: mpsc::channel(1).0,
             alarms: Arc::new(Alarms::default()),
             past: None,

@@ -1,6 +1,6 @@
 //! At most sixty poses a second: faster ones are thinned, never queued.
 //!
-//! Main type: [`Thinner`]. A bucket of permits with room for a few, since radios deliver in bunches; beyond it only
+//! Main type: [`RateLimiter`]. A bucket of permits with room for a few, since radios deliver in bunches; beyond it only
 //! the newest pose waits, for the next permit. Pure. Refuses: to keep more than one.
 
 use crate::time::{Span, Time};
@@ -13,7 +13,7 @@ const MOST: i64 = 4;
 
 /// Thins what comes too fast.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Thinner<T> {
+pub struct RateLimiter<T> {
     /// When the bucket was last empty; permits gather from there.
     empty: Option<Time>,
     waiting: Option<T>,
@@ -21,13 +21,13 @@ pub struct Thinner<T> {
     pub thinned: u64,
 }
 
-impl<T> Default for Thinner<T> {
-    fn default() -> Thinner<T> {
-        Thinner { empty: None, waiting: None, thinned: 0 }
+impl<T> Default for RateLimiter<T> {
+    fn default() -> RateLimiter<T> {
+        RateLimiter { empty: None, waiting: None, thinned: 0 }
     }
 }
 
-impl<T> Thinner<T> {
+impl<T> RateLimiter<T> {
     /// Offers a new one: what may pass now, the new one unless it must wait.
     pub fn offer(&mut self, item: T, now: Time) -> Option<T> {
         if self.permit(now) {
@@ -69,13 +69,13 @@ mod tests {
     /// What passes of items that come at these milliseconds, looked at every millisecond.
     fn pass(times: impl IntoIterator<Item = i64>) -> Vec<(i64, i64)> {
         let times: Vec<i64> = times.into_iter().collect();
-        let mut thinner = Thinner::default();
+        let mut limiter = RateLimiter::default();
         let mut passed = Vec::new();
         for ms in 0..3000 {
             let now = Time(ms * 1000);
-            passed.extend(thinner.ready(now).map(|item| (ms, item)));
+            passed.extend(limiter.ready(now).map(|item| (ms, item)));
             for t in times.iter().filter(|t| **t == ms) {
-                passed.extend(thinner.offer(*t, now).map(|item| (ms, item)));
+                passed.extend(limiter.offer(*t, now).map(|item| (ms, item)));
             }
         }
         passed

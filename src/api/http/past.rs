@@ -93,7 +93,7 @@ pub async fn past(State(api): State<Api>, Params(p): Params<SpanParams>) -> Resu
     Ok(Json(PastDto {
         start: folder.start.map(time_text),
         now_s: round3(api.moment().time_s),
-        recording: api.desk.is_none(),
+        recording: api.queue.is_none(),
         spans: past.spans.into_iter().map(span).collect(),
         bookmarks: past.marks.into_iter().skip(surplus).collect(),
     }))

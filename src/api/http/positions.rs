@@ -119,7 +119,7 @@ pub async fn many(State(api): State<Api>, Body(new): Body<NewPositions>) -> Resu
 
 /// Hands a report on.
 pub fn report(api: &Api, sighting: Sighting, now: Time) -> Result<(), Problem> {
-    api.desk()?;
+    api.queue()?;
     let worker = worker_name(sighting.worker);
     api.feeds.report(sighting, now).map_err(|why| match why {
         Untaken::Unknown => Problem::unknown("worker", format!("{worker} does not exist")),

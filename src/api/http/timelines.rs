@@ -120,7 +120,7 @@ pub async fn timelines(
     Params(p): Params<AreaParams>,
 ) -> Result<Json<TimelinesDto>, Problem> {
     let (area, ahead) = p.read()?;
-    let seen = api.wonder(|reply| Question::Strips(area, ahead, reply)).await?;
+    let seen = api.query(|reply| Question::Strips(area, ahead, reply)).await?;
     let strips = seen.what.map_err(|count| {
         let detail = format!("{count} nodes lie there; at most {MOST_STRIPS} at once: choose a smaller area");
         Problem::invalid(vec![FieldError::new("area", detail)])

@@ -22,7 +22,7 @@ use axum::extract::State;
      content_type = "application/problem+json")))]
 pub async fn robot(State(api): State<Api>, Segment(id): Segment) -> Result<Json<WhyDto>, Problem> {
     let robot = parse_robot(&api, &id)?;
-    let waits = api.wonder(|reply| Question::Robot(robot, reply)).await?;
+    let waits = api.query(|reply| Question::Robot(robot, reply)).await?;
     Ok(Json(Names { map: &api.map, view: &api.moment().view }.chain(id, &waits)))
 }
 
@@ -39,7 +39,7 @@ pub async fn job(State(api): State<Api>, Segment(id): Segment) -> Result<Json<Wh
         .ok_or_else(|| Problem::unknown("job", format!("\"{id}\" is no job; jobs are like j17")))?;
     let known = api.records.job(job).await.map_err(|why| Problem::unavailable(why, 2))?;
     known.ok_or_else(|| Problem::unknown("job", format!("{} does not exist", job_name(job))))?;
-    let waits = api.wonder(|reply| Question::Job(job, reply)).await?;
+    let waits = api.query(|reply| Question::Job(job, reply)).await?;
     Ok(Json(Names { map: &api.map, view: &api.moment().view }.chain(id, &waits)))
 }
 
