@@ -1,6 +1,6 @@
 //! What people mean for robots: regions, closures, prices. The only place where `human` and `route` meet.
 //!
-//! Main types: [`Arm`] (which method decides), [`Regions`] (radii and speeds), [`Effects`] (beliefs to
+//! Main types: [`HumanAwarePolicy`] (which method decides), [`Regions`] (radii and speeds), [`Effects`] (beliefs to
 //! conditions), [`Zone`] (keep, slow down, or change the route), [`Meter`] (encounters). Refuses: to
 //! plan, and to command anybody.
 
@@ -22,7 +22,7 @@ pub use safe_space::{Answer, Zone};
 
 /// How the fleet deals with people: ours, and three to compare it with (Petković 2021, section 4.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub enum Arm {
+pub enum HumanAwarePolicy {
     /// No prediction: replans when a worker who left the path is within region 1 of a robot.
     Nhir,
     /// Predicts that a worker who left the path goes straight on.
@@ -35,22 +35,23 @@ pub enum Arm {
     Giveway,
 }
 
-impl Arm {
+impl HumanAwarePolicy {
     /// All of them.
-    pub const ALL: [Arm; 4] = [Arm::Nhir, Arm::Shir, Arm::Phir, Arm::Giveway];
+    pub const ALL: [HumanAwarePolicy; 4] =
+        [HumanAwarePolicy::Nhir, HumanAwarePolicy::Shir, HumanAwarePolicy::Phir, HumanAwarePolicy::Giveway];
 
     /// Its name in files and tables.
     pub fn word(self) -> &'static str {
         match self {
-            Arm::Nhir => "nhir",
-            Arm::Shir => "shir",
-            Arm::Phir => "phir",
-            Arm::Giveway => "giveway",
+            HumanAwarePolicy::Nhir => "nhir",
+            HumanAwarePolicy::Shir => "shir",
+            HumanAwarePolicy::Phir => "phir",
+            HumanAwarePolicy::Giveway => "giveway",
         }
     }
 
-    /// The arm of that name.
-    pub fn named(name: &str) -> Option<Arm> {
-        Arm::ALL.into_iter().find(|a| a.word() == name)
+    /// The policy of that name.
+    pub fn named(name: &str) -> Option<HumanAwarePolicy> {
+        HumanAwarePolicy::ALL.into_iter().find(|a| a.word() == name)
     }
 }

@@ -11,7 +11,7 @@
 use crate::human::WALK_MPS;
 use crate::time::{Span, Time, Window};
 
-/// Arm span of a standing man, the 90th percentile, metres (GB/T 13547-92, as quoted by Ye et al.).
+/// HumanAwarePolicy span of a standing man, the 90th percentile, metres (GB/T 13547-92, as quoted by Ye et al.).
 pub const ARM_SPAN_M: f64 = 1.78;
 /// The least distance between a worker and a robot that work together, metres (ISO 10218-2, as quoted there).
 pub const APART_M: f64 = 0.5;

@@ -3,7 +3,7 @@
 //! Main types: [`Table`], [`Detection`]. Refuses: results that depend on the order in which runs end.
 
 use super::{progress, read_map};
-use crate::aware::Arm;
+use crate::aware::HumanAwarePolicy;
 use crate::experiment::statistics::{Paired, Summary};
 use crate::experiment::table::{Column, Row, Setup};
 use crate::sim::detection::{Score, TO_GOAL_S};
@@ -17,12 +17,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 /// Which arms are compared with which.
-const PAIRS: [(Arm, Arm); 5] = [
-    (Arm::Giveway, Arm::Phir),
-    (Arm::Phir, Arm::Nhir),
-    (Arm::Phir, Arm::Shir),
-    (Arm::Giveway, Arm::Nhir),
-    (Arm::Giveway, Arm::Shir),
+const PAIRS: [(HumanAwarePolicy, HumanAwarePolicy); 5] = [
+    (HumanAwarePolicy::Giveway, HumanAwarePolicy::Phir),
+    (HumanAwarePolicy::Phir, HumanAwarePolicy::Nhir),
+    (HumanAwarePolicy::Phir, HumanAwarePolicy::Shir),
+    (HumanAwarePolicy::Giveway, HumanAwarePolicy::Nhir),
+    (HumanAwarePolicy::Giveway, HumanAwarePolicy::Shir),
 ];
 
 /// An arm, on the command line.
@@ -39,12 +39,12 @@ enum ArmArgument {
 }
 
 impl ArmArgument {
-    fn arm(self) -> Arm {
+    fn arm(self) -> HumanAwarePolicy {
         match self {
-            ArmArgument::Nhir => Arm::Nhir,
-            ArmArgument::Shir => Arm::Shir,
-            ArmArgument::Phir => Arm::Phir,
-            ArmArgument::Giveway => Arm::Giveway,
+            ArmArgument::Nhir => HumanAwarePolicy::Nhir,
+            ArmArgument::Shir => HumanAwarePolicy::Shir,
+            ArmArgument::Phir => HumanAwarePolicy::Phir,
+            ArmArgument::Giveway => HumanAwarePolicy::Giveway,
         }
     }
 }
@@ -112,7 +112,7 @@ impl Runs {
     }
 
     /// All runs of all cases: for each case the rows, seed by seed.
-    fn run(&self, cases: &[(Setup, Arm)]) -> Vec<Vec<Row>> {
+    fn run(&self, cases: &[(Setup, HumanAwarePolicy)]) -> Vec<Vec<Row>> {
         let total = cases.len() * self.runs as usize;
         let rows: Vec<Mutex<Option<Row>>> = (0..total).map(|_| Mutex::new(None)).collect();
         let next = AtomicUsize::new(0);
@@ -155,7 +155,7 @@ impl Table {
     /// Runs all and prints the table.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let warehouse = self.runs.hall()?;
-        let mut arms: Vec<Arm> = self.arms.iter().map(|a| a.arm()).collect();
+        let mut arms: Vec<HumanAwarePolicy> = self.arms.iter().map(|a| a.arm()).collect();
         arms.sort_unstable();
         arms.dedup();
         let setup = |workers| Setup {
@@ -165,7 +165,7 @@ impl Table {
             seconds: self.runs.seconds,
             sensor: Sensor::default(),
         };
-        let cases: Vec<(Setup, Arm)> =
+        let cases: Vec<(Setup, HumanAwarePolicy)> =
             self.workers.iter().flat_map(|w| arms.iter().map(|a| (setup(*w), *a))).collect();
         let rows = self.runs.run(&cases);
         let broken = violations(rows.iter().flatten());
@@ -186,7 +186,7 @@ impl Table {
 }
 
 /// One number of workers: all arms, and their differences.
-fn scenario(workers: usize, arms: &[Arm], rows: &[Vec<Row>]) -> Value {
+fn scenario(workers: usize, arms: &[HumanAwarePolicy], rows: &[Vec<Row>]) -> Value {
     let mut by_arm = Map::new();
     for (arm, rows) in arms.iter().zip(rows) {
         let columns = Column::ALL.map(|c| (c.word().to_owned(), summary(c.summary(rows))));
@@ -211,7 +211,7 @@ fn interval(p: Paired) -> Value {
     json!({"mean": p.mean, "ci95": p.ci95.map(|(low, high)| [low, high])})
 }
 
-fn print_table(workers: usize, arms: &[Arm], rows: &[Vec<Row>], runs: &Runs) {
+fn print_table(workers: usize, arms: &[HumanAwarePolicy], rows: &[Vec<Row>], runs: &Runs) {
     let Runs { runs, robots, seconds, .. } = runs;
     println!("{workers} workers, {robots} robots, {runs} runs of {seconds} s: mean (standard deviation)");
     let heads: String = arms.iter().map(|a| format!("{:>18}", a.word())).collect();
@@ -255,7 +255,7 @@ impl Detection {
             seconds: self.runs.seconds,
             sensor,
         };
-        let cases: Vec<(Setup, Arm)> =
+        let cases: Vec<(Setup, HumanAwarePolicy)> =
             sensors.iter().map(|(_, sensor)| (setup(*sensor), self.arm.arm())).collect();
         let rows = self.runs.run(&cases);
         let broken = violations(rows.iter().flatten());

@@ -5,7 +5,7 @@
 //! many cores, as it likes.
 
 use super::statistics::{Paired, Summary};
-use crate::aware::Arm;
+use crate::aware::HumanAwarePolicy;
 use crate::fleet::Charging;
 use crate::route::Kinematics;
 use crate::sim::detection::Score;
@@ -123,7 +123,7 @@ impl Column {
 
 impl Setup {
     /// The scenario of one run.
-    pub fn scenario(&self, arm: Arm, seed: u64) -> Scenario {
+    pub fn scenario(&self, arm: HumanAwarePolicy, seed: u64) -> Scenario {
         let deviations = Deviations { at_s: DEVIATE_S.to_vec(), causes: Causes::All };
         let workers = Workers {
             count: self.workers,
@@ -149,12 +149,12 @@ impl Setup {
             closures: Vec::new(),
             model: None,
             learned: crate::human::Model::builtin(),
-            arm,
+            policy: arm,
         }
     }
 
     /// One run.
-    pub fn run(&self, arm: Arm, seed: u64) -> Row {
+    pub fn run(&self, arm: HumanAwarePolicy, seed: u64) -> Row {
         let scenario = self.scenario(arm, seed);
         let mut sim = Simulation::new(self.warehouse.clone(), &scenario, &[], seed, false, || 0);
         while !sim.is_over() {
@@ -194,8 +194,8 @@ mod tests {
 
     #[test]
     fn a_run_of_one_seed_is_the_same_twice_and_has_people_in_it() {
-        let row = setup().run(Arm::Giveway, 3);
-        assert_eq!(row, setup().run(Arm::Giveway, 3));
+        let row = setup().run(HumanAwarePolicy::Giveway, 3);
+        assert_eq!(row, setup().run(HumanAwarePolicy::Giveway, 3));
         assert!(row.score.hours > 85.0 / 3600.0 && row.score.deviations() > 0, "{:?}", row.score);
         assert_eq!(row.law_violations, 0, "{:?}", row.broken);
     }
@@ -212,7 +212,7 @@ mod tests {
             let scripted = logs.flatten().filter(|s| s.cause == crate::sim::walker::Cause::Scripted);
             scripted.map(|s| s.from).collect::<Vec<_>>()
         };
-        assert_eq!(deviations(Arm::Nhir), deviations(Arm::Giveway));
-        assert_eq!(deviations(Arm::Nhir).len(), 2);
+        assert_eq!(deviations(HumanAwarePolicy::Nhir), deviations(HumanAwarePolicy::Giveway));
+        assert_eq!(deviations(HumanAwarePolicy::Nhir).len(), 2);
     }
 }

@@ -33,7 +33,7 @@ pub use state::worker::{
     FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
 };
 
-use crate::aware::{Arm, Regions};
+use crate::aware::{HumanAwarePolicy, Regions};
 use crate::human::{Method, Model};
 use crate::id::RobotId;
 use crate::route::{Kinematics, Planner, Rules};
@@ -72,8 +72,8 @@ pub struct Settings {
     /// How many corners an area may have.
     pub corners_max: usize,
     /// How the fleet deals with people.
-    pub arm: Arm,
-    /// How our own arm recognises intentions.
+    pub policy: HumanAwarePolicy,
+    /// How our own policy recognises intentions.
     pub method: Method,
     /// What was learned about people.
     pub model: Arc<Model>,
@@ -97,7 +97,7 @@ impl Default for Settings {
             closures_max: 2_000,
             after_max: 100,
             corners_max: 100,
-            arm: Arm::default(),
+            policy: HumanAwarePolicy::default(),
             method: Method::Detour,
             model: Model::builtin(),
             ghosts: false,

@@ -55,7 +55,7 @@ fn scenario(robots: usize) -> Scenario {
         kinematics: Kinematics::default(),
         workers: Workers::default(),
         closures: Vec::new(),
-        arm: Arm::default(),
+        policy: HumanAwarePolicy::default(),
         model: None,
         learned: crate::human::Model::builtin(),
     }

@@ -80,7 +80,7 @@ impl Show {
         let (feeds, _) = Feeds::new();
         let feeds = Arc::new(feeds);
         let past = Arc::new(Past::default());
-        let arm = player.fleet.settings().arm.word();
+        let arm = player.fleet.settings().policy.word();
         let figures = Arc::new(Figures::new(Time::ZERO, arm, History::default()));
         let (closing, closes) = watch::channel(false);
         let api = Api {

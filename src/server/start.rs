@@ -76,7 +76,7 @@ pub async fn build(config: &Config, floor: Floor, store: &Arc<Store>) -> anyhow:
     let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
     let (buckets, heat) = store.load_history().await?;
     let history = History::restore(buckets, heat);
-    let figures = Arc::new(Figures::new(clock.started(), settings.arm.word(), history));
+    let figures = Arc::new(Figures::new(clock.started(), settings.policy.word(), history));
     let (now, floor) = (clock.now(), map.clone());
     let period = scenario.period;
     let fold = move || {

@@ -3,7 +3,7 @@
 //! Stops and slow-downs leave at once; everything else enters the search and the grants as conditions.
 //! Refuses: to plan for robots, and to trust a sighting that cannot be true.
 
-use crate::aware::{Arm, Effects};
+use crate::aware::{Effects, HumanAwarePolicy};
 use crate::fleet::Fleet;
 use crate::fleet::people::routing::REDIRECT;
 use crate::fleet::people::state::Mode;
@@ -99,7 +99,8 @@ impl Fleet {
             (Conduct::OnPath, _) if works => self.at_the_end(worker, place.at, now),
             (Conduct::Deviating, Mode::Deviating { .. }) => self.show_the_way_back(worker, place.at, now),
             // Told to stop off the path: the procedure tries again by itself.
-            (Conduct::Deviating, Mode::Stopped { .. }) if self.settings.arm != Arm::Giveway => {}
+            (Conduct::Deviating, Mode::Stopped { .. })
+                if self.settings.policy != HumanAwarePolicy::Giveway => {}
             (Conduct::Deviating, _) => self.leaves_path(worker, place.at, now),
             (Conduct::Outside, _) => {}
             (Conduct::OnPath, Mode::Deviating { .. }) => {
@@ -133,8 +134,9 @@ impl Fleet {
             Effects { warehouse: &warehouse, regions: &self.crowd.regions, afoot: &self.crowd.afoot, now };
         for (worker, place) in self.present(now) {
             let person = &self.crowd.people[worker];
-            if self.settings.arm == Arm::Giveway || place.presence == Presence::Lost {
-                let stands = person.stands_since.filter(|_| self.settings.arm == Arm::Giveway);
+            if self.settings.policy == HumanAwarePolicy::Giveway || place.presence == Presence::Lost {
+                let stands =
+                    person.stands_since.filter(|_| self.settings.policy == HumanAwarePolicy::Giveway);
                 let stood = stands.map_or(Span::ZERO, |t| now - t);
                 effects.presence(&mut conditions, worker, &place, stood);
                 let band = Band::around(place.velocity.norm());

@@ -4,7 +4,7 @@
 //! Main type: [`Expected`], for readers. Refuses: to let a robot drive because a forecast says that nobody will be
 //! there: forecasts only make robots brake.
 
-use crate::aware::{Arm, BEYOND, SLOW_MPS, Swept, THRESHOLD, collision};
+use crate::aware::{BEYOND, HumanAwarePolicy, SLOW_MPS, Swept, THRESHOLD, collision};
 use crate::fleet::Fleet;
 use crate::geometry::Point;
 use crate::human::motion::{Fix, Motion};
@@ -34,7 +34,7 @@ impl Fleet {
     /// Where workers who are seen may be in the coming seconds, for readers. Arms that do not decide by such forecasts
     /// have none.
     pub fn expectations(&self, now: Time) -> Vec<Expected> {
-        if self.settings.arm != Arm::Giveway {
+        if self.settings.policy != HumanAwarePolicy::Giveway {
             return Vec::new();
         }
         let seen = self.present(now).into_iter().filter(|(_, place)| place.presence != Presence::Lost);
@@ -68,7 +68,7 @@ impl Fleet {
     /// Notes where everybody may be going, and keeps a forecast of everybody from time to time to see whether it
     /// comes true.
     pub(in crate::fleet) fn update_forecasts(&mut self, now: Time) {
-        if self.settings.arm != Arm::Giveway {
+        if self.settings.policy != HumanAwarePolicy::Giveway {
             return;
         }
         for (worker, place) in self.present(now) {

@@ -4,7 +4,7 @@
 //! Main type: [`Intents`]. Goals are the workers' tasks, the doors, and the corners of the hall, which stand for
 //! everything else (Petković 2021, section 4.3.2). Refuses: to follow workers whose place is only guessed.
 
-use crate::aware::Arm;
+use crate::aware::HumanAwarePolicy;
 use crate::fleet::Fleet;
 use crate::fleet::people::state::Mode;
 use crate::fleet::state::floor::Floor;
@@ -85,10 +85,10 @@ pub(in crate::fleet) fn goal_of(place: NodeId) -> GoalId {
 impl Fleet {
     /// Takes what was seen in this step into what is believed of everybody.
     pub(in crate::fleet) fn infer(&mut self, now: Time) {
-        let method = match self.settings.arm {
-            Arm::Nhir | Arm::Shir => return,
-            Arm::Phir => Method::Chapter4,
-            Arm::Giveway => self.settings.method,
+        let method = match self.settings.policy {
+            HumanAwarePolicy::Nhir | HumanAwarePolicy::Shir => return,
+            HumanAwarePolicy::Phir => Method::Chapter4,
+            HumanAwarePolicy::Giveway => self.settings.method,
         };
         self.know_places();
         self.block_walkways(now);
@@ -171,7 +171,7 @@ impl Fleet {
         if let Some(id) = self.floor().next_assignment(worker) {
             goals.insert(goal_of(self.ledger.assignments[&id].request.place), OWN_TASK);
         }
-        if self.settings.arm == Arm::Giveway {
+        if self.settings.policy == HumanAwarePolicy::Giveway {
             // Tasks of others, oldest first: people help one another, and pick up what is on the way.
             let others = self.crowd.mind.early.iter().filter(|(_, w)| *w != worker).take(OTHERS);
             for (id, _) in others {

@@ -2,7 +2,7 @@
 //!
 //! Refuses: to move anybody; a worker is shown a path and may ignore it.
 
-use crate::aware::{Arm, BODY_M};
+use crate::aware::{BODY_M, HumanAwarePolicy};
 use crate::fleet::Fleet;
 use crate::fleet::people::state::Mode;
 use crate::fleet::state::fact::Fact;
@@ -202,7 +202,7 @@ impl Fleet {
     pub(in crate::fleet) fn leaves_path(&mut self, worker: WorkerId, at: Point, now: Time) {
         self.record(Fact::Deviated { worker, at: now });
         self.crowd.people[worker].mode = Mode::Deviating { since: now };
-        if self.settings.arm == Arm::Giveway {
+        if self.settings.policy == HumanAwarePolicy::Giveway {
             self.route_on(worker, at, now);
         }
     }
@@ -210,7 +210,7 @@ impl Fleet {
     /// Shows whoever left the path a new one from where they are, now and then.
     pub(in crate::fleet) fn show_the_way_back(&mut self, worker: WorkerId, at: Point, now: Time) {
         let made = self.crowd.people[worker].plan.as_ref().map_or(Time::ZERO, |p| p.made);
-        if self.settings.arm == Arm::Giveway && now - made >= REDIRECT {
+        if self.settings.policy == HumanAwarePolicy::Giveway && now - made >= REDIRECT {
             self.route_on(worker, at, now);
         }
     }

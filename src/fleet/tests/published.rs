@@ -2,7 +2,7 @@
 
 use super::people::Puppet;
 use super::*;
-use crate::aware::Arm;
+use crate::aware::HumanAwarePolicy;
 use crate::fleet::people::state::{Mode, Person};
 use crate::geometry::Point;
 use crate::warehouse::sketch;
@@ -14,8 +14,8 @@ fn at(floor: &Floor, x: f64, y: f64) -> NodeId {
     w.nodes.pairs().find(|(_, n)| (n.at - Point::new(x, y)).norm() < 0.1).expect("the hall has it").0
 }
 
-fn hall(arm: Arm, robots: usize) -> Floor {
-    Floor::new(thesis(), &Scenario { arm, ..scenario(robots) })
+fn hall(policy: HumanAwarePolicy, robots: usize) -> Floor {
+    Floor::new(thesis(), &Scenario { policy, ..scenario(robots) })
 }
 
 /// Sends a robot somewhere and breaks it there.
@@ -53,7 +53,7 @@ fn told(floor: &mut Floor, puppet: &mut Puppet, steps: usize) -> Vec<GuidanceSta
 
 #[test]
 fn all_robots_are_interrupted_and_go_on_when_somebody_leaves_the_path() {
-    let mut floor = hall(Arm::Phir, 8);
+    let mut floor = hall(HumanAwarePolicy::Phir, 8);
     floor.submit_batch(20);
     floor.run(5);
     let mut ana = worker(&mut floor);
@@ -70,7 +70,7 @@ fn all_robots_are_interrupted_and_go_on_when_somebody_leaves_the_path() {
 
 #[test]
 fn without_prediction_nobody_reacts_before_a_robot_is_near() {
-    let mut floor = hall(Arm::Nhir, 4);
+    let mut floor = hall(HumanAwarePolicy::Nhir, 4);
     let mut ana = worker(&mut floor);
     told(&mut floor, &mut ana, 10);
     (ana.own, ana.way) = (true, vec![Point::new(3.0, 0.0), Point::new(12.0, 0.0)]);
@@ -83,7 +83,7 @@ fn without_prediction_nobody_reacts_before_a_robot_is_near() {
 
 #[test]
 fn a_robot_that_stands_on_the_way_is_walked_round() {
-    let mut floor = hall(Arm::Nhir, 2);
+    let mut floor = hall(HumanAwarePolicy::Nhir, 2);
     break_at(&mut floor, 0, 3.0, 4.0);
     let mut ana = worker(&mut floor);
     told(&mut floor, &mut ana, 3);
@@ -98,7 +98,7 @@ fn a_robot_that_stands_on_the_way_is_walked_round() {
 
 #[test]
 fn who_is_shut_in_between_robots_that_cannot_move_is_told_to_stop() {
-    let mut floor = hall(Arm::Nhir, 2);
+    let mut floor = hall(HumanAwarePolicy::Nhir, 2);
     break_at(&mut floor, 0, 3.0, 5.0);
     let mut ana = worker(&mut floor);
     (ana.own, ana.way) = (true, vec![Point::new(3.0, 3.7)]);
@@ -127,7 +127,7 @@ fn corridor(bays: &str, robots: usize) -> Floor {
     let mut draft = sketch(&[bays, &stem, &stem, &stem, "X......................X"].join("\n"));
     let corner = |x: f64, y: f64| Point::new(x, y);
     draft.walkable = vec![vec![corner(-0.5, -0.5), corner(23.5, -0.5), corner(23.5, 0.5), corner(-0.5, 0.5)]];
-    let scenario = Scenario { arm: Arm::Shir, ..scenario(robots) };
+    let scenario = Scenario { policy: HumanAwarePolicy::Shir, ..scenario(robots) };
     Floor::new(draft.build().expect("well-formed"), &scenario)
 }
 

@@ -5,7 +5,7 @@
 //! The search knows every announced closure as a condition, so new routes need nothing from here. Refuses: to stop
 //! anybody (grants do), and to take back what was granted.
 
-use crate::aware::{Arm, Zone};
+use crate::aware::{HumanAwarePolicy, Zone};
 use crate::fleet::Fleet;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
@@ -26,7 +26,7 @@ impl Fleet {
     /// Notes which nodes are as good as closed because somebody has been standing there for long.
     pub(in crate::fleet) fn note_closing(&mut self, now: Time) {
         self.crowd.closing.clear();
-        if self.settings.arm != Arm::Giveway {
+        if self.settings.policy != HumanAwarePolicy::Giveway {
             return;
         }
         let (areas, conditions) = (&self.crowd.areas, &self.crowd.conditions);

@@ -5,7 +5,7 @@
 //! a little, it waits; if it would have to wait for long, it looks for another route. Refuses: to look at
 //! anybody whose holds no worker touches.
 
-use crate::aware::{Answer, Arm, Zone};
+use crate::aware::{Answer, HumanAwarePolicy, Zone};
 use crate::fleet::Fleet;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::Reaction;
@@ -107,7 +107,7 @@ impl Fleet {
         }
         for robot in crate::fleet::state::ledger::all(&self.ledger.robots) {
             self.note_holding(robot, now);
-            if *budget == 0 || self.settings.arm != Arm::Giveway {
+            if *budget == 0 || self.settings.policy != HumanAwarePolicy::Giveway {
                 continue;
             }
             if let Decision::Change(worker) = self.decide(robot, now) {

@@ -7,7 +7,7 @@
 //! errata: the common segment is a prefix, and the most probable path stands in where paths share a single
 //! node. Refuses: to be used by our own method.
 
-use crate::aware::{Arm, BODY_M, Effects};
+use crate::aware::{BODY_M, Effects, HumanAwarePolicy};
 use crate::fleet::Fleet;
 use crate::fleet::people::intent::goal_of;
 use crate::fleet::people::state::Mode;
@@ -53,7 +53,7 @@ impl Procedure {
 impl Fleet {
     /// Starts, and carries on with, the published procedure.
     pub(in crate::fleet) fn follow_procedure(&mut self, now: Time) {
-        if self.settings.arm == Arm::Giveway {
+        if self.settings.policy == HumanAwarePolicy::Giveway {
             return;
         }
         for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
@@ -93,7 +93,7 @@ impl Fleet {
         }
         match person.mode {
             Mode::Stopped { since } => now - since >= AGAIN,
-            Mode::Deviating { .. } if self.settings.arm == Arm::Nhir => {
+            Mode::Deviating { .. } if self.settings.policy == HumanAwarePolicy::Nhir => {
                 // Without a prediction nobody reacts before a robot had to.
                 self.ledger.robots.ids().any(|r| {
                     let loaded = self.ledger.rack_on(r).is_some();
@@ -224,15 +224,17 @@ impl Fleet {
             let goal = self.warehouse().nodes[self.ledger.assignments[&id].request.place].at;
             Some(self.crowd.walkways.path(at, goal, &self.crowd.walkways.no_edges())?.points)
         };
-        match self.settings.arm {
-            Arm::Shir => {
+        match self.settings.policy {
+            HumanAwarePolicy::Shir => {
                 let heading = self.whereabouts(worker, now).and_then(|w| {
                     (w.velocity.norm() > 0.1).then(|| w.velocity.y.atan2(w.velocity.x)).or(w.heading)
                 });
                 straight_on(&self.crowd.walkways, at, heading.unwrap_or(0.0), STRAIGHT_M)
             }
-            Arm::Phir => self.most_probable_segment(worker, at).or_else(home).unwrap_or_default(),
-            Arm::Nhir | Arm::Giveway => home().unwrap_or_default(),
+            HumanAwarePolicy::Phir => {
+                self.most_probable_segment(worker, at).or_else(home).unwrap_or_default()
+            }
+            HumanAwarePolicy::Nhir | HumanAwarePolicy::Giveway => home().unwrap_or_default(),
         }
     }
 

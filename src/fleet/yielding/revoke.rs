@@ -4,7 +4,7 @@
 //! What was granted stays granted until the robot says that it is back and has forgotten the rest, whatever is lost or
 //! late on the way. Refuses: to call back a robot that drives, or works.
 
-use crate::aware::Arm;
+use crate::aware::HumanAwarePolicy;
 use crate::fleet::Fleet;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
@@ -26,7 +26,7 @@ const STANDS_MPS: f64 = 0.01;
 impl Fleet {
     /// Calls back those who have stood for somebody for long and were granted more than the place where they stand.
     pub(in crate::fleet) fn revoke_grants(&mut self, now: Time) {
-        if self.settings.arm != Arm::Giveway {
+        if self.settings.policy != HumanAwarePolicy::Giveway {
             return;
         }
         let standing: Vec<RobotId> = self.crowd.stands.keys().copied().collect();
@@ -83,7 +83,7 @@ impl Fleet {
     /// is helped if it drives up again. Between those who take turns, it has to go nearer to one of them.
     pub(in crate::fleet) fn faces(&self, robot: RobotId, node: NodeId, now: Time) -> Option<WorkerId> {
         let standing = self.crowd.stands.get(&robot)?;
-        if now - standing.facing_since <= LEAVES || self.settings.arm != Arm::Giveway {
+        if now - standing.facing_since <= LEAVES || self.settings.policy != HumanAwarePolicy::Giveway {
             return None;
         }
         let w = self.whereabouts(standing.worker, now)?.at;

@@ -3,7 +3,7 @@
 //! Limits and stops leave at once, without waiting for the journal: they take nothing from anybody. Refuses:
 //! to be a safety function; robots' own scanners and brakes are.
 
-use crate::aware::{Arm, Drive, Near, SLOW_MPS, Walk, moves_within};
+use crate::aware::{Drive, HumanAwarePolicy, Near, SLOW_MPS, Walk, moves_within};
 use crate::fleet::Fleet;
 use crate::fleet::people::state::{Mode, Standing};
 use crate::fleet::state::fact::Fact;
@@ -94,7 +94,7 @@ impl Fleet {
             // Down to the slow speed, at which the rules by distance decide: who stands face to face with somebody
             // has to get out of the way somehow.
             let is_fast = speed > SLOW_MPS && limit.is_none_or(|l| l > SLOW_MPS);
-            let brakes = self.settings.arm == Arm::Giveway && is_fast;
+            let brakes = self.settings.policy == HumanAwarePolicy::Giveway && is_fast;
             let limit =
                 if brakes && self.would_meet(robot, *worker, at, now) { Some(SLOW_MPS) } else { limit };
             if limit.is_some_and(|l| slowest.0.is_none_or(|s| l < s)) {
@@ -116,7 +116,7 @@ impl Fleet {
         let loaded = self.ledger.rack_on(robot).is_some();
         let (chain, reached) = (self.ledger.chain(robot), self.floor().reached(robot));
         let nodes = (reached..).map_while(|serial| chain.get(serial)).take(2).map(|v| v.node);
-        if self.settings.arm == Arm::Giveway {
+        if self.settings.policy == HumanAwarePolicy::Giveway {
             if self.is_caught_up(robot, worker, w, now) {
                 return Some(0.0);
             }
@@ -128,7 +128,7 @@ impl Fleet {
         let conditions = nodes.flat_map(|n| self.crowd.conditions.of(n));
         let limits = conditions.filter(|c| c.cause == Cause::Worker(worker)).filter_map(|c| match c.effect {
             Effect::Slow(l) => Some(l[usize::from(loaded)]).filter(|l| l.is_finite()),
-            Effect::Still if self.settings.arm == Arm::Giveway => {
+            Effect::Still if self.settings.policy == HumanAwarePolicy::Giveway => {
                 Some(if self.may_finish(robot, w, loaded) { SLOW_MPS } else { 0.0 })
             }
             Effect::Still | Effect::Closed => Some(SLOW_MPS),

@@ -13,7 +13,7 @@ pub use closures::Closing;
 pub use habits::Habits;
 pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, Sensor, Source, Workers};
 
-use crate::aware::Arm;
+use crate::aware::HumanAwarePolicy;
 use crate::fleet::{Charging, Closure};
 use crate::human::Model;
 use crate::route::Kinematics;
@@ -56,7 +56,7 @@ pub struct Scenario {
     /// Areas closed for a time.
     pub closures: Vec<Closing>,
     /// How the fleet gives way to people.
-    pub arm: Arm,
+    pub policy: HumanAwarePolicy,
     /// File with what was learned about people, relative to the scenario; the built-in figures where absent.
     pub model: Option<String>,
     /// What is in it.
@@ -139,15 +139,15 @@ struct File {
     #[serde(default)]
     closures: Vec<Closing>,
     #[serde(default)]
-    arm: ArmWord,
+    arm: PolicyWord,
     #[serde(default)]
     model: Option<String>,
 }
 
-/// [`Arm`] as files name it.
+/// [`HumanAwarePolicy`] as files name it.
 #[derive(Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum ArmWord {
+enum PolicyWord {
     Nhir,
     Shir,
     Phir,
@@ -155,13 +155,13 @@ enum ArmWord {
     Giveway,
 }
 
-impl From<ArmWord> for Arm {
-    fn from(word: ArmWord) -> Arm {
+impl From<PolicyWord> for HumanAwarePolicy {
+    fn from(word: PolicyWord) -> HumanAwarePolicy {
         match word {
-            ArmWord::Nhir => Arm::Nhir,
-            ArmWord::Shir => Arm::Shir,
-            ArmWord::Phir => Arm::Phir,
-            ArmWord::Giveway => Arm::Giveway,
+            PolicyWord::Nhir => HumanAwarePolicy::Nhir,
+            PolicyWord::Shir => HumanAwarePolicy::Shir,
+            PolicyWord::Phir => HumanAwarePolicy::Phir,
+            PolicyWord::Giveway => HumanAwarePolicy::Giveway,
         }
     }
 }
@@ -257,7 +257,7 @@ impl Scenario {
             kinematics: file.fleet.kinematics()?,
             workers: file.workers,
             closures: file.closures,
-            arm: file.arm.into(),
+            policy: file.arm.into(),
             model: file.model,
             learned: Model::builtin(),
         })
@@ -274,9 +274,9 @@ impl Scenario {
 
     /// The settings of the core for this scenario.
     pub fn settings(&self) -> crate::fleet::Settings {
-        let Scenario { kinematics, period, arm, charging, .. } = *self;
+        let Scenario { kinematics, period, policy, charging, .. } = *self;
         let model = self.learned.clone();
-        crate::fleet::Settings { kinematics, period, arm, charging, model, ..Default::default() }
+        crate::fleet::Settings { kinematics, period, policy, charging, model, ..Default::default() }
     }
 }
 
