@@ -1,6 +1,6 @@
 //! The files of the page, built into the program.
 //!
-//! Main functions: [`file`], [`single`]. Refuses: files that are not part of the build.
+//! Main functions: [`file()`], [`single`]. Refuses: files that are not part of the build.
 
 use rust_embed::{EmbeddedFile, RustEmbed};
 

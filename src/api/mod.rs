@@ -3,7 +3,7 @@
 //!
 //! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from whoever runs it; [`live`] is the
 //! feed of the floor, [`reel`] keeps its pictures on file, [`feed`] those of people. Reads look at the latest published
-//! picture or at durable lists; writes put a request onto the queue and answer when its facts are durable. Refuses: to
+//! picture or at durable lists; writes put a request into the queue and answer when its facts are durable. Refuses: to
 //! decide anything about robots, and to know store or server.
 
 mod assets;

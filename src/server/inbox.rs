@@ -18,8 +18,8 @@ pub const QUEUE: usize = 1024;
 /// How many simulated orders may wait while the fleet stands.
 const MOST_ORDERS: usize = 10_000;
 
-/// How many requests from outside may be kept while the fleet stands. Beyond, they wait on the queue, which refuses more
-/// than it holds.
+/// How many requests from outside may be kept while the fleet stands. Beyond, they wait in the queue, which refuses
+/// more than it holds.
 const MOST_REQUESTS: usize = 10_000;
 
 /// Requests, and whom to answer.

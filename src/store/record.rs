@@ -292,9 +292,7 @@ impl From<&Fact> for Record {
             Fact::Revoked { robot, serial, recalls, at } => {
                 Record::Recalled { robot: robot.0, serial: *serial, recalls: *recalls, at: at.0 }
             }
-            Fact::Truncated { robots } => {
-                Record::Cut { robots: robots.iter().map(KeptRecord::from).collect() }
-            }
+            Fact::Truncated { robots } => Record::Cut { robots: kept_records(robots) },
             Fact::Placed { robot, node, serial, cut, at } => record_placed(*robot, *node, *serial, cut, *at),
             Fact::Failed { robot, at } => Record::Failed { robot: robot.0, at: at.0 },
             Fact::Repaired { robot, at } => Record::Repaired { robot: robot.0, at: at.0 },
@@ -334,6 +332,10 @@ impl From<&Fact> for Record {
             },
         }
     }
+}
+
+fn kept_records(robots: &[Kept]) -> Vec<KeptRecord> {
+    robots.iter().map(KeptRecord::from).collect()
 }
 
 impl From<Record> for Fact {

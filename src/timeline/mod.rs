@@ -1,9 +1,9 @@
 //! Who holds which resource when, and what is free in between.
 //!
 //! Main types: [`Timeline`] (all holds of everyone), [`Visit`] (a stay on one node as a holder plans it),
-//! [`FreeWindow`] (an interval in which a resource is free), [`Reserved`] (the proof that visits are held; only this module makes one).
-//! Refuses: to hold anything twice, to forget who was promised a resource first, and to know why anyone
-//! wants to be anywhere.
+//! [`FreeWindow`] (when a resource is free), [`Reserved`] (the proof that visits are held; only this module makes one).
+//! Refuses: to hold anything twice, to forget who was promised a resource first, and to know why anyone wants to be
+//! anywhere.
 //!
 //! Each resource has one list of holds sorted by start. A hold on a resource also stands, marked
 //! [`Layer::Conflict`], in the list of every resource in conflict with it: a plan writes a few hundred holds but

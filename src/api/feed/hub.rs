@@ -1,6 +1,6 @@
 //! Where poses of all sources and guidance for all workers meet.
 //!
-//! Main types: [`Feeds`], [`Connection`] (one connection's place), [`Heard`], [`Told`]. A worker has one source at a time:
+//! Main types: [`Feeds`], [`Connection`] (its place), [`Heard`], [`Told`]. A worker has one source at a time:
 //! a new connection takes the place of an old one, and reports of tags count while no headset talks. A change of
 //! source is a change of frame, so it begins an epoch. Guidance is the newest or none: nobody queues here. Refuses:
 //! to know what is right for a worker.

@@ -455,7 +455,7 @@ impl Floor<'_> {
         if self.waits_for_room(robot) { SmallVec::new() } else { self.stages_left(robot) }
     }
 
-    /// A route over [`Fleet::stages_aside`] with the stops of the task alone: nothing is done at the place.
+    /// A route over `stages_aside` with the stops of the task alone: nothing is done at the place.
     pub(in crate::fleet) fn with_own_stops(&self, robot: RobotId, mut route: Route) -> Route {
         route.stops.remove(0);
         if self.stages_after(robot).is_empty() {
