@@ -159,6 +159,9 @@ fn simulate(
     let bar = progress(scenario.duration.0 as u64 / 1_000_000, what);
     while !sim.is_over() {
         let now = sim.now();
+        if let Some(file) = file.take_if(|_| sim.drains()) {
+            end_recording(file, &sim)?;
+        }
         let (inputs, step) = sim.step();
         if let Some(reeler) = &mut reeler {
             reeler.step(&sim.fleet, now, &step.facts)?;
@@ -170,11 +173,16 @@ fn simulate(
     }
     bar.finish_and_clear();
     reeler.map_or(Ok(()), Reeler::finish)?;
-    if let Some(mut file) = file {
-        file.write(&Recorder::end(sim.trace_hash()))?;
-        file.finish()?;
+    if let Some(file) = file {
+        end_recording(file, &sim)?;
     }
     Ok(sim.outcome())
+}
+
+/// A recording is of the duration, as the digest of the report is; not of the time in which the floor drains.
+fn end_recording(mut file: super::recording::Writer, sim: &Simulation) -> anyhow::Result<()> {
+    file.write(&Recorder::end(sim.trace_hash()))?;
+    file.finish()
 }
 
 fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) -> Value {

@@ -121,6 +121,11 @@ impl Simulation {
         self.now >= self.end && (self.now >= self.end + self.drain || drained())
     }
 
+    /// Whether the duration is over, and the floor only drains.
+    pub fn drains(&self) -> bool {
+        self.now >= self.end
+    }
+
     /// One control period. Gives the inputs and what the step made of them, for recordings.
     pub fn step(&mut self) -> (Vec<Input>, Step) {
         if self.now >= self.end && self.measured.is_none() {
