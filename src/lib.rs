@@ -18,7 +18,7 @@
 //! ```
 //!
 //! Arrows read "is known by". A module names only modules before it; `store`, `api` and `vda5050` know the core and
-//! neither each other nor `sim`; `human` and `route` meet only in `aware`. `tests/walls.rs` enforces this and the
+//! neither each other nor `sim`; `human` and `route` meet only in `aware`. `tests/walls/` enforces this and the
 //! purity, and `cargo test --no-default-features` builds everything pure without one crate of the outside.
 //!
 //! # The code, in reading order
@@ -241,7 +241,7 @@
 //! | what happens where a step panics | `server/rescue.rs`, `fleet/traffic/fence.rs` |
 //! | what becomes of a database whose map was changed | `fleet/carry/`, `store/carry.rs` |
 //! | a command | `cli/` |
-//! | a wall | `tests/walls.rs`, and the picture above |
+//! | a wall | `tests/walls/`, and the picture above |
 //!
 //! # Where this differs from the first design
 //!

@@ -1,5 +1,5 @@
-//! What the API needs from whoever runs it: durable lists to read, a queue for requests, alarms, a clock, and the
-//! fleet's picture.
+//! What the API needs from the program that runs it: durable lists to read, a queue for requests, alarms, a clock, and
+//! the fleet's picture.
 //!
 //! Main types: [`Records`], [`JobRecord`], [`AssignmentRecord`], [`EncounterRecord`], [`Ask`], [`Question`],
 //! [`Alarms`], [`Moment`], [`Figures`], [`Now`]. Refuses: to know who answers.

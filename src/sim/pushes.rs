@@ -1,4 +1,4 @@
-//! Where people push robots: onto a node nearby, or to a place between nodes, where they are in nobody's way just then.
+//! Where people push robots: onto a node nearby, or to a place between nodes, where no robot is about to come.
 //!
 //! Main type: [`Around`]. Refuses: to put a robot before one that drives; people would see that, and the fleet hears of
 //! it only after a report and an order.

@@ -62,7 +62,7 @@ impl Floor {
         self.facts.iter().any(placed)
     }
 
-    /// Whoever paused robots and stations before the restart is a simulated operator of the floor of then.
+    /// Resumes what a simulated operator paused before the restart: the one of after it does not know of that.
     fn let_all_go_on(&mut self) {
         let ledger = self.fleet.ledger();
         let robots = ledger.robots.pairs().filter(|(_, r)| r.paused.is_some());
@@ -129,14 +129,20 @@ fn a_robot_pushed_between_nodes_is_displaced_with_words_until_it_is_pushed_onto_
     assert_eq!(floor.story(go), ["assigned", "done"]);
 }
 
-#[test]
-fn a_robot_pushed_back_onto_its_route_goes_on() {
+/// A robot that stands for a moment with rack 40 on it, and the job for which it does.
+fn standing_with_its_rack() -> (Floor, JobId, RobotId) {
     let mut floor = Floor::thesis(2);
     let job = floor.submit(request(deliver(40)));
     floor.until(300, "it is carried", |f| f.is(job, "carrying"));
     floor.run(1);
     let robot = floor.serves(job);
     floor.until(60, "it stands", |f| f.fleet.telemetry(robot).is_some_and(|t| t.speed_mps == 0.0));
+    (floor, job, robot)
+}
+
+#[test]
+fn a_robot_pushed_back_onto_its_route_goes_on() {
+    let (mut floor, job, robot) = standing_with_its_rack();
     let home = floor.true_place(robot);
     let away = floor.between_nodes(robot);
     floor.push(robot, away);
@@ -185,12 +191,7 @@ fn a_robot_pushed_away_from_its_station_comes_back_for_the_pick() {
 
 #[test]
 fn a_robot_whose_rack_is_gone_is_displaced_until_it_is_back_on_it() {
-    let mut floor = Floor::thesis(2);
-    let job = floor.submit(request(deliver(40)));
-    floor.until(300, "it is carried", |f| f.is(job, "carrying"));
-    floor.run(1);
-    let robot = floor.serves(job);
-    floor.until(60, "it stands", |f| f.fleet.telemetry(robot).is_some_and(|t| t.speed_mps == 0.0));
+    let (mut floor, job, robot) = standing_with_its_rack();
     floor.world.load(robot, None);
     let missing = Displacement::Load { carries: None, expected: Some(RackId(40)) };
     floor.until(2, "it is noticed", |f| f.why_of(robot) == Some(Why::Displaced(missing)));

@@ -51,7 +51,7 @@ impl Fleet {
             self.fits_again(robot);
             return;
         }
-        // A robot that is fenced off is not taken up, but nobody is to drive into it either.
+        // A robot that is fenced off is not taken up, but no robot is to drive into it either.
         let is_fenced = self.ledger.robots[robot].fenced.is_some();
         match self.place_for(seen) {
             Ok(node) if stands && !is_fenced => self.take_up(robot, node, now),
@@ -130,7 +130,7 @@ impl Fleet {
         self.crowd.stands.remove(&robot);
     }
 
-    /// A robot cannot go on from where it stands: it counts as failed, and nobody drives into it.
+    /// A robot cannot go on from where it stands: it counts as failed, and no robot drives into it.
     fn displace(&mut self, seen: &Telemetry, why: Displacement, now: Time) {
         let (robot, at) = (seen.robot, seen.pose.at);
         let before = self.scene.displaced(robot);
@@ -202,7 +202,7 @@ impl Fleet {
     }
 
     /// Whether robots of which the ledger knows have not been heard of since a start, a short while ago: they may
-    /// stand anywhere, so nobody is told to drive until then.
+    /// stand anywhere, so no robot is told to drive until then.
     pub(in crate::fleet) fn waits_for_first_reports(&mut self, now: Time) -> bool {
         if self.unheard.is_empty() {
             return false;

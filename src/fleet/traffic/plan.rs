@@ -337,7 +337,7 @@ impl Floor<'_> {
     }
 
     /// A loaded robot sets off to a station only if the queue has a place for it: whatever happens at the
-    /// station, nobody who is on the way there has to wait outside.
+    /// station, no robot on its way there has to wait outside.
     pub(in crate::fleet) fn station_has_room(&self, robot: RobotId, bound: &IdVec<StationId, usize>) -> bool {
         let Some(station) = self.station_of(robot) else { return true };
         let paused = self.ledger.paused_stations.contains_key(&station);
@@ -345,8 +345,8 @@ impl Floor<'_> {
         self.settings.ghosts || (room && !paused)
     }
 
-    /// Whether a robot stands with its rack where it lifted it, until its station has room. It may step aside for
-    /// somebody and come back, but nobody sends it on its way before its turn.
+    /// Whether a robot stands with its rack where it lifted it, until its station has room. It may step aside for a
+    /// person and come back, but gets no route to the station before its turn.
     pub(in crate::fleet) fn waits_for_room(&self, robot: RobotId) -> bool {
         let here = self.warehouse().kind(self.ledger.node_of(robot));
         here == NodeKind::Storage && self.station_of(robot).is_some() && self.lacks_route(robot)

@@ -44,7 +44,7 @@ impl Fleet {
     fn note_health(&mut self, robot: RobotId, failed: bool, now: Time) {
         match (self.ledger.robots[robot].failed, failed) {
             (false, true) => self.fail(robot, now),
-            // One that is displaced counts as failed; of one that is not heard of since a start, nobody knows yet.
+            // A displaced robot counts as failed; one that was not heard of since a start may be displaced.
             (true, false) if self.scene.is_placed(robot) => self.record(Fact::Repaired { robot, at: now }),
             _ => {}
         }

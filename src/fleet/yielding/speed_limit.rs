@@ -301,7 +301,7 @@ impl Fleet {
 
 impl<'a> Floor<'a> {
     /// The number of the visit whose centre a robot has reached, by its own word: the ledger follows later in the step,
-    /// and whoever drove on meanwhile would seem to turn back.
+    /// and a robot that drove on meanwhile would seem to turn back.
     fn reached(&self, robot: RobotId) -> u64 {
         let chain = self.ledger.chain(robot);
         let said = self.scene.robot(robot).map_or(0, |t| t.reached);

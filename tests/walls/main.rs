@@ -3,11 +3,13 @@
 //! [`check`] looks at one file, [`check_overview`] at `src/lib.rs`. Both take text, so that violations can be planted
 //! here, one of each kind, and must be found with file and line.
 
-use petgraph::algo::tarjan_scc;
-use petgraph::graph::{DiGraph, NodeIndex};
-use std::collections::{BTreeMap, BTreeSet};
+mod circles;
+mod tokens;
+
+use std::collections::BTreeSet;
 use std::fmt;
 use std::path::Path;
+use tokens::{Token, functions, paths, tokens, without_tests};
 
 /// The core in its order: each may name those before it. `human` and `route` meet only in `aware`.
 const CORE: [&str; 10] =
@@ -22,8 +24,6 @@ const PURE_FEED: [&str; 6] = ["align", "clock", "intake", "pose", "thin", "warn"
 
 /// Rooms of `fleet` that build on its state.
 const ROOMS: [&str; 7] = ["requests", "people", "yielding", "dispatch", "traffic", "read", "carry"];
-/// Modules inside which imports go one way. In the others a folder's file and those inside it still share types.
-const ONE_WAY: [&str; 4] = ["aware", "history", "sim", "api"];
 
 const FILE_LINES: usize = 600;
 const FUNCTION_LINES: usize = 70;
@@ -146,7 +146,7 @@ fn check_shape(parts: &[&str], text: &str, add: &mut impl FnMut(usize, String)) 
 fn check_layers(parts: &[&str], code: &[Token<'_>], add: &mut impl FnMut(usize, String)) {
     let top = parts[0];
     if !is_pure(top) && !EDGE.contains(&top) && top != "main" {
-        add(1, format!("module {top} has no place in the layers of tests/walls.rs"));
+        add(1, format!("module {top} has no place in the layers of tests/walls/main.rs"));
     }
     let depth = if parts.last() == Some(&"mod") { parts.len() - 1 } else { parts.len() };
     let allowed = may_name(top);
@@ -204,71 +204,6 @@ fn check_purity(file: &str, code: &[Token<'_>], add: &mut impl FnMut(usize, Stri
     }
 }
 
-/// The module of a file, by its path below `src`.
-fn module_of(path: &str) -> Vec<&str> {
-    let inner = path.strip_prefix("src/").expect("a file below src/").trim_end_matches(".rs");
-    inner.split('/').filter(|part| *part != "mod").collect()
-}
-
-/// Leaves out what a folder shows of its inside.
-fn without_exports<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
-    let mut kept: Vec<Token<'a>> = Vec::new();
-    let mut i = 0;
-    while i < tokens.len() {
-        let after = if tokens.get(i + 1).is_some_and(|t| t.text == "(") { i + 5 } else { i + 1 };
-        let shown = (after.saturating_sub(1)..=after)
-            .any(|j| tokens[i].text == "pub" && tokens.get(j).is_some_and(|t| t.text == "use"));
-        if shown {
-            i = (i..tokens.len()).find(|j| tokens[*j].text == ";").map_or(tokens.len(), |j| j + 1);
-        } else {
-            kept.push(tokens[i]);
-            i += 1;
-        }
-    }
-    kept
-}
-
-/// The circles of imports among files of one top module: those of each circle, sorted.
-fn circles(top: &str, files: &[(String, String)]) -> Vec<Vec<String>> {
-    let files: Vec<&(String, String)> = files.iter().filter(|(p, _)| module_of(p)[0] == top).collect();
-    let modules: BTreeMap<Vec<&str>, usize> =
-        files.iter().enumerate().map(|(i, (path, _))| (module_of(path), i)).collect();
-    let mut graph = DiGraph::<usize, ()>::new();
-    (0..files.len()).for_each(|i| _ = graph.add_node(i));
-    for (i, (path, text)) in files.iter().enumerate() {
-        let tokens = tokens(text);
-        let code = without_exports(&without_tests(&tokens));
-        // `pub(in crate::api)` names a module and takes nothing from it.
-        let takes = |segments: &[&str]| segments.len() > 1 && *segments != ["crate", top];
-        for (_, segments) in paths(&code).into_iter().filter(|(_, segments)| takes(segments)) {
-            let ups = segments.iter().take_while(|s| **s == "super").count();
-            let mut at = module_of(path);
-            let rest = match segments[0] {
-                "crate" | "giveway" => {
-                    at.clear();
-                    &segments[1..]
-                }
-                "self" => &segments[1..],
-                _ => {
-                    at.truncate(at.len().saturating_sub(ups));
-                    &segments[ups..]
-                }
-            };
-            // The deepest module that has a file; the rest of the path is what is taken from it.
-            let ends = (0..=rest.len()).rev().map(|n| [&at, &rest[..n]].concat());
-            let named = ends.filter(|m| m.len() > at.len() || ups > 0).find_map(|m| modules.get(&m));
-            let edge = |other: &usize| graph.update_edge(NodeIndex::new(i), NodeIndex::new(*other), ());
-            named.filter(|other| **other != i).map(edge);
-        }
-    }
-    let name = |i: &NodeIndex| files[i.index()].0.clone();
-    let mut found: Vec<Vec<String>> =
-        tarjan_scc(&graph).iter().filter(|c| c.len() > 1).map(|c| c.iter().map(name).collect()).collect();
-    found.iter_mut().for_each(|circle| circle.sort());
-    found.sort();
-    found
-}
-
 /// `src/lib.rs` names every top module in its text and keeps the edge behind its feature.
 fn check_overview(text: &str) -> Vec<Violation> {
     let header: String = text.lines().take_while(|l| l.starts_with("//!")).collect();
@@ -286,196 +221,6 @@ fn check_overview(text: &str) -> Vec<Violation> {
             }
         }
         before = line;
-    }
-    found
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Token<'a> {
-    line: usize,
-    text: &'a str,
-}
-
-/// Words, `::` and signs; without comments, texts, numbers and lifetimes.
-fn tokens(text: &str) -> Vec<Token<'_>> {
-    let bytes = text.as_bytes();
-    let (mut i, mut line, mut found) = (0, 1, Vec::new());
-    while i < bytes.len() {
-        let rest = &text[i..];
-        let step = match bytes[i] {
-            b'/' if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
-            b'/' if rest.starts_with("/*") => block_comment(rest),
-            b'"' => plain_text(rest, 1),
-            b'b' if rest.starts_with("b\"") => plain_text(rest, 2),
-            b'r' | b'b' if raw_text(rest).is_some() => raw_text(rest).expect("just seen"),
-            b'\'' => letter_or_lifetime(rest),
-            b':' if rest.starts_with("::") => 2,
-            b if b.is_ascii_alphanumeric() || b == b'_' => {
-                rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len())
-            }
-            _ => rest.chars().next().map_or(1, char::len_utf8),
-        };
-        let token = &text[i..i + step];
-        let first = bytes[i];
-        let is_word = first.is_ascii_alphabetic() || first == b'_';
-        let is_text = is_word && token.contains('"');
-        let is_sign = first.is_ascii_punctuation() && !"\"'".contains(first as char) && token.len() <= 2;
-        if (is_word && !is_text) || (is_sign && !token.starts_with("//")) {
-            found.push(Token { line, text: token });
-        }
-        line += token.matches('\n').count();
-        i += step;
-    }
-    found
-}
-
-fn block_comment(rest: &str) -> usize {
-    let (mut depth, mut i) = (0, 0);
-    while i < rest.len() {
-        match &rest.as_bytes()[i..] {
-            [b'/', b'*', ..] => (depth, i) = (depth + 1, i + 2),
-            [b'*', b'/', ..] if depth == 1 => return i + 2,
-            [b'*', b'/', ..] => (depth, i) = (depth - 1, i + 2),
-            _ => i += 1,
-        }
-    }
-    rest.len()
-}
-
-/// The length of a text whose first quote ends at `from`.
-fn plain_text(rest: &str, from: usize) -> usize {
-    let mut escaped = false;
-    for (i, b) in rest.bytes().enumerate().skip(from) {
-        match b {
-            _ if escaped => escaped = false,
-            b'\\' => escaped = true,
-            b'"' => return i + 1,
-            _ => {}
-        }
-    }
-    rest.len()
-}
-
-fn raw_text(rest: &str) -> Option<usize> {
-    let after = rest.strip_prefix("br").or(rest.strip_prefix('r'))?;
-    let hashes = after.len() - after.trim_start_matches('#').len();
-    let body = after[hashes..].strip_prefix('"')?;
-    let end = format!("\"{}", "#".repeat(hashes));
-    let start = rest.len() - body.len();
-    Some(body.find(&end).map_or(rest.len(), |i| start + i + end.len()))
-}
-
-/// `'a'`, `'\n'` are letters; `'a` is a lifetime.
-fn letter_or_lifetime(rest: &str) -> usize {
-    let mut chars = rest.char_indices().skip(1);
-    match (chars.next(), chars.next()) {
-        (Some((_, '\\')), Some(_)) => rest[3..].find('\'').map_or(rest.len(), |i| i + 4),
-        (Some(_), Some((i, '\''))) => i + 1,
-        _ => rest[1..].find(|c: char| !c.is_alphanumeric() && c != '_').map_or(rest.len(), |i| i + 1),
-    }
-}
-
-/// The index behind the bracket that closes the one at `open`.
-fn behind_block(tokens: &[Token<'_>], open: usize) -> usize {
-    let mut depth = 0;
-    for (i, t) in tokens.iter().enumerate().skip(open) {
-        match t.text {
-            "{" => depth += 1,
-            "}" if depth == 1 => return i + 1,
-            "}" => depth -= 1,
-            _ => {}
-        }
-    }
-    tokens.len()
-}
-
-/// Leaves out every item under `#[cfg(test)]`.
-fn without_tests<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
-    let marker = ["#", "[", "cfg", "(", "test", ")", "]"];
-    let (mut i, mut kept) = (0, Vec::new());
-    while i < tokens.len() {
-        let marked = tokens[i..].iter().map(|t| t.text).take(marker.len()).eq(marker);
-        if !marked {
-            kept.push(tokens[i]);
-            i += 1;
-            continue;
-        }
-        let end = (i..tokens.len()).find(|j| ["{", ";"].contains(&tokens[*j].text));
-        i = match end {
-            Some(j) if tokens[j].text == "{" => behind_block(tokens, j),
-            Some(j) => j + 1,
-            None => tokens.len(),
-        };
-    }
-    kept
-}
-
-/// Every path as its segments, groups in braces taken apart.
-fn paths<'a>(tokens: &[Token<'a>]) -> Vec<(usize, Vec<&'a str>)> {
-    let mut found = Vec::new();
-    let mut i = 0;
-    while i < tokens.len() {
-        let goes_on = i > 0 && ["::", "."].contains(&tokens[i - 1].text);
-        i = if is_word(tokens[i]) && !goes_on { path(tokens, i, &[], &mut found) } else { i + 1 };
-    }
-    found
-}
-
-fn is_word(t: Token<'_>) -> bool {
-    t.text.starts_with(|c: char| c.is_alphabetic() || c == '_') || t.text == "*"
-}
-
-/// One path from the word at `i` on; gives the index behind it.
-fn path<'a>(
-    tokens: &[Token<'a>],
-    mut i: usize,
-    prefix: &[&'a str],
-    found: &mut Vec<(usize, Vec<&'a str>)>,
-) -> usize {
-    let (line, mut segments) = (tokens[i].line, prefix.to_vec());
-    segments.push(tokens[i].text);
-    i += 1;
-    while tokens.get(i).is_some_and(|t| t.text == "::") {
-        match tokens.get(i + 1) {
-            Some(t) if is_word(*t) => {
-                segments.push(t.text);
-                i += 2;
-            }
-            Some(t) if t.text == "{" => {
-                let end = behind_block(tokens, i + 1);
-                i += 2;
-                while i + 1 < end {
-                    i = if is_word(tokens[i]) { path(tokens, i, &segments, found) } else { i + 1 };
-                }
-                return end;
-            }
-            _ => break,
-        }
-    }
-    found.push((line, segments));
-    i
-}
-
-/// Every function with a body: line, name, lines.
-fn functions<'a>(tokens: &[Token<'a>]) -> Vec<(usize, &'a str, usize)> {
-    let mut found = Vec::new();
-    for (i, pair) in tokens.windows(2).enumerate() {
-        if pair[0].text != "fn" || !is_word(pair[1]) {
-            continue;
-        }
-        let mut depth = 0;
-        let body = (i..tokens.len()).find(|j| {
-            match tokens[*j].text {
-                "(" | "[" => depth += 1,
-                ")" | "]" => depth -= 1,
-                _ => {}
-            }
-            depth == 0 && ["{", ";"].contains(&tokens[*j].text)
-        });
-        if let Some(open) = body.filter(|j| tokens[*j].text == "{") {
-            let last = tokens[behind_block(tokens, open) - 1].line;
-            found.push((pair[0].line, pair[1].text, last + 1 - pair[0].line));
-        }
     }
     found
 }
@@ -524,31 +269,6 @@ fn the_overview_names_every_module_and_keeps_the_edge_behind_its_feature() {
         .collect();
     let forgotten: Vec<_> = tops.iter().filter(|top| !lib.contains(&format!("pub mod {top};"))).collect();
     assert!(forgotten.is_empty(), "src/lib.rs does not declare {forgotten:?}");
-}
-
-#[test]
-fn no_files_of_a_module_import_one_another_in_a_circle() {
-    let files = all_sources();
-    let found: Vec<Vec<String>> = ONE_WAY.iter().flat_map(|top| circles(top, &files)).collect();
-    assert!(found.is_empty(), "{} circles:\n{found:#?}", found.len());
-}
-
-#[test]
-fn a_circle_of_imports_is_found_wherever_it_is_closed() {
-    let file = |path: &str, body: &str| (format!("src/api/{path}.rs"), body.to_owned());
-    let circle = [
-        file("mod", "pub use a::A;\npub(crate) use c::C;\nmod a;\n"),
-        file("a", "use super::b::{self, B};\n"),
-        file("b/mod", "mod inner;\nfn f() { crate::api::c::C.g() }\n"),
-        file("b/inner", "use super::super::c::C;\n"),
-        file("c", "use crate::{api::a::A, id::NodeId};\n"),
-    ];
-    assert_eq!(circles("api", &circle), [["src/api/a.rs", "src/api/b/mod.rs", "src/api/c.rs"]]);
-    let open =
-        [&circle[..4], &[file("c", "#[cfg(test)]\nmod tests {\n    use super::super::a::A;\n}\n")]].concat();
-    assert_eq!(circles("api", &open), [[""; 0]; 0]);
-    let through_the_top = [file("mod", "use a::A;\npub struct Api(A);\n"), file("a", "use super::Api;\n")];
-    assert_eq!(circles("api", &through_the_top), [["src/api/a.rs", "src/api/mod.rs"]]);
 }
 
 /// The text with a good header in front; planted lines begin at line 5.
@@ -615,7 +335,7 @@ fn people_and_routes_meet_nowhere_but_in_aware() {
 #[test]
 fn a_module_without_a_place_in_the_layers_is_found() {
     let found = planted("src/utils/mod.rs", "fn f() {}\n");
-    assert_eq!(found, ["src/utils/mod.rs:1: module utils has no place in the layers of tests/walls.rs"]);
+    assert_eq!(found, ["src/utils/mod.rs:1: module utils has no place in the layers of tests/walls/main.rs"]);
 }
 
 #[test]
