@@ -1,0 +1,100 @@
+//! Inside a module imports go one way: what a file builds on never builds on it. Re-exports and tests do not count.
+
+use crate::all_sources;
+use crate::tokens::{Token, paths, tokens, without_tests};
+use petgraph::algo::tarjan_scc;
+use petgraph::graph::{DiGraph, NodeIndex};
+use std::collections::BTreeMap;
+
+/// Modules inside which imports go one way. In the others a folder's file and those inside it still share types.
+const ONE_WAY: [&str; 4] = ["aware", "history", "sim", "api"];
+
+/// The module of a file, by its path below `src`.
+fn module_of(path: &str) -> Vec<&str> {
+    let inner = path.strip_prefix("src/").expect("a file below src/").trim_end_matches(".rs");
+    inner.split('/').filter(|part| *part != "mod").collect()
+}
+
+/// Leaves out what a folder shows of its inside.
+fn without_exports<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
+    let mut kept: Vec<Token<'a>> = Vec::new();
+    let mut i = 0;
+    while i < tokens.len() {
+        let after = if tokens.get(i + 1).is_some_and(|t| t.text == "(") { i + 5 } else { i + 1 };
+        let shown = (after.saturating_sub(1)..=after)
+            .any(|j| tokens[i].text == "pub" && tokens.get(j).is_some_and(|t| t.text == "use"));
+        if shown {
+            i = (i..tokens.len()).find(|j| tokens[*j].text == ";").map_or(tokens.len(), |j| j + 1);
+        } else {
+            kept.push(tokens[i]);
+            i += 1;
+        }
+    }
+    kept
+}
+
+/// The circles of imports among files of one top module: those of each circle, sorted.
+fn circles(top: &str, files: &[(String, String)]) -> Vec<Vec<String>> {
+    let files: Vec<&(String, String)> = files.iter().filter(|(p, _)| module_of(p)[0] == top).collect();
+    let modules: BTreeMap<Vec<&str>, usize> =
+        files.iter().enumerate().map(|(i, (path, _))| (module_of(path), i)).collect();
+    let mut graph = DiGraph::<usize, ()>::new();
+    (0..files.len()).for_each(|i| _ = graph.add_node(i));
+    for (i, (path, text)) in files.iter().enumerate() {
+        let tokens = tokens(text);
+        let code = without_exports(&without_tests(&tokens));
+        // `pub(in crate::api)` names a module and takes nothing from it.
+        let takes = |segments: &[&str]| segments.len() > 1 && *segments != ["crate", top];
+        for (_, segments) in paths(&code).into_iter().filter(|(_, segments)| takes(segments)) {
+            let ups = segments.iter().take_while(|s| **s == "super").count();
+            let mut at = module_of(path);
+            let rest = match segments[0] {
+                "crate" | "giveway" => {
+                    at.clear();
+                    &segments[1..]
+                }
+                "self" => &segments[1..],
+                _ => {
+                    at.truncate(at.len().saturating_sub(ups));
+                    &segments[ups..]
+                }
+            };
+            // The deepest module that has a file; the rest of the path is what is taken from it.
+            let ends = (0..=rest.len()).rev().map(|n| [&at, &rest[..n]].concat());
+            let named = ends.filter(|m| m.len() > at.len() || ups > 0).find_map(|m| modules.get(&m));
+            let edge = |other: &usize| graph.update_edge(NodeIndex::new(i), NodeIndex::new(*other), ());
+            named.filter(|other| **other != i).map(edge);
+        }
+    }
+    let name = |i: &NodeIndex| files[i.index()].0.clone();
+    let mut found: Vec<Vec<String>> =
+        tarjan_scc(&graph).iter().filter(|c| c.len() > 1).map(|c| c.iter().map(name).collect()).collect();
+    found.iter_mut().for_each(|circle| circle.sort());
+    found.sort();
+    found
+}
+
+#[test]
+fn no_files_of_a_module_import_one_another_in_a_circle() {
+    let files = all_sources();
+    let found: Vec<Vec<String>> = ONE_WAY.iter().flat_map(|top| circles(top, &files)).collect();
+    assert!(found.is_empty(), "{} circles:\n{found:#?}", found.len());
+}
+
+#[test]
+fn a_circle_of_imports_is_found_wherever_it_is_closed() {
+    let file = |path: &str, body: &str| (format!("src/api/{path}.rs"), body.to_owned());
+    let circle = [
+        file("mod", "pub use a::A;\npub(crate) use c::C;\nmod a;\n"),
+        file("a", "use super::b::{self, B};\n"),
+        file("b/mod", "mod inner;\nfn f() { crate::api::c::C.g() }\n"),
+        file("b/inner", "use super::super::c::C;\n"),
+        file("c", "use crate::{api::a::A, id::NodeId};\n"),
+    ];
+    assert_eq!(circles("api", &circle), [["src/api/a.rs", "src/api/b/mod.rs", "src/api/c.rs"]]);
+    let open =
+        [&circle[..4], &[file("c", "#[cfg(test)]\nmod tests {\n    use super::super::a::A;\n}\n")]].concat();
+    assert_eq!(circles("api", &open), [[""; 0]; 0]);
+    let through_the_top = [file("mod", "use a::A;\npub struct Api(A);\n"), file("a", "use super::Api;\n")];
+    assert_eq!(circles("api", &through_the_top), [["src/api/a.rs", "src/api/mod.rs"]]);
+}
