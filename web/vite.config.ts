@@ -43,5 +43,6 @@ export default defineConfig(({ mode }) => ({
     ...(mode === 'single' ? single : {}),
   },
   server: { proxy: { '/v1': { target: server, ws: true } } },
-  test: { environment: 'happy-dom', include: ['tests/**/*.test.ts'] },
+  // A minute for a test that takes a tenth of a second: a machine may be busy with other work.
+  test: { environment: 'happy-dom', include: ['tests/**/*.test.ts'], testTimeout: 60_000, hookTimeout: 60_000 },
 }));
