@@ -78,25 +78,22 @@ impl Fleet {
         if robots.is_empty() || self.ledger.jobs.is_empty() {
             return robots;
         }
-        let jobs = if self.ledger.index.queue.has_offers() { self.candidates(now) } else { Vec::new() };
-        let (few, mut left) =
-            (robots[..robots.len().min(ROBOTS)].to_vec(), robots[robots.len().min(ROBOTS)..].to_vec());
+        let has_offers = self.ledger.index.queue.has_offers();
+        let jobs = if has_offers { self.candidates(&robots, now) } else { Vec::new() };
         if jobs.is_empty() {
-            left.extend(few);
-            return left;
+            return robots;
         }
+        let (few, mut left) = nearest(self.floor().ways(&robots, &jobs));
         let under_way = self.floor().under_way();
         let crowd = |id: &JobId| self.floor().crowd(*id, &under_way);
         let worth: Vec<i64> = jobs.iter().map(|(id, _, _, urgency_ms)| crowd(id) - urgency_ms).collect();
         let cost: Vec<Vec<i64>> = (few.iter())
-            .map(|r| {
-                let known = jobs.iter().zip(&worth).map(|((id, _, node, _), w)| {
-                    self.floor().way_ms(*r, *id, *node).map_or(NEVER, |way| way + w)
-                });
+            .map(|(_, ways)| {
+                let known = ways.iter().zip(&worth).map(|(way, w)| way.map_or(NEVER, |way| way + w));
                 known.chain(std::iter::repeat_n(NEVER, few.len())).collect()
             })
             .collect();
-        for (robot, column) in few.into_iter().zip(least_cost(&cost)) {
+        for ((robot, _), column) in few.into_iter().zip(least_cost(&cost)) {
             match column.and_then(|c| jobs.get(c)) {
                 Some(&(job, rack, node, _)) => {
                     let task = Task::Fetch { job: Some(job), rack, node };
@@ -108,8 +105,9 @@ impl Fleet {
         left
     }
 
-    /// Waiting jobs whose rack stands in storage and is nobody's, with their urgency, most urgent first; one per rack.
-    fn candidates(&self, now: Time) -> Vec<(JobId, RackId, NodeId, i64)> {
+    /// Waiting jobs whose rack stands in storage and no robot moves, with their urgency, most urgent first; one per
+    /// rack. A rack above a robot that is not one of these is left out: no other robot can get beneath it.
+    fn candidates(&self, robots: &[RobotId], now: Time) -> Vec<(JobId, RackId, NodeId, i64)> {
         let queue = &self.ledger.index.queue;
         let (oldest, wanted) = (queue.oldest(now), queue.racks_wanted());
         let enough = self.stations_with_enough(now);
@@ -122,7 +120,8 @@ impl Fleet {
             }
             let rack = self.ledger.jobs[&id].request.kind.rack().expect("offers are for racks");
             let RackAt::Stored(node) = self.ledger.racks[rack] else { continue };
-            if seen.contains(&rack) {
+            let blocked = self.ledger.resident(node).is_some_and(|r| !robots.contains(&r));
+            if seen.contains(&rack) || blocked {
                 continue;
             }
             let is_open = |id: &JobId| !self.job_is_closed_off(&self.ledger.jobs[id].request.kind, node);
@@ -177,6 +176,12 @@ impl Floor<'_> {
         ready.min_by_key(|(id, j)| (rank(j), *id)).map(|(id, _)| id)
     }
 
+    /// For each robot, how long its ways to the racks of these jobs take.
+    fn ways(&self, robots: &[RobotId], jobs: &[(JobId, RackId, NodeId, i64)]) -> Vec<(RobotId, Ways)> {
+        let ways = |r: RobotId| jobs.iter().map(|(id, _, node, _)| self.way_ms(r, *id, *node)).collect();
+        robots.iter().map(|r| (*r, ways(*r))).collect()
+    }
+
     /// How long the robot's way to a rack takes, milliseconds; nothing if another robot stands there for ever, or the
     /// robot's charge does not last for the job.
     fn way_ms(&self, robot: RobotId, job: JobId, node: NodeId) -> Option<i64> {
@@ -216,6 +221,21 @@ impl Floor<'_> {
         let places = self.warehouse().stations[station].queue.len() + 1;
         CROWD_MS * (under_way[station].saturating_sub(places / 2)) as i64
     }
+}
+
+/// How long a robot's ways to the racks of some jobs take, milliseconds; nothing where it cannot do the job.
+type Ways = Vec<Option<i64>>;
+
+/// The robots that one step matches, by number, and those that are left over: the ones nearest to some rack, so that
+/// a robot that alone can do a job has its turn however many cannot.
+fn nearest(mut robots: Vec<(RobotId, Ways)>) -> (Vec<(RobotId, Ways)>, Vec<RobotId>) {
+    if robots.len() <= ROBOTS {
+        return (robots, Vec::new());
+    }
+    robots.sort_by_cached_key(|(r, ways)| (ways.iter().flatten().min().copied().unwrap_or(i64::MAX), *r));
+    let left = robots.split_off(ROBOTS).into_iter().map(|(r, _)| r).collect();
+    robots.sort_by_key(|(r, _)| *r);
+    (robots, left)
 }
 
 /// How many robots with their racks may wait for a station, whose queue takes `places`, before nobody fetches another:

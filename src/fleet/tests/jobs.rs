@@ -236,3 +236,20 @@ fn what_cannot_be_done_is_refused_with_a_reason() {
     check_refused(&mut floor, after(JobId(9)), Refusal::UnknownPredecessor(JobId(9)));
     assert_eq!(floor.cancel(JobId(1)), Reply::Refused { token: 8, why: Refusal::UnknownJob(JobId(1)) });
 }
+
+#[test]
+fn a_job_that_one_robot_alone_can_do_is_not_lost_behind_a_hundred_others() {
+    let kiva = crate::warehouse::formats::json::parse(include_str!("../../../maps/kiva.json")).expect("is a map");
+    let mut floor = Floor::new(kiva, &scenario(200));
+    // Robots that begin beneath racks, with more idle robots before them than a step matches.
+    let beneath = |r: usize| {
+        let node = floor.fleet.ledger().node_of(RobotId::at(r));
+        floor.fleet.ledger().racks.pairs().find(|(_, at)| **at == RackAt::Stored(node)).map(|(rack, _)| rack)
+    };
+    let racks: Vec<RackId> = (150..200).filter_map(beneath).collect();
+    assert!(racks.len() > 10, "{}", racks.len());
+    let jobs: Vec<JobId> = racks.iter().map(|rack| floor.submit(request(deliver(rack.0)))).collect();
+    floor.run(1);
+    let begun = jobs.iter().filter(|job| !floor.is(**job, "waiting")).count();
+    assert!(begun >= 5, "{begun} of {}: as many as the station has places", jobs.len());
+}
