@@ -178,8 +178,11 @@ fn goal_windows(
 impl Search<'_> {
     fn start(&self, labels: &mut Labels, open: &mut Open) -> Result<(), NoRoute> {
         let node = self.ask.from.node;
-        let own = self.timeline.free_windows(self.warehouse.node_resource(node), self.ask.ready).next();
-        let gap = own.filter(|g| g.start <= self.ask.ready).ok_or(NoRoute::Blocked)?;
+        // The window in which it came here must last until it can leave: a robot that is late may stand where another
+        // one is to pass before that, and must not be taken for having made way meanwhile.
+        let (came, ready) = (self.ask.from.arrive.min(self.ask.ready), self.ask.ready);
+        let own = self.timeline.free_windows(self.warehouse.node_resource(node), came).next();
+        let gap = own.filter(|g| g.start <= came && g.end > ready).ok_or(NoRoute::Blocked)?;
         let known = self.warehouse.headings(node).iter();
         let slot = known.clone().position(|h| turn_between(*h, self.ask.heading) < 0.02);
         let slot = slot.map_or(OWN_HEADING, |s| s as u8);

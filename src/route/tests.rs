@@ -287,6 +287,18 @@ fn nobody_plans_through_a_robot_that_stays_for_ever() {
 }
 
 #[test]
+fn a_late_robot_does_not_plan_over_one_that_is_to_pass_where_it_still_stands() {
+    let warehouse = grid(4, 2);
+    let mut planner = Planner::new(warehouse.clone(), drive());
+    // It came at 0 and was to be gone by 4; another one passes from 5 to 7, and now it is 8.
+    let timeline = strangers(&warehouse, &[(0, 5, 2)], 1_000_000);
+    let (from, stages) = (start(), [to(3)]);
+    let late = |ready: i64| Ask { ready: Time(ready * 1_000_000), ..ask(&from, &stages) };
+    assert_eq!(planner.plan(&late(8), &timeline).map(|r| r.visits.len()), Err(NoRoute::Blocked));
+    assert_eq!(planner.plan(&late(0), &timeline).map(|r| r.visits.len()), Ok(3), "in time there is a way");
+}
+
+#[test]
 fn a_straight_run_takes_what_the_kinematics_say() {
     let warehouse = grid(11, 1);
     let timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));

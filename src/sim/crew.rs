@@ -144,15 +144,23 @@ impl Crew {
         }
     }
 
-    /// Keeps assignments open for a worker until it leaves.
+    /// Keeps assignments open for a worker until it leaves, and takes them back then.
     fn ask(&mut self, i: usize, now: Time, fleet: &Fleet, inputs: &mut Vec<Input>) {
         let Some(worker) = self.members[i].id else { return };
+        if now >= self.members[i].leaves {
+            let open = fleet.ledger().assignments.iter().filter(|(_, a)| a.worker == worker);
+            let open: Vec<AssignmentId> = open.map(|(id, _)| *id).collect();
+            inputs.extend(
+                open.into_iter().map(|assignment| Input::Unassign { token: self.token(), assignment }),
+            );
+            return;
+        }
         let stay_s = match self.workers.assignments {
             Assignments::Random { stay_s } | Assignments::List { stay_s, .. } => stay_s,
             Assignments::None => return,
         };
         let member = &self.members[i];
-        if now < member.enters || now >= member.leaves || self.fronts.is_empty() {
+        if now < member.enters || self.fronts.is_empty() {
             return;
         }
         let open = fleet.ledger().assignments.iter();

@@ -5,19 +5,21 @@
 
 mod jobs;
 mod places;
+mod progress;
 mod violation;
 
 pub(super) use jobs::undrained;
 use places::PlaceLaws;
+use progress::ProgressLaws;
 pub use violation::{STUCK, Violation};
 
 use super::world::World;
-use crate::fleet::{Fact, Fleet, JobState, Ledger, Task};
+use crate::fleet::{Fact, Fleet, JobState, Ledger};
 use crate::geometry::{Point, axis_distance};
-use crate::id::{Dense, JobId, RackId, RobotId};
+use crate::id::{JobId, RackId, RobotId};
 use crate::time::Time;
 use jobs::{JobLaws, why_undrained};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// Every how many steps the whole timeline and ledger are compared.
 const AUDIT_EVERY: u64 = 500;
@@ -32,7 +34,7 @@ pub struct Laws {
     /// How many jobs were over before it looked.
     before: u64,
     accepted: u64,
-    progress: BTreeMap<RobotId, (u64, Option<u64>, Time)>,
+    progress: ProgressLaws,
     run_over: usize,
     misplaced: usize,
     jobs: JobLaws,
@@ -53,7 +55,7 @@ impl Laws {
             over: BTreeSet::new(),
             before: fleet.ledger().next_job - 1 - fleet.ledger().jobs.len() as u64,
             accepted: fleet.ledger().next_job - 1,
-            progress: BTreeMap::new(),
+            progress: ProgressLaws::default(),
             run_over: 0,
             misplaced: 0,
             jobs: JobLaws::new(fleet),
@@ -85,7 +87,8 @@ impl Laws {
         broken.into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.places.check(now, world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
-        self.check_progress(now, fleet);
+        let broken = self.progress.check(now, fleet);
+        broken.into_iter().for_each(|v| self.break_law(now, v));
         for fact in facts {
             self.shadow.evolve(fact);
         }
@@ -178,22 +181,5 @@ impl Laws {
         if self.before + live + self.over.len() as u64 != self.accepted {
             self.break_law(now, Violation::JobLost(JobId(self.accepted)));
         }
-    }
-
-    fn check_progress(&mut self, now: Time, fleet: &Fleet) {
-        for (r, record) in fleet.ledger().robots.pairs() {
-            let here = (fleet.ledger().chain(r).first(), record.acted);
-            let entry = self.progress.entry(r).or_insert((here.0, here.1, now));
-            let halted = record.paused.is_some() || fleet.ledger().stopped.is_some();
-            if (entry.0, entry.1) != here || record.task == Task::Idle || record.failed || halted {
-                *entry = (here.0, here.1, now);
-            } else if now - entry.2 > STUCK {
-                entry.2 = now;
-                let task = record.task;
-                let why = fleet.why(r, now);
-                self.break_law(now, Violation::Stuck(r, task, why));
-            }
-        }
-        debug_assert!(self.progress.len() <= RobotId::at(fleet.ledger().robots.len()).ix());
     }
 }
