@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Each scenario with the seconds for which it is run here.
-const RUNS: [(&str, i64); 13] = [
+const RUNS: [(&str, i64); 14] = [
     ("lab", 300),
     ("thesis-20", 300),
     ("thesis-faults", 3600),
@@ -26,6 +26,7 @@ const RUNS: [(&str, i64); 13] = [
     ("all-jobs", 1800),
     ("few-chargers", 7200),
     ("shift", 90),
+    ("mixed", 3600),
 ];
 
 fn folder() -> PathBuf {
@@ -174,6 +175,11 @@ fn a_floor_with_one_charger_keeps_its_laws() {
 }
 
 #[test]
+fn robots_of_two_kinds_keep_their_laws() {
+    holds("mixed");
+}
+
+#[test]
 fn a_shift_of_a_hundred_robots_keeps_its_laws() {
     holds("shift");
 }
@@ -183,7 +189,7 @@ fn a_shift_of_a_hundred_robots_keeps_its_laws() {
 fn with_two_chargers_for_twenty_robots_something_is_delivered_in_every_quarter_of_an_hour() {
     let mut setup = Setup::read("few-chargers");
     setup.scenario.closures[0].nodes.remove(0);
-    setup.scenario.charging.driving_h = 1.0;
+    setup.scenario.kinds[0].kind.charging.driving_h = 1.0;
     setup.scenario.duration = Span::from_secs(2 * 3600);
     setup.scenario.drain = Span::ZERO;
     let Setup { scenario, warehouse, lines } = &setup;

@@ -41,6 +41,9 @@ pub struct RobotDto {
     /// What it is at.
     #[schema(example = "carrying")]
     pub doing: &'static str,
+    /// The kind of robots that it is of.
+    #[schema(example = "robot")]
+    pub kind: String,
     /// The rack on it.
     pub rack: Option<String>,
     /// The job it works on.
@@ -166,6 +169,7 @@ impl Names<'_> {
             speed: round3(r.speed_mps),
             state: state_word(r.state),
             doing: doing_word(r.doing),
+            kind: r.kind.clone(),
             rack: r.rack.and_then(rack),
             job: r.job.map(job_name),
             battery: round3(r.battery),

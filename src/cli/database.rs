@@ -198,7 +198,7 @@ async fn carry(config: &Config, floor: Floor, accept_losses: bool) -> anyhow::Re
         .clone()
         .context("name the changed map with --map FILE, or its scenario with --scenario FILE")?;
     let stamp = jiff::Timestamp::now().strftime("%Y-%m-%dT%H%M%SZ").to_string();
-    let wanted = CarryOver { clearance: settings.kinematics.clearance, accept_losses, stamp };
+    let wanted = CarryOver { clearance: settings.clearance(), accept_losses, stamp };
     let opening = Opening { new: None, traces: vec![config.past_folder()], carry: Some(wanted) };
     let store = match Store::open_as(path, &map, &opening).await {
         Err(StoreError::ChangedMap { .. }) => return check(path, floor, true).await,
@@ -258,7 +258,7 @@ async fn look_inside(store: &Store, floor: Floor, named: bool, report: &mut Repo
             compare(store, &about, (map, settings), named, report).await?;
         }
         Some((map, settings)) => {
-            let loaded = store.load(Ledger::new(map, settings.kinematics.clearance, false)).await?;
+            let loaded = store.load(Ledger::new(map, settings.clearance(), false)).await?;
             let (ledger, facts) = loaded.into_parts();
             let fold = move || Fleet::resume(ledger, settings, facts).ledger().robots.len();
             let folded = tokio::task::spawn_blocking(fold).await;
@@ -277,7 +277,7 @@ async fn compare(
     report: &mut Report,
 ) -> anyhow::Result<()> {
     let (theirs, ours) = (&about.map, &map.name);
-    match store.compare(&map, settings.kinematics.clearance).await {
+    match store.compare(&map, settings.clearance()).await {
         Ok(found) => {
             let found = found.unwrap_or_default();
             let text = format!("it belongs to the map \"{theirs}\"; compared with \"{ours}\" below");

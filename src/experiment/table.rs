@@ -10,7 +10,7 @@ use crate::fleet::Charging;
 use crate::route::Kinematics;
 use crate::sim::detection::Score;
 use crate::sim::{
-    Causes, Demand, Deviations, Faults, Habits, Outcome, Scenario, Sensor, Simulation, Workers,
+    Causes, Demand, Deviations, Faults, Habits, KindShare, Outcome, Scenario, Sensor, Simulation, Workers,
 };
 use crate::time::Span;
 use crate::warehouse::Warehouse;
@@ -142,9 +142,8 @@ impl Setup {
             demand: Demand::Backlog(self.robots),
             customers: Habits::default(),
             drain: Span::ZERO,
-            charging: Charging::default(),
             faults: Faults::default(),
-            kinematics: Kinematics::default(),
+            kinds: KindShare::one(Kinematics::default(), Charging::default()),
             workers,
             closures: Vec::new(),
             model: None,

@@ -14,7 +14,6 @@ pub mod state;
 mod traffic;
 mod yielding;
 
-pub use dispatch::charging::Charging;
 pub use people::forecast::{AHEAD_S, Expected};
 pub use read::backlog::{Backlog, Pending};
 pub use read::occupancy::{Area, MOST_STRIPS, Strip};
@@ -25,6 +24,7 @@ pub use state::fact::{Act, Booking, Fact, Kept, Moved, Purpose, Stop, Task};
 pub use state::io::{Bounded, Command, Input, Refusal, Reply, StationOrder, Step, Telemetry, Waypoint};
 pub use state::job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use state::keys::{KEY_LIFE, Keys};
+pub use state::kind::{Charging, RobotKind, USUAL_KIND, most_dangerous};
 pub use state::ledger::{Ledger, RackAt, Robot, Sums};
 pub use state::parts::{Contradiction, Parts};
 pub use state::wishes::Wishes;
@@ -36,7 +36,6 @@ pub use state::worker::{
 use crate::aware::{HumanAwarePolicy, Regions};
 use crate::human::{Method, Model};
 use crate::id::RobotId;
-use crate::route::{Kinematics, Planner, Rules};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use people::state::HumanState;
@@ -45,20 +44,19 @@ use state::scene::Scene;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use traffic::plan::Needs;
+use traffic::planners::Planners;
 
 /// Settings of the core. They never change while it runs.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The robots' figures.
-    pub kinematics: Kinematics,
+    /// The kinds of robots that there are, at least one, each with a name of its own.
+    pub kinds: Vec<RobotKind>,
     /// The control period.
     pub period: Span,
     /// Labels that one search may expand.
     pub expansions_per_plan: u32,
     /// Labels that all searches of one step may expand together.
     pub expansions_per_step: u32,
-    /// When robots charge.
-    pub charging: Charging,
     /// How many jobs may be open.
     pub waiting_max: usize,
     /// How many assignments may be open.
@@ -86,11 +84,10 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Settings {
         Settings {
-            kinematics: Kinematics::default(),
+            kinds: vec![RobotKind::default()],
             period: Span::from_millis(50),
             expansions_per_plan: 2_000,
             expansions_per_step: 30_000,
-            charging: Charging::default(),
             waiting_max: 100_000,
             assignments_max: 10_000,
             workers_max: 1_000,
@@ -103,6 +100,30 @@ impl Default for Settings {
             ghosts: false,
             stopwatch: || 0,
         }
+    }
+}
+
+impl Settings {
+    /// The kind of this name.
+    ///
+    /// # Panics
+    /// If there is none: whoever starts a fleet from a ledger asks [`Settings::unknown_kinds`] first.
+    pub fn kind(&self, name: &str) -> &RobotKind {
+        let kind = self.kinds.iter().find(|k| k.name == name);
+        kind.unwrap_or_else(|| panic!("there is no kind of robots named {name:?}"))
+    }
+
+    /// By how much a hold outlasts the moment in which a robot stands on the next node: for all kinds the same, since
+    /// they hand places to one another.
+    pub fn clearance(&self) -> Span {
+        most_dangerous(&self.kinds).clearance
+    }
+
+    /// Robots of a ledger that are of no kind that there is, each with its kind.
+    pub fn unknown_kinds<'a>(&self, ledger: &'a Ledger) -> Vec<(&'a str, &'a str)> {
+        let known = |kind: &str| self.kinds.iter().any(|k| k.name == kind);
+        let unknown = ledger.robots.iter().filter(|r| !known(&r.kind));
+        unknown.map(|r| (r.name.as_str(), r.kind.as_str())).collect()
     }
 }
 
@@ -120,7 +141,7 @@ pub struct Fleet {
     settings: Settings,
     ledger: Ledger,
     scene: Scene,
-    planner: Planner,
+    planners: Planners,
     needs: Needs,
     storage: dispatch::storage::Storage,
     tally: Tally,
@@ -138,14 +159,14 @@ pub struct Fleet {
 impl Fleet {
     /// An empty fleet in a building.
     pub fn new(warehouse: Arc<Warehouse>, settings: Settings) -> Fleet {
-        let clearance = settings.kinematics.clearance;
+        let clearance = settings.clearance();
         let period_s = settings.period.as_secs_f64();
-        let regions = Regions::new(settings.kinematics, warehouse.footprint_m, period_s);
+        let regions = Regions::new(most_dangerous(&settings.kinds), warehouse.footprint_m, period_s);
         Fleet {
             crowd: HumanState::new(&warehouse, regions),
             ledger: Ledger::new(warehouse.clone(), clearance, settings.ghosts),
             scene: Scene::default(),
-            planner: Planner::new(warehouse.clone(), Rules::Drive(settings.kinematics)),
+            planners: Planners::new(&warehouse, &settings.kinds),
             needs: Needs::default(),
             storage: dispatch::storage::Storage::new(&warehouse),
             tally: Tally::default(),
@@ -167,7 +188,7 @@ impl Fleet {
         settings: Settings,
         facts: impl IntoIterator<Item = Fact>,
     ) -> Fleet {
-        let ledger = Ledger::new(warehouse, settings.kinematics.clearance, settings.ghosts);
+        let ledger = Ledger::new(warehouse, settings.clearance(), settings.ghosts);
         Fleet::resume(ledger, settings, facts)
     }
 

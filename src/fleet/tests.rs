@@ -10,6 +10,7 @@ mod failure;
 mod hand;
 mod jobs;
 mod keys;
+mod kinds;
 mod life;
 mod limits;
 mod messages;
@@ -25,8 +26,9 @@ mod why;
 
 use super::*;
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};
+use crate::route::Kinematics;
 use crate::sim::laws::Laws;
-use crate::sim::{Demand, Faults, Habits, Scenario, Workers, World};
+use crate::sim::{Demand, Faults, Habits, KindShare, Scenario, Workers, World};
 use crate::warehouse::NodeKind;
 use crate::warehouse::{lab, thesis};
 
@@ -50,9 +52,8 @@ fn scenario(robots: usize) -> Scenario {
         demand: Demand::None,
         customers: Habits::default(),
         drain: Span::ZERO,
-        charging: Charging::default(),
         faults: Faults::default(),
-        kinematics: Kinematics::default(),
+        kinds: KindShare::one(Kinematics::default(), Charging::default()),
         workers: Workers::default(),
         closures: Vec::new(),
         policy: HumanAwarePolicy::default(),

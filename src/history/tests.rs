@@ -14,6 +14,8 @@ fn start() -> Time {
 
 fn robot(at: usize, why: Option<Why>) -> RobotView {
     RobotView {
+        kind: "robot".into(),
+        critical: 0.15,
         name: "r".into(),
         pose: Pose { at: Point::new(0.0, 0.0), heading: 0.0 },
         seen: None,

@@ -378,7 +378,7 @@ mod tests {
 
     /// An input that ends a step in a panic: a robot joins on a node that there is not.
     fn impossible() -> Vec<Input> {
-        vec![Input::Register { name: "ghost".into(), node: NodeId(9_999) }]
+        vec![Input::Register { name: "ghost".into(), kind: "robot".into(), node: NodeId(9_999) }]
     }
 
     #[tokio::test]

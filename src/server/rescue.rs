@@ -131,7 +131,7 @@ impl Drive {
             }
         }
         let (map, settings) = (self.fleet.warehouse().clone(), self.fleet.settings().clone());
-        let empty = Ledger::new(map, settings.kinematics.clearance, false);
+        let empty = Ledger::new(map, settings.clearance(), false);
         let loaded = match self.store.load(empty).await {
             Ok(loaded) => loaded,
             Err(e) => return self.give_up(&said, &format!("the journal cannot be read: {e}")),

@@ -59,17 +59,30 @@ pub async fn open(config: &Config, floor: &Floor) -> anyhow::Result<Arc<Store>> 
         anyhow::Ok(now.strftime("%Y-%m-%dT%H%M%SZ").to_string())
     };
     let new = config.new.then(stamp).transpose()?;
-    let clearance = floor.scenario.kinematics.clearance;
+    let clearance = floor.scenario.settings().clearance();
     let carry = Some(CarryOver { clearance, accept_losses: false, stamp: stamp()? });
     let opening = Opening { new, traces: vec![config.past_folder()], carry };
     let store = Store::open_as(&config.database, &floor.map, &opening).await?;
     Ok(Arc::new(store.keep_days(config.keep_days)))
 }
 
+/// Refuses robots of a kind that the scenario does not have.
+fn check_kinds(fleet: &Fleet) -> anyhow::Result<()> {
+    let unknown = fleet.settings().unknown_kinds(fleet.ledger());
+    let Some((robot, kind)) = unknown.first() else { return Ok(()) };
+    let kinds: Vec<&str> = fleet.settings().kinds.iter().map(|k| k.name.as_str()).collect();
+    anyhow::bail!(
+        "{robot} is of the kind {kind:?} in this database ({} robots are of kinds like that), but the scenario has {}. \
+         Give the scenario that kind, or another database",
+        unknown.len(),
+        kinds.join(", ")
+    )
+}
+
 /// Makes the parts from what the database has.
 pub async fn build(config: &Config, floor: Floor, store: &Arc<Store>) -> anyhow::Result<(Built, Summary)> {
     let Floor { scenario, map, lines } = floor;
-    let loaded = store.load(Ledger::new(map.clone(), scenario.kinematics.clearance, false)).await?;
+    let loaded = store.load(Ledger::new(map.clone(), scenario.settings().clearance(), false)).await?;
     let (next, facts, robots) = (loaded.next, loaded.facts(), scenario.robots);
     let summary = Summary { map: map.name.clone(), robots, facts, jobs: 0, open_jobs: 0, trouble: None };
     let clock = Arc::new(Clock::start(loaded.last));
@@ -82,11 +95,12 @@ pub async fn build(config: &Config, floor: Floor, store: &Arc<Store>) -> anyhow:
     let fold = move || {
         let (ledger, facts) = loaded.into_parts();
         let fleet = Fleet::resume(ledger, settings, facts);
+        check_kinds(&fleet)?;
         let world = World::new(floor, &scenario, &lines, scenario.seed, &fleet, now);
-        (fleet, world)
+        anyhow::Ok((fleet, world))
     };
     let (fleet, world) = match tokio::task::spawn_blocking(fold).await {
-        Ok(folded) => folded,
+        Ok(folded) => folded?,
         Err(e) => {
             let said = e.try_into_panic().map(|p| panic_text(&*p)).context("the fold was given up")?;
             let why = format!(

@@ -162,7 +162,7 @@ mod tests {
             purpose: crate::fleet::Purpose::Park,
         };
         let facts = vec![
-            Fact::Registered { robot, name: "robot-1".into(), node, at: Time(1) },
+            Fact::Registered { robot, name: "robot-1".into(), kind: "robot".into(), node, at: Time(1) },
             Fact::Accepted { job: JobId(1), request, at: Time(1) },
             Fact::Progressed {
                 job: JobId(1),

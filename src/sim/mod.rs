@@ -31,7 +31,7 @@ pub use digest::Digest;
 pub use laws::Violation;
 pub use run::{Outcome, People, Simulation, Tally};
 pub use scenario::{
-    Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, Personas, Rates, Scenario,
+    Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, KindShare, Personas, Rates, Scenario,
     ScenarioError, Sensor, Source, Workers,
 };
 pub use world::{World, starting_places};

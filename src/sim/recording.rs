@@ -4,7 +4,9 @@
 //! the header, then a line per step, then the digest of all facts. What a robot says twice in the same words is
 //! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
-use crate::fleet::{AssignmentRequest, Closure, Input, JobKind, JobRequest, StationOrder, Telemetry};
+use crate::fleet::{
+    AssignmentRequest, Closure, Input, JobKind, JobRequest, StationOrder, Telemetry, USUAL_KIND,
+};
 use crate::geometry::{Point, Pose, Spot};
 use crate::human::{Quality, Sighting};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
@@ -101,6 +103,8 @@ type Seen = (u32, i64, u32, u64, f64, f64, Option<f64>, f64, u8);
 #[serde(rename_all = "snake_case")]
 enum Other {
     Enlist(String, u32),
+    /// Of a kind that is not the usual one.
+    EnlistAs(String, u32, String),
     Submit {
         token: u64,
         kind: Kind,
@@ -236,7 +240,8 @@ fn sighted(s: &Sighting) -> Seen {
 
 fn asked(input: &Input) -> Other {
     match input {
-        Input::Register { name, node } => Other::Enlist(name.clone(), node.0),
+        Input::Register { name, kind, node } if kind == USUAL_KIND => Other::Enlist(name.clone(), node.0),
+        Input::Register { name, kind, node } => Other::EnlistAs(name.clone(), node.0, kind.clone()),
         Input::Submit { token, request } => submit(*token, request),
         Input::Cancel { token, job } => Other::Cancel(*token, job.0),
         Input::RegisterWorker { token, name } => Other::Hire(*token, name.clone()),
@@ -373,7 +378,10 @@ fn glimpsed(s: Seen) -> Sighting {
 
 fn other(o: Other) -> Input {
     match o {
-        Other::Enlist(name, node) => Input::Register { name, node: NodeId(node) },
+        Other::Enlist(name, node) => {
+            Input::Register { name, kind: USUAL_KIND.to_owned(), node: NodeId(node) }
+        }
+        Other::EnlistAs(name, node, kind) => Input::Register { name, kind, node: NodeId(node) },
         Other::Halt(token, robot) => Input::Halt { token, robot: robot.map(RobotId) },
         Other::Release(token, robot) => Input::Release { token, robot: robot.map(RobotId) },
         Other::Prioritise(token, job, priority) => Input::Prioritise { token, job: JobId(job), priority },

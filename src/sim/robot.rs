@@ -4,7 +4,7 @@
 //! told, and it can always stop before the end of it. Refuses: to know where others are.
 
 use super::guard::Guard;
-use crate::fleet::{Act, Command, OFF_ROUTE_M, Telemetry, Waypoint};
+use crate::fleet::{Act, Command, OFF_ROUTE_M, RobotKind, Telemetry, Waypoint};
 use crate::geometry::{Point, Pose, Segment, Vector, turn_between, wrap_angle};
 use crate::id::{NodeId, RackId, RobotId};
 use crate::route::Kinematics;
@@ -73,13 +73,7 @@ pub(super) struct Body {
 
 impl Body {
     /// A robot standing on a node.
-    pub fn new(
-        id: RobotId,
-        node: NodeId,
-        at: Point,
-        (battery, driving_h): (f64, f64),
-        kinematics: Kinematics,
-    ) -> Body {
+    pub fn new(id: RobotId, node: NodeId, at: Point, battery: f64, kind: &RobotKind) -> Body {
         Body {
             id,
             pose: Pose { at, heading: 0.0 },
@@ -94,12 +88,12 @@ impl Body {
             recalls: 0,
             returns: false,
             battery,
-            driving_h,
+            driving_h: kind.charging.driving_h,
             flat_since: None,
             acted: None,
             acting: None,
             path: VecDeque::new(),
-            kinematics,
+            kinematics: kind.kinematics,
             guard: Guard::default(),
         }
     }
@@ -426,7 +420,7 @@ mod tests {
         let (home, next) = (arc.from, arc.to);
         let far = |n: &NodeId| (w.nodes[*n].at - w.nodes[home].at).norm() > 3.0;
         let away = w.nodes.ids().find(far).expect("the laboratory is larger than that");
-        let mut body = Body::new(RobotId(0), home, w.nodes[home].at, (1.0, 8.0), Kinematics::default());
+        let mut body = Body::new(RobotId(0), home, w.nodes[home].at, 1.0, &RobotKind::default());
         let drive = |first: u64, nodes: &[NodeId], act: Option<Act>| Command::Drive {
             grant: proof(&w, home),
             waypoints: (first..).zip(nodes).map(|(serial, n)| Waypoint { serial, node: *n, act }).collect(),

@@ -12,7 +12,7 @@ use super::random::Stream;
 use super::robot::Body;
 use super::scenario::{Faults, Scenario};
 use super::walker::{RobotNear, Walker};
-use crate::fleet::{Closure, Command, Fleet, Guidance, Input, RackAt, Reply, Telemetry};
+use crate::fleet::{Closure, Command, Fleet, Guidance, Input, RackAt, Reply, Telemetry, most_dangerous};
 use crate::geometry::Point;
 use crate::id::{Dense, IdVec, NodeId, RackId, RobotId, WorkerId};
 use crate::route::Kinematics;
@@ -44,15 +44,15 @@ struct Robot {
 #[derive(Debug)]
 pub struct World {
     warehouse: Arc<Warehouse>,
-    kinematics: Kinematics,
-    driving_h: f64,
+    /// The worst robot to be in the way of.
+    worst: Kinematics,
     faults: Faults,
     seed: u64,
     robots: Vec<Robot>,
     customers: Customers,
     crew: Option<Crew>,
     meter: Meter,
-    joining: Vec<(String, NodeId)>,
+    joining: Vec<(String, String, NodeId)>,
     /// Where each rack truly is.
     racks: IdVec<RackId, RackAt>,
     /// Racks that were lifted where they did not stand, or set down onto another one.
@@ -79,10 +79,11 @@ impl World {
         let known = fleet.ledger().robots.len();
         let places = starting_places(&warehouse, scenario.robots);
         let joining = places.into_iter().enumerate().skip(known);
-        let joining = joining.map(|(i, n)| (format!("robot-{}", i + 1), n)).collect();
+        let kind = |i: usize| scenario.kind_of(i).name.clone();
+        let joining = joining.map(|(i, n)| (format!("robot-{}", i + 1), kind(i), n)).collect();
         let customers = Customers::new(scenario, lines, &warehouse, seed);
         let racks = fleet.ledger().racks.clone();
-        let (kinematics, faults) = (scenario.kinematics, scenario.faults);
+        let faults = scenario.faults;
         // The bound on throughput is without people.
         let crew = if fleet.settings().ghosts { None } else { Crew::new(&warehouse, scenario, seed, now) };
         let meter = Meter::new(scenario.workers.encounter_m);
@@ -90,8 +91,7 @@ impl World {
         let closing = scenario.areas(&warehouse, now).expect("whoever reads a scenario looks at its areas");
         let mut world = World {
             warehouse,
-            kinematics,
-            driving_h: scenario.charging.driving_h,
+            worst: most_dangerous(&fleet.settings().kinds),
             racks,
             misplaced: Vec::new(),
             faults,
@@ -113,7 +113,8 @@ impl World {
     pub fn advance(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
         self.meet(fleet);
         let mut inputs = self.customers.order(now, now - self.now, fleet);
-        inputs.extend(self.joining.drain(..).map(|(name, node)| Input::Register { name, node }));
+        let joining = self.joining.drain(..);
+        inputs.extend(joining.map(|(name, kind, node)| Input::Register { name, kind, node }));
         inputs.extend(announce(std::mem::take(&mut self.closing), fleet));
         let from = self.now;
         for robot in &mut self.robots {
@@ -167,7 +168,7 @@ impl World {
             warehouse: &self.warehouse,
             racks: &self.racks,
             others: others.map(|(_, r)| (r.body.pose.at, r.body.speed_mps)).collect(),
-            kinematics: self.kinematics,
+            kinematics: self.worst,
             blind_s: 2.0 * self.faults.message_delay_ms as f64 / 1000.0 + 5.0 * (to - from).as_secs_f64(),
         };
         let robot = &mut self.robots[i];
@@ -364,7 +365,7 @@ impl World {
             let who = i as u64;
             let battery = 0.6 + 0.4 * Stream::new(self.seed, 4, who).unit();
             let at = self.warehouse.nodes[node].at;
-            let mut body = Body::new(id, node, at, (battery, self.driving_h), self.kinematics);
+            let mut body = Body::new(id, node, at, battery, fleet.settings().kind(&record.kind));
             let (reached, rack) = (fleet.ledger().chain(id).first(), fleet.ledger().rack_on(id));
             body.resume(reached, record.acted, record.recalls, rack);
             let delay = Span::from_millis(self.faults.message_delay_ms);

@@ -5,7 +5,7 @@
 //! contradicts itself.
 
 use super::people_record::{AssignmentRecord, AssignmentStateRecord, ClosureRecord};
-use super::record::{RequestRecord, StateRecord, TaskRecord};
+use super::record::{RequestRecord, StateRecord, TaskRecord, is_usual_kind, usual_kind};
 use super::route_record::{StopRecord, VisitRecord};
 use crate::fleet::{
     Assignment, Closure, Contradiction, Job, Keys, Ledger, Parts, RackAt, Robot, Stop, Sums, Wishes,
@@ -53,6 +53,8 @@ struct JobRecord {
 #[derive(Serialize, Deserialize)]
 struct RobotRecord {
     name: String,
+    #[serde(default = "usual_kind", skip_serializing_if = "is_usual_kind")]
+    kind: String,
     task: TaskRecord,
     stops: Vec<StopRecord>,
     acted: Option<u64>,
@@ -218,6 +220,7 @@ impl From<&Robot> for RobotRecord {
     fn from(r: &Robot) -> RobotRecord {
         RobotRecord {
             name: r.name.clone(),
+            kind: r.kind.clone(),
             task: r.task.into(),
             stops: r.stops.iter().map(StopRecord::from).collect(),
             acted: r.acted,
@@ -234,6 +237,7 @@ impl From<RobotRecord> for Robot {
     fn from(r: RobotRecord) -> Robot {
         Robot {
             name: r.name,
+            kind: r.kind,
             task: r.task.into(),
             stops: r.stops.into_iter().map(Stop::from).collect(),
             acted: r.acted,

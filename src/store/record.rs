@@ -7,7 +7,9 @@ use super::people_record::{
     AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, ReactionRecord,
 };
 use super::route_record::{BookingRecord, KeptRecord, MovedRecord};
-use crate::fleet::{Booking, Fact, JobFailure, JobKind, JobRequest, JobState, Kept, Moved, Purpose, Task};
+use crate::fleet::{
+    Booking, Fact, JobFailure, JobKind, JobRequest, JobState, Kept, Moved, Purpose, Task, USUAL_KIND,
+};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
@@ -69,6 +71,8 @@ enum Record {
     Enlisted {
         robot: u32,
         name: String,
+        #[serde(default = "usual_kind", skip_serializing_if = "is_usual_kind")]
+        kind: String,
         node: u32,
         at: i64,
     },
@@ -262,12 +266,25 @@ pub(super) enum PurposeRecord {
     Go,
 }
 
+/// Robots from before there were kinds are of this one, and it is left out of what is written.
+pub(super) fn usual_kind() -> String {
+    USUAL_KIND.to_owned()
+}
+
+pub(super) fn is_usual_kind(kind: &String) -> bool {
+    kind == USUAL_KIND
+}
+
 impl From<&Fact> for Record {
     fn from(fact: &Fact) -> Record {
         match fact {
-            Fact::Registered { robot, name, node, at } => {
-                Record::Enlisted { robot: robot.0, name: name.clone(), node: node.0, at: at.0 }
-            }
+            Fact::Registered { robot, name, kind, node, at } => Record::Enlisted {
+                robot: robot.0,
+                name: name.clone(),
+                kind: kind.clone(),
+                node: node.0,
+                at: at.0,
+            },
             Fact::Accepted { job, request, at } => {
                 Record::Accepted { job: job.0, request: request.into(), at: at.0 }
             }
@@ -341,8 +358,8 @@ fn kept_records(robots: &[Kept]) -> Vec<KeptRecord> {
 impl From<Record> for Fact {
     fn from(record: Record) -> Fact {
         match record {
-            Record::Enlisted { robot, name, node, at } => {
-                Fact::Registered { robot: RobotId(robot), name, node: NodeId(node), at: Time(at) }
+            Record::Enlisted { robot, name, kind, node, at } => {
+                Fact::Registered { robot: RobotId(robot), name, kind, node: NodeId(node), at: Time(at) }
             }
             Record::Accepted { job, request, at } => {
                 Fact::Accepted { job: JobId(job), request: request.into(), at: Time(at) }

@@ -62,7 +62,7 @@ async fn start(folder: &Folder, map: Warehouse) -> anyhow::Result<Server> {
 }
 
 fn opening(accept_losses: bool) -> Opening {
-    let clearance = Scenario::parse(BUSY).unwrap().kinematics.clearance;
+    let clearance = Scenario::parse(BUSY).unwrap().settings().clearance();
     let carry = CarryOver { clearance, accept_losses, stamp: "2031-01-31".into() };
     Opening { carry: Some(carry), ..Opening::default() }
 }

@@ -185,3 +185,26 @@ async fn a_server_starts_empty_only_where_it_is_told_to_and_never_over_a_whole_d
     let kept: Vec<_> = kept.map(|e| e.file_name().into_string().unwrap()).collect();
     assert!(kept.iter().any(|n| n.starts_with("giveway.past.2")), "moved aside: {}", json!(kept));
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn robots_of_a_kind_that_the_scenario_no_longer_has_are_refused_in_words() {
+    let folder = Folder::new();
+    let mut mixed = floor();
+    mixed.scenario.kinds[0].kind.name = "mover".into();
+    let server = Server::start(&config(&folder), mixed).await.unwrap_or_else(|e| panic!("{e:#}"));
+    let at = server.address();
+    for _ in 0..100 {
+        let robots = get(at, "/v1/robots").await;
+        if robots.text.contains("\"kind\":\"mover\"") {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    assert!(get(at, "/v1/robots").await.text.contains("\"kind\":\"mover\""));
+    server.stop().await.unwrap();
+    let refused = Server::start(&config(&folder), floor()).await.err().expect("it is refused").to_string();
+    assert!(
+        refused.contains("is of the kind \"mover\"") && refused.contains("scenario has robot"),
+        "{refused}"
+    );
+}

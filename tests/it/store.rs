@@ -66,7 +66,7 @@ fn every_fact() -> Vec<Fact> {
         Task::Store { job: None, rack, store: node },
     ];
     let mut facts = vec![
-        Fact::Registered { robot, name: "robot-\"ü\"".into(), node, at },
+        Fact::Registered { robot, name: "robot-\"ü\"".into(), kind: "mover".into(), node, at },
         Fact::Routed {
             bookings: vec![Booking {
                 robot,

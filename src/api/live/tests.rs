@@ -10,6 +10,8 @@ use serde_json::{Value, json};
 
 fn robot(name: &str, x: f64) -> RobotView {
     RobotView {
+        kind: "robot".into(),
+        critical: 0.15,
         name: name.into(),
         pose: Pose { at: Point::new(x, 2.0), heading: 0.0 },
         seen: None,

@@ -16,6 +16,8 @@ fn frame(zero: Time, at_s: f64) -> Arc<Frame> {
     let map = Arc::new(lab());
     let now = zero + Span::from_secs_f64(at_s);
     let robot = RobotView {
+        kind: "robot".into(),
+        critical: 0.15,
         name: "robot-1".into(),
         pose: Pose { at: Point::new(1.0, 2.0), heading: 0.0 },
         seen: Some(now),

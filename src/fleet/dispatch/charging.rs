@@ -1,6 +1,6 @@
 //! When robots charge: which may take a job, which go to a charger, and which leave one for another robot.
 //!
-//! Main type: [`Charging`]. A robot below `low` charges before it works if a charger is free, and works on if none is;
+//! Settings: [`Charging`] of the robot's kind. A robot below `low` charges before it works if a charger is free, and works on if none is;
 //! below `critical` it takes no job, gives back the one that it has not begun, and is next at a charger: the fullest
 //! robot that stands at one leaves it. Refuses: to trust a battery that says nothing is left; that robot has failed.
 
@@ -8,33 +8,11 @@ use crate::fleet::Fleet;
 use crate::fleet::state::fact::{Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobKind, JobState};
+use crate::fleet::state::kind::Charging;
 use crate::fleet::state::ledger;
 use crate::id::{JobId, NodeId, RobotId};
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
-
-/// When robots charge, in shares of a full charge.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Charging {
-    /// Below this a robot takes no job and charges before all others.
-    pub critical: f64,
-    /// Below this an idle robot charges before it takes a job, if a charger is free.
-    pub low: f64,
-    /// From this on a robot at a charger takes jobs, and leaves if another robot needs its charger.
-    pub enough: f64,
-    /// From this on an idle robot does not go to a charger.
-    pub full: f64,
-    /// Whether idle robots above `low` use chargers that are free.
-    pub opportunity: bool,
-    /// Hours of driving on a full charge.
-    pub driving_h: f64,
-}
-
-impl Default for Charging {
-    fn default() -> Charging {
-        Charging { critical: 0.15, low: 0.3, enough: 0.5, full: 0.9, opportunity: true, driving_h: 8.0 }
-    }
-}
 
 /// A robot leaves its charger for a critical one only if it has this much more charge.
 const MARGIN: f64 = 0.1;
@@ -45,7 +23,7 @@ impl Fleet {
     /// Whether some charger is free for a robot that is not at one.
     pub(in crate::fleet) fn a_charger_is_free(&self) -> bool {
         let low = |r: &RobotId| {
-            self.floor().battery(*r) < self.settings.charging.low && !self.floor().at_charger(*r)
+            self.floor().battery(*r) < self.floor().charging(*r).low && !self.floor().at_charger(*r)
         };
         ledger::all(&self.ledger.robots).find(low).is_some_and(|r| self.free_charger(r).is_some())
     }
@@ -77,7 +55,7 @@ impl Fleet {
             if self.send_to_charger(robot) {
                 continue;
             }
-            let low = self.floor().battery(robot) < self.settings.charging.low;
+            let low = self.floor().battery(robot) < self.floor().charging(robot).low;
             if (low || self.floor().is_sent_to_charge(robot)) && !self.floor().at_charger(robot) {
                 without.push(robot);
             }
@@ -88,7 +66,7 @@ impl Fleet {
 
     /// Sends an idle robot to a free charger if it should charge.
     fn send_to_charger(&mut self, robot: RobotId) -> bool {
-        let (battery, c) = (self.floor().battery(robot), self.settings.charging);
+        let (battery, c) = (self.floor().battery(robot), *self.floor().charging(robot));
         let should = battery < c.low || (c.opportunity && battery < c.full);
         if !should || self.floor().at_charger(robot) {
             return false;
@@ -139,21 +117,26 @@ impl Floor<'_> {
 
     /// Whether a robot has too little charge for any job.
     pub(in crate::fleet) fn is_critical(&self, robot: RobotId) -> bool {
-        self.battery(robot) < self.settings.charging.critical
+        self.battery(robot) < self.charging(robot).critical
     }
 
     /// Whether a robot has the charge to take jobs. Below `low` it charges first, but works on if no charger is free.
     pub(in crate::fleet) fn is_charged(&self, robot: RobotId, charger_is_free: bool) -> bool {
-        let (battery, c) = (self.battery(robot), &self.settings.charging);
+        let (battery, c) = (self.battery(robot), self.charging(robot));
         match self.at_charger(robot) {
             true => battery >= c.enough,
             false => battery >= c.low || (battery >= c.critical && !charger_is_free),
         }
     }
 
-    /// The share of a full charge that so many metres take.
-    pub(in crate::fleet) fn charge_for(&self, way_m: f64) -> f64 {
-        way_m / self.settings.kinematics.speed_mps / (self.settings.charging.driving_h * 3600.0)
+    /// When robots like this one charge.
+    pub(in crate::fleet) fn charging(&self, robot: RobotId) -> &Charging {
+        &self.kind(robot).charging
+    }
+
+    /// The share of a full charge that so many metres take a robot.
+    pub(in crate::fleet) fn charge_for(&self, robot: RobotId, way_m: f64) -> f64 {
+        way_m / self.kinematics(robot).speed_mps / (self.charging(robot).driving_h * 3600.0)
     }
 
     /// Whether a robot has the charge for this job by name.
@@ -172,7 +155,7 @@ impl Floor<'_> {
     fn is_in_the_way(&self, robot: RobotId, node: NodeId, now: Time) -> bool {
         let turn = (now.0 / self.settings.period.0) % (LOOKS.0 / self.settings.period.0).max(1);
         let looks = turn == i64::from(robot.0) % (LOOKS.0 / self.settings.period.0).max(1);
-        if !looks || self.battery(robot) >= self.settings.charging.low {
+        if !looks || self.battery(robot) >= self.charging(robot).low {
             return false;
         }
         let rack = self.ledger.index.places.rack_on(node);
@@ -185,8 +168,8 @@ impl Floor<'_> {
 
     /// The robot with the highest charge among those that stand idle at a charger and can spare it.
     fn fullest_at_a_charger(&self, needs: RobotId, now: Time) -> Option<RobotId> {
-        let c = &self.settings.charging;
         let spare = |r: &RobotId| {
+            let c = self.charging(*r);
             let (has, wants) = (self.battery(*r), self.battery(needs));
             has >= c.enough || (self.is_critical(needs) && has >= c.low && has > wants + MARGIN)
         };

@@ -60,7 +60,9 @@ impl Fleet {
         };
         let Some(stay) = stay else { return };
         let goal = goal.unwrap_or(stay);
-        if self.planner.free_flow(self.ledger.node_of(robot), &[stage(goal), stage(stay)]).is_none() {
+        let ways = [stage(goal), stage(stay)];
+        let kind = self.settings.kind(&self.ledger.robots[robot].kind);
+        if self.planners.of_mut(kind).free_flow(self.ledger.node_of(robot), &ways).is_none() {
             return self.progress(job, JobState::Failed(JobFailure::Unreachable), None, now);
         }
         let task = Task::Move { job: Some(job), goal, stay, purpose };
@@ -197,10 +199,10 @@ impl Floor<'_> {
             _ => node,
         };
         let whole_m = way_m + 2.0 * along_axes(at(node), at(goal));
-        if self.battery(robot) - self.charge_for(whole_m) < self.settings.charging.critical / 2.0 {
+        if self.battery(robot) - self.charge_for(robot, whole_m) < self.charging(robot).critical / 2.0 {
             return None;
         }
-        Some((way_m / self.settings.kinematics.speed_mps * 1000.0) as i64)
+        Some((way_m / self.kinematics(robot).speed_mps * 1000.0) as i64)
     }
 
     /// For each station, how many robots work on deliveries to it.

@@ -35,7 +35,6 @@ impl Fleet {
         let full = self.stations_with_enough(now);
         let paused_stations = self.ledger.paused_stations.clone();
         let closing = self.crowd.closing_nodes();
-        let critical = self.settings.charging.critical;
         View {
             now,
             robots,
@@ -48,7 +47,6 @@ impl Fleet {
             full,
             paused_stations,
             closing,
-            critical,
             stopped,
             counts,
             foresight,
@@ -88,7 +86,9 @@ impl Fleet {
             pose: seen.map_or(stands, |t| t.pose),
             seen: seen.map(|t| t.seen),
             speed_mps: seen.map_or(0.0, |t| t.speed_mps),
+            kind: record.kind.clone(),
             battery: seen.map_or(0.0, |t| t.battery),
+            critical: self.floor().charging(r).critical,
             state: self.floor().robot_state(r),
             task: record.task,
             rack: self.ledger.rack_on(r),

@@ -41,8 +41,6 @@ pub struct View {
     pub paused_stations: BTreeMap<StationId, Time>,
     /// Nodes that are closed, or will be soon.
     pub closing: BTreeSet<NodeId>,
-    /// Below this charge a robot takes no job.
-    pub critical: f64,
     /// Since when the whole fleet is to stand, by hand.
     pub stopped: Option<Time>,
     /// Sums.
@@ -62,8 +60,12 @@ pub struct RobotView {
     pub seen: Option<Time>,
     /// How fast, metres per second.
     pub speed_mps: f64,
+    /// The name of its kind.
+    pub kind: String,
     /// Charge, 0 to 1.
     pub battery: f64,
+    /// Below this charge it takes no job.
+    pub critical: f64,
     /// Its state in the sense of the thesis, 4.2.4.
     pub state: RobotState,
     /// What it is doing.
@@ -218,7 +220,7 @@ impl View {
                 _ if robot.task != Task::Idle => Some(JobWhy::RobotBusy(named, robot.job)),
                 _ => match job.request.kind {
                     JobKind::Charge { .. } => Some(JobWhy::NoPlace(NodeKind::Charger)),
-                    _ if robot.battery < self.critical => Some(JobWhy::RobotLow(named)),
+                    _ if robot.battery < robot.critical => Some(JobWhy::RobotLow(named)),
                     _ => Some(JobWhy::NoPlace(NodeKind::Parking)),
                 },
             };

@@ -18,7 +18,7 @@ impl Fleet {
             match input {
                 Input::Telemetry(t) if t.robot.ix() < self.ledger.robots.len() => self.scene.see(t),
                 Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry of an unknown robot"),
-                Input::Register { name, node } => self.enlist(name, node, now),
+                Input::Register { name, kind, node } => self.enlist(name, kind, node, now),
                 Input::Submit { token, request } => {
                     let reply = match self.submit(request, now) {
                         Ok((job, new)) => Reply::Accepted { token, job, new },
@@ -49,15 +49,16 @@ impl Fleet {
     }
 
     /// A robot joins, unless its name is known or its place is taken.
-    fn enlist(&mut self, name: String, node: NodeId, now: Time) {
+    fn enlist(&mut self, name: String, kind: String, node: NodeId, now: Time) {
         let known = self.ledger.robots.iter().any(|r| r.name == name);
         let taken = self.ledger.robots.ids().any(|r| self.ledger.chain(r).visits().any(|v| v.node == node));
-        if known || taken {
-            tracing::warn!(name, ?node, known, taken, "a robot cannot join");
+        let strange = !self.settings.kinds.iter().any(|k| k.name == kind);
+        if known || taken || strange {
+            tracing::warn!(name, kind, ?node, known, taken, strange, "a robot cannot join");
             return;
         }
         let robot = RobotId::at(self.ledger.robots.len());
-        self.record(Fact::Registered { robot, name, node, at: now });
+        self.record(Fact::Registered { robot, name, kind, node, at: now });
     }
 
     fn submit(&mut self, request: JobRequest, now: Time) -> Result<(JobId, bool), Refusal> {

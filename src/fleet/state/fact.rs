@@ -18,6 +18,8 @@ pub enum Fact {
         robot: RobotId,
         /// Its name.
         name: String,
+        /// The name of its kind.
+        kind: String,
         /// Where it stands.
         node: NodeId,
         /// When.

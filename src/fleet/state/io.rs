@@ -21,6 +21,8 @@ pub enum Input {
     Register {
         /// Its name.
         name: String,
+        /// The name of its kind, one of the settings.
+        kind: String,
         /// Where it stands.
         node: NodeId,
     },

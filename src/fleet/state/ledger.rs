@@ -32,6 +32,8 @@ pub enum RackAt {
 pub struct Robot {
     /// Its name.
     pub name: String,
+    /// The name of its kind.
+    pub kind: String,
     /// What it is doing.
     pub task: Task,
     /// Stops ahead, in order.
@@ -224,7 +226,7 @@ impl Ledger {
     /// Facts that change what robots hold, do or are.
     fn take_in_of_robots(&mut self, fact: &Fact) {
         match fact {
-            Fact::Registered { robot, name, node, at } => self.enlist(*robot, name, *node, *at),
+            Fact::Registered { robot, name, kind, node, at } => self.enlist(*robot, (name, kind), *node, *at),
             Fact::Tasked { robot, task } => self.task(*robot, *task),
             Fact::Routed { bookings } => self.route(bookings),
             Fact::Granted { robot, serial, at } => {
@@ -305,9 +307,10 @@ impl Ledger {
         }
     }
 
-    fn enlist(&mut self, robot: RobotId, name: &str, node: NodeId, at: Time) {
+    fn enlist(&mut self, robot: RobotId, (name, kind): (&str, &str), node: NodeId, at: Time) {
         let id = self.robots.push(Robot {
             name: name.to_owned(),
+            kind: kind.to_owned(),
             task: Task::Idle,
             stops: Vec::new(),
             acted: None,

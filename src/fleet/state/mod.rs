@@ -10,6 +10,7 @@ pub mod index;
 pub mod io;
 pub mod job;
 pub(in crate::fleet) mod keys;
+pub(in crate::fleet) mod kind;
 pub mod ledger;
 pub mod life;
 pub(in crate::fleet) mod parts;

@@ -52,7 +52,7 @@ impl Floor {
     fn under(&self, map: Warehouse, scenario: &Scenario) -> Floor {
         let map = Arc::new(map);
         let parts = self.carried(&map).parts.expect("nothing is in the way");
-        let clearance = scenario.kinematics.clearance;
+        let clearance = scenario.settings().clearance();
         let ledger = Ledger::from_parts(map.clone(), clearance, parts).expect("it contradicts nothing");
         ledger.assert_sound();
         let fleet = Fleet::resume(ledger, scenario.settings(), []);

@@ -3,13 +3,22 @@
 use super::*;
 use crate::sim::Closing;
 
+fn charging_so(charging: Charging) -> Vec<KindShare> {
+    KindShare::one(Kinematics::default(), charging)
+}
+
 /// The hall of the thesis with so many chargers, and batteries that last for an hour of driving.
 fn few_chargers(robots: usize, chargers: usize) -> Scenario {
     let closed = (chargers + 1..=10).map(|i| format!("C{i}-15")).collect();
     let closing =
         Closing { outline: Vec::new(), nodes: closed, from_s: 0.0, until_s: None, reason: "no power".into() };
     let charging = Charging { driving_h: 1.0, ..Charging::default() };
-    Scenario { demand: Demand::Backlog(robots), closures: vec![closing], charging, ..scenario(robots) }
+    Scenario {
+        demand: Demand::Backlog(robots),
+        closures: vec![closing],
+        kinds: charging_so(charging),
+        ..scenario(robots)
+    }
 }
 
 #[test]
@@ -60,7 +69,7 @@ fn a_robot_with_a_flat_battery_has_failed_and_another_one_does_its_job() {
 #[test]
 fn a_critical_robot_gives_its_job_back_and_goes_to_charge() {
     let critical = Charging { critical: 0.99, low: 0.99, enough: 0.995, full: 1.0, ..Charging::default() };
-    let mut floor = Floor::new(lab(), &Scenario { charging: critical, ..scenario(1) });
+    let mut floor = Floor::new(lab(), &Scenario { kinds: charging_so(critical), ..scenario(1) });
     let job = floor.submit(request(deliver(3)));
     floor.run(60);
     assert!(floor.is(job, "waiting"), "{:?}", floor.state(job));
@@ -71,7 +80,8 @@ fn a_critical_robot_gives_its_job_back_and_goes_to_charge() {
 
 #[test]
 fn a_robot_that_is_sent_to_charge_gets_a_charger_although_full_robots_stand_at_all_of_them() {
-    let one = Scenario { demand: Demand::None, charging: Charging::default(), ..few_chargers(3, 1) };
+    let kinds = charging_so(Charging::default());
+    let one = Scenario { demand: Demand::None, kinds, ..few_chargers(3, 1) };
     let mut floor = Floor::new(thesis(), &one);
     let charger = floor.node("C1-15");
     floor.until(4_000, "a robot is full at the charger", |f| {

@@ -89,7 +89,7 @@ proptest! {
         let mut ledger = Ledger::new(Arc::new(lab()), Span::from_millis(500), false);
         let mut now = Time::ZERO;
         let (robot, node) = (RobotId(0), ledger.warehouse().nodes_where(|k| k == NodeKind::Parking)[0]);
-        ledger.evolve(&Fact::Registered { robot, name: "one".into(), node, at: now });
+        ledger.evolve(&Fact::Registered { robot, name: "one".into(), kind: "robot".into(), node, at: now });
         for (event, pause_s) in &events {
             take_in(&mut ledger, event, now);
             now += Span::from_secs(*pause_s);

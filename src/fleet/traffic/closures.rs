@@ -59,7 +59,7 @@ impl Fleet {
         };
         let Some(begins) = self.closes(node) else { return false };
         let arrive = self.ledger.chain(robot).get(lift.serial).map_or(now, |v| v.arrive.max(now));
-        arrive + self.settings.kinematics.lift + COME_OUT > begins
+        arrive + self.floor().kinematics(robot).lift + COME_OUT > begins
     }
 
     /// Whether a job leads to a place that is closed, or will be soon.

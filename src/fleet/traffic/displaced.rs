@@ -104,7 +104,8 @@ impl Fleet {
                 stays.first().map(|n| super::plan::stay_at(*n)).into_iter().collect()
             }
         };
-        self.planner.free_flow(node, &stages).is_some()
+        let kind = self.settings.kind(&self.ledger.robots[robot].kind);
+        self.planners.of_mut(kind).free_flow(node, &stages).is_some()
     }
 
     /// A robot stands on a free node: it is booked there and nowhere else. It keeps the rack that it carries and

@@ -74,7 +74,7 @@ impl Fleet {
     /// until the next grant reaches it, and a node more. That is less near people, so that it can still decide
     /// otherwise there.
     pub(in crate::fleet) fn needed_ahead_m(&self, robot: RobotId) -> f64 {
-        let k = &self.settings.kinematics;
+        let k = *self.floor().kinematics(robot);
         let loaded = self.ledger.rack_on(robot).is_some();
         let limit = self.crowd.limits.get(&robot).and_then(|(limit, _)| *limit);
         let speed = k.top_mps(loaded).min(limit.unwrap_or(f64::INFINITY).max(SLOW_MPS));

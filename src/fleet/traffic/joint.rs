@@ -130,7 +130,8 @@ impl Fleet {
         let (budget, conditions) = (self.settings.expansions_per_plan, &self.crowd.conditions);
         let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away };
         self.tally.plans += 1;
-        self.planner.plan(&ask, timeline).ok()
+        let kind = self.settings.kind(&self.ledger.robots[robot].kind);
+        self.planners.of_mut(kind).plan(&ask, timeline).ok()
     }
 }
 

@@ -178,7 +178,8 @@ impl Fleet {
         let (budget, away) = (self.settings.expansions_per_plan, self.away(robot, now));
         let conditions = &self.crowd.conditions;
         let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away: &away };
-        let (planner, timeline) = (&mut self.planner, &mut self.ledger.timeline);
+        let kind = self.settings.kind(&self.ledger.robots[robot].kind);
+        let (planner, timeline) = (self.planners.of_mut(kind), &mut self.ledger.timeline);
         let start = (self.settings.stopwatch)();
         let found = timeline.without(&[holder], |others| planner.plan(&ask, others));
         self.plan_times.push((self.settings.stopwatch)() - start);
@@ -359,7 +360,7 @@ impl Floor<'_> {
 
     /// The legs that the rest of a robot's task asks for.
     pub(super) fn stages(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
-        let lift = self.settings.kinematics.lift;
+        let lift = self.kinematics(robot).lift;
         let leg = |goal, loaded, stay| Stage { goal, loaded, stay };
         match self.ledger.robots[robot].task {
             Task::Idle => smallvec![],

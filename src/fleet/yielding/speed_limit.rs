@@ -168,7 +168,7 @@ impl Fleet {
             return false;
         }
         let loaded = self.ledger.rack_on(robot).is_some();
-        let k = &self.settings.kinematics;
+        let k = *self.floor().kinematics(robot);
         let drive = Drive {
             way,
             speed_mps: seen.speed_mps,

@@ -123,8 +123,7 @@ impl JobLaws {
         let drives = |why: Option<Why>| {
             !matches!(why, Some(Why::Failed | Why::Displaced(_) | Why::Silent | Why::Paused | Why::Stopped))
         };
-        let critical = fleet.settings().charging.critical;
-        let can = view.robots.iter().any(|r| drives(r.why) && r.battery >= critical);
+        let can = view.robots.iter().any(|r| drives(r.why) && r.battery >= r.critical);
         if delivered != self.delivered.0 || !wanted || picking || !can {
             self.delivered = (delivered, now);
         }
@@ -173,7 +172,8 @@ fn is_true(why: JobWhy, now: Time, world: &World, fleet: &Fleet) -> bool {
         JobWhy::Robot(_, Why::Failed | Why::Displaced(_) | Why::Silent | Why::Paused | Why::Stopped) => true,
         JobWhy::Robot(robot, _) => works(robot),
         JobWhy::RobotLow(robot) => {
-            world.truth().any(|(r, t)| r == robot && t.battery <= fleet.settings().charging.critical + 0.01)
+            let critical = fleet.settings().kind(&ledger.robots[robot].kind).charging.critical;
+            world.truth().any(|(r, t)| r == robot && t.battery <= critical + 0.01)
         }
         JobWhy::NoRobot => fleet.view(now).free == 0,
         JobWhy::StationFull(station) => {

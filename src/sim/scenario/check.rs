@@ -19,16 +19,24 @@ pub enum ScenarioError {
     #[error("`{key}` is {found}, but must be {wanted}")]
     Number {
         /// Which.
-        key: &'static str,
+        key: String,
         /// What it is.
         found: String,
         /// What it may be.
         wanted: &'static str,
     },
+    /// What it says cannot be.
+    #[error("`{key}`: {message}")]
+    Wrong {
+        /// Where.
+        key: &'static str,
+        /// What, and what to do.
+        message: String,
+    },
 }
 
 pub(in crate::sim) fn check(
-    key: &'static str,
+    key: &str,
     found: f64,
     range: std::ops::RangeInclusive<f64>,
     wanted: &'static str,
@@ -36,6 +44,6 @@ pub(in crate::sim) fn check(
     if range.contains(&found) {
         Ok(())
     } else {
-        Err(ScenarioError::Number { key, found: found.to_string(), wanted })
+        Err(ScenarioError::Number { key: key.to_owned(), found: found.to_string(), wanted })
     }
 }

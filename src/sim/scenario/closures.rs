@@ -66,7 +66,7 @@ impl Closing {
         }
         let around = |name: &String| {
             let node = warehouse.node_named(name).ok_or_else(|| ScenarioError::Number {
-                key: "closures.nodes",
+                key: "closures.nodes".to_owned(),
                 found: format!("\"{name}\""),
                 wanted: "names of nodes of the map",
             })?;

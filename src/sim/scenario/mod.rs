@@ -6,20 +6,22 @@
 mod check;
 mod closures;
 mod habits;
+mod kinds;
 mod workforce;
 
 pub use check::ScenarioError;
 pub use closures::Closing;
 pub use habits::Habits;
+pub use kinds::KindShare;
 pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, Sensor, Source, Workers};
 
 use crate::aware::HumanAwarePolicy;
-use crate::fleet::{Charging, Closure};
+use crate::fleet::{Closure, RobotKind};
 use crate::human::Model;
-use crate::route::Kinematics;
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use check::check;
+use kinds::{Figures, KindFile};
 use serde::Deserialize;
 use std::sync::Arc;
 
@@ -47,10 +49,8 @@ pub struct Scenario {
     pub drain: Span,
     /// What goes wrong.
     pub faults: Faults,
-    /// When robots charge.
-    pub charging: Charging,
-    /// The robots' figures.
-    pub kinematics: Kinematics,
+    /// The kinds of robots, at least one; the robots are of them in turn.
+    pub kinds: Vec<KindShare>,
     /// The people on the floor.
     pub workers: Workers,
     /// Areas closed for a time.
@@ -133,7 +133,9 @@ struct File {
     #[serde(default)]
     faults: Faults,
     #[serde(default)]
-    fleet: Fleet,
+    fleet: Option<Figures>,
+    #[serde(default)]
+    kinds: Vec<KindFile>,
     #[serde(default)]
     workers: Workers,
     #[serde(default)]
@@ -163,36 +165,6 @@ impl From<PolicyWord> for HumanAwarePolicy {
             PolicyWord::Phir => HumanAwarePolicy::Phir,
             PolicyWord::Giveway => HumanAwarePolicy::Giveway,
         }
-    }
-}
-
-#[derive(Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct Fleet {
-    speed_mps: Option<f64>,
-    speed_loaded_mps: Option<f64>,
-    accel_unloaded_mps2: Option<f64>,
-    accel_loaded_mps2: Option<f64>,
-    lift_s: Option<f64>,
-    battery: Battery,
-}
-
-/// [`Charging`] as files name it.
-#[derive(Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct Battery {
-    critical: f64,
-    low: f64,
-    enough: f64,
-    full: f64,
-    opportunity: bool,
-    driving_h: f64,
-}
-
-impl Default for Battery {
-    fn default() -> Battery {
-        let Charging { critical, low, enough, full, opportunity, driving_h } = Charging::default();
-        Battery { critical, low, enough, full, opportunity, driving_h }
     }
 }
 
@@ -252,9 +224,8 @@ impl Scenario {
             demand: file.jobs,
             customers: file.customers,
             drain: Span::from_secs_f64(file.drain_s),
-            charging: file.fleet.battery.charging()?,
             faults: file.faults,
-            kinematics: file.fleet.kinematics()?,
+            kinds: kinds::read(file.fleet, file.kinds)?,
             workers: file.workers,
             closures: file.closures,
             policy: file.arm.into(),
@@ -274,45 +245,21 @@ impl Scenario {
 
     /// The settings of the core for this scenario.
     pub fn settings(&self) -> crate::fleet::Settings {
-        let Scenario { kinematics, period, policy, charging, .. } = *self;
-        let model = self.learned.clone();
-        crate::fleet::Settings { kinematics, period, policy, charging, model, ..Default::default() }
+        let Scenario { period, policy, .. } = *self;
+        let (kinds, model) = (self.kinds.iter().map(|k| k.kind.clone()).collect(), self.learned.clone());
+        crate::fleet::Settings { kinds, period, policy, model, ..Default::default() }
     }
-}
 
-impl Battery {
-    fn charging(&self) -> Result<Charging, ScenarioError> {
-        let Battery { critical, low, enough, full, opportunity, driving_h } = *self;
-        check("fleet.battery.critical", critical, 0.0..=1.0, "from 0 to 1")?;
-        check("fleet.battery.low", low, critical..=1.0, "from `critical` to 1")?;
-        check("fleet.battery.enough", enough, low..=1.0, "from `low` to 1")?;
-        check("fleet.battery.full", full, enough..=1.0, "from `enough` to 1")?;
-        check("fleet.battery.driving_h", driving_h, 0.01..=1000.0, "from 0.01 to 1000")?;
-        Ok(Charging { critical, low, enough, full, opportunity, driving_h })
-    }
-}
-
-impl Fleet {
-    fn kinematics(&self) -> Result<Kinematics, ScenarioError> {
-        let usual = Kinematics::default();
-        let speed = self.speed_mps.unwrap_or(usual.speed_mps);
-        let speed_loaded = self.speed_loaded_mps.unwrap_or(speed);
-        let unloaded = self.accel_unloaded_mps2.unwrap_or(usual.accel_unloaded_mps2);
-        let loaded = self.accel_loaded_mps2.unwrap_or(usual.accel_loaded_mps2);
-        let lift = self.lift_s.unwrap_or(usual.lift.as_secs_f64());
-        check("fleet.speed_mps", speed, 0.1..=5.0, "from 0.1 to 5")?;
-        check("fleet.speed_loaded_mps", speed_loaded, 0.1..=5.0, "from 0.1 to 5")?;
-        check("fleet.accel_unloaded_mps2", unloaded, 0.05..=5.0, "from 0.05 to 5")?;
-        check("fleet.accel_loaded_mps2", loaded, 0.05..=5.0, "from 0.05 to 5")?;
-        check("fleet.lift_s", lift, 0.0..=60.0, "from 0 to 60")?;
-        Ok(Kinematics {
-            speed_mps: speed,
-            speed_loaded_mps: speed_loaded,
-            accel_unloaded_mps2: unloaded,
-            accel_loaded_mps2: loaded,
-            lift: Span::from_secs_f64(lift),
-            ..usual
-        })
+    /// The kind of robot number `i`, from 0: the robots are of the kinds in turn.
+    pub fn kind_of(&self, i: usize) -> &RobotKind {
+        let all: usize = self.kinds.iter().map(|k| k.share).sum();
+        let mut left = i % all;
+        let kind = self.kinds.iter().find(|k| {
+            let is_it = left < k.share;
+            left = left.saturating_sub(k.share);
+            is_it
+        });
+        &kind.expect("shares are positive").kind
     }
 }
 

@@ -1,0 +1,85 @@
+//! Kinds of robots: what all robots of one kind have in common.
+//!
+//! Main types: [`RobotKind`], [`Charging`]. A robot's kind is known by its name, which the ledger keeps: what a kind is
+//! may be changed between two starts, which kind a robot is of may not. Refuses: to know of a robot's state.
+
+use crate::route::Kinematics;
+
+/// The name of the kind where a scenario tells none apart, and of robots from before there were kinds.
+pub const USUAL_KIND: &str = "robot";
+
+/// What all robots of a kind have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotKind {
+    /// Its name.
+    pub name: String,
+    /// How it moves, and how long it takes to lift.
+    pub kinematics: Kinematics,
+    /// When it charges, and how long a charge lasts.
+    pub charging: Charging,
+}
+
+impl Default for RobotKind {
+    fn default() -> RobotKind {
+        RobotKind {
+            name: USUAL_KIND.to_owned(),
+            kinematics: Kinematics::default(),
+            charging: Charging::default(),
+        }
+    }
+}
+
+/// When robots of a kind charge, in shares of a full charge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Charging {
+    /// Below this a robot takes no job and charges before all others.
+    pub critical: f64,
+    /// Below this an idle robot charges before it takes a job, if a charger is free.
+    pub low: f64,
+    /// From this on a robot at a charger takes jobs, and leaves if another robot needs its charger.
+    pub enough: f64,
+    /// From this on an idle robot does not go to a charger.
+    pub full: f64,
+    /// Whether idle robots above `low` use chargers that are free.
+    pub opportunity: bool,
+    /// Hours of driving on a full charge.
+    pub driving_h: f64,
+}
+
+impl Default for Charging {
+    fn default() -> Charging {
+        Charging { critical: 0.15, low: 0.3, enough: 0.5, full: 0.9, opportunity: true, driving_h: 8.0 }
+    }
+}
+
+/// The figures of the robot among these that is worst for somebody in its way: the fastest, with the weakest brakes.
+/// Regions around people are made for it, whichever robot comes.
+pub fn most_dangerous(kinds: &[RobotKind]) -> Kinematics {
+    let all = kinds.iter().map(|k| k.kinematics);
+    let worse = |a: Kinematics, b: Kinematics| Kinematics {
+        speed_mps: a.speed_mps.max(b.speed_mps),
+        speed_loaded_mps: a.speed_loaded_mps.max(b.speed_loaded_mps),
+        accel_unloaded_mps2: a.accel_unloaded_mps2.min(b.accel_unloaded_mps2),
+        accel_loaded_mps2: a.accel_loaded_mps2.min(b.accel_loaded_mps2),
+        turn_radps: a.turn_radps.min(b.turn_radps),
+        lift: a.lift.max(b.lift),
+        clearance: a.clearance.max(b.clearance),
+        reaction: a.reaction.max(b.reaction),
+    };
+    all.reduce(worse).expect("a fleet has a kind of robots")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_most_dangerous_robot_is_the_fastest_with_the_weakest_brakes() {
+        let fast = Kinematics { speed_mps: 2.0, accel_loaded_mps2: 1.0, ..Kinematics::default() };
+        let heavy = Kinematics { speed_mps: 0.8, accel_loaded_mps2: 0.2, ..Kinematics::default() };
+        let kinds = [fast, heavy].map(|kinematics| RobotKind { kinematics, ..RobotKind::default() });
+        let worst = most_dangerous(&kinds);
+        assert_eq!((worst.speed_mps, worst.accel_loaded_mps2), (2.0, 0.2));
+        assert_eq!(most_dangerous(&kinds[..1]), fast, "of one kind it is that kind");
+    }
+}

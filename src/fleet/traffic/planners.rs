@@ -1,0 +1,26 @@
+//! One planner for each kind of robots: what a lane takes depends on who drives it.
+//!
+//! Main type: [`Planners`]. Estimates of one kind are never asked for another one. Refuses: to plan.
+
+use crate::fleet::state::kind::RobotKind;
+use crate::route::{Planner, Rules};
+use crate::warehouse::Warehouse;
+use std::sync::Arc;
+
+/// The planners by the name of their kind.
+#[derive(Debug)]
+pub(in crate::fleet) struct Planners(Vec<(String, Planner)>);
+
+impl Planners {
+    /// A planner for each kind in a building.
+    pub fn new(warehouse: &Arc<Warehouse>, kinds: &[RobotKind]) -> Planners {
+        let planner = |k: &RobotKind| Planner::new(warehouse.clone(), Rules::Drive(k.kinematics));
+        Planners(kinds.iter().map(|k| (k.name.clone(), planner(k))).collect())
+    }
+
+    /// The planner of a kind.
+    pub fn of_mut(&mut self, kind: &RobotKind) -> &mut Planner {
+        let found = self.0.iter_mut().find(|(name, _)| *name == kind.name);
+        &mut found.expect("there is a planner for each kind").1
+    }
+}

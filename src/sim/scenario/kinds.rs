@@ -1,0 +1,172 @@
+//! Kinds of robots in scenario files: one for all (`fleet`), or several with their shares (`kinds`).
+//!
+//! Main types: [`KindShare`], and the file's own [`Figures`] and [`KindFile`]. Refuses: kinds of one name.
+
+use super::{ScenarioError, check};
+use crate::fleet::{Charging, RobotKind};
+use crate::route::Kinematics;
+use crate::time::Span;
+use serde::Deserialize;
+
+/// A kind of robots, and how many of each round of robots are of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KindShare {
+    /// The kind.
+    pub kind: RobotKind,
+    /// With kinds of shares 1 and 2, of three robots the first is of the first kind and the others of the second.
+    pub share: usize,
+}
+
+impl KindShare {
+    /// All robots are of one kind.
+    pub fn one(kinematics: Kinematics, charging: Charging) -> Vec<KindShare> {
+        vec![KindShare { kind: RobotKind { kinematics, charging, ..RobotKind::default() }, share: 1 }]
+    }
+}
+
+/// The figures of a kind as files give them; what is left out is as usual.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct Figures {
+    speed_mps: Option<f64>,
+    speed_loaded_mps: Option<f64>,
+    accel_unloaded_mps2: Option<f64>,
+    accel_loaded_mps2: Option<f64>,
+    lift_s: Option<f64>,
+    battery: Battery,
+}
+
+/// A kind with its name and share.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KindFile {
+    name: String,
+    #[serde(default = "one")]
+    share: usize,
+    #[serde(default)]
+    fleet: Figures,
+}
+
+/// [`Charging`] as files name it.
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Battery {
+    critical: f64,
+    low: f64,
+    enough: f64,
+    full: f64,
+    opportunity: bool,
+    driving_h: f64,
+}
+
+impl Default for Battery {
+    fn default() -> Battery {
+        let Charging { critical, low, enough, full, opportunity, driving_h } = Charging::default();
+        Battery { critical, low, enough, full, opportunity, driving_h }
+    }
+}
+
+fn one() -> usize {
+    1
+}
+
+/// The kinds of a file: `fleet` for all robots, or `kinds`.
+pub(super) fn read(fleet: Option<Figures>, kinds: Vec<KindFile>) -> Result<Vec<KindShare>, ScenarioError> {
+    if kinds.is_empty() {
+        let figures = fleet.unwrap_or_default();
+        return Ok(KindShare::one(figures.kinematics("fleet")?, figures.battery.charging("fleet.battery")?));
+    }
+    let wrong = |message: String| Err(ScenarioError::Wrong { key: "kinds", message });
+    if fleet.is_some() {
+        return wrong("leave `fleet` out where there are kinds: each has a `fleet` of its own".into());
+    }
+    for (i, kind) in kinds.iter().enumerate() {
+        let at = |what: &str| format!("kinds[{i}].{what}");
+        check(&at("share"), kind.share as f64, 1.0..=1000.0, "from 1 to 1000")?;
+        if kind.name.trim().is_empty() || kind.name.len() > 50 {
+            return wrong(format!("{} must have from 1 to 50 characters", at("name")));
+        }
+        if kinds[..i].iter().any(|k| k.name == kind.name) {
+            return wrong(format!("there are two kinds named {:?}", kind.name));
+        }
+    }
+    kinds.into_iter().enumerate().map(|(i, kind)| kind.share(i)).collect()
+}
+
+impl KindFile {
+    fn share(self, i: usize) -> Result<KindShare, ScenarioError> {
+        let kinematics = self.fleet.kinematics(&format!("kinds[{i}].fleet"))?;
+        let charging = self.fleet.battery.charging(&format!("kinds[{i}].fleet.battery"))?;
+        Ok(KindShare { kind: RobotKind { name: self.name, kinematics, charging }, share: self.share })
+    }
+}
+
+impl Battery {
+    fn charging(&self, of: &str) -> Result<Charging, ScenarioError> {
+        let Battery { critical, low, enough, full, opportunity, driving_h } = *self;
+        let field = |name: &str| format!("{of}.{name}");
+        check(&field("critical"), critical, 0.0..=1.0, "from 0 to 1")?;
+        check(&field("low"), low, critical..=1.0, "from `critical` to 1")?;
+        check(&field("enough"), enough, low..=1.0, "from `low` to 1")?;
+        check(&field("full"), full, enough..=1.0, "from `enough` to 1")?;
+        check(&field("driving_h"), driving_h, 0.01..=1000.0, "from 0.01 to 1000")?;
+        Ok(Charging { critical, low, enough, full, opportunity, driving_h })
+    }
+}
+
+impl Figures {
+    fn kinematics(&self, of: &str) -> Result<Kinematics, ScenarioError> {
+        let usual = Kinematics::default();
+        let speed = self.speed_mps.unwrap_or(usual.speed_mps);
+        let speed_loaded = self.speed_loaded_mps.unwrap_or(speed);
+        let unloaded = self.accel_unloaded_mps2.unwrap_or(usual.accel_unloaded_mps2);
+        let loaded = self.accel_loaded_mps2.unwrap_or(usual.accel_loaded_mps2);
+        let lift = self.lift_s.unwrap_or(usual.lift.as_secs_f64());
+        let field = |name: &str| format!("{of}.{name}");
+        check(&field("speed_mps"), speed, 0.1..=5.0, "from 0.1 to 5")?;
+        check(&field("speed_loaded_mps"), speed_loaded, 0.1..=5.0, "from 0.1 to 5")?;
+        check(&field("accel_unloaded_mps2"), unloaded, 0.05..=5.0, "from 0.05 to 5")?;
+        check(&field("accel_loaded_mps2"), loaded, 0.05..=5.0, "from 0.05 to 5")?;
+        check(&field("lift_s"), lift, 0.0..=60.0, "from 0 to 60")?;
+        Ok(Kinematics {
+            speed_mps: speed,
+            speed_loaded_mps: speed_loaded,
+            accel_unloaded_mps2: unloaded,
+            accel_loaded_mps2: loaded,
+            lift: Span::from_secs_f64(lift),
+            ..usual
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Scenario;
+
+    fn parse(fleet: &str) -> Result<Scenario, String> {
+        let text = format!(r#"{{"giveway_scenario": 1, "name": "x", "map": "m.json", "robots": 7{fleet}}}"#);
+        Scenario::parse(&text).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn robots_are_of_the_kinds_in_turn_by_their_shares() {
+        let s = parse(r#", "kinds": [{"name": "a", "share": 2}, {"name": "b", "fleet": {"speed_mps": 2}}]"#)
+            .unwrap();
+        let kinds: Vec<&str> = (0..s.robots).map(|i| s.kind_of(i).name.as_str()).collect();
+        assert_eq!(kinds, ["a", "a", "b", "a", "a", "b", "a"]);
+        assert_eq!((s.kind_of(0).kinematics.speed_mps, s.kind_of(2).kinematics.speed_mps), (1.5, 2.0));
+        assert_eq!(parse("").unwrap().kind_of(3).name, "robot", "without kinds there is one");
+    }
+
+    #[test]
+    fn kinds_that_cannot_be_are_refused_with_their_place() {
+        let refused = |fleet: &str| parse(fleet).unwrap_err();
+        assert_eq!(
+            refused(r#", "kinds": [{"name": "a"}, {"name": "b", "fleet": {"speed_mps": 9}}]"#),
+            "`kinds[1].fleet.speed_mps` is 9, but must be from 0.1 to 5"
+        );
+        assert!(refused(r#", "kinds": [{"name": "a"}, {"name": "a"}]"#).contains("two kinds named \"a\""));
+        assert!(refused(r#", "fleet": {}, "kinds": [{"name": "a"}]"#).contains("leave `fleet` out"));
+        assert!(refused(r#", "kinds": [{"name": "a", "share": 0}]"#).contains("kinds[0].share"));
+    }
+}
