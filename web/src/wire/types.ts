@@ -44,8 +44,8 @@ export interface Robot {
   speed: number;
   state: RobotState;
   doing: Doing;
-  /** What robots of its kind are called; recordings from before there were kinds have none. */
-  kind?: string;
+  /** What robots of its kind are called. */
+  kind: string;
   rack: string | null;
   job: string | null;
   battery: number;
