@@ -35,7 +35,7 @@ pub use state::worker::{
 
 use crate::aware::{HumanAwarePolicy, Regions};
 use crate::human::{Method, Model};
-use crate::id::RobotId;
+use crate::id::{IdVec, RobotId};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use people::state::HumanState;
@@ -43,6 +43,7 @@ use state::floor::Floor;
 use state::scene::Scene;
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use traffic::grant::Held;
 use traffic::plan::Needs;
 use traffic::planners::Planners;
 
@@ -153,6 +154,8 @@ pub struct Fleet {
     unheard: BTreeSet<RobotId>,
     /// When the first step was, if there were such robots.
     started: Option<Time>,
+    /// Why the last step granted each robot no more than it did.
+    held: IdVec<RobotId, Option<Held>>,
     out: Step,
 }
 
@@ -174,6 +177,7 @@ impl Fleet {
             at_hand: None,
             unheard: BTreeSet::new(),
             started: None,
+            held: IdVec::new(),
             out: Step::default(),
             settings,
         }

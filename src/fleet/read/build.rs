@@ -8,12 +8,12 @@ use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView
 use crate::fleet::state::fact::{Act, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{ClosureView, Presence, WorkerView};
+use crate::fleet::traffic::grant::Held;
 use crate::geometry::{Point, Pose};
 use crate::human::Belief;
 use crate::id::{JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::route::Cause;
 use crate::time::Time;
-use crate::timeline::Holder;
 use crate::warehouse::NodeKind;
 use std::collections::BTreeMap;
 
@@ -141,15 +141,18 @@ impl Fleet {
             return Some(Why::GivesWay(*worker));
         }
         let at_end = chain.first() + 1 == chain.granted();
-        let held = chain.get(chain.granted()).filter(|v| at_end && v.enter <= now);
-        match held.and_then(|v| self.grant_waits_for(r, v, now)) {
-            Some(Cause::Worker(w)) => return Some(Why::GivesWay(w)),
-            Some(Cause::Closure(c)) => return Some(Why::Closed(c)),
-            Some(Cause::Robot(r)) => return Some(Why::BlockedBy(r)),
-            None => {}
+        match self.held_by(r).filter(|_| at_end)? {
+            Held::Condition(Cause::Worker(w), _) => Some(Why::GivesWay(w)),
+            Held::Condition(Cause::Closure(c), _) => Some(Why::Closed(c)),
+            Held::Condition(Cause::Robot(other), _) => Some(Why::BlockedBy(other)),
+            Held::Turn(resource, holder) => Some(Why::WaitsFor(resource, holder)),
+            Held::End | Held::Stop | Held::Early => None,
         }
-        let (resource, holder) = self.ledger.timeline.waits_for(Holder::Robot(r), chain.granted())?;
-        at_end.then_some(Why::WaitsFor(resource, holder))
+    }
+
+    /// Why the last step granted a robot no more than it did, if there was a reason.
+    pub(in crate::fleet) fn held_by(&self, robot: RobotId) -> Option<Held> {
+        self.held.get(robot).copied().flatten()
     }
 
     fn worker_views(&self, now: Time) -> Vec<WorkerView> {

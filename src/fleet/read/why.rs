@@ -9,6 +9,7 @@ use crate::fleet::JobState;
 use crate::fleet::read::view::{JobWhy, View, Why};
 use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::floor::Floor;
+use crate::fleet::traffic::grant::Held;
 use crate::id::{JobId, ResourceId, RobotId};
 use crate::time::Time;
 use crate::timeline::Holder;
@@ -170,8 +171,10 @@ impl Fleet {
                 (link(Because::Robot(why), until, before.len()), behind)
             }
             Some(why @ (Why::GivesWay(_) | Why::Closed(_))) => {
-                let ahead = chain.get(chain.granted());
-                let until = ahead.and_then(|v| self.holds_back(robot, v, now)).map(|c| c.window.end());
+                let until = match self.held_by(robot) {
+                    Some(Held::Condition(_, until)) => until,
+                    _ => None,
+                };
                 (link(Because::Robot(why), until, 0), None)
             }
             Some(why @ Why::BlockedBy(other)) => (link(Because::Robot(why), None, 0), Some(other)),

@@ -10,7 +10,8 @@ use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Waypoint};
 use crate::fleet::state::ledger;
-use crate::id::RobotId;
+use crate::id::{ResourceId, RobotId};
+use crate::route::Cause;
 use crate::time::{Span, Time};
 use crate::timeline::Holder;
 
@@ -23,10 +24,29 @@ const REPEAT: Span = Span::from_millis(600);
 /// A robot at a stop is reminded this often of what it is to do there.
 const REMIND: Span = Span::from_secs(3);
 
+/// Why the visit after the last granted one was not granted. The grant itself finds it, and whoever asks why a robot
+/// waits is told this.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::fleet) enum Held {
+    /// Nothing is reserved beyond.
+    End,
+    /// What the robot is to do at a stop is not done.
+    Stop,
+    /// It is not due for a while.
+    Early,
+    /// This holder comes first on this resource.
+    Turn(ResourceId, Holder),
+    /// It would meet a person, a closed area or a robot that stands there; until then, where that is known.
+    Condition(Cause, Option<Time>),
+}
+
 impl Fleet {
     pub(in crate::fleet) fn grant(&mut self, now: Time) {
         if self.waits_for_first_reports(now) {
             return;
+        }
+        while self.held.len() < self.ledger.robots.len() {
+            self.held.push(None);
         }
         for robot in ledger::all(&self.ledger.robots) {
             self.at_hand = Some(robot);
@@ -34,40 +54,57 @@ impl Fleet {
                 continue;
             }
             let held_back = self.floor().is_halted(robot) || self.crowd.procedure.holds(robot);
-            let granted = !held_back && self.extend_grant(robot, now);
+            let before = self.ledger.chain(robot).granted();
+            self.held[robot] = match held_back {
+                true => self.is_held(robot, before, now),
+                false => self.extend_grant(robot, now),
+            };
+            let granted = self.ledger.chain(robot).granted() > before;
             if granted || self.must_repeat(robot, now) {
                 self.send(robot, now);
             }
         }
     }
 
-    /// Grants as many further visits as the robot needs to keep its speed.
-    fn extend_grant(&mut self, robot: RobotId, now: Time) -> bool {
+    /// Grants as many further visits as the robot needs to keep its speed; says why no more, if it needs more.
+    fn extend_grant(&mut self, robot: RobotId, now: Time) -> Option<Held> {
         let holder = Holder::Robot(robot);
         let mut serial = self.ledger.chain(robot).granted();
         let first = serial;
         let mut ahead = self.floor().granted_ahead_m(robot);
         let enough = self.needed_ahead_m(robot);
-        while ahead < enough && self.may_grant(robot, serial, now) {
+        let mut held = None;
+        while ahead < enough {
+            held = self.is_held(robot, serial, now);
+            if held.is_some() {
+                break;
+            }
             ahead += self.floor().step_m(robot, serial);
             serial += 1;
         }
-        if serial == first {
-            return false;
+        if serial > first {
+            debug_assert!(self.ledger.timeline.waits_for(holder, first).is_none());
+            self.record(Fact::Granted { robot, serial: serial - 1, at: now });
         }
-        debug_assert!(self.ledger.timeline.waits_for(holder, first).is_none());
-        self.record(Fact::Granted { robot, serial: serial - 1, at: now });
-        true
+        held
     }
 
-    fn may_grant(&self, robot: RobotId, serial: u64, now: Time) -> bool {
-        let record = &self.ledger.robots[robot];
-        let Some(visit) = self.ledger.chain(robot).get(serial) else { return false };
-        let undone = record.stops.first().is_some_and(|s| s.serial < serial);
-        !undone
-            && visit.enter <= now + EARLY
-            && self.ledger.timeline.waits_for(Holder::Robot(robot), serial).is_none()
-            && self.grant_waits_for(robot, visit, now).is_none()
+    /// Why a visit cannot be granted now, if it cannot. Where a robot waits for its turn and for a person, and is due,
+    /// the person is named.
+    fn is_held(&self, robot: RobotId, serial: u64, now: Time) -> Option<Held> {
+        let Some(visit) = self.ledger.chain(robot).get(serial) else { return Some(Held::End) };
+        if self.ledger.robots[robot].stops.first().is_some_and(|s| s.serial < serial) {
+            return Some(Held::Stop);
+        }
+        let turn = self.ledger.timeline.waits_for(Holder::Robot(robot), serial);
+        let turn = turn.map(|(resource, holder)| Held::Turn(resource, holder));
+        let soon = visit.enter <= now + EARLY;
+        let asked = if turn.is_some() { visit.enter <= now } else { soon };
+        if !asked {
+            return turn.or(Some(Held::Early));
+        }
+        let condition = self.grant_waits_for(robot, visit, now);
+        condition.map(|(cause, until)| Held::Condition(cause, until)).or(turn)
     }
 
     /// How far ahead it must be sure of its way to go on as fast as it may: its braking distance, what it drives

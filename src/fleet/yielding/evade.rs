@@ -65,19 +65,19 @@ impl Fleet {
         Some(Away { from, at, distance_m: (self.floor().at(node) - at).norm() })
     }
 
-    /// Because of whom a visit cannot be granted now.
+    /// Because of what a visit cannot be granted now, and until when, where that is known.
     pub(in crate::fleet) fn grant_waits_for(
         &self,
         robot: RobotId,
         visit: &Visit,
         now: Time,
-    ) -> Option<Cause> {
-        let faced = self.faces(robot, visit.node, now).map(Cause::Worker);
-        faced.or_else(|| self.holds_back(robot, visit, now).map(|c| c.cause))
+    ) -> Option<(Cause, Option<Time>)> {
+        let faced = self.faces(robot, visit.node, now).map(|w| (Cause::Worker(w), None));
+        faced.or_else(|| self.holds_back(robot, visit, now).map(|c| (c.cause, Some(c.window.end()))))
     }
 
     /// The condition that keeps a visit from being granted, if one does.
-    pub(in crate::fleet) fn holds_back(&self, robot: RobotId, visit: &Visit, now: Time) -> Option<Condition> {
+    fn holds_back(&self, robot: RobotId, visit: &Visit, now: Time) -> Option<Condition> {
         if self.crowd.conditions.of(visit.node).is_empty() {
             return None;
         }
@@ -122,7 +122,7 @@ impl Fleet {
         let at_end = chain.first() + 1 == chain.granted() && chain.granted() < chain.end();
         let stands = self.scene.fit(robot, now).is_some_and(|t| t.speed_mps < 0.05);
         let due = chain.get(chain.granted()).filter(|v| at_end && stands && v.enter <= now);
-        match due.and_then(|v| self.grant_waits_for(robot, v, now)) {
+        match due.and_then(|v| self.grant_waits_for(robot, v, now)).map(|(cause, _)| cause) {
             Some(Cause::Worker(worker)) => self.gives_way(robot, worker, Reaction::Held, now),
             Some(Cause::Closure(_) | Cause::Robot(_)) => {}
             None if !stands => {
