@@ -46,6 +46,7 @@ use std::sync::Arc;
 use traffic::grant::Held;
 use traffic::plan::Needs;
 use traffic::planners::Planners;
+use yielding::state::YieldingState;
 
 /// Settings of the core. They never change while it runs.
 #[derive(Clone, Debug)]
@@ -147,6 +148,7 @@ pub struct Fleet {
     storage: dispatch::storage::Storage,
     tally: Tally,
     crowd: HumanState,
+    yielding: YieldingState,
     plan_times: Vec<u64>,
     /// The robot that is being dealt with: named where a contradiction ends the step.
     at_hand: Option<RobotId>,
@@ -167,6 +169,7 @@ impl Fleet {
         let regions = Regions::new(most_dangerous(&settings.kinds), warehouse.footprint_m, period_s);
         Fleet {
             crowd: HumanState::new(&warehouse, regions),
+            yielding: YieldingState::default(),
             ledger: Ledger::new(warehouse.clone(), clearance, settings.ghosts),
             scene: Scene::default(),
             planners: Planners::new(&warehouse, &settings.kinds),

@@ -124,7 +124,7 @@ impl Fleet {
     /// Where robots and a worker wait for one another and neither can pass: a way to the nearest place from
     /// which the worker leaves to those robots what they are about to drive.
     fn refuge(&self, worker: WorkerId, at: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
-        let waiting = self.crowd.yielding.iter().filter(|(_, y)| y.worker == worker).map(|(r, _)| *r);
+        let waiting = self.yielding.giving_way().filter(|(_, y)| y.worker == worker).map(|(r, _)| r);
         let wanted: Vec<Point> = waiting
             .flat_map(|r| self.ledger.chain(r).visits().take(REFUGE_AHEAD))
             .map(|v| self.warehouse().nodes[v.node].at)

@@ -4,7 +4,7 @@
 
 use crate::aware::{Afoot, Meter, Regions};
 use crate::fleet::people::intent::Intents;
-use crate::fleet::state::worker::{Guidance, Reaction};
+use crate::fleet::state::worker::Guidance;
 use crate::fleet::traffic::closed_areas::Areas;
 use crate::fleet::yielding::petkovic2021::Procedure;
 use crate::geometry::Point;
@@ -20,19 +20,6 @@ use std::sync::Arc;
 
 /// A worker this near to the end of the path is there, metres.
 const THERE_M: f64 = 0.6;
-
-/// A robot that stands for somebody.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) struct Standing {
-    /// For whom, the last of several.
-    pub worker: WorkerId,
-    /// Since when it stands.
-    pub since: Time,
-    /// Since when it does so for this one.
-    pub facing_since: Time,
-    /// Where it came to stand.
-    pub node: NodeId,
-}
 
 /// How a worker's walk stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -97,14 +84,6 @@ pub(in crate::fleet) struct Person {
     pub told: Option<(Guidance, Time)>,
 }
 
-/// A robot that stops or goes elsewhere because of somebody.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) struct Yielding {
-    pub worker: WorkerId,
-    pub reaction: Reaction,
-    pub since: Time,
-}
-
 /// All that is kept in mind about people.
 #[derive(Debug)]
 pub(in crate::fleet) struct HumanState {
@@ -120,21 +99,10 @@ pub(in crate::fleet) struct HumanState {
     pub meter: Meter,
     /// Whether forecasts hold.
     pub coverage: Coverage,
-    pub yielding: BTreeMap<RobotId, Yielding>,
-    /// When each robot was told its limit last, and which.
-    pub limits: BTreeMap<RobotId, (Option<f64>, Time)>,
-    /// Robots that stand for somebody, or come back slowly.
-    pub stands: BTreeMap<RobotId, Standing>,
-    /// When robots that stand for somebody were called back last.
-    pub called_back: BTreeMap<RobotId, Time>,
-    /// When each robot last looked for another route because of somebody.
-    pub rerouted: BTreeMap<RobotId, Time>,
     /// Announced closures.
     pub areas: Areas,
     /// Nodes that are as good as closed because somebody has been standing there for long, with when that began.
     pub closing: BTreeMap<NodeId, Time>,
-    /// When each robot last looked for a route around a closed area.
-    pub looked_round: BTreeMap<RobotId, Time>,
 }
 
 impl HumanState {
@@ -150,14 +118,8 @@ impl HumanState {
             conditions: Conditions::none(warehouse),
             meter: Meter::default(),
             coverage: Coverage::default(),
-            yielding: BTreeMap::new(),
-            limits: BTreeMap::new(),
-            stands: BTreeMap::new(),
-            called_back: BTreeMap::new(),
-            rerouted: BTreeMap::new(),
             areas: Areas::default(),
             closing: BTreeMap::new(),
-            looked_round: BTreeMap::new(),
         }
     }
 

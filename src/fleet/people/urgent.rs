@@ -40,7 +40,7 @@ impl Fleet {
             if (place.at - seen.pose.at).norm() - place.reach_m > NEAR_M {
                 return false;
             }
-            let told = self.crowd.limits.get(&robot).is_some_and(|(limit, _)| *limit == Some(0.0));
+            let told = self.yielding.of(robot).is_told_to_stand();
             let stops = || self.limit_for(robot, &[(s.worker, place)], now).0 == Some(0.0);
             !told && stops() || !stands && self.drives_up(robot, &place)
         })

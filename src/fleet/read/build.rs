@@ -3,7 +3,6 @@
 //! Main function: [`Fleet::view`]. Refuses: to change anything.
 
 use crate::fleet::Fleet;
-use crate::fleet::people::state::Standing;
 use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
 use crate::fleet::state::fact::{Act, Purpose, Task};
 use crate::fleet::state::floor::Floor;
@@ -131,14 +130,15 @@ impl Fleet {
         if self.floor().lacks_route(r) && self.needs.failed_before(r) {
             return Some(Why::NoRoute);
         }
-        let stands = self.crowd.limits.get(&r).is_some_and(|(limit, _)| *limit == Some(0.0));
-        if let Some(yielding) = self.crowd.yielding.get(&r).filter(|_| stands) {
-            return Some(Why::GivesWay(yielding.worker));
+        let yielding = self.yielding.of(r);
+        let stands = yielding.is_told_to_stand();
+        if let Some(to) = yielding.to.filter(|_| stands) {
+            return Some(Why::GivesWay(to.worker));
         }
         let chain = self.ledger.chain(r);
         let may_drive = chain.first() + 1 < chain.granted();
-        if let Some(Standing { worker, .. }) = self.crowd.stands.get(&r).filter(|_| stands && may_drive) {
-            return Some(Why::GivesWay(*worker));
+        if let Some(standing) = yielding.stands.filter(|_| stands && may_drive) {
+            return Some(Why::GivesWay(standing.worker));
         }
         let at_end = chain.first() + 1 == chain.granted();
         match self.held_by(r).filter(|_| at_end)? {

@@ -301,9 +301,9 @@ fn a_worker_of_whom_nothing_is_heard_stops_robots_in_a_growing_disc_until_cleare
     let moving = floor.world.truth().filter(|(_, t)| t.speed_mps > 0.0).count();
     assert_eq!(moving, 0, "after 25 s she may be anywhere");
     let before = floor.fleet.ledger().counts.robot_deliveries;
-    assert!(!floor.fleet.crowd.yielding.is_empty(), "robots wait because of her");
+    assert!(floor.fleet.yielding.giving_way().next().is_some(), "robots wait because of her");
     floor.step(vec![Input::ClearWorker { token: 4, worker: ana.worker }]);
-    assert!(floor.fleet.crowd.yielding.is_empty(), "and nobody does any more");
+    assert!(floor.fleet.yielding.giving_way().next().is_none(), "and nobody does any more");
     floor.run(120);
     assert!(floor.fleet.ledger().counts.robot_deliveries > before, "they go on");
 }

@@ -157,7 +157,7 @@ fn a_robot_that_may_only_drive_slowly_is_granted_less() {
     floor.submit(request(deliver(40)));
     floor.run(2);
     let needed = |limit: Option<f64>, floor: &mut Floor| {
-        floor.fleet.crowd.limits.insert(RobotId(0), (limit, floor.now));
+        floor.fleet.yielding.of_mut(RobotId(0)).limit_told = Some((limit, floor.now));
         floor.fleet.needed_ahead_m(RobotId(0))
     };
     let (free, slow, stop) =

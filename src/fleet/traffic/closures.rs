@@ -78,13 +78,13 @@ impl Fleet {
             return;
         }
         for robot in ledger::all(&self.ledger.robots) {
-            let looked = self.crowd.looked_round.get(&robot).is_some_and(|t| now - *t < AGAIN);
+            let looked = self.yielding.of(robot).looked_round.is_some_and(|t| now - t < AGAIN);
             if *budget == 0 || looked || !self.floor().can_be_routed_round(robot, now) {
                 continue;
             }
             let ends_there = self.task_elsewhere(robot) != self.ledger.robots[robot].task;
             if ends_there || self.fetches_too_late(robot, now) || self.leads_into_closed(robot, now) {
-                self.crowd.looked_round.insert(robot, now);
+                self.yielding.of_mut(robot).looked_round = Some(now);
                 *budget = budget.saturating_sub(self.route_round(robot, now));
             }
         }

@@ -127,8 +127,8 @@ impl Fleet {
         let cut = self.floor().truncated_for_place(robot, node);
         self.record(Fact::Placed { robot, node, serial, cut, at: now });
         self.fits_again(robot);
-        self.crowd.called_back.remove(&robot);
-        self.crowd.stands.remove(&robot);
+        let noted = self.yielding.of_mut(robot);
+        (noted.called_back, noted.stands) = (None, None);
     }
 
     /// A robot cannot go on from where it stands: it counts as failed, and no robot drives into it.

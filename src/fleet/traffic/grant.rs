@@ -113,7 +113,7 @@ impl Fleet {
     pub(in crate::fleet) fn needed_ahead_m(&self, robot: RobotId) -> f64 {
         let k = *self.floor().kinematics(robot);
         let loaded = self.ledger.rack_on(robot).is_some();
-        let limit = self.crowd.limits.get(&robot).and_then(|(limit, _)| *limit);
+        let limit = self.yielding.of(robot).limit_mps();
         let speed = k.top_mps(loaded).min(limit.unwrap_or(f64::INFINITY).max(SLOW_MPS));
         let latency = (self.settings.period * 2 + k.reaction).as_secs_f64();
         k.braking_m(speed, loaded) + speed * latency + NODE_M

@@ -280,7 +280,7 @@ impl Fleet {
             None => Span::ZERO,
         };
         // Nobody knows how long people stay; as long again as so far is the best guess.
-        let waited = self.crowd.yielding.get(&robot).map_or(Span::ZERO, |y| now - y.since);
+        let waited = self.yielding.of(robot).waited(now);
         planned + late.max(waited)
     }
 

@@ -98,11 +98,12 @@ impl Fleet {
     pub(in crate::fleet) fn give_way(&mut self, now: Time, budget: &mut u32) {
         if self.crowd.conditions.is_empty() {
             // Nobody to give way to: what was noted of earlier waiting says nothing about the next one.
-            self.crowd.yielding.clear();
+            self.yielding.nobody_is_there();
             return;
         }
-        let crowd = &self.crowd;
-        if !crowd.conditions.has_passing() && crowd.yielding.is_empty() && crowd.stands.is_empty() {
+        let nobody_waits =
+            || self.yielding.giving_way().next().is_none() && self.yielding.standing().next().is_none();
+        if !self.crowd.conditions.has_passing() && nobody_waits() {
             return;
         }
         for robot in crate::fleet::state::ledger::all(&self.ledger.robots) {
@@ -126,9 +127,9 @@ impl Fleet {
             Some(Cause::Worker(worker)) => self.gives_way(robot, worker, Reaction::Held, now),
             Some(Cause::Closure(_) | Cause::Robot(_)) => {}
             None if !stands => {
-                let free = self.crowd.limits.get(&robot).is_none_or(|(l, _)| *l != Some(0.0));
-                if free && self.crowd.yielding.get(&robot).is_some_and(|y| now - y.since > PATIENCE) {
-                    self.crowd.yielding.remove(&robot);
+                let yielding = self.yielding.of_mut(robot);
+                if !yielding.is_told_to_stand() && yielding.waited(now) > PATIENCE {
+                    yielding.to = None;
                 }
             }
             None => {}
@@ -169,7 +170,7 @@ impl Fleet {
         let Some((worker, zone)) = self.meetings(robot, now).iter().find_map(by_worker) else {
             return Decision::Keep;
         };
-        let waited = self.crowd.yielding.get(&robot).map_or(Span::ZERO, |y| now - y.since);
+        let waited = self.yielding.of(robot).waited(now);
         match zone.answer(PATIENCE - waited) {
             Answer::Keep => Decision::Keep,
             Answer::Slow(_) => Decision::Wait,
@@ -201,7 +202,7 @@ impl Fleet {
 
     /// Looks for a route that does not meet the worker, and takes it where it is better than waiting.
     fn change_route(&mut self, robot: RobotId, worker: WorkerId, now: Time, budget: &mut u32) {
-        let last = self.crowd.rerouted.get(&robot).copied();
+        let last = self.yielding.of(robot).rerouted;
         if last.is_some_and(|t| now - t < AGAIN) || self.ledger.robots[robot].failed {
             return;
         }
@@ -210,7 +211,7 @@ impl Fleet {
         if at_stop.is_some_and(|s| s < granted) {
             return;
         }
-        self.crowd.rerouted.insert(robot, now);
+        self.yielding.of_mut(robot).rerouted = Some(now);
         let spent = if self.must_leave(robot, now).is_some() && !self.leads_off(robot, now) {
             self.evade(robot, worker, now)
         } else {

@@ -1,9 +1,10 @@
 //! How robots give way to people: speed limits, holding back, leaving the way; and the published procedure to compare
 //! with.
 //!
-//! Main functions: `limit_robots`, `give_way`, `call_back`. Refuses: to be a safety function.
+//! Main type: [`state::YieldingState`]; main functions: `limit_robots`, `give_way`, `revoke_grants`. Refuses: to be a safety function.
 
 pub(in crate::fleet) mod evade;
 pub(in crate::fleet) mod petkovic2021;
 pub(in crate::fleet) mod revoke;
 pub(in crate::fleet) mod speed_limit;
+pub(in crate::fleet) mod state;

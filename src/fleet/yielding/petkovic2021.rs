@@ -79,7 +79,7 @@ impl Fleet {
     fn is_at_rest(&self, robot: RobotId) -> bool {
         let Some(seen) = self.scene.robot(robot) else { return true };
         let chain = self.ledger.chain(robot);
-        let held = self.crowd.limits.get(&robot).is_some_and(|(limit, _)| *limit == Some(0.0));
+        let held = self.yielding.of(robot).is_told_to_stand();
         let stays = held || chain.first() + 1 == chain.granted();
         self.ledger.robots[robot].failed || seen.speed_mps < 0.05 && stays
     }

@@ -29,7 +29,7 @@ impl Fleet {
         if self.settings.policy != HumanAwarePolicy::Giveway {
             return;
         }
-        let standing: Vec<RobotId> = self.crowd.stands.keys().copied().collect();
+        let standing: Vec<RobotId> = self.yielding.standing().collect();
         for robot in standing {
             let leaves = |w| self.drives_away(robot, self.floor().place_of(robot), w, now);
             let stood_for = self.stood_for(robot, now).and_then(|w| self.whereabouts(w, now));
@@ -37,16 +37,16 @@ impl Fleet {
                 self.revoke_grant(robot, now);
             }
         }
-        self.crowd.called_back.retain(|_, called| now - *called < LEAVES);
+        self.yielding.forget_calls(now, LEAVES);
     }
 
     /// Calls a robot back to the node that it reached last, if it can come and was not called just now.
     pub(in crate::fleet) fn revoke_grant(&mut self, robot: RobotId, now: Time) {
-        let called = self.crowd.called_back.get(&robot).is_some_and(|t| now - *t < AGAIN);
+        let called = self.yielding.of(robot).called_back.is_some_and(|t| now - t < AGAIN);
         if called || !self.floor().can_be_revoked(robot, now) {
             return;
         }
-        self.crowd.called_back.insert(robot, now);
+        self.yielding.of_mut(robot).called_back = Some(now);
         let (to, number) = (self.ledger.chain(robot).first(), self.ledger.robots[robot].recalls + 1);
         self.out.urgent.push((robot, Command::Revoke { to, number }));
     }
@@ -68,13 +68,13 @@ impl Fleet {
         let seen = self.scene.robot(robot)?;
         let chain = self.ledger.chain(robot);
         let follows = seen.known == seen.reached && chain.first() + 1 < chain.granted();
-        (follows && self.crowd.called_back.contains_key(&robot))
+        (follows && self.yielding.of(robot).called_back.is_some())
             .then(|| self.warehouse().nodes[self.ledger.node_of(robot)].at)
     }
 
     /// For whom a robot has been standing for so long that it should leave: for one, or for some who take turns.
     pub(in crate::fleet) fn stood_for(&self, robot: RobotId, now: Time) -> Option<WorkerId> {
-        let standing = self.crowd.stands.get(&robot)?;
+        let standing = self.yielding.of(robot).stands?;
         let long = now - standing.facing_since > LEAVES || now - standing.since > LEAVES * 2;
         long.then_some(standing.worker)
     }
@@ -82,7 +82,7 @@ impl Fleet {
     /// The one for whom the robot has been standing for long and to whom this place is nearer than its own: nobody
     /// is helped if it drives up again. Between those who take turns, it has to go nearer to one of them.
     pub(in crate::fleet) fn faces(&self, robot: RobotId, node: NodeId, now: Time) -> Option<WorkerId> {
-        let standing = self.crowd.stands.get(&robot)?;
+        let standing = self.yielding.of(robot).stands?;
         if now - standing.facing_since <= LEAVES || self.settings.policy != HumanAwarePolicy::Giveway {
             return None;
         }

@@ -5,12 +5,13 @@
 
 use crate::aware::{Drive, HumanAwarePolicy, Near, SLOW_MPS, Walk, moves_within};
 use crate::fleet::Fleet;
-use crate::fleet::people::state::{Mode, Standing};
+use crate::fleet::people::state::Mode;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Command;
 use crate::fleet::state::worker::{Encounter, Reaction};
 use crate::fleet::traffic::closures::STANDS;
+use crate::fleet::yielding::state::{GivesWay, Standing};
 use crate::geometry::{Point, Segment, to_mm};
 use crate::human::{Presence, Whereabouts};
 use crate::id::{RobotId, WorkerId};
@@ -51,14 +52,14 @@ impl Fleet {
                 self.gives_way(robot, worker, Reaction::Stopped, now);
             }
             self.note_standing(robot, limit, because, now);
-            let told = self.crowd.limits.get(&robot).copied();
+            let told = self.yielding.of(robot).limit_told;
             let same = told.map_or(limit.is_none(), |(l, _)| l == limit);
             let known = seen.limit_mps == limit;
             // A limit that nobody here set is older than a restart, or the server's own while the journal was full.
             if same && (known || told.is_some_and(|(_, at)| now - at < INSIST)) {
                 continue;
             }
-            self.crowd.limits.insert(robot, (limit, now));
+            self.yielding.of_mut(robot).limit_told = Some((limit, now));
             self.out.urgent.push((robot, Command::Limit(limit)));
         }
     }
@@ -140,17 +141,17 @@ impl Fleet {
     /// Notes since when a robot has to stand for somebody; it may come back slowly meanwhile. Who stands for one and
     /// then for another has stood all the while.
     fn note_standing(&mut self, robot: RobotId, limit: Option<f64>, because: Option<WorkerId>, now: Time) {
-        let (node, stands) = (self.ledger.node_of(robot), &mut self.crowd.stands);
-        let before = stands.get(&robot).copied();
+        let (node, noted) = (self.ledger.node_of(robot), self.yielding.of_mut(robot));
+        let before = noted.stands;
         match because.filter(|_| limit.is_some_and(|l| l <= SLOW_MPS)) {
             Some(worker) if before.is_some_and(|s| s.worker == worker) => {}
             Some(worker) if limit == Some(0.0) => {
                 let since = before.filter(|s| s.node == node).map_or(now, |s| s.since);
-                stands.insert(robot, Standing { worker, since, facing_since: now, node });
+                noted.stands = Some(Standing { worker, since, facing_since: now, node });
             }
             // Who was called back has not left yet.
-            _ if self.crowd.called_back.contains_key(&robot) => {}
-            _ => _ = stands.remove(&robot),
+            _ if noted.called_back.is_some() => {}
+            _ => noted.stands = None,
         }
     }
 
@@ -177,7 +178,7 @@ impl Fleet {
             heading: seen.pose.heading,
             turn_radps: k.turn_radps,
         };
-        let told_to = self.crowd.limits.get(&robot).is_some_and(|(limit, _)| *limit == Some(0.0));
+        let told_to = self.yielding.of(robot).is_told_to_stand();
         let stands = told_to || seen.speed_mps < STANDS_MPS;
         let room_m = CLEAR_M + if stands { SET_OFF_M } else { 0.0 };
         moves_within(&drive, &walk, self.crowd.regions.stop_radius_m(loaded, w.sigma_m) + room_m)
@@ -254,9 +255,9 @@ impl Fleet {
         reaction: Reaction,
         now: Time,
     ) {
-        let before = self.crowd.yielding.get(&robot).copied();
+        let before = self.yielding.of(robot).to;
         let since = before.map_or(now, |y| y.since);
-        self.crowd.yielding.insert(robot, crate::fleet::people::state::Yielding { worker, reaction, since });
+        self.yielding.of_mut(robot).to = Some(GivesWay { worker, reaction, since });
         if before.is_none() {
             self.record(Fact::Interrupted { robot, worker, reaction, at: now });
         }
@@ -280,7 +281,7 @@ impl Fleet {
         }
         for meeting in self.crowd.meter.observe(now, &near) {
             let start = meeting.start;
-            let yielding = self.crowd.yielding.get(&start.robot);
+            let yielding = self.yielding.of(start.robot).to;
             let reaction = yielding.map_or(Reaction::Kept, |y| y.reaction);
             self.record(Fact::Encountered(Encounter {
                 worker: start.worker,
