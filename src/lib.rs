@@ -222,7 +222,7 @@
 //! | where people will be (forecast) | `human/outlook.rs`, `human/motion/`; learned: `experiment/learning/` |
 //! | whether forecasts hold | `human/coverage.rs`; which robots brake: `fleet/people/forecast.rs` |
 //! | stop of the whole fleet, pause of a robot | `fleet/requests/operator.rs`; `api/http/halt.rs` |
-//! | a robot joins (registration) | `fleet/requests/absorb.rs` |
+//! | a robot joins (registration), goes to maintenance | `fleet/requests/enrolment.rs`; `api/http/robots.rs` |
 //! | the view; why a robot or a job waits | `fleet/read/build.rs`, `view.rs`; `fleet/read/why.rs` |
 //! | occupancy (timelines) of an area | `fleet/read/occupancy.rs`; `api/http/timelines.rs` |
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |

@@ -44,6 +44,8 @@ pub struct RobotDto {
     /// The kind of robots that it is of.
     #[schema(example = "robot")]
     pub kind: String,
+    /// Whether it is in maintenance, or will be when it has finished what it has begun.
+    pub maintenance: bool,
     /// The rack on it.
     pub rack: Option<String>,
     /// The job it works on.
@@ -170,6 +172,7 @@ impl Names<'_> {
             state: state_word(r.state),
             doing: doing_word(r.doing),
             kind: r.kind.clone(),
+            maintenance: r.maintenance,
             rack: r.rack.and_then(rack),
             job: r.job.map(job_name),
             battery: round3(r.battery),
@@ -309,6 +312,7 @@ impl Names<'_> {
             Why::BlockedBy(r) => format!("waiting for {} to be moved out of its way", self.robot(r)),
             Why::Silent => "not heard of".into(),
             Why::Paused => PAUSED.into(),
+            Why::Maintenance => "in maintenance".into(),
             Why::Stopped => "stopped with the whole fleet".into(),
         }
     }

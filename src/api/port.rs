@@ -9,7 +9,7 @@ use crate::fleet::{
     Reply, StationOrder, Strip, View, Waiting, Why,
 };
 use crate::history::{History, Times};
-use crate::id::{AssignmentId, ClosureId, JobId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
 use std::pin::Pin;
@@ -141,6 +141,10 @@ pub enum What {
     Submit(JobRequest),
     /// The end of one.
     Cancel(JobId),
+    /// A robot to join: its name, its kind, where it stands.
+    Register(String, String, NodeId),
+    /// That a robot goes to maintenance, or comes back.
+    Maintain(RobotId, bool),
     /// A worker to be known, by name.
     Hire(String),
     /// That nobody is where this worker was lost.

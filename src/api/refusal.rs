@@ -66,6 +66,13 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             );
             field("place", detail)
         }
+        Refusal::UnknownKind => {
+            field("kind", "there is no such kind of robots; the scenario's `kinds` lists them".into())
+        }
+        Refusal::PlaceTaken(n) => {
+            let detail = format!("a robot holds {}, or is on its way there: choose another node", node(n));
+            Problem::conflict("place-taken", "The place is taken", detail)
+        }
         Refusal::EmptyArea => {
             field("outline", "an area needs three corners and an end after its beginning".into())
         }
@@ -77,6 +84,7 @@ fn too_many(kind: Bounded, n: usize) -> Problem {
     let (what, remedy) = match kind {
         Bounded::Jobs => ("jobs are open", "try again when some are over"),
         Bounded::Assignments => ("assignments are open", "try again when some are done or cancelled"),
+        Bounded::Robots => ("robots have joined", "use the name of one that has joined already"),
         Bounded::Workers => ("workers are known", "use the name of one who is known already"),
         Bounded::Closures => ("areas are closed or announced", "take back some that are not needed"),
     };
@@ -93,6 +101,7 @@ mod tests {
         for (kind, what) in [
             (Bounded::Jobs, "7 jobs are open"),
             (Bounded::Assignments, "7 assignments are open"),
+            (Bounded::Robots, "7 robots have joined"),
             (Bounded::Workers, "7 workers are known"),
             (Bounded::Closures, "7 areas are closed or announced"),
         ] {

@@ -139,6 +139,7 @@ impl Names<'_> {
             Why::BlockedBy(r) => ("robot", Some((self.robot(r), "robot"))),
             Why::Silent => ("silent", None),
             Why::Paused => ("paused", None),
+            Why::Maintenance => ("maintenance", None),
             Why::Stopped => ("stopped", None),
         }
     }

@@ -63,6 +63,8 @@ pub struct Settings {
     pub waiting_max: usize,
     /// How many assignments may be open.
     pub assignments_max: usize,
+    /// How many robots may join.
+    pub robots_max: usize,
     /// How many workers may be known.
     pub workers_max: usize,
     /// How many closures there may be, announced, closed, or over since less than a day.
@@ -92,6 +94,7 @@ impl Default for Settings {
             expansions_per_step: 30_000,
             waiting_max: 100_000,
             assignments_max: 10_000,
+            robots_max: 10_000,
             workers_max: 1_000,
             closures_max: 2_000,
             after_max: 100,
@@ -158,6 +161,9 @@ pub struct Fleet {
     started: Option<Time>,
     /// Why the last step granted each robot no more than it did.
     held: IdVec<RobotId, Option<Held>>,
+    /// A robot over which the next step panics: for tests of what happens then.
+    #[cfg(test)]
+    pub trap: Option<RobotId>,
     out: Step,
 }
 
@@ -181,6 +187,8 @@ impl Fleet {
             unheard: BTreeSet::new(),
             started: None,
             held: IdVec::new(),
+            #[cfg(test)]
+            trap: None,
             out: Step::default(),
             settings,
         }
@@ -214,6 +222,8 @@ impl Fleet {
     pub fn step(&mut self, now: Time, inputs: Vec<Input>) -> Step {
         self.at_hand = None;
         self.absorb(now, inputs);
+        #[cfg(test)]
+        self.spring();
         self.evaluate_people(now);
         self.note_progress(now);
         self.assign(now);
@@ -250,6 +260,15 @@ impl Fleet {
     /// How long the searches since the last call took, nanoseconds by the stopwatch of the settings.
     pub fn take_plan_times(&mut self) -> Vec<u64> {
         std::mem::take(&mut self.plan_times)
+    }
+
+    /// Panics over the robot of the trap.
+    #[cfg(test)]
+    fn spring(&mut self) {
+        if let Some(robot) = self.trap {
+            self.at_hand = Some(robot);
+            panic!("a test asked for it");
+        }
     }
 
     /// Takes a fact into the ledger and into the step's result.

@@ -6,6 +6,7 @@ mod carry;
 mod charging;
 mod closures;
 mod displaced;
+mod enrolment;
 mod failure;
 mod hand;
 mod jobs;

@@ -376,11 +376,6 @@ mod tests {
         let _ = std::fs::remove_dir_all(&folder);
     }
 
-    /// An input that ends a step in a panic: a robot joins on a node that there is not.
-    fn impossible() -> Vec<Input> {
-        vec![Input::Register { name: "ghost".into(), kind: "robot".into(), node: NodeId(9_999) }]
-    }
-
     #[tokio::test]
     async fn a_step_that_panics_is_undone_and_where_it_happens_again_and_again_all_robots_stand() {
         let folder = std::env::temp_dir().join(format!("giveway-panics-{}", std::process::id()));
@@ -392,9 +387,9 @@ mod tests {
         let known = drive.fleet.ledger().robots.clone();
         let mut halt = ask(&queue, What::Halt(None));
         let mut job = ask(&queue, What::Cancel(crate::id::JobId(1)));
-        let mut inputs = drive.inbox.drain(false);
-        inputs.extend(impossible());
+        let inputs = drive.inbox.drain(false);
         let now = drive.clock.now();
+        drive.fleet.trap = Some(RobotId(0));
         assert!(drive.step(now, inputs).is_none());
         drive.rebuild(&mut stop).await;
         assert!(!drive.rescue.is_broken());
@@ -409,7 +404,8 @@ mod tests {
         assert!(drive.fleet.ledger().stopped.is_some(), "a stop by hand outlasts it");
         for _ in 0..3 {
             let now = drive.clock.now();
-            assert!(drive.step(now, impossible()).is_none());
+            drive.fleet.trap = Some(RobotId(0));
+            assert!(drive.step(now, vec![]).is_none());
             drive.rebuild(&mut stop).await;
         }
         assert!(drive.rescue.is_broken());

@@ -128,6 +128,8 @@ fn input(token: u64, what: What) -> Input {
     match what {
         What::Submit(request) => Input::Submit { token, request },
         What::Cancel(job) => Input::Cancel { token, job },
+        What::Register(name, kind, node) => Input::Register { token, name, kind, node },
+        What::Maintain(robot, begins) => Input::Maintain { token, robot, begins },
         What::Hire(name) => Input::RegisterWorker { token, name },
         What::Clear(worker) => Input::ClearWorker { token, worker },
         What::Assign(worker, request) => Input::Assign { token, worker, request },

@@ -105,6 +105,7 @@ enum Other {
     Enlist(String, u32),
     /// Of a kind that is not the usual one.
     EnlistAs(String, u32, String),
+    Maintain(u64, u32, bool),
     Submit {
         token: u64,
         kind: Kind,
@@ -240,8 +241,9 @@ fn sighted(s: &Sighting) -> Seen {
 
 fn asked(input: &Input) -> Other {
     match input {
-        Input::Register { name, kind, node } if kind == USUAL_KIND => Other::Enlist(name.clone(), node.0),
-        Input::Register { name, kind, node } => Other::EnlistAs(name.clone(), node.0, kind.clone()),
+        Input::Register { name, kind, node, .. } if kind == USUAL_KIND => Other::Enlist(name.clone(), node.0),
+        Input::Register { name, kind, node, .. } => Other::EnlistAs(name.clone(), node.0, kind.clone()),
+        Input::Maintain { token, robot, begins } => Other::Maintain(*token, robot.0, *begins),
         Input::Submit { token, request } => submit(*token, request),
         Input::Cancel { token, job } => Other::Cancel(*token, job.0),
         Input::RegisterWorker { token, name } => Other::Hire(*token, name.clone()),
@@ -376,12 +378,16 @@ fn glimpsed(s: Seen) -> Sighting {
     Sighting { worker, seen, epoch, seq, at, heading, accuracy_m, quality }
 }
 
+/// A robot joins; whoever asked has had the answer.
+fn joins(name: String, kind: String, node: u32) -> Input {
+    Input::Register { token: 0, name, kind, node: NodeId(node) }
+}
+
 fn other(o: Other) -> Input {
     match o {
-        Other::Enlist(name, node) => {
-            Input::Register { name, kind: USUAL_KIND.to_owned(), node: NodeId(node) }
-        }
-        Other::EnlistAs(name, node, kind) => Input::Register { name, kind, node: NodeId(node) },
+        Other::Enlist(name, node) => joins(name, USUAL_KIND.to_owned(), node),
+        Other::EnlistAs(name, node, kind) => joins(name, kind, node),
+        Other::Maintain(token, robot, begins) => Input::Maintain { token, robot: RobotId(robot), begins },
         Other::Halt(token, robot) => Input::Halt { token, robot: robot.map(RobotId) },
         Other::Release(token, robot) => Input::Release { token, robot: robot.map(RobotId) },
         Other::Prioritise(token, job, priority) => Input::Prioritise { token, job: JobId(job), priority },

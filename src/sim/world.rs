@@ -4,7 +4,7 @@
 
 use super::announce::announce;
 use super::crew::{Crew, Presence};
-use super::customers::{Customers, OrderLine};
+use super::customers::{Customers, FIRST_TOKEN, OrderLine};
 use super::encounter::{Figures, Meter, Person};
 use super::link::Link;
 use super::pushes::{Around, NEARBY_M};
@@ -19,6 +19,9 @@ use crate::route::Kinematics;
 use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
 use std::sync::Arc;
+
+/// Robots that join the floor carry this token: their places are looked at afterwards, not the answers.
+const JOINS: u64 = FIRST_TOKEN | 1 << 60;
 
 /// Robots and people live side by side in steps of this length at most.
 const TICK: Span = Span::from_millis(20);
@@ -114,7 +117,8 @@ impl World {
         self.meet(fleet);
         let mut inputs = self.customers.order(now, now - self.now, fleet);
         let joining = self.joining.drain(..);
-        inputs.extend(joining.map(|(name, kind, node)| Input::Register { name, kind, node }));
+        let token = JOINS;
+        inputs.extend(joining.map(|(name, kind, node)| Input::Register { token, name, kind, node }));
         inputs.extend(announce(std::mem::take(&mut self.closing), fleet));
         let from = self.now;
         for robot in &mut self.robots {

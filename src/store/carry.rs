@@ -8,7 +8,7 @@
 use super::check::{back_up, sync_folder};
 use super::gone::{BEYOND, Gone, Kind};
 use super::opening::free_name;
-use super::{Opening, Store, StoreError, floor, last_step, ledger_record, record, seal, steps};
+use super::{Opening, Store, StoreError, floor, job_record, last_step, ledger_record, seal, steps};
 use crate::fleet::carry::{Carried, Report, carry};
 use crate::fleet::{AssignmentState, JobFailure, JobState, Ledger};
 use crate::id::{Dense, IdVec};
@@ -193,7 +193,7 @@ async fn write(
     let (jobs, failed) = (numbers(&carried.waiting, |j| j.0), numbers(&carried.failed, |j| j.0));
     let cancelled = numbers(&carried.cancelled, |a| a.0);
     let (state, why) =
-        (JobState::Failed(JobFailure::MapChanged), record::encode_failure(JobFailure::MapChanged));
+        (JobState::Failed(JobFailure::MapChanged), job_record::encode_failure(JobFailure::MapChanged));
     sqlx::query(WAIT_AGAIN).bind(at.0).bind(jobs).execute(&mut *tx).await?;
     sqlx::query(FAIL).bind(at.0).bind(failed).bind(state.word()).bind(why).execute(&mut *tx).await?;
     let word = AssignmentState::Cancelled.word();

@@ -3,7 +3,7 @@
 //! Main types: [`JobRow`], [`JobQuery`]. Refuses: names, which the map gives to ids elsewhere.
 
 use super::gone::Gone;
-use super::{GoneNames, Store, StoreError, record};
+use super::{GoneNames, Store, StoreError, job_record};
 use crate::fleet::{Fact, Job, JobKind, JobRequest, JobState};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
@@ -147,7 +147,7 @@ async fn progress(
     at: Time,
 ) -> Result<(), sqlx::Error> {
     let why = match state {
-        JobState::Failed(failure) => Some(record::encode_failure(failure)),
+        JobState::Failed(failure) => Some(job_record::encode_failure(failure)),
         _ => None,
     };
     let id = id.0.cast_signed();
@@ -186,7 +186,7 @@ fn decode(row: &SqliteRow, gone: &Gone) -> Result<JobRow, StoreError> {
         ("done", _, _) => JobState::Done,
         ("cancelled", _, _) => JobState::Cancelled,
         ("failed", _, Some(why)) => {
-            JobState::Failed(record::decode_failure(why).map_err(|e| broken(&e.to_string()))?)
+            JobState::Failed(job_record::decode_failure(why).map_err(|e| broken(&e.to_string()))?)
         }
         (state, _, _) => return Err(broken(&format!("state {state} and its columns do not go together"))),
     };

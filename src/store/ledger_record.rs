@@ -4,8 +4,9 @@
 //! in the program does not change what is on disk unnoticed. Refuses: what a newer program wrote, and what
 //! contradicts itself.
 
+use super::job_record::{RequestRecord, StateRecord, TaskRecord};
 use super::people_record::{AssignmentRecord, AssignmentStateRecord, ClosureRecord};
-use super::record::{RequestRecord, StateRecord, TaskRecord, is_usual_kind, usual_kind};
+use super::record::{is_usual_kind, usual_kind};
 use super::route_record::{StopRecord, VisitRecord};
 use crate::fleet::{
     Assignment, Closure, Contradiction, Job, Keys, Ledger, Parts, RackAt, Robot, Stop, Sums, Wishes,
@@ -62,6 +63,8 @@ struct RobotRecord {
     interrupted: bool,
     paused: Option<i64>,
     fenced: Option<i64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    maintenance: Option<i64>,
     recalls: u64,
 }
 
@@ -228,6 +231,7 @@ impl From<&Robot> for RobotRecord {
             interrupted: r.interrupted,
             paused: r.paused.map(|t| t.0),
             fenced: r.fenced.map(|t| t.0),
+            maintenance: r.maintenance.map(|t| t.0),
             recalls: r.recalls,
         }
     }
@@ -245,6 +249,7 @@ impl From<RobotRecord> for Robot {
             interrupted: r.interrupted,
             paused: r.paused.map(Time),
             fenced: r.fenced.map(Time),
+            maintenance: r.maintenance.map(Time),
             recalls: r.recalls,
         }
     }

@@ -18,6 +18,7 @@ mod floor;
 mod gone;
 mod history;
 mod identity;
+mod job_record;
 mod jobs;
 pub mod ledger_record;
 mod lock;

@@ -3,15 +3,14 @@
 //! Main types: `Record` with [`VERSION`]; [`encode`] and [`decode`]. Field names are short and never reused
 //! with another meaning: a journal outlives the program that wrote it. Refuses: to guess what a newer version means.
 
+use super::job_record::{RequestRecord, StateRecord, TaskRecord};
 use super::people_record::{
     AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, ReactionRecord,
 };
 use super::route_record::{BookingRecord, KeptRecord, MovedRecord};
-use crate::fleet::{
-    Booking, Fact, JobFailure, JobKind, JobRequest, JobState, Kept, Moved, Purpose, Task, USUAL_KIND,
-};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
-use crate::time::{Span, Time};
+use crate::fleet::{Booking, Fact, Kept, Moved, USUAL_KIND};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, StationId, WorkerId};
+use crate::time::Time;
 use serde::{Deserialize, Serialize};
 
 /// The version that this program writes. It reads this one and all later ones up to its own.
@@ -140,6 +139,10 @@ enum Record {
         robot: u32,
         at: i64,
     },
+    Maintenance {
+        robot: u32,
+        since: Option<i64>,
+    },
     Hired {
         worker: u32,
         name: String,
@@ -205,67 +208,6 @@ enum Record {
     },
 }
 
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum KindRecord {
-    Deliver { rack: u32, station: u32, pick: Option<i64> },
-    Return { rack: u32 },
-    Relocate { rack: u32, node: u32 },
-    Charge { robot: u32 },
-    Park { robot: u32 },
-    Go { robot: u32, node: u32 },
-}
-
-#[derive(Serialize, Deserialize)]
-pub(super) struct RequestRecord {
-    kind: KindRecord,
-    priority: u8,
-    deadline: Option<i64>,
-    after: Vec<u64>,
-    key: Option<String>,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum StateRecord {
-    Waiting,
-    Assigned(u32),
-    Carrying(u32),
-    Picking(u32),
-    Done,
-    Cancelled,
-    Failed(FailureRecord),
-}
-
-/// Why a job failed; also a column of the `jobs` table.
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum FailureRecord {
-    Predecessor(u64),
-    Unreachable,
-    StorageTaken(u32),
-    Short,
-    MapChanged,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum TaskRecord {
-    Idle,
-    Fetch { job: Option<u64>, rack: u32, node: u32 },
-    Deliver { job: u64, rack: u32, station: u32, store: u32 },
-    Store { job: Option<u64>, rack: u32, store: u32 },
-    Move { job: Option<u64>, goal: u32, stay: u32, purpose: PurposeRecord },
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum PurposeRecord {
-    Charge,
-    Park,
-    Go,
-}
-
 /// Robots from before there were kinds are of this one, and it is left out of what is written.
 pub(super) fn usual_kind() -> String {
     USUAL_KIND.to_owned()
@@ -278,13 +220,9 @@ pub(super) fn is_usual_kind(kind: &String) -> bool {
 impl From<&Fact> for Record {
     fn from(fact: &Fact) -> Record {
         match fact {
-            Fact::Registered { robot, name, kind, node, at } => Record::Enlisted {
-                robot: robot.0,
-                name: name.clone(),
-                kind: kind.clone(),
-                node: node.0,
-                at: at.0,
-            },
+            Fact::Registered { robot, name, kind, node, at } => {
+                record_registered(*robot, (name, kind), *node, *at)
+            }
             Fact::Accepted { job, request, at } => {
                 Record::Accepted { job: job.0, request: request.into(), at: at.0 }
             }
@@ -314,15 +252,15 @@ impl From<&Fact> for Record {
             Fact::Failed { robot, at } => Record::Failed { robot: robot.0, at: at.0 },
             Fact::Repaired { robot, at } => Record::Repaired { robot: robot.0, at: at.0 },
             Fact::Fenced { robot, at } => Record::Fenced { robot: robot.0, at: at.0 },
+            Fact::Maintenance { robot, since } => {
+                Record::Maintenance { robot: robot.0, since: since.map(|t| t.0) }
+            }
             Fact::WorkerRegistered { worker, name, at } => {
                 Record::Hired { worker: worker.0, name: name.clone(), at: at.0 }
             }
-            Fact::Assigned { assignment, worker, request, at } => Record::Assigned {
-                assignment: assignment.0,
-                worker: worker.0,
-                request: request.into(),
-                at: at.0,
-            },
+            Fact::Assigned { assignment, worker, request: r, at } => {
+                Record::Assigned { assignment: assignment.0, worker: worker.0, request: r.into(), at: at.0 }
+            }
             Fact::Advanced { assignment, state, at } => {
                 Record::Advanced { assignment: assignment.0, state: (*state).into(), at: at.0 }
             }
@@ -392,15 +330,16 @@ impl From<Record> for Fact {
             Record::Failed { robot, at } => Fact::Failed { robot: RobotId(robot), at: Time(at) },
             Record::Repaired { robot, at } => Fact::Repaired { robot: RobotId(robot), at: Time(at) },
             Record::Fenced { robot, at } => Fact::Fenced { robot: RobotId(robot), at: Time(at) },
+            Record::Maintenance { robot, since } => {
+                Fact::Maintenance { robot: RobotId(robot), since: since.map(Time) }
+            }
             Record::Hired { worker, name, at } => {
                 Fact::WorkerRegistered { worker: WorkerId(worker), name, at: Time(at) }
             }
-            Record::Assigned { assignment, worker, request, at } => Fact::Assigned {
-                assignment: AssignmentId(assignment),
-                worker: WorkerId(worker),
-                request: request.into(),
-                at: Time(at),
-            },
+            Record::Assigned { assignment: id, worker, request, at } => {
+                let (assignment, worker) = (AssignmentId(id), WorkerId(worker));
+                Fact::Assigned { assignment, worker, request: request.into(), at: Time(at) }
+            }
             Record::Advanced { assignment, state, at } => {
                 Fact::Advanced { assignment: AssignmentId(assignment), state: state.into(), at: Time(at) }
             }
@@ -427,6 +366,10 @@ impl From<Record> for Fact {
     }
 }
 
+fn record_registered(robot: RobotId, (name, kind): (&str, &str), node: NodeId, at: Time) -> Record {
+    Record::Enlisted { robot: robot.0, name: name.into(), kind: kind.into(), node: node.0, at: at.0 }
+}
+
 fn record_placed(robot: RobotId, node: NodeId, serial: u64, cut: &[Kept], at: Time) -> Record {
     let cut = cut.iter().map(KeptRecord::from).collect();
     Record::Placed { robot: robot.0, node: node.0, serial, cut, at: at.0 }
@@ -445,169 +388,4 @@ fn interrupted(robot: u32, worker: u32, reaction: ReactionRecord, at: i64) -> Fa
 fn keys_expired(jobs: Vec<u64>, assignments: Vec<u64>) -> Fact {
     let assignments = assignments.into_iter().map(AssignmentId).collect();
     Fact::KeysExpired { jobs: jobs.into_iter().map(JobId).collect(), assignments }
-}
-
-impl From<&JobRequest> for RequestRecord {
-    fn from(r: &JobRequest) -> RequestRecord {
-        let kind = match r.kind {
-            JobKind::Deliver { rack, station, pick } => {
-                KindRecord::Deliver { rack: rack.0, station: station.0, pick: pick.map(|p| p.0) }
-            }
-            JobKind::Return { rack } => KindRecord::Return { rack: rack.0 },
-            JobKind::Relocate { rack, node } => KindRecord::Relocate { rack: rack.0, node: node.0 },
-            JobKind::Charge { robot } => KindRecord::Charge { robot: robot.0 },
-            JobKind::Park { robot } => KindRecord::Park { robot: robot.0 },
-            JobKind::Go { robot, node } => KindRecord::Go { robot: robot.0, node: node.0 },
-        };
-        RequestRecord {
-            kind,
-            priority: r.priority,
-            deadline: r.deadline.map(|t| t.0),
-            after: r.after.iter().map(|j| j.0).collect(),
-            key: r.key.clone(),
-        }
-    }
-}
-
-impl From<RequestRecord> for JobRequest {
-    fn from(r: RequestRecord) -> JobRequest {
-        let kind = match r.kind {
-            KindRecord::Deliver { rack, station, pick } => {
-                JobKind::Deliver { rack: RackId(rack), station: StationId(station), pick: pick.map(Span) }
-            }
-            KindRecord::Return { rack } => JobKind::Return { rack: RackId(rack) },
-            KindRecord::Relocate { rack, node } => {
-                JobKind::Relocate { rack: RackId(rack), node: NodeId(node) }
-            }
-            KindRecord::Charge { robot } => JobKind::Charge { robot: RobotId(robot) },
-            KindRecord::Park { robot } => JobKind::Park { robot: RobotId(robot) },
-            KindRecord::Go { robot, node } => JobKind::Go { robot: RobotId(robot), node: NodeId(node) },
-        };
-        JobRequest {
-            kind,
-            priority: r.priority,
-            deadline: r.deadline.map(Time),
-            after: r.after.into_iter().map(JobId).collect(),
-            key: r.key,
-        }
-    }
-}
-
-impl From<JobState> for StateRecord {
-    fn from(s: JobState) -> StateRecord {
-        match s {
-            JobState::Waiting => StateRecord::Waiting,
-            JobState::Assigned { robot } => StateRecord::Assigned(robot.0),
-            JobState::Carrying { robot } => StateRecord::Carrying(robot.0),
-            JobState::Picking { robot } => StateRecord::Picking(robot.0),
-            JobState::Done => StateRecord::Done,
-            JobState::Cancelled => StateRecord::Cancelled,
-            JobState::Failed(why) => StateRecord::Failed(why.into()),
-        }
-    }
-}
-
-impl From<StateRecord> for JobState {
-    fn from(s: StateRecord) -> JobState {
-        match s {
-            StateRecord::Waiting => JobState::Waiting,
-            StateRecord::Assigned(robot) => JobState::Assigned { robot: RobotId(robot) },
-            StateRecord::Carrying(robot) => JobState::Carrying { robot: RobotId(robot) },
-            StateRecord::Picking(robot) => JobState::Picking { robot: RobotId(robot) },
-            StateRecord::Done => JobState::Done,
-            StateRecord::Cancelled => JobState::Cancelled,
-            StateRecord::Failed(why) => JobState::Failed(why.into()),
-        }
-    }
-}
-
-impl From<JobFailure> for FailureRecord {
-    fn from(f: JobFailure) -> FailureRecord {
-        match f {
-            JobFailure::Predecessor(job) => FailureRecord::Predecessor(job.0),
-            JobFailure::Unreachable => FailureRecord::Unreachable,
-            JobFailure::Short => FailureRecord::Short,
-            JobFailure::MapChanged => FailureRecord::MapChanged,
-            JobFailure::StorageTaken(node) => FailureRecord::StorageTaken(node.0),
-        }
-    }
-}
-
-impl From<FailureRecord> for JobFailure {
-    fn from(f: FailureRecord) -> JobFailure {
-        match f {
-            FailureRecord::Predecessor(job) => JobFailure::Predecessor(JobId(job)),
-            FailureRecord::Unreachable => JobFailure::Unreachable,
-            FailureRecord::Short => JobFailure::Short,
-            FailureRecord::MapChanged => JobFailure::MapChanged,
-            FailureRecord::StorageTaken(node) => JobFailure::StorageTaken(NodeId(node)),
-        }
-    }
-}
-
-/// A failure as text, for its own column.
-pub(super) fn encode_failure(f: JobFailure) -> String {
-    serde_json::to_string(&FailureRecord::from(f)).expect("failures have no maps")
-}
-
-/// A failure from its column.
-pub(super) fn decode_failure(text: &str) -> Result<JobFailure, RecordError> {
-    Ok(serde_json::from_str::<FailureRecord>(text)?.into())
-}
-
-impl From<Task> for TaskRecord {
-    fn from(t: Task) -> TaskRecord {
-        match t {
-            Task::Idle => TaskRecord::Idle,
-            Task::Fetch { job, rack, node } => {
-                TaskRecord::Fetch { job: job.map(|j| j.0), rack: rack.0, node: node.0 }
-            }
-            Task::Deliver { job, rack, station, store } => {
-                TaskRecord::Deliver { job: job.0, rack: rack.0, station: station.0, store: store.0 }
-            }
-            Task::Store { job, rack, store } => {
-                TaskRecord::Store { job: job.map(|j| j.0), rack: rack.0, store: store.0 }
-            }
-            Task::Move { job, goal, stay, purpose } => TaskRecord::Move {
-                job: job.map(|j| j.0),
-                goal: goal.0,
-                stay: stay.0,
-                purpose: match purpose {
-                    Purpose::Charge => PurposeRecord::Charge,
-                    Purpose::Park => PurposeRecord::Park,
-                    Purpose::Go => PurposeRecord::Go,
-                },
-            },
-        }
-    }
-}
-
-impl From<TaskRecord> for Task {
-    fn from(t: TaskRecord) -> Task {
-        match t {
-            TaskRecord::Idle => Task::Idle,
-            TaskRecord::Fetch { job, rack, node } => {
-                Task::Fetch { job: job.map(JobId), rack: RackId(rack), node: NodeId(node) }
-            }
-            TaskRecord::Deliver { job, rack, station, store } => Task::Deliver {
-                job: JobId(job),
-                rack: RackId(rack),
-                station: NodeId(station),
-                store: NodeId(store),
-            },
-            TaskRecord::Store { job, rack, store } => {
-                Task::Store { job: job.map(JobId), rack: RackId(rack), store: NodeId(store) }
-            }
-            TaskRecord::Move { job, goal, stay, purpose } => Task::Move {
-                job: job.map(JobId),
-                goal: NodeId(goal),
-                stay: NodeId(stay),
-                purpose: match purpose {
-                    PurposeRecord::Charge => Purpose::Charge,
-                    PurposeRecord::Park => Purpose::Park,
-                    PurposeRecord::Go => Purpose::Go,
-                },
-            },
-        }
-    }
 }

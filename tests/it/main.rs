@@ -9,6 +9,7 @@ mod carry;
 mod command;
 mod custody;
 mod database;
+mod enrolment;
 mod feed;
 mod fence;
 mod fixture;

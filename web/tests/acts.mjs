@@ -180,6 +180,24 @@ await check('One robot is paused and goes on again', async () => {
   await card.getByRole('button', { name: 'Close' }).click();
   return id;
 });
+await check('A robot goes to maintenance, rests at a parking place, and comes back', async () => {
+  const robots = async () => (await ask('/v1/robots')).items;
+  const id = (await robots()).find((r) => r.state === 'idle')?.id ?? (await robots())[0].id;
+  const one = async () => (await robots()).find((r) => r.id === id);
+  await page.getByLabel('Find on the floor').fill(id);
+  await page.keyboard.press('Enter');
+  const card = page.getByRole('region', { name: 'Robot', exact: true });
+  await card.getByRole('button', { name: 'To maintenance' }).click();
+  await card.getByRole('button', { name: 'Back to work' }).waitFor({ timeout: PATIENCE });
+  for (let i = 0; i < 240 && (await one()).why !== 'in maintenance'; i++) await page.waitForTimeout(500);
+  assert((await one()).why === 'in maintenance', `it says ${(await one()).why}`);
+  await page.screenshot({ path: `${SHOTS}maintenance.png` });
+  await card.getByRole('button', { name: 'Back to work' }).click();
+  await card.getByRole('button', { name: 'To maintenance' }).waitFor({ timeout: PATIENCE });
+  assert((await one()).why !== 'in maintenance', 'it is still in maintenance');
+  await card.getByRole('button', { name: 'Close' }).click();
+  return id;
+});
 await check('A waiting job gets another priority in its card', async () => {
   const post = async (job) => (await context.request.post(new URL('/v1/jobs', url).href, { data: job })).json();
   const first = await post({ kind: 'deliver', rack: map.racks[0].id, station: map.stations[0].id });

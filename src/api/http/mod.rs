@@ -17,6 +17,7 @@ mod page;
 mod past;
 mod positions;
 mod reports;
+mod robots;
 mod stations;
 mod timelines;
 mod why;
@@ -61,7 +62,8 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(map::map))
         .routes(routes!(lists::racks))
         .routes(routes!(lists::stations))
-        .routes(routes!(lists::robots))
+        .routes(routes!(lists::robots, robots::register))
+        .routes(routes!(robots::maintain, robots::work_again))
         .routes(routes!(why::robot))
         .routes(routes!(why::job))
         .routes(routes!(timelines::timelines))

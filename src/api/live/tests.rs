@@ -12,6 +12,7 @@ fn robot(name: &str, x: f64) -> RobotView {
     RobotView {
         kind: "robot".into(),
         critical: 0.15,
+        maintenance: false,
         name: name.into(),
         pose: Pose { at: Point::new(x, 2.0), heading: 0.0 },
         seen: None,

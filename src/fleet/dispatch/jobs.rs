@@ -28,6 +28,7 @@ impl Fleet {
     pub(in crate::fleet) fn assign(&mut self, now: Time) {
         self.ledger.index.queue.advance(now);
         self.give_back_jobs(now);
+        self.send_to_maintenance(now);
         self.assign_named(now);
         let charger_is_free = self.a_charger_is_free();
         let (working, mut resting): (Vec<RobotId>, Vec<RobotId>) = self
@@ -164,7 +165,7 @@ impl Floor<'_> {
         let idle = |r: &RobotId| {
             let record = &self.ledger.robots[*r];
             let fit = !record.failed && !self.is_halted(*r) && self.scene.fit(*r, now).is_some();
-            record.task == Task::Idle && fit
+            record.task == Task::Idle && record.maintenance.is_none() && fit
         };
         ledger::all(&self.ledger.robots).filter(idle).collect()
     }

@@ -88,6 +88,7 @@ impl Fleet {
             kind: record.kind.clone(),
             battery: seen.map_or(0.0, |t| t.battery),
             critical: self.floor().charging(r).critical,
+            maintenance: record.maintenance.is_some(),
             state: self.floor().robot_state(r),
             task: record.task,
             rack: self.ledger.rack_on(r),
@@ -117,6 +118,9 @@ impl Fleet {
         }
         if self.scene.fit(r, now).is_none() {
             return Some(Why::Silent);
+        }
+        if record.maintenance.is_some() && record.task == Task::Idle {
+            return Some(Why::Maintenance);
         }
         if let Some(other) = self.drives_into(r) {
             return Some(Why::BlockedBy(other));

@@ -66,6 +66,8 @@ pub struct RobotView {
     pub battery: f64,
     /// Below this charge it takes no job.
     pub critical: f64,
+    /// Whether it is in maintenance, or will be when it has finished what it has begun.
+    pub maintenance: bool,
     /// Its state in the sense of the thesis, 4.2.4.
     pub state: RobotState,
     /// What it is doing.
@@ -168,8 +170,19 @@ pub enum Why {
     Silent,
     /// Somebody paused it.
     Paused,
+    /// It is in maintenance, and gets no jobs.
+    Maintenance,
     /// Somebody stopped the whole fleet.
     Stopped,
+}
+
+impl Why {
+    /// Whether it is about the robot itself, whatever happens around it: no job moves it, and only it, or whoever
+    /// stopped it, ends that.
+    pub fn is_by_itself(self) -> bool {
+        use Why::{Displaced, Failed, Maintenance, Paused, Silent, Stopped};
+        matches!(self, Failed | Displaced(_) | Silent | Paused | Maintenance | Stopped)
+    }
 }
 
 /// Why a job does not go on.
@@ -214,9 +227,7 @@ impl View {
         if let Some(named) = job.request.kind.robot() {
             let robot = self.robots.get(named.ix())?;
             return match robot.why {
-                Some(why @ (Why::Failed | Why::Displaced(_) | Why::Silent | Why::Paused | Why::Stopped)) => {
-                    Some(JobWhy::Robot(named, why))
-                }
+                Some(why) if why.is_by_itself() => Some(JobWhy::Robot(named, why)),
                 _ if robot.task != Task::Idle => Some(JobWhy::RobotBusy(named, robot.job)),
                 _ => match job.request.kind {
                     JobKind::Charge { .. } => Some(JobWhy::NoPlace(NodeKind::Charger)),

@@ -156,8 +156,7 @@ impl Fleet {
         let chain = self.ledger.chain(robot);
         let why = self.why(robot, now);
         // Who is broken, silent or told to stand is so at a stop, too.
-        let stopped =
-            matches!(why, Some(Why::Failed | Why::Displaced(_) | Why::Silent | Why::Paused | Why::Stopped));
+        let stopped = why.is_some_and(Why::is_by_itself);
         if let Some(act) = self.floor().act_here(robot).filter(|_| !stopped) {
             let until = chain.get(chain.first()).map(|v| v.depart);
             return (link(Because::AtStop(act), until, 0), None);

@@ -18,7 +18,6 @@ impl Fleet {
             match input {
                 Input::Telemetry(t) if t.robot.ix() < self.ledger.robots.len() => self.scene.see(t),
                 Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry of an unknown robot"),
-                Input::Register { name, kind, node } => self.enlist(name, kind, node, now),
                 Input::Submit { token, request } => {
                     let reply = match self.submit(request, now) {
                         Ok((job, new)) => Reply::Accepted { token, job, new },
@@ -46,19 +45,6 @@ impl Fleet {
         if !jobs.is_empty() || !assignments.is_empty() {
             self.record(Fact::KeysExpired { jobs, assignments });
         }
-    }
-
-    /// A robot joins, unless its name is known or its place is taken.
-    fn enlist(&mut self, name: String, kind: String, node: NodeId, now: Time) {
-        let known = self.ledger.robots.iter().any(|r| r.name == name);
-        let taken = self.ledger.robots.ids().any(|r| self.ledger.chain(r).visits().any(|v| v.node == node));
-        let strange = !self.settings.kinds.iter().any(|k| k.name == kind);
-        if known || taken || strange {
-            tracing::warn!(name, kind, ?node, known, taken, strange, "a robot cannot join");
-            return;
-        }
-        let robot = RobotId::at(self.ledger.robots.len());
-        self.record(Fact::Registered { robot, name, kind, node, at: now });
     }
 
     fn submit(&mut self, request: JobRequest, now: Time) -> Result<(JobId, bool), Refusal> {

@@ -4,6 +4,7 @@
 //! Main function: `Fleet::absorb`. Refuses: to decide anything about robots.
 
 pub(in crate::fleet) mod absorb;
+pub(in crate::fleet) mod enrolment;
 pub(in crate::fleet) mod operator;
 pub mod station;
 pub(in crate::fleet) mod workers;

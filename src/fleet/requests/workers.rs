@@ -28,6 +28,10 @@ impl Fleet {
             Input::Station { token, station, order } => {
                 (token, self.hear_station(token, station, order, now))
             }
+            Input::Register { token, name, kind, node } => {
+                (token, self.register(token, (name, kind), node, now))
+            }
+            Input::Maintain { token, robot, begins } => (token, self.maintain(token, robot, begins, now)),
             Input::Prioritise { token, job, priority } => (token, self.prioritise(token, job, priority, now)),
             _ => unreachable!("telemetry, sightings and jobs are taken in elsewhere"),
         };

@@ -245,6 +245,13 @@ pub enum Fact {
         /// When.
         at: Time,
     },
+    /// A robot goes to maintenance, or comes back. It stays behind the others: digests of recordings count them.
+    Maintenance {
+        /// Which.
+        robot: RobotId,
+        /// Since when; nothing where it works again.
+        since: Option<Time>,
+    },
 }
 
 /// Visits of one robot that have other times now.

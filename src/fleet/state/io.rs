@@ -19,12 +19,23 @@ pub enum Input {
     Telemetry(Telemetry),
     /// A robot joins the fleet.
     Register {
+        /// Comes back with the reply.
+        token: u64,
         /// Its name.
         name: String,
         /// The name of its kind, one of the settings.
         kind: String,
         /// Where it stands.
         node: NodeId,
+    },
+    /// A robot goes to maintenance, or comes back.
+    Maintain {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        robot: RobotId,
+        /// Whether it goes.
+        begins: bool,
     },
     /// Somebody wants a job done.
     Submit {
@@ -133,8 +144,10 @@ impl Input {
     /// The token under which a request is answered; observations have none.
     pub fn token(&self) -> Option<u64> {
         match self {
-            Input::Telemetry(_) | Input::Sighted(_) | Input::Register { .. } => None,
-            Input::Submit { token, .. }
+            Input::Telemetry(_) | Input::Sighted(_) => None,
+            Input::Register { token, .. }
+            | Input::Maintain { token, .. }
+            | Input::Submit { token, .. }
             | Input::Cancel { token, .. }
             | Input::RegisterWorker { token, .. }
             | Input::ClearWorker { token, .. }
@@ -258,6 +271,15 @@ pub enum Reply {
         /// Its number.
         job: JobId,
     },
+    /// The robot has joined, now or before.
+    Registered {
+        /// Of the request.
+        token: u64,
+        /// The number.
+        robot: RobotId,
+        /// Whether it is new.
+        new: bool,
+    },
     /// The worker is known, now or before.
     WorkerRegistered {
         /// Of the request.
@@ -304,6 +326,7 @@ impl Reply {
         match *self {
             Reply::Accepted { token, .. }
             | Reply::Cancelled { token, .. }
+            | Reply::Registered { token, .. }
             | Reply::WorkerRegistered { token, .. }
             | Reply::Assigned { token, .. }
             | Reply::Closed { token, .. }
@@ -320,6 +343,8 @@ pub enum Bounded {
     Jobs,
     /// Assignments that are not over.
     Assignments,
+    /// Robots that have joined.
+    Robots,
     /// Workers who are known.
     Workers,
     /// Closures that are announced, closed, or over since less than a day.
@@ -365,6 +390,10 @@ pub enum Refusal {
     OutOfReach(NodeId),
     /// An area needs three corners and some time.
     EmptyArea,
+    /// There is no such kind of robots.
+    UnknownKind,
+    /// Another robot holds the node, or is promised it.
+    PlaceTaken(NodeId),
 }
 
 /// What one step did.

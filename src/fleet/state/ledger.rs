@@ -48,6 +48,8 @@ pub struct Robot {
     pub paused: Option<Time>,
     /// Since when it is fenced off, since what is promised about it contradicts itself.
     pub fenced: Option<Time>,
+    /// Since when it is to be maintained, or is.
+    pub maintenance: Option<Time>,
     /// How often it was called back and came.
     pub recalls: u64,
 }
@@ -254,6 +256,7 @@ impl Ledger {
                 self.robots[*robot].failed = true;
                 self.robots[*robot].fenced = Some(*at);
             }
+            Fact::Maintenance { robot, since } => self.robots[*robot].maintenance = *since,
             Fact::Halted { robot, at } => *self.halted(*robot) = Some(*at),
             Fact::Released { robot, .. } => {
                 *self.halted(*robot) = None;
@@ -318,6 +321,7 @@ impl Ledger {
             interrupted: false,
             paused: None,
             fenced: None,
+            maintenance: None,
             recalls: 0,
         });
         assert_eq!(id, robot, "robots are numbered in order");

@@ -80,7 +80,8 @@ fn robots_charge_as_their_kind_does() {
     let jobs: Vec<JobId> = (0..3).map(|rack| floor.submit(request(deliver(rack)))).collect();
     floor.until_over(2_000);
     let served = |r: usize| {
-        let by = |f: &&Fact| matches!(f, Fact::Progressed { state: JobState::Assigned { robot }, .. } if *robot == RobotId::at(r));
+        let assigned = JobState::Assigned { robot: RobotId::at(r) };
+        let by = |f: &&Fact| matches!(f, Fact::Progressed { state, .. } if *state == assigned);
         floor.facts.iter().filter(by).count()
     };
     assert_eq!((served(0), served(1)), (jobs.len(), 0), "the one below its critical charge takes no job");
@@ -90,7 +91,7 @@ fn robots_charge_as_their_kind_does() {
 fn a_robot_of_an_unknown_kind_cannot_join_and_one_in_the_ledger_is_found() {
     let mut floor = Floor::new(thesis(), &two_kinds(2, slow()));
     let node = floor.free_storage();
-    let join = |kind: &str| Input::Register { name: "late".into(), kind: kind.into(), node };
+    let join = |kind: &str| Input::Register { token: 7, name: "late".into(), kind: kind.into(), node };
     floor.step(vec![join("forklift")]);
     assert_eq!(floor.fleet.ledger().robots.len(), 2);
     let known = floor.fleet.settings().unknown_kinds(floor.fleet.ledger());

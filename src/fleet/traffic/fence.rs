@@ -40,7 +40,8 @@ pub(in crate::fleet) fn robot_of(fact: &Fact) -> Option<RobotId> {
         | Fact::Placed { robot, .. }
         | Fact::Failed { robot, .. }
         | Fact::Repaired { robot, .. }
-        | Fact::Fenced { robot, .. } => Some(*robot),
+        | Fact::Fenced { robot, .. }
+        | Fact::Maintenance { robot, .. } => Some(*robot),
         Fact::Routed { bookings } => match &bookings[..] {
             [only] => Some(only.robot),
             _ => None,

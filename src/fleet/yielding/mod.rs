@@ -1,7 +1,8 @@
 //! How robots give way to people: speed limits, holding back, leaving the way; and the published procedure to compare
 //! with.
 //!
-//! Main type: [`state::YieldingState`]; main functions: `limit_robots`, `give_way`, `revoke_grants`. Refuses: to be a safety function.
+//! Main type: [`state::YieldingState`]; main functions: `limit_robots`, `give_way`, `revoke_grants`.
+//! Refuses: to be a safety function.
 
 pub(in crate::fleet) mod evade;
 pub(in crate::fleet) mod petkovic2021;

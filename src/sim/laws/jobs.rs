@@ -120,9 +120,7 @@ impl JobLaws {
         });
         let picking = ledger.jobs.values().any(|j| matches!(j.state, JobState::Picking { .. }));
         let view = fleet.view(now);
-        let drives = |why: Option<Why>| {
-            !matches!(why, Some(Why::Failed | Why::Displaced(_) | Why::Silent | Why::Paused | Why::Stopped))
-        };
+        let drives = |why: Option<Why>| !why.is_some_and(Why::is_by_itself);
         let can = view.robots.iter().any(|r| drives(r.why) && r.battery >= r.critical);
         if delivered != self.delivered.0 || !wanted || picking || !can {
             self.delivered = (delivered, now);
@@ -169,7 +167,7 @@ fn is_true(why: JobWhy, now: Time, world: &World, fleet: &Fleet) -> bool {
         }
         JobWhy::RobotBusy(robot, _) => works(robot),
         // Whether a displaced robot truly is has a law of its own.
-        JobWhy::Robot(_, Why::Failed | Why::Displaced(_) | Why::Silent | Why::Paused | Why::Stopped) => true,
+        JobWhy::Robot(_, why) if why.is_by_itself() => true,
         JobWhy::Robot(robot, _) => works(robot),
         JobWhy::RobotLow(robot) => {
             let critical = fleet.settings().kind(&ledger.robots[robot].kind).charging.critical;

@@ -2,7 +2,7 @@
 //!
 //! Main types: [`KindShare`], and the file's own [`Figures`] and [`KindFile`]. Refuses: kinds of one name.
 
-use super::{ScenarioError, check};
+use super::check::{ScenarioError, check};
 use crate::fleet::{Charging, RobotKind};
 use crate::route::Kinematics;
 use crate::time::Span;
@@ -136,37 +136,5 @@ impl Figures {
             lift: Span::from_secs_f64(lift),
             ..usual
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::Scenario;
-
-    fn parse(fleet: &str) -> Result<Scenario, String> {
-        let text = format!(r#"{{"giveway_scenario": 1, "name": "x", "map": "m.json", "robots": 7{fleet}}}"#);
-        Scenario::parse(&text).map_err(|e| e.to_string())
-    }
-
-    #[test]
-    fn robots_are_of_the_kinds_in_turn_by_their_shares() {
-        let s = parse(r#", "kinds": [{"name": "a", "share": 2}, {"name": "b", "fleet": {"speed_mps": 2}}]"#)
-            .unwrap();
-        let kinds: Vec<&str> = (0..s.robots).map(|i| s.kind_of(i).name.as_str()).collect();
-        assert_eq!(kinds, ["a", "a", "b", "a", "a", "b", "a"]);
-        assert_eq!((s.kind_of(0).kinematics.speed_mps, s.kind_of(2).kinematics.speed_mps), (1.5, 2.0));
-        assert_eq!(parse("").unwrap().kind_of(3).name, "robot", "without kinds there is one");
-    }
-
-    #[test]
-    fn kinds_that_cannot_be_are_refused_with_their_place() {
-        let refused = |fleet: &str| parse(fleet).unwrap_err();
-        assert_eq!(
-            refused(r#", "kinds": [{"name": "a"}, {"name": "b", "fleet": {"speed_mps": 9}}]"#),
-            "`kinds[1].fleet.speed_mps` is 9, but must be from 0.1 to 5"
-        );
-        assert!(refused(r#", "kinds": [{"name": "a"}, {"name": "a"}]"#).contains("two kinds named \"a\""));
-        assert!(refused(r#", "fleet": {}, "kinds": [{"name": "a"}]"#).contains("leave `fleet` out"));
-        assert!(refused(r#", "kinds": [{"name": "a", "share": 0}]"#).contains("kinds[0].share"));
     }
 }

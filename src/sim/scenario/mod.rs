@@ -289,4 +289,31 @@ mod tests {
             Scenario::parse(&GOOD.replace("\"robots\": 2", "\"robots\": 2, \"duration_s\": -1")).unwrap_err();
         assert_eq!(e.to_string(), "`duration_s` is -1, but must be from 1 to 10000000");
     }
+
+    fn with(fleet: &str) -> Result<Scenario, String> {
+        let text = format!(r#"{{"giveway_scenario": 1, "name": "x", "map": "m.json", "robots": 7{fleet}}}"#);
+        Scenario::parse(&text).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn robots_are_of_the_kinds_in_turn_by_their_shares() {
+        let s = with(r#", "kinds": [{"name": "a", "share": 2}, {"name": "b", "fleet": {"speed_mps": 2}}]"#)
+            .unwrap();
+        let kinds: Vec<&str> = (0..s.robots).map(|i| s.kind_of(i).name.as_str()).collect();
+        assert_eq!(kinds, ["a", "a", "b", "a", "a", "b", "a"]);
+        assert_eq!((s.kind_of(0).kinematics.speed_mps, s.kind_of(2).kinematics.speed_mps), (1.5, 2.0));
+        assert_eq!(with("").unwrap().kind_of(3).name, "robot", "without kinds there is one");
+    }
+
+    #[test]
+    fn kinds_that_cannot_be_are_refused_with_their_place() {
+        let refused = |fleet: &str| with(fleet).unwrap_err();
+        assert_eq!(
+            refused(r#", "kinds": [{"name": "a"}, {"name": "b", "fleet": {"speed_mps": 9}}]"#),
+            "`kinds[1].fleet.speed_mps` is 9, but must be from 0.1 to 5"
+        );
+        assert!(refused(r#", "kinds": [{"name": "a"}, {"name": "a"}]"#).contains("two kinds named \"a\""));
+        assert!(refused(r#", "fleet": {}, "kinds": [{"name": "a"}]"#).contains("leave `fleet` out"));
+        assert!(refused(r#", "kinds": [{"name": "a", "share": 0}]"#).contains("kinds[0].share"));
+    }
 }

@@ -34,6 +34,8 @@ export class Api {
   resumeFleet = () => this.#ask<null>('POST', '/v1/fleet/resume');
   pause = (robot: string) => this.#ask<null>('POST', `/v1/robots/${encodeURIComponent(robot)}/pause`);
   resume = (robot: string) => this.#ask<null>('POST', `/v1/robots/${encodeURIComponent(robot)}/resume`);
+  maintain = (robot: string) => this.#ask<null>('PUT', `/v1/robots/${encodeURIComponent(robot)}/maintenance`);
+  workAgain = (robot: string) => this.#ask<null>('DELETE', `/v1/robots/${encodeURIComponent(robot)}/maintenance`);
   station = (id: string, says: 'done' | 'short' | 'pause' | 'resume') =>
     this.#ask<null>('POST', `/v1/stations/${encodeURIComponent(id)}/${says}`);
   prioritise = (id: string, priority: number) => this.#ask<Job>('PATCH', `/v1/jobs/${encodeURIComponent(id)}`, {}, { priority });

@@ -46,6 +46,8 @@ export interface Robot {
   doing: Doing;
   /** What robots of its kind are called. */
   kind: string;
+  /** Whether it is in maintenance, or will be when it has finished what it has begun. */
+  maintenance: boolean;
   rack: string | null;
   job: string | null;
   battery: number;

@@ -1,0 +1,130 @@
+//! `POST /v1/robots` and maintenance: robots that join, go to maintenance and come back.
+//!
+//! Main type: [`NewRobot`]. Refuses: to let a robot join where another one is, or is to be.
+
+use super::why::parse_robot;
+use crate::api::Api;
+use crate::api::dto::{Names, RobotDto};
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::{Body, Segment};
+use crate::api::port::What;
+use crate::api::refusal::refused;
+use crate::fleet::{Reply, USUAL_KIND};
+use crate::id::{Dense, RobotId};
+use axum::Json;
+use axum::extract::State;
+use axum::http::{HeaderName, StatusCode, header};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// The longest name of a robot.
+const LONGEST_NAME: usize = 64;
+
+/// A robot to join.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewRobot {
+    /// Its name: letters, digits, `-`, `_` and `.`, 1 to 64 of them.
+    #[schema(example = "robot-51")]
+    name: String,
+    /// The kind of robots that it is of; \"robot\" where the scenario tells none apart.
+    #[serde(default = "usual_kind")]
+    #[schema(example = "robot")]
+    kind: String,
+    /// Id of the node on which it stands.
+    #[schema(example = "C1-15")]
+    node: String,
+}
+
+/// A robot that has joined.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct JoinedDto {
+    /// Its name.
+    #[schema(example = "robot-51")]
+    pub id: String,
+    /// The robot, once the next picture of the floor has it.
+    pub robot: Option<RobotDto>,
+}
+
+fn usual_kind() -> String {
+    USUAL_KIND.to_owned()
+}
+
+/// Let a robot join, standing on a node that no other robot holds. The same name is the same robot.
+#[utoipa::path(post, path = "/v1/robots", tag = "floor", request_body = NewRobot, responses(
+    (status = 201, description = "It has joined, and that is durable", body = JoinedDto,
+     headers(("Location" = String))),
+    (status = 200, description = "It had joined before, wherever it is by now", body = JoinedDto),
+    (status = 409, description = "Another robot holds the node", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 429, description = "There are as many as the server takes; see Retry-After", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 503, description = "Not now; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn register(
+    State(api): State<Api>,
+    Body(new): Body<NewRobot>,
+) -> Result<(StatusCode, [(HeaderName, String); 1], Json<JoinedDto>), Problem> {
+    let name = new.name.trim().to_owned();
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    let mut wrong = Vec::new();
+    if !(1..=LONGEST_NAME).contains(&name.len()) || !name.chars().all(plain) {
+        let detail = format!("1 to {LONGEST_NAME} letters, digits, `-`, `_` or `.`");
+        wrong.push(FieldError::new("name", detail));
+    }
+    let node = api.map.node_named(&new.node);
+    if node.is_none() {
+        wrong.push(FieldError::new(
+            "node",
+            format!("there is no node {:?}; GET /v1/map lists them", new.node),
+        ));
+    }
+    let Some(node) = node.filter(|_| wrong.is_empty()) else { return Err(Problem::invalid(wrong)) };
+    match api.ask(What::Register(name.clone(), new.kind, node)).await? {
+        Reply::Registered { robot, new, .. } => {
+            let status = if new { StatusCode::CREATED } else { StatusCode::OK };
+            let place = format!("/v1/robots/{name}");
+            let joined = JoinedDto { robot: seen(&api, robot), id: name };
+            Ok((status, [(header::LOCATION, place)], Json(joined)))
+        }
+        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
+        _ => Err(Problem::internal()),
+    }
+}
+
+/// Send a robot to maintenance. It finishes what it has begun, gives back what it has not, goes to a parking place and
+/// gets no jobs until `DELETE` lets it work again; a restart forgets none of that.
+#[utoipa::path(put, path = "/v1/robots/{id}/maintenance", tag = "floor",
+    params(("id" = String, Path, example = "robot-1")), responses(
+    (status = 204, description = "It goes, and that is durable"),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn maintain(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+    done(&api, &id, true).await
+}
+
+/// Let a robot work again after maintenance.
+#[utoipa::path(delete, path = "/v1/robots/{id}/maintenance", tag = "floor",
+    params(("id" = String, Path, example = "robot-1")), responses(
+    (status = 204, description = "It works again"),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn work_again(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+    done(&api, &id, false).await
+}
+
+async fn done(api: &Api, id: &str, begins: bool) -> Result<StatusCode, Problem> {
+    let robot = parse_robot(api, id)?;
+    match api.ask(What::Maintain(robot, begins)).await? {
+        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
+        _ => Ok(StatusCode::NO_CONTENT),
+    }
+}
+
+/// The robot as the latest picture has it.
+fn seen(api: &Api, robot: RobotId) -> Option<RobotDto> {
+    let moment = api.moment();
+    let mut robots = Names { map: &api.map, view: &moment.view }.robots();
+    (robot.ix() < robots.len()).then(|| robots.swap_remove(robot.ix()))
+}

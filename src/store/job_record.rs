@@ -1,0 +1,234 @@
+//! Jobs and tasks as they are written down: what is wanted, how far it is, what a robot does for it.
+//!
+//! Main types: [`RequestRecord`], [`StateRecord`], [`TaskRecord`]. Refuses: to know of steps.
+
+use crate::fleet::{JobFailure, JobKind, JobRequest, JobState, Purpose, Task};
+use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
+use crate::time::{Span, Time};
+use serde::{Deserialize, Serialize};
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum KindRecord {
+    Deliver { rack: u32, station: u32, pick: Option<i64> },
+    Return { rack: u32 },
+    Relocate { rack: u32, node: u32 },
+    Charge { robot: u32 },
+    Park { robot: u32 },
+    Go { robot: u32, node: u32 },
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct RequestRecord {
+    kind: KindRecord,
+    priority: u8,
+    deadline: Option<i64>,
+    after: Vec<u64>,
+    key: Option<String>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum StateRecord {
+    Waiting,
+    Assigned(u32),
+    Carrying(u32),
+    Picking(u32),
+    Done,
+    Cancelled,
+    Failed(FailureRecord),
+}
+
+/// Why a job failed; also a column of the `jobs` table.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum FailureRecord {
+    Predecessor(u64),
+    Unreachable,
+    StorageTaken(u32),
+    Short,
+    MapChanged,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum TaskRecord {
+    Idle,
+    Fetch { job: Option<u64>, rack: u32, node: u32 },
+    Deliver { job: u64, rack: u32, station: u32, store: u32 },
+    Store { job: Option<u64>, rack: u32, store: u32 },
+    Move { job: Option<u64>, goal: u32, stay: u32, purpose: PurposeRecord },
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum PurposeRecord {
+    Charge,
+    Park,
+    Go,
+}
+
+impl From<&JobRequest> for RequestRecord {
+    fn from(r: &JobRequest) -> RequestRecord {
+        let kind = match r.kind {
+            JobKind::Deliver { rack, station, pick } => {
+                KindRecord::Deliver { rack: rack.0, station: station.0, pick: pick.map(|p| p.0) }
+            }
+            JobKind::Return { rack } => KindRecord::Return { rack: rack.0 },
+            JobKind::Relocate { rack, node } => KindRecord::Relocate { rack: rack.0, node: node.0 },
+            JobKind::Charge { robot } => KindRecord::Charge { robot: robot.0 },
+            JobKind::Park { robot } => KindRecord::Park { robot: robot.0 },
+            JobKind::Go { robot, node } => KindRecord::Go { robot: robot.0, node: node.0 },
+        };
+        RequestRecord {
+            kind,
+            priority: r.priority,
+            deadline: r.deadline.map(|t| t.0),
+            after: r.after.iter().map(|j| j.0).collect(),
+            key: r.key.clone(),
+        }
+    }
+}
+
+impl From<RequestRecord> for JobRequest {
+    fn from(r: RequestRecord) -> JobRequest {
+        let kind = match r.kind {
+            KindRecord::Deliver { rack, station, pick } => {
+                JobKind::Deliver { rack: RackId(rack), station: StationId(station), pick: pick.map(Span) }
+            }
+            KindRecord::Return { rack } => JobKind::Return { rack: RackId(rack) },
+            KindRecord::Relocate { rack, node } => {
+                JobKind::Relocate { rack: RackId(rack), node: NodeId(node) }
+            }
+            KindRecord::Charge { robot } => JobKind::Charge { robot: RobotId(robot) },
+            KindRecord::Park { robot } => JobKind::Park { robot: RobotId(robot) },
+            KindRecord::Go { robot, node } => JobKind::Go { robot: RobotId(robot), node: NodeId(node) },
+        };
+        JobRequest {
+            kind,
+            priority: r.priority,
+            deadline: r.deadline.map(Time),
+            after: r.after.into_iter().map(JobId).collect(),
+            key: r.key,
+        }
+    }
+}
+
+impl From<JobState> for StateRecord {
+    fn from(s: JobState) -> StateRecord {
+        match s {
+            JobState::Waiting => StateRecord::Waiting,
+            JobState::Assigned { robot } => StateRecord::Assigned(robot.0),
+            JobState::Carrying { robot } => StateRecord::Carrying(robot.0),
+            JobState::Picking { robot } => StateRecord::Picking(robot.0),
+            JobState::Done => StateRecord::Done,
+            JobState::Cancelled => StateRecord::Cancelled,
+            JobState::Failed(why) => StateRecord::Failed(why.into()),
+        }
+    }
+}
+
+impl From<StateRecord> for JobState {
+    fn from(s: StateRecord) -> JobState {
+        match s {
+            StateRecord::Waiting => JobState::Waiting,
+            StateRecord::Assigned(robot) => JobState::Assigned { robot: RobotId(robot) },
+            StateRecord::Carrying(robot) => JobState::Carrying { robot: RobotId(robot) },
+            StateRecord::Picking(robot) => JobState::Picking { robot: RobotId(robot) },
+            StateRecord::Done => JobState::Done,
+            StateRecord::Cancelled => JobState::Cancelled,
+            StateRecord::Failed(why) => JobState::Failed(why.into()),
+        }
+    }
+}
+
+impl From<JobFailure> for FailureRecord {
+    fn from(f: JobFailure) -> FailureRecord {
+        match f {
+            JobFailure::Predecessor(job) => FailureRecord::Predecessor(job.0),
+            JobFailure::Unreachable => FailureRecord::Unreachable,
+            JobFailure::Short => FailureRecord::Short,
+            JobFailure::MapChanged => FailureRecord::MapChanged,
+            JobFailure::StorageTaken(node) => FailureRecord::StorageTaken(node.0),
+        }
+    }
+}
+
+impl From<FailureRecord> for JobFailure {
+    fn from(f: FailureRecord) -> JobFailure {
+        match f {
+            FailureRecord::Predecessor(job) => JobFailure::Predecessor(JobId(job)),
+            FailureRecord::Unreachable => JobFailure::Unreachable,
+            FailureRecord::Short => JobFailure::Short,
+            FailureRecord::MapChanged => JobFailure::MapChanged,
+            FailureRecord::StorageTaken(node) => JobFailure::StorageTaken(NodeId(node)),
+        }
+    }
+}
+
+/// A failure as text, for its own column.
+pub(super) fn encode_failure(f: JobFailure) -> String {
+    serde_json::to_string(&FailureRecord::from(f)).expect("failures have no maps")
+}
+
+/// A failure from its column.
+pub(super) fn decode_failure(text: &str) -> Result<JobFailure, serde_json::Error> {
+    Ok(serde_json::from_str::<FailureRecord>(text)?.into())
+}
+
+impl From<Task> for TaskRecord {
+    fn from(t: Task) -> TaskRecord {
+        match t {
+            Task::Idle => TaskRecord::Idle,
+            Task::Fetch { job, rack, node } => {
+                TaskRecord::Fetch { job: job.map(|j| j.0), rack: rack.0, node: node.0 }
+            }
+            Task::Deliver { job, rack, station, store } => {
+                TaskRecord::Deliver { job: job.0, rack: rack.0, station: station.0, store: store.0 }
+            }
+            Task::Store { job, rack, store } => {
+                TaskRecord::Store { job: job.map(|j| j.0), rack: rack.0, store: store.0 }
+            }
+            Task::Move { job, goal, stay, purpose } => TaskRecord::Move {
+                job: job.map(|j| j.0),
+                goal: goal.0,
+                stay: stay.0,
+                purpose: match purpose {
+                    Purpose::Charge => PurposeRecord::Charge,
+                    Purpose::Park => PurposeRecord::Park,
+                    Purpose::Go => PurposeRecord::Go,
+                },
+            },
+        }
+    }
+}
+
+impl From<TaskRecord> for Task {
+    fn from(t: TaskRecord) -> Task {
+        match t {
+            TaskRecord::Idle => Task::Idle,
+            TaskRecord::Fetch { job, rack, node } => {
+                Task::Fetch { job: job.map(JobId), rack: RackId(rack), node: NodeId(node) }
+            }
+            TaskRecord::Deliver { job, rack, station, store } => Task::Deliver {
+                job: JobId(job),
+                rack: RackId(rack),
+                station: NodeId(station),
+                store: NodeId(store),
+            },
+            TaskRecord::Store { job, rack, store } => {
+                Task::Store { job: job.map(JobId), rack: RackId(rack), store: NodeId(store) }
+            }
+            TaskRecord::Move { job, goal, stay, purpose } => Task::Move {
+                job: job.map(JobId),
+                goal: NodeId(goal),
+                stay: NodeId(stay),
+                purpose: match purpose {
+                    PurposeRecord::Charge => Purpose::Charge,
+                    PurposeRecord::Park => Purpose::Park,
+                    PurposeRecord::Go => Purpose::Go,
+                },
+            },
+        }
+    }
+}
