@@ -62,6 +62,8 @@
 //! | grant (base), horizon | how far a robot may drive now, and what is reserved beyond | VDA 5050 |
 //! | revoke, truncate | to take back what was granted; to give up what was not | VDA 5050 |
 //! | release | a resource is given back | openTCS |
+//! | kind of robots | what all robots of it have in common: kinematics, charging; one planner each | VDA 5050 |
+//! | maintenance | a robot finishes what it has begun, rests at a parking place and takes no jobs | |
 //! | job, dispatch, transport | what a customer wants; choosing robot, rack, station; from place to place | openTCS |
 //! | worker, assignment, observation | a person on the floor; that person's task; a pose and when it was seen | |
 //! | deviation, intent, forecast | off the path; a distribution over goals; where, when, how probably | Petković 2021 |
@@ -99,7 +101,8 @@
 //!    meet a worker's windows wait, or change their route where they would wait for long, or leave the worker's path
 //!    (`yielding/evade.rs`). Then robots that are held up look for a better route.
 //! 6. **Grant** (`traffic/grant.rs`): each robot may drive as far as it needs to keep its speed, but not past a stop
-//!    that is not done, nor past a robot that holds an earlier reservation. Grants become commands.
+//!    that is not done, nor past a robot that holds an earlier reservation. Grants become commands. Where a robot needs
+//!    more than it gets, the reason is kept, and *why waiting* reads that one (`read/why.rs`).
 //!
 //! Every change of durable state is a [`fleet::Fact`], recorded by one function and taken in by one other,
 //! [`fleet::Ledger::evolve`], live and on load alike. Facts carry what came out (new times of visits that a delay
@@ -212,7 +215,7 @@
 //! | radii of regions | `aware/regions.rs` |
 //! | robots go slow or stop near a person | `fleet/yielding/speed_limit.rs` |
 //! | what people mean for the search (soft cost, no entry) | `aware/effects.rs`; how it obeys: `route/search/care.rs` |
-//! | a robot yields: waits, goes round, leaves a path | `fleet/yielding/evade.rs` |
+//! | a robot yields: waits, goes round, leaves a path | `fleet/yielding/evade.rs`; what is noted: `yielding/state.rs` |
 //! | the published policies | `fleet/yielding/petkovic2021.rs` |
 //! | when a route is kept, and when changed | `aware/safe_space.rs` |
 //! | a closure reroutes robots | `fleet/traffic/closures.rs`, `closed_areas.rs`; `route/search/care.rs` |
