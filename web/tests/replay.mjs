@@ -155,7 +155,7 @@ await page.close();
 await check('Ten minutes with a fleet whose robots meet people are made into a page', async () => {
   // The published method foresees people, and meets them more often than Giveway does.
   const scenario = JSON.parse(await readFile(here('../../scenarios/people-3.json'), 'utf8'));
-  await writeFile(file('long.json'), JSON.stringify({ ...scenario, arm: 'phir', map: here('../../maps/thesis.json') }));
+  await writeFile(file('long.json'), JSON.stringify({ ...scenario, arm: 'phir', drain_s: 0, map: here('../../maps/thesis.json') }));
   await giveway('sim', file('long.json'), '--duration', String(LONG), '--no-bound', '--reel', file('long.reel'));
   await giveway('replay', file('long.reel'), '--page', file('long.html'));
   page = await open();
@@ -219,7 +219,9 @@ await page.screenshot({ path: `${SHOTS}replay-charts-light.png` });
 await page.close();
 
 await check('Seeking among 800 robots shows the moment at once', async () => {
-  await giveway('sim', here('../../scenarios/kiva-800.json'), '--duration', '60', '--no-bound', '--reel', file('many.reel'));
+  const many = JSON.parse(await readFile(here('../../scenarios/kiva-800.json'), 'utf8'));
+  await writeFile(file('many.json'), JSON.stringify({ ...many, drain_s: 0, map: here('../../maps/kiva.json') }));
+  await giveway('sim', file('many.json'), '--duration', '60', '--no-bound', '--reel', file('many.reel'));
   await giveway('replay', file('many.reel'), '--page', file('many.html'));
   page = await open();
   await page.goto(pathToFileURL(file('many.html')).href);
