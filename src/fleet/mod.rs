@@ -43,7 +43,7 @@ use state::floor::Floor;
 use state::scene::Scene;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use traffic::grant::Held;
+use traffic::grant::Withheld;
 use traffic::plan::Needs;
 use traffic::planners::Planners;
 use yielding::state::YieldingState;
@@ -112,7 +112,7 @@ impl Settings {
     /// The kind of this name.
     ///
     /// # Panics
-    /// If there is none: whoever starts a fleet from a ledger asks [`Settings::unknown_kinds`] first.
+    /// If there is none. Of robots in a ledger, [`Settings::unknown_kinds`] says so beforehand; others cannot join.
     pub fn kind(&self, name: &str) -> &RobotKind {
         let kind = self.kinds.iter().find(|k| k.name == name);
         kind.unwrap_or_else(|| panic!("there is no kind of robots named {name:?}"))
@@ -160,7 +160,7 @@ pub struct Fleet {
     /// When the first step was, if there were such robots.
     started: Option<Time>,
     /// Why the last step granted each robot no more than it did.
-    held: IdVec<RobotId, Option<Held>>,
+    withheld: IdVec<RobotId, Option<Withheld>>,
     /// A robot over which the next step panics: for tests of what happens then.
     #[cfg(test)]
     pub trap: Option<RobotId>,
@@ -186,7 +186,7 @@ impl Fleet {
             at_hand: None,
             unheard: BTreeSet::new(),
             started: None,
-            held: IdVec::new(),
+            withheld: IdVec::new(),
             #[cfg(test)]
             trap: None,
             out: Step::default(),

@@ -378,7 +378,7 @@ fn glimpsed(s: Seen) -> Sighting {
     Sighting { worker, seen, epoch, seq, at, heading, accuracy_m, quality }
 }
 
-/// A robot joins; whoever asked has had the answer.
+/// A robot joins. The answer was given when this was recorded.
 fn joins(name: String, kind: String, node: u32) -> Input {
     Input::Register { token: 0, name, kind, node: NodeId(node) }
 }

@@ -20,7 +20,7 @@ use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
 use std::sync::Arc;
 
-/// Robots that join the floor carry this token: their places are looked at afterwards, not the answers.
+/// Robots of the scenario join with this token.
 const JOINS: u64 = FIRST_TOKEN | 1 << 60;
 
 /// Robots and people live side by side in steps of this length at most.
@@ -116,9 +116,8 @@ impl World {
     pub fn advance(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
         self.meet(fleet);
         let mut inputs = self.customers.order(now, now - self.now, fleet);
-        let joining = self.joining.drain(..);
-        let token = JOINS;
-        inputs.extend(joining.map(|(name, kind, node)| Input::Register { token, name, kind, node }));
+        let join = |(name, kind, node)| Input::Register { token: JOINS, name, kind, node };
+        inputs.extend(self.joining.drain(..).map(join));
         inputs.extend(announce(std::mem::take(&mut self.closing), fleet));
         let from = self.now;
         for robot in &mut self.robots {
@@ -220,7 +219,12 @@ impl World {
 
     /// Hands over answers to customers.
     pub fn answer(&mut self, now: Time, replies: &[Reply]) {
-        replies.iter().for_each(|reply| self.customers.hear(reply, now));
+        for reply in replies {
+            if let Reply::Refused { token: JOINS, why } = reply {
+                tracing::warn!(?why, "a robot of the scenario cannot join");
+            }
+            self.customers.hear(reply, now);
+        }
     }
 
     /// Notes which racks were lifted and set down.

@@ -79,7 +79,8 @@ pub async fn go_on(State(api): State<Api>, Segment(id): Segment) -> Result<Statu
     done(&api, What::Release(Some(robot))).await
 }
 
-async fn done(api: &Api, what: What) -> Result<StatusCode, Problem> {
+/// Asks for what is answered with 204 or a refusal.
+pub(super) async fn done(api: &Api, what: What) -> Result<StatusCode, Problem> {
     match api.ask(what).await? {
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
         _ => Ok(StatusCode::NO_CONTENT),

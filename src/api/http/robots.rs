@@ -2,18 +2,17 @@
 //!
 //! Main type: [`NewRobot`]. Refuses: to let a robot join where another one is, or is to be.
 
+use super::halt::done;
 use super::why::parse_robot;
 use crate::api::Api;
-use crate::api::dto::{Names, RobotDto};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Body, Segment};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::fleet::{Reply, USUAL_KIND};
-use crate::id::{Dense, RobotId};
 use axum::Json;
 use axum::extract::State;
-use axum::http::{HeaderName, StatusCode, header};
+use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -42,8 +41,6 @@ pub struct JoinedDto {
     /// Its name.
     #[schema(example = "robot-51")]
     pub id: String,
-    /// The robot, once the next picture of the floor has it.
-    pub robot: Option<RobotDto>,
 }
 
 fn usual_kind() -> String {
@@ -52,8 +49,7 @@ fn usual_kind() -> String {
 
 /// Let a robot join, standing on a node that no other robot holds. The same name is the same robot.
 #[utoipa::path(post, path = "/v1/robots", tag = "floor", request_body = NewRobot, responses(
-    (status = 201, description = "It has joined, and that is durable", body = JoinedDto,
-     headers(("Location" = String))),
+    (status = 201, description = "It has joined, and that is durable; GET /v1/robots shows it", body = JoinedDto),
     (status = 200, description = "It had joined before, wherever it is by now", body = JoinedDto),
     (status = 409, description = "Another robot holds the node", body = Problem,
      content_type = "application/problem+json"),
@@ -65,7 +61,7 @@ fn usual_kind() -> String {
 pub async fn register(
     State(api): State<Api>,
     Body(new): Body<NewRobot>,
-) -> Result<(StatusCode, [(HeaderName, String); 1], Json<JoinedDto>), Problem> {
+) -> Result<(StatusCode, Json<JoinedDto>), Problem> {
     let name = new.name.trim().to_owned();
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let mut wrong = Vec::new();
@@ -82,11 +78,9 @@ pub async fn register(
     }
     let Some(node) = node.filter(|_| wrong.is_empty()) else { return Err(Problem::invalid(wrong)) };
     match api.ask(What::Register(name.clone(), new.kind, node)).await? {
-        Reply::Registered { robot, new, .. } => {
+        Reply::Registered { new, .. } => {
             let status = if new { StatusCode::CREATED } else { StatusCode::OK };
-            let place = format!("/v1/robots/{name}");
-            let joined = JoinedDto { robot: seen(&api, robot), id: name };
-            Ok((status, [(header::LOCATION, place)], Json(joined)))
+            Ok((status, Json(JoinedDto { id: name })))
         }
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
         _ => Err(Problem::internal()),
@@ -101,7 +95,7 @@ pub async fn register(
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn maintain(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
-    done(&api, &id, true).await
+    done(&api, What::Maintain(parse_robot(&api, &id)?, true)).await
 }
 
 /// Let a robot work again after maintenance.
@@ -111,20 +105,5 @@ pub async fn maintain(State(api): State<Api>, Segment(id): Segment) -> Result<St
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn work_again(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
-    done(&api, &id, false).await
-}
-
-async fn done(api: &Api, id: &str, begins: bool) -> Result<StatusCode, Problem> {
-    let robot = parse_robot(api, id)?;
-    match api.ask(What::Maintain(robot, begins)).await? {
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Ok(StatusCode::NO_CONTENT),
-    }
-}
-
-/// The robot as the latest picture has it.
-fn seen(api: &Api, robot: RobotId) -> Option<RobotDto> {
-    let moment = api.moment();
-    let mut robots = Names { map: &api.map, view: &moment.view }.robots();
-    (robot.ix() < robots.len()).then(|| robots.swap_remove(robot.ix()))
+    done(&api, What::Maintain(parse_robot(&api, &id)?, false)).await
 }

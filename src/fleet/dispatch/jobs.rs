@@ -109,7 +109,8 @@ impl Fleet {
     }
 
     /// Waiting jobs whose rack stands in storage and no robot moves, with their urgency, most urgent first; one per
-    /// rack. A rack above a robot that is not one of these is left out: no other robot can get beneath it.
+    /// rack. A rack above a robot that is not one of these, which come by number, is left out: no other robot can get
+    /// beneath it.
     fn candidates(&self, robots: &[RobotId], now: Time) -> Vec<(JobId, RackId, NodeId, i64)> {
         let queue = &self.ledger.index.queue;
         let (oldest, wanted) = (queue.oldest(now), queue.racks_wanted());
@@ -123,8 +124,8 @@ impl Fleet {
             }
             let rack = self.ledger.jobs[&id].request.kind.rack().expect("offers are for racks");
             let RackAt::Stored(node) = self.ledger.racks[rack] else { continue };
-            let blocked = self.ledger.resident(node).is_some_and(|r| !robots.contains(&r));
-            if seen.contains(&rack) || blocked {
+            let is_another = |r: RobotId| robots.binary_search(&r).is_err();
+            if seen.contains(&rack) || self.ledger.resident(node).is_some_and(is_another) {
                 continue;
             }
             let is_open = |id: &JobId| !self.job_is_closed_off(&self.ledger.jobs[id].request.kind, node);

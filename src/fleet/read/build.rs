@@ -7,7 +7,7 @@ use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView
 use crate::fleet::state::fact::{Act, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{ClosureView, Presence, WorkerView};
-use crate::fleet::traffic::grant::Held;
+use crate::fleet::traffic::grant::Withheld;
 use crate::geometry::{Point, Pose};
 use crate::human::Belief;
 use crate::id::{JobId, NodeId, RobotId, StationId, WorkerId};
@@ -145,18 +145,18 @@ impl Fleet {
             return Some(Why::GivesWay(standing.worker));
         }
         let at_end = chain.first() + 1 == chain.granted();
-        match self.held_by(r).filter(|_| at_end)? {
-            Held::Condition(Cause::Worker(w), _) => Some(Why::GivesWay(w)),
-            Held::Condition(Cause::Closure(c), _) => Some(Why::Closed(c)),
-            Held::Condition(Cause::Robot(other), _) => Some(Why::BlockedBy(other)),
-            Held::Turn(resource, holder) => Some(Why::WaitsFor(resource, holder)),
-            Held::End | Held::Stop | Held::Early => None,
+        match self.withheld(r).filter(|_| at_end)? {
+            Withheld::Condition(Cause::Worker(w), _) => Some(Why::GivesWay(w)),
+            Withheld::Condition(Cause::Closure(c), _) => Some(Why::Closed(c)),
+            Withheld::Condition(Cause::Robot(other), _) => Some(Why::BlockedBy(other)),
+            Withheld::Turn(resource, holder) => Some(Why::WaitsFor(resource, holder)),
+            Withheld::End | Withheld::Stop | Withheld::Early => None,
         }
     }
 
     /// Why the last step granted a robot no more than it did, if there was a reason.
-    pub(in crate::fleet) fn held_by(&self, robot: RobotId) -> Option<Held> {
-        self.held.get(robot).copied().flatten()
+    pub(in crate::fleet) fn withheld(&self, robot: RobotId) -> Option<Withheld> {
+        self.withheld.get(robot).copied().flatten()
     }
 
     fn worker_views(&self, now: Time) -> Vec<WorkerView> {

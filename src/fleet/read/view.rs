@@ -177,8 +177,8 @@ pub enum Why {
 }
 
 impl Why {
-    /// Whether it is about the robot itself, whatever happens around it: no job moves it, and only it, or whoever
-    /// stopped it, ends that.
+    /// Whether it is about the robot itself, whatever happens around it: no job moves it, and only the robot, or the
+    /// person who stopped it, ends that.
     pub fn is_by_itself(self) -> bool {
         use Why::{Displaced, Failed, Maintenance, Paused, Silent, Stopped};
         matches!(self, Failed | Displaced(_) | Silent | Paused | Maintenance | Stopped)

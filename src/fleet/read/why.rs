@@ -9,7 +9,7 @@ use crate::fleet::JobState;
 use crate::fleet::read::view::{JobWhy, View, Why};
 use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::traffic::grant::Held;
+use crate::fleet::traffic::grant::Withheld;
 use crate::id::{JobId, ResourceId, RobotId};
 use crate::time::Time;
 use crate::timeline::Holder;
@@ -170,8 +170,8 @@ impl Fleet {
                 (link(Because::Robot(why), until, before.len()), behind)
             }
             Some(why @ (Why::GivesWay(_) | Why::Closed(_))) => {
-                let until = match self.held_by(robot) {
-                    Some(Held::Condition(_, until)) => until,
+                let until = match self.withheld(robot) {
+                    Some(Withheld::Condition(_, until)) => until,
                     _ => None,
                 };
                 (link(Because::Robot(why), until, 0), None)

@@ -62,12 +62,15 @@ impl Fleet {
         Ok(Reply::Done { token })
     }
 
-    /// Robots in maintenance give back jobs that they have not begun, and go where they are in nobody's way.
+    /// Robots in maintenance give back jobs that they have not begun, and go to a parking place. Where none is free
+    /// they rest where they are.
     pub(in crate::fleet) fn send_to_maintenance(&mut self, now: Time) {
         for robot in ledger::all(&self.ledger.robots) {
             let record = &self.ledger.robots[robot];
-            let fit = !record.failed && self.scene.fit(robot, now).is_some();
-            if record.maintenance.is_none() || !fit || self.floor().is_halted(robot) {
+            if record.maintenance.is_none() || record.failed || self.floor().is_halted(robot) {
+                continue;
+            }
+            if self.scene.fit(robot, now).is_none() {
                 continue;
             }
             match record.task {

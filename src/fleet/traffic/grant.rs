@@ -24,10 +24,9 @@ const REPEAT: Span = Span::from_millis(600);
 /// A robot at a stop is reminded this often of what it is to do there.
 const REMIND: Span = Span::from_secs(3);
 
-/// Why the visit after the last granted one was not granted. The grant itself finds it, and whoever asks why a robot
-/// waits is told this.
+/// Why the visit after the last granted one was not granted. The grant itself finds it, and *why waiting* reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) enum Held {
+pub(in crate::fleet) enum Withheld {
     /// Nothing is reserved beyond.
     End,
     /// What the robot is to do at a stop is not done.
@@ -45,8 +44,8 @@ impl Fleet {
         if self.waits_for_first_reports(now) {
             return;
         }
-        while self.held.len() < self.ledger.robots.len() {
-            self.held.push(None);
+        while self.withheld.len() < self.ledger.robots.len() {
+            self.withheld.push(None);
         }
         for robot in ledger::all(&self.ledger.robots) {
             self.at_hand = Some(robot);
@@ -55,8 +54,8 @@ impl Fleet {
             }
             let held_back = self.floor().is_halted(robot) || self.crowd.procedure.holds(robot);
             let before = self.ledger.chain(robot).granted();
-            self.held[robot] = match held_back {
-                true => self.is_held(robot, before, now),
+            self.withheld[robot] = match held_back {
+                true => self.withholds(robot, before, now),
                 false => self.extend_grant(robot, now),
             };
             let granted = self.ledger.chain(robot).granted() > before;
@@ -67,16 +66,16 @@ impl Fleet {
     }
 
     /// Grants as many further visits as the robot needs to keep its speed; says why no more, if it needs more.
-    fn extend_grant(&mut self, robot: RobotId, now: Time) -> Option<Held> {
+    fn extend_grant(&mut self, robot: RobotId, now: Time) -> Option<Withheld> {
         let holder = Holder::Robot(robot);
         let mut serial = self.ledger.chain(robot).granted();
         let first = serial;
         let mut ahead = self.floor().granted_ahead_m(robot);
         let enough = self.needed_ahead_m(robot);
-        let mut held = None;
+        let mut withheld = None;
         while ahead < enough {
-            held = self.is_held(robot, serial, now);
-            if held.is_some() {
+            withheld = self.withholds(robot, serial, now);
+            if withheld.is_some() {
                 break;
             }
             ahead += self.floor().step_m(robot, serial);
@@ -86,25 +85,25 @@ impl Fleet {
             debug_assert!(self.ledger.timeline.waits_for(holder, first).is_none());
             self.record(Fact::Granted { robot, serial: serial - 1, at: now });
         }
-        held
+        withheld
     }
 
     /// Why a visit cannot be granted now, if it cannot. Where a robot waits for its turn and for a person, and is due,
     /// the person is named.
-    fn is_held(&self, robot: RobotId, serial: u64, now: Time) -> Option<Held> {
-        let Some(visit) = self.ledger.chain(robot).get(serial) else { return Some(Held::End) };
+    fn withholds(&self, robot: RobotId, serial: u64, now: Time) -> Option<Withheld> {
+        let Some(visit) = self.ledger.chain(robot).get(serial) else { return Some(Withheld::End) };
         if self.ledger.robots[robot].stops.first().is_some_and(|s| s.serial < serial) {
-            return Some(Held::Stop);
+            return Some(Withheld::Stop);
         }
         let turn = self.ledger.timeline.waits_for(Holder::Robot(robot), serial);
-        let turn = turn.map(|(resource, holder)| Held::Turn(resource, holder));
+        let turn = turn.map(|(resource, holder)| Withheld::Turn(resource, holder));
         let soon = visit.enter <= now + EARLY;
         let asked = if turn.is_some() { visit.enter <= now } else { soon };
         if !asked {
-            return turn.or(Some(Held::Early));
+            return turn.or(Some(Withheld::Early));
         }
         let condition = self.grant_waits_for(robot, visit, now);
-        condition.map(|(cause, until)| Held::Condition(cause, until)).or(turn)
+        condition.map(|(cause, until)| Withheld::Condition(cause, until)).or(turn)
     }
 
     /// How far ahead it must be sure of its way to go on as fast as it may: its braking distance, what it drives

@@ -98,12 +98,12 @@ impl Fleet {
     pub(in crate::fleet) fn give_way(&mut self, now: Time, budget: &mut u32) {
         if self.crowd.conditions.is_empty() {
             // Nobody to give way to: what was noted of earlier waiting says nothing about the next one.
-            self.yielding.nobody_is_there();
+            self.yielding.no_worker_is_near();
             return;
         }
-        let nobody_waits =
+        let none_yields =
             || self.yielding.giving_way().next().is_none() && self.yielding.standing().next().is_none();
-        if !self.crowd.conditions.has_passing() && nobody_waits() {
+        if !self.crowd.conditions.has_passing() && none_yields() {
             return;
         }
         for robot in crate::fleet::state::ledger::all(&self.ledger.robots) {

@@ -79,18 +79,18 @@ impl YieldingState {
         &mut self.0[robot]
     }
 
-    /// Robots that give way to somebody, each with whom and how.
+    /// Robots that give way to a worker, each with which one and how.
     pub fn giving_way(&self) -> impl Iterator<Item = (RobotId, GivesWay)> {
         self.0.pairs().filter_map(|(robot, y)| Some((robot, y.to?)))
     }
 
-    /// Robots that stand for somebody.
+    /// Robots that stand for a worker.
     pub fn standing(&self) -> impl Iterator<Item = RobotId> {
         self.0.pairs().filter(|(_, y)| y.stands.is_some()).map(|(robot, _)| robot)
     }
 
-    /// There is nobody to give way to any more.
-    pub fn nobody_is_there(&mut self) {
+    /// No worker is near any more: no robot gives way.
+    pub fn no_worker_is_near(&mut self) {
         self.0.iter_mut().for_each(|y| y.to = None);
     }
 
