@@ -35,18 +35,16 @@ pub use state::worker::{
 
 use crate::aware::{HumanAwarePolicy, Regions};
 use crate::human::{Method, Model};
-use crate::id::{IdVec, RobotId};
+use crate::id::RobotId;
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use people::state::HumanState;
+use requests::OfWorker;
+use state::core::Core;
 use state::floor::Floor;
-use state::scene::Scene;
-use std::collections::BTreeSet;
 use std::sync::Arc;
-use traffic::grant::Withheld;
-use traffic::plan::Needs;
-use traffic::planners::Planners;
-use yielding::state::YieldingState;
+use traffic::{Traffic, closures, displaced, fence};
+use yielding::Yielding;
 
 /// Settings of the core. They never change while it runs.
 #[derive(Clone, Debug)]
@@ -132,66 +130,21 @@ impl Settings {
     }
 }
 
-/// How often routes were searched for. Nobody is promised anything by it, so it is no fact and starts at zero with the
-/// process.
-#[derive(Clone, Copy, Debug, Default)]
-struct Tally {
-    plans: u64,
-    failures: u64,
-    replans: u64,
-}
-
 /// The fleet.
 pub struct Fleet {
-    settings: Settings,
-    ledger: Ledger,
-    scene: Scene,
-    planners: Planners,
-    needs: Needs,
-    storage: dispatch::storage::Storage,
-    tally: Tally,
-    crowd: HumanState,
-    yielding: YieldingState,
-    plan_times: Vec<u64>,
-    /// The robot that is being dealt with: named where a contradiction ends the step.
-    at_hand: Option<RobotId>,
-    /// Robots of which the ledger knew at the start and that have not been heard of since.
-    unheard: BTreeSet<RobotId>,
-    /// When the first step was, if there were such robots.
-    started: Option<Time>,
-    /// Why the last step granted each robot no more than it did.
-    withheld: IdVec<RobotId, Option<Withheld>>,
+    core: Core,
+    people: HumanState,
+    yielding: Yielding,
+    traffic: Traffic,
     /// A robot over which the next step panics: for tests of what happens then.
     #[cfg(test)]
     pub trap: Option<RobotId>,
-    out: Step,
 }
 
 impl Fleet {
     /// An empty fleet in a building.
     pub fn new(warehouse: Arc<Warehouse>, settings: Settings) -> Fleet {
-        let clearance = settings.clearance();
-        let period_s = settings.period.as_secs_f64();
-        let regions = Regions::new(most_dangerous(&settings.kinds), warehouse.footprint_m, period_s);
-        Fleet {
-            crowd: HumanState::new(&warehouse, regions),
-            yielding: YieldingState::default(),
-            ledger: Ledger::new(warehouse.clone(), clearance, settings.ghosts),
-            scene: Scene::default(),
-            planners: Planners::new(&warehouse, &settings.kinds),
-            needs: Needs::default(),
-            storage: dispatch::storage::Storage::new(&warehouse),
-            tally: Tally::default(),
-            plan_times: Vec::new(),
-            at_hand: None,
-            unheard: BTreeSet::new(),
-            started: None,
-            withheld: IdVec::new(),
-            #[cfg(test)]
-            trap: None,
-            out: Step::default(),
-            settings,
-        }
+        Fleet::restore(warehouse, settings, [])
     }
 
     /// The fleet after these facts, with nothing seen yet.
@@ -213,69 +166,124 @@ impl Fleet {
     /// If the facts contradict the ledger or each other.
     pub fn resume(mut ledger: Ledger, settings: Settings, facts: impl IntoIterator<Item = Fact>) -> Fleet {
         facts.into_iter().for_each(|fact| ledger.evolve(&fact));
-        let fleet = Fleet::new(ledger.warehouse().clone(), settings);
-        let unheard = ledger.robots.ids().collect();
-        Fleet { ledger, unheard, ..fleet }
+        let warehouse = ledger.warehouse().clone();
+        let period_s = settings.period.as_secs_f64();
+        let regions = Regions::new(most_dangerous(&settings.kinds), warehouse.footprint_m, period_s);
+        Fleet {
+            people: HumanState::new(&warehouse, regions),
+            yielding: Yielding::default(),
+            traffic: Traffic::new(&warehouse, &settings.kinds, ledger.robots.ids().collect()),
+            core: Core::new(ledger, settings),
+            #[cfg(test)]
+            trap: None,
+        }
     }
 
     /// Takes all inputs in, then decides once from what is known now.
     pub fn step(&mut self, now: Time, inputs: Vec<Input>) -> Step {
-        self.at_hand = None;
-        self.absorb(now, inputs);
+        self.core.at_hand = None;
+        let heard = requests::absorb(&mut self.core, &self.people.walkways, now, inputs);
         #[cfg(test)]
         self.spring();
-        self.evaluate_people(now);
-        self.note_progress(now);
-        self.assign(now);
+        self.evaluate_people(&heard.people, now);
+        self.traffic.needs.left_early(heard.left_early);
+        let taken_up = self.traffic.note_progress(&mut self.core, now);
+        self.yielding.state.forget_standing(&taken_up);
+        self.dispatch(&heard.picked, now);
         self.plan(now);
-        self.grant(now);
-        std::mem::take(&mut self.out)
+        let interrupted = |robot| self.yielding.procedure.holds(robot);
+        self.traffic.grant(&mut self.core, &self.yielding.state, interrupted, now);
+        std::mem::take(&mut self.core.out)
+    }
+
+    /// What people, closed areas and displaced robots mean for robots: stops and speed limits, which leave at once, and
+    /// restrictions for the rest of the step. What workers are told.
+    fn evaluate_people(&mut self, heard: &[OfWorker], now: Time) {
+        let Fleet { core, people, yielding, traffic, .. } = self;
+        closures::begin_restrictions(core, now);
+        people.hear(core.floor(), heard, now);
+        people.follow(core, &yielding.state, now);
+        if let Some((worker, led)) = yielding.follow_procedure(core, people, traffic, now) {
+            people.lead(worker, led, now);
+        }
+        people.restrict(core, now);
+        closures::note_closing(core, now);
+        displaced::close_displaced(core, now);
+        yielding.limit_robots(core, people, traffic, now);
+        yielding.revoke_grants(core, people, traffic, now);
+        traffic.revoke_grants_into_displaced(core, now);
+        yielding.meet(core, people, now);
+        people.guide(core, now);
+    }
+
+    /// Which robot does what.
+    fn dispatch(&mut self, picked: &[RobotId], now: Time) {
+        let Fleet { core, traffic, .. } = self;
+        dispatch::jobs::chain_deliveries(core, picked, now);
+        dispatch::jobs::assign(core, &traffic.needs, &mut traffic.planners, now);
+    }
+
+    /// Routes, within the step's budget of expansions: for robots that need one; for those that were interrupted, would
+    /// drive into a closed area, meet people or wait for others, where a better one is found.
+    fn plan(&mut self, now: Time) {
+        let Fleet { core, yielding, traffic, .. } = self;
+        let mut budget = traffic.plan_needed(core, now);
+        yielding.plan_interrupted(core, traffic, now, &mut budget);
+        traffic.route_round_closures(core, now, &mut budget);
+        yielding.give_way(core, traffic, now, &mut budget);
+        traffic.improve(core, now, budget);
     }
 
     /// The floor as it is now, for questions.
     fn floor(&self) -> Floor<'_> {
-        Floor { ledger: &self.ledger, scene: &self.scene, settings: &self.settings }
+        self.core.floor()
     }
 
     /// The building.
     pub fn warehouse(&self) -> &Arc<Warehouse> {
-        self.ledger.warehouse()
+        self.core.warehouse()
     }
 
     /// What was promised.
     pub fn ledger(&self) -> &Ledger {
-        &self.ledger
+        &self.core.ledger
     }
 
     /// The newest that a robot said of itself.
     pub fn telemetry(&self, robot: RobotId) -> Option<&Telemetry> {
-        self.scene.robot(robot)
+        self.core.scene.robot(robot)
     }
 
     /// The settings.
     pub fn settings(&self) -> &Settings {
-        &self.settings
+        &self.core.settings
     }
 
     /// How long the searches since the last call took, nanoseconds by the stopwatch of the settings.
     pub fn take_plan_times(&mut self) -> Vec<u64> {
-        std::mem::take(&mut self.plan_times)
+        std::mem::take(&mut self.traffic.plan_times)
+    }
+
+    /// The robot that was being dealt with when a step ended in a panic, if it was one.
+    pub fn at_hand(&self) -> Option<RobotId> {
+        self.core.at_hand
+    }
+
+    /// Fences a robot off. The facts leave with those of the next step.
+    ///
+    /// # Panics
+    /// If even that contradicts the ledger.
+    pub fn fence(&mut self, robot: RobotId, now: Time) {
+        fence::fence(&mut self.core, robot, now);
     }
 
     /// Panics over the robot of the trap.
     #[cfg(test)]
     fn spring(&mut self) {
         if let Some(robot) = self.trap {
-            self.at_hand = Some(robot);
+            self.core.at_hand = Some(robot);
             panic!("a test asked for it");
         }
-    }
-
-    /// Takes a fact into the ledger and into the step's result.
-    fn record(&mut self, fact: Fact) {
-        self.at_hand = traffic::fence::robot_of(&fact).or(self.at_hand);
-        self.ledger.evolve(&fact);
-        self.out.facts.push(fact);
     }
 }
 

@@ -4,9 +4,9 @@
 
 use super::Move;
 use super::matching::added;
-use crate::fleet::dispatch::storage::along_axes;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::ledger::{Robot, stand};
+use crate::fleet::state::storage::along_axes;
 use crate::fleet::{JobKind, RackAt};
 use crate::id::{IdVec, NodeId, RackId, RobotId};
 use crate::timeline::{ChainParts, Holder};

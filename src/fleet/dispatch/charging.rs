@@ -5,8 +5,8 @@
 //! charger: the fullest robot that stands at one leaves it. Refuses: to trust a battery that says nothing is left; that
 //! robot has failed.
 
-use crate::fleet::Fleet;
-use crate::fleet::state::fact::{Purpose, Task};
+use crate::fleet::state::core::Core;
+use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobKind, JobState};
 use crate::fleet::state::kind::Charging;
@@ -20,12 +20,89 @@ const MARGIN: f64 = 0.1;
 /// An idle robot looks this often whether it stands in the way of a rack that is wanted.
 const LOOKS: Span = Span::from_secs(5);
 
-impl Fleet {
+/// Robots with too little charge give back what they have not begun.
+pub(in crate::fleet) fn give_back_jobs(core: &mut Core, now: Time) {
+    for robot in ledger::all(&core.ledger.robots) {
+        let Task::Fetch { job: Some(job), node, .. } = core.ledger.robots[robot].task else { continue };
+        let fit = core.scene.fit(robot, now).is_some();
+        if fit && core.floor().is_critical(robot) && !core.floor().next_stop_is_granted(robot) {
+            let stay = core.floor().free_charger(robot).unwrap_or(node);
+            let purpose = if stay == node { Purpose::Park } else { Purpose::Charge };
+            let task = Task::Move { job: None, goal: stay, stay, purpose };
+            core.progress(job, JobState::Waiting, Some((robot, task)), now);
+        }
+    }
+}
+
+/// What idle robots without a job do: charge if they should, lowest first, make room at chargers, and leave places
+/// where they are in the way.
+pub(in crate::fleet) fn rest(core: &mut Core, mut robots: Vec<RobotId>, now: Time) {
+    robots.sort_by(|a, b| core.floor().battery(*a).total_cmp(&core.floor().battery(*b)).then(a.cmp(b)));
+    let mut without = Vec::new();
+    for robot in robots {
+        if send_to_charger(core, robot) {
+            continue;
+        }
+        let low = core.floor().battery(robot) < core.floor().charging(robot).low;
+        if (low || core.floor().is_sent_to_charge(robot)) && !core.floor().at_charger(robot) {
+            without.push(robot);
+        }
+        leave_the_way(core, robot, now);
+    }
+    make_room_at_chargers(core, &without, now);
+}
+
+/// Sends an idle robot to a free charger if it should charge.
+fn send_to_charger(core: &mut Core, robot: RobotId) -> bool {
+    let (battery, c) = (core.floor().battery(robot), *core.floor().charging(robot));
+    let should = battery < c.low || (c.opportunity && battery < c.full);
+    if !should || core.floor().at_charger(robot) {
+        return false;
+    }
+    let Some(stay) = core.floor().free_charger(robot) else { return false };
+    move_to(core, robot, stay, Purpose::Charge);
+    true
+}
+
+/// Sends a robot that stands where it may not stay, or in the way of a rack that is wanted, somewhere else.
+fn leave_the_way(core: &mut Core, robot: RobotId, now: Time) {
+    let node = core.ledger.node_of(robot);
+    let may_stay = core.warehouse().nodes[node].kind.is_lasting() && !core.floor().is_closing(node);
+    let stay = match may_stay {
+        false => core.floor().any_stay(robot),
+        true if core.floor().is_in_the_way(robot, node, now) => {
+            core.floor().free_place(robot, NodeKind::Parking)
+        }
+        true => None,
+    };
+    if let Some(stay) = stay {
+        move_to(core, robot, stay, Purpose::Park);
+    }
+}
+
+/// For each robot without a charger, one that has enough leaves its charger, the fullest first.
+fn make_room_at_chargers(core: &mut Core, without: &[RobotId], now: Time) {
+    let leaving = ledger::all(&core.ledger.robots).filter(|r| core.floor().leaves_charger(*r)).count();
+    for needs in without.iter().skip(leaving) {
+        let Some(robot) = core.floor().fullest_at_a_charger(*needs, now) else { return };
+        let stay = core
+            .floor()
+            .free_place(robot, NodeKind::Parking)
+            .or_else(|| core.floor().free_place(robot, NodeKind::Storage));
+        let Some(stay) = stay else { return };
+        move_to(core, robot, stay, Purpose::Park);
+    }
+}
+
+fn move_to(core: &mut Core, robot: RobotId, stay: NodeId, purpose: Purpose) {
+    let task = Task::Move { job: None, goal: stay, stay, purpose };
+    core.record(Fact::Tasked { robot, task });
+}
+
+impl Floor<'_> {
     /// Whether some charger is free for a robot that is not at one.
     pub(in crate::fleet) fn a_charger_is_free(&self) -> bool {
-        let low = |r: &RobotId| {
-            self.floor().battery(*r) < self.floor().charging(*r).low && !self.floor().at_charger(*r)
-        };
+        let low = |r: &RobotId| self.battery(*r) < self.charging(*r).low && !self.at_charger(*r);
         ledger::all(&self.ledger.robots).find(low).is_some_and(|r| self.free_charger(r).is_some())
     }
 
@@ -33,84 +110,6 @@ impl Fleet {
         self.free_place(robot, NodeKind::Charger)
     }
 
-    /// Robots with too little charge give back what they have not begun.
-    pub(in crate::fleet) fn give_back_jobs(&mut self, now: Time) {
-        for robot in ledger::all(&self.ledger.robots) {
-            let Task::Fetch { job: Some(job), node, .. } = self.ledger.robots[robot].task else { continue };
-            let fit = self.scene.fit(robot, now).is_some();
-            if fit && self.floor().is_critical(robot) && !self.floor().next_stop_is_granted(robot) {
-                let stay = self.free_charger(robot).unwrap_or(node);
-                let purpose = if stay == node { Purpose::Park } else { Purpose::Charge };
-                let task = Task::Move { job: None, goal: stay, stay, purpose };
-                self.progress(job, JobState::Waiting, Some((robot, task)), now);
-            }
-        }
-    }
-
-    /// What idle robots without a job do: charge if they should, lowest first, make room at chargers, and leave places
-    /// where they are in the way.
-    pub(in crate::fleet) fn rest(&mut self, mut robots: Vec<RobotId>, now: Time) {
-        robots.sort_by(|a, b| self.floor().battery(*a).total_cmp(&self.floor().battery(*b)).then(a.cmp(b)));
-        let mut without = Vec::new();
-        for robot in robots {
-            if self.send_to_charger(robot) {
-                continue;
-            }
-            let low = self.floor().battery(robot) < self.floor().charging(robot).low;
-            if (low || self.floor().is_sent_to_charge(robot)) && !self.floor().at_charger(robot) {
-                without.push(robot);
-            }
-            self.leave_the_way(robot, now);
-        }
-        self.make_room_at_chargers(&without, now);
-    }
-
-    /// Sends an idle robot to a free charger if it should charge.
-    fn send_to_charger(&mut self, robot: RobotId) -> bool {
-        let (battery, c) = (self.floor().battery(robot), *self.floor().charging(robot));
-        let should = battery < c.low || (c.opportunity && battery < c.full);
-        if !should || self.floor().at_charger(robot) {
-            return false;
-        }
-        let Some(stay) = self.free_charger(robot) else { return false };
-        self.move_to(robot, stay, Purpose::Charge);
-        true
-    }
-
-    /// Sends a robot that stands where it may not stay, or in the way of a rack that is wanted, somewhere else.
-    fn leave_the_way(&mut self, robot: RobotId, now: Time) {
-        let node = self.ledger.node_of(robot);
-        let may_stay = self.warehouse().nodes[node].kind.is_lasting() && !self.is_closing(node);
-        let stay = match may_stay {
-            false => self.any_stay(robot),
-            true if self.floor().is_in_the_way(robot, node, now) => self.free_place(robot, NodeKind::Parking),
-            true => None,
-        };
-        if let Some(stay) = stay {
-            self.move_to(robot, stay, Purpose::Park);
-        }
-    }
-
-    /// For each robot without a charger, one that has enough leaves its charger, the fullest first.
-    fn make_room_at_chargers(&mut self, without: &[RobotId], now: Time) {
-        let leaving = ledger::all(&self.ledger.robots).filter(|r| self.floor().leaves_charger(*r)).count();
-        for needs in without.iter().skip(leaving) {
-            let Some(robot) = self.floor().fullest_at_a_charger(*needs, now) else { return };
-            let stay = self
-                .free_place(robot, NodeKind::Parking)
-                .or_else(|| self.free_place(robot, NodeKind::Storage));
-            let Some(stay) = stay else { return };
-            self.move_to(robot, stay, Purpose::Park);
-        }
-    }
-
-    fn move_to(&mut self, robot: RobotId, stay: NodeId, purpose: Purpose) {
-        let task = Task::Move { job: None, goal: stay, stay, purpose };
-        self.record(crate::fleet::Fact::Tasked { robot, task });
-    }
-}
-
-impl Floor<'_> {
     /// Charge of a robot, 0 to 1; 0 if it was never heard of.
     pub(in crate::fleet) fn battery(&self, robot: RobotId) -> f64 {
         self.scene.robot(robot).map_or(0.0, |t| t.battery)

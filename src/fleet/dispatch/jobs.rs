@@ -2,15 +2,18 @@
 //!
 //! Refuses: first come, first served; and to give a job to a robot that should charge first.
 
-use crate::fleet::Fleet;
-use crate::fleet::RackAt;
 use crate::fleet::dispatch::assignment::{NEVER, least_cost};
-use crate::fleet::dispatch::storage::along_axes;
+use crate::fleet::dispatch::charging::{give_back_jobs, rest};
+use crate::fleet::dispatch::maintenance::send_to_maintenance;
+use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::index::Goal;
 use crate::fleet::state::job::{Job, JobFailure, JobKind, JobState};
-use crate::fleet::state::ledger;
+use crate::fleet::state::ledger::{self, RackAt};
+use crate::fleet::state::needs::Needs;
+use crate::fleet::state::planners::Planners;
+use crate::fleet::state::storage::along_axes;
 use crate::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
@@ -24,143 +27,166 @@ const CROWD_MS: i64 = 8_000;
 /// A rack that waits longer than this for a place at its station has waited for long.
 const LONG: Span = Span::from_secs(60);
 
-impl Fleet {
-    pub(in crate::fleet) fn assign(&mut self, now: Time) {
-        self.ledger.index.queue.advance(now);
-        self.give_back_jobs(now);
-        self.send_to_maintenance(now);
-        self.assign_named(now);
-        let charger_is_free = self.a_charger_is_free();
-        let (working, mut resting): (Vec<RobotId>, Vec<RobotId>) = self
-            .floor()
-            .idle_robots(now)
-            .into_iter()
-            .partition(|r| self.floor().is_charged(*r, charger_is_free));
-        resting.extend(self.assign_racks(working, now));
-        self.rest(resting, now);
-    }
-
-    /// Jobs for a robot that the customer named: one for each idle robot, before any rack.
-    fn assign_named(&mut self, now: Time) {
-        for robot in self.floor().idle_robots(now) {
-            if let Some(job) = self.floor().named_job_for(robot).filter(|j| self.floor().may_begin(robot, *j))
-            {
-                self.begin_named(robot, job, now);
-            }
+/// Gives robots whose rack was just picked from, and is wanted at a station again, that job: the rack need not be put
+/// away first.
+pub(in crate::fleet) fn chain_deliveries(core: &mut Core, picked: &[RobotId], now: Time) {
+    for robot in picked.iter().copied() {
+        let floor = core.floor();
+        let Task::Store { job: None, rack, store } = floor.ledger.robots[robot].task else { continue };
+        if floor.named_job_for(robot).is_some() || floor.is_critical(robot) {
+            continue;
         }
-    }
-
-    /// Sends an idle robot where a job says. The job waits while there is no place for it, and fails where no way
-    /// leads.
-    fn begin_named(&mut self, robot: RobotId, job: JobId, now: Time) {
-        let (goal, stay, purpose) = match self.ledger.jobs[&job].request.kind {
-            JobKind::Charge { .. } => (None, self.free_place(robot, NodeKind::Charger), Purpose::Charge),
-            JobKind::Park { .. } => (None, self.free_place(robot, NodeKind::Parking), Purpose::Park),
-            JobKind::Go { node, .. } => (Some(node), self.stay_for(robot, node), Purpose::Go),
-            kind => unreachable!("{kind:?} names no robot"),
-        };
-        let Some(stay) = stay else { return };
-        let goal = goal.unwrap_or(stay);
-        let ways = [stage(goal), stage(stay)];
-        let kind = self.settings.kind(&self.ledger.robots[robot].kind);
-        if self.planners.of_mut(kind).free_flow(self.ledger.node_of(robot), &ways).is_none() {
-            return self.progress(job, JobState::Failed(JobFailure::Unreachable), None, now);
-        }
-        let task = Task::Move { job: Some(job), goal, stay, purpose };
-        self.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
-    }
-
-    /// The node itself if the robot may stay there, else some other place to stay.
-    fn stay_for(&self, robot: RobotId, node: NodeId) -> Option<NodeId> {
-        let lasting = self.warehouse().nodes[node].kind.is_lasting();
-        if lasting && !self.floor().is_promised(node, robot) { Some(node) } else { self.any_stay(robot) }
-    }
-
-    /// Gives rack jobs to robots; gives back the robots that got none.
-    fn assign_racks(&mut self, robots: Vec<RobotId>, now: Time) -> Vec<RobotId> {
-        if robots.is_empty() || self.ledger.jobs.is_empty() {
-            return robots;
-        }
-        let has_offers = self.ledger.index.queue.has_offers();
-        let jobs = if has_offers { self.candidates(&robots, now) } else { Vec::new() };
-        if jobs.is_empty() {
-            return robots;
-        }
-        let (few, mut left) = nearest(self.floor().ways(&robots, &jobs));
-        let under_way = self.floor().under_way();
-        let crowd = |id: &JobId| self.floor().crowd(*id, &under_way);
-        let worth: Vec<i64> = jobs.iter().map(|(id, _, _, urgency_ms)| crowd(id) - urgency_ms).collect();
-        let cost: Vec<Vec<i64>> = (few.iter())
-            .map(|(_, ways)| {
-                let known = ways.iter().zip(&worth).map(|(way, w)| way.map_or(NEVER, |way| way + w));
-                known.chain(std::iter::repeat_n(NEVER, few.len())).collect()
-            })
-            .collect();
-        for ((robot, _), column) in few.into_iter().zip(least_cost(&cost)) {
-            match column.and_then(|c| jobs.get(c)) {
-                Some(&(job, rack, node, _)) => {
-                    let task = Task::Fetch { job: Some(job), rack, node };
-                    self.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
-                }
-                None => left.push(robot),
-            }
-        }
-        left
-    }
-
-    /// Waiting jobs whose rack stands in storage and no robot moves, with their urgency, most urgent first; one per
-    /// rack. A rack above a robot that is not one of these, which come by number, is left out: no other robot can get
-    /// beneath it.
-    fn candidates(&self, robots: &[RobotId], now: Time) -> Vec<(JobId, RackId, NodeId, i64)> {
-        let queue = &self.ledger.index.queue;
-        let (oldest, wanted) = (queue.oldest(now), queue.racks_wanted());
-        let enough = self.stations_with_enough(now);
-        let has_room = |goal| !matches!(goal, Goal::Station(s) if enough.contains(&s));
-        let mut seen: BTreeSet<RackId> = BTreeSet::new();
-        let mut found = Vec::new();
-        for id in queue.offers(now, has_room) {
-            if found.len() == JOBS || seen.len() == wanted {
-                break;
-            }
-            let rack = self.ledger.jobs[&id].request.kind.rack().expect("offers are for racks");
-            let RackAt::Stored(node) = self.ledger.racks[rack] else { continue };
-            let is_another = |r: RobotId| robots.binary_search(&r).is_err();
-            if seen.contains(&rack) || self.ledger.resident(node).is_some_and(is_another) {
-                continue;
-            }
-            let is_open = |id: &JobId| !self.job_is_closed_off(&self.ledger.jobs[id].request.kind, node);
-            // Only relocations in one line have goals of their own: behind one that is closed may be one that is not.
-            let is_shut = self.is_closing(node) || self.ledger.jobs[&id].request.kind.station().is_some();
-            let others = queue.behind(id).take_while(|_| !is_shut);
-            if let Some(id) = std::iter::once(id).chain(others).find(is_open) {
-                seen.insert(rack);
-                found.push((id, rack, node, queue.urgency_ms(id, now, &oldest)));
-            } else if self.is_closing(node) {
-                seen.insert(rack);
-            }
-        }
-        found
-    }
-
-    /// Stations for which enough robots wait with their racks, or which are paused: fetching another rack now would
-    /// leave its robot waiting while others need it.
-    pub(in crate::fleet) fn stations_with_enough(&self, now: Time) -> BTreeSet<StationId> {
-        let mut waiting = IdVec::filled((0, Span::ZERO), self.warehouse().stations.len());
-        for robot in self.ledger.robots.ids().filter(|r| self.floor().waits_for_room(*r)) {
-            let station = self.floor().station_of(robot).expect("it waits for one");
-            let (number, longest): &mut (usize, Span) = &mut waiting[station];
-            (*number, *longest) = (*number + 1, self.needs.waited(robot, now).max(*longest));
-        }
-        let places = |s: StationId| self.warehouse().stations[s].queue.len() + 1;
-        let enough =
-            |s: StationId, longest: Span| enough(places(s), self.needs.set_off.get(&s).copied(), longest);
-        let paused = self.ledger.paused_stations.keys().copied();
-        let full = waiting.pairs().filter(|(s, w)| w.0 >= enough(*s, w.1)).map(|(s, _)| s);
-        full.chain(paused).collect()
+        let Some(job) = floor.ledger.index.queue.next_delivery(rack) else { continue };
+        let JobKind::Deliver { station, .. } = floor.ledger.jobs[&job].request.kind else { continue };
+        let station = floor.warehouse().stations[station].node;
+        let task = Task::Deliver { job, rack, station, store };
+        core.progress(job, JobState::Carrying { robot }, Some((robot, task)), now);
     }
 }
 
+/// Gives jobs to robots, and sends those without a job where they are wanted or in nobody's way.
+pub(in crate::fleet) fn assign(core: &mut Core, needs: &Needs, planners: &mut Planners, now: Time) {
+    core.ledger.index.queue.advance(now);
+    give_back_jobs(core, now);
+    send_to_maintenance(core, now);
+    assign_named(core, planners, now);
+    let floor = core.floor();
+    let charger_is_free = floor.a_charger_is_free();
+    let idle = floor.idle_robots(now).into_iter();
+    let (working, mut resting): (Vec<RobotId>, Vec<RobotId>) =
+        idle.partition(|r| floor.is_charged(*r, charger_is_free));
+    resting.extend(assign_racks(core, needs, working, now));
+    rest(core, resting, now);
+}
+
+/// Jobs for a robot that the customer named: one for each idle robot, before any rack.
+fn assign_named(core: &mut Core, planners: &mut Planners, now: Time) {
+    for robot in core.floor().idle_robots(now) {
+        if let Some(job) = core.floor().named_job_for(robot).filter(|j| core.floor().may_begin(robot, *j)) {
+            begin_named(core, planners, robot, job, now);
+        }
+    }
+}
+
+/// Sends an idle robot where a job says. The job waits while there is no place for it, and fails where no way
+/// leads.
+fn begin_named(core: &mut Core, planners: &mut Planners, robot: RobotId, job: JobId, now: Time) {
+    let floor = core.floor();
+    let (goal, stay, purpose) = match floor.ledger.jobs[&job].request.kind {
+        JobKind::Charge { .. } => (None, floor.free_place(robot, NodeKind::Charger), Purpose::Charge),
+        JobKind::Park { .. } => (None, floor.free_place(robot, NodeKind::Parking), Purpose::Park),
+        JobKind::Go { node, .. } => (Some(node), floor.stay_for(robot, node), Purpose::Go),
+        kind => unreachable!("{kind:?} names no robot"),
+    };
+    let Some(stay) = stay else { return };
+    let goal = goal.unwrap_or(stay);
+    let ways = [stage(goal), stage(stay)];
+    let kind = core.settings.kind(&core.ledger.robots[robot].kind);
+    if planners.of_mut(kind).free_flow(core.ledger.node_of(robot), &ways).is_none() {
+        return core.progress(job, JobState::Failed(JobFailure::Unreachable), None, now);
+    }
+    let task = Task::Move { job: Some(job), goal, stay, purpose };
+    core.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
+}
+
+/// Gives rack jobs to robots; gives back the robots that got none.
+fn assign_racks(core: &mut Core, needs: &Needs, robots: Vec<RobotId>, now: Time) -> Vec<RobotId> {
+    if robots.is_empty() || core.ledger.jobs.is_empty() {
+        return robots;
+    }
+    let has_offers = core.ledger.index.queue.has_offers();
+    let jobs = if has_offers { candidates(core.floor(), needs, &robots, now) } else { Vec::new() };
+    if jobs.is_empty() {
+        return robots;
+    }
+    let (few, mut left) = nearest(core.floor().ways(&robots, &jobs));
+    let under_way = core.floor().under_way();
+    let crowd = |id: &JobId| core.floor().crowd(*id, &under_way);
+    let worth: Vec<i64> = jobs.iter().map(|(id, _, _, urgency_ms)| crowd(id) - urgency_ms).collect();
+    let cost: Vec<Vec<i64>> = (few.iter())
+        .map(|(_, ways)| {
+            let known = ways.iter().zip(&worth).map(|(way, w)| way.map_or(NEVER, |way| way + w));
+            known.chain(std::iter::repeat_n(NEVER, few.len())).collect()
+        })
+        .collect();
+    for ((robot, _), column) in few.into_iter().zip(least_cost(&cost)) {
+        match column.and_then(|c| jobs.get(c)) {
+            Some(&(job, rack, node, _)) => {
+                let task = Task::Fetch { job: Some(job), rack, node };
+                core.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
+            }
+            None => left.push(robot),
+        }
+    }
+    left
+}
+
+/// Waiting jobs whose rack stands in storage and no robot moves, with their urgency, most urgent first; one per
+/// rack. A rack above a robot that is not one of these, which come by number, is left out: no other robot can get
+/// beneath it.
+fn candidates(
+    floor: Floor<'_>,
+    needs: &Needs,
+    robots: &[RobotId],
+    now: Time,
+) -> Vec<(JobId, RackId, NodeId, i64)> {
+    let queue = &floor.ledger.index.queue;
+    let (oldest, wanted) = (queue.oldest(now), queue.racks_wanted());
+    let enough = stations_with_enough(floor, needs, now);
+    let has_room = |goal| !matches!(goal, Goal::Station(s) if enough.contains(&s));
+    let mut seen: BTreeSet<RackId> = BTreeSet::new();
+    let mut found = Vec::new();
+    for id in queue.offers(now, has_room) {
+        if found.len() == JOBS || seen.len() == wanted {
+            break;
+        }
+        let rack = floor.ledger.jobs[&id].request.kind.rack().expect("offers are for racks");
+        let RackAt::Stored(node) = floor.ledger.racks[rack] else { continue };
+        let is_another = |r: RobotId| robots.binary_search(&r).is_err();
+        if seen.contains(&rack) || floor.ledger.resident(node).is_some_and(is_another) {
+            continue;
+        }
+        let is_open = |id: &JobId| !floor.job_is_closed_off(&floor.ledger.jobs[id].request.kind, node);
+        // Only relocations in one line have goals of their own: behind one that is closed may be one that is not.
+        let is_shut = floor.is_closing(node) || floor.ledger.jobs[&id].request.kind.station().is_some();
+        let others = queue.behind(id).take_while(|_| !is_shut);
+        if let Some(id) = std::iter::once(id).chain(others).find(is_open) {
+            seen.insert(rack);
+            found.push((id, rack, node, queue.urgency_ms(id, now, &oldest)));
+        } else if floor.is_closing(node) {
+            seen.insert(rack);
+        }
+    }
+    found
+}
+
+/// Stations for which enough robots wait with their racks, or which are paused: fetching another rack now would
+/// leave its robot waiting while others need it.
+pub(in crate::fleet) fn stations_with_enough(
+    floor: Floor<'_>,
+    needs: &Needs,
+    now: Time,
+) -> BTreeSet<StationId> {
+    let mut waiting = IdVec::filled((0, Span::ZERO), floor.warehouse().stations.len());
+    for robot in floor.ledger.robots.ids().filter(|r| floor.waits_for_room(*r)) {
+        let station = floor.station_of(robot).expect("it waits for one");
+        let (number, longest): &mut (usize, Span) = &mut waiting[station];
+        (*number, *longest) = (*number + 1, needs.waited(robot, now).max(*longest));
+    }
+    let places = |s: StationId| floor.warehouse().stations[s].queue.len() + 1;
+    let enough = |s: StationId, longest: Span| enough(places(s), needs.set_off.get(&s).copied(), longest);
+    let paused = floor.ledger.paused_stations.keys().copied();
+    let full = waiting.pairs().filter(|(s, w)| w.0 >= enough(*s, w.1)).map(|(s, _)| s);
+    full.chain(paused).collect()
+}
+
 impl Floor<'_> {
+    /// The node itself if the robot may stay there, else some other place to stay.
+    fn stay_for(&self, robot: RobotId, node: NodeId) -> Option<NodeId> {
+        let lasting = self.warehouse().nodes[node].kind.is_lasting();
+        if lasting && !self.is_promised(node, robot) { Some(node) } else { self.any_stay(robot) }
+    }
+
     /// Robots with nothing to do that could do something.
     pub(in crate::fleet) fn idle_robots(&self, now: Time) -> Vec<RobotId> {
         let idle = |r: &RobotId| {

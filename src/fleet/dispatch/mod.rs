@@ -1,9 +1,10 @@
 //! Which robot does which job with which rack, where racks are stored, and when robots charge.
 //!
-//! Main functions: `assign` (at the least sum of costs: `assignment.rs`), `best_storage`, `rest`. Refuses: to plan
-//! routes.
+//! Main functions: [`jobs::assign`] (at the least sum of costs: `assignment.rs`), `best_storage`, [`charging::rest`].
+//! Refuses: to plan routes, and to keep anything in mind from step to step.
 
 pub(in crate::fleet) mod assignment;
 pub mod charging;
 pub(in crate::fleet) mod jobs;
+pub(in crate::fleet) mod maintenance;
 pub(in crate::fleet) mod storage;

@@ -1,38 +1,16 @@
 //! Where a rack is put: near where it is likely to be wanted next.
 //!
-//! Main type: [`Storage`] (what the map says about it). Refuses: places that are taken or promised.
+//! Main function: `best_storage`. Refuses: places that are taken or promised.
 
-use crate::fleet::Fleet;
 use crate::fleet::state::floor::Floor;
-use crate::geometry::Point;
-use crate::id::{IdVec, NodeId, RackId, RobotId};
-use crate::warehouse::{NodeKind, Warehouse};
+use crate::fleet::state::storage::along_axes;
+use crate::id::{NodeId, RackId, RobotId};
+use crate::warehouse::NodeKind;
 
 /// What it costs to put a rack where nobody can fetch it for a while, metres: more than any way.
 const CLOSED_M: f64 = 1e6;
 
-/// What the map says about storage.
-#[derive(Debug)]
-pub(in crate::fleet) struct Storage {
-    nodes: Vec<NodeId>,
-    /// For each node, metres to the nearest station (along the axes).
-    to_station_m: IdVec<NodeId, f64>,
-}
-
-impl Storage {
-    pub fn new(warehouse: &Warehouse) -> Storage {
-        let nearest = |p: Point| {
-            let at = warehouse.stations.iter().map(|s| along_axes(warehouse.nodes[s.node].at, p));
-            at.fold(f64::INFINITY, f64::min)
-        };
-        Storage {
-            nodes: warehouse.nodes_where(|k| k == NodeKind::Storage),
-            to_station_m: warehouse.nodes.iter().map(|n| nearest(n.at)).collect(),
-        }
-    }
-}
-
-impl Fleet {
+impl Floor<'_> {
     /// The storage node for a rack that comes from `from`: the way there now, plus the way from there to a station
     /// as often as the rack is wanted, minus what the place is worth to other racks. `choice` counts down the list,
     /// for a robot that found no way to the first. The robot's own place is among the candidates; places that are
@@ -49,8 +27,7 @@ impl Fleet {
         let closed = |n: NodeId| if self.is_closing(n) { CLOSED_M } else { 0.0 };
         let cost =
             |n: NodeId| along_axes(at(from), at(n)) + (heat - 1.0) * self.storage.to_station_m[n] + closed(n);
-        let free =
-            self.storage.nodes.iter().copied().filter(|n| !self.floor().is_taken_storage(*n, rack, robot));
+        let free = self.storage.nodes.iter().copied().filter(|n| !self.is_taken_storage(*n, rack, robot));
         let mut ranked: Vec<(i64, NodeId)> = free.map(|n| ((cost(n) * 1000.0) as i64, n)).collect();
         let wanted = choice.min(ranked.len().saturating_sub(1)).min(16);
         match ranked.is_empty() {
@@ -72,9 +49,7 @@ impl Fleet {
             .or_else(|| self.free_place(robot, NodeKind::Charger))
             .or_else(|| self.free_place(robot, NodeKind::Storage))
     }
-}
 
-impl Floor<'_> {
     /// Whether a storage node cannot be promised to `rack` on `robot`.
     fn is_taken_storage(&self, node: NodeId, rack: RackId, robot: RobotId) -> bool {
         let places = &self.ledger.index.places;
@@ -87,9 +62,4 @@ impl Floor<'_> {
     pub(in crate::fleet) fn is_promised(&self, node: NodeId, robot: RobotId) -> bool {
         self.ledger.index.places.is_promised(node, robot)
     }
-}
-
-/// Distance along the map's axes, metres: a cheap stand-in for the way on a grid of aisles.
-pub(in crate::fleet) fn along_axes(a: Point, b: Point) -> f64 {
-    (a.x - b.x).abs() + (a.y - b.y).abs()
 }

@@ -4,15 +4,15 @@
 //! Refuses: to plan for robots, and to trust a sighting that cannot be true.
 
 use crate::aware::{Effects, HumanAwarePolicy};
-use crate::fleet::Fleet;
 use crate::fleet::people::routing::REDIRECT;
-use crate::fleet::people::state::Mode;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::people::state::{HumanState, Led, Mode, Person, STROLL_MPS};
+use crate::fleet::requests::OfWorker;
+use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::yielding::speed_limit::STROLL_MPS;
+use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::Point;
-use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, Taken, Whereabouts};
-use crate::id::{AssignmentId, Dense, RobotId, WorkerId};
+use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, Taken};
+use crate::id::{AssignmentId, WorkerId};
 use crate::time::{Span, Time};
 
 /// Whoever follows a new path for this far is on the path again, metres.
@@ -20,68 +20,57 @@ const BACK_M: f64 = 1.0;
 /// Somebody off the path walks anywhere within this of an alternative, metres: places off the map are absurd.
 const MARGIN_M: f64 = 3.0;
 
-impl Fleet {
+impl HumanState {
+    /// Takes in what was heard of workers.
+    pub(in crate::fleet) fn hear(&mut self, floor: Floor<'_>, heard: &[OfWorker], now: Time) {
+        for heard in heard {
+            match heard {
+                OfWorker::Seen(sighting) => self.sight(floor, sighting, now),
+                OfWorker::Cleared(worker) => self.clear(*worker),
+            }
+        }
+    }
+
     /// Takes a sighting in.
-    pub(in crate::fleet) fn sight(&mut self, s: &Sighting, now: Time) {
-        let is_on_map = self.floor().is_on_map();
-        let person = self.crowd.person(s.worker);
+    fn sight(&mut self, floor: Floor<'_>, s: &Sighting, now: Time) {
+        let is_on_map = floor.is_on_map();
+        let person = self.person(s.worker);
         let taken = person.track.see(s, now, is_on_map);
         match taken {
             Taken::Ignored => return,
             Taken::Moved => person.fresh = true,
             Taken::Relocated => (person.fresh, person.relocated) = (true, true),
         }
-        self.follow_motion(s, taken);
+        self.follow_motion(&floor.settings.model, s, taken);
     }
 
-    pub(in crate::fleet) fn evaluate_people(&mut self, now: Time) {
-        self.crowd.conditions.clear();
-        self.note_areas(now);
-        if self.crowd.people.is_empty() {
-            self.crowd.closing.clear();
-            self.close_displaced(now);
-            self.limit_robots(now);
-            return self.revoke_grants_into_displaced(now);
-        }
-        for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
-            self.watch(worker, now);
-        }
-        self.infer(now);
-        self.update_forecasts(now);
-        self.follow_procedure(now);
-        self.set_conditions(now);
-        self.note_closing(now);
-        self.close_displaced(now);
-        self.limit_robots(now);
-        self.revoke_grants(now);
-        self.revoke_grants_into_displaced(now);
-        self.meet(now);
-        self.guide(now);
-        for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
-            let person = &mut self.crowd.people[worker];
-            (person.fresh, person.relocated) = (false, false);
-        }
+    /// Forgets what was believed of a worker: a supervisor says that it is wrong.
+    fn clear(&mut self, worker: WorkerId) {
+        self.intents.forget(worker);
+        let version = self.person(worker).version;
+        *self.person(worker) = Person { version, ..Person::default() };
     }
 
-    /// Where a worker is, if on the floor.
-    pub(in crate::fleet) fn whereabouts(&self, worker: WorkerId, now: Time) -> Option<Whereabouts> {
-        self.crowd.people.get(worker)?.track.whereabouts(now)
-    }
-
-    /// Everybody on the floor.
-    pub(in crate::fleet) fn present(&self, now: Time) -> Vec<(WorkerId, Whereabouts)> {
-        let people = self.crowd.people.pairs();
-        people.filter_map(|(w, p)| Some((w, p.track.whereabouts(now)?))).collect()
+    /// Follows all workers: where they are, whether they left their paths, where they may be going.
+    pub(in crate::fleet) fn follow(&mut self, core: &mut Core, yielding: &YieldingState, now: Time) {
+        for worker in self.people.ids() {
+            self.watch(core, yielding, worker, now);
+        }
+        if !self.people.is_empty() {
+            self.infer(core.floor(), now);
+            self.update_forecasts(core.floor(), now);
+        }
+        core.restrictions.workers = self.people.iter().map(|p| p.track.whereabouts(now)).collect();
     }
 
     /// Follows one worker: assignment, path, deviation.
-    fn watch(&mut self, worker: WorkerId, now: Time) {
+    fn watch(&mut self, core: &mut Core, yielding: &YieldingState, worker: WorkerId, now: Time) {
         let Some(place) = self.whereabouts(worker, now) else { return };
-        self.take_up_work(worker, place.at, now);
-        let person = &mut self.crowd.people[worker];
+        self.take_up_work(core, worker, place.at, now);
+        let person = &mut self.people[worker];
         if person.relocated {
             // Nobody walked: the path starts here anew.
-            self.route_on(worker, place.at, now);
+            self.route_on(core, worker, place.at, now);
             return;
         }
         if !person.fresh {
@@ -89,19 +78,21 @@ impl Fleet {
         }
         let stands = place.velocity.norm() < STROLL_MPS;
         person.stands_since = stands.then(|| person.stands_since.unwrap_or(now));
-        self.look_ahead(worker, &place, now);
-        let person = &mut self.crowd.people[worker];
+        self.look_ahead(core, yielding, worker, &place, now);
+        let person = &mut self.people[worker];
         let Some(plan) = person.plan.as_mut() else { return };
         let conduct = plan.follower.observe(place.at, place.sigma_m);
         // Nobody who works stands on a point, least of all beside a robot.
         let works = stands && plan.assignment.is_some() && plan.is_there(place.at);
         match (conduct, person.mode) {
-            (Conduct::OnPath, _) if works => self.at_the_end(worker, place.at, now),
-            (Conduct::Deviating, Mode::Deviating { .. }) => self.show_the_way_back(worker, place.at, now),
+            (Conduct::OnPath, _) if works => self.at_the_end(core, worker, place.at, now),
+            (Conduct::Deviating, Mode::Deviating { .. }) => {
+                self.show_the_way_back(core, worker, place.at, now)
+            }
             // Told to stop off the path: the procedure tries again by itself.
             (Conduct::Deviating, Mode::Stopped { .. })
-                if self.settings.policy != HumanAwarePolicy::Giveway => {}
-            (Conduct::Deviating, _) => self.leaves_path(worker, place.at, now),
+                if core.settings.policy != HumanAwarePolicy::Giveway => {}
+            (Conduct::Deviating, _) => self.leaves_path(core, worker, place.at, now),
             (Conduct::Outside, _) => {}
             (Conduct::OnPath, Mode::Deviating { .. }) => {
                 let start = plan.follower.path()[0];
@@ -112,45 +103,47 @@ impl Fleet {
             (Conduct::OnPath, Mode::Redirected) if plan.follower.progress() == 0 => {}
             (Conduct::OnPath, Mode::Stopped { since }) if now - since < REDIRECT => {}
             (Conduct::OnPath, _) => person.mode = Mode::Following,
-            (Conduct::Arrived, _) => self.at_the_end(worker, place.at, now),
+            (Conduct::Arrived, _) => self.at_the_end(core, worker, place.at, now),
         }
     }
 
-    /// Areas that robots keep out of; forgets those that have been over for long.
-    fn note_areas(&mut self, now: Time) {
-        let (crowd, ledger) = (&mut self.crowd, &self.ledger);
-        let (closures, changes) = (&ledger.closures, ledger.index.closure_changes());
-        crowd.areas.update(closures, changes, &mut crowd.conditions, ledger.warehouse(), now);
-        for closure in crowd.areas.forgotten(closures, now) {
-            self.record(Fact::Reopened { closure, at: now });
-        }
-    }
-
-    /// What people mean for the search.
-    fn set_conditions(&mut self, now: Time) {
-        let warehouse = self.warehouse().clone();
-        let mut conditions = std::mem::take(&mut self.crowd.conditions);
-        let effects =
-            Effects { warehouse: &warehouse, regions: &self.crowd.regions, afoot: &self.crowd.afoot, now };
+    /// Notes what people mean for the search and for grants.
+    pub(in crate::fleet) fn restrict(&self, core: &mut Core, now: Time) {
+        let ours = core.settings.policy == HumanAwarePolicy::Giveway;
+        let warehouse = core.warehouse().clone();
+        let conditions = &mut core.restrictions.conditions;
+        let effects = Effects { warehouse: &warehouse, regions: &self.regions, afoot: &self.afoot, now };
         for (worker, place) in self.present(now) {
-            let person = &self.crowd.people[worker];
-            if self.settings.policy == HumanAwarePolicy::Giveway || place.presence == Presence::Lost {
-                let stands =
-                    person.stands_since.filter(|_| self.settings.policy == HumanAwarePolicy::Giveway);
-                let stood = stands.map_or(Span::ZERO, |t| now - t);
-                effects.presence(&mut conditions, worker, &place, stood);
+            let person = &self.people[worker];
+            if ours || place.presence == Presence::Lost {
+                let stood = person.stands_since.filter(|_| ours).map_or(Span::ZERO, |t| now - t);
+                effects.presence(conditions, worker, &place, stood);
                 let band = Band::around(place.velocity.norm());
-                effects.forecast(&mut conditions, worker, &person.ways, band);
-                if !self.crowd.coverage.is_trusted() {
-                    effects.reachable(&mut conditions, worker, place.at);
+                effects.forecast(conditions, worker, &person.ways, band);
+                if !self.coverage.is_trusted() {
+                    effects.reachable(conditions, worker, place.at);
                 }
             } else if let Some(path) = person.rest_of_path(place.at) {
                 let stay = person.plan.as_ref().map(|p| p.stay);
                 let path = Hypothesis { probability: 1.0, path, stay };
-                effects.plan(&mut conditions, worker, &path, Band::ANY);
+                effects.plan(conditions, worker, &path, Band::ANY);
             }
         }
-        self.crowd.conditions = conditions;
+    }
+
+    /// Leads a worker as the published procedure has it.
+    pub(in crate::fleet) fn lead(&mut self, worker: WorkerId, led: Led, now: Time) {
+        let person = &mut self.people[worker];
+        match led {
+            Led::Along(path, mode) => {
+                person.give(path, None, Span::ZERO, now);
+                person.mode = mode;
+            }
+            Led::Stopped { by } => {
+                person.blocked_since = by.map(|r| (r, now));
+                person.mode = Mode::Stopped { since: now };
+            }
+        }
     }
 }
 
@@ -167,11 +160,5 @@ impl Floor<'_> {
     /// The assignment that a worker is at, or is to begin.
     pub(in crate::fleet) fn next_assignment(&self, worker: WorkerId) -> Option<AssignmentId> {
         self.ledger.index.assignments_of(worker).next()
-    }
-
-    /// Where a robot is, as far as it was seen.
-    pub(in crate::fleet) fn place_of(&self, robot: RobotId) -> Point {
-        let node = self.warehouse().nodes[self.ledger.node_of(robot)].at;
-        self.scene.robot(robot).map_or(node, |t| t.pose.at)
     }
 }

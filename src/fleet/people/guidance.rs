@@ -3,13 +3,13 @@
 //!
 //! Refuses: to decide where anybody is to go.
 
-use crate::fleet::Fleet;
-use crate::fleet::people::state::{Mode, Person};
+use crate::fleet::people::state::{HumanState, Mode, Person};
+use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{Guidance, GuidanceReason, GuidanceState, NearRobot};
 use crate::geometry::{Point, Vector};
 use crate::human::{Presence, Whereabouts};
-use crate::id::{Dense, RobotId, WorkerId};
+use crate::id::{RobotId, WorkerId};
 use crate::time::{Span, Time};
 
 /// Robots nearer than this are shown, metres.
@@ -23,29 +23,38 @@ const REPEAT: Span = Span::from_millis(200);
 /// Usual walking speed, for the time of arrival, metres per second.
 const USUAL_MPS: f64 = 1.2;
 
-impl Fleet {
-    pub(in crate::fleet) fn guide(&mut self, now: Time) {
-        for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
+impl HumanState {
+    /// Tells workers what they are to know, where that is due. What was seen of them in this step is old from here on.
+    pub(in crate::fleet) fn guide(&mut self, core: &mut Core, now: Time) {
+        for worker in self.people.ids() {
+            let person = &mut self.people[worker];
+            (person.fresh, person.relocated) = (false, false);
             let Some(place) = self.whereabouts(worker, now) else { continue };
-            let guidance = self.guidance(worker, &place, now);
-            let due = match &self.crowd.people[worker].told {
+            let guidance = self.guidance(core.floor(), worker, &place, now);
+            let due = match &self.people[worker].told {
                 Some((told, at)) => {
                     told.state != guidance.state || told.version != guidance.version || now - *at >= REPEAT
                 }
                 None => true,
             };
             if due {
-                self.crowd.people[worker].told = Some((guidance.clone(), now));
-                self.out.guidance.push((worker, guidance));
+                self.people[worker].told = Some((guidance.clone(), now));
+                core.out.guidance.push((worker, guidance));
             }
         }
     }
 
     /// What a worker is to be told now.
-    pub(in crate::fleet) fn guidance(&self, worker: WorkerId, place: &Whereabouts, now: Time) -> Guidance {
-        let person = &self.crowd.people[worker];
-        let near = self.floor().near(place);
-        let (state, reason) = self.state_of(person, place, &near);
+    pub(in crate::fleet) fn guidance(
+        &self,
+        floor: Floor<'_>,
+        worker: WorkerId,
+        place: &Whereabouts,
+        now: Time,
+    ) -> Guidance {
+        let person = &self.people[worker];
+        let near = floor.near(place);
+        let (state, reason) = self.state_of(floor, person, place, &near);
         let plan = person.plan.as_ref();
         let path: Vec<Point> = plan.map_or(Vec::new(), |p| p.follower.ahead().to_vec());
         let length = length_of(place.at, &path);
@@ -63,6 +72,7 @@ impl Fleet {
 
     fn state_of(
         &self,
+        floor: Floor<'_>,
         person: &Person,
         place: &Whereabouts,
         near: &[NearRobot],
@@ -70,7 +80,7 @@ impl Fleet {
         if place.presence == Presence::Lost {
             return (GuidanceState::Stop, Some(GuidanceReason::NotTracked));
         }
-        if let Some(robot) = near.iter().map(|n| n.robot).find(|r| self.drives_up(*r, place)) {
+        if let Some(robot) = near.iter().map(|n| n.robot).find(|r| self.drives_up(floor, *r, place)) {
             return (GuidanceState::Stop, Some(GuidanceReason::RobotComes(robot)));
         }
         match person.mode {
@@ -92,10 +102,10 @@ impl Fleet {
     }
 
     /// Whether a robot within region 1 comes nearer: whatever the fleet does about it, the worker should stand.
-    pub(in crate::fleet) fn drives_up(&self, robot: RobotId, place: &Whereabouts) -> bool {
-        let Some(seen) = self.scene.robot(robot).filter(|t| t.speed_mps > DRIVES_MPS) else { return false };
-        let loaded = self.ledger.rack_on(robot).is_some();
-        let radius_m = self.crowd.regions.stop_radius_at_m(seen.speed_mps, loaded, place.sigma_m);
+    pub(in crate::fleet) fn drives_up(&self, floor: Floor<'_>, robot: RobotId, place: &Whereabouts) -> bool {
+        let Some(seen) = floor.scene.robot(robot).filter(|t| t.speed_mps > DRIVES_MPS) else { return false };
+        let loaded = floor.ledger.rack_on(robot).is_some();
+        let radius_m = self.regions.stop_radius_at_m(seen.speed_mps, loaded, place.sigma_m);
         let to = place.at - seen.pose.at;
         let along = Vector::new(seen.pose.heading.cos(), seen.pose.heading.sin());
         to.norm() < radius_m && along.dot(&to) > 0.0

@@ -5,8 +5,7 @@
 //! everything else (Petković 2021, section 4.3.2). Refuses: to follow workers whose place is only guessed.
 
 use crate::aware::HumanAwarePolicy;
-use crate::fleet::Fleet;
-use crate::fleet::people::state::Mode;
+use crate::fleet::people::state::{HumanState, Mode};
 use crate::fleet::state::floor::Floor;
 use crate::geometry::Point;
 use crate::human::{
@@ -82,73 +81,72 @@ pub(in crate::fleet) fn goal_of(place: NodeId) -> GoalId {
     GoalId(PLACES + place.ix() as u64)
 }
 
-impl Fleet {
+impl HumanState {
     /// Takes what was seen in this step into what is believed of everybody.
-    pub(in crate::fleet) fn infer(&mut self, now: Time) {
-        let method = match self.settings.policy {
+    pub(in crate::fleet) fn infer(&mut self, floor: Floor<'_>, now: Time) {
+        let method = match floor.settings.policy {
             HumanAwarePolicy::Nhir | HumanAwarePolicy::Shir => return,
             HumanAwarePolicy::Phir => Method::Chapter4,
-            HumanAwarePolicy::Giveway => self.settings.method,
+            HumanAwarePolicy::Giveway => floor.settings.method,
         };
-        self.know_places();
-        self.block_walkways(now);
+        self.know_places(floor);
+        self.block_walkways(floor, now);
         for (worker, place) in self.present(now) {
-            self.infer_one(worker, &place, method);
+            self.infer_one(floor, worker, &place, method);
         }
     }
 
     /// Keeps the places of tasks that somebody may be bound for among the goals, and no others.
-    fn know_places(&mut self) {
-        self.crowd.mind.early = self.floor().early_assignments();
-        let own = self.crowd.people.ids().filter_map(|w| self.floor().next_assignment(w));
-        let may_be = own.chain(self.crowd.mind.early.iter().map(|(id, _)| *id));
-        let place = |id| self.ledger.assignments[&id].request.place;
+    fn know_places(&mut self, floor: Floor<'_>) {
+        self.intents.early = floor.early_assignments();
+        let own = self.people.ids().filter_map(|w| floor.next_assignment(w));
+        let may_be = own.chain(self.intents.early.iter().map(|(id, _)| *id));
+        let place = |id| floor.ledger.assignments[&id].request.place;
         let wanted: BTreeMap<GoalId, NodeId> = may_be.map(|id| (goal_of(place(id)), place(id))).collect();
-        let mind = &mut self.crowd.mind;
+        let mind = &mut self.intents;
         let known: Vec<GoalId> = mind.distances.goals().map(|(g, _)| g).filter(|g| g.0 >= PLACES).collect();
         for goal in known.iter().filter(|g| !wanted.contains_key(g)) {
             mind.distances.remove_goal(*goal);
         }
         for (goal, node) in wanted.into_iter().filter(|(g, _)| !known.contains(g)) {
-            let at = self.ledger.warehouse().nodes[node].at;
-            let at = self.crowd.walkways.on_floor(at).unwrap_or(at);
+            let at = floor.ledger.warehouse().nodes[node].at;
+            let at = self.walkways.on_floor(at).unwrap_or(at);
             mind.distances.add_goal(goal, at);
         }
     }
 
     /// Cuts the walkways on which robots stand, and restores those that they left.
-    fn block_walkways(&mut self, now: Time) {
-        if self.crowd.mind.cut_at.is_some_and(|t| now - t < CUT_AGAIN) {
+    fn block_walkways(&mut self, floor: Floor<'_>, now: Time) {
+        if self.intents.cut_at.is_some_and(|t| now - t < CUT_AGAIN) {
             return;
         }
-        self.crowd.mind.cut_at = Some(now);
-        let mut cut: EdgeSet = self.crowd.walkways.no_edges();
-        let reach = self.warehouse().footprint_m / 2.0 + 0.2;
-        for robot in self.ledger.robots.ids() {
-            if self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05) {
-                let edges = self.crowd.walkways.edges_within(self.floor().place_of(robot), reach);
+        self.intents.cut_at = Some(now);
+        let mut cut: EdgeSet = self.walkways.no_edges();
+        let reach = floor.warehouse().footprint_m / 2.0 + 0.2;
+        for robot in floor.ledger.robots.ids() {
+            if floor.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05) {
+                let edges = self.walkways.edges_within(floor.place_of(robot), reach);
                 edges.into_iter().for_each(|e| {
                     cut.insert(e);
                 });
             }
         }
-        self.crowd.mind.distances.set_cut(&cut);
+        self.intents.distances.set_cut(&cut);
     }
 
-    fn infer_one(&mut self, worker: WorkerId, place: &Whereabouts, method: Method) {
-        let goals = self.goals_of(worker);
-        let task =
-            self.floor().next_assignment(worker).map(|a| goal_of(self.ledger.assignments[&a].request.place));
-        let person = &self.crowd.people[worker];
+    fn infer_one(&mut self, floor: Floor<'_>, worker: WorkerId, place: &Whereabouts, method: Method) {
+        let goals = self.goals_of(floor, worker);
+        let task = floor.next_assignment(worker).map(|a| goal_of(floor.ledger.assignments[&a].request.place));
+        let person = &self.people[worker];
         let Some(seen) = person.track.newest().filter(|_| person.fresh).copied() else { return };
         if place.presence != Presence::Tracked || seen.quality != Quality::Tracked {
             return;
         }
-        let mind = &mut self.crowd.mind;
+        let mind = &mut self.intents;
         if person.relocated {
             mind.intentions.remove(&worker);
         }
-        let fresh = || (Intention::new(method, &self.settings.model), BTreeSet::new());
+        let fresh = || (Intention::new(method, &floor.settings.model), BTreeSet::new());
         let (intention, known) = mind.intentions.entry(worker).or_insert_with(fresh);
         for goal in known.iter().filter(|g| !goals.contains_key(g)) {
             intention.remove_goal(*goal);
@@ -166,16 +164,16 @@ impl Fleet {
     }
 
     /// The goals that a worker may have, with their weights: the own task first.
-    fn goals_of(&self, worker: WorkerId) -> BTreeMap<GoalId, f64> {
-        let mut goals: BTreeMap<GoalId, f64> = self.crowd.mind.fixed.iter().map(|g| (*g, 1.0)).collect();
-        if let Some(id) = self.floor().next_assignment(worker) {
-            goals.insert(goal_of(self.ledger.assignments[&id].request.place), OWN_TASK);
+    fn goals_of(&self, floor: Floor<'_>, worker: WorkerId) -> BTreeMap<GoalId, f64> {
+        let mut goals: BTreeMap<GoalId, f64> = self.intents.fixed.iter().map(|g| (*g, 1.0)).collect();
+        if let Some(id) = floor.next_assignment(worker) {
+            goals.insert(goal_of(floor.ledger.assignments[&id].request.place), OWN_TASK);
         }
-        if self.settings.policy == HumanAwarePolicy::Giveway {
+        if floor.settings.policy == HumanAwarePolicy::Giveway {
             // Tasks of others, oldest first: people help one another, and pick up what is on the way.
-            let others = self.crowd.mind.early.iter().filter(|(_, w)| *w != worker).take(OTHERS);
+            let others = self.intents.early.iter().filter(|(_, w)| *w != worker).take(OTHERS);
             for (id, _) in others {
-                goals.entry(goal_of(self.ledger.assignments[id].request.place)).or_insert(1.0);
+                goals.entry(goal_of(floor.ledger.assignments[id].request.place)).or_insert(1.0);
             }
         }
         goals
@@ -183,13 +181,13 @@ impl Fleet {
 
     /// Where a worker may be going, with paths from here.
     pub(in crate::fleet) fn hypotheses(&self, worker: WorkerId, place: &Whereabouts) -> Vec<Hypothesis> {
-        let person = &self.crowd.people[worker];
+        let person = &self.people[worker];
         if !matches!(person.mode, Mode::Deviating { .. }) {
             let path = person.rest_of_path(place.at).unwrap_or_else(|| vec![place.at]);
             let stay = person.plan.as_ref().map_or(Span::from_secs(1), |p| p.stay);
             return vec![Hypothesis { probability: 1.0, path, stay: Some(stay) }];
         }
-        let mind = &self.crowd.mind;
+        let mind = &self.intents;
         let Some(belief) = mind.belief(worker) else { return self.elsewhere(place, 1.0) };
         let likely = belief.goals.iter().filter(|(_, p)| *p >= NEGLIGIBLE);
         let mut all: Vec<Hypothesis> = likely
@@ -206,7 +204,7 @@ impl Fleet {
     fn elsewhere(&self, place: &Whereabouts, probability: f64) -> Vec<Hypothesis> {
         let v = place.velocity;
         let path = if v.norm() > 0.3 {
-            straight_on(&self.crowd.walkways, place.at, v.y.atan2(v.x), ELSEWHERE_M)
+            straight_on(&self.walkways, place.at, v.y.atan2(v.x), ELSEWHERE_M)
         } else {
             vec![place.at]
         };

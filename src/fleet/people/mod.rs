@@ -8,4 +8,3 @@ pub(in crate::fleet) mod guidance;
 pub(in crate::fleet) mod intent;
 pub(in crate::fleet) mod routing;
 pub(in crate::fleet) mod state;
-pub(in crate::fleet) mod urgent;

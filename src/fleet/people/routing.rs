@@ -3,11 +3,12 @@
 //! Refuses: to move anybody; a worker is shown a path and may ignore it.
 
 use crate::aware::{BODY_M, HumanAwarePolicy};
-use crate::fleet::Fleet;
-use crate::fleet::people::state::Mode;
+use crate::fleet::people::state::{HumanState, Mode};
+use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::AssignmentState;
+use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::{Point, Segment};
 use crate::human::Whereabouts;
 use crate::id::{RobotId, WorkerId};
@@ -25,46 +26,45 @@ const REFUGE_CLEAR_M: f64 = 2.5;
 /// So many nodes ahead of a robot are what it is about to drive.
 const REFUGE_AHEAD: usize = 6;
 
-impl Fleet {
+impl HumanState {
     /// Starts the next assignment, or drops the path of one that was cancelled.
-    pub(in crate::fleet) fn take_up_work(&mut self, worker: WorkerId, at: Point, now: Time) {
-        let next = self.floor().next_assignment(worker);
-        let person = &self.crowd.people[worker];
+    pub(in crate::fleet) fn take_up_work(&mut self, core: &mut Core, worker: WorkerId, at: Point, now: Time) {
+        let next = core.floor().next_assignment(worker);
+        let person = &self.people[worker];
         let current = person.plan.as_ref().and_then(|p| p.assignment);
         if person.plan.is_some() && (current == next || current.is_none()) {
             return;
         }
         match next {
             Some(id) => {
-                if self.ledger.assignments[&id].state == AssignmentState::Waiting {
+                if core.ledger.assignments[&id].state == AssignmentState::Waiting {
                     let state = AssignmentState::Walking;
-                    self.record(Fact::Advanced { assignment: id, state, at: now });
+                    core.record(Fact::Advanced { assignment: id, state, at: now });
                 }
-                self.route_on(worker, at, now);
+                self.route_on(core, worker, at, now);
             }
             None => {
-                let person = &mut self.crowd.people[worker];
+                let person = &mut self.people[worker];
                 (person.plan, person.mode) = (None, Mode::Idle);
             }
         }
     }
 
     /// Gives a worker the way from `at` to the next assignment.
-    pub(in crate::fleet) fn route_on(&mut self, worker: WorkerId, at: Point, now: Time) {
-        let Some(id) = self.floor().next_assignment(worker) else {
-            self.crowd.people[worker].plan = None;
+    pub(in crate::fleet) fn route_on(&mut self, core: &Core, worker: WorkerId, at: Point, now: Time) {
+        let Some(id) = core.floor().next_assignment(worker) else {
+            self.people[worker].plan = None;
             return;
         };
-        let request = &self.ledger.assignments[&id].request;
-        let (goal, stay) = (self.warehouse().nodes[request.place].at, request.stay);
-        let cut = self.edges_blocked_for_long();
-        let free = self.crowd.walkways.no_edges();
-        let way =
-            self.crowd.walkways.path(at, goal, &cut).or_else(|| self.crowd.walkways.path(at, goal, &free));
-        let person = &mut self.crowd.people[worker];
+        let request = &core.ledger.assignments[&id].request;
+        let (goal, stay) = (core.warehouse().nodes[request.place].at, request.stay);
+        let cut = self.edges_blocked_for_long(core.floor());
+        let free = self.walkways.no_edges();
+        let way = self.walkways.path(at, goal, &cut).or_else(|| self.walkways.path(at, goal, &free));
+        let person = &mut self.people[worker];
         match way {
             Some(mut way) => {
-                self.crowd.walkways.on_floor(goal).into_iter().for_each(|g| {
+                self.walkways.on_floor(goal).into_iter().for_each(|g| {
                     *way.points.last_mut().expect("a way has two ends") = g;
                 });
                 person.give(way.points, Some(id), stay, now);
@@ -78,9 +78,16 @@ impl Fleet {
 
     /// A robot that stands on the path and does not go away in time: the worker is led round it, or told to
     /// wait.
-    pub(in crate::fleet) fn look_ahead(&mut self, worker: WorkerId, place: &Whereabouts, now: Time) {
-        let robot = self.robot_on_path(worker, place);
-        let person = &mut self.crowd.people[worker];
+    pub(in crate::fleet) fn look_ahead(
+        &mut self,
+        core: &Core,
+        yielding: &YieldingState,
+        worker: WorkerId,
+        place: &Whereabouts,
+        now: Time,
+    ) {
+        let robot = self.robot_on_path(core.floor(), worker, place);
+        let person = &mut self.people[worker];
         let since = match (robot, person.blocked_since) {
             (None, _) => {
                 person.blocked_since = None;
@@ -97,16 +104,17 @@ impl Fleet {
         }
         person.blocked_since = robot.map(|r| (r, now));
         let Some(goal) = person.plan.as_ref().map(|p| p.follower.goal()) else { return };
-        let mut cut = self.edges_blocked_for_long();
-        for r in self.ledger.robots.ids().filter(|r| self.floor().stands_near(*r, place.at)) {
-            let reach = self.warehouse().footprint_m / 2.0 + 0.2;
-            self.crowd.walkways.edges_within(self.floor().place_of(r), reach).into_iter().for_each(|e| {
+        let mut cut = self.edges_blocked_for_long(core.floor());
+        for r in core.ledger.robots.ids().filter(|r| core.floor().stands_near(*r, place.at)) {
+            let reach = core.warehouse().footprint_m / 2.0 + 0.2;
+            self.walkways.edges_within(core.floor().place_of(r), reach).into_iter().for_each(|e| {
                 cut.insert(e);
             });
         }
-        let way = self.way_past(place.at, goal, &cut);
-        let refuge = if way.is_none() { self.refuge(worker, place.at, &cut) } else { None };
-        let person = &mut self.crowd.people[worker];
+        let way = self.way_past(core.floor(), place.at, goal, &cut);
+        let refuge =
+            if way.is_none() { self.refuge(core.floor(), yielding, worker, place.at, &cut) } else { None };
+        let person = &mut self.people[worker];
         let plan = person.plan.as_ref().expect("just seen");
         let (assignment, stay) = (plan.assignment, plan.stay);
         let (points, assignment) = match (way, refuge) {
@@ -123,33 +131,40 @@ impl Fleet {
 
     /// Where robots and a worker wait for one another and neither can pass: a way to the nearest place from
     /// which the worker leaves to those robots what they are about to drive.
-    fn refuge(&self, worker: WorkerId, at: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
-        let waiting = self.yielding.giving_way().filter(|(_, y)| y.worker == worker).map(|(r, _)| r);
+    fn refuge(
+        &self,
+        floor: Floor<'_>,
+        yielding: &YieldingState,
+        worker: WorkerId,
+        at: Point,
+        cut: &EdgeSet,
+    ) -> Option<Vec<Point>> {
+        let waiting = yielding.giving_way().filter(|(_, y)| y.worker == worker).map(|(r, _)| r);
         let wanted: Vec<Point> = waiting
-            .flat_map(|r| self.ledger.chain(r).visits().take(REFUGE_AHEAD))
-            .map(|v| self.warehouse().nodes[v.node].at)
+            .flat_map(|r| floor.ledger.chain(r).visits().take(REFUGE_AHEAD))
+            .map(|v| floor.warehouse().nodes[v.node].at)
             .collect();
         if wanted.is_empty() {
             return None;
         }
-        let walkways = &self.crowd.walkways;
+        let walkways = &self.walkways;
         let mut near: Vec<(f64, Point)> = (walkways.within(at, REFUGE_M).into_iter())
             .map(|(n, length)| (length, walkways.nodes()[n].at))
             .filter(|(length, p)| *length > 1.0 && wanted.iter().all(|w| (w - p).norm() > REFUGE_CLEAR_M))
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        near.into_iter().take(12).find_map(|(_, p)| self.way_past(at, p, cut))
+        near.into_iter().take(12).find_map(|(_, p)| self.way_past(floor, at, p, cut))
     }
 
     /// A way without the cut walkways for somebody who may stand face to face with a robot: the first steps
     /// lead to where no robot is, even if the walkway there is cut by the one in front.
-    fn way_past(&self, at: Point, goal: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
-        let walkways = &self.crowd.walkways;
+    fn way_past(&self, floor: Floor<'_>, at: Point, goal: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
+        let walkways = &self.walkways;
         if let Some(way) = walkways.path(at, goal, cut) {
             return Some(way.points);
         }
-        let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
-        let robots: Vec<Point> = self.ledger.robots.ids().map(|r| self.floor().place_of(r)).collect();
+        let reach = floor.warehouse().footprint_m / 2.0 + BODY_M;
+        let robots: Vec<Point> = floor.ledger.robots.ids().map(|r| floor.place_of(r)).collect();
         let is_clear = |to: Point| {
             let step = Segment { a: at, b: to };
             robots.iter().all(|r| step.distance_to(*r) >= reach || (to - r).norm() > (at - r).norm() + 0.3)
@@ -165,33 +180,33 @@ impl Fleet {
     }
 
     /// A robot that stands where a worker would be within the next steps.
-    fn robot_on_path(&self, worker: WorkerId, place: &Whereabouts) -> Option<RobotId> {
-        let plan = self.crowd.people[worker].plan.as_ref()?;
+    fn robot_on_path(&self, floor: Floor<'_>, worker: WorkerId, place: &Whereabouts) -> Option<RobotId> {
+        let plan = self.people[worker].plan.as_ref()?;
         // Who is there has no way ahead that a robot beside could block.
         if plan.is_there(place.at) {
             return None;
         }
-        let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
+        let reach = floor.warehouse().footprint_m / 2.0 + BODY_M;
         let mut ahead = vec![place.at];
         ahead.extend(plan.follower.ahead().iter().take(3));
         let stops = |robot: &RobotId| {
-            let at = self.floor().place_of(*robot);
+            let at = floor.place_of(*robot);
             let near = ahead.windows(2).any(|s| Segment { a: s[0], b: s[1] }.distance_to(at) < reach);
-            near && (at - place.at).norm() < 2.0 && self.floor().stands_near(*robot, place.at)
+            near && (at - place.at).norm() < 2.0 && floor.stands_near(*robot, place.at)
         };
-        self.ledger.robots.ids().find(stops)
+        floor.ledger.robots.ids().find(stops)
     }
 
     /// Walkways on which robots rest or are broken: nobody waits for those to go away.
-    pub(in crate::fleet) fn edges_blocked_for_long(&self) -> EdgeSet {
-        let mut cut = self.crowd.walkways.no_edges();
-        let reach = self.warehouse().footprint_m / 2.0 + 0.2;
-        for robot in self.ledger.robots.ids() {
-            let chain = self.ledger.chain(robot);
+    pub(in crate::fleet) fn edges_blocked_for_long(&self, floor: Floor<'_>) -> EdgeSet {
+        let mut cut = self.walkways.no_edges();
+        let reach = floor.warehouse().footprint_m / 2.0 + 0.2;
+        for robot in floor.ledger.robots.ids() {
+            let chain = floor.ledger.chain(robot);
             let rests = chain.first() + 1 == chain.end();
-            if rests || self.ledger.robots[robot].failed {
-                let at = self.floor().place_of(robot);
-                for e in self.crowd.walkways.edges_within(at, reach) {
+            if rests || floor.ledger.robots[robot].failed {
+                let at = floor.place_of(robot);
+                for e in self.walkways.edges_within(at, reach) {
                     cut.insert(e);
                 }
             }
@@ -199,31 +214,37 @@ impl Fleet {
         cut
     }
 
-    pub(in crate::fleet) fn leaves_path(&mut self, worker: WorkerId, at: Point, now: Time) {
-        self.record(Fact::Deviated { worker, at: now });
-        self.crowd.people[worker].mode = Mode::Deviating { since: now };
-        if self.settings.policy == HumanAwarePolicy::Giveway {
-            self.route_on(worker, at, now);
+    pub(in crate::fleet) fn leaves_path(&mut self, core: &mut Core, worker: WorkerId, at: Point, now: Time) {
+        core.record(Fact::Deviated { worker, at: now });
+        self.people[worker].mode = Mode::Deviating { since: now };
+        if core.settings.policy == HumanAwarePolicy::Giveway {
+            self.route_on(core, worker, at, now);
         }
     }
 
     /// Shows whoever left the path a new one from where they are, now and then.
-    pub(in crate::fleet) fn show_the_way_back(&mut self, worker: WorkerId, at: Point, now: Time) {
-        let made = self.crowd.people[worker].plan.as_ref().map_or(Time::ZERO, |p| p.made);
-        if self.settings.policy == HumanAwarePolicy::Giveway && now - made >= REDIRECT {
-            self.route_on(worker, at, now);
+    pub(in crate::fleet) fn show_the_way_back(
+        &mut self,
+        core: &Core,
+        worker: WorkerId,
+        at: Point,
+        now: Time,
+    ) {
+        let made = self.people[worker].plan.as_ref().map_or(Time::ZERO, |p| p.made);
+        if core.settings.policy == HumanAwarePolicy::Giveway && now - made >= REDIRECT {
+            self.route_on(core, worker, at, now);
         }
     }
 
     /// At the end of the path: at work, done, or on to the next.
-    pub(in crate::fleet) fn at_the_end(&mut self, worker: WorkerId, at: Point, now: Time) {
-        let person = &mut self.crowd.people[worker];
+    pub(in crate::fleet) fn at_the_end(&mut self, core: &mut Core, worker: WorkerId, at: Point, now: Time) {
+        let person = &mut self.people[worker];
         let plan = person.plan.as_ref().expect("only who has a path is at its end");
         let (is_there, stay) = (plan.is_there(at), plan.stay);
         let Some(id) = plan.assignment else {
             // A path that only led out of the way.
             person.mode = Mode::Following;
-            return self.route_on(worker, at, now);
+            return self.route_on(core, worker, at, now);
         };
         if !is_there {
             return;
@@ -232,8 +253,8 @@ impl Fleet {
         let before = person.was_there.filter(|(left, _)| *left == id).map_or(Span::ZERO, |(_, t)| t);
         let since = *person.there_since.get_or_insert(now - before);
         let state = if now - since >= stay { AssignmentState::Done } else { AssignmentState::Working };
-        if self.ledger.assignments.get(&id).is_some_and(|a| a.state != state) {
-            self.record(Fact::Advanced { assignment: id, state, at: now });
+        if core.ledger.assignments.get(&id).is_some_and(|a| a.state != state) {
+            core.record(Fact::Advanced { assignment: id, state, at: now });
         }
     }
 }

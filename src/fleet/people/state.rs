@@ -1,25 +1,24 @@
 //! What the fleet believes and keeps in mind about people, from step to step. Lost at a restart and seen again.
 //!
-//! Main types: [`HumanState`], [`Person`], [`Mode`]. Refuses: to decide; the judging phase does.
+//! Main types: [`HumanState`], [`Person`], [`Mode`]. Refuses: to decide.
 
-use crate::aware::{Afoot, Meter, Regions};
+use crate::aware::{Afoot, Regions};
 use crate::fleet::people::intent::Intents;
 use crate::fleet::state::worker::Guidance;
-use crate::fleet::traffic::closed_areas::Areas;
-use crate::fleet::yielding::petkovic2021::Procedure;
 use crate::geometry::Point;
 use crate::human::motion::Motion;
-use crate::human::{Coverage, Follower, Hypothesis, Track};
-use crate::id::{AssignmentId, IdVec, NodeId, RobotId, WorkerId};
-use crate::route::Conditions;
+use crate::human::{Coverage, Follower, Hypothesis, Track, Whereabouts};
+use crate::id::{AssignmentId, IdVec, RobotId, WorkerId};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use crate::warehouse::walkway::Walkways;
-use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// A worker this near to the end of the path is there, metres.
 const THERE_M: f64 = 0.6;
+
+/// Whoever is slower than this stands, more or less, metres per second.
+pub(in crate::fleet) const STROLL_MPS: f64 = 0.3;
 
 /// How a worker's walk stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -84,42 +83,40 @@ pub(in crate::fleet) struct Person {
     pub told: Option<(Guidance, Time)>,
 }
 
+/// Where the published procedure leads a worker.
+#[derive(Clone, Debug)]
+pub(in crate::fleet) enum Led {
+    /// Along this path, which is the one expected or another.
+    Along(Vec<Point>, Mode),
+    /// Nowhere: a robot is in the way.
+    Stopped {
+        /// Which, if it is one.
+        by: Option<RobotId>,
+    },
+}
+
 /// All that is kept in mind about people.
 #[derive(Debug)]
 pub(in crate::fleet) struct HumanState {
     pub walkways: Arc<Walkways>,
-    pub mind: Intents,
-    /// The published reaction, where that is what the fleet is to use.
-    pub procedure: Procedure,
+    pub intents: Intents,
     pub regions: Regions,
     pub afoot: Afoot,
     pub people: IdVec<WorkerId, Person>,
-    /// What people mean for the search, in this step.
-    pub conditions: Conditions,
-    pub meter: Meter,
     /// Whether forecasts hold.
     pub coverage: Coverage,
-    /// Announced closures.
-    pub areas: Areas,
-    /// Nodes that are as good as closed because somebody has been standing there for long, with when that began.
-    pub closing: BTreeMap<NodeId, Time>,
 }
 
 impl HumanState {
     pub fn new(warehouse: &Warehouse, regions: Regions) -> HumanState {
         let walkways = Arc::new(Walkways::of(warehouse));
         HumanState {
-            mind: Intents::new(warehouse, walkways.clone()),
-            procedure: Procedure::default(),
+            intents: Intents::new(warehouse, walkways.clone()),
             afoot: Afoot::new(warehouse, walkways.clone()),
             walkways,
             regions,
             people: IdVec::new(),
-            conditions: Conditions::none(warehouse),
-            meter: Meter::default(),
             coverage: Coverage::default(),
-            areas: Areas::default(),
-            closing: BTreeMap::new(),
         }
     }
 
@@ -130,12 +127,16 @@ impl HumanState {
         }
         &mut self.people[worker]
     }
-}
 
-impl HumanState {
-    /// Nodes that are closed, will be soon, or are as good as closed.
-    pub fn closing_nodes(&self) -> BTreeSet<NodeId> {
-        self.areas.nodes().chain(self.closing.keys().copied()).collect()
+    /// Where a worker is, if on the floor.
+    pub fn whereabouts(&self, worker: WorkerId, now: Time) -> Option<Whereabouts> {
+        self.people.get(worker)?.track.whereabouts(now)
+    }
+
+    /// Everybody on the floor.
+    pub fn present(&self, now: Time) -> Vec<(WorkerId, Whereabouts)> {
+        let people = self.people.pairs();
+        people.filter_map(|(w, p)| Some((w, p.track.whereabouts(now)?))).collect()
     }
 }
 

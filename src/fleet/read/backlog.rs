@@ -39,11 +39,14 @@ impl Fleet {
     /// it gives, however many wait.
     pub fn backlog(&self, most: usize, now: Time) -> Backlog {
         let pending = |id: JobId| {
-            let job = &self.ledger.jobs[&id];
+            let job = &self.core.ledger.jobs[&id];
             let (kind, priority) = (job.request.kind, job.request.priority);
             Pending { job: id, kind, priority, accepted: job.accepted, after: self.floor().first_before(id) }
         };
-        Backlog { at: now, jobs: self.ledger.index.queue.in_order(now).take(most).map(pending).collect() }
+        Backlog {
+            at: now,
+            jobs: self.core.ledger.index.queue.in_order(now).take(most).map(pending).collect(),
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 //! Main function: [`Fleet::view`]. Refuses: to change anything.
 
 use crate::fleet::Fleet;
+use crate::fleet::dispatch::jobs::stations_with_enough;
 use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
 use crate::fleet::state::fact::{Act, Purpose, Task};
 use crate::fleet::state::floor::Floor;
@@ -19,21 +20,21 @@ use std::collections::BTreeMap;
 impl Fleet {
     /// Everything that outsiders may see.
     pub fn view(&self, now: Time) -> View {
-        let robots: Vec<RobotView> = self.ledger.robots.ids().map(|r| self.robot_view(r, now)).collect();
-        let stations = self.warehouse().stations.ids().map(|s| self.station_view(s)).collect();
-        let waiting = self.ledger.index.queue.len() as u64;
-        let active = self.ledger.jobs.len() as u64 - waiting;
+        let robots: Vec<RobotView> = self.core.ledger.robots.ids().map(|r| self.robot_view(r, now)).collect();
+        let stations = self.core.warehouse().stations.ids().map(|s| self.station_view(s)).collect();
+        let waiting = self.core.ledger.index.queue.len() as u64;
+        let active = self.core.ledger.jobs.len() as u64 - waiting;
         let counts = self.counts(waiting, active);
-        let racks = self.ledger.racks.iter().copied().collect();
+        let racks = self.core.ledger.racks.iter().copied().collect();
         let (workers, closures) = (self.worker_views(now), self.floor().closure_views());
-        let charger_is_free = self.a_charger_is_free();
+        let charger_is_free = self.floor().a_charger_is_free();
         let idle = self.floor().idle_robots(now).into_iter();
         let free = idle.filter(|r| self.floor().is_charged(*r, charger_is_free)).count();
-        let foresight = self.crowd.coverage.foresight().to_vec();
-        let (blocked, stopped) = (self.floor().blocked(), self.ledger.stopped);
-        let full = self.stations_with_enough(now);
-        let paused_stations = self.ledger.paused_stations.clone();
-        let closing = self.crowd.closing_nodes();
+        let foresight = self.people.coverage.foresight().to_vec();
+        let (blocked, stopped) = (self.floor().blocked(), self.core.ledger.stopped);
+        let full = stations_with_enough(self.floor(), &self.traffic.needs, now);
+        let paused_stations = self.core.ledger.paused_stations.clone();
+        let closing = self.core.restrictions.closing_nodes();
         View {
             now,
             robots,
@@ -54,7 +55,7 @@ impl Fleet {
 
     /// Sums of the ledger, and what was tried.
     fn counts(&self, waiting: u64, active: u64) -> Counts {
-        let (sums, tally) = (self.ledger.counts, self.tally);
+        let (sums, tally) = (self.core.ledger.counts, self.traffic.tally);
         Counts {
             robot_deliveries: sums.robot_deliveries,
             human_deliveries: sums.human_deliveries,
@@ -73,13 +74,13 @@ impl Fleet {
     }
 
     fn robot_view(&self, r: RobotId, now: Time) -> RobotView {
-        let record = &self.ledger.robots[r];
-        let seen = self.scene.robot(r);
-        let chain = self.ledger.chain(r);
+        let record = &self.core.ledger.robots[r];
+        let seen = self.core.scene.robot(r);
+        let chain = self.core.ledger.chain(r);
         let nodes = |from: u64, to: u64| -> Vec<NodeId> {
             (from..to).filter_map(|s| chain.get(s)).map(|v| v.node).collect()
         };
-        let stands = Pose { at: self.warehouse().nodes[self.ledger.node_of(r)].at, heading: 0.0 };
+        let stands = Pose { at: self.core.warehouse().nodes[self.core.ledger.node_of(r)].at, heading: 0.0 };
         RobotView {
             name: record.name.clone(),
             pose: seen.map_or(stands, |t| t.pose),
@@ -91,7 +92,7 @@ impl Fleet {
             maintenance: record.maintenance.is_some(),
             state: self.floor().robot_state(r),
             task: record.task,
-            rack: self.ledger.rack_on(r),
+            rack: self.core.ledger.rack_on(r),
             doing: self.floor().doing(r),
             job: record.task.job(),
             granted: nodes(chain.first(), chain.granted()),
@@ -102,27 +103,27 @@ impl Fleet {
 
     /// Why a robot does not go on, if it does not.
     pub fn why(&self, r: RobotId, now: Time) -> Option<Why> {
-        let record = &self.ledger.robots[r];
+        let record = &self.core.ledger.robots[r];
         // Who asks must see what has to be undone by hand, whatever else is wrong.
         if record.paused.is_some() {
             return Some(Why::Paused);
         }
-        if let Some(displacement) = self.displacement(r) {
+        if let Some(displacement) = self.floor().displacement(r) {
             return Some(Why::Displaced(displacement));
         }
         if record.failed {
             return Some(Why::Failed);
         }
-        if self.ledger.stopped.is_some() {
+        if self.core.ledger.stopped.is_some() {
             return Some(Why::Stopped);
         }
-        if self.scene.fit(r, now).is_none() {
+        if self.core.scene.fit(r, now).is_none() {
             return Some(Why::Silent);
         }
         if record.maintenance.is_some() && record.task == Task::Idle {
             return Some(Why::Maintenance);
         }
-        if let Some(other) = self.drives_into(r) {
+        if let Some(other) = self.traffic.drives_into(self.floor(), r) {
             return Some(Why::BlockedBy(other));
         }
         if let Some(station) = self.floor().station_of(r)
@@ -131,21 +132,21 @@ impl Fleet {
         {
             return Some(Why::QueueFull(station));
         }
-        if self.floor().lacks_route(r) && self.needs.failed_before(r) {
+        if self.floor().lacks_route(r) && self.traffic.needs.failed_before(r) {
             return Some(Why::NoRoute);
         }
-        let yielding = self.yielding.of(r);
+        let yielding = self.yielding.state.of(r);
         let stands = yielding.is_told_to_stand();
         if let Some(to) = yielding.to.filter(|_| stands) {
             return Some(Why::GivesWay(to.worker));
         }
-        let chain = self.ledger.chain(r);
+        let chain = self.core.ledger.chain(r);
         let may_drive = chain.first() + 1 < chain.granted();
         if let Some(standing) = yielding.stands.filter(|_| stands && may_drive) {
             return Some(Why::GivesWay(standing.worker));
         }
         let at_end = chain.first() + 1 == chain.granted();
-        match self.withheld(r).filter(|_| at_end)? {
+        match self.traffic.withheld(r).filter(|_| at_end)? {
             Withheld::Condition(Cause::Worker(w), _) => Some(Why::GivesWay(w)),
             Withheld::Condition(Cause::Closure(c), _) => Some(Why::Closed(c)),
             Withheld::Condition(Cause::Robot(other), _) => Some(Why::BlockedBy(other)),
@@ -154,22 +155,17 @@ impl Fleet {
         }
     }
 
-    /// Why the last step granted a robot no more than it did, if there was a reason.
-    pub(in crate::fleet) fn withheld(&self, robot: RobotId) -> Option<Withheld> {
-        self.withheld.get(robot).copied().flatten()
-    }
-
     fn worker_views(&self, now: Time) -> Vec<WorkerView> {
-        self.ledger.workers.pairs().map(|(w, name)| self.worker_view(w, name, now)).collect()
+        self.core.ledger.workers.pairs().map(|(w, name)| self.worker_view(w, name, now)).collect()
     }
 
     fn worker_view(&self, worker: WorkerId, name: &str, now: Time) -> WorkerView {
-        let place = self.whereabouts(worker, now);
-        let person = self.crowd.people.get(worker);
+        let place = self.people.whereabouts(worker, now);
+        let person = self.people.people.get(worker);
         let sigma = place.map_or(0.0, |w| w.sigma_m);
-        let regions = &self.crowd.regions;
-        let belief = self.crowd.mind.belief(worker).unwrap_or_default();
-        let guidance = place.map(|w| self.guidance(worker, &w, now)).unwrap_or_default();
+        let regions = &self.people.regions;
+        let belief = self.people.intents.belief(worker).unwrap_or_default();
+        let guidance = place.map(|w| self.people.guidance(self.floor(), worker, &w, now)).unwrap_or_default();
         WorkerView {
             name: name.to_owned(),
             presence: place.map_or(Presence::Absent, |w| w.presence),
@@ -191,21 +187,21 @@ impl Fleet {
     }
 
     fn goals_view(&self, belief: &Belief) -> Vec<(Point, f64)> {
-        let place = |g| self.crowd.mind.distances.place(g);
+        let place = |g| self.people.intents.distances.place(g);
         let mut goals: Vec<_> = belief.goals.iter().filter_map(|(g, p)| Some((place(*g)?, *p))).collect();
         goals.sort_by(|a, b| b.1.total_cmp(&a.1));
         goals
     }
 
     fn station_view(&self, s: StationId) -> StationView {
-        let station = &self.warehouse().stations[s];
-        let stands = |n: NodeId| self.ledger.robots.ids().find(|r| self.ledger.node_of(*r) == n);
+        let station = &self.core.warehouse().stations[s];
+        let stands = |n: NodeId| self.core.ledger.robots.ids().find(|r| self.core.ledger.node_of(*r) == n);
         StationView {
             robot: stands(station.node),
-            picking: stands(station.node).is_some_and(|r| self.is_picked_from(r)),
-            paused: self.ledger.paused_stations.get(&s).copied(),
+            picking: stands(station.node).is_some_and(|r| self.floor().is_picked_from(r)),
+            paused: self.core.ledger.paused_stations.get(&s).copied(),
             queue: station.queue.iter().filter_map(|q| stands(*q)).collect(),
-            served: self.ledger.served[s],
+            served: self.core.ledger.served[s],
         }
     }
 }

@@ -6,5 +6,6 @@
 pub(in crate::fleet) mod backlog;
 pub(in crate::fleet) mod build;
 pub(in crate::fleet) mod occupancy;
+mod questions;
 pub mod view;
 pub(in crate::fleet) mod why;

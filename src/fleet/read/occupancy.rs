@@ -44,7 +44,7 @@ impl Fleet {
     pub fn strips(&self, area: Area, ahead: Span, now: Time) -> Result<Vec<Strip>, usize> {
         let within =
             |p: Point| (area.low.x..=area.high.x).contains(&p.x) && (area.low.y..=area.high.y).contains(&p.y);
-        let nodes = &self.warehouse().nodes;
+        let nodes = &self.core.warehouse().nodes;
         let mut found: Vec<NodeId> = nodes.pairs().filter(|(_, n)| within(n.at)).map(|(id, _)| id).collect();
         if found.len() > MOST_STRIPS {
             return Err(found.len());
@@ -56,9 +56,9 @@ impl Fleet {
     }
 
     fn strip(&self, node: NodeId, window: Window) -> Strip {
-        let resource = self.warehouse().node_resource(node);
-        let holds = self.ledger.timeline.holds(resource, window).collect();
-        let conditions = self.crowd.conditions.of(node).iter();
+        let resource = self.core.warehouse().node_resource(node);
+        let holds = self.core.ledger.timeline.holds(resource, window).collect();
+        let conditions = self.core.restrictions.conditions.of(node).iter();
         let conditions = conditions.filter(|c| c.window.overlaps(window)).copied().collect();
         Strip { node, holds, conditions }
     }

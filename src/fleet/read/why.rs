@@ -85,7 +85,7 @@ impl Fleet {
 
     /// One link for a job, and the links of the robot behind it. Gives the job that it waits for.
     fn follow_job(&self, view: &View, id: JobId, now: Time, chain: &mut Vec<Waiting>) -> Option<JobId> {
-        let job = self.ledger.jobs.get(&id)?;
+        let job = self.core.ledger.jobs.get(&id)?;
         let who = Who::Job(id);
         if chain.len() >= LONGEST || chain.iter().any(|w| w.who == who) {
             return None;
@@ -153,7 +153,7 @@ impl Fleet {
             until: until.filter(|t| !t.is_forever()),
             ahead,
         };
-        let chain = self.ledger.chain(robot);
+        let chain = self.core.ledger.chain(robot);
         let why = self.why(robot, now);
         // Who is broken, silent or told to stand is so at a stop, too.
         let stopped = why.is_some_and(Why::is_by_itself);
@@ -163,14 +163,14 @@ impl Fleet {
         }
         match why {
             Some(why @ Why::WaitsFor(_, holder)) => {
-                let before = self.ledger.timeline.before(Holder::Robot(robot), chain.granted());
+                let before = self.core.ledger.timeline.before(Holder::Robot(robot), chain.granted());
                 let before = before.map(|(_, held)| held).unwrap_or_default();
                 let until = before.iter().map(|h| h.window.end()).max();
                 let behind = if let Holder::Robot(b) = holder { Some(b) } else { None };
                 (link(Because::Robot(why), until, before.len()), behind)
             }
             Some(why @ (Why::GivesWay(_) | Why::Closed(_))) => {
-                let until = match self.withheld(robot) {
+                let until = match self.traffic.withheld(robot) {
                     Some(Withheld::Condition(_, until)) => until,
                     _ => None,
                 };
@@ -178,8 +178,8 @@ impl Fleet {
             }
             Some(why @ Why::BlockedBy(other)) => (link(Because::Robot(why), None, 0), Some(other)),
             Some(why @ Why::QueueFull(station)) => {
-                let node = self.warehouse().stations[station].node;
-                let there = self.ledger.robots.ids().find(|r| self.ledger.node_of(*r) == node);
+                let node = self.core.warehouse().stations[station].node;
+                let there = self.core.ledger.robots.ids().find(|r| self.core.ledger.node_of(*r) == node);
                 (link(Because::Robot(why), None, 0), there.filter(|r| *r != robot))
             }
             Some(why) => (link(Because::Robot(why), None, 0), None),

@@ -2,7 +2,7 @@
 //!
 //! Refuses: to decide anything about robots.
 
-use crate::fleet::Fleet;
+use crate::fleet::requests::{Intake, OfWorker};
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
@@ -11,28 +11,31 @@ use crate::id::{Dense, JobId, NodeId, RackId, RobotId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
 
-impl Fleet {
-    pub(in crate::fleet) fn absorb(&mut self, now: Time, inputs: Vec<Input>) {
+impl Intake<'_> {
+    /// Takes all inputs in.
+    pub(super) fn take_in(&mut self, now: Time, inputs: Vec<Input>) {
         self.expire_keys(now);
         for input in inputs {
             match input {
-                Input::Telemetry(t) if t.robot.ix() < self.ledger.robots.len() => self.scene.see(t),
+                Input::Telemetry(t) if t.robot.ix() < self.core.ledger.robots.len() => self.core.scene.see(t),
                 Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry of an unknown robot"),
                 Input::Submit { token, request } => {
                     let reply = match self.submit(request, now) {
                         Ok((job, new)) => Reply::Accepted { token, job, new },
                         Err(why) => Reply::Refused { token, why },
                     };
-                    self.out.replies.push(reply);
+                    self.core.out.replies.push(reply);
                 }
                 Input::Cancel { token, job } => {
                     let reply = match self.cancel(job, now) {
                         Ok(()) => Reply::Cancelled { token, job },
                         Err(why) => Reply::Refused { token, why },
                     };
-                    self.out.replies.push(reply);
+                    self.core.out.replies.push(reply);
                 }
-                Input::Sighted(s) if s.worker.ix() < self.ledger.workers.len() => self.sight(&s, now),
+                Input::Sighted(s) if s.worker.ix() < self.core.ledger.workers.len() => {
+                    self.heard.people.push(OfWorker::Seen(s));
+                }
                 Input::Sighted(s) => tracing::warn!(worker = ?s.worker, "sighting of an unknown worker"),
                 request => self.absorb_request(request, now),
             }
@@ -41,45 +44,46 @@ impl Fleet {
 
     /// Forgets some of the keys that are too old.
     fn expire_keys(&mut self, now: Time) {
-        let (jobs, assignments) = (self.ledger.keys.expired(now), self.ledger.assignment_keys.expired(now));
+        let (jobs, assignments) =
+            (self.core.ledger.keys.expired(now), self.core.ledger.assignment_keys.expired(now));
         if !jobs.is_empty() || !assignments.is_empty() {
-            self.record(Fact::KeysExpired { jobs, assignments });
+            self.core.record(Fact::KeysExpired { jobs, assignments });
         }
     }
 
     fn submit(&mut self, request: JobRequest, now: Time) -> Result<(JobId, bool), Refusal> {
-        if let Some(job) = request.key.as_ref().and_then(|k| self.ledger.keys.get(k)) {
+        if let Some(job) = request.key.as_ref().and_then(|k| self.core.ledger.keys.get(k)) {
             return Ok((*job, false));
         }
-        self.floor().check_places(&request.kind)?;
+        self.core.floor().check_places(&request.kind)?;
         if request.priority > 9 {
             return Err(Refusal::Priority(request.priority));
         }
-        if request.after.len() > self.settings.after_max {
-            return Err(Refusal::TooManyBefore(self.settings.after_max));
+        if request.after.len() > self.core.settings.after_max {
+            return Err(Refusal::TooManyBefore(self.core.settings.after_max));
         }
-        if let Some(job) = request.after.iter().find(|j| j.0 == 0 || j.0 >= self.ledger.next_job) {
+        if let Some(job) = request.after.iter().find(|j| j.0 == 0 || j.0 >= self.core.ledger.next_job) {
             return Err(Refusal::UnknownPredecessor(*job));
         }
-        if self.ledger.jobs.len() >= self.settings.waiting_max {
-            return Err(Refusal::TooMany(Bounded::Jobs, self.ledger.jobs.len()));
+        if self.core.ledger.jobs.len() >= self.core.settings.waiting_max {
+            return Err(Refusal::TooMany(Bounded::Jobs, self.core.ledger.jobs.len()));
         }
-        let job = JobId(self.ledger.next_job);
-        self.record(Fact::Accepted { job, request, at: now });
+        let job = JobId(self.core.ledger.next_job);
+        self.core.record(Fact::Accepted { job, request, at: now });
         Ok((job, true))
     }
 
     /// Cancels a job at any stage: the job is over at once; a robot at work on it brings its rack to storage.
     fn cancel(&mut self, job: JobId, now: Time) -> Result<(), Refusal> {
-        if job.0 == 0 || job.0 >= self.ledger.next_job {
+        if job.0 == 0 || job.0 >= self.core.ledger.next_job {
             return Err(Refusal::UnknownJob(job));
         }
-        let Some(record) = self.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
-        let tasked = record.state.robot().map(|robot| (robot, self.floor().task_without_job(robot)));
-        self.progress(job, JobState::Cancelled, tasked, now);
+        let Some(record) = self.core.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
+        let tasked = record.state.robot().map(|robot| (robot, self.core.floor().task_without_job(robot)));
+        self.core.progress(job, JobState::Cancelled, tasked, now);
         if let Some((robot, _)) = tasked {
             self.end_cancelled_pick(robot);
-            self.needs.left_early(robot);
+            self.heard.left_early.push(robot);
         }
         Ok(())
     }

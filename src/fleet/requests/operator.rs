@@ -5,7 +5,7 @@
 //! Refuses: to be an emergency stop, which is the robot's own; and to take back what was promised: who stands keeps
 //! its holds, and those behind wait.
 
-use crate::fleet::Fleet;
+use crate::fleet::requests::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Refusal, Reply};
@@ -13,7 +13,7 @@ use crate::fleet::state::job::JobState;
 use crate::id::{Dense, JobId, RobotId};
 use crate::time::Time;
 
-impl Fleet {
+impl Intake<'_> {
     /// One robot, or the whole fleet, is to stand.
     pub(in crate::fleet) fn halt(
         &mut self,
@@ -21,8 +21,8 @@ impl Fleet {
         robot: Option<RobotId>,
         now: Time,
     ) -> Result<Reply, Refusal> {
-        if self.floor().halted_since(robot)?.is_none() {
-            self.record(Fact::Halted { robot, at: now });
+        if self.core.floor().halted_since(robot)?.is_none() {
+            self.core.record(Fact::Halted { robot, at: now });
         }
         Ok(Reply::Done { token })
     }
@@ -34,9 +34,10 @@ impl Fleet {
         robot: Option<RobotId>,
         now: Time,
     ) -> Result<Reply, Refusal> {
-        let fenced = robot.is_some_and(|r| self.ledger.robots.get(r).is_some_and(|r| r.fenced.is_some()));
-        if self.floor().halted_since(robot)?.is_some() || fenced {
-            self.record(Fact::Released { robot, at: now });
+        let fenced =
+            robot.is_some_and(|r| self.core.ledger.robots.get(r).is_some_and(|r| r.fenced.is_some()));
+        if self.core.floor().halted_since(robot)?.is_some() || fenced {
+            self.core.record(Fact::Released { robot, at: now });
         }
         Ok(Reply::Done { token })
     }
@@ -52,15 +53,15 @@ impl Fleet {
         if priority > 9 {
             return Err(Refusal::Priority(priority));
         }
-        if job.0 == 0 || job.0 >= self.ledger.next_job {
+        if job.0 == 0 || job.0 >= self.core.ledger.next_job {
             return Err(Refusal::UnknownJob(job));
         }
-        let Some(record) = self.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
+        let Some(record) = self.core.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
         if record.state != JobState::Waiting {
             return Err(Refusal::JobHasBegun(job));
         }
         if record.request.priority != priority {
-            self.record(Fact::Prioritised { job, priority, at: now });
+            self.core.record(Fact::Prioritised { job, priority, at: now });
         }
         Ok(Reply::Done { token })
     }

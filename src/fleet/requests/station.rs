@@ -4,15 +4,16 @@
 //! missing; how long it was planned to take only decides when others come. A paused station gets no more racks; those
 //! in its queue wait. Refuses: to end a pick by the clock, and one that has not begun.
 
-use crate::fleet::Fleet;
+use crate::fleet::requests::Intake;
 use crate::fleet::state::fact::{Act, Fact, Task};
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::StationOrder;
 use crate::fleet::state::io::{Refusal, Reply};
 use crate::fleet::state::job::{JobFailure, JobState};
 use crate::id::{Dense, RobotId, StationId};
 use crate::time::Time;
 
-impl Fleet {
+impl Intake<'_> {
     /// Takes in what a station says.
     pub(in crate::fleet) fn hear_station(
         &mut self,
@@ -21,16 +22,16 @@ impl Fleet {
         order: StationOrder,
         now: Time,
     ) -> Result<Reply, Refusal> {
-        if station.ix() >= self.warehouse().stations.len() {
+        if station.ix() >= self.core.warehouse().stations.len() {
             return Err(Refusal::UnknownPlace);
         }
-        let paused = self.ledger.paused_stations.contains_key(&station);
+        let paused = self.core.ledger.paused_stations.contains_key(&station);
         match order {
-            StationOrder::Pause if !paused => self.record(Fact::StationPaused { station, at: now }),
-            StationOrder::Resume if paused => self.record(Fact::StationResumed { station, at: now }),
+            StationOrder::Pause if !paused => self.core.record(Fact::StationPaused { station, at: now }),
+            StationOrder::Resume if paused => self.core.record(Fact::StationResumed { station, at: now }),
             StationOrder::Pause | StationOrder::Resume => {}
             StationOrder::Done | StationOrder::Short => {
-                let robot = self.picked_from(station).ok_or(Refusal::NothingToPick(station))?;
+                let robot = self.core.floor().picked_from(station).ok_or(Refusal::NothingToPick(station))?;
                 let state = match order {
                     StationOrder::Done => JobState::Done,
                     _ => JobState::Failed(JobFailure::Short),
@@ -41,6 +42,27 @@ impl Fleet {
         Ok(Reply::Done { token })
     }
 
+    /// Ends the pick at which a robot stands: its job ends so, if it is not over already, and the robot may leave.
+    fn end_pick(&mut self, robot: RobotId, state: JobState, now: Time) {
+        self.core.record(Fact::Acted { robot, serial: self.core.ledger.chain(robot).first() });
+        self.heard.left_early.push(robot);
+        if let Task::Deliver { job, rack, store, .. } = self.core.ledger.robots[robot].task {
+            let task = Task::Store { job: None, rack, store };
+            self.core.progress(job, state, Some((robot, task)), now);
+            crate::fleet::dispatch::jobs::chain_deliveries(self.core, &[robot], now);
+        }
+    }
+
+    /// Nobody picks for a job that was cancelled: the robot need not wait.
+    pub(in crate::fleet) fn end_cancelled_pick(&mut self, robot: RobotId) {
+        if self.core.floor().is_picked_from(robot) {
+            self.core.record(Fact::Acted { robot, serial: self.core.ledger.chain(robot).first() });
+            self.heard.left_early.push(robot);
+        }
+    }
+}
+
+impl Floor<'_> {
     /// The robot that stands at a station with a rack to pick from.
     pub(in crate::fleet) fn picked_from(&self, station: StationId) -> Option<RobotId> {
         let node = self.warehouse().stations[station].node;
@@ -53,24 +75,5 @@ impl Fleet {
         let here = self.ledger.chain(robot).first();
         let stop = self.ledger.robots[robot].stops.first();
         stop.is_some_and(|s| s.serial == here && matches!(s.act, Act::Pick(_)))
-    }
-
-    /// Ends the pick at which a robot stands: its job ends so, if it is not over already, and the robot may leave.
-    fn end_pick(&mut self, robot: RobotId, state: JobState, now: Time) {
-        self.record(Fact::Acted { robot, serial: self.ledger.chain(robot).first() });
-        self.needs.left_early(robot);
-        if let Task::Deliver { job, rack, store, .. } = self.ledger.robots[robot].task {
-            let task = Task::Store { job: None, rack, store };
-            self.progress(job, state, Some((robot, task)), now);
-            self.chain_next_delivery(robot, rack, store, now);
-        }
-    }
-
-    /// Nobody picks for a job that was cancelled: the robot need not wait.
-    pub(in crate::fleet) fn end_cancelled_pick(&mut self, robot: RobotId) {
-        if self.is_picked_from(robot) {
-            self.record(Fact::Acted { robot, serial: self.ledger.chain(robot).first() });
-            self.needs.left_early(robot);
-        }
     }
 }

@@ -2,15 +2,14 @@
 //!
 //! Refuses: to plan for anybody; what is asked for becomes a fact or a refusal.
 
-use crate::fleet::Fleet;
-use crate::fleet::people::state::Person;
+use crate::fleet::requests::{Intake, OfWorker};
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
 use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, Closure};
 use crate::id::{AssignmentId, ClosureId, Dense, NodeId, WorkerId};
 use crate::time::Time;
 
-impl Fleet {
+impl Intake<'_> {
     /// Takes a request about people in.
     pub(in crate::fleet) fn absorb_request(&mut self, input: Input, now: Time) {
         let (token, answer) = match input {
@@ -35,19 +34,19 @@ impl Fleet {
             Input::Prioritise { token, job, priority } => (token, self.prioritise(token, job, priority, now)),
             _ => unreachable!("telemetry, sightings and jobs are taken in elsewhere"),
         };
-        self.out.replies.push(answer.unwrap_or_else(|why| Reply::Refused { token, why }));
+        self.core.out.replies.push(answer.unwrap_or_else(|why| Reply::Refused { token, why }));
     }
 
     fn hire(&mut self, token: u64, name: String, now: Time) -> Result<Reply, Refusal> {
-        let known = self.ledger.workers.pairs().find(|(_, n)| **n == name).map(|(w, _)| w);
+        let known = self.core.ledger.workers.pairs().find(|(_, n)| **n == name).map(|(w, _)| w);
         if let Some(worker) = known {
             return Ok(Reply::WorkerRegistered { token, worker, new: false });
         }
-        if self.ledger.workers.len() >= self.settings.workers_max {
-            return Err(Refusal::TooMany(Bounded::Workers, self.ledger.workers.len()));
+        if self.core.ledger.workers.len() >= self.core.settings.workers_max {
+            return Err(Refusal::TooMany(Bounded::Workers, self.core.ledger.workers.len()));
         }
-        let worker = WorkerId::at(self.ledger.workers.len());
-        self.record(Fact::WorkerRegistered { worker, name, at: now });
+        let worker = WorkerId::at(self.core.ledger.workers.len());
+        self.core.record(Fact::WorkerRegistered { worker, name, at: now });
         Ok(Reply::WorkerRegistered { token, worker, new: true })
     }
 
@@ -58,35 +57,35 @@ impl Fleet {
         request: AssignmentRequest,
         now: Time,
     ) -> Result<Reply, Refusal> {
-        if let Some(id) = request.key.as_ref().and_then(|k| self.ledger.assignment_keys.get(k)) {
+        if let Some(id) = request.key.as_ref().and_then(|k| self.core.ledger.assignment_keys.get(k)) {
             return Ok(Reply::Assigned { token, assignment: *id, new: false });
         }
-        if self.ledger.workers.get(worker).is_none() {
+        if self.core.ledger.workers.get(worker).is_none() {
             return Err(Refusal::UnknownWorker(worker));
         }
         self.check_walkable(request.place)?;
-        if self.ledger.assignments.len() >= self.settings.assignments_max {
-            return Err(Refusal::TooMany(Bounded::Assignments, self.ledger.assignments.len()));
+        if self.core.ledger.assignments.len() >= self.core.settings.assignments_max {
+            return Err(Refusal::TooMany(Bounded::Assignments, self.core.ledger.assignments.len()));
         }
-        let assignment = AssignmentId(self.ledger.next_assignment);
-        self.record(Fact::Assigned { assignment, worker, request, at: now });
+        let assignment = AssignmentId(self.core.ledger.next_assignment);
+        self.core.record(Fact::Assigned { assignment, worker, request, at: now });
         Ok(Reply::Assigned { token, assignment, new: true })
     }
 
     /// Whether a worker can get near a node on foot.
     fn check_walkable(&self, place: NodeId) -> Result<(), Refusal> {
-        let Some(node) = self.warehouse().nodes.get(place) else { return Err(Refusal::UnknownPlace) };
-        match self.crowd.walkways.on_floor(node.at) {
+        let Some(node) = self.core.warehouse().nodes.get(place) else { return Err(Refusal::UnknownPlace) };
+        match self.walkways.on_floor(node.at) {
             Some(_) => Ok(()),
             None => Err(Refusal::OutOfReach(place)),
         }
     }
 
     fn take_back(&mut self, token: u64, id: AssignmentId, now: Time) -> Result<Reply, Refusal> {
-        if !self.ledger.assignments.contains_key(&id) {
+        if !self.core.ledger.assignments.contains_key(&id) {
             return Err(Refusal::UnknownAssignment(id));
         }
-        self.record(Fact::Advanced { assignment: id, state: AssignmentState::Cancelled, at: now });
+        self.core.record(Fact::Advanced { assignment: id, state: AssignmentState::Cancelled, at: now });
         Ok(Reply::Done { token })
     }
 
@@ -98,10 +97,10 @@ impl Fleet {
         id: AssignmentId,
         now: Time,
     ) -> Result<Reply, Refusal> {
-        if self.ledger.assignments.get(&id).is_none_or(|a| a.worker != worker) {
+        if self.core.ledger.assignments.get(&id).is_none_or(|a| a.worker != worker) {
             return Err(Refusal::UnknownAssignment(id));
         }
-        self.record(Fact::Advanced { assignment: id, state: AssignmentState::Done, at: now });
+        self.core.record(Fact::Advanced { assignment: id, state: AssignmentState::Done, at: now });
         Ok(Reply::Done { token })
     }
 
@@ -109,35 +108,33 @@ impl Fleet {
         if area.outline.len() < 3 || area.window.start() >= area.window.end() {
             return Err(Refusal::EmptyArea);
         }
-        if area.outline.len() > self.settings.corners_max {
-            return Err(Refusal::TooManyCorners(self.settings.corners_max));
+        if area.outline.len() > self.core.settings.corners_max {
+            return Err(Refusal::TooManyCorners(self.core.settings.corners_max));
         }
-        if self.ledger.closures.len() >= self.settings.closures_max {
-            return Err(Refusal::TooMany(Bounded::Closures, self.ledger.closures.len()));
+        if self.core.ledger.closures.len() >= self.core.settings.closures_max {
+            return Err(Refusal::TooMany(Bounded::Closures, self.core.ledger.closures.len()));
         }
-        if area.nodes.iter().any(|n| self.warehouse().nodes.get(*n).is_none()) {
+        if area.nodes.iter().any(|n| self.core.warehouse().nodes.get(*n).is_none()) {
             return Err(Refusal::UnknownPlace);
         }
-        let closure = ClosureId(self.ledger.next_closure);
-        self.record(Fact::Closed { closure, area });
+        let closure = ClosureId(self.core.ledger.next_closure);
+        self.core.record(Fact::Closed { closure, area });
         Ok(Reply::Closed { token, closure })
     }
 
     fn reopen(&mut self, token: u64, closure: ClosureId, now: Time) -> Result<Reply, Refusal> {
-        if !self.ledger.closures.contains_key(&closure) {
+        if !self.core.ledger.closures.contains_key(&closure) {
             return Err(Refusal::UnknownClosure(closure));
         }
-        self.record(Fact::Reopened { closure, at: now });
+        self.core.record(Fact::Reopened { closure, at: now });
         Ok(Reply::Done { token })
     }
 
     fn clear(&mut self, token: u64, worker: WorkerId) -> Result<Reply, Refusal> {
-        if self.ledger.workers.get(worker).is_none() {
+        if self.core.ledger.workers.get(worker).is_none() {
             return Err(Refusal::UnknownWorker(worker));
         }
-        self.crowd.mind.forget(worker);
-        let version = self.crowd.person(worker).version;
-        *self.crowd.person(worker) = Person { version, ..Person::default() };
+        self.heard.people.push(OfWorker::Cleared(worker));
         Ok(Reply::Done { token })
     }
 }

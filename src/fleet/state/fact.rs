@@ -410,3 +410,27 @@ impl Task {
         }
     }
 }
+
+impl Fact {
+    /// The one robot that it is about.
+    pub(in crate::fleet) fn robot(&self) -> Option<RobotId> {
+        match self {
+            Fact::Registered { robot, .. }
+            | Fact::Tasked { robot, .. }
+            | Fact::Granted { robot, .. }
+            | Fact::Passed { robot, .. }
+            | Fact::Acted { robot, .. }
+            | Fact::Revoked { robot, .. }
+            | Fact::Placed { robot, .. }
+            | Fact::Failed { robot, .. }
+            | Fact::Repaired { robot, .. }
+            | Fact::Fenced { robot, .. }
+            | Fact::Maintenance { robot, .. } => Some(*robot),
+            Fact::Routed { bookings } => match &bookings[..] {
+                [only] => Some(only.robot),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}

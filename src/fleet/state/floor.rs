@@ -5,10 +5,14 @@
 
 use super::kind::RobotKind;
 use super::ledger::Ledger;
+use super::restrictions::Restrictions;
 use super::scene::Scene;
+use super::storage::Storage;
 use crate::fleet::Settings;
-use crate::id::RobotId;
+use crate::geometry::Point;
+use crate::id::{NodeId, RobotId};
 use crate::route::Kinematics;
+use crate::timeline::Visit;
 use crate::warehouse::Warehouse;
 use std::sync::Arc;
 
@@ -21,6 +25,10 @@ pub(in crate::fleet) struct Floor<'a> {
     pub scene: &'a Scene,
     /// The settings.
     pub settings: &'a Settings,
+    /// What people, closed areas and displaced robots mean for robots.
+    pub restrictions: &'a Restrictions,
+    /// What the map says about storage.
+    pub storage: &'a Storage,
 }
 
 impl<'a> Floor<'a> {
@@ -34,8 +42,33 @@ impl<'a> Floor<'a> {
         self.settings.kind(&self.ledger.robots[robot].kind)
     }
 
+    /// Whether a node is closed, or will be soon.
+    pub fn is_closing(&self, node: NodeId) -> bool {
+        self.restrictions.is_closing(node)
+    }
+
     /// How a robot moves.
     pub fn kinematics(&self, robot: RobotId) -> &'a Kinematics {
         &self.kind(robot).kinematics
+    }
+
+    /// The number of the visit whose centre a robot has reached, by its own word: the ledger follows later in the step,
+    /// and a robot that drove on meanwhile would seem to turn back.
+    pub fn reached(&self, robot: RobotId) -> u64 {
+        let chain = self.ledger.chain(robot);
+        let said = self.scene.robot(robot).map_or(0, |t| t.reached);
+        said.clamp(chain.first(), chain.granted() - 1)
+    }
+
+    /// What a robot was granted and has not reached.
+    pub fn granted_ahead(self, robot: RobotId) -> impl Iterator<Item = &'a Visit> {
+        let chain = self.ledger.chain(robot);
+        (self.reached(robot) + 1..chain.granted()).filter_map(|serial| chain.get(serial))
+    }
+
+    /// Where a robot is, as far as it was seen.
+    pub fn place_of(&self, robot: RobotId) -> Point {
+        let node = self.warehouse().nodes[self.ledger.node_of(robot)].at;
+        self.scene.robot(robot).map_or(node, |t| t.pose.at)
     }
 }

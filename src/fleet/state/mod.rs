@@ -3,6 +3,8 @@
 //! Main types: [`ledger::Ledger`] (a fold over [`fact::Fact`]s), [`scene::Scene`], [`io::Input`], [`io::Step`].
 //! Refuses: to decide anything; it knows no other room.
 
+pub(in crate::fleet) mod closed_areas;
+pub(in crate::fleet) mod core;
 pub mod displaced;
 pub mod fact;
 pub(in crate::fleet) mod floor;
@@ -13,7 +15,12 @@ pub(in crate::fleet) mod keys;
 pub(in crate::fleet) mod kind;
 pub mod ledger;
 pub mod life;
+pub(in crate::fleet) mod needs;
 pub(in crate::fleet) mod parts;
+pub(in crate::fleet) mod planners;
+pub(in crate::fleet) mod restrictions;
 pub mod scene;
+pub(in crate::fleet) mod storage;
 pub(in crate::fleet) mod wishes;
 pub mod worker;
+pub(in crate::fleet) mod yielding;

@@ -44,6 +44,11 @@ impl Scene {
         self.robots.get(robot.ix())?.newest.as_ref()
     }
 
+    /// When orders were sent to a robot last.
+    pub fn told(&self, robot: RobotId) -> Option<Time> {
+        self.robots.get(robot.ix())?.told
+    }
+
     /// A robot that was heard of lately and can drive.
     pub fn fit(&self, robot: RobotId, now: Time) -> Option<&Telemetry> {
         self.robot(robot).filter(|t| !t.cannot_drive() && now - t.seen <= SILENCE)

@@ -51,7 +51,7 @@ fn no_robot_joins_where_another_one_is_or_is_to_be_or_beyond_the_limit() {
     assert_eq!(why(floor.answer_to(7, vec![join("x", ahead)])), Some(Refusal::PlaceTaken(ahead)));
     let forklift = Input::Register { token: 7, name: "x".into(), kind: "forklift".into(), node: taken };
     assert_eq!(why(floor.answer_to(7, vec![forklift])), Some(Refusal::UnknownKind));
-    floor.fleet.settings.robots_max = 2;
+    floor.fleet.core.settings.robots_max = 2;
     let full = Some(Refusal::TooMany(Bounded::Robots, 2));
     assert_eq!(why(floor.answer_to(7, vec![join("x", taken)])), full);
 }

@@ -151,12 +151,12 @@ fn closures_that_come_and_go_leave_the_conditions_that_the_list_says() {
                 cause: Cause::Closure(*id),
             });
             let wanted: Vec<Condition> = wanted.collect();
-            assert_eq!(floor.fleet.crowd.conditions.of(node), wanted, "{node:?} at {now}");
+            assert_eq!(floor.fleet.core.restrictions.conditions.of(node), wanted, "{node:?} at {now}");
             let soon = Window::new(now, now + Span::from_secs(180));
             let counts = wanted.iter().any(|k| k.window.overlaps(soon));
-            assert!(!counts || floor.fleet.is_closing(node), "{node:?} at {now}");
+            assert!(!counts || floor.fleet.floor().is_closing(node), "{node:?} at {now}");
         }
-        let state = format!("{:?}", floor.fleet.crowd.areas);
+        let state = format!("{:?}", floor.fleet.core.restrictions.areas);
         changes += usize::from(state != before);
         before = state;
     }

@@ -144,7 +144,7 @@ fn a_robot_beside_the_place_where_somebody_works_is_not_in_the_way() {
     }
     floor.step(vec![Input::Halt { token: 2, robot: Some(RobotId(0)) }]);
     // She cannot stand just where her path ends, which is too near to the robot.
-    let end = floor.fleet.crowd.walkways.on_floor(w.nodes[place].at).expect("people get there");
+    let end = floor.fleet.people.walkways.on_floor(w.nodes[place].at).expect("people get there");
     let mut ana = floor.hire(end + (end - w.nodes[place].at).normalize() * 0.3);
     ana.own = true;
     floor.assign(&ana, place, 10);
@@ -301,9 +301,9 @@ fn a_worker_of_whom_nothing_is_heard_stops_robots_in_a_growing_disc_until_cleare
     let moving = floor.world.truth().filter(|(_, t)| t.speed_mps > 0.0).count();
     assert_eq!(moving, 0, "after 25 s she may be anywhere");
     let before = floor.fleet.ledger().counts.robot_deliveries;
-    assert!(floor.fleet.yielding.giving_way().next().is_some(), "robots wait because of her");
+    assert!(floor.fleet.yielding.state.giving_way().next().is_some(), "robots wait because of her");
     floor.step(vec![Input::ClearWorker { token: 4, worker: ana.worker }]);
-    assert!(floor.fleet.yielding.giving_way().next().is_none(), "and nobody does any more");
+    assert!(floor.fleet.yielding.state.giving_way().next().is_none(), "and nobody does any more");
     floor.run(120);
     assert!(floor.fleet.ledger().counts.robot_deliveries > before, "they go on");
 }
@@ -331,7 +331,7 @@ fn of_an_area_of_nodes_exactly_these_are_closed() {
     let window = crate::time::Window::new(Time::ZERO, Time::MAX);
     let area = Closure { outline, nodes: nodes.clone(), window, reason: "posts".into() };
     floor.step(vec![Input::Close { token: 3, area: area.clone() }]);
-    let mut closed: Vec<NodeId> = floor.fleet.crowd.conditions.nodes().collect();
+    let mut closed: Vec<NodeId> = floor.fleet.core.restrictions.conditions.nodes().collect();
     closed.sort_unstable();
     assert_eq!(closed, nodes);
     let unknown = Closure { nodes: vec![NodeId(9999)], ..area };

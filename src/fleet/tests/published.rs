@@ -147,10 +147,10 @@ fn turn_back(floor: &mut Floor, meanwhile: impl FnOnce(&mut Floor)) -> Puppet {
         floor.walk(&mut ana);
     }
     meanwhile(floor);
-    let version = floor.fleet.crowd.people[ana.worker].version;
+    let version = floor.fleet.people.people[ana.worker].version;
     let is_decided =
         |person: &Person| person.version > version || matches!(person.mode, Mode::Stopped { .. });
-    while !is_decided(&floor.fleet.crowd.people[ana.worker]) {
+    while !is_decided(&floor.fleet.people.people[ana.worker]) {
         floor.walk(&mut ana);
     }
     ana.own = false;
@@ -193,7 +193,7 @@ fn where_one_of_two_robots_cannot_leave_the_only_way_neither_moves() {
     floor.run(5);
     let ana = turn_back(&mut floor, |f| drop(f.step(vec![Input::Close { token: 3, area }])));
     assert!(place(&floor, 0).x < place(&floor, 1).x, "the one behind has a bay, the one in front has none");
-    let mode = floor.fleet.crowd.people[ana.worker].mode;
+    let mode = floor.fleet.people.people[ana.worker].mode;
     assert!(matches!(mode, Mode::Stopped { .. }), "{mode:?}");
     let since = floor.facts.iter().skip_while(|f| !matches!(f, Fact::Deviated { .. }));
     assert_eq!(since.filter(|f| matches!(f, Fact::Routed { .. })).count(), 0, "both keep their routes");

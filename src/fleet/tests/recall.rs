@@ -125,7 +125,8 @@ fn who_waits_for_a_place_in_a_queue_does_not_overtake_by_stepping_aside() {
     let robot = waiting(&floor).expect("just seen");
     let here = floor.fleet.ledger().node_of(robot);
     let (_, way) = floor.fleet.warehouse().ways(here).next().expect("it came somewhere");
-    assert!(floor.fleet.detour(robot, way.to, floor.now), "there is room beside it");
+    let Fleet { core, traffic, .. } = &mut floor.fleet;
+    assert!(traffic.detour(core, robot, way.to, floor.now), "there is room beside it");
     let chain = floor.fleet.ledger().chain(robot);
     assert!(chain.end() > chain.granted() && chain.last().map(|v| v.node) == Some(here), "it comes back");
     assert!(floor.fleet.floor().lacks_route(robot), "and it stands in line as before");
@@ -156,12 +157,8 @@ fn a_robot_that_may_only_drive_slowly_is_granted_less() {
     let mut floor = Floor::thesis(1);
     floor.submit(request(deliver(40)));
     floor.run(2);
-    let needed = |limit: Option<f64>, floor: &mut Floor| {
-        floor.fleet.yielding.of_mut(RobotId(0)).limit_told = Some((limit, floor.now));
-        floor.fleet.needed_ahead_m(RobotId(0))
-    };
-    let (free, slow, stop) =
-        (needed(None, &mut floor), needed(Some(0.5), &mut floor), needed(Some(0.0), &mut floor));
+    let needed = |limit_mps| floor.fleet.floor().needed_ahead_m(RobotId(0), limit_mps);
+    let (free, slow, stop) = (needed(None), needed(Some(0.5)), needed(Some(0.0)));
     assert!(free > slow + 1.0, "{free} m at full speed, {slow} m at half a metre per second");
     assert_eq!(slow, stop, "who is to stand now may be let go slowly in a moment");
 }
@@ -195,10 +192,11 @@ fn who_stands_for_long_after_the_work_should_be_done_is_not_about_to_set_off() {
         floor.walk(&mut ana);
     }
     let (robot, there) = ((RobotId(0), floor.robot_at()), ana.worker);
-    let seen = floor.fleet.whereabouts(there, floor.now).expect("she is seen");
+    let seen = floor.fleet.people.whereabouts(there, floor.now).expect("she is seen");
     let speed = |later_s: i64| {
         let later = floor.now + Span::from_secs(later_s);
-        floor.fleet.walk_of(there, &seen, robot, later).speed_mps
+        let Fleet { core, people, traffic, yielding, .. } = &floor.fleet;
+        yielding.limits(core, people, traffic).walk_of(there, &seen, robot, later).speed_mps
     };
     assert!(speed(0) > 1.0 && speed(20) > 1.0, "she sets off when it is done, or a little later");
     assert!(speed(60) < 0.1, "something else keeps her, maybe the robot");

@@ -13,7 +13,7 @@ impl Floor {
     #[track_caller]
     pub(super) fn assert_fold(&self) {
         let (warehouse, settings) = (self.fleet.warehouse().clone(), self.fleet.settings().clone());
-        let fold = Fleet::restore(warehouse, settings, self.facts.clone()).ledger;
+        let fold = Fleet::restore(warehouse, settings, self.facts.clone()).core.ledger;
         let live = self.fleet.ledger();
         assert!(fold == *live, "the ledger is not the fold of its facts at {}", self.now);
     }

@@ -6,95 +6,121 @@
 //! anybody (grants do), and to take back what was granted.
 
 use crate::aware::{HumanAwarePolicy, Zone};
-use crate::fleet::Fleet;
+use crate::fleet::state::closed_areas::storage_behind;
+use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobKind, JobState};
 use crate::fleet::state::ledger;
-use crate::fleet::traffic::closed_areas::storage_behind;
+use crate::fleet::state::yielding::STANDS;
+use crate::fleet::traffic::Traffic;
+use crate::fleet::traffic::plan::commit;
 use crate::id::{NodeId, RobotId};
 use crate::route::{COME_OUT, Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
 use std::collections::BTreeMap;
 
-/// Whoever has stood for longer than this is not about to set off: the place is as good as closed.
-pub(in crate::fleet) const STANDS: Span = Span::from_secs(20);
 /// A robot whose route leads into a closed area looks for another one this often at most.
 const AGAIN: Span = Span::from_secs(5);
 
-impl Fleet {
-    /// Notes which nodes are as good as closed because somebody has been standing there for long.
-    pub(in crate::fleet) fn note_closing(&mut self, now: Time) {
-        self.crowd.closing.clear();
-        if self.settings.policy != HumanAwarePolicy::Giveway {
-            return;
-        }
-        let (areas, conditions) = (&self.crowd.areas, &self.crowd.conditions);
-        let shuts = |c: &&Condition| c.effect == Effect::Still && c.window.end() > now + STANDS;
-        let begins = |n: NodeId| conditions.of(n).iter().filter(shuts).map(|c| c.window.start()).min();
-        let shut = |n: NodeId| Some((n, begins(n)?.min(areas.begins_here(n).unwrap_or(Time::MAX))));
-        let closing: BTreeMap<NodeId, Time> = conditions.passing().filter_map(shut).collect();
-        let either = |n: NodeId| closing.get(&n).copied().or_else(|| areas.begins_here(n));
-        let cut_off = closing.keys().flat_map(|n| storage_behind(self.warehouse(), *n, either));
-        let cut_off: Vec<(NodeId, Time)> = cut_off.collect();
-        self.crowd.closing = closing;
-        self.crowd.closing.extend(cut_off);
+/// Forgets what restricted robots in the step before, but for announced closures: those begin and end, and the ones
+/// that have been over for long are forgotten.
+pub(in crate::fleet) fn begin_restrictions(core: &mut Core, now: Time) {
+    let restrictions = &mut core.restrictions;
+    restrictions.conditions.clear();
+    let (closures, changes) = (&core.ledger.closures, core.ledger.index.closure_changes());
+    let warehouse = core.ledger.warehouse();
+    restrictions.areas.update(closures, changes, &mut restrictions.conditions, warehouse, now);
+    for closure in restrictions.areas.forgotten(closures, now) {
+        core.record(Fact::Reopened { closure, at: now });
     }
+}
 
-    /// Since when, or from when on, a node is closed, if it is or will be soon.
-    fn closes(&self, node: NodeId) -> Option<Time> {
-        self.crowd.closing.get(&node).copied().or_else(|| self.crowd.areas.begins(node))
+/// Notes which nodes are as good as closed because somebody has been standing there for long.
+pub(in crate::fleet) fn note_closing(core: &mut Core, now: Time) {
+    core.restrictions.closing.clear();
+    if core.settings.policy != HumanAwarePolicy::Giveway {
+        return;
     }
+    let (areas, conditions) = (&core.restrictions.areas, &core.restrictions.conditions);
+    let shuts = |c: &&Condition| c.effect == Effect::Still && c.window.end() > now + STANDS;
+    let begins = |n: NodeId| conditions.of(n).iter().filter(shuts).map(|c| c.window.start()).min();
+    let shut = |n: NodeId| Some((n, begins(n)?.min(areas.begins_here(n).unwrap_or(Time::MAX))));
+    let closing: BTreeMap<NodeId, Time> = conditions.passing().filter_map(shut).collect();
+    let either = |n: NodeId| closing.get(&n).copied().or_else(|| areas.begins_here(n));
+    let cut_off = closing.keys().flat_map(|n| storage_behind(core.warehouse(), *n, either));
+    let cut_off: Vec<(NodeId, Time)> = cut_off.collect();
+    core.restrictions.closing = closing;
+    core.restrictions.closing.extend(cut_off);
+}
 
-    /// Whether a node is closed, or will be soon.
-    pub(in crate::fleet) fn is_closing(&self, node: NodeId) -> bool {
-        self.closes(node).is_some()
-    }
-
-    /// Whether a robot on its way to a rack would not be out with it before the way is closed.
-    fn fetches_too_late(&self, robot: RobotId, now: Time) -> bool {
-        let record = &self.ledger.robots[robot];
-        let (Task::Fetch { node, .. }, Some(lift)) = (record.task, record.stops.first()) else {
-            return false;
-        };
-        let Some(begins) = self.closes(node) else { return false };
-        let arrive = self.ledger.chain(robot).get(lift.serial).map_or(now, |v| v.arrive.max(now));
-        arrive + self.floor().kinematics(robot).lift + COME_OUT > begins
-    }
-
-    /// Whether a job leads to a place that is closed, or will be soon.
-    pub(in crate::fleet) fn job_is_closed_off(&self, kind: &JobKind, rack_at: NodeId) -> bool {
-        let goal = match *kind {
-            JobKind::Deliver { station, .. } => Some(self.warehouse().stations[station].node),
-            JobKind::Relocate { node, .. } => Some(node),
-            _ => None,
-        };
-        self.is_closing(rack_at) || goal.is_some_and(|n| self.is_closing(n))
-    }
-
+impl Traffic {
     /// Robots whose promised way leads through a closed area, or ends in one, get another one.
-    pub(in crate::fleet) fn route_round_closures(&mut self, now: Time, budget: &mut u32) {
-        if self.crowd.closing.is_empty() && self.crowd.areas.is_empty() {
+    pub(in crate::fleet) fn route_round_closures(&mut self, core: &mut Core, now: Time, budget: &mut u32) {
+        if core.restrictions.closing.is_empty() && core.restrictions.areas.is_empty() {
             return;
         }
-        for robot in ledger::all(&self.ledger.robots) {
-            let looked = self.yielding.of(robot).looked_round.is_some_and(|t| now - t < AGAIN);
-            if *budget == 0 || looked || !self.floor().can_be_routed_round(robot, now) {
+        for robot in ledger::all(&core.ledger.robots) {
+            let looked = self.looked_round.get(&robot).is_some_and(|t| now - *t < AGAIN);
+            if *budget == 0 || looked || !core.floor().can_be_routed_round(robot, now) {
                 continue;
             }
-            let ends_there = self.task_elsewhere(robot) != self.ledger.robots[robot].task;
-            if ends_there || self.fetches_too_late(robot, now) || self.leads_into_closed(robot, now) {
-                self.yielding.of_mut(robot).looked_round = Some(now);
-                *budget = budget.saturating_sub(self.route_round(robot, now));
+            let floor = core.floor();
+            let ends_there = floor.task_elsewhere(robot) != floor.ledger.robots[robot].task;
+            if ends_there || floor.fetches_too_late(robot, now) || floor.leads_into_closed(robot, now) {
+                self.looked_round.insert(robot, now);
+                *budget = budget.saturating_sub(self.route_round(core, robot, now));
             }
         }
     }
 
+    /// Another route for the rest of the task, to another place where that is closed. The old route stands where
+    /// there is none. Gives the expansions spent.
+    fn route_round(&mut self, core: &mut Core, robot: RobotId, now: Time) -> u32 {
+        if gives_job_back(core, robot, now) {
+            return 0;
+        }
+        let old = core.ledger.robots[robot].task;
+        let task = core.floor().task_elsewhere(robot);
+        if task != old {
+            core.record(Fact::Tasked { robot, task });
+        }
+        let stages = core.floor().stages_left(robot);
+        self.tally.replans += 1;
+        match self.search(core, robot, &stages, now) {
+            Ok(route) => {
+                let spent = route.expansions;
+                commit(core, robot, route);
+                spent
+            }
+            Err(_) => {
+                if task != old {
+                    core.record(Fact::Tasked { robot, task: old });
+                }
+                core.settings.expansions_per_plan / 4
+            }
+        }
+    }
+}
+
+/// A robot that would fetch a rack from a closed place lets others have the job, later. Whether it does.
+fn gives_job_back(core: &mut Core, robot: RobotId, now: Time) -> bool {
+    let Task::Fetch { job: Some(job), node, .. } = core.ledger.robots[robot].task else { return false };
+    if !core.floor().job_is_closed_off(&core.ledger.jobs[&job].request.kind, node) {
+        return false;
+    }
+    let Some(stay) = core.floor().any_stay(robot) else { return false };
+    let task = Task::Move { job: None, goal: stay, stay, purpose: Purpose::Park };
+    core.progress(job, JobState::Waiting, Some((robot, task)), now);
+    true
+}
+
+impl Floor<'_> {
     /// Whether something that the robot was promised, but not granted, meets a closure.
     fn leads_into_closed(&self, robot: RobotId, now: Time) -> bool {
         let chain = self.ledger.chain(robot);
         let ahead = (chain.granted()..chain.end()).filter_map(|s| chain.get(s));
-        let conditions = &self.crowd.conditions;
+        let conditions = &self.restrictions.conditions;
         let mut ahead = ahead.filter(|v| conditions.is_touched(v.node)).peekable();
         if ahead.peek().is_none() {
             return false;
@@ -114,44 +140,25 @@ impl Fleet {
         })
     }
 
-    /// Another route for the rest of the task, to another place where that is closed. The old route stands where
-    /// there is none. Gives the expansions spent.
-    fn route_round(&mut self, robot: RobotId, now: Time) -> u32 {
-        if self.gives_job_back(robot, now) {
-            return 0;
-        }
-        let old = self.ledger.robots[robot].task;
-        let task = self.task_elsewhere(robot);
-        if task != old {
-            self.record(Fact::Tasked { robot, task });
-        }
-        let stages = self.floor().stages_left(robot);
-        self.tally.replans += 1;
-        match self.search(robot, &stages, now) {
-            Ok(route) => {
-                let spent = route.expansions;
-                self.commit(robot, route);
-                spent
-            }
-            Err(_) => {
-                if task != old {
-                    self.record(Fact::Tasked { robot, task: old });
-                }
-                self.settings.expansions_per_plan / 4
-            }
-        }
+    /// Whether a robot on its way to a rack would not be out with it before the way is closed.
+    fn fetches_too_late(&self, robot: RobotId, now: Time) -> bool {
+        let record = &self.ledger.robots[robot];
+        let (Task::Fetch { node, .. }, Some(lift)) = (record.task, record.stops.first()) else {
+            return false;
+        };
+        let Some(begins) = self.restrictions.closes(node) else { return false };
+        let arrive = self.ledger.chain(robot).get(lift.serial).map_or(now, |v| v.arrive.max(now));
+        arrive + self.kinematics(robot).lift + COME_OUT > begins
     }
 
-    /// A robot that would fetch a rack from a closed place lets others have the job, later. Whether it does.
-    fn gives_job_back(&mut self, robot: RobotId, now: Time) -> bool {
-        let Task::Fetch { job: Some(job), node, .. } = self.ledger.robots[robot].task else { return false };
-        if !self.job_is_closed_off(&self.ledger.jobs[&job].request.kind, node) {
-            return false;
-        }
-        let Some(stay) = self.any_stay(robot) else { return false };
-        let task = Task::Move { job: None, goal: stay, stay, purpose: Purpose::Park };
-        self.progress(job, JobState::Waiting, Some((robot, task)), now);
-        true
+    /// Whether a job leads to a place that is closed, or will be soon.
+    pub(in crate::fleet) fn job_is_closed_off(&self, kind: &JobKind, rack_at: NodeId) -> bool {
+        let goal = match *kind {
+            JobKind::Deliver { station, .. } => Some(self.warehouse().stations[station].node),
+            JobKind::Relocate { node, .. } => Some(node),
+            _ => None,
+        };
+        self.is_closing(rack_at) || goal.is_some_and(|n| self.is_closing(n))
     }
 
     /// The same task with an end that is not closed, where it may end anywhere.
@@ -171,9 +178,7 @@ impl Fleet {
             task => task,
         }
     }
-}
 
-impl Floor<'_> {
     /// Whether a robot has a route of which something may be changed.
     fn can_be_routed_round(&self, robot: RobotId, now: Time) -> bool {
         let at_stop = self.ledger.robots[robot].stops.first().map(|s| s.serial);

@@ -7,14 +7,17 @@
 //! what became of a rack.
 
 use super::truncate;
-use crate::fleet::Fleet;
+use crate::fleet::state::closed_areas::storage_behind;
+use crate::fleet::state::core::Core;
 use crate::fleet::state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 use crate::fleet::state::fact::{Act, Fact, Kept, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Telemetry;
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::ledger;
-use crate::fleet::state::scene::SILENCE;
+use crate::fleet::state::scene::{SILENCE, Scene};
+use crate::fleet::traffic::Traffic;
+use crate::fleet::traffic::progress::fail;
 use crate::geometry::{Point, Segment, axis_distance, axis_distance_to_segment, to_mm};
 use crate::id::{NodeId, RobotId};
 use crate::route::{Cause, Condition, Effect};
@@ -29,49 +32,45 @@ const TOUCH_M: f64 = 1e-3;
 /// A displaced robot that moved by less than this blocks the same nodes, metres.
 const SAME_M: f64 = 0.01;
 
-impl Fleet {
-    /// Whether a robot stands where, and carries what, the ledger has for it.
-    pub fn is_in_place(&self, seen: &Telemetry) -> bool {
-        self.floor().keeps_to_its_holds(seen) && self.floor().carries_what_is_promised(seen)
-    }
-
-    /// Why a robot cannot go on from where it stands, if that is so.
-    pub fn displacement(&self, robot: RobotId) -> Option<Displacement> {
-        self.scene.displaced(robot).map(|d| d.why)
-    }
-
+impl Traffic {
     /// Compares what a robot reports with what the ledger has: when it stands, and at its first report after a start.
-    pub(in crate::fleet) fn note_place(&mut self, robot: RobotId, seen: &Telemetry, now: Time) {
-        let (known, displaced) = (self.scene.is_placed(robot), self.scene.displaced(robot).is_some());
+    /// Whether it was taken up somewhere else.
+    pub(super) fn note_place(
+        &mut self,
+        core: &mut Core,
+        robot: RobotId,
+        seen: &Telemetry,
+        now: Time,
+    ) -> bool {
+        let (known, displaced) = (core.scene.is_placed(robot), core.scene.displaced(robot).is_some());
         let stands = seen.speed_mps < STANDS_MPS;
         if known && !stands && !displaced {
-            return;
+            return false;
         }
-        if self.settings.ghosts || self.is_in_place(seen) {
-            self.fits_again(robot);
-            return;
+        if core.settings.ghosts || core.floor().is_in_place(seen) {
+            fits_again(core, robot);
+            return false;
         }
         // A robot that is fenced off is not taken up, but no robot is to drive into it either.
-        let is_fenced = self.ledger.robots[robot].fenced.is_some();
-        match self.place_for(seen) {
-            Ok(node) if stands && !is_fenced => self.take_up(robot, node, now),
-            Ok(node) => self.displace(seen, Displacement::KnowsWaypoints(node), now),
-            Err(why) => self.displace(seen, why, now),
+        let is_fenced = core.ledger.robots[robot].fenced.is_some();
+        match self.place_for(core, seen) {
+            Ok(node) if stands && !is_fenced => {
+                take_up(core, robot, node, now);
+                self.called_back.remove(&robot);
+                return true;
+            }
+            Ok(node) => displace(core, seen, Displacement::KnowsWaypoints(node), now),
+            Err(why) => displace(core, seen, why, now),
         }
-    }
-
-    fn fits_again(&mut self, robot: RobotId) {
-        if self.scene.place(robot).is_some() {
-            self.crowd.conditions.withdraw(Cause::Robot(robot));
-        }
+        false
     }
 
     /// The node on which a robot can be taken up.
-    fn place_for(&mut self, seen: &Telemetry) -> Result<NodeId, Displacement> {
+    fn place_for(&mut self, core: &mut Core, seen: &Telemetry) -> Result<NodeId, Displacement> {
         let robot = seen.robot;
-        let (node, off_m) = self.floor().nearest_node(seen.pose.at);
-        if !self.floor().carries_what_is_promised(seen) {
-            let expected = self.ledger.rack_on(robot);
+        let (node, off_m) = core.floor().nearest_node(seen.pose.at);
+        if !core.floor().carries_what_is_promised(seen) {
+            let expected = core.ledger.rack_on(robot);
             return Err(Displacement::Load { carries: seen.rack, expected });
         }
         if off_m > OFF_ROUTE_M {
@@ -81,106 +80,40 @@ impl Fleet {
         if seen.known > seen.reached {
             return Err(Displacement::KnowsWaypoints(node));
         }
-        if let Some(other) = self.floor().granted_to_another(robot, node) {
+        if let Some(other) = core.floor().granted_to_another(robot, node) {
             return Err(Displacement::GrantedTo(node, other));
         }
-        let stored = self.ledger.index.places.rack_on(node);
+        let stored = core.ledger.index.places.rack_on(node);
         if let Some(rack) = stored.filter(|_| seen.rack.is_some()) {
             return Err(Displacement::RackThere(node, rack));
         }
         // Asked once for each place: the answer stays the same and costs a search.
         let no_way = Displacement::NoWayOut(node);
-        let asked = self.scene.displaced(robot).is_some_and(|d| d.why == no_way);
-        if asked || !self.has_way_out(robot, node) { Err(no_way) } else { Ok(node) }
+        let asked = core.scene.displaced(robot).is_some_and(|d| d.why == no_way);
+        if asked || !self.has_way_out(core, robot, node) { Err(no_way) } else { Ok(node) }
     }
 
     /// Whether lanes lead on from a node: to where the robot is to bring its rack, else to a place where it may stay.
-    fn has_way_out(&mut self, robot: RobotId, node: NodeId) -> bool {
-        let stages = match self.ledger.robots[robot].task {
-            task if task.carried().is_some() => self.floor().stages(robot),
-            _ if self.warehouse().kind(node).is_lasting() => return true,
+    fn has_way_out(&mut self, core: &mut Core, robot: RobotId, node: NodeId) -> bool {
+        let stages = match core.ledger.robots[robot].task {
+            task if task.carried().is_some() => core.floor().stages(robot),
+            _ if core.warehouse().kind(node).is_lasting() => return true,
             _ => {
-                let stays = self.warehouse().nodes_where(NodeKind::is_lasting);
+                let stays = core.warehouse().nodes_where(NodeKind::is_lasting);
                 stays.first().map(|n| super::plan::stay_at(*n)).into_iter().collect()
             }
         };
-        let kind = self.settings.kind(&self.ledger.robots[robot].kind);
+        let kind = core.settings.kind(&core.ledger.robots[robot].kind);
         self.planners.of_mut(kind).free_flow(node, &stages).is_some()
     }
 
-    /// A robot stands on a free node: it is booked there and nowhere else. It keeps the rack that it carries and
-    /// the job for which it does, and gives any other job back. Others that were promised the place lose that way.
-    fn take_up(&mut self, robot: RobotId, node: NodeId, now: Time) {
-        match self.ledger.robots[robot].task {
-            Task::Fetch { job: Some(job), .. } | Task::Move { job: Some(job), .. } => {
-                self.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
-            }
-            Task::Fetch { job: None, .. } | Task::Move { job: None, .. } => {
-                self.record(Fact::Tasked { robot, task: Task::Idle });
-            }
-            Task::Deliver { job, .. } if matches!(self.ledger.jobs[&job].state, JobState::Picking { .. }) => {
-                self.progress(job, JobState::Carrying { robot }, None, now);
-            }
-            Task::Deliver { .. } | Task::Store { .. } | Task::Idle => {}
-        }
-        let serial = self.ledger.chain(robot).end();
-        let cut = self.floor().truncated_for_place(robot, node);
-        self.record(Fact::Placed { robot, node, serial, cut, at: now });
-        self.fits_again(robot);
-        let noted = self.yielding.of_mut(robot);
-        (noted.called_back, noted.stands) = (None, None);
-    }
-
-    /// A robot cannot go on from where it stands: it counts as failed, and no robot drives into it.
-    fn displace(&mut self, seen: &Telemetry, why: Displacement, now: Time) {
-        let (robot, at) = (seen.robot, seen.pose.at);
-        let before = self.scene.displaced(robot);
-        let is_off = !self.floor().keeps_to_its_holds(seen);
-        let nodes = match before {
-            Some(b) if (b.at - at).norm() < SAME_M && b.is_off == is_off => b.nodes.clone(),
-            _ if is_off => self.floor().nodes_blocked_at(at),
-            _ => Vec::new(),
-        };
-        if before.is_none_or(|b| b.why != why) {
-            tracing::warn!(robot = self.ledger.robots[robot].name, ?why, "a robot is not where it is booked");
-        }
-        self.scene.displace(robot, Displaced { why, at, is_off, nodes });
-        self.close_around(robot, now);
-        if !self.ledger.robots[robot].failed {
-            self.fail(robot, now);
-        }
-    }
-
-    /// Closes the floor where robots stand that are off everything they hold. To be called in every step, behind
-    /// whatever makes the other conditions.
-    pub(in crate::fleet) fn close_displaced(&mut self, now: Time) {
-        for robot in self.scene.all_displaced().map(|(r, _)| r).collect::<Vec<_>>() {
-            self.close_around(robot, now);
-        }
-    }
-
-    fn close_around(&mut self, robot: RobotId, now: Time) {
-        let warehouse = self.ledger.warehouse();
-        let Some(displaced) = self.scene.displaced(robot) else { return };
-        let (cause, window) = (Cause::Robot(robot), Window::new(now, Time::MAX));
-        for node in &displaced.nodes {
-            self.crowd.conditions.add(*node, Condition { window, effect: Effect::Closed, cause });
-            self.crowd.closing.insert(*node, now);
-        }
-        let shut = |n: NodeId| displaced.nodes.contains(&n).then_some(now);
-        let cut_off =
-            displaced.nodes.iter().flat_map(|n| super::closed_areas::storage_behind(warehouse, *n, shut));
-        let cut_off: Vec<(NodeId, Time)> = cut_off.collect();
-        self.crowd.closing.extend(cut_off);
-    }
-
     /// The displaced robot into which a robot would drive with what it was granted.
-    pub(in crate::fleet) fn drives_into(&self, robot: RobotId) -> Option<RobotId> {
-        let others = || self.scene.all_displaced().filter(|(r, d)| *r != robot && d.is_off);
+    pub(in crate::fleet) fn drives_into(&self, floor: Floor<'_>, robot: RobotId) -> Option<RobotId> {
+        let others = || floor.scene.all_displaced().filter(|(r, d)| *r != robot && d.is_off);
         others().next()?;
-        let at = self.floor().place_of(robot);
-        let way = self.granted_way(robot, at);
-        let reach = self.warehouse().footprint_m - TOUCH_M;
+        let at = floor.place_of(robot);
+        let way = self.granted_way(floor, robot, at);
+        let reach = floor.warehouse().footprint_m - TOUCH_M;
         let hits = |p: Point| {
             let nearest = way.windows(2).map(|w| axis_distance_to_segment(p, Segment { a: w[0], b: w[1] }));
             // One that is too near already may leave.
@@ -191,24 +124,23 @@ impl Fleet {
 
     /// Calls robots back that were stopped before they drove into a displaced one, so that they can go round it and it
     /// can be taken up.
-    pub(in crate::fleet) fn revoke_grants_into_displaced(&mut self, now: Time) {
-        if self.scene.all_displaced().next().is_none() {
+    pub(in crate::fleet) fn revoke_grants_into_displaced(&mut self, core: &mut Core, now: Time) {
+        if core.scene.all_displaced().next().is_none() {
             return;
         }
-        for robot in ledger::all(&self.ledger.robots) {
-            if self.drives_into(robot).is_some() {
-                self.revoke_grant(robot, now);
+        for robot in ledger::all(&core.ledger.robots) {
+            if self.drives_into(core.floor(), robot).is_some() {
+                self.revoke_grant(core, robot, now);
             }
         }
     }
 
     /// Whether robots of which the ledger knows have not been heard of since a start, a short while ago: they may
     /// stand anywhere, so no robot is told to drive until then.
-    pub(in crate::fleet) fn waits_for_first_reports(&mut self, now: Time) -> bool {
+    pub(in crate::fleet) fn waits_for_first_reports(&mut self, scene: &Scene, now: Time) -> bool {
         if self.unheard.is_empty() {
             return false;
         }
-        let scene = &self.scene;
         self.unheard.retain(|r| scene.robot(*r).is_none());
         let since = *self.started.get_or_insert(now);
         if now - since >= SILENCE {
@@ -218,7 +150,86 @@ impl Fleet {
     }
 }
 
+fn fits_again(core: &mut Core, robot: RobotId) {
+    if core.scene.place(robot).is_some() {
+        core.restrictions.conditions.withdraw(Cause::Robot(robot));
+    }
+}
+
+/// A robot stands on a free node: it is booked there and nowhere else. It keeps the rack that it carries and
+/// the job for which it does, and gives any other job back. Others that were promised the place lose that way.
+fn take_up(core: &mut Core, robot: RobotId, node: NodeId, now: Time) {
+    match core.ledger.robots[robot].task {
+        Task::Fetch { job: Some(job), .. } | Task::Move { job: Some(job), .. } => {
+            core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
+        }
+        Task::Fetch { job: None, .. } | Task::Move { job: None, .. } => {
+            core.record(Fact::Tasked { robot, task: Task::Idle });
+        }
+        Task::Deliver { job, .. } if matches!(core.ledger.jobs[&job].state, JobState::Picking { .. }) => {
+            core.progress(job, JobState::Carrying { robot }, None, now);
+        }
+        Task::Deliver { .. } | Task::Store { .. } | Task::Idle => {}
+    }
+    let serial = core.ledger.chain(robot).end();
+    let cut = core.floor().truncated_for_place(robot, node);
+    core.record(Fact::Placed { robot, node, serial, cut, at: now });
+    fits_again(core, robot);
+}
+
+/// A robot cannot go on from where it stands: it counts as failed, and no robot drives into it.
+fn displace(core: &mut Core, seen: &Telemetry, why: Displacement, now: Time) {
+    let (robot, at) = (seen.robot, seen.pose.at);
+    let before = core.scene.displaced(robot);
+    let is_off = !core.floor().keeps_to_its_holds(seen);
+    let nodes = match before {
+        Some(b) if (b.at - at).norm() < SAME_M && b.is_off == is_off => b.nodes.clone(),
+        _ if is_off => core.floor().nodes_blocked_at(at),
+        _ => Vec::new(),
+    };
+    if before.is_none_or(|b| b.why != why) {
+        tracing::warn!(robot = core.ledger.robots[robot].name, ?why, "a robot is not where it is booked");
+    }
+    core.scene.displace(robot, Displaced { why, at, is_off, nodes });
+    close_around(core, robot, now);
+    if !core.ledger.robots[robot].failed {
+        fail(core, robot, now);
+    }
+}
+
+/// Closes the floor where robots stand that are off everything they hold. To be called in every step, behind
+/// whatever makes the other conditions.
+pub(in crate::fleet) fn close_displaced(core: &mut Core, now: Time) {
+    for robot in core.scene.all_displaced().map(|(r, _)| r).collect::<Vec<_>>() {
+        close_around(core, robot, now);
+    }
+}
+
+fn close_around(core: &mut Core, robot: RobotId, now: Time) {
+    let warehouse = core.ledger.warehouse();
+    let Some(displaced) = core.scene.displaced(robot) else { return };
+    let (cause, window) = (Cause::Robot(robot), Window::new(now, Time::MAX));
+    for node in &displaced.nodes {
+        core.restrictions.conditions.add(*node, Condition { window, effect: Effect::Closed, cause });
+        core.restrictions.closing.insert(*node, now);
+    }
+    let shut = |n: NodeId| displaced.nodes.contains(&n).then_some(now);
+    let cut_off = displaced.nodes.iter().flat_map(|n| storage_behind(warehouse, *n, shut));
+    let cut_off: Vec<(NodeId, Time)> = cut_off.collect();
+    core.restrictions.closing.extend(cut_off);
+}
+
 impl Floor<'_> {
+    /// Whether a robot stands where, and carries what, the ledger has for it.
+    pub fn is_in_place(&self, seen: &Telemetry) -> bool {
+        self.keeps_to_its_holds(seen) && self.carries_what_is_promised(seen)
+    }
+
+    /// Why a robot cannot go on from where it stands, if that is so.
+    pub fn displacement(&self, robot: RobotId) -> Option<Displacement> {
+        self.scene.displaced(robot).map(|d| d.why)
+    }
+
     /// Whether the pose is on the nodes that the robot was granted or on the straight lanes between them: from the one
     /// reached last on to the last one that it knows. A robot that knows no more than it reached takes on the next
     /// waypoint if it stands on the way there, so that lane counts, too.

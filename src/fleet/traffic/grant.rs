@@ -5,15 +5,17 @@
 //! from a robot that stands, and on its word.
 
 use crate::aware::SLOW_MPS;
-use crate::fleet::Fleet;
+use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Waypoint};
 use crate::fleet::state::ledger;
+use crate::fleet::state::yielding::YieldingState;
+use crate::fleet::traffic::Traffic;
 use crate::id::{ResourceId, RobotId};
 use crate::route::Cause;
 use crate::time::{Span, Time};
-use crate::timeline::Holder;
+use crate::timeline::{Holder, Visit};
 
 /// How long before its planned time a hold may be granted.
 const EARLY: Span = Span::from_secs(4);
@@ -39,58 +41,90 @@ pub(in crate::fleet) enum Withheld {
     Condition(Cause, Option<Time>),
 }
 
-impl Fleet {
-    pub(in crate::fleet) fn grant(&mut self, now: Time) {
-        if self.waits_for_first_reports(now) {
+impl Traffic {
+    /// Grants to each robot what it needs to keep its speed. Robots that are `interrupted` get no more than they have.
+    pub(in crate::fleet) fn grant(
+        &mut self,
+        core: &mut Core,
+        yielding: &YieldingState,
+        interrupted: impl Fn(RobotId) -> bool,
+        now: Time,
+    ) {
+        if self.waits_for_first_reports(&core.scene, now) {
             return;
         }
-        while self.withheld.len() < self.ledger.robots.len() {
+        while self.withheld.len() < core.ledger.robots.len() {
             self.withheld.push(None);
         }
-        for robot in ledger::all(&self.ledger.robots) {
-            self.at_hand = Some(robot);
-            if self.ledger.robots[robot].failed || self.scene.fit(robot, now).is_none() {
+        for robot in ledger::all(&core.ledger.robots) {
+            core.at_hand = Some(robot);
+            if core.ledger.robots[robot].failed || core.scene.fit(robot, now).is_none() {
                 continue;
             }
-            let held_back = self.floor().is_halted(robot) || self.crowd.procedure.holds(robot);
-            let before = self.ledger.chain(robot).granted();
-            self.withheld[robot] = match held_back {
-                true => self.withholds(robot, before, now),
-                false => self.extend_grant(robot, now),
+            let before = core.ledger.chain(robot).granted();
+            let gets_no_more = core.floor().is_halted(robot) || interrupted(robot);
+            self.withheld[robot] = match gets_no_more {
+                true => core.floor().withholds(yielding, robot, before, now),
+                false => extend_grant(core, yielding, robot, now),
             };
-            let granted = self.ledger.chain(robot).granted() > before;
-            if granted || self.must_repeat(robot, now) {
-                self.send(robot, now);
+            let granted = core.ledger.chain(robot).granted() > before;
+            if granted || core.floor().must_repeat(robot, now) {
+                send(core, robot, now);
             }
         }
     }
+}
 
-    /// Grants as many further visits as the robot needs to keep its speed; says why no more, if it needs more.
-    fn extend_grant(&mut self, robot: RobotId, now: Time) -> Option<Withheld> {
-        let holder = Holder::Robot(robot);
-        let mut serial = self.ledger.chain(robot).granted();
-        let first = serial;
-        let mut ahead = self.floor().granted_ahead_m(robot);
-        let enough = self.needed_ahead_m(robot);
-        let mut withheld = None;
-        while ahead < enough {
-            withheld = self.withholds(robot, serial, now);
-            if withheld.is_some() {
-                break;
-            }
-            ahead += self.floor().step_m(robot, serial);
-            serial += 1;
+/// Grants as many further visits as the robot needs to keep its speed; says why no more, if it needs more.
+fn extend_grant(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: Time) -> Option<Withheld> {
+    let floor = core.floor();
+    let first = floor.ledger.chain(robot).granted();
+    let mut serial = first;
+    let mut ahead = floor.granted_ahead_m(robot);
+    let enough = floor.needed_ahead_m(robot, yielding.of(robot).limit_mps());
+    let mut withheld = None;
+    while ahead < enough {
+        withheld = floor.withholds(yielding, robot, serial, now);
+        if withheld.is_some() {
+            break;
         }
-        if serial > first {
-            debug_assert!(self.ledger.timeline.waits_for(holder, first).is_none());
-            self.record(Fact::Granted { robot, serial: serial - 1, at: now });
-        }
-        withheld
+        ahead += floor.step_m(robot, serial);
+        serial += 1;
     }
+    if serial > first {
+        debug_assert!(core.ledger.timeline.waits_for(Holder::Robot(robot), first).is_none());
+        core.record(Fact::Granted { robot, serial: serial - 1, at: now });
+    }
+    withheld
+}
 
+/// Sends everything granted from where the robot is.
+fn send(core: &mut Core, robot: RobotId, now: Time) {
+    let grant = core.ledger.timeline.granted(Holder::Robot(robot)).expect("every robot stands somewhere");
+    let chain = core.ledger.chain(robot);
+    let stops = &core.ledger.robots[robot].stops;
+    let waypoints = (grant.serials())
+        .map(|serial| Waypoint {
+            serial,
+            node: chain.get(serial).expect("granted visits are held").node,
+            act: stops.iter().find(|s| s.serial == serial).map(|s| s.act),
+        })
+        .collect();
+    let recalls = core.ledger.robots[robot].recalls;
+    core.out.commands.push((robot, Command::Drive { grant, waypoints, recalls }));
+    core.scene.robot_mut(robot).told = Some(now);
+}
+
+impl Floor<'_> {
     /// Why a visit cannot be granted now, if it cannot. Where a robot waits for its turn and for a person, and is due,
     /// the person is named.
-    fn withholds(&self, robot: RobotId, serial: u64, now: Time) -> Option<Withheld> {
+    fn withholds(
+        &self,
+        yielding: &YieldingState,
+        robot: RobotId,
+        serial: u64,
+        now: Time,
+    ) -> Option<Withheld> {
         let Some(visit) = self.ledger.chain(robot).get(serial) else { return Some(Withheld::End) };
         if self.ledger.robots[robot].stops.first().is_some_and(|s| s.serial < serial) {
             return Some(Withheld::Stop);
@@ -102,53 +136,44 @@ impl Fleet {
         if !asked {
             return turn.or(Some(Withheld::Early));
         }
-        let condition = self.grant_waits_for(robot, visit, now);
+        let condition = self.grant_waits_for(yielding, robot, visit, now);
         condition.map(|(cause, until)| Withheld::Condition(cause, until)).or(turn)
     }
 
-    /// How far ahead it must be sure of its way to go on as fast as it may: its braking distance, what it drives
-    /// until the next grant reaches it, and a node more. That is less near people, so that it can still decide
-    /// otherwise there.
-    pub(in crate::fleet) fn needed_ahead_m(&self, robot: RobotId) -> f64 {
-        let k = *self.floor().kinematics(robot);
+    /// Because of what a visit cannot be granted now, and until when, where that is known.
+    pub(in crate::fleet) fn grant_waits_for(
+        &self,
+        yielding: &YieldingState,
+        robot: RobotId,
+        visit: &Visit,
+        now: Time,
+    ) -> Option<(Cause, Option<Time>)> {
+        let faced = yielding.faces(*self, robot, visit.node, now).map(|w| (Cause::Worker(w), None));
+        faced.or_else(|| self.holds_back(robot, visit, now).map(|c| (c.cause, Some(c.window.end()))))
+    }
+
+    /// How far ahead a robot under this speed limit must be sure of its way to go on as fast as it may: its braking
+    /// distance, what it drives until the next grant reaches it, and a node more. That is less near people, so that it
+    /// can still decide otherwise there.
+    pub(in crate::fleet) fn needed_ahead_m(&self, robot: RobotId, limit_mps: Option<f64>) -> f64 {
+        let k = *self.kinematics(robot);
         let loaded = self.ledger.rack_on(robot).is_some();
-        let limit = self.yielding.of(robot).limit_mps();
-        let speed = k.top_mps(loaded).min(limit.unwrap_or(f64::INFINITY).max(SLOW_MPS));
+        let speed = k.top_mps(loaded).min(limit_mps.unwrap_or(f64::INFINITY).max(SLOW_MPS));
         let latency = (self.settings.period * 2 + k.reaction).as_secs_f64();
         k.braking_m(speed, loaded) + speed * latency + NODE_M
     }
 
     /// Whether the robot may not know its orders: it does not say that it does, or it has been standing at a stop for a
     /// while without being done (a robot that was restarted there has forgotten what it was to do).
-    fn must_repeat(&mut self, robot: RobotId, now: Time) -> bool {
+    fn must_repeat(&self, robot: RobotId, now: Time) -> bool {
         let chain = self.ledger.chain(robot);
         let (here, granted) = (chain.first(), chain.granted());
         let at_stop = self.ledger.robots[robot].stops.first().is_some_and(|s| s.serial == here);
         let knows = self.scene.robot(robot).is_some_and(|t| t.known + 1 >= granted);
-        let told = self.scene.robot_mut(robot).told;
         let pause = if knows { REMIND } else { REPEAT };
-        (!knows || at_stop) && told.is_none_or(|t| now - t >= pause)
+        (!knows || at_stop) && self.scene.told(robot).is_none_or(|t| now - t >= pause)
     }
 
-    /// Sends everything granted from where the robot is.
-    fn send(&mut self, robot: RobotId, now: Time) {
-        let grant = self.ledger.timeline.granted(Holder::Robot(robot)).expect("every robot stands somewhere");
-        let chain = self.ledger.chain(robot);
-        let stops = &self.ledger.robots[robot].stops;
-        let waypoints = (grant.serials())
-            .map(|serial| Waypoint {
-                serial,
-                node: chain.get(serial).expect("granted visits are held").node,
-                act: stops.iter().find(|s| s.serial == serial).map(|s| s.act),
-            })
-            .collect();
-        let recalls = self.ledger.robots[robot].recalls;
-        self.out.commands.push((robot, Command::Drive { grant, waypoints, recalls }));
-        self.scene.robot_mut(robot).told = Some(now);
-    }
-}
-
-impl Floor<'_> {
     /// Distance from the visit before to this one, metres.
     fn step_m(&self, robot: RobotId, serial: u64) -> f64 {
         let chain = self.ledger.chain(robot);

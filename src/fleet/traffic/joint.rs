@@ -3,8 +3,9 @@
 //!
 //! Refuses: to move robots that are broken or silent, and to take back what was granted.
 
-use crate::fleet::Fleet;
+use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
+use crate::fleet::traffic::Traffic;
 use crate::id::{NodeId, RobotId};
 use crate::route::{Ask, Away, Route, Stage};
 use crate::time::Time;
@@ -18,18 +19,18 @@ const OTHERS: usize = 3;
 /// A robot with its new route.
 type Found = (RobotId, Route);
 
-impl Fleet {
+impl Traffic {
     /// Plans `robot` together with the few robots that stand most in its way. Whether that worked.
-    pub(in crate::fleet) fn insert(&mut self, robot: RobotId, now: Time) -> bool {
-        if self.floor().next_stop_is_granted(robot) {
+    pub(in crate::fleet) fn insert(&mut self, core: &mut Core, robot: RobotId, now: Time) -> bool {
+        if core.floor().next_stop_is_granted(robot) {
             return false;
         }
-        let start = (self.settings.stopwatch)();
-        let others = self.influencers(robot, now);
+        let start = (core.settings.stopwatch)();
+        let others = self.influencers(core, robot, now);
         let mut best: Option<(i64, Vec<Found>)> = None;
         for size in 1..=others.len() {
             for order in orders(robot, &others[..size]) {
-                if let Some((cost, routes)) = self.plan_in_order(&order, now)
+                if let Some((cost, routes)) = self.plan_in_order(core, &order, now)
                     && best.as_ref().is_none_or(|(c, _)| cost < *c)
                 {
                     best = Some((cost, routes));
@@ -39,29 +40,29 @@ impl Fleet {
                 break;
             }
         }
-        self.plan_times.push((self.settings.stopwatch)() - start);
+        self.plan_times.push((core.settings.stopwatch)() - start);
         let Some((_, routes)) = best else { return false };
-        let bookings = routes.into_iter().map(|(r, route)| self.floor().booking(r, route)).collect();
-        self.record(Fact::Routed { bookings });
+        let bookings = routes.into_iter().map(|(r, route)| core.floor().booking(r, route)).collect();
+        core.record(Fact::Routed { bookings });
         true
     }
 
     /// Robots whose holds meet the windows of the route that `robot` would have if they all made way, most in the way
     /// first.
-    fn influencers(&mut self, robot: RobotId, now: Time) -> Vec<RobotId> {
-        let fit = |r: &RobotId| !self.ledger.robots[*r].failed && self.scene.fit(*r, now).is_some();
-        let busy = |r: &RobotId| self.floor().next_stop_is_granted(*r);
-        let movable = |r: &RobotId| *r != robot && fit(r) && !busy(r) && !self.floor().waits_for_room(*r);
-        let movable: Vec<RobotId> = self.ledger.robots.ids().filter(movable).collect();
-        let mut without = self.ledger.timeline.clone();
+    fn influencers(&mut self, core: &mut Core, robot: RobotId, now: Time) -> Vec<RobotId> {
+        let fit = |r: &RobotId| !core.ledger.robots[*r].failed && core.scene.fit(*r, now).is_some();
+        let busy = |r: &RobotId| core.floor().next_stop_is_granted(*r);
+        let movable = |r: &RobotId| *r != robot && fit(r) && !busy(r) && !core.floor().waits_for_room(*r);
+        let movable: Vec<RobotId> = core.ledger.robots.ids().filter(movable).collect();
+        let mut without = core.ledger.timeline.clone();
         for r in movable.iter().chain([&robot]) {
-            without.withdraw(Holder::Robot(*r), self.ledger.chain(*r).granted() - 1);
+            without.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);
         }
-        let Some(route) = self.search_on(&without, robot, now) else { return Vec::new() };
+        let Some(route) = self.search_on(core, &without, robot, now) else { return Vec::new() };
         let mut met: BTreeMap<RobotId, usize> = BTreeMap::new();
         for visit in &route.visits {
-            let resource = self.warehouse().node_resource(visit.node);
-            for h in self.ledger.timeline.holders_during(resource, visit.window(), Holder::Robot(robot)) {
+            let resource = core.warehouse().node_resource(visit.node);
+            for h in core.ledger.timeline.holders_during(resource, visit.window(), Holder::Robot(robot)) {
                 if let Holder::Robot(r) = h {
                     *met.entry(r).or_default() += 1;
                 }
@@ -70,20 +71,20 @@ impl Fleet {
         let mut ranked: Vec<(usize, RobotId)> = met.into_iter().map(|(r, n)| (n, r)).collect();
         ranked.retain(|(_, r)| movable.contains(r));
         // Whoever stands in the way for ever meets few windows, but no order helps while it does.
-        ranked.sort_by_key(|(n, r)| (!self.floor().lacks_route(*r), std::cmp::Reverse(*n), *r));
+        ranked.sort_by_key(|(n, r)| (!core.floor().lacks_route(*r), std::cmp::Reverse(*n), *r));
         ranked.into_iter().take(OTHERS).map(|(_, r)| r).collect()
     }
 
     /// Plans robots one after the other, each against those before it; gives the sum of their arrivals.
-    fn plan_in_order(&mut self, order: &[RobotId], now: Time) -> Option<(i64, Vec<Found>)> {
-        let mut scratch = self.ledger.timeline.clone();
+    fn plan_in_order(&mut self, core: &mut Core, order: &[RobotId], now: Time) -> Option<(i64, Vec<Found>)> {
+        let mut scratch = core.ledger.timeline.clone();
         for r in order {
-            scratch.withdraw(Holder::Robot(*r), self.ledger.chain(*r).granted() - 1);
+            scratch.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);
         }
         let mut routes = Vec::new();
         let mut cost = 0;
         for &r in order {
-            let route = self.search_on(&scratch, r, now)?;
+            let route = self.search_on(core, &scratch, r, now)?;
             cost += (route.arrival - now).0;
             let visits = std::iter::once(route.kept.clone()).chain(route.visits.iter().cloned()).collect();
             scratch.extend(Holder::Robot(r), visits).ok()?;
@@ -93,44 +94,52 @@ impl Fleet {
     }
 
     /// A route for the rest of a robot's task on some other timeline, from which its own has been withdrawn.
-    fn search_on(&mut self, timeline: &Timeline, robot: RobotId, now: Time) -> Option<Route> {
-        let mut stages = self.floor().stages_left(robot);
+    fn search_on(
+        &mut self,
+        core: &mut Core,
+        timeline: &Timeline,
+        robot: RobotId,
+        now: Time,
+    ) -> Option<Route> {
+        let mut stages = core.floor().stages_left(robot);
         if stages.is_empty() {
             // It has nothing to do: any place to stay will do.
-            let goal = self.any_stay(robot)?;
+            let goal = core.floor().any_stay(robot)?;
             stages = SmallVec::from_elem(crate::fleet::traffic::plan::stay_at(goal), 1);
         }
-        let away = self.away(robot, now);
-        self.search_stages_on(timeline, robot, &stages, &away, now)
+        let away = core.floor().away(robot, now);
+        self.search_stages_on(core, timeline, robot, &stages, &away, now)
     }
 
     /// A way to a place aside first, then on with the task, on some other timeline likewise.
     pub(in crate::fleet) fn way_aside(
         &mut self,
+        core: &mut Core,
         timeline: &Timeline,
         robot: RobotId,
         (place, away): (NodeId, &[Away]),
         now: Time,
     ) -> Option<Route> {
-        let stages = self.floor().stages_aside(robot, place);
-        let route = self.search_stages_on(timeline, robot, &stages, away, now)?;
-        Some(self.floor().with_own_stops(robot, route))
+        let stages = core.floor().stages_aside(robot, place);
+        let route = self.search_stages_on(core, timeline, robot, &stages, away, now)?;
+        Some(core.floor().with_own_stops(robot, route))
     }
 
     fn search_stages_on(
         &mut self,
+        core: &mut Core,
         timeline: &Timeline,
         robot: RobotId,
         stages: &[Stage],
         away: &[Away],
         now: Time,
     ) -> Option<Route> {
-        let (from, heading) = self.floor().grant_end(robot);
-        let ready = now.max(from.arrive) + self.settings.period;
-        let (budget, conditions) = (self.settings.expansions_per_plan, &self.crowd.conditions);
+        let (from, heading) = core.floor().grant_end(robot);
+        let ready = now.max(from.arrive) + core.settings.period;
+        let (budget, conditions) = (core.settings.expansions_per_plan, &core.restrictions.conditions);
         let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away };
         self.tally.plans += 1;
-        let kind = self.settings.kind(&self.ledger.robots[robot].kind);
+        let kind = core.settings.kind(&core.ledger.robots[robot].kind);
         self.planners.of_mut(kind).plan(&ask, timeline).ok()
     }
 }

@@ -1,23 +1,23 @@
 //! Fourth phase: who needs a route? One search each, within a budget of expansions per step.
 //!
-//! Main type: [`Needs`] (who waits for a route since when). A new route replaces the old one only when it is
+//! Robots in need are in [`Needs`](crate::fleet::state::needs::Needs). A new route replaces the old one only when it is
 //! complete up to a place where the robot may stay for ever; else the old one stands (DESIGN §5, invariant
 //! a). Refuses: to let the time of day decide how much is planned.
 
-use crate::fleet::Fleet;
+use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Act, Booking, Fact, Stop, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobKind;
 use crate::fleet::state::ledger;
-use crate::fleet::state::worker::Reaction;
+use crate::fleet::state::needs::Need;
+use crate::fleet::traffic::Traffic;
 use crate::geometry::Segment;
-use crate::id::{IdVec, NodeId, RobotId, StationId, WorkerId};
+use crate::id::{IdVec, NodeId, RobotId, StationId};
 use crate::route::{Ask, NoRoute, Route, Stage};
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Visit};
 use crate::warehouse::NodeKind;
 use smallvec::{SmallVec, smallvec};
-use std::collections::{BTreeMap, BTreeSet};
 
 /// The first pause after a failed search; it doubles up to [`RETRY_MAX`].
 const RETRY: Span = Span::from_millis(400);
@@ -29,85 +29,48 @@ const PATIENCE: Span = Span::from_secs(4);
 /// A better way saves at least this.
 const WORTH: Span = Span::from_secs(1);
 
-/// A robot without the route that its task asks for.
-#[derive(Clone, Copy, Debug)]
-struct Need {
-    since: Time,
-    next_try: Time,
-    tries: u32,
-}
-
-/// Robots that need a route, and when each looked for a better one last.
-#[derive(Debug, Default)]
-pub(in crate::fleet) struct Needs {
-    waiting: BTreeMap<RobotId, Need>,
-    looked: BTreeMap<RobotId, Time>,
-    /// Robots that may go on earlier than planned.
-    early: BTreeSet<RobotId>,
-    /// How long the last one waited for room at a station before it set off.
-    pub set_off: BTreeMap<StationId, Span>,
-}
-
-impl Needs {
-    /// Whether a search for this robot failed lately.
-    pub fn failed_before(&self, robot: RobotId) -> bool {
-        self.waiting.get(&robot).is_some_and(|n| n.tries > 0)
-    }
-
-    /// A robot may go on earlier than planned.
-    pub fn left_early(&mut self, robot: RobotId) {
-        self.early.insert(robot);
-    }
-
-    /// How long a robot has needed a route.
-    pub fn waited(&self, robot: RobotId, now: Time) -> Span {
-        self.waiting.get(&robot).map_or(Span::ZERO, |n| now - n.since)
-    }
-}
-
-impl Fleet {
-    pub(in crate::fleet) fn plan(&mut self, now: Time) {
-        let mut budget = self.settings.expansions_per_step;
-        let in_need = self.in_need(now);
-        let mut bound = if in_need.is_empty() { IdVec::new() } else { self.floor().bound_for_stations() };
+impl Traffic {
+    /// Routes for robots that need one, longest waiting first, and earlier ones for those that may go on earlier. Gives
+    /// the expansions that are left of the step's budget.
+    pub(in crate::fleet) fn plan_needed(&mut self, core: &mut Core, now: Time) -> u32 {
+        let mut budget = core.settings.expansions_per_step;
+        let in_need = self.in_need(core, now);
+        let mut bound = if in_need.is_empty() { IdVec::new() } else { core.floor().bound_for_stations() };
         for robot in in_need {
             if budget == 0 {
-                return;
+                return 0;
             }
             // What is granted is done before anything else is planned: the robot may be at it already.
-            let fit = self.scene.fit(robot, now).is_some() && !self.floor().next_stop_is_granted(robot);
-            if !fit || !self.floor().station_has_room(robot, &bound) {
+            let fit = core.scene.fit(robot, now).is_some() && !core.floor().next_stop_is_granted(robot);
+            if !fit || !core.floor().station_has_room(robot, &bound) {
                 continue;
             }
             let waited = self.needs.waited(robot, now);
-            let spent = self.plan_one(robot, now);
+            let spent = self.plan_one(core, robot, now);
             budget = budget.saturating_sub(spent);
-            if let Some(station) = self.floor().station_of(robot).filter(|_| !self.floor().lacks_route(robot))
+            if let Some(station) = core.floor().station_of(robot).filter(|_| !core.floor().lacks_route(robot))
             {
                 self.needs.set_off.insert(station, waited);
                 bound[station] += 1;
             }
         }
-        self.plan_early(now, &mut budget);
-        self.plan_interrupted(now, &mut budget);
-        self.route_round_closures(now, &mut budget);
-        self.give_way(now, &mut budget);
-        self.improve(now, budget);
+        self.plan_early(core, now, &mut budget);
+        budget
     }
 
     /// Robots whose stop ended before it was to end look for an earlier route.
-    fn plan_early(&mut self, now: Time, budget: &mut u32) {
+    fn plan_early(&mut self, core: &mut Core, now: Time, budget: &mut u32) {
         for robot in std::mem::take(&mut self.needs.early) {
-            if !self.floor().lacks_route(robot) && self.scene.fit(robot, now).is_some() {
-                *budget = budget.saturating_sub(self.improve_one(robot, now));
+            if !core.floor().lacks_route(robot) && core.scene.fit(robot, now).is_some() {
+                *budget = budget.saturating_sub(self.improve_one(core, robot, now));
             }
         }
     }
 
     /// Robots whose task asks for a route that they do not have, longest waiting first.
-    fn in_need(&mut self, now: Time) -> Vec<RobotId> {
-        for robot in ledger::all(&self.ledger.robots) {
-            if self.floor().lacks_route(robot) {
+    fn in_need(&mut self, core: &mut Core, now: Time) -> Vec<RobotId> {
+        for robot in ledger::all(&core.ledger.robots) {
+            if core.floor().lacks_route(robot) {
                 let fresh = Need { since: now, next_try: now, tries: 0 };
                 self.needs.waiting.entry(robot).or_insert(fresh);
             } else {
@@ -121,13 +84,13 @@ impl Fleet {
     }
 
     /// One robot, one search; gives the expansions spent.
-    fn plan_one(&mut self, robot: RobotId, now: Time) -> u32 {
-        self.choose_storage(robot);
-        let stages = self.floor().stages(robot);
-        match self.search(robot, &stages, now) {
+    fn plan_one(&mut self, core: &mut Core, robot: RobotId, now: Time) -> u32 {
+        self.choose_storage(core, robot);
+        let stages = core.floor().stages(robot);
+        match self.search(core, robot, &stages, now) {
             Ok(route) => {
                 let spent = route.expansions;
-                self.commit(robot, route);
+                commit(core, robot, route);
                 self.needs.waiting.remove(&robot);
                 spent
             }
@@ -137,139 +100,164 @@ impl Fleet {
                 need.next_try = now + Span((RETRY.0 << need.tries.min(4)).min(RETRY_MAX.0));
                 need.tries += 1;
                 tracing::debug!(?robot, ?why, tries = need.tries, "no route");
-                if need.tries.is_multiple_of(INSERT_EVERY) && self.insert(robot, now) {
+                if need.tries.is_multiple_of(INSERT_EVERY) && self.insert(core, robot, now) {
                     self.needs.waiting.remove(&robot);
                 }
-                if why == NoRoute::BudgetSpent { self.settings.expansions_per_plan } else { 1_000 }
+                if why == NoRoute::BudgetSpent { core.settings.expansions_per_plan } else { 1_000 }
             }
         }
     }
 
     /// Looks for a better storage node before a rack leaves, and after each failed search.
-    fn choose_storage(&mut self, robot: RobotId) {
+    fn choose_storage(&mut self, core: &mut Core, robot: RobotId) {
         let tries = self.needs.waiting.get(&robot).map_or(0, |n| n.tries as usize);
-        let task = match self.ledger.robots[robot].task {
+        let task = match core.ledger.robots[robot].task {
             Task::Deliver { job, rack, station, store } => {
-                let best = self.best_storage(robot, rack, station, tries);
+                let best = core.floor().best_storage(robot, rack, station, tries);
                 (best != store).then_some(Task::Deliver { job, rack, station, store: best })
             }
-            Task::Store { job, rack, store } if tries > 0 && !self.floor().is_relocation(job) => {
-                let best = self.best_storage(robot, rack, self.ledger.node_of(robot), tries);
+            Task::Store { job, rack, store } if tries > 0 && !core.floor().is_relocation(job) => {
+                let best = core.floor().best_storage(robot, rack, core.ledger.node_of(robot), tries);
                 (best != store).then_some(Task::Store { job, rack, store: best })
             }
             _ => None,
         };
         if let Some(task) = task {
-            self.record(Fact::Tasked { robot, task });
+            core.record(Fact::Tasked { robot, task });
         }
     }
 
     /// A route from where the robot's grants end.
     pub(in crate::fleet) fn search(
         &mut self,
+        core: &mut Core,
         robot: RobotId,
         stages: &[Stage],
         now: Time,
     ) -> Result<Route, NoRoute> {
-        self.at_hand = Some(robot);
+        core.at_hand = Some(robot);
         let holder = Holder::Robot(robot);
-        let (from, heading) = self.floor().grant_end(robot);
-        let ready = now.max(from.arrive) + self.settings.period;
-        let (budget, away) = (self.settings.expansions_per_plan, self.away(robot, now));
-        let conditions = &self.crowd.conditions;
+        let (from, heading) = core.floor().grant_end(robot);
+        let ready = now.max(from.arrive) + core.settings.period;
+        let (budget, away) = (core.settings.expansions_per_plan, core.floor().away(robot, now));
+        let conditions = &core.restrictions.conditions;
         let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away: &away };
-        let kind = self.settings.kind(&self.ledger.robots[robot].kind);
-        let (planner, timeline) = (self.planners.of_mut(kind), &mut self.ledger.timeline);
-        let start = (self.settings.stopwatch)();
+        let kind = core.settings.kind(&core.ledger.robots[robot].kind);
+        let (planner, timeline) = (self.planners.of_mut(kind), &mut core.ledger.timeline);
+        let start = (core.settings.stopwatch)();
         let found = timeline.without(&[holder], |others| planner.plan(&ask, others));
-        self.plan_times.push((self.settings.stopwatch)() - start);
+        self.plan_times.push((core.settings.stopwatch)() - start);
         self.tally.plans += 1;
         found
-    }
-
-    pub(in crate::fleet) fn commit(&mut self, robot: RobotId, route: Route) {
-        let booking = self.floor().booking(robot, route);
-        self.record(Fact::Routed { bookings: vec![booking] });
     }
 
     /// Robots that wait for others look for a better way now and then: that is how the order on a resource is
     /// changed where keeping it would hand one robot's delay on to the fleet. The new windows fit into what
     /// everybody holds, so the order of all stays free of cycles.
-    fn improve(&mut self, now: Time, mut budget: u32) {
-        for robot in ledger::all(&self.ledger.robots) {
+    pub(in crate::fleet) fn improve(&mut self, core: &mut Core, now: Time, mut budget: u32) {
+        for robot in ledger::all(&core.ledger.robots) {
             if budget == 0 {
                 return;
             }
             let looked = self.needs.looked.get(&robot).copied().unwrap_or(Time::ZERO);
-            if now - looked < PATIENCE || !self.floor().is_held_up(robot, now) {
+            if now - looked < PATIENCE || !core.floor().is_held_up(robot, now) {
                 continue;
             }
             self.needs.looked.insert(robot, now);
-            budget = budget.saturating_sub(self.improve_one(robot, now));
+            budget = budget.saturating_sub(self.improve_one(core, robot, now));
         }
     }
 
-    fn improve_one(&mut self, robot: RobotId, now: Time) -> u32 {
-        let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return 0 };
-        let chain = self.ledger.chain(robot);
+    fn improve_one(&mut self, core: &mut Core, robot: RobotId, now: Time) -> u32 {
+        let Some(stop) = core.ledger.robots[robot].stops.first().copied() else { return 0 };
+        let chain = core.ledger.chain(robot);
         let Some(planned) = chain.get(stop.serial).map(|v| v.arrive) else { return 0 };
         if stop.serial < chain.granted() {
             return 0;
         }
-        let stages = self.floor().stages_left(robot);
-        match self.search(robot, &stages, now) {
+        let stages = core.floor().stages_left(robot);
+        match self.search(core, robot, &stages, now) {
             Ok(route) if reached(&route) + WORTH < planned => {
                 let spent = route.expansions;
-                self.commit(robot, route);
+                commit(core, robot, route);
                 spent
             }
             Ok(route) => route.expansions,
-            Err(_) => self.settings.expansions_per_plan / 4,
+            Err(_) => core.settings.expansions_per_plan / 4,
         }
     }
 
-    /// Looks for a route that avoids somebody; takes it where it is earlier than what is left of the old one
-    /// after the wait. Gives the expansions spent.
-    pub(in crate::fleet) fn reroute(&mut self, robot: RobotId, worker: WorkerId, now: Time) -> u32 {
-        let Some(stop) = self.ledger.robots[robot].stops.first().copied() else { return 0 };
-        let planned = self.expected(robot, stop.serial, now);
-        let stages = self.floor().stages_left(robot);
-        match self.search(robot, &stages, now) {
+    /// Looks for a route that avoids people; takes it where it is earlier than what is left of the old one after the
+    /// wait. Whether it was taken, and the expansions spent.
+    pub(in crate::fleet) fn reroute(
+        &mut self,
+        core: &mut Core,
+        robot: RobotId,
+        waited: Span,
+        now: Time,
+    ) -> (bool, u32) {
+        let Some(stop) = core.ledger.robots[robot].stops.first().copied() else { return (false, 0) };
+        let planned = core.floor().expected(robot, stop.serial, waited, now);
+        let stages = core.floor().stages_left(robot);
+        match self.search(core, robot, &stages, now) {
             Ok(route) => {
                 let spent = route.expansions;
-                if reached(&route) + WORTH < planned {
-                    self.commit(robot, route);
+                let is_worth_it = reached(&route) + WORTH < planned;
+                if is_worth_it {
+                    commit(core, robot, route);
                     self.tally.replans += 1;
-                    self.gives_way(robot, worker, Reaction::Rerouted, now);
                 }
-                spent
+                (is_worth_it, spent)
             }
-            Err(_) => self.settings.expansions_per_plan / 4,
+            Err(_) => (false, core.settings.expansions_per_plan / 4),
         }
     }
 
     /// Plans an interrupted robot anew; the old route stands where the new one is no earlier. Gives the
     /// expansions spent.
-    pub(in crate::fleet) fn plan_again(&mut self, robot: RobotId, now: Time) -> u32 {
-        let stop = self.ledger.robots[robot].stops.first().copied();
-        let Some(stop) = stop.filter(|s| s.serial >= self.ledger.chain(robot).granted()) else { return 0 };
-        let planned = self.expected(robot, stop.serial, now);
-        let stages = self.floor().stages_left(robot);
+    pub(in crate::fleet) fn plan_again(
+        &mut self,
+        core: &mut Core,
+        robot: RobotId,
+        waited: Span,
+        now: Time,
+    ) -> u32 {
+        let stop = core.ledger.robots[robot].stops.first().copied();
+        let Some(stop) = stop.filter(|s| s.serial >= core.ledger.chain(robot).granted()) else { return 0 };
+        let planned = core.floor().expected(robot, stop.serial, waited, now);
+        let stages = core.floor().stages_left(robot);
         self.tally.replans += 1;
-        match self.search(robot, &stages, now) {
+        match self.search(core, robot, &stages, now) {
             Ok(route) => {
                 let spent = route.expansions;
                 if reached(&route) < planned {
-                    self.commit(robot, route);
+                    commit(core, robot, route);
                 }
                 spent
             }
-            Err(_) => self.settings.expansions_per_plan / 4,
+            Err(_) => core.settings.expansions_per_plan / 4,
         }
     }
 
-    /// When a robot reaches a visit if it waits for everybody on its way.
-    fn expected(&self, robot: RobotId, serial: u64, now: Time) -> Time {
+    /// A way to a place aside first, then on with the task. Whether it was found and taken.
+    pub(in crate::fleet) fn detour(
+        &mut self,
+        core: &mut Core,
+        robot: RobotId,
+        place: NodeId,
+        now: Time,
+    ) -> bool {
+        let stages = core.floor().stages_aside(robot, place);
+        let Ok(route) = self.search(core, robot, &stages, now) else { return false };
+        let route = core.floor().with_own_stops(robot, route);
+        commit(core, robot, route);
+        true
+    }
+}
+
+impl Floor<'_> {
+    /// When a robot reaches a visit if it waits for everybody on its way, and has done so for `waited`.
+    fn expected(&self, robot: RobotId, serial: u64, waited: Span, now: Time) -> Time {
         let chain = self.ledger.chain(robot);
         let planned = chain.get(serial).map_or(now, |v| v.arrive);
         let late = match self.waits_until(robot, now) {
@@ -279,22 +267,10 @@ impl Fleet {
             }
             None => Span::ZERO,
         };
-        // Nobody knows how long people stay; as long again as so far is the best guess.
-        let waited = self.yielding.of(robot).waited(now);
+        // How long people stay is not known; as long again as so far is the best guess.
         planned + late.max(waited)
     }
 
-    /// A way to a place aside first, then on with the task. Whether it was found and taken.
-    pub(in crate::fleet) fn detour(&mut self, robot: RobotId, place: NodeId, now: Time) -> bool {
-        let stages = self.floor().stages_aside(robot, place);
-        let Ok(route) = self.search(robot, &stages, now) else { return false };
-        let route = self.floor().with_own_stops(robot, route);
-        self.commit(robot, route);
-        true
-    }
-}
-
-impl Floor<'_> {
     /// Whether the stops ahead are not those of the task.
     pub(in crate::fleet) fn lacks_route(&self, robot: RobotId) -> bool {
         let record = &self.ledger.robots[robot];
@@ -473,6 +449,12 @@ impl Floor<'_> {
         let late = chain.get(chain.granted()).is_some_and(|v| v.enter < now);
         at_end && slow && late && !self.lacks_route(robot)
     }
+}
+
+/// Books a route.
+pub(super) fn commit(core: &mut Core, robot: RobotId, route: Route) {
+    let booking = core.floor().booking(robot, route);
+    core.record(Fact::Routed { bookings: vec![booking] });
 }
 
 /// Going to a node without a rack, to stay.

@@ -2,22 +2,20 @@
 //!
 //! Refuses: to move anything; it takes promises back, the planning phase makes new ones.
 
-use crate::fleet::Fleet;
+use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Kept};
 use crate::fleet::state::floor::Floor;
 use crate::id::RobotId;
 use crate::timeline::Holder;
 use std::collections::{BTreeSet, VecDeque};
 
-impl Fleet {
-    /// Takes back what was promised, but not granted, to everybody who would have to pass a robot that stands still
-    /// for an unknown time, and to everybody who would have to pass those in turn. They all keep what they were
-    /// granted: nobody asks robots that may be broken to come back.
-    pub(in crate::fleet) fn truncate_behind(&mut self, broken: RobotId) {
-        let found = self.floor().all_behind(BTreeSet::from([broken]), None);
-        let robots = self.floor().kept_by(found);
-        self.record(Fact::Truncated { robots });
-    }
+/// Takes back what was promised, but not granted, to everybody who would have to pass a robot that stands still
+/// for an unknown time, and to everybody who would have to pass those in turn. They all keep what they were
+/// granted: nobody asks robots that may be broken to come back.
+pub(in crate::fleet) fn truncate_behind(core: &mut Core, broken: RobotId) {
+    let found = core.floor().all_behind(BTreeSet::from([broken]), None);
+    let robots = core.floor().kept_by(found);
+    core.record(Fact::Truncated { robots });
 }
 
 impl Floor<'_> {

@@ -8,18 +8,20 @@
 //! node. Refuses: to be used by our own method.
 
 use crate::aware::{BODY_M, Effects, HumanAwarePolicy};
-use crate::fleet::Fleet;
 use crate::fleet::people::intent::goal_of;
-use crate::fleet::people::state::Mode;
+use crate::fleet::people::state::{HumanState, Led, Mode};
+use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::Reaction;
+use crate::fleet::traffic::Traffic;
+use crate::fleet::yielding::Yielding;
 use crate::fleet::yielding::evade::TRIES;
 use crate::geometry::{Point, Segment};
 use crate::human::intention::reported_goals;
 use crate::human::{Band, Hypothesis, Presence, common_prefix, straight_on, towards_goal};
-use crate::id::{Dense, NodeId, RobotId, WorkerId};
-use crate::route::{Cause, Effect, Route};
+use crate::id::{NodeId, RobotId, WorkerId};
+use crate::route::{Cause, Conditions, Effect, Route};
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Visit};
 use std::collections::BTreeSet;
@@ -50,55 +52,69 @@ impl Procedure {
     }
 }
 
-impl Fleet {
-    /// Starts, and carries on with, the published procedure.
-    pub(in crate::fleet) fn follow_procedure(&mut self, now: Time) {
-        if self.settings.policy == HumanAwarePolicy::Giveway {
-            return;
+impl Yielding {
+    /// Starts, and carries on with, the published procedure. Where it ends, the worker for whom it ran and where that
+    /// worker is to be led.
+    pub(in crate::fleet) fn follow_procedure(
+        &mut self,
+        core: &mut Core,
+        people: &HumanState,
+        traffic: &mut Traffic,
+        now: Time,
+    ) -> Option<(WorkerId, Led)> {
+        if core.settings.policy == HumanAwarePolicy::Giveway {
+            return None;
         }
-        for worker in (0..self.crowd.people.len()).map(WorkerId::at) {
-            if self.calls_for_procedure(worker, now) {
-                self.crowd.procedure.queue.insert(worker);
+        for worker in people.people.ids() {
+            if self.calls_for_procedure(core.floor(), people, worker, now) {
+                self.procedure.queue.insert(worker);
             }
         }
-        if self.crowd.procedure.running.is_none()
-            && let Some(worker) = self.crowd.procedure.queue.pop_first()
+        if self.procedure.running.is_none()
+            && let Some(worker) = self.procedure.queue.pop_first()
         {
-            self.interrupt_all(worker, now);
+            self.interrupt_all(core, worker, now);
         }
-        let Some((worker, since)) = self.crowd.procedure.running else { return };
-        let all_stand = self.ledger.robots.ids().all(|r| self.is_at_rest(r));
-        if all_stand || now - since > REST {
-            self.crowd.procedure.running = None;
-            self.crowd.procedure.again = self.ledger.robots.ids().collect();
-            self.plan_for(worker, now);
+        let (worker, since) = self.procedure.running?;
+        let all_stand = core.ledger.robots.ids().all(|r| self.is_at_rest(core.floor(), r));
+        if !all_stand && now - since <= REST {
+            return None;
         }
+        self.procedure.running = None;
+        self.procedure.again = core.ledger.robots.ids().collect();
+        Some((worker, self.plan_for(core, people, traffic, worker, now)?))
     }
 
     /// Whether a robot will not move any more without a grant, or while somebody is near.
-    fn is_at_rest(&self, robot: RobotId) -> bool {
-        let Some(seen) = self.scene.robot(robot) else { return true };
-        let chain = self.ledger.chain(robot);
-        let held = self.yielding.of(robot).is_told_to_stand();
+    fn is_at_rest(&self, floor: Floor<'_>, robot: RobotId) -> bool {
+        let Some(seen) = floor.scene.robot(robot) else { return true };
+        let chain = floor.ledger.chain(robot);
+        let held = self.state.of(robot).is_told_to_stand();
         let stays = held || chain.first() + 1 == chain.granted();
-        self.ledger.robots[robot].failed || seen.speed_mps < 0.05 && stays
+        floor.ledger.robots[robot].failed || seen.speed_mps < 0.05 && stays
     }
 
-    fn calls_for_procedure(&self, worker: WorkerId, now: Time) -> bool {
-        let person = &self.crowd.people[worker];
-        let Some(place) = self.whereabouts(worker, now) else { return false };
-        let running = self.crowd.procedure.running.is_some_and(|(w, _)| w == worker);
+    fn calls_for_procedure(
+        &self,
+        floor: Floor<'_>,
+        people: &HumanState,
+        worker: WorkerId,
+        now: Time,
+    ) -> bool {
+        let person = &people.people[worker];
+        let Some(place) = people.whereabouts(worker, now) else { return false };
+        let running = self.procedure.running.is_some_and(|(w, _)| w == worker);
         if running || place.presence == Presence::Lost {
             return false;
         }
         match person.mode {
             Mode::Stopped { since } => now - since >= AGAIN,
-            Mode::Deviating { .. } if self.settings.policy == HumanAwarePolicy::Nhir => {
+            Mode::Deviating { .. } if floor.settings.policy == HumanAwarePolicy::Nhir => {
                 // Without a prediction nobody reacts before a robot had to.
-                self.ledger.robots.ids().any(|r| {
-                    let loaded = self.ledger.rack_on(r).is_some();
-                    let radius = self.crowd.regions.stop_radius_m(loaded, 0.0);
-                    (self.floor().place_of(r) - place.at).norm() < radius
+                floor.ledger.robots.ids().any(|r| {
+                    let loaded = floor.ledger.rack_on(r).is_some();
+                    let radius = people.regions.stop_radius_m(loaded, 0.0);
+                    (floor.place_of(r) - place.at).norm() < radius
                 })
             }
             Mode::Deviating { since } => since == now,
@@ -106,110 +122,189 @@ impl Fleet {
         }
     }
 
-    fn interrupt_all(&mut self, worker: WorkerId, now: Time) {
-        self.crowd.procedure.running = Some((worker, now));
-        for robot in self.ledger.robots.ids().collect::<Vec<_>>() {
-            let drives = self.scene.robot(robot).is_some_and(|t| t.speed_mps > 0.05);
-            let chain = self.ledger.chain(robot);
+    fn interrupt_all(&mut self, core: &mut Core, worker: WorkerId, now: Time) {
+        self.procedure.running = Some((worker, now));
+        for robot in core.ledger.robots.ids().collect::<Vec<_>>() {
+            let drives = core.scene.robot(robot).is_some_and(|t| t.speed_mps > 0.05);
+            let chain = core.ledger.chain(robot);
             if drives || chain.granted() < chain.end() {
-                self.gives_way(robot, worker, Reaction::Stopped, now);
+                self.gives_way(core, robot, worker, Reaction::Stopped, now);
             }
         }
     }
 
     /// A path for the worker, once all robots stand.
-    fn plan_for(&mut self, worker: WorkerId, now: Time) {
-        let Some(place) = self.whereabouts(worker, now) else { return };
-        let segment = self.predicted_segment(worker, place.at, now);
-        let Some(end) = segment.last().copied() else { return };
-        let in_the_way = self.floor().robots_on(&segment);
+    fn plan_for(
+        &mut self,
+        core: &mut Core,
+        people: &HumanState,
+        traffic: &mut Traffic,
+        worker: WorkerId,
+        now: Time,
+    ) -> Option<Led> {
+        let place = people.whereabouts(worker, now)?;
+        let segment = predicted_segment(core.floor(), people, worker, place.at, now);
+        let end = segment.last().copied()?;
+        let in_the_way = core.floor().robots_on(&segment);
         if in_the_way.is_empty() {
-            return self.accept(worker, segment, Mode::Following, now);
+            return Some(Led::Along(segment, Mode::Following));
         }
-        let mut cut = self.crowd.walkways.no_edges();
-        let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
-        for robot in self.ledger.robots.ids() {
-            self.crowd.walkways.edges_within(self.floor().place_of(robot), reach).into_iter().for_each(|e| {
+        let mut cut = people.walkways.no_edges();
+        let reach = core.warehouse().footprint_m / 2.0 + BODY_M;
+        for robot in core.ledger.robots.ids() {
+            people.walkways.edges_within(core.floor().place_of(robot), reach).into_iter().for_each(|e| {
                 cut.insert(e);
             });
         }
-        let other = self.crowd.walkways.path(place.at, end, &cut).map(|w| w.points);
-        if let Some(path) = other.filter(|p| self.floor().robots_on(p).is_empty()) {
-            return self.accept(worker, path, Mode::Redirected, now);
+        let other = people.walkways.path(place.at, end, &cut).map(|w| w.points);
+        if let Some(path) = other.filter(|p| core.floor().robots_on(p).is_empty()) {
+            return Some(Led::Along(path, Mode::Redirected));
         }
-        if self.all_leave(worker, &segment, &in_the_way, now) {
-            return self.accept(worker, segment, Mode::Following, now);
+        let effects =
+            Effects { warehouse: core.warehouse(), regions: &people.regions, afoot: &people.afoot, now };
+        let mut conditions = core.restrictions.conditions.clone();
+        let way = Hypothesis { probability: 1.0, path: segment.clone(), stay: None };
+        effects.plan(&mut conditions, worker, &way, Band::ANY);
+        if self.all_leave(core, traffic, conditions, worker, &in_the_way, now) {
+            return Some(Led::Along(segment, Mode::Following));
         }
-        self.crowd.people[worker].blocked_since = in_the_way.first().map(|r| (*r, now));
-        self.crowd.people[worker].mode = Mode::Stopped { since: now };
-    }
-
-    fn accept(&mut self, worker: WorkerId, path: Vec<Point>, mode: Mode, now: Time) {
-        let person = &mut self.crowd.people[worker];
-        person.give(path, None, Span::ZERO, now);
-        person.mode = mode;
+        Some(Led::Stopped { by: in_the_way.first().copied() })
     }
 
     /// Evasive moves: every robot on the path gets a route to a place off it, in time, or none of them moves.
-    fn all_leave(&mut self, worker: WorkerId, path: &[Point], robots: &[RobotId], now: Time) -> bool {
-        let before = self.crowd.conditions.clone();
-        let warehouse = self.warehouse().clone();
-        let effects =
-            Effects { warehouse: &warehouse, regions: &self.crowd.regions, afoot: &self.crowd.afoot, now };
-        let way = Hypothesis { probability: 1.0, path: path.to_vec(), stay: None };
-        effects.plan(&mut self.crowd.conditions, worker, &way, Band::ANY);
-        let routes = self.evasions(worker, robots, now);
-        self.crowd.conditions = before;
+    /// `conditions` has the path as what the worker will walk.
+    fn all_leave(
+        &mut self,
+        core: &mut Core,
+        traffic: &mut Traffic,
+        conditions: Conditions,
+        worker: WorkerId,
+        robots: &[RobotId],
+        now: Time,
+    ) -> bool {
+        let before = std::mem::replace(&mut core.restrictions.conditions, conditions);
+        let routes = evasions(core, traffic, worker, robots, now);
+        core.restrictions.conditions = before;
         let Some(routes) = routes else { return false };
-        let bookings = routes.into_iter().map(|(r, route)| self.floor().booking(r, route)).collect();
-        self.record(Fact::Routed { bookings });
+        let bookings = routes.into_iter().map(|(r, route)| core.floor().booking(r, route)).collect();
+        core.record(Fact::Routed { bookings });
         for robot in robots {
             // It has just been planned; whatever else is earlier may lead back onto the path.
-            self.crowd.procedure.again.remove(robot);
-            self.tally.replans += 1;
-            self.gives_way(*robot, worker, Reaction::Rerouted, now);
+            self.procedure.again.remove(robot);
+            traffic.tally.replans += 1;
+            self.gives_way(core, *robot, worker, Reaction::Rerouted, now);
         }
         true
     }
 
-    /// Routes off the path for all of these robots, each planned around those before it.
-    fn evasions(&mut self, worker: WorkerId, robots: &[RobotId], now: Time) -> Option<Vec<(RobotId, Route)>> {
-        let stands = |r: &RobotId| {
-            let chain = self.ledger.chain(*r);
-            let at_rest = chain.first() + 1 == chain.granted() && !self.floor().next_stop_is_granted(*r);
-            at_rest && !self.ledger.robots[*r].failed
-        };
-        if !robots.iter().all(stands) {
-            return None;
+    /// Plans interrupted robots anew, a few in each step; a robot that finds nothing better goes on as before.
+    pub(in crate::fleet) fn plan_interrupted(
+        &mut self,
+        core: &mut Core,
+        traffic: &mut Traffic,
+        now: Time,
+        budget: &mut u32,
+    ) {
+        while *budget > 0 {
+            let Some(robot) = self.procedure.again.pop_first() else { return };
+            let spent = traffic.plan_again(core, robot, self.state.of(robot).waited(now), now);
+            *budget = budget.saturating_sub(spent);
         }
-        let mut scratch = self.ledger.timeline.clone();
-        for robot in robots {
-            scratch.withdraw(Holder::Robot(*robot), self.ledger.chain(*robot).granted() - 1);
-        }
-        let mut routes = Vec::new();
-        for &robot in robots {
-            // Where it stands is where nobody may be: any way off that comes no nearer is better.
-            let mut away = self.away(robot, now);
-            if away.iter().all(|a| a.from != Cause::Worker(worker)) {
-                away.extend(self.away_from(self.ledger.node_of(robot), Cause::Worker(worker), now));
-            }
-            let mut places = self.places_out_of_the_way(robot, worker, now).into_iter().take(TRIES);
-            let route = places.find_map(|place| {
-                let route = self.way_aside(&scratch, robot, (place, &away), now)?;
-                self.leaves_in_time(&route, place, worker).then_some(route)
-            })?;
-            let visits = std::iter::once(&route.kept).chain(&route.visits).cloned().collect();
-            scratch.extend(Holder::Robot(robot), visits).ok()?;
-            routes.push((robot, route));
-        }
-        Some(routes)
     }
+}
 
+/// Routes off the path for all of these robots, each planned around those before it.
+fn evasions(
+    core: &mut Core,
+    traffic: &mut Traffic,
+    worker: WorkerId,
+    robots: &[RobotId],
+    now: Time,
+) -> Option<Vec<(RobotId, Route)>> {
+    let stands = |r: &RobotId| {
+        let chain = core.ledger.chain(*r);
+        let at_rest = chain.first() + 1 == chain.granted() && !core.floor().next_stop_is_granted(*r);
+        at_rest && !core.ledger.robots[*r].failed
+    };
+    if !robots.iter().all(stands) {
+        return None;
+    }
+    let mut scratch = core.ledger.timeline.clone();
+    for robot in robots {
+        scratch.withdraw(Holder::Robot(*robot), core.ledger.chain(*robot).granted() - 1);
+    }
+    let mut routes = Vec::new();
+    for &robot in robots {
+        // Where it stands is where nobody may be: any way off that comes no nearer is better.
+        let mut away = core.floor().away(robot, now);
+        if away.iter().all(|a| a.from != Cause::Worker(worker)) {
+            away.extend(core.floor().away_from(core.ledger.node_of(robot), Cause::Worker(worker)));
+        }
+        let mut places = core.floor().places_out_of_the_way(robot, worker).into_iter().take(TRIES);
+        let route = places.find_map(|place| {
+            let route = traffic.way_aside(core, &scratch, robot, (place, &away), now)?;
+            core.floor().leaves_in_time(&route, place, worker).then_some(route)
+        })?;
+        let visits = std::iter::once(&route.kept).chain(&route.visits).cloned().collect();
+        scratch.extend(Holder::Robot(robot), visits).ok()?;
+        routes.push((robot, route));
+    }
+    Some(routes)
+}
+
+/// The path that is expected of a worker.
+fn predicted_segment(
+    floor: Floor<'_>,
+    people: &HumanState,
+    worker: WorkerId,
+    at: Point,
+    now: Time,
+) -> Vec<Point> {
+    let home = || {
+        let id = floor.next_assignment(worker)?;
+        let goal = floor.warehouse().nodes[floor.ledger.assignments[&id].request.place].at;
+        Some(people.walkways.path(at, goal, &people.walkways.no_edges())?.points)
+    };
+    match floor.settings.policy {
+        HumanAwarePolicy::Shir => {
+            let heading = people.whereabouts(worker, now).and_then(|w| {
+                (w.velocity.norm() > 0.1).then(|| w.velocity.y.atan2(w.velocity.x)).or(w.heading)
+            });
+            straight_on(&people.walkways, at, heading.unwrap_or(0.0), STRAIGHT_M)
+        }
+        HumanAwarePolicy::Phir => {
+            most_probable_segment(floor, people, worker, at).or_else(home).unwrap_or_default()
+        }
+        HumanAwarePolicy::Nhir | HumanAwarePolicy::Giveway => home().unwrap_or_default(),
+    }
+}
+
+fn most_probable_segment(
+    floor: Floor<'_>,
+    people: &HumanState,
+    worker: WorkerId,
+    at: Point,
+) -> Option<Vec<Point>> {
+    let mind = &people.intents;
+    let belief = mind.belief(worker)?;
+    let own = floor.next_assignment(worker).map(|id| floor.ledger.assignments[&id].request.place);
+    let end = own.map_or(crate::id::GoalId(u64::MAX), goal_of);
+    let path = |goal| towards_goal(&mind.distances, goal, at, FAR_M);
+    let paths: Vec<Vec<Point>> = reported_goals(&belief, end).into_iter().filter_map(path).collect();
+    let prefix = common_prefix(&paths);
+    if prefix.len() > 1 {
+        return Some(prefix);
+    }
+    let best = belief.goals.iter().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
+    path(best.0)
+}
+
+impl Floor<'_> {
     /// Whether a robot is off the path before a slow walker would be through: later, the worker would wait for
     /// the robot and the robot for the worker.
     fn leaves_in_time(&self, route: &Route, place: NodeId, worker: WorkerId) -> bool {
         let gone = |visit: &Visit| {
-            let conditions = self.crowd.conditions.of(visit.node).iter();
+            let conditions = self.restrictions.conditions.of(visit.node).iter();
             let mut closed =
                 conditions.filter(|c| c.effect == Effect::Closed && c.cause == Cause::Worker(worker));
             closed.all(|c| visit.leave <= c.window.end())
@@ -217,53 +312,6 @@ impl Fleet {
         std::iter::once(&route.kept).chain(&route.visits).take_while(|v| v.node != place).all(gone)
     }
 
-    /// The path that is expected of a worker.
-    fn predicted_segment(&self, worker: WorkerId, at: Point, now: Time) -> Vec<Point> {
-        let home = || {
-            let id = self.floor().next_assignment(worker)?;
-            let goal = self.warehouse().nodes[self.ledger.assignments[&id].request.place].at;
-            Some(self.crowd.walkways.path(at, goal, &self.crowd.walkways.no_edges())?.points)
-        };
-        match self.settings.policy {
-            HumanAwarePolicy::Shir => {
-                let heading = self.whereabouts(worker, now).and_then(|w| {
-                    (w.velocity.norm() > 0.1).then(|| w.velocity.y.atan2(w.velocity.x)).or(w.heading)
-                });
-                straight_on(&self.crowd.walkways, at, heading.unwrap_or(0.0), STRAIGHT_M)
-            }
-            HumanAwarePolicy::Phir => {
-                self.most_probable_segment(worker, at).or_else(home).unwrap_or_default()
-            }
-            HumanAwarePolicy::Nhir | HumanAwarePolicy::Giveway => home().unwrap_or_default(),
-        }
-    }
-
-    fn most_probable_segment(&self, worker: WorkerId, at: Point) -> Option<Vec<Point>> {
-        let mind = &self.crowd.mind;
-        let belief = mind.belief(worker)?;
-        let own = self.floor().next_assignment(worker).map(|id| self.ledger.assignments[&id].request.place);
-        let end = own.map_or(crate::id::GoalId(u64::MAX), goal_of);
-        let path = |goal| towards_goal(&mind.distances, goal, at, FAR_M);
-        let paths: Vec<Vec<Point>> = reported_goals(&belief, end).into_iter().filter_map(path).collect();
-        let prefix = common_prefix(&paths);
-        if prefix.len() > 1 {
-            return Some(prefix);
-        }
-        let best = belief.goals.iter().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
-        path(best.0)
-    }
-
-    /// Plans interrupted robots anew, a few in each step; who finds nothing better goes on as before.
-    pub(in crate::fleet) fn plan_interrupted(&mut self, now: Time, budget: &mut u32) {
-        while *budget > 0 {
-            let Some(robot) = self.crowd.procedure.again.pop_first() else { return };
-            let spent = self.plan_again(robot, now);
-            *budget = budget.saturating_sub(spent);
-        }
-    }
-}
-
-impl Floor<'_> {
     /// Robots that stand where a path leads.
     fn robots_on(&self, path: &[Point]) -> Vec<RobotId> {
         let reach = self.warehouse().footprint_m / 2.0 + BODY_M;

@@ -3,9 +3,12 @@
 //! Nothing is decided here and nothing changes; the step that follows decides, with everything that it knows.
 //! Costs one look at each robot and one close look at those nearby.
 
-use crate::fleet::Fleet;
+use crate::fleet::people::state::HumanState;
+use crate::fleet::state::core::Core;
 use crate::fleet::state::io::Telemetry;
 use crate::fleet::state::worker::GuidanceState;
+use crate::fleet::traffic::Traffic;
+use crate::fleet::yielding::Yielding;
 use crate::geometry::Vector;
 use crate::human::{Sighting, Taken, Whereabouts};
 use crate::id::Dense;
@@ -18,31 +21,40 @@ const NEAR_M: f64 = 8.0;
 /// Robots that were not seen for longer are not guessed to have driven on.
 const OLD: Span = Span::from_millis(200);
 
-impl Fleet {
+impl Yielding {
     /// Whether a step that took in this sighting now would, as things were seen last, stop a robot that drives, or tell
     /// the worker to stand who was not told yet.
-    pub fn calls_for_stop(&self, s: &Sighting, now: Time) -> bool {
-        let Some(person) = self.crowd.people.get(s.worker) else {
+    pub(in crate::fleet) fn calls_for_stop(
+        &self,
+        core: &Core,
+        people: &HumanState,
+        traffic: &Traffic,
+        s: &Sighting,
+        now: Time,
+    ) -> bool {
+        let floor = core.floor();
+        let Some(person) = people.people.get(s.worker) else {
             // Nobody knows yet what it means that somebody is there.
-            return s.worker.ix() < self.ledger.workers.len();
+            return s.worker.ix() < floor.ledger.workers.len();
         };
         let mut track = person.track.clone();
-        if track.see(s, now, self.floor().is_on_map()) == Taken::Ignored {
+        if track.see(s, now, floor.is_on_map()) == Taken::Ignored {
             return false;
         }
         let Some(place) = track.whereabouts(now) else { return false };
         let stands = person.told.as_ref().is_some_and(|(told, _)| told.state == GuidanceState::Stop);
-        self.ledger.robots.ids().any(|robot| {
-            let Some(seen) = self.scene.robot(robot).filter(|t| t.speed_mps > STANDS_MPS) else {
+        let limits = self.limits(core, people, traffic);
+        floor.ledger.robots.ids().any(|robot| {
+            let Some(seen) = floor.scene.robot(robot).filter(|t| t.speed_mps > STANDS_MPS) else {
                 return false;
             };
             let place = seen_from(&place, seen, now);
             if (place.at - seen.pose.at).norm() - place.reach_m > NEAR_M {
                 return false;
             }
-            let told = self.yielding.of(robot).is_told_to_stand();
-            let stops = || self.limit_for(robot, &[(s.worker, place)], now).0 == Some(0.0);
-            !told && stops() || !stands && self.drives_up(robot, &place)
+            let told = self.state.of(robot).is_told_to_stand();
+            let stops = || limits.limit_for(robot, &[(s.worker, place)], now).0 == Some(0.0);
+            !told && stops() || !stands && people.drives_up(floor, robot, &place)
         })
     }
 }

@@ -1,10 +1,19 @@
 //! What is kept in mind of each robot that gives way, from step to step. Lost at a restart, and found out again.
 //!
-//! Main types: [`YieldingState`], [`Yielding`] (one robot). Refuses: to decide; it says what was noted.
+//! Main types: [`YieldingState`], [`RobotYielding`] (one robot). Refuses: to decide; it says what was noted, and what
+//! follows from that alone.
 
+use crate::aware::HumanAwarePolicy;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::Reaction;
 use crate::id::{IdVec, NodeId, RobotId, WorkerId};
 use crate::time::{Span, Time};
+
+/// Whoever has stood for longer than this is not about to set off: the place is as good as closed, and a robot that
+/// stood there for so long leaves, if it can.
+pub(in crate::fleet) const STANDS: Span = Span::from_secs(20);
+/// Nobody minds places farther from somebody than this, metres.
+const FACES_M: f64 = 6.0;
 
 /// A robot that stands for a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,22 +38,18 @@ pub(in crate::fleet) struct GivesWay {
 
 /// What is kept in mind of one robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::fleet) struct Yielding {
+pub(in crate::fleet) struct RobotYielding {
     /// To whom it gives way, until it is on its way again.
     pub to: Option<GivesWay>,
     /// The speed limit that it was told last, and when.
     pub limit_told: Option<(Option<f64>, Time)>,
     /// For whom it stands, or comes back slowly.
     pub stands: Option<Standing>,
-    /// When it was called back last while it stood for a worker.
-    pub called_back: Option<Time>,
     /// When it last looked for another route because of a worker.
     pub rerouted: Option<Time>,
-    /// When it last looked for a route round a closed area.
-    pub looked_round: Option<Time>,
 }
 
-impl Yielding {
+impl RobotYielding {
     /// The speed limit that it was told, if there is one.
     pub fn limit_mps(&self) -> Option<f64> {
         self.limit_told.and_then(|(limit, _)| limit)
@@ -63,18 +68,18 @@ impl Yielding {
 
 /// What is kept in mind of all robots.
 #[derive(Debug, Default)]
-pub(in crate::fleet) struct YieldingState(IdVec<RobotId, Yielding>);
+pub(in crate::fleet) struct YieldingState(IdVec<RobotId, RobotYielding>);
 
 impl YieldingState {
     /// Of one robot; nothing where nothing was noted.
-    pub fn of(&self, robot: RobotId) -> Yielding {
+    pub fn of(&self, robot: RobotId) -> RobotYielding {
         self.0.get(robot).copied().unwrap_or_default()
     }
 
     /// Of one robot, to note something.
-    pub fn of_mut(&mut self, robot: RobotId) -> &mut Yielding {
+    pub fn of_mut(&mut self, robot: RobotId) -> &mut RobotYielding {
         while self.0.get(robot).is_none() {
-            self.0.push(Yielding::default());
+            self.0.push(RobotYielding::default());
         }
         &mut self.0[robot]
     }
@@ -94,8 +99,28 @@ impl YieldingState {
         self.0.iter_mut().for_each(|y| y.to = None);
     }
 
-    /// Forgets calls that are older than this.
-    pub fn forget_calls(&mut self, now: Time, after: Span) {
-        self.0.iter_mut().for_each(|y| y.called_back = y.called_back.filter(|called| now - *called < after));
+    /// These robots stand somewhere else by now.
+    pub fn forget_standing(&mut self, robots: &[RobotId]) {
+        robots.iter().for_each(|r| self.of_mut(*r).stands = None);
+    }
+
+    /// For whom a robot has been standing for so long that it should leave: for one, or for some who take turns.
+    pub fn stood_for(&self, robot: RobotId, now: Time) -> Option<WorkerId> {
+        let standing = self.of(robot).stands?;
+        let long = now - standing.facing_since > STANDS || now - standing.since > STANDS * 2;
+        long.then_some(standing.worker)
+    }
+
+    /// The one for whom the robot has been standing for long and to whom this place is nearer than its own: nobody
+    /// is helped if it drives up again. Between those who take turns, it has to go nearer to one of them.
+    pub fn faces(&self, floor: Floor<'_>, robot: RobotId, node: NodeId, now: Time) -> Option<WorkerId> {
+        let standing = self.of(robot).stands?;
+        if now - standing.facing_since <= STANDS || floor.settings.policy != HumanAwarePolicy::Giveway {
+            return None;
+        }
+        let w = floor.restrictions.whereabouts(standing.worker)?.at;
+        let (there, here) = (floor.warehouse().nodes[node].at, floor.place_of(robot));
+        let near = (there - w).norm();
+        (near < (here - w).norm() && near < FACES_M).then_some(standing.worker)
     }
 }

@@ -1,0 +1,38 @@
+//! Where robots in maintenance go.
+//!
+//! Refuses: to say which robots those are; operators do.
+
+use crate::fleet::state::core::Core;
+use crate::fleet::state::fact::{Fact, Purpose, Task};
+use crate::fleet::state::job::JobState;
+use crate::fleet::state::ledger;
+use crate::time::Time;
+use crate::warehouse::NodeKind;
+
+/// Robots in maintenance give back jobs that they have not begun, and go to a parking place. Where none is free
+/// they rest where they are.
+pub(in crate::fleet) fn send_to_maintenance(core: &mut Core, now: Time) {
+    for robot in ledger::all(&core.ledger.robots) {
+        let record = &core.ledger.robots[robot];
+        if record.maintenance.is_none() || record.failed || core.floor().is_halted(robot) {
+            continue;
+        }
+        if core.scene.fit(robot, now).is_none() {
+            continue;
+        }
+        match record.task {
+            Task::Fetch { job: Some(job), node, .. } if !core.floor().next_stop_is_granted(robot) => {
+                let stay = core.floor().free_place(robot, NodeKind::Parking).unwrap_or(node);
+                let task = Task::Move { job: None, goal: stay, stay, purpose: Purpose::Park };
+                core.progress(job, JobState::Waiting, Some((robot, task)), now);
+            }
+            Task::Idle if core.warehouse().kind(core.ledger.node_of(robot)) != NodeKind::Parking => {
+                if let Some(stay) = core.floor().free_place(robot, NodeKind::Parking) {
+                    let task = Task::Move { job: None, goal: stay, stay, purpose: Purpose::Park };
+                    core.record(Fact::Tasked { robot, task });
+                }
+            }
+            _ => {}
+        }
+    }
+}

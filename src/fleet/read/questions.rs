@@ -1,0 +1,40 @@
+//! What drivers of the fleet ask between two steps.
+//!
+//! Refuses: to change anything, and to decide: the step that follows does, with everything that it knows.
+
+use crate::fleet::Fleet;
+use crate::fleet::people::forecast::Expected;
+use crate::fleet::state::displaced::Displacement;
+use crate::fleet::state::io::Telemetry;
+use crate::human::Sighting;
+use crate::id::RobotId;
+use crate::time::Time;
+
+impl Fleet {
+    /// Whether a robot stands where, and carries what, the ledger has for it.
+    pub fn is_in_place(&self, seen: &Telemetry) -> bool {
+        self.floor().is_in_place(seen)
+    }
+
+    /// Why a robot cannot go on from where it stands, if that is so.
+    pub fn displacement(&self, robot: RobotId) -> Option<Displacement> {
+        self.floor().displacement(robot)
+    }
+
+    /// Whether a robot stands at its station and the pick has not ended.
+    pub fn is_picked_from(&self, robot: RobotId) -> bool {
+        self.floor().is_picked_from(robot)
+    }
+
+    /// Where workers who are seen may be in the coming seconds, for readers. Policies that do not decide by such
+    /// forecasts have none.
+    pub fn expectations(&self, now: Time) -> Vec<Expected> {
+        self.people.expectations(self.floor(), now)
+    }
+
+    /// Whether a step that took in this sighting now would, as things were seen last, stop a robot that drives, or tell
+    /// the worker to stand who was not told yet.
+    pub fn calls_for_stop(&self, sighting: &Sighting, now: Time) -> bool {
+        self.yielding.calls_for_stop(&self.core, &self.people, &self.traffic, sighting, now)
+    }
+}

@@ -1,0 +1,76 @@
+//! What the rooms build on: what was promised, what is seen, what restricts robots now, and what the step gives out.
+//!
+//! Main type: [`Core`]. Each room has it as an argument, reads it through [`Floor`], and changes what was promised by
+//! facts alone. Refuses: to keep anything that belongs to one room.
+
+use crate::fleet::Settings;
+use crate::fleet::state::fact::{Fact, Task};
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::io::Step;
+use crate::fleet::state::job::JobState;
+use crate::fleet::state::ledger::Ledger;
+use crate::fleet::state::restrictions::Restrictions;
+use crate::fleet::state::scene::Scene;
+use crate::fleet::state::storage::Storage;
+use crate::id::{JobId, RobotId};
+use crate::time::Time;
+use crate::warehouse::Warehouse;
+use std::sync::Arc;
+
+/// What the rooms of a fleet share.
+#[derive(Debug)]
+pub(in crate::fleet) struct Core {
+    /// The settings.
+    pub settings: Settings,
+    /// What was promised.
+    pub ledger: Ledger,
+    /// What is seen.
+    pub scene: Scene,
+    /// What people, closed areas and displaced robots mean for robots, in this step.
+    pub restrictions: Restrictions,
+    /// What the map says about storage.
+    pub storage: Storage,
+    /// What the step gives out so far.
+    pub out: Step,
+    /// The robot that is being dealt with: named where a contradiction ends the step.
+    pub at_hand: Option<RobotId>,
+}
+
+impl Core {
+    /// What a ledger says, with nothing seen yet.
+    pub fn new(ledger: Ledger, settings: Settings) -> Core {
+        let warehouse = ledger.warehouse();
+        Core {
+            restrictions: Restrictions::none(warehouse),
+            storage: Storage::new(warehouse),
+            scene: Scene::default(),
+            out: Step::default(),
+            at_hand: None,
+            ledger,
+            settings,
+        }
+    }
+
+    /// The floor as it is now, for questions.
+    pub fn floor(&self) -> Floor<'_> {
+        let Core { settings, ledger, scene, restrictions, storage, .. } = self;
+        Floor { ledger, scene, settings, restrictions, storage }
+    }
+
+    /// The building.
+    pub fn warehouse(&self) -> &Arc<Warehouse> {
+        self.ledger.warehouse()
+    }
+
+    /// Takes a fact into the ledger and into the step's result.
+    pub fn record(&mut self, fact: Fact) {
+        self.at_hand = fact.robot().or(self.at_hand);
+        self.ledger.evolve(&fact);
+        self.out.facts.push(fact);
+    }
+
+    /// A job comes to another state, and its robot to another task with it.
+    pub fn progress(&mut self, job: JobId, state: JobState, tasked: Option<(RobotId, Task)>, now: Time) {
+        self.record(Fact::Progressed { job, state, tasked, at: now });
+    }
+}

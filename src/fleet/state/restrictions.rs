@@ -1,0 +1,58 @@
+//! What people, closed areas and displaced robots mean for robots in this step: the result of evaluating people, which
+//! the search, the grants and dispatch read.
+//!
+//! Main type: [`Restrictions`]. Refuses: to say what a robot does about it.
+
+use crate::fleet::state::closed_areas::Areas;
+use crate::human::Whereabouts;
+use crate::id::{IdVec, NodeId, WorkerId};
+use crate::route::Conditions;
+use crate::time::Time;
+use crate::warehouse::Warehouse;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Where robots may not go, or only at a price, from now on.
+#[derive(Debug)]
+pub(in crate::fleet) struct Restrictions {
+    /// For each node, what binds there and when.
+    pub conditions: Conditions,
+    /// Announced closures.
+    pub areas: Areas,
+    /// Nodes that are as good as closed because somebody, or a displaced robot, has been standing there for long, with
+    /// when that began.
+    pub closing: BTreeMap<NodeId, Time>,
+    /// Where each worker is, if on the floor.
+    pub workers: IdVec<WorkerId, Option<Whereabouts>>,
+}
+
+impl Restrictions {
+    /// Nothing restricts robots.
+    pub fn none(warehouse: &Warehouse) -> Restrictions {
+        Restrictions {
+            conditions: Conditions::none(warehouse),
+            areas: Areas::default(),
+            closing: BTreeMap::new(),
+            workers: IdVec::new(),
+        }
+    }
+
+    /// Where a worker is, if on the floor.
+    pub fn whereabouts(&self, worker: WorkerId) -> Option<&Whereabouts> {
+        self.workers.get(worker)?.as_ref()
+    }
+
+    /// Since when, or from when on, a node is closed, if it is or will be soon.
+    pub fn closes(&self, node: NodeId) -> Option<Time> {
+        self.closing.get(&node).copied().or_else(|| self.areas.begins(node))
+    }
+
+    /// Whether a node is closed, or will be soon.
+    pub fn is_closing(&self, node: NodeId) -> bool {
+        self.closes(node).is_some()
+    }
+
+    /// Nodes that are closed, will be soon, or are as good as closed.
+    pub fn closing_nodes(&self) -> BTreeSet<NodeId> {
+        self.areas.nodes().chain(self.closing.keys().copied()).collect()
+    }
+}

@@ -1,0 +1,33 @@
+//! What the map says about storage, worked out once.
+//!
+//! Main type: [`Storage`]. Refuses: to know what stands where.
+
+use crate::geometry::Point;
+use crate::id::{IdVec, NodeId};
+use crate::warehouse::{NodeKind, Warehouse};
+
+/// What the map says about storage.
+#[derive(Debug)]
+pub(in crate::fleet) struct Storage {
+    pub nodes: Vec<NodeId>,
+    /// For each node, metres to the nearest station (along the axes).
+    pub to_station_m: IdVec<NodeId, f64>,
+}
+
+impl Storage {
+    pub fn new(warehouse: &Warehouse) -> Storage {
+        let nearest = |p: Point| {
+            let at = warehouse.stations.iter().map(|s| along_axes(warehouse.nodes[s.node].at, p));
+            at.fold(f64::INFINITY, f64::min)
+        };
+        Storage {
+            nodes: warehouse.nodes_where(|k| k == NodeKind::Storage),
+            to_station_m: warehouse.nodes.iter().map(|n| nearest(n.at)).collect(),
+        }
+    }
+}
+
+/// Distance along the map's axes, metres: a cheap stand-in for the way on a grid of aisles.
+pub(in crate::fleet) fn along_axes(a: Point, b: Point) -> f64 {
+    (a.x - b.x).abs() + (a.y - b.y).abs()
+}

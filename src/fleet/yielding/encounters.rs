@@ -1,0 +1,73 @@
+//! Which robots gave way to whom, and which met whom.
+//!
+//! Refuses: to react; it takes notes.
+
+use crate::aware::Near;
+use crate::fleet::people::state::HumanState;
+use crate::fleet::state::core::Core;
+use crate::fleet::state::fact::Fact;
+use crate::fleet::state::worker::{Encounter, Reaction};
+use crate::fleet::state::yielding::GivesWay;
+use crate::fleet::yielding::Yielding;
+use crate::geometry::to_mm;
+use crate::human::Presence;
+use crate::id::{RobotId, WorkerId};
+use crate::time::Time;
+
+/// A worker is looked at together with robots up to this far away, metres.
+const NEAR_M: f64 = 4.0;
+
+impl Yielding {
+    /// Notes that a robot gives way to somebody, once until it is on its way again.
+    pub(in crate::fleet) fn gives_way(
+        &mut self,
+        core: &mut Core,
+        robot: RobotId,
+        worker: WorkerId,
+        reaction: Reaction,
+        now: Time,
+    ) {
+        let before = self.state.of(robot).to;
+        let since = before.map_or(now, |y| y.since);
+        self.state.of_mut(robot).to = Some(GivesWay { worker, reaction, since });
+        if before.is_none() {
+            core.record(Fact::Interrupted { robot, worker, reaction, at: now });
+        }
+    }
+
+    /// Encounters, as far as they are seen.
+    pub(in crate::fleet) fn meet(&mut self, core: &mut Core, people: &HumanState, now: Time) {
+        let mut near = Vec::new();
+        for (worker, w) in people.present(now) {
+            for robot in core.ledger.robots.ids() {
+                let Some(seen) = core.scene.robot(robot) else { continue };
+                let distance_m = (seen.pose.at - w.at).norm();
+                if distance_m > NEAR_M || w.presence == Presence::Lost {
+                    continue;
+                }
+                let loaded = core.ledger.rack_on(robot).is_some();
+                let radius_m = people.regions.stop_radius_m(loaded, 0.0);
+                let (robot_mps, worker_mps) = (seen.speed_mps, w.velocity.norm());
+                near.push(Near { worker, robot, at: w.at, radius_m, distance_m, robot_mps, worker_mps });
+            }
+        }
+        for meeting in self.meter.observe(now, &near) {
+            let start = meeting.start;
+            let yielding = self.state.of(start.robot).to;
+            let reaction = yielding.map_or(Reaction::Kept, |y| y.reaction);
+            core.record(Fact::Encountered(Encounter {
+                worker: start.worker,
+                robot: start.robot,
+                began: meeting.began,
+                ended: now,
+                at: start.at.into(),
+                radius_mm: to_mm(start.radius_m),
+                closest_mm: to_mm(meeting.closest_m),
+                robot_mmps: to_mm(start.robot_mps),
+                worker_mmps: to_mm(start.worker_mps),
+                reaction,
+                delay: meeting.stood,
+            }));
+        }
+    }
+}
