@@ -49,7 +49,7 @@ impl Intake<'_> {
         if let Task::Deliver { job, rack, store, .. } = self.core.ledger.robots[robot].task {
             let task = Task::Store { job: None, rack, store };
             self.core.progress(job, state, Some((robot, task)), now);
-            crate::fleet::dispatch::jobs::chain_deliveries(self.core, &[robot], now);
+            self.heard.picked.push(robot);
         }
     }
 
