@@ -80,7 +80,12 @@
 //!
 //! Everything happens in [`fleet::Fleet::step`]`(now, inputs)`. The server, the simulator and the tests are three short
 //! drivers of it, which differ only in where `now` and the inputs come from and where the results go. Inside `fleet`,
-//! each folder is a room:
+//! each folder is a room. What rooms share is `fleet/state/`: the ledger, which facts alone change; the scene; what
+//! restricts robots in this step; and the read-only `Floor` for questions about all of them. What a room keeps in mind
+//! is its own (`HumanState`, `Yielding`, `Traffic`), and what it may know of another is an argument: people and
+//! dispatch know `state` alone, traffic asks dispatch for places in storage, yielding plans with traffic and knows
+//! people, `read` sees all and is called by none. `tests/walls/rooms.rs` has the table and enforces it.
+//!
 //!
 //! 1. **Absorb** (`requests/absorb.rs`): all inputs are taken in before anything is decided. Telemetry goes to the
 //!    scene, where the newest by the time it was *seen* wins. Requests become facts or refusals.
@@ -168,7 +173,7 @@
 //!   those, loses what was not granted yet (`fleet/traffic/truncate.rs`) and is routed anew.
 //! - *A robot that was pushed elsewhere* (`fleet/traffic/displaced.rs`) holds one place without end, which was granted
 //!   to no other robot; those that were promised it, and those behind them, lose what was not granted yet.
-//! - *A robot whose grant is revoked* (`fleet/yielding/revoke.rs`) only holds again what it had been granted. It is
+//! - *A robot whose grant is revoked* (`fleet/traffic/revoke.rs`) only holds again what it had been granted. It is
 //!   first in the order of all that, and no robot can come before a hold that began in the past, so it waits for none
 //!   there.
 //!
@@ -196,13 +201,13 @@
 //! | charging thresholds, which robot leaves a charger | `fleet/dispatch/charging.rs` |
 //! | when a pick ends, a station that is paused | `fleet/requests/station.rs`; `api/http/stations.rs` |
 //! | which waiting job comes first (queue) | `fleet/state/index/queue.rs`; jobs after jobs: `waits.rs` |
-//! | what is looked up instead of searched | `fleet/state/index/`; kept by `Ledger::evolve`, compared by the laws |
-//! | how many of anything there may be (limits) | `fleet/mod.rs` (`Settings`), `docs/operate.md` |
-//! | when a robot is planned, and how often again | `fleet/traffic/plan.rs` |
+//! | what a fact changes; what is looked up | `fleet/state/ledger/evolve.rs`; `upkeep.rs`, `fleet/state/index/` |
+//! | how many of anything there may be (limits) | `fleet/state/settings.rs`; what users read: `docs/operate.md` |
+//! | when a robot is planned, and how often again | `fleet/traffic/plan.rs`; over which legs: `stages.rs` |
 //! | the search, its order, its bounds | `route/search.rs`, `route/label.rs`, `route/estimate.rs` |
 //! | joint replanning (insertion) | `fleet/traffic/joint.rs` |
 //! | how far ahead robots are granted (base, horizon) | `fleet/traffic/grant.rs` |
-//! | a grant is revoked, a route is truncated | `fleet/yielding/revoke.rs`; `fleet/traffic/truncate.rs` |
+//! | a grant is revoked, a route is truncated | `fleet/traffic/revoke.rs`; `fleet/traffic/truncate.rs` |
 //! | delays, breakdowns | `fleet/traffic/progress.rs`, `timeline/delay.rs`; `fleet/traffic/truncate.rs` |
 //! | robots that people pushed elsewhere | `fleet/traffic/displaced.rs`; in words: `api/displaced.rs` |
 //! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog.rs` |
@@ -215,17 +220,17 @@
 //! | radii of regions | `aware/regions.rs` |
 //! | robots go slow or stop near a person | `fleet/yielding/speed_limit.rs` |
 //! | what people mean for the search (soft cost, no entry) | `aware/effects.rs`; how it obeys: `route/search/care.rs` |
-//! | a robot yields: waits, goes round, leaves a path | `fleet/yielding/evade.rs`; what is noted: `yielding/state.rs` |
+//! | a robot yields: waits, goes round, leaves a path | `fleet/yielding/evade.rs`; noted: `fleet/state/yielding.rs` |
 //! | the published policies | `fleet/yielding/petkovic2021.rs` |
 //! | when a route is kept, and when changed | `aware/safe_space.rs` |
-//! | a closure reroutes robots | `fleet/traffic/closures.rs`, `closed_areas.rs`; `route/search/care.rs` |
+//! | a closure reroutes robots | `fleet/traffic/closures.rs`, `fleet/state/closed_areas.rs`; `route/search/care.rs` |
 //! | worker registration, worker's assignment | `fleet/requests/workers.rs`; `api/http/workers.rs`, `assignments.rs` |
 //! | where workers are led, what they are told | `fleet/people/routing.rs`, `fleet/people/guidance.rs` |
-//! | how a person's intent is guessed | `fleet/people/intent.rs`, `human/intention/`; stories: `experiment/stories/` |
+//! | how a person's intent is inferred | `fleet/people/intent.rs`, `human/intention/`; stories: `experiment/stories/` |
 //! | where people will be (forecast) | `human/outlook.rs`, `human/motion/`; learned: `experiment/learning/` |
-//! | whether forecasts hold | `human/coverage.rs`; which robots brake: `fleet/people/forecast.rs` |
+//! | whether forecasts hold | `human/coverage.rs`; which robots brake: `fleet/yielding/speed_limit.rs` |
 //! | stop of the whole fleet, pause of a robot | `fleet/requests/operator.rs`; `api/http/halt.rs` |
-//! | a robot joins (registration), goes to maintenance | `fleet/requests/enrolment.rs`; `api/http/robots.rs` |
+//! | a robot joins (registration); maintenance | `fleet/requests/enrolment.rs`; `fleet/dispatch/maintenance.rs` |
 //! | the view; why a robot or a job waits | `fleet/read/build.rs`, `view.rs`; `fleet/read/why.rs` |
 //! | occupancy (timelines) of an area | `fleet/read/occupancy.rs`; `api/http/timelines.rs` |
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |

@@ -6,10 +6,10 @@
 //! late ones do no harm).
 
 pub mod carry;
-pub mod dispatch;
+mod dispatch;
 mod people;
 pub mod read;
-pub mod requests;
+mod requests;
 pub mod state;
 mod traffic;
 mod yielding;
@@ -25,110 +25,26 @@ pub use state::io::{Bounded, Command, Input, Refusal, Reply, StationOrder, Step,
 pub use state::job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use state::keys::{KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, most_dangerous};
-pub use state::ledger::{Ledger, RackAt, Robot, Sums};
-pub use state::parts::{Contradiction, Parts};
+pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Sums};
+pub use state::settings::Settings;
 pub use state::wishes::Wishes;
 pub use state::worker::{
     Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
     FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
 };
 
-use crate::aware::{HumanAwarePolicy, Regions};
-use crate::human::{Method, Model};
+use crate::aware::Regions;
 use crate::id::RobotId;
-use crate::time::{Span, Time};
+use crate::time::Time;
 use crate::warehouse::Warehouse;
 use people::state::HumanState;
-use requests::OfWorker;
 use state::core::Core;
 use state::floor::Floor;
+use state::heard::OfWorker;
 use std::sync::Arc;
-use traffic::{Traffic, closures, displaced, fence};
-use yielding::Yielding;
-
-/// Settings of the core. They never change while it runs.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// The kinds of robots that there are, at least one, each with a name of its own.
-    pub kinds: Vec<RobotKind>,
-    /// The control period.
-    pub period: Span,
-    /// Labels that one search may expand.
-    pub expansions_per_plan: u32,
-    /// Labels that all searches of one step may expand together.
-    pub expansions_per_step: u32,
-    /// How many jobs may be open.
-    pub waiting_max: usize,
-    /// How many assignments may be open.
-    pub assignments_max: usize,
-    /// How many robots may join.
-    pub robots_max: usize,
-    /// How many workers may be known.
-    pub workers_max: usize,
-    /// How many closures there may be, announced, closed, or over since less than a day.
-    pub closures_max: usize,
-    /// After how many others a job may come.
-    pub after_max: usize,
-    /// How many corners an area may have.
-    pub corners_max: usize,
-    /// How the fleet deals with people.
-    pub policy: HumanAwarePolicy,
-    /// How our own policy recognises intentions.
-    pub method: Method,
-    /// What was learned about people.
-    pub model: Arc<Model>,
-    /// Robots pass through one another: only for the bound on throughput.
-    pub ghosts: bool,
-    /// Reads any clock in nanoseconds, to tell how long searches take. Nothing is ever decided by it.
-    pub stopwatch: fn() -> u64,
-}
-
-impl Default for Settings {
-    fn default() -> Settings {
-        Settings {
-            kinds: vec![RobotKind::default()],
-            period: Span::from_millis(50),
-            expansions_per_plan: 2_000,
-            expansions_per_step: 30_000,
-            waiting_max: 100_000,
-            assignments_max: 10_000,
-            robots_max: 10_000,
-            workers_max: 1_000,
-            closures_max: 2_000,
-            after_max: 100,
-            corners_max: 100,
-            policy: HumanAwarePolicy::default(),
-            method: Method::Detour,
-            model: Model::builtin(),
-            ghosts: false,
-            stopwatch: || 0,
-        }
-    }
-}
-
-impl Settings {
-    /// The kind of this name.
-    ///
-    /// # Panics
-    /// If there is none. Of robots in a ledger, [`Settings::unknown_kinds`] says so beforehand; others cannot join.
-    pub fn kind(&self, name: &str) -> &RobotKind {
-        let kind = self.kinds.iter().find(|k| k.name == name);
-        kind.unwrap_or_else(|| panic!("there is no kind of robots named {name:?}"))
-    }
-
-    /// By how much a hold outlasts the moment in which a robot stands on the next node: for all kinds the same, since
-    /// they hand places to one another.
-    pub fn clearance(&self) -> Span {
-        most_dangerous(&self.kinds).clearance
-    }
-
-    /// Robots of a ledger that are of no kind that there is, each with its kind.
-    pub fn unknown_kinds<'a>(&self, ledger: &'a Ledger) -> Vec<(&'a str, &'a str)> {
-        let known = |kind: &str| self.kinds.iter().any(|k| k.name == kind);
-        let unknown = ledger.robots.iter().filter(|r| !known(&r.kind));
-        unknown.map(|r| (r.name.as_str(), r.kind.as_str())).collect()
-    }
-}
+use traffic::state::Traffic;
+use traffic::{closures, displaced, fence};
+use yielding::state::Yielding;
 
 /// The fleet.
 pub struct Fleet {

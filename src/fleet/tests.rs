@@ -26,10 +26,12 @@ mod stuck;
 mod why;
 
 use super::*;
+use crate::aware::HumanAwarePolicy;
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};
 use crate::route::Kinematics;
 use crate::sim::laws::Laws;
 use crate::sim::{Demand, Faults, Habits, KindShare, Scenario, Workers, World};
+use crate::time::Span;
 use crate::warehouse::NodeKind;
 use crate::warehouse::{lab, thesis};
 

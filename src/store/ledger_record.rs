@@ -9,7 +9,7 @@ use super::people_record::{AssignmentRecord, AssignmentStateRecord, ClosureRecor
 use super::record::{is_usual_kind, usual_kind};
 use super::route_record::{StopRecord, VisitRecord};
 use crate::fleet::{
-    Assignment, Closure, Contradiction, Job, Keys, Ledger, Parts, RackAt, Robot, Stop, Sums, Wishes,
+    Assignment, Closure, Contradiction, Job, Keys, Ledger, Parts, Promises, RackAt, Robot, Stop, Sums, Wishes,
 };
 use crate::id::{AssignmentId, ClosureId, Dense, JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
@@ -172,13 +172,12 @@ impl From<&Parts> for LedgerRecord {
 impl From<LedgerRecord> for Parts {
     fn from(r: LedgerRecord) -> Parts {
         let closure = |(id, area): (u64, ClosureRecord)| (ClosureId(id), Closure::from(area));
-        Parts {
+        let promises = Promises {
             jobs: r.jobs.into_iter().map(|(id, job)| (JobId(id), job.into())).collect(),
             next_job: r.next_job,
             keys: keys(r.keys, JobId),
             robots: r.robots.into_iter().map(Robot::from).collect(),
             racks: r.racks.into_iter().map(RackAt::from).collect(),
-            chains: r.chains.into_iter().map(ChainParts::from).collect(),
             served: r.served.into(),
             workers: r.workers.into(),
             assignments: r.assignments.into_iter().map(|(id, a)| (AssignmentId(id), a.into())).collect(),
@@ -191,7 +190,8 @@ impl From<LedgerRecord> for Parts {
             ended_badly: r.ended_badly.into_iter().map(|(id, at)| (JobId(id), Time(at))).collect(),
             counts: r.sums.into(),
             wishes: Wishes::of(r.wishes),
-        }
+        };
+        Parts { promises, chains: r.chains.into_iter().map(ChainParts::from).collect() }
     }
 }
 

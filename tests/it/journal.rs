@@ -136,7 +136,7 @@ async fn goes_on(map: &Arc<Warehouse>, scenario: &Scenario, folder: &Folder, job
     for _ in 0..30 {
         run.step(vec![]);
     }
-    run.fleet.ledger().timeline.assert_sound();
+    run.fleet.ledger().timeline().assert_sound();
     next
 }
 
@@ -182,7 +182,7 @@ fn a_ledger_from_a_snapshot_and_the_facts_behind_it_is_the_fold_of_all_facts() {
                 let text = ledger_record::encode(&sim.fleet.ledger().to_parts());
                 let clearance = scenario.settings().clearance();
                 let read = ledger_record::decode(ledger_record::VERSION, &text, &map, clearance).unwrap();
-                read.timeline.assert_sound();
+                read.timeline().assert_sound();
                 ledgers.push(read);
             }
         }

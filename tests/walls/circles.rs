@@ -1,13 +1,15 @@
-//! Inside a module imports go one way: what a file builds on never builds on it. Re-exports and tests do not count.
+//! Inside a module imports go one way: what a file builds on never builds on it. Re-exports and tests do not count. Inside
+//! the fleet calls of methods count as well, where their names say whose they are.
 
 use crate::all_sources;
+use crate::rooms::{calls, declared_once};
 use crate::tokens::{Token, paths, tokens, without_tests};
 use petgraph::algo::tarjan_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 use std::collections::BTreeMap;
 
 /// Modules inside which imports go one way. In the others a folder's file and those inside it still share types.
-const ONE_WAY: [&str; 4] = ["aware", "history", "sim", "api"];
+const ONE_WAY: [&str; 5] = ["aware", "fleet", "history", "sim", "api"];
 
 /// The module of a file, by its path below `src`.
 fn module_of(path: &str) -> Vec<&str> {
@@ -35,7 +37,9 @@ fn without_exports<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
 
 /// The circles of imports among files of one top module: those of each circle, sorted.
 fn circles(top: &str, files: &[(String, String)]) -> Vec<Vec<String>> {
-    let files: Vec<&(String, String)> = files.iter().filter(|(p, _)| module_of(p)[0] == top).collect();
+    let once = if top == "fleet" { declared_once(files) } else { BTreeMap::new() };
+    let inside = |path: &str| module_of(path)[0] == top && !path.contains("/tests");
+    let files: Vec<&(String, String)> = files.iter().filter(|(path, _)| inside(path)).collect();
     let modules: BTreeMap<Vec<&str>, usize> =
         files.iter().enumerate().map(|(i, (path, _))| (module_of(path), i)).collect();
     let mut graph = DiGraph::<usize, ()>::new();
@@ -64,6 +68,12 @@ fn circles(top: &str, files: &[(String, String)]) -> Vec<Vec<String>> {
             let named = ends.filter(|m| m.len() > at.len() || ups > 0).find_map(|m| modules.get(&m));
             let edge = |other: &usize| graph.update_edge(NodeIndex::new(i), NodeIndex::new(*other), ());
             named.filter(|other| **other != i).map(edge);
+        }
+        for (_, name) in calls(&code) {
+            let other = once.get(name).and_then(|path| modules.get(&module_of(path)));
+            if let Some(other) = other.filter(|other| **other != i) {
+                graph.update_edge(NodeIndex::new(i), NodeIndex::new(*other), ());
+            }
         }
     }
     let name = |i: &NodeIndex| files[i.index()].0.clone();
@@ -97,4 +107,15 @@ fn a_circle_of_imports_is_found_wherever_it_is_closed() {
     assert_eq!(circles("api", &open), [[""; 0]; 0]);
     let through_the_top = [file("mod", "use a::A;\npub struct Api(A);\n"), file("a", "use super::Api;\n")];
     assert_eq!(circles("api", &through_the_top), [["src/api/a.rs", "src/api/mod.rs"]]);
+}
+
+#[test]
+fn a_circle_that_methods_close_is_found_inside_the_fleet() {
+    let file = |path: &str, body: &str| (format!("src/fleet/{path}.rs"), body.to_owned());
+    let files = [
+        file("a/one", "use crate::fleet::a::two::Two;\nimpl One {\n    fn of_one(self) {}\n}\n"),
+        file("a/two", "impl Two {\n    fn f(self, x: X) {\n        x.of_one()\n    }\n}\n"),
+    ];
+    assert_eq!(circles("fleet", &files), [["src/fleet/a/one.rs", "src/fleet/a/two.rs"]]);
+    assert_eq!(circles("fleet", &files[..1]), [[""; 0]; 0]);
 }

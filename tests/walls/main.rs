@@ -4,6 +4,7 @@
 //! here, one of each kind, and must be found with file and line.
 
 mod circles;
+mod rooms;
 mod tokens;
 
 use std::collections::BTreeSet;
@@ -21,9 +22,6 @@ const EDGE: [&str; 5] = ["store", "api", "vda5050", "server", "cli"];
 
 /// Files of `src/api/feed` that are numbers in, numbers out, though they stand at the edge.
 const PURE_FEED: [&str; 6] = ["align", "clock", "intake", "pose", "thin", "warn"];
-
-/// Rooms of `fleet` that build on its state.
-const ROOMS: [&str; 7] = ["requests", "people", "yielding", "dispatch", "traffic", "read", "carry"];
 
 const FILE_LINES: usize = 600;
 const FUNCTION_LINES: usize = 70;
@@ -108,7 +106,6 @@ fn check(path: &str, text: &str) -> Vec<Violation> {
     }
     let code = without_tests(&tokens);
     check_layers(&parts, &code, &mut add);
-    check_rooms(&parts, &code, &mut add);
     if is_pure(top) || matches!(parts[..], ["api", "feed", file] if PURE_FEED.contains(&file)) {
         check_purity(path, &code, &mut add);
     }
@@ -161,21 +158,6 @@ fn check_layers(parts: &[&str], code: &[Token<'_>], add: &mut impl FnMut(usize, 
         let Some(named) = named else { continue };
         if *named != top && !allowed.contains(named) {
             add(line, format!("{top} names {named}, which it may not know"));
-        }
-    }
-}
-
-/// Inside `fleet`, what was promised and what is seen know no other room.
-fn check_rooms(parts: &[&str], code: &[Token<'_>], add: &mut impl FnMut(usize, String)) {
-    let ["fleet", "state", ..] = parts else { return };
-    for (line, path) in paths(code) {
-        let room = match path[..] {
-            ["crate" | "giveway", "fleet", room, ..] => room,
-            ["super", "super", room, ..] if parts.len() == 3 => room,
-            _ => continue,
-        };
-        if ROOMS.contains(&room) {
-            add(line, format!("fleet/state names fleet/{room}, another room"));
         }
     }
 }
@@ -271,6 +253,37 @@ fn the_overview_names_every_module_and_keeps_the_edge_behind_its_feature() {
     assert!(forgotten.is_empty(), "src/lib.rs does not declare {forgotten:?}");
 }
 
+/// Files and folders that the overview names and that are not there: in each line, a name without a folder is in the
+/// folder before it.
+fn not_there(text: &str, is_there: impl Fn(&str) -> bool) -> Vec<String> {
+    let mut missing = Vec::new();
+    for line in text.lines().filter(|l| l.starts_with("//! ") && !l.contains("```")) {
+        let mut folder = "";
+        for name in line.split('`').skip(1).step_by(2).filter(|n| n.ends_with(".rs") || n.ends_with('/')) {
+            let beside = name.rfind('/').is_none().then(|| format!("{folder}{name}"));
+            let path = beside.as_deref().unwrap_or(name);
+            if !is_there(path) {
+                missing.push(path.to_owned());
+            }
+            folder = name.rfind('/').map_or(folder, |i| &name[..=i]);
+        }
+    }
+    missing
+}
+
+#[test]
+fn the_overview_names_files_that_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("src/lib.rs")).expect("the library");
+    let known = |path: &str| {
+        let folders = ["src", "src/fleet", "."];
+        path.starts_with("vda5050") || folders.iter().any(|f| root.join(f).join(path).exists())
+    };
+    assert_eq!(not_there(&text, known), [""; 0]);
+    let planted = "//! | a | `api/http/`, `gone.rs`; `sim/run.rs`, `away.rs` |";
+    assert_eq!(not_there(planted, known), ["api/http/gone.rs", "sim/away.rs"]);
+}
+
 /// The text with a good header in front; planted lines begin at line 5.
 fn with_header(body: &str) -> String {
     format!("//! A planted file.\n//!\n//! Refuses: nothing that the tests do not know.\n\n{body}")
@@ -302,15 +315,6 @@ fn a_path_in_a_group_in_an_expression_or_through_super_is_found_too() {
     assert_eq!(found, ["src/fleet/x.rs:5: fleet names sim, which it may not know"]);
     let found = planted("src/fleet/mod.rs", "use super::*;\n");
     assert_eq!(found, ["src/fleet/mod.rs:5: fleet names *, which it may not know"]);
-}
-
-#[test]
-fn the_state_of_the_fleet_that_names_another_room_is_found() {
-    let found = planted("src/fleet/state/x.rs", "use crate::fleet::{state::fact::Fact, read::view::View};\n");
-    assert_eq!(found, ["src/fleet/state/x.rs:5: fleet/state names fleet/read, another room"]);
-    let found = planted("src/fleet/state/x.rs", "use super::super::people::state::Crowd;\n");
-    assert_eq!(found, ["src/fleet/state/x.rs:5: fleet/state names fleet/people, another room"]);
-    assert_eq!(planted("src/fleet/read/x.rs", "use crate::fleet::state::fact::Fact;\n"), [""; 0]);
 }
 
 #[test]

@@ -13,7 +13,7 @@ pub use matching::Matching;
 pub use report::{Entry, Report};
 
 use crate::fleet::state::worker::{Assignment, Closure};
-use crate::fleet::{Job, JobKind, JobState, Ledger, Parts, Wishes};
+use crate::fleet::{Job, JobKind, JobState, Ledger, Parts, Promises, Wishes};
 use crate::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, StationId};
 use crate::time::Time;
 use crate::warehouse::{NodeKind, Warehouse};
@@ -56,42 +56,41 @@ pub fn carry(ledger: &Ledger, new: &Warehouse, at: Time) -> Carried {
     let (jobs, waiting, failed) = m.jobs();
     let (assignments, cancelled) = m.assignments();
     let closures = m.closures();
-    let mut parts = Parts {
+    let mut promises = Promises {
         jobs,
         robots: placed.robots,
         racks: placed.racks,
-        chains: placed.chains,
         served: m.served(),
         assignments,
         closures,
         paused_stations: m.paused_stations(),
         wishes: m.wishes(),
-        ..ledger.to_parts()
+        ..ledger.to_parts().promises
     };
     for id in &failed {
-        end_job(&mut parts, ledger, *id, at);
+        end_job(&mut promises, ledger, *id, at);
     }
     for id in &cancelled {
         let over = &ledger.assignments[id];
         if let Some(key) = over.request.key.clone() {
-            parts.assignment_keys.end(*id, key, over.accepted);
+            promises.assignment_keys.end(*id, key, over.accepted);
         }
     }
     if !waiting.is_empty() {
         m.report.notes.push(format!("jobs that robots were at and that wait again: {}", waiting.len()));
     }
-    let parts = m.report.obstacles.is_empty().then_some(parts);
+    let parts = m.report.obstacles.is_empty().then_some(Parts { promises, chains: placed.chains });
     Carried { report: m.report, parts, waiting, failed, cancelled, ids: m.ids }
 }
 
 /// What [`Ledger::evolve`] does where a job fails. Jobs that come after it fail by the usual rule, in the next steps.
-fn end_job(parts: &mut Parts, ledger: &Ledger, id: JobId, at: Time) {
+fn end_job(promises: &mut Promises, ledger: &Ledger, id: JobId, at: Time) {
     let over = &ledger.jobs[&id];
     if let Some(key) = over.request.key.clone() {
-        parts.keys.end(id, key, over.accepted);
+        promises.keys.end(id, key, over.accepted);
     }
-    parts.ended_badly.insert(id, at);
-    parts.counts.failed += 1;
+    promises.ended_badly.insert(id, at);
+    promises.counts.failed += 1;
 }
 
 impl Move<'_> {

@@ -158,8 +158,8 @@ impl Floor<'_> {
         if !looks || self.battery(robot) >= self.charging(robot).low {
             return false;
         }
-        let rack = self.ledger.index.places.rack_on(node);
-        rack.is_some_and(|rack| self.ledger.index.queue.is_wanted(rack))
+        let rack = self.ledger.index().places.rack_on(node);
+        rack.is_some_and(|rack| self.ledger.index().queue.is_wanted(rack))
     }
 
     fn leaves_charger(&self, robot: RobotId) -> bool {

@@ -9,8 +9,8 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::index::Goal;
-use crate::fleet::state::job::{Job, JobFailure, JobKind, JobState};
-use crate::fleet::state::ledger::{self, RackAt};
+use crate::fleet::state::job::{JobFailure, JobKind, JobState};
+use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::needs::Needs;
 use crate::fleet::state::planners::Planners;
 use crate::fleet::state::storage::along_axes;
@@ -36,7 +36,7 @@ pub(in crate::fleet) fn chain_deliveries(core: &mut Core, picked: &[RobotId], no
         if floor.named_job_for(robot).is_some() || floor.is_critical(robot) {
             continue;
         }
-        let Some(job) = floor.ledger.index.queue.next_delivery(rack) else { continue };
+        let Some(job) = floor.ledger.index().queue.next_delivery(rack) else { continue };
         let JobKind::Deliver { station, .. } = floor.ledger.jobs[&job].request.kind else { continue };
         let station = floor.warehouse().stations[station].node;
         let task = Task::Deliver { job, rack, station, store };
@@ -46,7 +46,7 @@ pub(in crate::fleet) fn chain_deliveries(core: &mut Core, picked: &[RobotId], no
 
 /// Gives jobs to robots, and sends those without a job where they are wanted or in nobody's way.
 pub(in crate::fleet) fn assign(core: &mut Core, needs: &Needs, planners: &mut Planners, now: Time) {
-    core.ledger.index.queue.advance(now);
+    core.ledger.advance_queue(now);
     give_back_jobs(core, now);
     send_to_maintenance(core, now);
     assign_named(core, planners, now);
@@ -94,7 +94,7 @@ fn assign_racks(core: &mut Core, needs: &Needs, robots: Vec<RobotId>, now: Time)
     if robots.is_empty() || core.ledger.jobs.is_empty() {
         return robots;
     }
-    let has_offers = core.ledger.index.queue.has_offers();
+    let has_offers = core.ledger.index().queue.has_offers();
     let jobs = if has_offers { candidates(core.floor(), needs, &robots, now) } else { Vec::new() };
     if jobs.is_empty() {
         return robots;
@@ -130,7 +130,7 @@ fn candidates(
     robots: &[RobotId],
     now: Time,
 ) -> Vec<(JobId, RackId, NodeId, i64)> {
-    let queue = &floor.ledger.index.queue;
+    let queue = &floor.ledger.index().queue;
     let (oldest, wanted) = (queue.oldest(now), queue.racks_wanted());
     let enough = stations_with_enough(floor, needs, now);
     let has_room = |goal| !matches!(goal, Goal::Station(s) if enough.contains(&s));
@@ -185,25 +185,6 @@ impl Floor<'_> {
     fn stay_for(&self, robot: RobotId, node: NodeId) -> Option<NodeId> {
         let lasting = self.warehouse().nodes[node].kind.is_lasting();
         if lasting && !self.is_promised(node, robot) { Some(node) } else { self.any_stay(robot) }
-    }
-
-    /// Robots with nothing to do that could do something.
-    pub(in crate::fleet) fn idle_robots(&self, now: Time) -> Vec<RobotId> {
-        let idle = |r: &RobotId| {
-            let record = &self.ledger.robots[*r];
-            let fit = !record.failed && !self.is_halted(*r) && self.scene.fit(*r, now).is_some();
-            record.task == Task::Idle && record.maintenance.is_none() && fit
-        };
-        ledger::all(&self.ledger.robots).filter(idle).collect()
-    }
-
-    /// The job that a robot is to do next by name: the highest priority first, then the nearest deadline, then the
-    /// oldest. Nothing where none can start.
-    pub(in crate::fleet) fn named_job_for(&self, robot: RobotId) -> Option<JobId> {
-        let named = self.ledger.named.get(&robot)?.iter().map(|id| (*id, &self.ledger.jobs[id]));
-        let ready = named.filter(|(id, _)| !self.ledger.index.waits.is_blocked(*id));
-        let rank = |j: &Job| (std::cmp::Reverse(j.request.priority), j.request.deadline.unwrap_or(Time::MAX));
-        ready.min_by_key(|(id, j)| (rank(j), *id)).map(|(id, _)| id)
     }
 
     /// For each robot, how long its ways to the racks of these jobs take.

@@ -4,7 +4,8 @@
 //! Refuses: to plan routes, and to keep anything in mind from step to step.
 
 pub(in crate::fleet) mod assignment;
-pub mod charging;
+pub(in crate::fleet) mod charging;
+pub(in crate::fleet) mod idle;
 pub(in crate::fleet) mod jobs;
 pub(in crate::fleet) mod maintenance;
 pub(in crate::fleet) mod storage;

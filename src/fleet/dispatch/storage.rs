@@ -39,7 +39,7 @@ impl Floor<'_> {
     /// A free charger or parking place near a robot, for it to go to.
     pub(in crate::fleet) fn free_place(&self, robot: RobotId, kind: NodeKind) -> Option<NodeId> {
         let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;
-        let free = self.ledger.index.places.free_for(robot, kind).filter(|n| !self.is_closing(*n));
+        let free = self.ledger.index().places.free_for(robot, kind).filter(|n| !self.is_closing(*n));
         free.min_by_key(|n| ((along_axes(here, self.warehouse().nodes[*n].at) * 1000.0) as i64, *n))
     }
 
@@ -52,14 +52,9 @@ impl Floor<'_> {
 
     /// Whether a storage node cannot be promised to `rack` on `robot`.
     fn is_taken_storage(&self, node: NodeId, rack: RackId, robot: RobotId) -> bool {
-        let places = &self.ledger.index.places;
+        let places = &self.ledger.index().places;
         places.rack_on(node).is_some_and(|k| k != rack)
             || places.is_promised(node, robot)
             || places.is_wanted_for_another(node, rack)
-    }
-
-    /// Whether somebody else stands on, or is sent to, a node.
-    pub(in crate::fleet) fn is_promised(&self, node: NodeId, robot: RobotId) -> bool {
-        self.ledger.index.places.is_promised(node, robot)
     }
 }

@@ -6,13 +6,13 @@
 use crate::aware::{Effects, HumanAwarePolicy};
 use crate::fleet::people::routing::REDIRECT;
 use crate::fleet::people::state::{HumanState, Led, Mode, Person, STROLL_MPS};
-use crate::fleet::requests::OfWorker;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::heard::OfWorker;
 use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::Point;
 use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, Taken};
-use crate::id::{AssignmentId, WorkerId};
+use crate::id::WorkerId;
 use crate::time::{Span, Time};
 
 /// Whoever follows a new path for this far is on the path again, metres.
@@ -155,10 +155,5 @@ impl Floor<'_> {
             let x = (low.x - MARGIN_M..=high.x + MARGIN_M).contains(&p.x);
             x && (low.y - MARGIN_M..=high.y + MARGIN_M).contains(&p.y)
         }
-    }
-
-    /// The assignment that a worker is at, or is to begin.
-    pub(in crate::fleet) fn next_assignment(&self, worker: WorkerId) -> Option<AssignmentId> {
-        self.ledger.index.assignments_of(worker).next()
     }
 }

@@ -1,23 +1,21 @@
 //! Where workers may be going: the goals that are known, the distances to them, and what is believed of each
 //! worker.
 //!
-//! Main type: [`Intents`]. Goals are the workers' tasks, the doors, and the corners of the hall, which stand for
-//! everything else (Petković 2021, section 4.3.2). Refuses: to follow workers whose place is only guessed.
+//! What is kept of it: [`Intents`](crate::fleet::people::intents::Intents). Goals are the workers' tasks, the doors,
+//! and the corners of the hall, which stand for everything else (Petković 2021, section 4.3.2). Refuses: to follow
+//! workers whose place is only guessed.
 
 use crate::aware::HumanAwarePolicy;
+use crate::fleet::people::intents::{PLACES, goal_of};
 use crate::fleet::people::state::{HumanState, Mode};
 use crate::fleet::state::floor::Floor;
-use crate::geometry::Point;
 use crate::human::{
-    Belief, Distances, Hypothesis, Intention, Method, Presence, Quality, Whereabouts, straight_on,
-    towards_goal,
+    Hypothesis, Intention, Method, Presence, Quality, Whereabouts, straight_on, towards_goal,
 };
-use crate::id::{AssignmentId, Dense, GoalId, NodeId, WorkerId};
+use crate::id::{AssignmentId, GoalId, NodeId, WorkerId};
 use crate::time::{Span, Time};
-use crate::warehouse::walkway::{EdgeSet, Walkways};
-use crate::warehouse::{NodeKind, Warehouse};
+use crate::warehouse::walkway::EdgeSet;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
 
 /// How much more probable the worker's own task is than any other goal, before anything is seen.
 const OWN_TASK: f64 = 3.0;
@@ -31,56 +29,6 @@ const FAR_M: f64 = 25.0;
 const ELSEWHERE_M: f64 = 5.0;
 /// How many tasks of others a worker may be going to help with, oldest first.
 const OTHERS: usize = 3;
-/// Numbers of goals: corners and doors first, places of tasks from here on.
-const PLACES: u64 = 1000;
-
-/// Everything about intentions.
-#[derive(Debug)]
-pub(in crate::fleet) struct Intents {
-    pub distances: Distances,
-    fixed: Vec<GoalId>,
-    cut_at: Option<Time>,
-    intentions: BTreeMap<WorkerId, (Intention, BTreeSet<GoalId>)>,
-    /// The oldest assignments, a few of each worker.
-    early: Vec<(AssignmentId, WorkerId)>,
-}
-
-impl Intents {
-    pub fn new(warehouse: &Warehouse, walkways: Arc<Walkways>) -> Intents {
-        let mut distances = Distances::over(walkways.clone());
-        let (low, high) = warehouse.bounds();
-        let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
-        let corners = corners.map(|(x, y)| Point::new(x, y));
-        let doors = warehouse.nodes_where(|k| k == NodeKind::Exit).into_iter().take(3);
-        let places = corners.into_iter().chain(doors.map(|n| warehouse.nodes[n].at));
-        let mut fixed: Vec<GoalId> = Vec::new();
-        for (i, place) in places.enumerate() {
-            let Some((node, _)) = walkways.nearest(place) else { continue };
-            let at = walkways.nodes()[node].at;
-            if distances.goals().all(|(_, g)| (g - at).norm() > 1.0) {
-                distances.add_goal(GoalId(i as u64), at);
-                fixed.push(GoalId(i as u64));
-            }
-        }
-        Intents { distances, fixed, cut_at: None, intentions: BTreeMap::new(), early: Vec::new() }
-    }
-
-    /// What is believed of a worker.
-    pub fn belief(&self, worker: WorkerId) -> Option<Belief> {
-        self.intentions.get(&worker).map(|(i, _)| i.belief())
-    }
-
-    /// Forgets what was believed of a worker: the next sighting starts anew.
-    pub fn forget(&mut self, worker: WorkerId) {
-        self.intentions.remove(&worker);
-    }
-}
-
-/// The goal that is the place of a task.
-pub(in crate::fleet) fn goal_of(place: NodeId) -> GoalId {
-    GoalId(PLACES + place.ix() as u64)
-}
-
 impl HumanState {
     /// Takes what was seen in this step into what is believed of everybody.
     pub(in crate::fleet) fn infer(&mut self, floor: Floor<'_>, now: Time) {
@@ -216,7 +164,7 @@ impl Floor<'_> {
     /// The oldest assignments, and no more of one worker than another may help with: whoever it is, the oldest of all
     /// others are among them.
     fn early_assignments(&self) -> Vec<(AssignmentId, WorkerId)> {
-        let index = &self.ledger.index;
+        let index = &self.ledger.index();
         let own = |worker| index.assignments_of(worker).take(OTHERS).map(move |id| (id, worker));
         let mut early: Vec<(AssignmentId, WorkerId)> = index.assigned_workers().flat_map(own).collect();
         early.sort_unstable();

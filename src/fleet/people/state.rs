@@ -3,7 +3,7 @@
 //! Main types: [`HumanState`], [`Person`], [`Mode`]. Refuses: to decide.
 
 use crate::aware::{Afoot, Regions};
-use crate::fleet::people::intent::Intents;
+use crate::fleet::people::intents::Intents;
 use crate::fleet::state::worker::Guidance;
 use crate::geometry::Point;
 use crate::human::motion::Motion;

@@ -45,7 +45,7 @@ impl Fleet {
         };
         Backlog {
             at: now,
-            jobs: self.core.ledger.index.queue.in_order(now).take(most).map(pending).collect(),
+            jobs: self.core.ledger.index().queue.in_order(now).take(most).map(pending).collect(),
         }
     }
 }
@@ -53,6 +53,6 @@ impl Fleet {
 impl Floor<'_> {
     /// The first job that keeps this one from starting: it is not over, or it ended badly.
     pub(in crate::fleet) fn first_before(&self, job: JobId) -> Option<JobId> {
-        self.ledger.index.waits.first_before(job)
+        self.ledger.index().waits.first_before(job)
     }
 }

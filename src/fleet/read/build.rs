@@ -8,7 +8,7 @@ use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView
 use crate::fleet::state::fact::{Act, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{ClosureView, Presence, WorkerView};
-use crate::fleet::traffic::grant::Withheld;
+use crate::fleet::traffic::state::Withheld;
 use crate::geometry::{Point, Pose};
 use crate::human::Belief;
 use crate::id::{JobId, NodeId, RobotId, StationId, WorkerId};
@@ -22,7 +22,7 @@ impl Fleet {
     pub fn view(&self, now: Time) -> View {
         let robots: Vec<RobotView> = self.core.ledger.robots.ids().map(|r| self.robot_view(r, now)).collect();
         let stations = self.core.warehouse().stations.ids().map(|s| self.station_view(s)).collect();
-        let waiting = self.core.ledger.index.queue.len() as u64;
+        let waiting = self.core.ledger.index().queue.len() as u64;
         let active = self.core.ledger.jobs.len() as u64 - waiting;
         let counts = self.counts(waiting, active);
         let racks = self.core.ledger.racks.iter().copied().collect();
@@ -209,7 +209,7 @@ impl Fleet {
 impl Floor<'_> {
     /// Waiting jobs that come after others, each with the first one that is not over yet.
     fn blocked(&self) -> BTreeMap<JobId, JobId> {
-        self.ledger.index.waits.blocked().collect()
+        self.ledger.index().waits.blocked().collect()
     }
 
     fn robot_state(&self, r: RobotId) -> RobotState {

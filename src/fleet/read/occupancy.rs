@@ -57,7 +57,7 @@ impl Fleet {
 
     fn strip(&self, node: NodeId, window: Window) -> Strip {
         let resource = self.core.warehouse().node_resource(node);
-        let holds = self.core.ledger.timeline.holds(resource, window).collect();
+        let holds = self.core.ledger.timeline().holds(resource, window).collect();
         let conditions = self.core.restrictions.conditions.of(node).iter();
         let conditions = conditions.filter(|c| c.window.overlaps(window)).copied().collect();
         Strip { node, holds, conditions }

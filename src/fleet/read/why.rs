@@ -9,7 +9,7 @@ use crate::fleet::JobState;
 use crate::fleet::read::view::{JobWhy, View, Why};
 use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::traffic::grant::Withheld;
+use crate::fleet::traffic::state::Withheld;
 use crate::id::{JobId, ResourceId, RobotId};
 use crate::time::Time;
 use crate::timeline::Holder;
@@ -163,7 +163,7 @@ impl Fleet {
         }
         match why {
             Some(why @ Why::WaitsFor(_, holder)) => {
-                let before = self.core.ledger.timeline.before(Holder::Robot(robot), chain.granted());
+                let before = self.core.ledger.timeline().before(Holder::Robot(robot), chain.granted());
                 let before = before.map(|(_, held)| held).unwrap_or_default();
                 let until = before.iter().map(|h| h.window.end()).max();
                 let behind = if let Holder::Robot(b) = holder { Some(b) } else { None };

@@ -2,18 +2,29 @@
 //!
 //! Refuses: to decide anything about robots.
 
-use crate::fleet::requests::{Intake, OfWorker};
+use crate::fleet::requests::intake::Intake;
+use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::heard::{Heard, OfWorker};
 use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
 use crate::fleet::state::job::{JobKind, JobRequest, JobState};
-use crate::id::{Dense, JobId, NodeId, RackId, RobotId};
+use crate::id::{Dense, JobId, RackId, RobotId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
+use crate::warehouse::walkway::Walkways;
+
+/// Takes all inputs in: observations of robots go to the scene, requests become facts or refusals. `walkways` is where
+/// workers can walk.
+pub(in crate::fleet) fn absorb(core: &mut Core, walkways: &Walkways, now: Time, inputs: Vec<Input>) -> Heard {
+    let mut intake = Intake { core, walkways, heard: Heard::default() };
+    intake.take_in(now, inputs);
+    intake.heard
+}
 
 impl Intake<'_> {
     /// Takes all inputs in.
-    pub(super) fn take_in(&mut self, now: Time, inputs: Vec<Input>) {
+    fn take_in(&mut self, now: Time, inputs: Vec<Input>) {
         self.expire_keys(now);
         for input in inputs {
             match input {
@@ -121,27 +132,6 @@ impl Floor<'_> {
             }
         }
         Ok(())
-    }
-
-    /// Whether a robot may drive up to its next stop already, and will do there what it was told.
-    pub(in crate::fleet) fn next_stop_is_granted(&self, robot: RobotId) -> bool {
-        let next = self.ledger.robots[robot].stops.first();
-        next.is_some_and(|s| s.serial < self.ledger.chain(robot).granted())
-    }
-
-    /// Whether another rack than `rack` stands on a storage node, or is to come there.
-    pub(in crate::fleet) fn storage_taken(&self, node: NodeId, rack: RackId) -> bool {
-        let places = &self.ledger.index.places;
-        let stands = places.rack_on(node).is_some_and(|k| k != rack);
-        let promised = |t: &Task| match *t {
-            Task::Deliver { store, rack: k, .. } | Task::Store { store, rack: k, .. } => {
-                store == node && k != rack
-            }
-            Task::Idle | Task::Fetch { .. } | Task::Move { .. } => false,
-        };
-        stands
-            || places.bound_for(node).iter().any(|r| promised(&self.ledger.robots[*r].task))
-            || places.is_wanted_for_another(node, rack)
     }
 
     /// What a robot goes on with when its job is over before its task is: it brings its rack to storage, or goes to

@@ -4,7 +4,7 @@
 //! lets it work again: a restart forgets none of that. Refuses: robots on places that others hold, and of kinds that
 //! there are not.
 
-use crate::fleet::requests::Intake;
+use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::io::{Bounded, Refusal, Reply};
 use crate::id::{Dense, NodeId, RobotId};
@@ -35,7 +35,7 @@ impl Intake<'_> {
         }
         let robot = RobotId::at(self.core.ledger.robots.len());
         let (resource, ever) = (self.core.warehouse().node_resource(node), Window::new(now, Time::MAX));
-        let mut others = self.core.ledger.timeline.holders_during(resource, ever, Holder::Robot(robot));
+        let mut others = self.core.ledger.timeline().holders_during(resource, ever, Holder::Robot(robot));
         if others.next().is_some() || self.core.floor().is_promised(node, robot) {
             return Err(Refusal::PlaceTaken(node));
         }

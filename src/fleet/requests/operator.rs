@@ -5,7 +5,7 @@
 //! Refuses: to be an emergency stop, which is the robot's own; and to take back what was promised: who stands keeps
 //! its holds, and those behind wait.
 
-use crate::fleet::requests::Intake;
+use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Refusal, Reply};
@@ -68,12 +68,6 @@ impl Intake<'_> {
 }
 
 impl Floor<'_> {
-    /// Whether a robot is to stand, by itself or with all others, or since it is fenced off.
-    pub(in crate::fleet) fn is_halted(&self, robot: RobotId) -> bool {
-        let record = &self.ledger.robots[robot];
-        self.ledger.stopped.is_some() || record.paused.is_some() || record.fenced.is_some()
-    }
-
     fn halted_since(&self, robot: Option<RobotId>) -> Result<Option<Time>, Refusal> {
         match robot {
             None => Ok(self.ledger.stopped),

@@ -4,7 +4,7 @@
 //! missing; how long it was planned to take only decides when others come. A paused station gets no more racks; those
 //! in its queue wait. Refuses: to end a pick by the clock, and one that has not begun.
 
-use crate::fleet::requests::Intake;
+use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{Act, Fact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::StationOrder;

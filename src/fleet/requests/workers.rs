@@ -2,8 +2,9 @@
 //!
 //! Refuses: to plan for anybody; what is asked for becomes a fact or a refusal.
 
-use crate::fleet::requests::{Intake, OfWorker};
+use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
+use crate::fleet::state::heard::OfWorker;
 use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
 use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, Closure};
 use crate::id::{AssignmentId, ClosureId, Dense, NodeId, WorkerId};

@@ -3,7 +3,6 @@
 //! Main type: [`Core`]. Each room has it as an argument, reads it through [`Floor`], and changes what was promised by
 //! facts alone. Refuses: to keep anything that belongs to one room.
 
-use crate::fleet::Settings;
 use crate::fleet::state::fact::{Fact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Step;
@@ -11,6 +10,7 @@ use crate::fleet::state::job::JobState;
 use crate::fleet::state::ledger::Ledger;
 use crate::fleet::state::restrictions::Restrictions;
 use crate::fleet::state::scene::Scene;
+use crate::fleet::state::settings::Settings;
 use crate::fleet::state::storage::Storage;
 use crate::id::{JobId, RobotId};
 use crate::time::Time;

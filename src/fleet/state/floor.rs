@@ -8,7 +8,7 @@ use super::ledger::Ledger;
 use super::restrictions::Restrictions;
 use super::scene::Scene;
 use super::storage::Storage;
-use crate::fleet::Settings;
+use crate::fleet::state::settings::Settings;
 use crate::geometry::Point;
 use crate::id::{NodeId, RobotId};
 use crate::route::Kinematics;

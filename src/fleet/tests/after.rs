@@ -60,7 +60,10 @@ fn dependants_of_a_job_that_fails_while_jobs_are_handed_out_fail_too() {
     // As the assigning phase does when no way leads to the goal of a robot that the customer named.
     let state = JobState::Failed(JobFailure::Unreachable);
     floor.fleet.core.record(Fact::Progressed { job: first, state, tasked: None, at: floor.now });
-    assert!(floor.fleet.ledger().index.queue.offers(floor.now, |_| true).next().is_none(), "it cannot start");
+    assert!(
+        floor.fleet.ledger().index().queue.offers(floor.now, |_| true).next().is_none(),
+        "it cannot start"
+    );
     floor.step(vec![]);
     assert_eq!(floor.story(second), ["failed"]);
     let why = JobState::Failed(JobFailure::Predecessor(first));
@@ -103,7 +106,7 @@ fn a_bad_end_is_known_for_a_week() {
     ledger.evolve(&Fact::Progressed { job: bad, state: JobState::Cancelled, tasked: None, at: Time::ZERO });
     ledger.evolve(&accept(soon, vec![bad], Time::ZERO + day * 6));
     ledger.evolve(&accept(late, vec![bad], Time::ZERO + day * 7));
-    let waits = &ledger.index.waits;
+    let waits = &ledger.index().waits;
     assert!(waits.is_blocked(soon) && !waits.is_blocked(late));
     assert_eq!(waits.next_doomed(), Some((soon, bad)));
     let state = JobState::Failed(JobFailure::Predecessor(bad));

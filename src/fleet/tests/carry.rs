@@ -129,7 +129,8 @@ fn the_same_map_keeps_everything_and_robots_are_idle_or_bring_their_racks_away()
         assert!(chain.first >= old.end(), "no number is given twice");
         assert_eq!(chain.visits[0].node, floor.fleet.ledger().node_of(robot));
     }
-    let rest = Parts { jobs: after.jobs, robots: after.robots, chains: after.chains, ..before };
+    let Parts { promises: Promises { jobs, robots, .. }, chains } = after;
+    let rest = Parts { promises: Promises { jobs, robots, ..before.promises }, chains };
     let carried = floor.carried(&thesis()).parts.expect("as before");
     assert_eq!(carried, rest, "all else is as it was");
 }

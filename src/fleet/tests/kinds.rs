@@ -99,5 +99,5 @@ fn a_robot_of_an_unknown_kind_cannot_join_and_one_in_the_ledger_is_found() {
     let usual = scenario(2).settings();
     assert_eq!(usual.unknown_kinds(floor.fleet.ledger()), [("robot-2", "mover")]);
     let holder = Holder::Robot(RobotId::at(1));
-    assert!(floor.fleet.ledger().timeline.chain(holder).is_some());
+    assert!(floor.fleet.ledger().timeline().chain(holder).is_some());
 }

@@ -93,16 +93,16 @@ proptest! {
         for (event, pause_s) in &events {
             take_in(&mut ledger, event, now);
             now += Span::from_secs(*pause_s);
-            ledger.index.queue.advance(now);
+            ledger.advance_queue(now);
         }
         ledger.assert_indexed();
         let known = urgencies(&ledger, now);
         let of = |id: JobId| known.iter().find(|(j, _)| *j == id).expect("it waits").1;
-        let order: Vec<JobId> = ledger.index.queue.in_order(now).collect();
+        let order: Vec<JobId> = ledger.index().queue.in_order(now).collect();
         prop_assert_eq!(order.len(), ledger.jobs.len());
         // Of two whose urgency differs by less than rounding, either may come first.
         prop_assert!(order.windows(2).all(|w| of(w[0]) + 2 >= of(w[1])), "{order:?} {known:?}");
-        let mut offered: Vec<JobId> = ledger.index.queue.offers(now, |_| true).collect();
+        let mut offered: Vec<JobId> = ledger.index().queue.offers(now, |_| true).collect();
         let mut seen = std::collections::BTreeSet::new();
         offered.retain(|id| seen.insert(ledger.jobs[id].request.kind.rack()));
         for id in &offered {

@@ -10,11 +10,11 @@ use crate::fleet::state::closed_areas::storage_behind;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::{JobKind, JobState};
+use crate::fleet::state::job::JobState;
 use crate::fleet::state::ledger;
 use crate::fleet::state::yielding::STANDS;
-use crate::fleet::traffic::Traffic;
-use crate::fleet::traffic::plan::commit;
+use crate::fleet::traffic::stages::commit;
+use crate::fleet::traffic::state::Traffic;
 use crate::id::{NodeId, RobotId};
 use crate::route::{COME_OUT, Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
@@ -28,7 +28,7 @@ const AGAIN: Span = Span::from_secs(5);
 pub(in crate::fleet) fn begin_restrictions(core: &mut Core, now: Time) {
     let restrictions = &mut core.restrictions;
     restrictions.conditions.clear();
-    let (closures, changes) = (&core.ledger.closures, core.ledger.index.closure_changes());
+    let (closures, changes) = (&core.ledger.closures, core.ledger.index().closure_changes());
     let warehouse = core.ledger.warehouse();
     restrictions.areas.update(closures, changes, &mut restrictions.conditions, warehouse, now);
     for closure in restrictions.areas.forgotten(closures, now) {
@@ -149,16 +149,6 @@ impl Floor<'_> {
         let Some(begins) = self.restrictions.closes(node) else { return false };
         let arrive = self.ledger.chain(robot).get(lift.serial).map_or(now, |v| v.arrive.max(now));
         arrive + self.kinematics(robot).lift + COME_OUT > begins
-    }
-
-    /// Whether a job leads to a place that is closed, or will be soon.
-    pub(in crate::fleet) fn job_is_closed_off(&self, kind: &JobKind, rack_at: NodeId) -> bool {
-        let goal = match *kind {
-            JobKind::Deliver { station, .. } => Some(self.warehouse().stations[station].node),
-            JobKind::Relocate { node, .. } => Some(node),
-            _ => None,
-        };
-        self.is_closing(rack_at) || goal.is_some_and(|n| self.is_closing(n))
     }
 
     /// The same task with an end that is not closed, where it may end anywhere.

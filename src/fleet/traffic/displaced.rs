@@ -16,8 +16,8 @@ use crate::fleet::state::io::Telemetry;
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::ledger;
 use crate::fleet::state::scene::{SILENCE, Scene};
-use crate::fleet::traffic::Traffic;
-use crate::fleet::traffic::progress::fail;
+use crate::fleet::traffic::failure::fail;
+use crate::fleet::traffic::state::Traffic;
 use crate::geometry::{Point, Segment, axis_distance, axis_distance_to_segment, to_mm};
 use crate::id::{NodeId, RobotId};
 use crate::route::{Cause, Condition, Effect};
@@ -83,7 +83,7 @@ impl Traffic {
         if let Some(other) = core.floor().granted_to_another(robot, node) {
             return Err(Displacement::GrantedTo(node, other));
         }
-        let stored = core.ledger.index.places.rack_on(node);
+        let stored = core.ledger.index().places.rack_on(node);
         if let Some(rack) = stored.filter(|_| seen.rack.is_some()) {
             return Err(Displacement::RackThere(node, rack));
         }
@@ -100,7 +100,7 @@ impl Traffic {
             _ if core.warehouse().kind(node).is_lasting() => return true,
             _ => {
                 let stays = core.warehouse().nodes_where(NodeKind::is_lasting);
-                stays.first().map(|n| super::plan::stay_at(*n)).into_iter().collect()
+                stays.first().map(|n| super::stages::stay_at(*n)).into_iter().collect()
             }
         };
         let kind = core.settings.kind(&core.ledger.robots[robot].kind);
@@ -273,7 +273,7 @@ impl Floor<'_> {
     /// Other robots that hold a node, or something in conflict with it, and whether that was granted to them.
     fn holders_of(&self, robot: RobotId, node: NodeId) -> Vec<(RobotId, bool)> {
         let resource = self.warehouse().node_resource(node);
-        let held = self.ledger.timeline.held_by_others(resource, Holder::Robot(robot));
+        let held = self.ledger.timeline().held_by_others(resource, Holder::Robot(robot));
         held.map(|h| (truncate::robot_of(h.holder), h.granted)).collect()
     }
 

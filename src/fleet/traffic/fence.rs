@@ -6,7 +6,7 @@
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
-use crate::fleet::traffic::progress::give_up;
+use crate::fleet::traffic::failure::give_up;
 use crate::id::{Dense, RobotId};
 use crate::time::Time;
 

@@ -11,8 +11,8 @@ use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Waypoint};
 use crate::fleet::state::ledger;
 use crate::fleet::state::yielding::YieldingState;
-use crate::fleet::traffic::Traffic;
-use crate::id::{ResourceId, RobotId};
+use crate::fleet::traffic::state::{Traffic, Withheld};
+use crate::id::RobotId;
 use crate::route::Cause;
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Visit};
@@ -25,21 +25,6 @@ const NODE_M: f64 = 1.0;
 const REPEAT: Span = Span::from_millis(600);
 /// A robot at a stop is reminded this often of what it is to do there.
 const REMIND: Span = Span::from_secs(3);
-
-/// Why the visit after the last granted one was not granted. The grant itself finds it, and *why waiting* reads it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) enum Withheld {
-    /// Nothing is reserved beyond.
-    End,
-    /// What the robot is to do at a stop is not done.
-    Stop,
-    /// It is not due for a while.
-    Early,
-    /// This holder comes first on this resource.
-    Turn(ResourceId, Holder),
-    /// It would meet a person, a closed area or a robot that stands there; until then, where that is known.
-    Condition(Cause, Option<Time>),
-}
 
 impl Traffic {
     /// Grants to each robot what it needs to keep its speed. Robots that are `interrupted` get no more than they have.
@@ -92,7 +77,7 @@ fn extend_grant(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: 
         serial += 1;
     }
     if serial > first {
-        debug_assert!(core.ledger.timeline.waits_for(Holder::Robot(robot), first).is_none());
+        debug_assert!(core.ledger.timeline().waits_for(Holder::Robot(robot), first).is_none());
         core.record(Fact::Granted { robot, serial: serial - 1, at: now });
     }
     withheld
@@ -100,7 +85,7 @@ fn extend_grant(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: 
 
 /// Sends everything granted from where the robot is.
 fn send(core: &mut Core, robot: RobotId, now: Time) {
-    let grant = core.ledger.timeline.granted(Holder::Robot(robot)).expect("every robot stands somewhere");
+    let grant = core.ledger.timeline().granted(Holder::Robot(robot)).expect("every robot stands somewhere");
     let chain = core.ledger.chain(robot);
     let stops = &core.ledger.robots[robot].stops;
     let waypoints = (grant.serials())
@@ -129,7 +114,7 @@ impl Floor<'_> {
         if self.ledger.robots[robot].stops.first().is_some_and(|s| s.serial < serial) {
             return Some(Withheld::Stop);
         }
-        let turn = self.ledger.timeline.waits_for(Holder::Robot(robot), serial);
+        let turn = self.ledger.timeline().waits_for(Holder::Robot(robot), serial);
         let turn = turn.map(|(resource, holder)| Withheld::Turn(resource, holder));
         let soon = visit.enter <= now + EARLY;
         let asked = if turn.is_some() { visit.enter <= now } else { soon };

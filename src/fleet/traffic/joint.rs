@@ -5,7 +5,7 @@
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
-use crate::fleet::traffic::Traffic;
+use crate::fleet::traffic::state::Traffic;
 use crate::id::{NodeId, RobotId};
 use crate::route::{Ask, Away, Route, Stage};
 use crate::time::Time;
@@ -54,7 +54,7 @@ impl Traffic {
         let busy = |r: &RobotId| core.floor().next_stop_is_granted(*r);
         let movable = |r: &RobotId| *r != robot && fit(r) && !busy(r) && !core.floor().waits_for_room(*r);
         let movable: Vec<RobotId> = core.ledger.robots.ids().filter(movable).collect();
-        let mut without = core.ledger.timeline.clone();
+        let mut without = core.ledger.timeline().clone();
         for r in movable.iter().chain([&robot]) {
             without.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);
         }
@@ -62,7 +62,7 @@ impl Traffic {
         let mut met: BTreeMap<RobotId, usize> = BTreeMap::new();
         for visit in &route.visits {
             let resource = core.warehouse().node_resource(visit.node);
-            for h in core.ledger.timeline.holders_during(resource, visit.window(), Holder::Robot(robot)) {
+            for h in core.ledger.timeline().holders_during(resource, visit.window(), Holder::Robot(robot)) {
                 if let Holder::Robot(r) = h {
                     *met.entry(r).or_default() += 1;
                 }
@@ -77,7 +77,7 @@ impl Traffic {
 
     /// Plans robots one after the other, each against those before it; gives the sum of their arrivals.
     fn plan_in_order(&mut self, core: &mut Core, order: &[RobotId], now: Time) -> Option<(i64, Vec<Found>)> {
-        let mut scratch = core.ledger.timeline.clone();
+        let mut scratch = core.ledger.timeline().clone();
         for r in order {
             scratch.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);
         }
@@ -105,7 +105,7 @@ impl Traffic {
         if stages.is_empty() {
             // It has nothing to do: any place to stay will do.
             let goal = core.floor().any_stay(robot)?;
-            stages = SmallVec::from_elem(crate::fleet::traffic::plan::stay_at(goal), 1);
+            stages = SmallVec::from_elem(crate::fleet::traffic::stages::stay_at(goal), 1);
         }
         let away = core.floor().away(robot, now);
         self.search_stages_on(core, timeline, robot, &stages, &away, now)

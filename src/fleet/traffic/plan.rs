@@ -5,19 +5,17 @@
 //! a). Refuses: to let the time of day decide how much is planned.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Act, Booking, Fact, Stop, Task};
+use crate::fleet::state::fact::{Fact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobKind;
 use crate::fleet::state::ledger;
 use crate::fleet::state::needs::Need;
-use crate::fleet::traffic::Traffic;
-use crate::geometry::Segment;
-use crate::id::{IdVec, NodeId, RobotId, StationId};
+use crate::fleet::traffic::stages::commit;
+use crate::fleet::traffic::state::Traffic;
+use crate::id::{IdVec, NodeId, RobotId};
 use crate::route::{Ask, NoRoute, Route, Stage};
 use crate::time::{Span, Time};
-use crate::timeline::{Holder, Visit};
-use crate::warehouse::NodeKind;
-use smallvec::{SmallVec, smallvec};
+use crate::timeline::Holder;
 
 /// The first pause after a failed search; it doubles up to [`RETRY_MAX`].
 const RETRY: Span = Span::from_millis(400);
@@ -143,9 +141,9 @@ impl Traffic {
         let conditions = &core.restrictions.conditions;
         let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away: &away };
         let kind = core.settings.kind(&core.ledger.robots[robot].kind);
-        let (planner, timeline) = (self.planners.of_mut(kind), &mut core.ledger.timeline);
+        let planner = self.planners.of_mut(kind);
         let start = (core.settings.stopwatch)();
-        let found = timeline.without(&[holder], |others| planner.plan(&ask, others));
+        let found = core.ledger.without(&[holder], |others| planner.plan(&ask, others));
         self.plan_times.push((core.settings.stopwatch)() - start);
         self.tally.plans += 1;
         found
@@ -256,6 +254,11 @@ impl Traffic {
 }
 
 impl Floor<'_> {
+    fn is_relocation(&self, job: Option<crate::id::JobId>) -> bool {
+        let kind = job.and_then(|j| self.ledger.jobs.get(&j)).map(|j| j.request.kind);
+        matches!(kind, Some(JobKind::Relocate { .. }))
+    }
+
     /// When a robot reaches a visit if it waits for everybody on its way, and has done so for `waited`.
     fn expected(&self, robot: RobotId, serial: u64, waited: Span, now: Time) -> Time {
         let chain = self.ledger.chain(robot);
@@ -271,176 +274,6 @@ impl Floor<'_> {
         planned + late.max(waited)
     }
 
-    /// Whether the stops ahead are not those of the task.
-    pub(in crate::fleet) fn lacks_route(&self, robot: RobotId) -> bool {
-        let record = &self.ledger.robots[robot];
-        if record.failed {
-            return false;
-        }
-        let has = |wanted: fn(&Act) -> bool| record.stops.iter().any(|s| wanted(&s.act));
-        let pick = |a: &Act| matches!(a, Act::Pick(_));
-        match record.task {
-            Task::Idle => false,
-            Task::Fetch { .. } => !has(|a| matches!(a, Act::Lift(_))),
-            Task::Deliver { .. } => !has(pick),
-            Task::Store { .. } => !has(|a| matches!(a, Act::Set(_))) || has(pick),
-            Task::Move { goal, .. } => {
-                let at = |serial: u64| self.ledger.chain(robot).get(serial).map(|v| v.node);
-                !record.stops.iter().any(|s| s.act == Act::Arrive && at(s.serial) == Some(goal))
-            }
-        }
-    }
-
-    /// The station that a robot carries its rack to.
-    pub(in crate::fleet) fn station_of(&self, robot: RobotId) -> Option<StationId> {
-        let Task::Deliver { station, .. } = self.ledger.robots[robot].task else { return None };
-        self.warehouse().nodes[station].kind.reserved_for()
-    }
-
-    /// For each station, how many robots are on their way to it or stand at it.
-    pub(in crate::fleet) fn bound_for_stations(&self) -> IdVec<StationId, usize> {
-        let mut bound = IdVec::filled(0, self.warehouse().stations.len());
-        for robot in self.ledger.robots.ids() {
-            let standing = match self.warehouse().nodes[self.ledger.node_of(robot)].kind {
-                NodeKind::Station(s) => Some(s),
-                _ => None,
-            };
-            let under_way = self.station_of(robot).filter(|_| !self.lacks_route(robot));
-            if let Some(station) = under_way.or(standing) {
-                bound[station] += 1;
-            }
-        }
-        bound
-    }
-
-    /// A loaded robot sets off to a station only if the queue has a place for it: whatever happens at the
-    /// station, no robot on its way there has to wait outside.
-    pub(in crate::fleet) fn station_has_room(&self, robot: RobotId, bound: &IdVec<StationId, usize>) -> bool {
-        let Some(station) = self.station_of(robot) else { return true };
-        let paused = self.ledger.paused_stations.contains_key(&station);
-        let room = bound[station] <= self.warehouse().stations[station].queue.len();
-        self.settings.ghosts || (room && !paused)
-    }
-
-    /// Whether a robot stands with its rack where it lifted it, until its station has room. It may step aside for a
-    /// person and come back, but gets no route to the station before its turn.
-    pub(in crate::fleet) fn waits_for_room(&self, robot: RobotId) -> bool {
-        let here = self.warehouse().kind(self.ledger.node_of(robot));
-        here == NodeKind::Storage && self.station_of(robot).is_some() && self.lacks_route(robot)
-    }
-
-    fn is_relocation(&self, job: Option<crate::id::JobId>) -> bool {
-        let kind = job.and_then(|j| self.ledger.jobs.get(&j)).map(|j| j.request.kind);
-        matches!(kind, Some(JobKind::Relocate { .. }))
-    }
-
-    /// The legs that the rest of a robot's task asks for.
-    pub(super) fn stages(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
-        let lift = self.kinematics(robot).lift;
-        let leg = |goal, loaded, stay| Stage { goal, loaded, stay };
-        match self.ledger.robots[robot].task {
-            Task::Idle => smallvec![],
-            Task::Fetch { node, .. } => smallvec![leg(node, false, lift)],
-            Task::Deliver { station, store, job, .. } => {
-                smallvec![leg(station, true, self.pick_span(station, job)), leg(store, true, lift)]
-            }
-            Task::Store { store, .. } => smallvec![leg(store, true, lift)],
-            Task::Move { goal, stay, .. } if goal == stay => smallvec![leg(goal, false, Span::ZERO)],
-            Task::Move { goal, stay, .. } => {
-                smallvec![leg(goal, false, Span::ZERO), leg(stay, false, Span::ZERO)]
-            }
-        }
-    }
-
-    fn pick_span(&self, station: NodeId, job: crate::id::JobId) -> Span {
-        let NodeKind::Station(id) = self.warehouse().nodes[station].kind else { return Span::ZERO };
-        let usual = self.warehouse().stations[id].pick;
-        match self.ledger.jobs.get(&job).map(|j| j.request.kind) {
-            Some(JobKind::Deliver { pick: Some(pick), .. }) => pick,
-            _ => usual,
-        }
-    }
-
-    /// What the robot does at the goal of each stage.
-    fn acts(&self, robot: RobotId, stages: &[Stage]) -> SmallVec<[Act; 3]> {
-        match self.ledger.robots[robot].task {
-            Task::Idle => smallvec![],
-            Task::Fetch { rack, .. } => smallvec![Act::Lift(rack)],
-            Task::Deliver { rack, .. } if stages.len() < 2 => smallvec![Act::Set(rack)],
-            Task::Deliver { rack, .. } => smallvec![Act::Pick(stages[0].stay), Act::Set(rack)],
-            Task::Store { rack, .. } => smallvec![Act::Set(rack)],
-            Task::Move { .. } => stages.iter().map(|_| Act::Arrive).collect(),
-        }
-    }
-
-    /// The last granted visit, and the heading with which the robot arrives there.
-    pub(in crate::fleet) fn grant_end(&self, robot: RobotId) -> (Visit, f64) {
-        let chain = self.ledger.chain(robot);
-        let serial = chain.granted() - 1;
-        let visit = chain.get(serial).expect("the last granted visit is still held").clone();
-        let at = |n: NodeId| self.warehouse().nodes[n].at;
-        let before = serial.checked_sub(1).and_then(|s| chain.get(s)).filter(|b| b.node != visit.node);
-        let seen = self.scene.robot(robot).map_or(0.0, |t| t.pose.heading);
-        let heading = before.map_or(seen, |b| Segment { a: at(b.node), b: at(visit.node) }.heading());
-        (visit, heading)
-    }
-
-    /// A route as it is booked. A stop where the robot stands already becomes a visit of its own.
-    pub(in crate::fleet) fn booking(&self, robot: RobotId, route: Route) -> Booking {
-        let keep = self.ledger.chain(robot).granted() - 1;
-        let Route { mut kept, mut visits, stops, .. } = route;
-        let here = stops.contains(&0);
-        if here {
-            let again = Visit { lane: None, arrive: kept.arrive.max(kept.enter), ..kept.clone() };
-            // It leaves the first visit for the second, which is at the same place: a delay of the one must not
-            // hold it longer than the other.
-            let gone = (again.arrive + self.ledger.timeline.clearance()).min(again.leave);
-            (kept.depart, kept.leave, kept.stay) = (again.arrive, gone, Span::ZERO);
-            visits.insert(0, again);
-        }
-        let acts = self.acts(robot, &self.stages_left(robot));
-        let serials = stops.iter().map(|s| keep + (s + usize::from(here)) as u64);
-        let stops = serials.zip(acts).map(|(serial, act)| Stop { serial, act }).collect();
-        Booking { robot, keep, kept, visits, stops }
-    }
-
-    /// The legs of a robot's task that are still ahead, given the stops that it has done.
-    pub(in crate::fleet) fn stages_left(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
-        let mut stages = self.stages(robot);
-        let left = self.ledger.robots[robot].stops.len();
-        if !self.lacks_route(robot) && left < stages.len() {
-            stages.drain(..stages.len() - left);
-        }
-        stages
-    }
-
-    /// The legs to a place aside, and of the rest of the task from there.
-    pub(in crate::fleet) fn stages_aside(&self, robot: RobotId, place: NodeId) -> SmallVec<[Stage; 4]> {
-        let rest = self.stages_after(robot);
-        let loaded = self.ledger.rack_on(robot).is_some();
-        let leg = |goal| Stage { goal, loaded, stay: Span::ZERO };
-        let mut stages = smallvec![leg(place)];
-        if rest.is_empty() {
-            stages.push(leg(self.ledger.chain(robot).last().expect("it stands somewhere").node));
-        }
-        stages.extend(rest);
-        stages
-    }
-
-    /// What a robot goes on with after it stepped aside.
-    fn stages_after(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
-        if self.waits_for_room(robot) { SmallVec::new() } else { self.stages_left(robot) }
-    }
-
-    /// A route over `stages_aside` with the stops of the task alone: nothing is done at the place.
-    pub(in crate::fleet) fn with_own_stops(&self, robot: RobotId, mut route: Route) -> Route {
-        route.stops.remove(0);
-        if self.stages_after(robot).is_empty() {
-            route.stops.clear();
-        }
-        route
-    }
-
     /// Whether the robot stands at the end of what it was granted because somebody else comes first.
     fn is_held_up(&self, robot: RobotId, now: Time) -> bool {
         let chain = self.ledger.chain(robot);
@@ -449,17 +282,6 @@ impl Floor<'_> {
         let late = chain.get(chain.granted()).is_some_and(|v| v.enter < now);
         at_end && slow && late && !self.lacks_route(robot)
     }
-}
-
-/// Books a route.
-pub(super) fn commit(core: &mut Core, robot: RobotId, route: Route) {
-    let booking = core.floor().booking(robot, route);
-    core.record(Fact::Routed { bookings: vec![booking] });
-}
-
-/// Going to a node without a rack, to stay.
-pub(in crate::fleet) fn stay_at(goal: NodeId) -> Stage {
-    Stage { goal, loaded: false, stay: Span::ZERO }
 }
 
 fn reached(route: &Route) -> Time {

@@ -7,13 +7,13 @@ use crate::fleet::state::fact::{Act, Fact, Moved, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobFailure, JobKind, JobState};
 use crate::fleet::state::ledger;
-use crate::fleet::traffic::Traffic;
+use crate::fleet::traffic::failure::fail;
 use crate::fleet::traffic::revoke::note_revoked;
-use crate::fleet::traffic::truncate::{robot_of, truncate_behind};
+use crate::fleet::traffic::state::Traffic;
+use crate::fleet::traffic::truncate::robot_of;
 use crate::id::{JobId, NodeId, RackId, RobotId};
 use crate::time::{Span, Time};
 use crate::timeline::Holder;
-use crate::warehouse::NodeKind;
 
 /// A robot this much behind its plan is late.
 const LATE: Span = Span::from_millis(1500);
@@ -56,23 +56,6 @@ fn note_health(core: &mut Core, robot: RobotId, failed: bool, now: Time) {
         (true, false) if core.scene.is_placed(robot) => core.record(Fact::Repaired { robot, at: now }),
         _ => {}
     }
-}
-
-/// A robot stops for good: its job goes to another if it cannot lift the rack any more, and all robots whose way
-/// leads over its place lose that way.
-pub(super) fn fail(core: &mut Core, robot: RobotId, now: Time) {
-    core.record(Fact::Failed { robot, at: now });
-    give_up(core, robot, now);
-}
-
-/// What others take over from a robot that stands for good.
-pub(in crate::fleet) fn give_up(core: &mut Core, robot: RobotId, now: Time) {
-    if let Task::Fetch { job: Some(job), .. } = core.ledger.robots[robot].task
-        && !core.floor().next_stop_is_granted(robot)
-    {
-        core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
-    }
-    truncate_behind(core, robot);
 }
 
 fn note_passed(core: &mut Core, robot: RobotId, reached: u64, now: Time) {
@@ -170,7 +153,7 @@ fn note_delay(core: &mut Core, robot: RobotId, now: Time) {
         return;
     }
     let depart = here.depart + (now - next.arrive) + GUESS;
-    let slip = core.ledger.timeline.delay(Holder::Robot(robot), serial, depart);
+    let slip = core.ledger.timeline().delay(Holder::Robot(robot), serial, depart);
     let moved = slip.into_iter().map(|(h, shifts)| Moved { robot: robot_of(h), shifts });
     core.record(Fact::Delayed { moved: moved.collect() });
 }
@@ -180,7 +163,7 @@ fn note_delay(core: &mut Core, robot: RobotId, now: Time) {
 /// to, over a restart as well, and none of them starts.
 fn fail_orphans(core: &mut Core, now: Time) {
     for _ in 0..ORPHANS_PER_STEP {
-        let Some((job, bad)) = core.ledger.index.waits.next_doomed() else { return };
+        let Some((job, bad)) = core.ledger.index().waits.next_doomed() else { return };
         let state = JobState::Failed(JobFailure::Predecessor(bad));
         core.progress(job, state, None, now);
     }
@@ -191,12 +174,5 @@ impl Floor<'_> {
     fn put_away(&self, robot: RobotId, job: Option<JobId>, rack: RackId) -> Task {
         let here = self.ledger.node_of(robot);
         Task::Store { job, rack, store: self.best_storage(robot, rack, here, 0) }
-    }
-}
-
-impl Floor<'_> {
-    /// Whether a robot standing on this node is at a charger.
-    pub(in crate::fleet) fn at_charger(&self, robot: RobotId) -> bool {
-        self.warehouse().nodes[self.ledger.node_of(robot)].kind == NodeKind::Charger
     }
 }

@@ -9,7 +9,7 @@ use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Telemetry};
 use crate::fleet::state::yielding::STANDS;
-use crate::fleet::traffic::Traffic;
+use crate::fleet::traffic::state::Traffic;
 use crate::geometry::Point;
 use crate::id::RobotId;
 use crate::time::{Span, Time};

@@ -8,7 +8,7 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::worker::{Encounter, Reaction};
 use crate::fleet::state::yielding::GivesWay;
-use crate::fleet::yielding::Yielding;
+use crate::fleet::yielding::state::Yielding;
 use crate::geometry::to_mm;
 use crate::human::Presence;
 use crate::id::{RobotId, WorkerId};

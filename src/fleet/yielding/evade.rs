@@ -9,9 +9,9 @@ use crate::aware::{Answer, HumanAwarePolicy, Zone};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::Reaction;
-use crate::fleet::traffic::Traffic;
 use crate::fleet::traffic::binding::STOPPING;
-use crate::fleet::yielding::Yielding;
+use crate::fleet::traffic::state::Traffic;
+use crate::fleet::yielding::state::Yielding;
 use crate::id::{NodeId, RobotId, WorkerId};
 use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
@@ -162,7 +162,7 @@ impl Yielding {
         let chain = floor.ledger.chain(robot);
         let next = chain.get(chain.granted());
         next.is_some_and(|v| {
-            let turn = || floor.ledger.timeline.waits_for(Holder::Robot(robot), chain.granted());
+            let turn = || floor.ledger.timeline().waits_for(Holder::Robot(robot), chain.granted());
             floor.grant_waits_for(&self.state, robot, v, now).is_none() && turn().is_none()
         })
     }

@@ -1,22 +1,22 @@
 //! The published reaction to a worker who left the path (Petković 2021, algorithm 6 and section 4.3.3), for
 //! comparison.
 //!
-//! Main type: [`Procedure`]. All robots are interrupted; when they stand, the worker gets the common
+//! All robots are interrupted; when they stand, the worker gets the common
 //! beginning of the predicted paths if robots leave it free, else another way to its end, else robots are
 //! asked to leave it, else the worker is told to stop. Then all robots are planned anew. Read with its
 //! errata: the common segment is a prefix, and the most probable path stands in where paths share a single
 //! node. Refuses: to be used by our own method.
 
 use crate::aware::{BODY_M, Effects, HumanAwarePolicy};
-use crate::fleet::people::intent::goal_of;
+use crate::fleet::people::intents::goal_of;
 use crate::fleet::people::state::{HumanState, Led, Mode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::Reaction;
-use crate::fleet::traffic::Traffic;
-use crate::fleet::yielding::Yielding;
+use crate::fleet::traffic::state::Traffic;
 use crate::fleet::yielding::evade::TRIES;
+use crate::fleet::yielding::state::Yielding;
 use crate::geometry::{Point, Segment};
 use crate::human::intention::reported_goals;
 use crate::human::{Band, Hypothesis, Presence, common_prefix, straight_on, towards_goal};
@@ -24,7 +24,6 @@ use crate::id::{NodeId, RobotId, WorkerId};
 use crate::route::{Cause, Conditions, Effect, Route};
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Visit};
-use std::collections::BTreeSet;
 
 /// Whoever has not come to rest after this long is taken as it is.
 const REST: Span = Span::from_secs(6);
@@ -33,24 +32,6 @@ const AGAIN: Span = Span::from_secs(5);
 /// How far a path is predicted, metres.
 const FAR_M: f64 = 30.0;
 const STRAIGHT_M: f64 = 10.0;
-
-/// The procedure in progress.
-#[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct Procedure {
-    /// For whom robots stand, and since when.
-    running: Option<(WorkerId, Time)>,
-    /// Workers who left their path meanwhile.
-    queue: BTreeSet<WorkerId>,
-    /// Robots that are planned anew after it.
-    again: BTreeSet<RobotId>,
-}
-
-impl Procedure {
-    /// Whether a robot gets no further grants.
-    pub fn holds(&self, robot: RobotId) -> bool {
-        self.running.is_some() || self.again.contains(&robot)
-    }
-}
 
 impl Yielding {
     /// Starts, and carries on with, the published procedure. Where it ends, the worker for whom it ran and where that
@@ -229,7 +210,7 @@ fn evasions(
     if !robots.iter().all(stands) {
         return None;
     }
-    let mut scratch = core.ledger.timeline.clone();
+    let mut scratch = core.ledger.timeline().clone();
     for robot in robots {
         scratch.withdraw(Holder::Robot(*robot), core.ledger.chain(*robot).granted() - 1);
     }

@@ -4,7 +4,7 @@
 //! [`Line`] is a sorted set, and the few lines are merged by urgency when somebody looks. For each free rack only the
 //! first job of each line is offered. Refuses: to say whether a station has room; whoever looks leaves lines out.
 
-use crate::fleet::state::job::Job;
+use crate::fleet::state::job::{Job, JobKind};
 use crate::id::{IdVec, JobId, RackId, StationId};
 use crate::time::{Span, Time};
 use std::cmp::Reverse;
@@ -194,7 +194,7 @@ impl Queue {
     pub(in crate::fleet) fn insert(&mut self, id: JobId, job: &Job, is_blocked: bool) {
         let kind = &job.request.kind;
         let goal = match *kind {
-            crate::fleet::JobKind::Deliver { station, .. } => Goal::Station(station),
+            JobKind::Deliver { station, .. } => Goal::Station(station),
             _ => Goal::Storage,
         };
         let line = Line { priority: job.request.priority, stage: Stage::Plain };

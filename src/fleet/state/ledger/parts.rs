@@ -1,63 +1,37 @@
-//! A ledger from what was written down of one.
+//! An empty ledger, and one from what was written down of it.
 //!
 //! Main types: [`Parts`] (everything of a ledger, plain), [`Contradiction`]. Refuses: parts that contradict the map
 //! or one another, in words; a ledger that this program wrote down never does.
 
-use crate::fleet::Job;
-use crate::fleet::JobKind;
-use crate::fleet::RackAt;
+use super::{Ledger, Promises, RackAt, Sums};
 use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::index::Index;
+use crate::fleet::state::job::JobKind;
 use crate::fleet::state::keys::Keys;
-use crate::fleet::state::ledger::{Ledger, Robot, Sums};
 use crate::fleet::state::wishes::Wishes;
-use crate::fleet::state::worker::{Assignment, Closure};
-use crate::id::{AssignmentId, ClosureId, Dense, IdVec, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
-use crate::time::{Span, Time};
+use crate::id::{Dense, IdVec, NodeId, RackId, RobotId};
+use crate::time::Span;
 use crate::timeline::{ChainParts, Flaw, Holder, Timeline};
 use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Deref;
 use std::sync::Arc;
 
 /// Everything of a ledger.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts {
-    /// Jobs that are not over.
-    pub jobs: BTreeMap<JobId, Job>,
-    /// The number of the next job.
-    pub next_job: u64,
-    /// Customers' keys of jobs.
-    pub keys: Keys<JobId>,
-    /// All robots.
-    pub robots: IdVec<RobotId, Robot>,
-    /// Where each rack is.
-    pub racks: IdVec<RackId, RackAt>,
+    /// What was promised, but for who holds what when.
+    pub promises: Promises,
     /// Who holds what when.
     pub chains: Vec<ChainParts>,
-    /// Racks served per station.
-    pub served: IdVec<StationId, u64>,
-    /// All workers' names.
-    pub workers: IdVec<WorkerId, String>,
-    /// Assignments that are not over.
-    pub assignments: BTreeMap<AssignmentId, Assignment>,
-    /// The number of the next assignment.
-    pub next_assignment: u64,
-    /// Customers' keys of assignments.
-    pub assignment_keys: Keys<AssignmentId>,
-    /// Areas that robots keep out of.
-    pub closures: BTreeMap<ClosureId, Closure>,
-    /// The number of the next closure.
-    pub next_closure: u64,
-    /// Stations at which nobody picks, since when.
-    pub paused_stations: BTreeMap<StationId, Time>,
-    /// Since when the whole fleet is to stand, by hand.
-    pub stopped: Option<Time>,
-    /// Jobs that were cancelled or failed lately, with when.
-    pub ended_badly: BTreeMap<JobId, Time>,
-    /// Sums.
-    pub counts: Sums,
-    /// How often each rack was wanted lately.
-    pub wishes: Wishes,
+}
+
+impl Deref for Parts {
+    type Target = Promises;
+
+    fn deref(&self) -> &Promises {
+        &self.promises
+    }
 }
 
 /// Why parts make no ledger.
@@ -91,6 +65,37 @@ pub enum Contradiction {
 }
 
 impl Ledger {
+    /// Nothing promised; racks at home. `ghostly` is for the bound on throughput only.
+    pub fn new(warehouse: Arc<Warehouse>, clearance: Span, ghostly: bool) -> Ledger {
+        let racks = warehouse.racks.iter().map(|r| RackAt::Stored(r.home)).collect();
+        let served = IdVec::filled(0, warehouse.stations.len());
+        let index = Index::new(&warehouse);
+        let wishes = Wishes::none(warehouse.racks.len());
+        let timeline = if ghostly { Timeline::ghostly } else { Timeline::new }(warehouse, clearance);
+        let promises = Promises {
+            jobs: BTreeMap::new(),
+            next_job: 1,
+            keys: Keys::default(),
+            robots: IdVec::new(),
+            racks,
+            served,
+            workers: IdVec::new(),
+            assignments: BTreeMap::new(),
+            next_assignment: 1,
+            assignment_keys: Keys::default(),
+            closures: BTreeMap::new(),
+            next_closure: 1,
+            paused_stations: BTreeMap::new(),
+            stopped: None,
+            ended_badly: BTreeMap::new(),
+            counts: Sums::default(),
+            wishes,
+        };
+        let mut ledger = Ledger { promises, timeline, index };
+        ledger.reindex();
+        ledger
+    }
+
     /// Everything that there is to write down.
     pub fn to_parts(&self) -> Parts {
         let chains = self.timeline.chains().map(|(holder, chain)| ChainParts {
@@ -99,26 +104,7 @@ impl Ledger {
             granted: chain.granted(),
             visits: chain.visits().cloned().collect(),
         });
-        Parts {
-            jobs: self.jobs.clone(),
-            next_job: self.next_job,
-            keys: self.keys.clone(),
-            robots: self.robots.clone(),
-            racks: self.racks.clone(),
-            chains: chains.collect(),
-            served: self.served.clone(),
-            workers: self.workers.clone(),
-            assignments: self.assignments.clone(),
-            next_assignment: self.next_assignment,
-            assignment_keys: self.assignment_keys.clone(),
-            closures: self.closures.clone(),
-            next_closure: self.next_closure,
-            paused_stations: self.paused_stations.clone(),
-            stopped: self.stopped,
-            ended_badly: self.ended_badly.clone(),
-            counts: self.counts,
-            wishes: self.wishes.clone(),
-        }
+        Parts { promises: self.promises.clone(), chains: chains.collect() }
     }
 
     /// A ledger that is exactly this.
@@ -134,28 +120,8 @@ impl Ledger {
         check_names(&warehouse, &parts)?;
         check_racks(&parts)?;
         let index = Index::new(&warehouse);
-        let mut ledger = Ledger {
-            jobs: parts.jobs,
-            next_job: parts.next_job,
-            keys: parts.keys,
-            robots: parts.robots,
-            racks: parts.racks,
-            timeline: Timeline::restore(warehouse, clearance, parts.chains)?,
-            served: parts.served,
-            workers: parts.workers,
-            assignments: parts.assignments,
-            next_assignment: parts.next_assignment,
-            assignment_keys: parts.assignment_keys,
-            closures: parts.closures,
-            next_closure: parts.next_closure,
-            paused_stations: parts.paused_stations,
-            stopped: parts.stopped,
-            ended_badly: parts.ended_badly,
-            counts: parts.counts,
-            wishes: parts.wishes,
-            named: BTreeMap::new(),
-            index,
-        };
+        let timeline = Timeline::restore(warehouse, clearance, parts.chains)?;
+        let mut ledger = Ledger { promises: parts.promises, timeline, index };
         ledger.reindex();
         Ok(ledger)
     }

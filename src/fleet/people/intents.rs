@@ -1,0 +1,63 @@
+//! What is kept in mind about intentions: goals with the distances to them, and what is believed of each worker.
+//!
+//! Main type: [`Intents`]. Goals are the workers' tasks, the doors, and the corners of the hall, which stand for
+//! everything else (Petković 2021, section 4.3.2). Refuses: to look at anything that is seen.
+
+use crate::geometry::Point;
+use crate::human::{Belief, Distances, Intention};
+use crate::id::{AssignmentId, Dense, GoalId, NodeId, WorkerId};
+use crate::time::Time;
+use crate::warehouse::walkway::Walkways;
+use crate::warehouse::{NodeKind, Warehouse};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Numbers of goals: corners and doors first, places of tasks from here on.
+pub(super) const PLACES: u64 = 1000;
+
+/// Everything about intentions.
+#[derive(Debug)]
+pub(in crate::fleet) struct Intents {
+    pub distances: Distances,
+    pub fixed: Vec<GoalId>,
+    pub cut_at: Option<Time>,
+    pub intentions: BTreeMap<WorkerId, (Intention, BTreeSet<GoalId>)>,
+    /// The oldest assignments, a few of each worker.
+    pub early: Vec<(AssignmentId, WorkerId)>,
+}
+
+impl Intents {
+    pub fn new(warehouse: &Warehouse, walkways: Arc<Walkways>) -> Intents {
+        let mut distances = Distances::over(walkways.clone());
+        let (low, high) = warehouse.bounds();
+        let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
+        let corners = corners.map(|(x, y)| Point::new(x, y));
+        let doors = warehouse.nodes_where(|k| k == NodeKind::Exit).into_iter().take(3);
+        let places = corners.into_iter().chain(doors.map(|n| warehouse.nodes[n].at));
+        let mut fixed: Vec<GoalId> = Vec::new();
+        for (i, place) in places.enumerate() {
+            let Some((node, _)) = walkways.nearest(place) else { continue };
+            let at = walkways.nodes()[node].at;
+            if distances.goals().all(|(_, g)| (g - at).norm() > 1.0) {
+                distances.add_goal(GoalId(i as u64), at);
+                fixed.push(GoalId(i as u64));
+            }
+        }
+        Intents { distances, fixed, cut_at: None, intentions: BTreeMap::new(), early: Vec::new() }
+    }
+
+    /// What is believed of a worker.
+    pub fn belief(&self, worker: WorkerId) -> Option<Belief> {
+        self.intentions.get(&worker).map(|(i, _)| i.belief())
+    }
+
+    /// Forgets what was believed of a worker: the next sighting starts anew.
+    pub fn forget(&mut self, worker: WorkerId) {
+        self.intentions.remove(&worker);
+    }
+}
+
+/// The goal that is the place of a task.
+pub(in crate::fleet) fn goal_of(place: NodeId) -> GoalId {
+    GoalId(PLACES + place.ix() as u64)
+}

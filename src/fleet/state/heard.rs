@@ -1,0 +1,26 @@
+//! What the inputs of a step mean for rooms that come later in it.
+//!
+//! Main type: [`Heard`]. Refuses: to be kept.
+
+use crate::human::Sighting;
+use crate::id::{RobotId, WorkerId};
+
+/// What was heard of one worker, in order.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::fleet) enum OfWorker {
+    /// A worker was seen.
+    Seen(Sighting),
+    /// What was believed of a worker is wrong.
+    Cleared(WorkerId),
+}
+
+/// What inputs mean for other rooms.
+#[derive(Debug, Default)]
+pub(in crate::fleet) struct Heard {
+    /// What was heard of workers.
+    pub people: Vec<OfWorker>,
+    /// Robots from whose rack has been picked.
+    pub picked: Vec<RobotId>,
+    /// Robots that may go on earlier than planned.
+    pub left_early: Vec<RobotId>,
+}

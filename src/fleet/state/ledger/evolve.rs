@@ -1,0 +1,321 @@
+//! How facts change the ledger: the only code that does, live and on load alike.
+//!
+//! Main function: [`Ledger::evolve`]. It asserts that what it is told is possible: a journal that books a lane twice
+//! does not load. Refuses: to decide anything.
+
+use super::{Ledger, RackAt, Robot, stand};
+use crate::fleet::state::fact::{Act, Booking, Fact, Kept, Task};
+use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState};
+use crate::fleet::state::life::{self, Stage, Work};
+use crate::fleet::state::worker::{Assignment, AssignmentRequest, AssignmentState};
+use crate::id::{AssignmentId, JobId, NodeId, RobotId, WorkerId};
+use crate::time::Time;
+use crate::timeline::{self, Holder};
+
+impl Ledger {
+    /// Takes one fact in.
+    ///
+    /// # Panics
+    /// If the fact cannot be: the journal or the planner is broken, and going on would make it worse.
+    pub fn evolve(&mut self, fact: &Fact) {
+        let moved = self.rack_moved_by(fact);
+        self.take_in(fact);
+        self.keep_index(fact, moved);
+    }
+
+    fn take_in(&mut self, fact: &Fact) {
+        match fact {
+            Fact::Accepted { job, request, at } => self.accept(*job, request, *at),
+            Fact::Progressed { job, state, tasked, .. } => self.progress(*job, *state, *tasked),
+            Fact::Prioritised { job, priority, .. } => {
+                self.promises.jobs.get_mut(job).expect("only live jobs change").request.priority = *priority;
+            }
+            Fact::KeysExpired { jobs, assignments } => {
+                jobs.iter().for_each(|job| self.promises.keys.forget(*job));
+                assignments.iter().for_each(|assignment| self.promises.assignment_keys.forget(*assignment));
+            }
+            Fact::WorkerRegistered { worker, name, .. } => {
+                let id = self.promises.workers.push(name.clone());
+                assert_eq!(id, *worker, "workers are numbered in order");
+            }
+            Fact::Assigned { assignment, worker, request, at } => {
+                self.hand_out(*assignment, *worker, request, *at);
+            }
+            Fact::Advanced { assignment, state, .. } => self.advance(*assignment, *state),
+            Fact::Closed { closure, area } => {
+                assert_eq!(closure.0, self.promises.next_closure, "closures are numbered in order");
+                self.promises.next_closure += 1;
+                self.promises.closures.insert(*closure, area.clone());
+            }
+            Fact::Reopened { closure, .. } => {
+                self.promises.closures.remove(closure).expect("only what is closed is opened again");
+            }
+            Fact::StationPaused { station, at } => {
+                self.promises.paused_stations.insert(*station, *at);
+            }
+            Fact::StationResumed { station, .. } => {
+                self.promises.paused_stations.remove(station);
+            }
+            Fact::Encountered(_) => self.promises.counts.encounters += 1,
+            Fact::Deviated { .. } => self.promises.counts.deviations += 1,
+            Fact::Interrupted { .. } => self.promises.counts.interruptions += 1,
+            about_robots => self.take_in_of_robots(about_robots),
+        }
+    }
+
+    /// Facts that change what robots hold, do or are.
+    fn take_in_of_robots(&mut self, fact: &Fact) {
+        match fact {
+            Fact::Registered { robot, name, kind, node, at } => self.enlist(*robot, (name, kind), *node, *at),
+            Fact::Tasked { robot, task } => self.task(*robot, *task),
+            Fact::Routed { bookings } => self.route(bookings),
+            Fact::Granted { robot, serial, at } => {
+                self.timeline.grant(Holder::Robot(*robot), *serial, *at);
+            }
+            Fact::Revoked { robot, serial, recalls, .. } => {
+                self.promises.robots[*robot].recalls = *recalls;
+                self.timeline.recall(Holder::Robot(*robot), *serial);
+            }
+            Fact::Passed { robot, serial } => self.timeline.release(Holder::Robot(*robot), *serial),
+            Fact::Acted { robot, serial } => self.act(*robot, *serial),
+            Fact::Delayed { moved } => {
+                let slip: Vec<_> =
+                    moved.iter().map(|m| (Holder::Robot(m.robot), m.shifts.as_slice())).collect();
+                self.timeline.slide(&slip);
+            }
+            Fact::Truncated { robots } => self.cut(robots),
+            Fact::Placed { robot, node, serial, cut, at } => self.place(*robot, *node, *serial, cut, *at),
+            Fact::Failed { robot, .. } => self.promises.robots[*robot].failed = true,
+            Fact::Repaired { robot, .. } => {
+                self.promises.robots[*robot].failed = false;
+                self.promises.robots[*robot].interrupted = true;
+            }
+            Fact::Fenced { robot, at } => {
+                self.promises.robots[*robot].failed = true;
+                self.promises.robots[*robot].fenced = Some(*at);
+            }
+            Fact::Maintenance { robot, since } => self.promises.robots[*robot].maintenance = *since,
+            Fact::Halted { robot, at } => *self.halted(*robot) = Some(*at),
+            Fact::Released { robot, .. } => {
+                *self.halted(*robot) = None;
+                if let Some(robot) = robot {
+                    self.promises.robots[*robot].fenced = None;
+                }
+            }
+            other => unreachable!("{other:?} is taken in above"),
+        }
+    }
+
+    fn accept(&mut self, id: JobId, request: &JobRequest, at: Time) {
+        assert_eq!(id.0, self.promises.next_job, "jobs are numbered in order");
+        self.promises.next_job += 1;
+        if let Some(key) = &request.key {
+            self.promises.keys.insert(key.clone(), id);
+        }
+        if let Some(rack) = request.kind.rack() {
+            self.promises.wishes.note(rack);
+        }
+        self.promises
+            .jobs
+            .insert(id, Job { request: request.clone(), state: JobState::Waiting, accepted: at });
+        self.index.note_named(id, &request.kind, JobState::Waiting);
+    }
+
+    /// Since when one robot, or the whole fleet, is to stand.
+    fn halted(&mut self, robot: Option<RobotId>) -> &mut Option<Time> {
+        match robot {
+            Some(r) => &mut self.promises.robots[r].paused,
+            None => &mut self.promises.stopped,
+        }
+    }
+
+    fn hand_out(&mut self, id: AssignmentId, worker: WorkerId, request: &AssignmentRequest, at: Time) {
+        assert_eq!(id.0, self.promises.next_assignment, "assignments are numbered in order");
+        self.promises.next_assignment += 1;
+        if let Some(key) = &request.key {
+            self.promises.assignment_keys.insert(key.clone(), id);
+        }
+        let (request, state) = (request.clone(), AssignmentState::Waiting);
+        self.promises.assignments.insert(id, Assignment { worker, request, state, accepted: at });
+    }
+
+    fn advance(&mut self, id: AssignmentId, state: AssignmentState) {
+        self.promises.assignments.get_mut(&id).expect("only live assignments advance").state = state;
+        if state.is_over() {
+            let over = self.promises.assignments.remove(&id).expect("just seen");
+            if let Some(key) = over.request.key {
+                self.promises.assignment_keys.end(id, key, over.accepted);
+            }
+            self.promises.counts.human_deliveries += u64::from(state == AssignmentState::Done);
+        }
+    }
+
+    fn enlist(&mut self, robot: RobotId, (name, kind): (&str, &str), node: NodeId, at: Time) {
+        let id = self.promises.robots.push(Robot {
+            name: name.to_owned(),
+            kind: kind.to_owned(),
+            task: Task::Idle,
+            stops: Vec::new(),
+            acted: None,
+            failed: false,
+            interrupted: false,
+            paused: None,
+            fenced: None,
+            maintenance: None,
+            recalls: 0,
+        });
+        assert_eq!(id, robot, "robots are numbered in order");
+        let holder = Holder::Robot(robot);
+        self.timeline.reserve(holder, vec![stand(node, at)]).expect("robots join on free nodes");
+        self.timeline.grant(holder, 0, at);
+    }
+
+    /// Brings a job to another state, and its robot to the task that goes with it.
+    fn progress(&mut self, id: JobId, state: JobState, tasked: Option<(RobotId, Task)>) {
+        let job = self.promises.jobs.get_mut(&id).expect("only live jobs progress");
+        let (kind, before) = (job.request.kind, job.state);
+        let event = life::event(&kind, Stage::of(before), Stage::of(state));
+        assert!(event.is_some(), "{id:?} ({kind:?}) cannot go from {before:?} to {state:?}");
+        let robots = (before.robot(), state.robot());
+        assert!(!matches!(robots, (Some(a), Some(b)) if a != b), "{id:?} changes its robot: {robots:?}");
+        job.state = state;
+        self.index.note_named(id, &kind, state);
+        if let Some((robot, task)) = tasked {
+            let old = self.promises.robots[robot].task;
+            assert!(old.job().is_none_or(|j| j == id), "{robot:?} serves another job than {id:?}: {old:?}");
+            self.give(robot, task);
+        }
+        self.assert_served(id, &kind, state);
+        let left = robots.0.filter(|r| self.promises.robots[*r].task.job() == Some(id));
+        assert!(state.robot() == left.or(state.robot()), "{left:?} still serves {id:?}, which is {state:?}");
+        if !state.is_over() {
+            return;
+        }
+        let job = self.promises.jobs.remove(&id).expect("just seen");
+        match state {
+            JobState::Done => self.promises.counts.done += 1,
+            JobState::Cancelled => self.promises.counts.cancelled += 1,
+            _ => self.promises.counts.failed += 1,
+        }
+        if let (JobKind::Deliver { station, .. }, JobState::Done) = (job.request.kind, state) {
+            self.promises.counts.robot_deliveries += 1;
+            self.promises.served[station] += 1;
+        }
+        if let Some(key) = job.request.key {
+            self.promises.keys.end(id, key, job.accepted);
+        }
+    }
+
+    /// Gives a robot another task that changes no job's state.
+    fn task(&mut self, robot: RobotId, task: Task) {
+        let old = self.promises.robots[robot].task;
+        self.give(robot, task);
+        let same = old.job() == task.job() && Work::of(&old) == Work::of(&task);
+        assert!(same, "{robot:?} cannot go from {old:?} to {task:?} without its job");
+    }
+
+    /// A robot gets a task. What it does not ask for any more is not done on the route that the robot has, which it
+    /// drives on until there is a better one; what was granted is done all the same.
+    fn give(&mut self, robot: RobotId, task: Task) {
+        let granted = self.chain(robot).granted();
+        let record = &mut self.promises.robots[robot];
+        record.task = task;
+        record.stops.retain(|s| s.serial < granted || task.asks_for(s.act));
+    }
+
+    /// Asserts that the robot of a job does what the job's stage asks for.
+    fn assert_served(&self, id: JobId, kind: &JobKind, state: JobState) {
+        let wanted = life::work(kind, Stage::of(state)).expect("the table leads to stages that the kind has");
+        let Some(robot) = state.robot() else { return };
+        let task = self.promises.robots[robot].task;
+        let serves = task.job() == Some(id) && Work::of(&task) == wanted;
+        assert!(serves, "{id:?} is {state:?}, but {robot:?} has the task {task:?}");
+    }
+
+    /// # Panics
+    /// If a route clashes, or drops what a robot was granted to do: the robot would do it all the same.
+    fn route(&mut self, bookings: &[Booking]) {
+        for b in bookings {
+            let next = self.promises.robots[b.robot].stops.first();
+            let granted = next.is_some_and(|s| s.serial < self.chain(b.robot).granted());
+            assert!(!granted, "{:?} gets a route in place of the one on which it is to do {next:?}", b.robot);
+        }
+        let routes = (bookings.iter())
+            .map(|b| (Holder::Robot(b.robot), b.keep, b.kept.clone(), b.visits.clone()))
+            .collect();
+        let reserved = self.timeline.replace_all(routes);
+        reserved.unwrap_or_else(|clash| panic!("a robot was given a route that clashes: {clash:?}"));
+        for b in bookings {
+            self.promises.robots[b.robot].stops = b.stops.clone();
+            self.promises.robots[b.robot].interrupted = false;
+        }
+    }
+
+    fn act(&mut self, robot: RobotId, serial: u64) {
+        let record = &mut self.promises.robots[robot];
+        assert!(record.acted < Some(serial), "{robot:?} acts once at a stop");
+        assert_eq!(record.stops.first().map(|s| s.serial), Some(serial), "{robot:?} acts at its next stop");
+        let stop = record.stops.remove(0);
+        record.acted = Some(serial);
+        match stop.act {
+            Act::Lift(rack) => {
+                assert_eq!(
+                    self.promises.racks[rack],
+                    RackAt::Stored(self.node_of(robot)),
+                    "{robot:?} lifts what is there"
+                );
+                self.promises.racks[rack] = RackAt::On(robot);
+            }
+            Act::Set(rack) => {
+                assert_eq!(self.promises.racks[rack], RackAt::On(robot), "{robot:?} sets down what it has");
+                let node = self.node_of(robot);
+                assert_eq!(self.index.places.rack_on(node), None, "one rack on a node");
+                self.promises.racks[rack] = RackAt::Stored(node);
+            }
+            Act::Pick(_) | Act::Arrive => {}
+        }
+    }
+
+    fn cut(&mut self, robots: &[Kept]) {
+        self.timeline.keep(&kept(robots));
+        self.interrupt(robots);
+    }
+
+    /// A robot stands elsewhere: it holds that place alone, and others lose what they were promised there.
+    fn place(&mut self, robot: RobotId, node: NodeId, serial: u64, cut: &[Kept], at: Time) {
+        self.timeline.place(Holder::Robot(robot), serial, stand(node, at), &kept(cut));
+        let record = &mut self.promises.robots[robot];
+        record.stops.clear();
+        record.interrupted = true;
+        self.interrupt(cut);
+    }
+
+    fn interrupt(&mut self, robots: &[Kept]) {
+        for k in robots {
+            self.promises.robots[k.robot].stops.retain(|s| s.serial < k.end);
+            self.promises.robots[k.robot].interrupted = true;
+        }
+    }
+
+    /// Asserts for everything open what each fact asserts for itself: for laws, looks at everything.
+    pub fn assert_sound(&self) {
+        self.timeline.assert_sound();
+        for (id, job) in &self.jobs {
+            assert!(!job.state.is_over(), "{id:?} is over and still open");
+            self.assert_served(*id, &job.request.kind, job.state);
+        }
+        for (robot, record) in self.robots.pairs() {
+            let job = record.task.job().map(|j| self.jobs.get(&j).and_then(|j| j.state.robot()));
+            assert!(job.is_none_or(|r| r == Some(robot)), "{robot:?} serves a job that does not know it");
+        }
+        for (rack, at) in self.racks.pairs() {
+            let RackAt::On(robot) = at else { continue };
+            let task = self.robots[*robot].task;
+            assert_eq!(task.carried(), Some(rack), "{robot:?} has {rack:?} on it and the task {task:?}");
+        }
+    }
+}
+
+fn kept(robots: &[Kept]) -> Vec<timeline::Kept<'_>> {
+    robots.iter().map(|k| (Holder::Robot(k.robot), k.end, k.shifts.as_slice())).collect()
+}

@@ -1,0 +1,196 @@
+//! What was promised: jobs, holds, routes, racks. A fold over facts, durable.
+//!
+//! Main types: [`Ledger`], [`Promises`], [`Robot`]. Its fields are private to this folder: [`Ledger::evolve`] is the
+//! only code that changes what was promised. Refuses: to plan, to read a clock, to know where anything is seen.
+
+mod evolve;
+mod parts;
+mod upkeep;
+
+pub use parts::{Contradiction, Parts};
+
+use crate::fleet::state::fact::{Stop, Task};
+use crate::fleet::state::index::Index;
+use crate::fleet::state::job::Job;
+use crate::fleet::state::keys::Keys;
+use crate::fleet::state::wishes::Wishes;
+use crate::fleet::state::worker::{Assignment, Closure};
+use crate::id::{AssignmentId, ClosureId, Dense, IdVec, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::time::{Span, Time};
+use crate::timeline::{Chain, Holder, Timeline, Visit};
+use crate::warehouse::Warehouse;
+use std::collections::BTreeMap;
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// Where a rack is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RackAt {
+    /// On a storage node.
+    Stored(NodeId),
+    /// On a robot.
+    On(RobotId),
+}
+
+/// A robot as it was told to be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Robot {
+    /// Its name.
+    pub name: String,
+    /// The name of its kind.
+    pub kind: String,
+    /// What it is doing.
+    pub task: Task,
+    /// Stops ahead, in order.
+    pub stops: Vec<Stop>,
+    /// The last stop at which it is done.
+    pub acted: Option<u64>,
+    /// Whether it cannot drive.
+    pub failed: bool,
+    /// Whether its route was cut and not yet replaced.
+    pub interrupted: bool,
+    /// Since when it is to stand, by hand.
+    pub paused: Option<Time>,
+    /// Since when it is fenced off, since what is promised about it contradicts itself.
+    pub fenced: Option<Time>,
+    /// Since when it is to be maintained, or is.
+    pub maintenance: Option<Time>,
+    /// How often it was called back and came.
+    pub recalls: u64,
+}
+
+/// What was promised, but for who holds what when.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Promises {
+    /// Jobs that are not over.
+    pub jobs: BTreeMap<JobId, Job>,
+    /// The number of the next job.
+    pub next_job: u64,
+    /// Customers' keys of jobs, over or not.
+    pub keys: Keys<JobId>,
+    /// All robots.
+    pub robots: IdVec<RobotId, Robot>,
+    /// Where each rack is.
+    pub racks: IdVec<RackId, RackAt>,
+    /// Racks served per station.
+    pub served: IdVec<StationId, u64>,
+    /// All workers' names.
+    pub workers: IdVec<WorkerId, String>,
+    /// Assignments that are not over.
+    pub assignments: BTreeMap<AssignmentId, Assignment>,
+    /// The number of the next assignment.
+    pub next_assignment: u64,
+    /// Customers' keys of assignments, over or not.
+    pub assignment_keys: Keys<AssignmentId>,
+    /// Areas that robots keep out of.
+    pub closures: BTreeMap<ClosureId, Closure>,
+    /// The number of the next closure.
+    pub next_closure: u64,
+    /// Stations at which nobody picks, since when.
+    pub paused_stations: BTreeMap<StationId, Time>,
+    /// Since when the whole fleet is to stand, by hand.
+    pub stopped: Option<Time>,
+    /// Jobs that were cancelled or failed lately, with when: jobs that are to come after them fail as well.
+    pub ended_badly: BTreeMap<JobId, Time>,
+    /// Sums.
+    pub counts: Sums,
+    /// How often each rack was wanted lately.
+    pub wishes: Wishes,
+}
+
+/// Everything that was promised. It is read like the [`Promises`] in it; only facts change it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ledger {
+    promises: Promises,
+    /// Who holds what when.
+    timeline: Timeline,
+    /// What is looked up instead of searched. It follows from the rest: see [`Ledger::reindex`].
+    index: Index,
+}
+
+impl Deref for Ledger {
+    type Target = Promises;
+
+    fn deref(&self) -> &Promises {
+        &self.promises
+    }
+}
+
+/// Sums over facts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Sums {
+    /// Racks served at stations.
+    pub robot_deliveries: u64,
+    /// Assignments completed by workers.
+    pub human_deliveries: u64,
+    /// Jobs done.
+    pub done: u64,
+    /// Jobs cancelled.
+    pub cancelled: u64,
+    /// Jobs that could not be done.
+    pub failed: u64,
+    /// Encounters of robots and workers.
+    pub encounters: u64,
+    /// How often a worker left the path.
+    pub deviations: u64,
+    /// How often a robot had to stop or to change its route because of a worker.
+    pub interruptions: u64,
+}
+
+impl Ledger {
+    /// The building.
+    pub fn warehouse(&self) -> &Arc<Warehouse> {
+        self.timeline.warehouse()
+    }
+
+    /// The visits of a robot.
+    pub fn chain(&self, robot: RobotId) -> &Chain {
+        self.timeline.chain(Holder::Robot(robot)).expect("every robot stands somewhere")
+    }
+
+    /// The node on which a robot stands or which it passed last.
+    pub fn node_of(&self, robot: RobotId) -> NodeId {
+        self.chain(robot).visits().next().expect("every robot stands somewhere").node
+    }
+
+    /// The rack on a robot.
+    pub fn rack_on(&self, robot: RobotId) -> Option<RackId> {
+        let rack = self.robots[robot].task.carried()?;
+        (self.racks[rack] == RackAt::On(robot)).then_some(rack)
+    }
+
+    /// Who holds what when.
+    pub fn timeline(&self) -> &Timeline {
+        &self.timeline
+    }
+
+    /// What is looked up instead of searched.
+    pub fn index(&self) -> &Index {
+        &self.index
+    }
+
+    /// Looks at the timeline as if these held nothing beyond what they were granted.
+    pub fn without<T>(&mut self, holders: &[Holder], look: impl FnOnce(&Timeline) -> T) -> T {
+        self.timeline.without(holders, look)
+    }
+
+    /// The queue of waiting jobs goes by this time from now on.
+    pub fn advance_queue(&mut self, now: Time) {
+        self.index.queue.advance(now);
+    }
+
+    /// The robot that stands on a node, or will be there in the end.
+    pub fn resident(&self, node: NodeId) -> Option<RobotId> {
+        self.index.places.resident(node)
+    }
+}
+
+/// Standing on a node for ever.
+pub fn stand(node: NodeId, at: Time) -> Visit {
+    Visit { node, lane: None, enter: at, arrive: at, depart: Time::MAX, leave: Time::MAX, stay: Span::ZERO }
+}
+
+/// All robots by number.
+pub fn all(robots: &IdVec<RobotId, Robot>) -> impl Iterator<Item = RobotId> + use<> {
+    (0..robots.len()).map(RobotId::at)
+}

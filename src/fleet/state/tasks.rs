@@ -1,0 +1,121 @@
+//! What tasks, stops, stations and assignments mean: the questions about them that several rooms ask.
+//!
+//! Refuses: to change anything.
+
+use super::fact::{Act, Task};
+use super::floor::Floor;
+use super::job::JobKind;
+use crate::id::{AssignmentId, IdVec, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::warehouse::NodeKind;
+
+impl Floor<'_> {
+    /// Whether a robot is to stand, by itself or with all others, or since it is fenced off.
+    pub fn is_halted(&self, robot: RobotId) -> bool {
+        let record = &self.ledger.robots[robot];
+        self.ledger.stopped.is_some() || record.paused.is_some() || record.fenced.is_some()
+    }
+
+    /// Whether a robot may drive up to its next stop already, and will do there what it was told.
+    pub fn next_stop_is_granted(&self, robot: RobotId) -> bool {
+        let next = self.ledger.robots[robot].stops.first();
+        next.is_some_and(|s| s.serial < self.ledger.chain(robot).granted())
+    }
+
+    /// Whether another rack than `rack` stands on a storage node, or is to come there.
+    pub fn storage_taken(&self, node: NodeId, rack: RackId) -> bool {
+        let places = &self.ledger.index().places;
+        let stands = places.rack_on(node).is_some_and(|k| k != rack);
+        let promised = |t: &Task| match *t {
+            Task::Deliver { store, rack: k, .. } | Task::Store { store, rack: k, .. } => {
+                store == node && k != rack
+            }
+            Task::Idle | Task::Fetch { .. } | Task::Move { .. } => false,
+        };
+        stands
+            || places.bound_for(node).iter().any(|r| promised(&self.ledger.robots[*r].task))
+            || places.is_wanted_for_another(node, rack)
+    }
+
+    /// Whether somebody else stands on, or is sent to, a node.
+    pub fn is_promised(&self, node: NodeId, robot: RobotId) -> bool {
+        self.ledger.index().places.is_promised(node, robot)
+    }
+
+    /// Whether a robot standing on this node is at a charger.
+    pub fn at_charger(&self, robot: RobotId) -> bool {
+        self.warehouse().nodes[self.ledger.node_of(robot)].kind == NodeKind::Charger
+    }
+
+    /// Whether a job leads to a place that is closed, or will be soon.
+    pub fn job_is_closed_off(&self, kind: &JobKind, rack_at: NodeId) -> bool {
+        let goal = match *kind {
+            JobKind::Deliver { station, .. } => Some(self.warehouse().stations[station].node),
+            JobKind::Relocate { node, .. } => Some(node),
+            _ => None,
+        };
+        self.is_closing(rack_at) || goal.is_some_and(|n| self.is_closing(n))
+    }
+
+    /// Whether the stops ahead are not those of the task.
+    pub fn lacks_route(&self, robot: RobotId) -> bool {
+        let record = &self.ledger.robots[robot];
+        if record.failed {
+            return false;
+        }
+        let has = |wanted: fn(&Act) -> bool| record.stops.iter().any(|s| wanted(&s.act));
+        let pick = |a: &Act| matches!(a, Act::Pick(_));
+        match record.task {
+            Task::Idle => false,
+            Task::Fetch { .. } => !has(|a| matches!(a, Act::Lift(_))),
+            Task::Deliver { .. } => !has(pick),
+            Task::Store { .. } => !has(|a| matches!(a, Act::Set(_))) || has(pick),
+            Task::Move { goal, .. } => {
+                let at = |serial: u64| self.ledger.chain(robot).get(serial).map(|v| v.node);
+                !record.stops.iter().any(|s| s.act == Act::Arrive && at(s.serial) == Some(goal))
+            }
+        }
+    }
+
+    /// The station that a robot carries its rack to.
+    pub fn station_of(&self, robot: RobotId) -> Option<StationId> {
+        let Task::Deliver { station, .. } = self.ledger.robots[robot].task else { return None };
+        self.warehouse().nodes[station].kind.reserved_for()
+    }
+
+    /// For each station, how many robots are on their way to it or stand at it.
+    pub fn bound_for_stations(&self) -> IdVec<StationId, usize> {
+        let mut bound = IdVec::filled(0, self.warehouse().stations.len());
+        for robot in self.ledger.robots.ids() {
+            let standing = match self.warehouse().nodes[self.ledger.node_of(robot)].kind {
+                NodeKind::Station(s) => Some(s),
+                _ => None,
+            };
+            let under_way = self.station_of(robot).filter(|_| !self.lacks_route(robot));
+            if let Some(station) = under_way.or(standing) {
+                bound[station] += 1;
+            }
+        }
+        bound
+    }
+
+    /// A loaded robot sets off to a station only if the queue has a place for it: whatever happens at the
+    /// station, no robot on its way there has to wait outside.
+    pub fn station_has_room(&self, robot: RobotId, bound: &IdVec<StationId, usize>) -> bool {
+        let Some(station) = self.station_of(robot) else { return true };
+        let paused = self.ledger.paused_stations.contains_key(&station);
+        let room = bound[station] <= self.warehouse().stations[station].queue.len();
+        self.settings.ghosts || (room && !paused)
+    }
+
+    /// Whether a robot stands with its rack where it lifted it, until its station has room. It may step aside for a
+    /// person and come back, but gets no route to the station before its turn.
+    pub fn waits_for_room(&self, robot: RobotId) -> bool {
+        let here = self.warehouse().kind(self.ledger.node_of(robot));
+        here == NodeKind::Storage && self.station_of(robot).is_some() && self.lacks_route(robot)
+    }
+
+    /// The assignment that a worker is at, or is to begin.
+    pub fn next_assignment(&self, worker: WorkerId) -> Option<AssignmentId> {
+        self.ledger.index().assignments_of(worker).next()
+    }
+}

@@ -1,0 +1,27 @@
+//! Robots that stand for good: what others take over from them, and whose way that changes.
+//!
+//! Refuses: to say when a robot has failed.
+
+use crate::fleet::state::core::Core;
+use crate::fleet::state::fact::{Fact, Task};
+use crate::fleet::state::job::JobState;
+use crate::fleet::traffic::truncate::truncate_behind;
+use crate::id::RobotId;
+use crate::time::Time;
+
+/// A robot stops for good: its job goes to another if it cannot lift the rack any more, and all robots whose way
+/// leads over its place lose that way.
+pub(super) fn fail(core: &mut Core, robot: RobotId, now: Time) {
+    core.record(Fact::Failed { robot, at: now });
+    give_up(core, robot, now);
+}
+
+/// What others take over from a robot that stands for good.
+pub(in crate::fleet) fn give_up(core: &mut Core, robot: RobotId, now: Time) {
+    if let Task::Fetch { job: Some(job), .. } = core.ledger.robots[robot].task
+        && !core.floor().next_stop_is_granted(robot)
+    {
+        core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
+    }
+    truncate_behind(core, robot);
+}

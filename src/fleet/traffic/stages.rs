@@ -1,0 +1,135 @@
+//! The legs that tasks ask for, and routes over them as they are booked.
+//!
+//! Refuses: to search for routes.
+
+use crate::fleet::state::core::Core;
+use crate::fleet::state::fact::{Act, Booking, Fact, Stop, Task};
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::job::JobKind;
+use crate::geometry::Segment;
+use crate::id::{JobId, NodeId, RobotId};
+use crate::route::{Route, Stage};
+use crate::time::Span;
+use crate::timeline::Visit;
+use crate::warehouse::NodeKind;
+use smallvec::{SmallVec, smallvec};
+
+impl Floor<'_> {
+    /// The legs that the rest of a robot's task asks for.
+    pub(in crate::fleet) fn stages(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
+        let lift = self.kinematics(robot).lift;
+        let leg = |goal, loaded, stay| Stage { goal, loaded, stay };
+        match self.ledger.robots[robot].task {
+            Task::Idle => smallvec![],
+            Task::Fetch { node, .. } => smallvec![leg(node, false, lift)],
+            Task::Deliver { station, store, job, .. } => {
+                smallvec![leg(station, true, self.pick_span(station, job)), leg(store, true, lift)]
+            }
+            Task::Store { store, .. } => smallvec![leg(store, true, lift)],
+            Task::Move { goal, stay, .. } if goal == stay => smallvec![leg(goal, false, Span::ZERO)],
+            Task::Move { goal, stay, .. } => {
+                smallvec![leg(goal, false, Span::ZERO), leg(stay, false, Span::ZERO)]
+            }
+        }
+    }
+
+    fn pick_span(&self, station: NodeId, job: JobId) -> Span {
+        let NodeKind::Station(id) = self.warehouse().nodes[station].kind else { return Span::ZERO };
+        let usual = self.warehouse().stations[id].pick;
+        match self.ledger.jobs.get(&job).map(|j| j.request.kind) {
+            Some(JobKind::Deliver { pick: Some(pick), .. }) => pick,
+            _ => usual,
+        }
+    }
+
+    /// What the robot does at the goal of each stage.
+    fn acts(&self, robot: RobotId, stages: &[Stage]) -> SmallVec<[Act; 3]> {
+        match self.ledger.robots[robot].task {
+            Task::Idle => smallvec![],
+            Task::Fetch { rack, .. } => smallvec![Act::Lift(rack)],
+            Task::Deliver { rack, .. } if stages.len() < 2 => smallvec![Act::Set(rack)],
+            Task::Deliver { rack, .. } => smallvec![Act::Pick(stages[0].stay), Act::Set(rack)],
+            Task::Store { rack, .. } => smallvec![Act::Set(rack)],
+            Task::Move { .. } => stages.iter().map(|_| Act::Arrive).collect(),
+        }
+    }
+
+    /// The last granted visit, and the heading with which the robot arrives there.
+    pub(in crate::fleet) fn grant_end(&self, robot: RobotId) -> (Visit, f64) {
+        let chain = self.ledger.chain(robot);
+        let serial = chain.granted() - 1;
+        let visit = chain.get(serial).expect("the last granted visit is still held").clone();
+        let at = |n: NodeId| self.warehouse().nodes[n].at;
+        let before = serial.checked_sub(1).and_then(|s| chain.get(s)).filter(|b| b.node != visit.node);
+        let seen = self.scene.robot(robot).map_or(0.0, |t| t.pose.heading);
+        let heading = before.map_or(seen, |b| Segment { a: at(b.node), b: at(visit.node) }.heading());
+        (visit, heading)
+    }
+
+    /// A route as it is booked. A stop where the robot stands already becomes a visit of its own.
+    pub(in crate::fleet) fn booking(&self, robot: RobotId, route: Route) -> Booking {
+        let keep = self.ledger.chain(robot).granted() - 1;
+        let Route { mut kept, mut visits, stops, .. } = route;
+        let here = stops.contains(&0);
+        if here {
+            let again = Visit { lane: None, arrive: kept.arrive.max(kept.enter), ..kept.clone() };
+            // It leaves the first visit for the second, which is at the same place: a delay of the one must not
+            // hold it longer than the other.
+            let gone = (again.arrive + self.ledger.timeline().clearance()).min(again.leave);
+            (kept.depart, kept.leave, kept.stay) = (again.arrive, gone, Span::ZERO);
+            visits.insert(0, again);
+        }
+        let acts = self.acts(robot, &self.stages_left(robot));
+        let serials = stops.iter().map(|s| keep + (s + usize::from(here)) as u64);
+        let stops = serials.zip(acts).map(|(serial, act)| Stop { serial, act }).collect();
+        Booking { robot, keep, kept, visits, stops }
+    }
+
+    /// The legs of a robot's task that are still ahead, given the stops that it has done.
+    pub(in crate::fleet) fn stages_left(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
+        let mut stages = self.stages(robot);
+        let left = self.ledger.robots[robot].stops.len();
+        if !self.lacks_route(robot) && left < stages.len() {
+            stages.drain(..stages.len() - left);
+        }
+        stages
+    }
+
+    /// The legs to a place aside, and of the rest of the task from there.
+    pub(in crate::fleet) fn stages_aside(&self, robot: RobotId, place: NodeId) -> SmallVec<[Stage; 4]> {
+        let rest = self.stages_after(robot);
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let leg = |goal| Stage { goal, loaded, stay: Span::ZERO };
+        let mut stages = smallvec![leg(place)];
+        if rest.is_empty() {
+            stages.push(leg(self.ledger.chain(robot).last().expect("it stands somewhere").node));
+        }
+        stages.extend(rest);
+        stages
+    }
+
+    /// What a robot goes on with after it stepped aside.
+    fn stages_after(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
+        if self.waits_for_room(robot) { SmallVec::new() } else { self.stages_left(robot) }
+    }
+
+    /// A route over `stages_aside` with the stops of the task alone: nothing is done at the place.
+    pub(in crate::fleet) fn with_own_stops(&self, robot: RobotId, mut route: Route) -> Route {
+        route.stops.remove(0);
+        if self.stages_after(robot).is_empty() {
+            route.stops.clear();
+        }
+        route
+    }
+}
+
+/// Books a route.
+pub(super) fn commit(core: &mut Core, robot: RobotId, route: Route) {
+    let booking = core.floor().booking(robot, route);
+    core.record(Fact::Routed { bookings: vec![booking] });
+}
+
+/// Going to a node without a rack, to stay.
+pub(in crate::fleet) fn stay_at(goal: NodeId) -> Stage {
+    Stage { goal, loaded: false, stay: Span::ZERO }
+}

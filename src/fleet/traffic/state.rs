@@ -1,0 +1,85 @@
+//! What traffic keeps in mind from step to step: planners, robots in need of a route, why grants were withheld.
+//!
+//! Main types: [`Traffic`], [`Withheld`]. Refuses: to decide.
+
+use crate::fleet::state::kind::RobotKind;
+use crate::fleet::state::needs::Needs;
+use crate::fleet::state::planners::Planners;
+use crate::id::{IdVec, ResourceId, RobotId};
+use crate::route::Cause;
+use crate::time::Time;
+use crate::timeline::Holder;
+use crate::warehouse::Warehouse;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Why the visit after the last granted one was not granted. The grant itself finds it, and *why waiting* reads it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::fleet) enum Withheld {
+    /// Nothing is reserved beyond.
+    End,
+    /// What the robot is to do at a stop is not done.
+    Stop,
+    /// It is not due for a while.
+    Early,
+    /// This holder comes first on this resource.
+    Turn(ResourceId, Holder),
+    /// It would meet a person, a closed area or a robot that stands there; until then, where that is known.
+    Condition(Cause, Option<Time>),
+}
+
+/// How often routes were searched for. Nobody is promised anything by it, so it is no fact and starts at zero with the
+/// process.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::fleet) struct Tally {
+    pub plans: u64,
+    pub failures: u64,
+    pub replans: u64,
+}
+
+/// What is kept in mind about routes and grants, from step to step. Lost at a restart, and found out again.
+#[derive(Debug)]
+pub(in crate::fleet) struct Traffic {
+    pub planners: Planners,
+    pub needs: Needs,
+    pub tally: Tally,
+    /// How long searches took, nanoseconds by the stopwatch of the settings.
+    pub plan_times: Vec<u64>,
+    /// Robots of which the ledger knew at the start and that have not been heard of since.
+    pub(super) unheard: BTreeSet<RobotId>,
+    /// When the first step was, if there were such robots.
+    pub(super) started: Option<Time>,
+    /// Why the last step granted each robot no more than it did.
+    pub(super) withheld: IdVec<RobotId, Option<Withheld>>,
+    /// When each robot was called back last while it stood for a worker.
+    pub(super) called_back: BTreeMap<RobotId, Time>,
+    /// When each robot last looked for a route round a closed area.
+    pub(super) looked_round: BTreeMap<RobotId, Time>,
+}
+
+impl Traffic {
+    /// Nothing is planned. `unheard` are the robots that a ledger knows.
+    pub fn new(warehouse: &Arc<Warehouse>, kinds: &[RobotKind], unheard: BTreeSet<RobotId>) -> Traffic {
+        Traffic {
+            planners: Planners::new(warehouse, kinds),
+            needs: Needs::default(),
+            tally: Tally::default(),
+            plan_times: Vec::new(),
+            unheard,
+            started: None,
+            withheld: IdVec::new(),
+            called_back: BTreeMap::new(),
+            looked_round: BTreeMap::new(),
+        }
+    }
+
+    /// Why the last step granted a robot no more than it did, if there was a reason.
+    pub fn withheld(&self, robot: RobotId) -> Option<Withheld> {
+        self.withheld.get(robot).copied().flatten()
+    }
+
+    /// Whether a robot was called back and has not left yet.
+    pub fn is_called_back(&self, robot: RobotId) -> bool {
+        self.called_back.contains_key(&robot)
+    }
+}

@@ -1,0 +1,38 @@
+//! What is kept in mind about giving way: of each robot, of the published procedure, of encounters that have begun.
+//!
+//! Main types: [`Yielding`], [`Procedure`]. Refuses: to decide.
+
+use crate::aware::Meter;
+use crate::fleet::state::yielding::YieldingState;
+use crate::id::{RobotId, WorkerId};
+use crate::time::Time;
+use std::collections::BTreeSet;
+
+/// What is kept in mind about giving way, from step to step. Lost at a restart, and found out again.
+#[derive(Debug, Default)]
+pub(in crate::fleet) struct Yielding {
+    /// For each robot.
+    pub state: YieldingState,
+    /// The published reaction, where that is what the fleet is to use.
+    pub procedure: Procedure,
+    /// Encounters that have begun.
+    pub meter: Meter,
+}
+
+/// The procedure in progress.
+#[derive(Clone, Debug, Default)]
+pub(in crate::fleet) struct Procedure {
+    /// For whom robots stand, and since when.
+    pub(super) running: Option<(WorkerId, Time)>,
+    /// Workers who left their path meanwhile.
+    pub(super) queue: BTreeSet<WorkerId>,
+    /// Robots that are planned anew after it.
+    pub(super) again: BTreeSet<RobotId>,
+}
+
+impl Procedure {
+    /// Whether a robot gets no further grants.
+    pub fn holds(&self, robot: RobotId) -> bool {
+        self.running.is_some() || self.again.contains(&robot)
+    }
+}
