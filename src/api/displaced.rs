@@ -39,6 +39,10 @@ pub fn words(map: &Warehouse, robot: impl Fn(RobotId) -> String, displacement: D
         Displacement::NoWayOut(n) => {
             format!("stands on {}, from where no lane leads on for it: {elsewhere}", node(n))
         }
+        Displacement::ByHand => {
+            "is driven by hand: leave it on a free node and end that; it is taken up there by itself"
+                .to_owned()
+        }
         Displacement::Load { carries: None, expected: Some(k) } => {
             let k = rack(k);
             format!("carries no rack, but rack {k} was on it: set rack {k} onto it; it goes on by itself")

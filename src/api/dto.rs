@@ -6,7 +6,9 @@
 use super::displaced;
 use super::port::JobRecord;
 use super::text::{closure_name, job_name, round3, time_text, worker_name};
-use crate::fleet::{Counts, Doing, JobFailure, JobKind, JobState, JobWhy, RackAt, RobotState, View, Why};
+use crate::fleet::{
+    Counts, Doing, Fault, JobFailure, JobKind, JobState, JobWhy, RackAt, RobotState, View, Why,
+};
 use crate::id::{Dense, NodeId, RobotId};
 use crate::timeline::Holder;
 use crate::warehouse::{NodeKind, Warehouse};
@@ -46,6 +48,9 @@ pub struct RobotDto {
     pub kind: String,
     /// Whether it is in maintenance, or will be when it has finished what it has begun.
     pub maintenance: bool,
+    /// What it says is wrong with it: broken, emergency_stop, manual, obstructed, unplugged; null for nothing.
+    #[schema(example = "emergency_stop")]
+    pub fault: Option<&'static str>,
     /// The rack on it.
     pub rack: Option<String>,
     /// The job it works on.
@@ -173,6 +178,7 @@ impl Names<'_> {
             doing: doing_word(r.doing),
             kind: r.kind.clone(),
             maintenance: r.maintenance,
+            fault: r.fault.map(Fault::word),
             rack: r.rack.and_then(rack),
             job: r.job.map(job_name),
             battery: round3(r.battery),
@@ -308,6 +314,13 @@ impl Names<'_> {
             },
             Why::NoRoute => "no route found yet; trying again".into(),
             Why::Failed => "cannot drive".into(),
+            Why::EmergencyStop => "its emergency stop is pressed: release it when the way is clear".into(),
+            Why::Manual => "driven by hand: it goes on by itself when that ends on a free node".into(),
+            Why::Obstructed(n) => {
+                let node = self.map.nodes.get(n).map_or("the next node", |n| n.name.as_str());
+                format!("something stands on its way to {node}: clear it; it looks for another way")
+            }
+            Why::Unplugged => "gets no current from its charger: look at plug and charger".into(),
             Why::Displaced(displacement) => displaced::words(self.map, |r| self.robot(r), displacement),
             Why::BlockedBy(r) => format!("waiting for {} to be moved out of its way", self.robot(r)),
             Why::Silent => "not heard of".into(),

@@ -36,8 +36,8 @@ pub struct LinkDto {
     pub who: String,
     /// robot or job.
     pub kind: &'static str,
-    /// What the link is about: resource, queue, person, closure, route, failed, displaced, silent, job, rack,
-    /// robot, no_robot, station, closed, blocked, place, battery;
+    /// What the link is about: resource, queue, person, closure, route, failed, emergency_stop, manual, obstructed,
+    /// unplugged, displaced, silent, job, rack, robot, no_robot, station, closed, blocked, place, battery;
     /// or, for somebody who waits for nobody, stop, drives, later, stays.
     pub cause: &'static str,
     /// In words, without the name of who it is.
@@ -135,6 +135,10 @@ impl Names<'_> {
             Why::QueueFull(s) => ("queue", self.map.stations.get(s).map(|s| (s.name.clone(), "station"))),
             Why::NoRoute => ("route", None),
             Why::Failed => ("failed", None),
+            Why::EmergencyStop => ("emergency_stop", None),
+            Why::Manual => ("manual", None),
+            Why::Obstructed(_) => ("obstructed", None),
+            Why::Unplugged => ("unplugged", None),
             Why::Displaced(_) => ("displaced", None),
             Why::BlockedBy(r) => ("robot", Some((self.robot(r), "robot"))),
             Why::Silent => ("silent", None),

@@ -21,6 +21,7 @@ pub use read::view::{Counts, Doing, JobWhy, RobotState, RobotView, StationView, 
 pub use read::why::{Because, Waiting, Who};
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 pub use state::fact::{Act, Booking, Fact, Kept, Moved, Purpose, Stop, Task};
+pub use state::fault::Fault;
 pub use state::io::{Bounded, Command, Input, Refusal, Reply, StationOrder, Step, Telemetry, Waypoint};
 pub use state::job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use state::keys::{KEY_LIFE, Keys};
@@ -125,9 +126,11 @@ impl Fleet {
         people.restrict(core, now);
         closures::note_closing(core, now);
         displaced::close_displaced(core, now);
+        traffic.close_obstructed(core, now);
         yielding.limit_robots(core, people, traffic, now);
         yielding.revoke_grants(core, people, traffic, now);
         traffic.revoke_grants_into_displaced(core, now);
+        traffic.revoke_obstructed(core, now);
         yielding.meet(core, people, now);
         people.guide(core, now);
     }

@@ -8,6 +8,7 @@ mod closures;
 mod displaced;
 mod enrolment;
 mod failure;
+mod faults;
 mod hand;
 mod jobs;
 mod keys;

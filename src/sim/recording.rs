@@ -5,7 +5,7 @@
 //! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
 use crate::fleet::{
-    AssignmentRequest, Closure, Input, JobKind, JobRequest, StationOrder, Telemetry, USUAL_KIND,
+    AssignmentRequest, Closure, Fault, Input, JobKind, JobRequest, StationOrder, Telemetry, USUAL_KIND,
 };
 use crate::geometry::{Point, Pose, Spot};
 use crate::human::{Quality, Sighting};
@@ -94,8 +94,15 @@ struct Line {
     i: Vec<Other>,
 }
 
-/// Robot, seen, x, y, heading, speed, reached, known, acted, rack, battery, failed, limit.
-type Said = (u32, i64, f64, f64, f64, f64, u64, u64, Option<u64>, Option<u32>, f64, bool, Option<f64>);
+/// Robot, seen, x, y, heading, speed, reached, known, acted, rack, battery, what is wrong, limit.
+type Said = (u32, i64, f64, f64, f64, f64, u64, u64, Option<u64>, Option<u32>, f64, Wrong, Option<f64>);
+/// What is wrong with a robot: `false` for nothing, `true` where it is broken, else the word of the fault.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Wrong {
+    Broken(bool),
+    Other(String),
+}
 /// Worker, seen, epoch, number, x, y, heading, accuracy, quality (0 tracked, 1 emulated, 2 lost).
 type Seen = (u32, i64, u32, u64, f64, f64, Option<f64>, f64, u8);
 
@@ -225,9 +232,25 @@ fn said(t: &Telemetry) -> Said {
         t.acted,
         rack,
         t.battery,
-        t.failed,
+        wrong(t.fault),
         t.limit_mps,
     )
+}
+
+fn wrong(fault: Option<Fault>) -> Wrong {
+    match fault {
+        None => Wrong::Broken(false),
+        Some(Fault::Broken) => Wrong::Broken(true),
+        Some(other) => Wrong::Other(other.word().to_owned()),
+    }
+}
+
+/// A fault of a later version is at least one.
+fn fault_of(wrong: &Wrong) -> Option<Fault> {
+    match wrong {
+        Wrong::Broken(broken) => broken.then_some(Fault::Broken),
+        Wrong::Other(word) => Some(Fault::of_word(word).unwrap_or(Fault::Broken)),
+    }
 }
 
 fn sighted(s: &Sighting) -> Seen {
@@ -336,7 +359,8 @@ impl Playback {
         let mut inputs: Vec<Input> = line.i.into_iter().map(other).collect();
         let before = |robot| self.last.get(&RobotId(robot)).map_or(0, |t| t.recalls);
         let recalls = |robot| line.c.get(&robot).copied().unwrap_or_else(|| before(robot));
-        let mut seen: Vec<Telemetry> = line.r.into_iter().map(|s| heard(s, recalls(s.0))).collect();
+        let mut seen: Vec<Telemetry> =
+            line.r.into_iter().map(|s| (recalls(s.0), s)).map(|(n, s)| heard(s, n)).collect();
         for (robot, at) in line.s {
             let last = self.last.get(&RobotId(robot));
             let last = last.ok_or_else(|| broken(format!("robot {robot} repeats what it never said")))?;
@@ -350,7 +374,7 @@ impl Playback {
 }
 
 fn heard(s: Said, recalls: u64) -> Telemetry {
-    let (robot, seen, x, y, heading, speed_mps, reached, known, acted, rack, battery, failed, limit_mps) = s;
+    let (robot, seen, x, y, heading, speed_mps, reached, known, acted, rack, battery, fault, limit_mps) = s;
     Telemetry {
         robot: RobotId(robot),
         seen: Time(seen),
@@ -361,7 +385,7 @@ fn heard(s: Said, recalls: u64) -> Telemetry {
         acted,
         rack: rack.map(RackId),
         battery,
-        failed,
+        fault: fault_of(&fault),
         limit_mps,
         recalls,
     }

@@ -4,7 +4,7 @@
 //! told, and it can always stop before the end of it. Refuses: to know where others are.
 
 use super::guard::Guard;
-use crate::fleet::{Act, Command, OFF_ROUTE_M, RobotKind, Telemetry, Waypoint};
+use crate::fleet::{Act, Command, Fault, OFF_ROUTE_M, RobotKind, Telemetry, Waypoint};
 use crate::geometry::{Point, Pose, Segment, Vector, turn_between, wrap_angle};
 use crate::id::{NodeId, RackId, RobotId};
 use crate::route::Kinematics;
@@ -50,7 +50,8 @@ pub(super) struct Body {
     /// The node of that visit.
     pub stood_on: NodeId,
     pub rack: Option<RackId>,
-    pub failed_until: Option<Time>,
+    /// What is wrong with it, and until when.
+    pub fault: Option<(Fault, Time)>,
     /// The limit of its speed that it was told last.
     pub limit_mps: Option<f64>,
     /// How many recalls it has followed to the end.
@@ -83,7 +84,7 @@ impl Body {
             stood_at: at,
             stood_on: node,
             rack: None,
-            failed_until: None,
+            fault: None,
             limit_mps: None,
             recalls: 0,
             returns: false,
@@ -111,9 +112,32 @@ impl Body {
         self.path.clear();
     }
 
+    /// Whether it has this fault.
+    pub fn has(&self, fault: Fault) -> bool {
+        self.fault.is_some_and(|(f, _)| f == fault)
+    }
+
+    fn is_immobile(&self) -> bool {
+        self.fault.is_some_and(|(fault, _)| fault.is_immobile())
+    }
+
+    /// A person drives it: it forgets its waypoints.
+    pub fn take_over(&mut self, until: Time) {
+        self.fault = Some((Fault::Manual, until));
+        (self.acting, self.returns) = (None, false);
+        self.path.clear();
+        self.speed_mps = 0.0;
+    }
+
+    /// Whether it is on its way, with somewhere to come to.
+    pub fn is_on_its_way(&self) -> bool {
+        self.speed_mps > 0.0 && self.acting.is_none() && !self.path.is_empty() && !self.returns
+    }
+
     /// Whether it stands, carries nothing out and could be pushed.
     pub fn can_be_pushed(&self) -> bool {
-        self.speed_mps == 0.0 && self.acting.is_none() && self.failed_until.is_none()
+        let free = self.fault.is_none_or(|(fault, _)| fault == Fault::Manual);
+        self.speed_mps == 0.0 && self.acting.is_none() && free
     }
 
     /// Whether it was pushed elsewhere and has not been told yet where it is.
@@ -152,7 +176,7 @@ impl Body {
     fn come_back(&mut self, to: u64, number: u64, warehouse: &Warehouse) {
         let next = self.path.front().map_or(self.stood_at, |t| t.at);
         let stands = self.speed_mps == 0.0 && self.acting.is_none() && self.is_on_the_way_to(next);
-        if self.failed_until.is_some() || !stands || to != self.reached || number != self.recalls + 1 {
+        if self.is_immobile() || !stands || to != self.reached || number != self.recalls + 1 {
             return;
         }
         let (serial, node, at) = (self.reached, self.node, warehouse.nodes[self.node].at);
@@ -223,7 +247,7 @@ impl Body {
             acted: self.acted,
             rack: self.rack,
             battery: self.battery,
-            failed: self.failed_until.is_some(),
+            fault: self.fault.map(|(fault, _)| fault),
             limit_mps: self.limit_mps,
             recalls: self.recalls,
         }
@@ -276,7 +300,8 @@ impl Body {
     }
 
     fn tick(&mut self, now: Time, dt: f64) {
-        if self.failed_until.is_some() || self.flat_since.is_some() {
+        let is_obstructed = self.has(Fault::Obstructed) && !self.returns;
+        if self.is_immobile() || is_obstructed || self.flat_since.is_some() {
             return self.coast(dt);
         }
         if self.acting.is_some() {
@@ -349,7 +374,11 @@ impl Body {
             self.speed_mps = 0.0;
         }
         self.path.pop_front();
-        self.recalls += u64::from(std::mem::take(&mut self.returns));
+        if std::mem::take(&mut self.returns) {
+            self.recalls += 1;
+            // It has left what it stood before.
+            self.fault = self.fault.filter(|(fault, _)| *fault != Fault::Obstructed);
+        }
         (self.reached, self.node, self.pose.at) = (target.serial, target.node, target.at);
         (self.stood_at, self.stood_on) = (target.at, target.node);
         self.acting = target.act.map(|act| (target.serial, act, None));

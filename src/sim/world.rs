@@ -12,7 +12,9 @@ use super::random::Stream;
 use super::robot::Body;
 use super::scenario::{Faults, Scenario};
 use super::walker::{RobotNear, Walker};
-use crate::fleet::{Closure, Command, Fleet, Guidance, Input, RackAt, Reply, Telemetry, most_dangerous};
+use crate::fleet::{
+    Closure, Command, Fault, Fleet, Guidance, Input, RackAt, Reply, Telemetry, most_dangerous,
+};
 use crate::geometry::Point;
 use crate::id::{Dense, IdVec, NodeId, RackId, RobotId, WorkerId};
 use crate::route::Kinematics;
@@ -124,7 +126,8 @@ impl World {
             while let Some(order) = robot.orders.receive(from) {
                 robot.body.obey(&order, &self.warehouse);
             }
-            robot.break_down(&self.faults, from, now);
+            let charging = self.warehouse.nodes[robot.body.node].kind == NodeKind::Charger;
+            robot.meet_faults(&self.faults, charging, from, now);
         }
         self.push_robots(from, now);
         self.live(from, now);
@@ -145,7 +148,7 @@ impl World {
 
     /// People push robots elsewhere that stand, and later on those that have not been taken up where they are.
     fn push_robots(&mut self, from: Time, to: Time) {
-        if self.faults.robot_pushes_per_hour <= 0.0 {
+        if self.faults.robot_pushes_per_hour <= 0.0 && self.faults.manual_drives_per_hour <= 0.0 {
             return;
         }
         let often = self.faults.robot_pushes_per_hour * (to - from).as_secs_f64() / 3600.0;
@@ -155,7 +158,7 @@ impl World {
             let again = robot.push_on.is_some();
             let due = match robot.push_on {
                 Some(at) => to >= at,
-                None => robot.pushes.happens(often) && robot.body.can_be_pushed(),
+                None => often > 0.0 && robot.pushes.happens(often) && robot.body.can_be_pushed(),
             };
             if due {
                 let onto_node = again || robot.pushes.happens(0.5);
@@ -287,7 +290,8 @@ impl World {
         let at = |i: i64| from + Span((to - from).0 * i / ticks);
         for i in 0..ticks {
             for robot in &mut self.robots {
-                let charging = self.warehouse.nodes[robot.body.node].kind == NodeKind::Charger;
+                let charger = self.warehouse.nodes[robot.body.node].kind == NodeKind::Charger;
+                let charging = charger && !robot.body.has(Fault::Unplugged);
                 robot.body.advance(at(i), at(i + 1), charging);
             }
             self.people(at(i), at(i + 1));
@@ -355,7 +359,17 @@ impl World {
     /// Breaks a robot, for tests of what happens then.
     #[cfg(test)]
     pub fn fail(&mut self, robot: RobotId, until: Time) {
-        self.robots[robot.ix()].body.failed_until = Some(until);
+        self.afflict(robot, Fault::Broken, until);
+    }
+
+    /// Something goes wrong with a robot, for tests of what happens then.
+    #[cfg(test)]
+    pub fn afflict(&mut self, robot: RobotId, fault: Fault, until: Time) {
+        let body = &mut self.robots[robot.ix()].body;
+        match fault {
+            Fault::Manual => body.take_over(until),
+            _ => body.fault = Some((fault, until)),
+        }
     }
 
     /// Empties the battery of a robot, for tests of what happens then.
@@ -398,17 +412,32 @@ impl World {
 }
 
 impl Robot {
-    fn break_down(&mut self, faults: &Faults, from: Time, to: Time) {
-        match self.body.failed_until {
-            Some(until) if until <= to => self.body.failed_until = None,
-            Some(_) => {}
-            None => {
-                let hours = (to - from).as_secs_f64() / 3600.0;
-                let moving = self.body.speed_mps > 0.0;
-                if moving && self.luck.happens(faults.failures_per_hour * hours) {
-                    self.body.failed_until = Some(to + Span::from_secs_f64(faults.repair_s));
-                }
-            }
+    /// What goes wrong with it, and what is over. `charging` says whether it stands on a charger.
+    fn meet_faults(&mut self, faults: &Faults, charging: bool, from: Time, to: Time) {
+        if let Some((_, until)) = self.body.fault {
+            self.body.fault = self.body.fault.filter(|_| until > to);
+            return;
+        }
+        let hours = (to - from).as_secs_f64() / 3600.0;
+        let until = to + Span::from_secs_f64(faults.repair_s);
+        let (moving, on_its_way) = (self.body.speed_mps > 0.0, self.body.is_on_its_way());
+        if moving && self.luck.happens(faults.failures_per_hour * hours) {
+            self.body.fault = Some((Fault::Broken, until));
+            return;
+        }
+        // Rates of zero draw no number, so that older scenarios run as they did.
+        let luck = &mut self.luck;
+        let mut happens = |per_hour: f64| per_hour > 0.0 && luck.happens(per_hour * hours);
+        if moving && happens(faults.emergency_stops_per_hour) {
+            self.body.fault = Some((Fault::EmergencyStop, until));
+        } else if on_its_way && happens(faults.obstacles_per_hour) {
+            self.body.fault = Some((Fault::Obstructed, until));
+        } else if charging && !moving && happens(faults.unplugged_per_hour) {
+            self.body.fault = Some((Fault::Unplugged, until));
+        } else if moving && happens(faults.manual_drives_per_hour) {
+            self.body.take_over(until);
+            // Somebody drives it onto a node meanwhile, if it stands between two.
+            self.push_on = Some(to + Span::from_secs_f64(faults.repair_s / 2.0));
         }
     }
 }

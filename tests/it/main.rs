@@ -10,6 +10,7 @@ mod command;
 mod custody;
 mod database;
 mod enrolment;
+mod faults;
 mod feed;
 mod fence;
 mod fixture;

@@ -6,6 +6,7 @@ use crate::fleet::Fleet;
 use crate::fleet::dispatch::jobs::stations_with_enough;
 use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
 use crate::fleet::state::fact::{Act, Purpose, Task};
+use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{ClosureView, Presence, WorkerView};
 use crate::fleet::traffic::state::Withheld;
@@ -90,6 +91,7 @@ impl Fleet {
             battery: seen.map_or(0.0, |t| t.battery),
             critical: self.floor().charging(r).critical,
             maintenance: record.maintenance.is_some(),
+            fault: seen.and_then(|t| t.fault),
             state: self.floor().robot_state(r),
             task: record.task,
             rack: self.core.ledger.rack_on(r),
@@ -108,6 +110,12 @@ impl Fleet {
         if record.paused.is_some() {
             return Some(Why::Paused);
         }
+        let fault = self.core.scene.robot(r).and_then(|t| t.fault);
+        match fault.filter(|_| self.core.scene.is_heard(r, now)) {
+            Some(Fault::EmergencyStop) => return Some(Why::EmergencyStop),
+            Some(Fault::Manual) => return Some(Why::Manual),
+            _ => {}
+        }
         if let Some(displacement) = self.floor().displacement(r) {
             return Some(Why::Displaced(displacement));
         }
@@ -119,6 +127,14 @@ impl Fleet {
         }
         if self.core.scene.fit(r, now).is_none() {
             return Some(Why::Silent);
+        }
+        if let Some(Fault::Obstructed) = fault
+            && let Some(node) = self.floor().obstructed_at(r)
+        {
+            return Some(Why::Obstructed(node));
+        }
+        if fault == Some(Fault::Unplugged) {
+            return Some(Why::Unplugged);
         }
         if record.maintenance.is_some() && record.task == Task::Idle {
             return Some(Why::Maintenance);

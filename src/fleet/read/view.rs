@@ -5,6 +5,7 @@
 
 use crate::fleet::state::displaced::Displacement;
 use crate::fleet::state::fact::Task;
+use crate::fleet::state::fault::Fault;
 use crate::fleet::state::job::{Job, JobKind, JobState};
 use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::worker::{ClosureView, WorkerView};
@@ -68,6 +69,8 @@ pub struct RobotView {
     pub critical: f64,
     /// Whether it is in maintenance, or will be when it has finished what it has begun.
     pub maintenance: bool,
+    /// What it says is wrong with it.
+    pub fault: Option<Fault>,
     /// Its state in the sense of the thesis, 4.2.4.
     pub state: RobotState,
     /// What it is doing.
@@ -162,6 +165,14 @@ pub enum Why {
     NoRoute,
     /// It cannot drive.
     Failed,
+    /// Its emergency stop is pressed.
+    EmergencyStop,
+    /// A person drives it.
+    Manual,
+    /// Something that it cannot pass stands on its way to this node.
+    Obstructed(NodeId),
+    /// It stands at a charger and gets no current.
+    Unplugged,
     /// It stands where nothing is held for it, or does not carry what it should.
     Displaced(Displacement),
     /// Another robot stands on its way that is booked elsewhere.
@@ -180,8 +191,13 @@ impl Why {
     /// Whether it is about the robot itself, whatever happens around it: no job moves it, and only the robot, or the
     /// person who stopped it, ends that.
     pub fn is_by_itself(self) -> bool {
-        use Why::{Displaced, Failed, Maintenance, Paused, Silent, Stopped};
-        matches!(self, Failed | Displaced(_) | Silent | Paused | Maintenance | Stopped)
+        use Why::{
+            Displaced, EmergencyStop, Failed, Maintenance, Manual, Paused, Silent, Stopped, Unplugged,
+        };
+        matches!(
+            self,
+            Failed | EmergencyStop | Manual | Displaced(_) | Silent | Paused | Maintenance | Stopped
+        ) || self == Unplugged
     }
 }
 

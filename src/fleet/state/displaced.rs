@@ -30,6 +30,8 @@ pub enum Displacement {
     RackThere(NodeId, RackId),
     /// No lane leads on from the node for a robot with its load.
     NoWayOut(NodeId),
+    /// A person drives it, off everything that it holds.
+    ByHand,
     /// The rack on it is not the one that is promised to be there.
     Load {
         /// What it says that it carries.

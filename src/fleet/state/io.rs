@@ -3,6 +3,7 @@
 //! Main types: [`Input`], [`Command`], [`Reply`], [`Step`]. Refuses: to say how any of it travels.
 
 use crate::fleet::state::fact::{Act, Fact};
+use crate::fleet::state::fault::Fault;
 use crate::fleet::state::job::JobRequest;
 use crate::fleet::state::worker::{AssignmentRequest, Closure, Guidance};
 use crate::geometry::Pose;
@@ -198,8 +199,8 @@ pub struct Telemetry {
     pub rack: Option<RackId>,
     /// Charge, 0 to 1.
     pub battery: f64,
-    /// Whether it cannot drive by itself.
-    pub failed: bool,
+    /// What is wrong with it, if anything is.
+    pub fault: Option<Fault>,
     /// The limit of its speed that it was told last, metres per second; 0 is a stop.
     pub limit_mps: Option<f64>,
     /// How many recalls it has followed to the end.
@@ -207,9 +208,9 @@ pub struct Telemetry {
 }
 
 impl Telemetry {
-    /// Whether it stands until a person helps: it is broken, or its battery is flat.
+    /// Whether it obeys no order until a person helps: it is broken, stopped or driven by hand, or its battery is flat.
     pub fn cannot_drive(&self) -> bool {
-        self.failed || self.battery <= 0.0
+        self.fault.is_some_and(Fault::is_immobile) || self.battery <= 0.0
     }
 }
 

@@ -7,6 +7,7 @@ pub(in crate::fleet) mod closed_areas;
 pub(in crate::fleet) mod core;
 pub mod displaced;
 pub mod fact;
+pub(in crate::fleet) mod fault;
 pub(in crate::fleet) mod floor;
 pub(in crate::fleet) mod heard;
 pub mod index;

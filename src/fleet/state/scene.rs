@@ -54,6 +54,11 @@ impl Scene {
         self.robot(robot).filter(|t| !t.cannot_drive() && now - t.seen <= SILENCE)
     }
 
+    /// Whether a robot was heard of lately.
+    pub fn is_heard(&self, robot: RobotId, now: Time) -> bool {
+        self.robot(robot).is_some_and(|t| now - t.seen <= SILENCE)
+    }
+
     /// Whether a robot was found where the ledger has it, and has not been found elsewhere since.
     pub fn is_placed(&self, robot: RobotId) -> bool {
         self.robots.get(robot.ix()).is_some_and(|r| r.placed)

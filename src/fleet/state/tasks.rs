@@ -3,6 +3,7 @@
 //! Refuses: to change anything.
 
 use super::fact::{Act, Task};
+use super::fault::Fault;
 use super::floor::Floor;
 use super::job::JobKind;
 use crate::id::{AssignmentId, IdVec, NodeId, RackId, RobotId, StationId, WorkerId};
@@ -41,9 +42,11 @@ impl Floor<'_> {
         self.ledger.index().places.is_promised(node, robot)
     }
 
-    /// Whether a robot standing on this node is at a charger.
+    /// Whether a robot stands at a charger, and does not say that it gets no current there.
     pub fn at_charger(&self, robot: RobotId) -> bool {
-        self.warehouse().nodes[self.ledger.node_of(robot)].kind == NodeKind::Charger
+        let here = self.warehouse().nodes[self.ledger.node_of(robot)].kind;
+        let gets_none = self.scene.robot(robot).is_some_and(|t| t.fault == Some(Fault::Unplugged));
+        here == NodeKind::Charger && !gets_none
     }
 
     /// Whether a job leads to a place that is closed, or will be soon.

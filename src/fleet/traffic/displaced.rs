@@ -11,6 +11,7 @@ use crate::fleet::state::closed_areas::storage_behind;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 use crate::fleet::state::fact::{Act, Fact, Kept, Task};
+use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Telemetry;
 use crate::fleet::state::job::JobState;
@@ -43,8 +44,9 @@ impl Traffic {
         now: Time,
     ) -> bool {
         let (known, displaced) = (core.scene.is_placed(robot), core.scene.displaced(robot).is_some());
-        let stands = seen.speed_mps < STANDS_MPS;
-        if known && !stands && !displaced {
+        let by_hand = seen.fault == Some(Fault::Manual);
+        let stands = seen.speed_mps < STANDS_MPS && !by_hand;
+        if known && !stands && !displaced && !by_hand {
             return false;
         }
         if core.settings.ghosts || core.floor().is_in_place(seen) {
@@ -53,6 +55,10 @@ impl Traffic {
         }
         // A robot that is fenced off is not taken up, but no robot is to drive into it either.
         let is_fenced = core.ledger.robots[robot].fenced.is_some();
+        if by_hand {
+            displace(core, seen, Displacement::ByHand, now);
+            return false;
+        }
         match self.place_for(core, seen) {
             Ok(node) if stands && !is_fenced => {
                 take_up(core, robot, node, now);

@@ -10,6 +10,7 @@ pub(in crate::fleet) mod failure;
 pub(in crate::fleet) mod fence;
 pub(in crate::fleet) mod grant;
 pub(in crate::fleet) mod joint;
+pub(in crate::fleet) mod obstruction;
 pub(in crate::fleet) mod plan;
 pub(in crate::fleet) mod progress;
 pub(in crate::fleet) mod revoke;

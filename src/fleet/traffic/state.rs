@@ -5,7 +5,7 @@
 use crate::fleet::state::kind::RobotKind;
 use crate::fleet::state::needs::Needs;
 use crate::fleet::state::planners::Planners;
-use crate::id::{IdVec, ResourceId, RobotId};
+use crate::id::{IdVec, NodeId, ResourceId, RobotId};
 use crate::route::Cause;
 use crate::time::Time;
 use crate::timeline::Holder;
@@ -53,6 +53,8 @@ pub(in crate::fleet) struct Traffic {
     pub(super) withheld: IdVec<RobotId, Option<Withheld>>,
     /// When each robot was called back last while it stood for a worker.
     pub(super) called_back: BTreeMap<RobotId, Time>,
+    /// Places that robots could not get to and chargers without current: who said so, and when they are tried again.
+    pub(super) obstructions: BTreeMap<NodeId, (RobotId, Time)>,
     /// When each robot last looked for a route round a closed area.
     pub(super) looked_round: BTreeMap<RobotId, Time>,
 }
@@ -69,6 +71,7 @@ impl Traffic {
             started: None,
             withheld: IdVec::new(),
             called_back: BTreeMap::new(),
+            obstructions: BTreeMap::new(),
             looked_round: BTreeMap::new(),
         }
     }

@@ -154,6 +154,11 @@ impl SpeedLimits<'_> {
         let loaded = self.floor.ledger.rack_on(robot).is_some();
         let mut slowest: (Option<f64>, Option<WorkerId>) = (None, None);
         let is_displaced = self.floor.scene.displaced(robot).is_some();
+        if self.floor.obstructed_at(robot).is_some()
+            && self.traffic.comes_back_to(self.floor, robot).is_none()
+        {
+            return (Some(0.0), None);
+        }
         if self.floor.is_halted(robot)
             || is_displaced
             || self.traffic.drives_into(self.floor, robot).is_some()

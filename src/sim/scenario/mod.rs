@@ -93,7 +93,15 @@ pub struct Faults {
     pub message_delay_ms: i64,
     /// Break-downs per robot and hour of driving.
     pub failures_per_hour: f64,
-    /// How long a broken robot stands, seconds; and one that was pushed between nodes.
+    /// Emergency stops per robot and hour of driving.
+    pub emergency_stops_per_hour: f64,
+    /// Obstacles on the way, per robot and hour of driving.
+    pub obstacles_per_hour: f64,
+    /// How often a person takes each robot over while it drives, per hour of driving.
+    pub manual_drives_per_hour: f64,
+    /// How often each robot loses the current at a charger, per hour of standing there.
+    pub unplugged_per_hour: f64,
+    /// How long each of these lasts, seconds; and how long a robot stands that was pushed between nodes.
     pub repair_s: f64,
     /// How often each robot is pushed elsewhere by people while it stands.
     pub robot_pushes_per_hour: f64,
@@ -105,6 +113,10 @@ impl Default for Faults {
             message_loss: 0.0,
             message_delay_ms: 20,
             failures_per_hour: 0.0,
+            emergency_stops_per_hour: 0.0,
+            obstacles_per_hour: 0.0,
+            manual_drives_per_hour: 0.0,
+            unplugged_per_hour: 0.0,
             repair_s: 300.0,
             robot_pushes_per_hour: 0.0,
         }
@@ -207,7 +219,15 @@ impl Scenario {
         let f = &file.faults;
         check("faults.message_loss", f.message_loss, 0.0..=0.9, "from 0 to 0.9")?;
         check("faults.message_delay_ms", f.message_delay_ms as f64, 0.0..=2000.0, "from 0 to 2000")?;
-        check("faults.failures_per_hour", f.failures_per_hour, 0.0..=1000.0, "from 0 to 1000")?;
+        for (key, per_hour) in [
+            ("faults.failures_per_hour", f.failures_per_hour),
+            ("faults.emergency_stops_per_hour", f.emergency_stops_per_hour),
+            ("faults.obstacles_per_hour", f.obstacles_per_hour),
+            ("faults.manual_drives_per_hour", f.manual_drives_per_hour),
+            ("faults.unplugged_per_hour", f.unplugged_per_hour),
+        ] {
+            check(key, per_hour, 0.0..=1000.0, "from 0 to 1000")?;
+        }
         check("faults.repair_s", f.repair_s, 1.0..=1e6, "from 1 to 1000000")?;
         check("faults.robot_pushes_per_hour", f.robot_pushes_per_hour, 0.0..=1000.0, "from 0 to 1000")?;
         check("drain_s", file.drain_s, 0.0..=1e6, "from 0 to 1000000")?;

@@ -48,6 +48,8 @@ export interface Robot {
   kind: string;
   /** Whether it is in maintenance, or will be when it has finished what it has begun. */
   maintenance: boolean;
+  /** What it says is wrong with it; `why` has it in words. */
+  fault: 'broken' | 'emergency_stop' | 'manual' | 'obstructed' | 'unplugged' | null;
   rack: string | null;
   job: string | null;
   battery: number;

@@ -1,0 +1,71 @@
+//! Places that robots cannot get to, and chargers that give no current: closed for a while, then tried again.
+//!
+//! A robot that cannot pass what stands on its way to the next node is called back and goes round it, as others do.
+//! Refuses: to know what stands there, and to keep a place closed for good: operators close areas.
+
+use crate::fleet::state::core::Core;
+use crate::fleet::state::fault::Fault;
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::ledger;
+use crate::fleet::traffic::state::Traffic;
+use crate::id::{NodeId, RobotId};
+use crate::route::{Cause, Condition, Effect};
+use crate::time::{Span, Time, Window};
+use crate::warehouse::NodeKind;
+
+/// A place before which a robot was obstructed is tried again after this.
+const CLOSED: Span = Span::from_secs(120);
+/// A charger that gave no current is tried again after this.
+const OUT_OF_ORDER: Span = Span::from_secs(600);
+
+impl Traffic {
+    /// Notes where robots are obstructed, or get no current; closes those places while they are noted. To be called in
+    /// every step, behind whatever makes the other restrictions.
+    pub(in crate::fleet) fn close_obstructed(&mut self, core: &mut Core, now: Time) {
+        for robot in ledger::all(&core.ledger.robots) {
+            let fault = core.scene.fit(robot, now).and_then(|t| t.fault);
+            let floor = core.floor();
+            let node = match fault {
+                Some(Fault::Obstructed) => floor.obstructed_at(robot).map(|n| (n, now + CLOSED)),
+                Some(Fault::Unplugged) => floor.unplugged_at(robot).map(|n| (n, now + OUT_OF_ORDER)),
+                _ => None,
+            };
+            if let Some((node, until)) = node {
+                self.obstructions.insert(node, (robot, until));
+            }
+        }
+        self.obstructions.retain(|_, (_, until)| now < *until);
+        for (node, (robot, until)) in &self.obstructions {
+            let restrictions = &mut core.restrictions;
+            restrictions.closing.insert(*node, now);
+            // A charger can be passed, and left.
+            if core.ledger.warehouse().kind(*node) != NodeKind::Charger {
+                let (window, cause) = (Window::new(now, *until), Cause::Robot(*robot));
+                restrictions.conditions.add(*node, Condition { window, effect: Effect::Closed, cause });
+            }
+        }
+    }
+
+    /// Calls obstructed robots back to the node that they reached last.
+    pub(in crate::fleet) fn revoke_obstructed(&mut self, core: &mut Core, now: Time) {
+        for robot in ledger::all(&core.ledger.robots) {
+            if core.scene.fit(robot, now).is_some_and(|t| t.fault == Some(Fault::Obstructed)) {
+                self.revoke_grant(core, robot, now);
+            }
+        }
+    }
+}
+
+impl Floor<'_> {
+    /// The node to which an obstructed robot was on its way.
+    pub(in crate::fleet) fn obstructed_at(&self, robot: RobotId) -> Option<NodeId> {
+        self.scene.robot(robot).filter(|t| t.fault == Some(Fault::Obstructed))?;
+        self.granted_ahead(robot).next().map(|v| v.node)
+    }
+
+    /// The charger at which a robot stands and gets no current.
+    fn unplugged_at(&self, robot: RobotId) -> Option<NodeId> {
+        let node = self.ledger.node_of(robot);
+        (self.warehouse().kind(node) == NodeKind::Charger).then_some(node)
+    }
+}
