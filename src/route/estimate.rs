@@ -1,11 +1,11 @@
 //! Lower bounds for the way to a goal: what it takes with nobody else on the floor.
 //!
 //! Main types: [`Estimates`] (a bounded cache of tables), [`Table`] (one goal). A table is a reverse Dijkstra over
-//! (node, arrival heading, gait) with circular buckets of a millisecond. Spans are rounded down, so the bounds
+//! (node, arrival heading, motion) with circular buckets of a millisecond. Spans are rounded down, so the bounds
 //! stay admissible, and a closed lane never needs a table rebuilt: closures only lengthen ways. Refuses: to know
 //! about time windows.
 
-use super::motion::{Gait, Pace};
+use super::motion::{MotionState, Pace};
 use crate::id::{ArcId, Dense, NodeId};
 use crate::time::Span;
 use crate::warehouse::{NodeKind, Warehouse, Way};
@@ -114,9 +114,10 @@ impl Estimates {
     }
 
     /// The bound from a node with an arrival heading; nothing where there is no way.
-    pub fn bound(&self, table: &Table, node: NodeId, slot: u8, gait: Gait) -> Option<Span> {
-        let state =
-            self.offsets[node.ix()] as usize + 2 * usize::from(slot) + usize::from(gait == Gait::Rolling);
+    pub fn bound(&self, table: &Table, node: NodeId, slot: u8, motion: MotionState) -> Option<Span> {
+        let state = self.offsets[node.ix()] as usize
+            + 2 * usize::from(slot)
+            + usize::from(motion == MotionState::Rolling);
         match table.bounds[state] {
             UNREACHABLE => None,
             b => Some(Span::from_millis(i64::from(b) * i64::from(UNIT_MS))),
@@ -126,7 +127,7 @@ impl Estimates {
     /// The bound from a node for a robot that stands there with its best heading.
     pub fn bound_from(&self, table: &Table, node: NodeId) -> Option<Span> {
         let slots = 0..self.warehouse.headings(node).len() as u8;
-        slots.filter_map(|s| self.bound(table, node, s, Gait::Standing)).min()
+        slots.filter_map(|s| self.bound(table, node, s, MotionState::Standing)).min()
     }
 
     /// Reverse Dijkstra from standing at the goal, whatever the heading. What may not be driven through (storage with a
@@ -183,7 +184,7 @@ impl Into {
             let outer = zone(arc.from).is_none() || zone(arc.from) != zone(arc.to);
             for slot in 0..warehouse.headings(arc.from).len() as u8 {
                 for (from, to) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                    let (g, h) = (gait(from), gait(to));
+                    let (g, h) = (motion(from), motion(to));
                     let Some(span) = step(pace, id, slot, loaded, g, h) else { continue };
                     let before = offsets[arc.from.ix()] + 2 * u32::from(slot) + from;
                     let state = offsets[arc.to.ix()] + 2 * u32::from(arc.slot) + to;
@@ -203,17 +204,17 @@ impl Into {
     }
 }
 
-fn gait(rolling: u32) -> Gait {
-    if rolling == 1 { Gait::Rolling } else { Gait::Standing }
+fn motion(rolling: u32) -> MotionState {
+    if rolling == 1 { MotionState::Rolling } else { MotionState::Standing }
 }
 
 /// Turning and driving one arc, if that can be done with these gaits.
-fn step(pace: &Pace, arc: ArcId, slot: u8, loaded: bool, from: Gait, to: Gait) -> Option<Span> {
-    let rolls = from == Gait::Rolling || to == Gait::Rolling;
-    if rolls && !pace.can_roll() || from == Gait::Rolling && !pace.is_straight(arc, slot) {
+fn step(pace: &Pace, arc: ArcId, slot: u8, loaded: bool, from: MotionState, to: MotionState) -> Option<Span> {
+    let rolls = from == MotionState::Rolling || to == MotionState::Rolling;
+    if rolls && !pace.can_roll() || from == MotionState::Rolling && !pace.is_straight(arc, slot) {
         return None;
     }
-    let turn = if from == Gait::Rolling { Span::ZERO } else { pace.turn(arc, slot) };
+    let turn = if from == MotionState::Rolling { Span::ZERO } else { pace.turn(arc, slot) };
     Some(turn + pace.drive(arc, loaded, from, to))
 }
 

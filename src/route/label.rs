@@ -3,7 +3,7 @@
 //! Main types: [`Label`], [`Labels`] (an arena with, per node, gap and stage, the list of labels that nothing
 //! dominates). Refuses: to know what labels are good for.
 
-use super::motion::Gait;
+use super::motion::MotionState;
 use crate::id::{ArcId, NodeId};
 use crate::timeline::FreeWindow;
 
@@ -15,7 +15,7 @@ const INTERVALS: usize = 4;
 /// The arrival heading of a robot that starts with a heading of its own.
 pub(super) const OWN_HEADING: u8 = u8::MAX;
 
-/// Being at a node in one of its free windows, with a heading and a gait.
+/// Being at a node in one of its free windows, with a heading and a motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Label {
     /// Earliest arrival (or readiness, after a stop), microseconds.
@@ -25,7 +25,7 @@ pub(super) struct Label {
     pub node: NodeId,
     pub gap: FreeWindow,
     pub slot: u8,
-    pub gait: Gait,
+    pub motion: MotionState,
     pub stage: u8,
     /// When the first goal was reached; zero before that.
     pub first: i64,
@@ -49,7 +49,7 @@ impl Label {
         node: NodeId,
         gap: FreeWindow,
         slot: u8,
-        gait: Gait,
+        motion: MotionState,
         stage: u8,
         parent: u32,
         arc: Option<ArcId>,
@@ -60,7 +60,7 @@ impl Label {
             node,
             gap,
             slot,
-            gait,
+            motion,
             stage,
             parent,
             arc,
@@ -141,7 +141,10 @@ impl Labels {
             if dominates(known, &label) {
                 return None;
             }
-            if known.gait == label.gait && known.gait == Gait::Rolling && known.slot == label.slot {
+            if known.motion == label.motion
+                && known.motion == MotionState::Rolling
+                && known.slot == label.slot
+            {
                 rolling += 1;
                 if rolling >= INTERVALS && known.lo <= label.lo {
                     return None;

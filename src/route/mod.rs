@@ -18,7 +18,7 @@ mod trace;
 
 pub use conditions::{Away, Cause, Condition, Conditions, Effect, NO_PEOPLE};
 pub use estimate::{Estimates, Table};
-pub use motion::{Gait, Kinematics, Pace, Rules};
+pub use motion::{Kinematics, MotionState, Pace, Rules};
 pub use search::COME_OUT;
 
 use crate::id::NodeId;

@@ -100,7 +100,7 @@ pub struct Pace {
 
 /// Whether a robot stands or rolls when its centre passes a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Gait {
+pub enum MotionState {
     /// At rest: it may wait, turn, lift.
     Standing,
     /// At cruising speed: it goes straight on at once.
@@ -124,7 +124,7 @@ impl Pace {
         for arc in warehouse.arcs.iter() {
             let mut spans = [Span::ZERO; 8];
             for (i, span) in spans.iter_mut().enumerate() {
-                let (loaded, from, to) = (i & 4 != 0, gait(i & 2 != 0), gait(i & 1 != 0));
+                let (loaded, from, to) = (i & 4 != 0, motion(i & 2 != 0), motion(i & 1 != 0));
                 *span = drive_span(&rules, arc.length_m, arc.speed_limit_mps, loaded, from, to);
             }
             let class = pace.drive.iter().position(|d| *d == spans).unwrap_or(pace.drive.len());
@@ -148,7 +148,7 @@ impl Pace {
 
     /// Fills `fastest_in` and `fastest_out`.
     fn note_fastest(&mut self, warehouse: &Warehouse) {
-        use Gait::{Rolling, Standing};
+        use MotionState::{Rolling, Standing};
         self.fastest_in.iter_mut().for_each(|s| *s = [Span::MAX; 2]);
         self.fastest_out.iter_mut().for_each(|s| *s = [Span::MAX; 2]);
         for (id, arc) in warehouse.arcs.pairs() {
@@ -191,9 +191,9 @@ impl Pace {
     }
 
     /// From node centre to node centre.
-    pub fn drive(&self, arc: ArcId, loaded: bool, from: Gait, to: Gait) -> Span {
-        let i = usize::from(loaded) << 2 | usize::from(from == Gait::Rolling) << 1;
-        self.drive[usize::from(self.class[arc])][i | usize::from(to == Gait::Rolling)]
+    pub fn drive(&self, arc: ArcId, loaded: bool, from: MotionState, to: MotionState) -> Span {
+        let i = usize::from(loaded) << 2 | usize::from(from == MotionState::Rolling) << 1;
+        self.drive[usize::from(self.class[arc])][i | usize::from(to == MotionState::Rolling)]
     }
 
     /// Turning in place from arrival heading `slot` of the arc's start to the arc.
@@ -246,17 +246,25 @@ impl Pace {
     }
 }
 
-fn gait(rolling: bool) -> Gait {
-    if rolling { Gait::Rolling } else { Gait::Standing }
+fn motion(rolling: bool) -> MotionState {
+    if rolling { MotionState::Rolling } else { MotionState::Standing }
 }
 
 /// From node centre to node centre over a lane with a limit of speed.
-pub(super) fn drive_span(rules: &Rules, length: f64, limit: f64, loaded: bool, from: Gait, to: Gait) -> Span {
+pub(super) fn drive_span(
+    rules: &Rules,
+    length: f64,
+    limit: f64,
+    loaded: bool,
+    from: MotionState,
+    to: MotionState,
+) -> Span {
     match rules {
         Rules::Pebble { step, .. } => *step,
         Rules::Drive(k) => {
             let (v, a) = (k.top_mps(loaded).min(limit), k.accel_mps2(loaded));
-            let ramps = f64::from(u8::from(from == Gait::Standing) + u8::from(to == Gait::Standing));
+            let ramps =
+                f64::from(u8::from(from == MotionState::Standing) + u8::from(to == MotionState::Standing));
             let seconds = if ramps == 2.0 && length < v * v / a {
                 2.0 * (length / a).sqrt()
             } else {
@@ -281,14 +289,14 @@ fn turn_span(rules: &Rules, from: f64, to: f64) -> Span {
 mod tests {
     use super::*;
 
-    fn span(length: f64, loaded: bool, from: Gait, to: Gait) -> f64 {
+    fn span(length: f64, loaded: bool, from: MotionState, to: MotionState) -> f64 {
         let rules = Rules::Drive(Kinematics::default());
         drive_span(&rules, length, f64::INFINITY, loaded, from, to).as_secs_f64()
     }
 
     #[test]
     fn a_long_run_takes_its_cruise_plus_one_ramp() {
-        use Gait::*;
+        use MotionState::*;
         let lanes = 10;
         let run = span(1.0, false, Standing, Rolling)
             + (lanes - 2) as f64 * span(1.0, false, Rolling, Rolling)
@@ -298,14 +306,16 @@ mod tests {
 
     #[test]
     fn one_short_lane_is_a_triangle_of_speed() {
-        assert!((span(1.0, true, Gait::Standing, Gait::Standing) - 2.0 * 2f64.sqrt()).abs() < 1e-5);
+        assert!(
+            (span(1.0, true, MotionState::Standing, MotionState::Standing) - 2.0 * 2f64.sqrt()).abs() < 1e-5
+        );
     }
 
     #[test]
     fn a_robot_with_a_rack_may_be_slower() {
         let k = Kinematics { speed_loaded_mps: 0.5, ..Kinematics::default() };
         let cruise = |loaded| {
-            let rolling = (Gait::Rolling, Gait::Rolling);
+            let rolling = (MotionState::Rolling, MotionState::Rolling);
             drive_span(&Rules::Drive(k), 3.0, f64::INFINITY, loaded, rolling.0, rolling.1)
         };
         assert_eq!((cruise(false), cruise(true)), (Span::from_secs(2), Span::from_secs(6)));

@@ -1,6 +1,6 @@
 //! Best-first search over free windows.
 //!
-//! Main function: [`plan`]. A label is (node, gap, arrival heading, gait, stage) with the earliest arrival
+//! Main function: [`plan`]. A label is (node, gap, arrival heading, motion, stage) with the earliest arrival
 //! and, while rolling, the latest one too: a robot may delay the start of its run, but cannot wait while it
 //! rolls. Earlier arrival dominates while standing (heading differences paid by turning); while rolling, the
 //! wider interval does. The objective is lexicographic: earliest at the first goal, then earliest at the
@@ -15,7 +15,7 @@ pub use care::COME_OUT;
 
 use super::estimate::{Estimates, Table, may_drive};
 use super::label::{Label, Labels, NONE, OWN_HEADING};
-use super::motion::{Gait, Pace};
+use super::motion::{MotionState, Pace};
 use super::{Ask, NoRoute, Route, Stage, trace};
 use crate::geometry::turn_between;
 use crate::id::{ArcId, NodeId};
@@ -80,7 +80,7 @@ struct Hop {
     arc: ArcId,
     way: Way,
     /// How it may end, and how long it takes then.
-    ends: SmallVec<[(Gait, i64); 2]>,
+    ends: SmallVec<[(MotionState, i64); 2]>,
     /// Departures possible as far as the label is concerned.
     depart: (i64, i64),
     /// The next node must be held this long before departure.
@@ -187,7 +187,7 @@ impl Search<'_> {
         let slot = known.clone().position(|h| turn_between(*h, self.ask.heading) < 0.02);
         let slot = slot.map_or(OWN_HEADING, |s| s as u8);
         let ready = self.ask.ready.0;
-        let label = Label::new((ready, gap.end.0), node, gap, slot, Gait::Standing, 0, NONE, None);
+        let label = Label::new((ready, gap.end.0), node, gap, slot, MotionState::Standing, 0, NONE, None);
         self.push(labels, open, label);
         Ok(())
     }
@@ -201,7 +201,7 @@ impl Search<'_> {
                 continue;
             }
             let stage = &self.ask.stages[usize::from(label.stage)];
-            if label.gait == Gait::Standing && label.node == stage.goal {
+            if label.motion == MotionState::Standing && label.node == stage.goal {
                 if usize::from(label.stage) + 1 < self.ask.stages.len() {
                     self.finish_stage(labels, open, index, label, stage.stay);
                 } else if label.gap.end.is_forever() || self.is_brief_stay(&label) {
@@ -237,8 +237,16 @@ impl Search<'_> {
             let times = (ready, label.gap.end.0);
             let stage = label.stage + 1;
             let first = if label.stage == 0 { label.lo } else { label.first };
-            let next =
-                Label::new(times, label.node, label.gap, label.slot, Gait::Standing, stage, index, None);
+            let next = Label::new(
+                times,
+                label.node,
+                label.gap,
+                label.slot,
+                MotionState::Standing,
+                stage,
+                index,
+                None,
+            );
             self.push(labels, open, next.with_first(first).with_way(0, label.price));
         }
     }
@@ -251,10 +259,11 @@ impl Search<'_> {
                 continue;
             }
             let Some(depart) = self.departures(&label, arc) else { continue };
-            let lead = if label.gait == Gait::Rolling { self.lead[usize::from(stage.loaded)] } else { 0 };
-            let ends = [Gait::Standing, Gait::Rolling].into_iter();
-            let ends = ends.filter(|&to| to == Gait::Standing || self.pace.rolls_on(arc));
-            let ends = ends.map(|to| (to, self.pace.drive(arc, stage.loaded, label.gait, to).0));
+            let lead =
+                if label.motion == MotionState::Rolling { self.lead[usize::from(stage.loaded)] } else { 0 };
+            let ends = [MotionState::Standing, MotionState::Rolling].into_iter();
+            let ends = ends.filter(|&to| to == MotionState::Standing || self.pace.rolls_on(arc));
+            let ends = ends.map(|to| (to, self.pace.drive(arc, stage.loaded, label.motion, to).0));
             let hop = Hop { arc, way, ends: ends.collect(), depart, lead };
             if conditions.is_touched(label.node) || conditions.is_touched(way.to) {
                 self.enter_with_care(labels, open, index, &label, &hop);
@@ -264,9 +273,9 @@ impl Search<'_> {
         }
     }
 
-    /// When the robot can leave along `arc`, as far as its own gait and heading are concerned.
+    /// When the robot can leave along `arc`, as far as its own motion and heading are concerned.
     fn departures(&self, label: &Label, arc: ArcId) -> Option<(i64, i64)> {
-        if label.gait == Gait::Rolling {
+        if label.motion == MotionState::Rolling {
             return self.pace.is_straight(arc, label.slot).then_some((label.lo, label.hi));
         }
         let turn = if label.slot == OWN_HEADING {
@@ -319,7 +328,7 @@ impl Search<'_> {
                 self.arrivals_instant(label, hop, span, node, gap)
             };
             let Some((lo, hi)) = times else { continue };
-            let hi = if to == Gait::Standing { gap.end.0 } else { hi };
+            let hi = if to == MotionState::Standing { gap.end.0 } else { hi };
             let slot = hop.way.slot;
             let next = Label::new((lo, hi), node, gap, slot, to, label.stage, index, Some(hop.arc));
             self.push(labels, open, next.with_first(label.first).with_way(span, label.price));
@@ -392,11 +401,11 @@ impl Search<'_> {
     /// rest takes without any waiting.
     fn bound(&self, label: &Label) -> Option<(i64, i64, i64)> {
         let stage = usize::from(label.stage);
-        let there = label.node == self.ask.stages[stage].goal && label.gait == Gait::Standing;
+        let there = label.node == self.ask.stages[stage].goal && label.motion == MotionState::Standing;
         let ahead = if label.slot == OWN_HEADING || there {
             0
         } else {
-            self.estimates.bound(&self.tables[stage], label.node, label.slot, label.gait)?.0
+            self.estimates.bound(&self.tables[stage], label.node, label.slot, label.motion)?.0
         };
         let mut arrival = label.lo + ahead;
         let mut left = ahead;
@@ -419,15 +428,17 @@ impl Search<'_> {
         if a.lo > b.lo || a.first > b.first || a.price > b.price {
             return false;
         }
-        if a.gait != b.gait {
+        if a.motion != b.motion {
             // Who stands there early enough can start so as to be nowhere later than who rolls through.
             let loaded = usize::from(self.ask.stages[usize::from(a.stage)].loaded);
-            return a.gait == Gait::Standing && a.slot == b.slot && a.lo + self.start_cost[loaded] <= b.lo;
+            return a.motion == MotionState::Standing
+                && a.slot == b.slot
+                && a.lo + self.start_cost[loaded] <= b.lo;
         }
         if a.slot == b.slot {
-            return a.gait == Gait::Standing || a.hi >= b.hi;
+            return a.motion == MotionState::Standing || a.hi >= b.hi;
         }
-        if a.gait == Gait::Rolling || a.slot == OWN_HEADING || b.slot == OWN_HEADING {
+        if a.motion == MotionState::Rolling || a.slot == OWN_HEADING || b.slot == OWN_HEADING {
             return false;
         }
         let headings = self.warehouse.headings(a.node);

@@ -1,4 +1,4 @@
-//! The search against brute force: every walk, gait and choice of windows on small floors.
+//! The search against brute force: every walk, motion and choice of windows on small floors.
 
 use super::*;
 use crate::geometry::Point;
@@ -79,14 +79,14 @@ struct Brute<'a> {
 struct Step {
     arc: ArcId,
     gap: FreeWindow,
-    gait: Gait,
+    motion: MotionState,
 }
 
 impl Brute<'_> {
     fn go(&mut self, at: NodeId, start_gap: FreeWindow, steps: usize) {
         let Some(arrival) = self.schedule(start_gap) else { return };
         let last = self.walk.last();
-        let standing = last.is_none_or(|s| s.gait == Gait::Standing);
+        let standing = last.is_none_or(|s| s.motion == MotionState::Standing);
         if at == self.goal && standing && last.map_or(start_gap, |s| s.gap).end.is_forever() {
             self.best = self.best.min(arrival);
         }
@@ -98,8 +98,8 @@ impl Brute<'_> {
             for gap in
                 self.timeline.free_windows(self.warehouse.node_resource(next), Time(0)).collect::<Vec<_>>()
             {
-                for gait in [Gait::Standing, Gait::Rolling] {
-                    self.walk.push(Step { arc, gap, gait });
+                for motion in [MotionState::Standing, MotionState::Rolling] {
+                    self.walk.push(Step { arc, gap, motion });
                     self.go(next, start_gap, steps - 1);
                     self.walk.pop();
                 }
@@ -112,8 +112,8 @@ impl Brute<'_> {
         let n = self.walk.len();
         let mut depart = vec![0i64; n];
         let (clear, lead) = (self.pace.clearance().0, self.pace.lead(false).0);
-        let gait = |i: usize| if i == 0 { Gait::Standing } else { self.walk[i - 1].gait };
-        let span = |i: usize| self.pace.drive(self.walk[i].arc, false, gait(i), self.walk[i].gait).0;
+        let motion = |i: usize| if i == 0 { MotionState::Standing } else { self.walk[i - 1].motion };
+        let span = |i: usize| self.pace.drive(self.walk[i].arc, false, motion(i), self.walk[i].motion).0;
         for round in 0..=2 * n {
             let mut changed = false;
             for i in 0..n {
@@ -121,8 +121,10 @@ impl Brute<'_> {
                 let heading = if i == 0 { 0.0 } else { self.warehouse.arcs[self.walk[i - 1].arc].heading };
                 let arrive = if i == 0 { 0 } else { depart[i - 1] + span(i - 1) };
                 let straight = crate::geometry::turn_between(heading, arc.heading) < 0.1;
-                let rolling = gait(i) == Gait::Rolling;
-                if rolling && !straight || !self.pace.can_roll() && self.walk[i].gait == Gait::Rolling {
+                let rolling = motion(i) == MotionState::Rolling;
+                if rolling && !straight
+                    || !self.pace.can_roll() && self.walk[i].motion == MotionState::Rolling
+                {
                     return None;
                 }
                 let turn = if rolling { 0 } else { self.pace.turn_between(heading, arc.heading).0 };

@@ -4,7 +4,7 @@
 //! the end: a run starts as late as its last window demands. Refuses: to search.
 
 use super::label::{Label, Labels, NONE, OWN_HEADING};
-use super::motion::{Gait, Pace};
+use super::motion::{MotionState, Pace};
 use super::{Ask, Route};
 use crate::id::ArcId;
 use crate::time::{Span, Time};
@@ -55,8 +55,8 @@ fn moments(labels: &Labels, goal: u32) -> Vec<Moment> {
     let mut index = last.parent;
     while index != NONE {
         let (parent, child) = (*labels.get(index), moments.last().expect("starts with the goal"));
-        let arrive = match (parent.gait, child.label.arc) {
-            (Gait::Rolling, Some(_)) => child.arrive - Span(child.label.span),
+        let arrive = match (parent.motion, child.label.arc) {
+            (MotionState::Rolling, Some(_)) => child.arrive - Span(child.label.span),
             _ => Time(parent.lo),
         };
         moments.push(Moment { label: parent, arrive });
@@ -77,7 +77,7 @@ fn drive(
 ) {
     let here = visits.last_mut().expect("starts with the kept visit");
     let depart = to.arrive - Span(to.label.span);
-    if from.label.gait == Gait::Standing {
+    if from.label.motion == MotionState::Standing {
         let turn = match from.label.slot {
             OWN_HEADING => pace.turn_between(own_heading, warehouse.arcs[arc].heading),
             slot => pace.turn(arc, slot),
@@ -90,7 +90,7 @@ fn drive(
         to.arrive
     } else {
         here.leave = to.arrive + pace.clearance();
-        let lead = if from.label.gait == Gait::Rolling { pace.lead(loaded) } else { Span::ZERO };
+        let lead = if from.label.motion == MotionState::Rolling { pace.lead(loaded) } else { Span::ZERO };
         (depart - lead).max(here.enter)
     };
     let lane = warehouse.arcs[arc].lane;

@@ -9,7 +9,7 @@ use super::{FREE, Hop, Label, Labels, Open, Search};
 use crate::id::NodeId;
 use crate::route::Ask;
 use crate::route::conditions::{Cause, Condition, Effect, still_until};
-use crate::route::motion::{Gait, Pace, drive_span};
+use crate::route::motion::{MotionState, Pace, drive_span};
 use crate::time::{Span, Time, Window};
 use crate::timeline::{FreeWindow, Timeline};
 use crate::warehouse::Warehouse;
@@ -111,8 +111,14 @@ impl Search<'_> {
         }
     }
 
-    /// A hop that ends in one gait, as people let it be, and what it costs beyond its time.
-    fn careful(&self, label: &Label, hop: &Hop, (to, span): (Gait, i64), begin: i64) -> Option<(Hop, Span)> {
+    /// A hop that ends in one motion, as people let it be, and what it costs beyond its time.
+    fn careful(
+        &self,
+        label: &Label,
+        hop: &Hop,
+        (to, span): (MotionState, i64),
+        begin: i64,
+    ) -> Option<(Hop, Span)> {
         let ends = [label.node, hop.way.to];
         let depart = Time(hop.depart.0.max(begin));
         let drive = Window::new(depart, depart + Span(span));
@@ -129,7 +135,7 @@ impl Search<'_> {
     }
 
     /// How long the lane takes if either end is where robots go slowly when it is driven; zero where neither is.
-    fn slow(&self, ends: &[NodeId; 2], label: &Label, hop: &Hop, drive: Window, to: Gait) -> Span {
+    fn slow(&self, ends: &[NodeId; 2], label: &Label, hop: &Hop, drive: Window, to: MotionState) -> Span {
         let loaded = self.ask.stages[usize::from(label.stage)].loaded;
         let limits = ends.iter().flat_map(|n| self.binding(*n)).filter_map(|c| match c.effect {
             Effect::Slow(limits) if c.window.overlaps(drive) => Some(limits[usize::from(loaded)]),
@@ -137,7 +143,7 @@ impl Search<'_> {
         });
         let arc = &self.warehouse.arcs[hop.arc];
         let limit = limits.min_by(f64::total_cmp).map(|l| l.min(arc.speed_limit_mps));
-        limit.map_or(Span::ZERO, |l| drive_span(self.pace.rules(), arc.length_m, l, loaded, label.gait, to))
+        limit.map_or(Span::ZERO, |l| drive_span(self.pace.rules(), arc.length_m, l, loaded, label.motion, to))
     }
 
     /// What being at a node about then costs.
