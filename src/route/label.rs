@@ -1,6 +1,6 @@
 //! Labels of the search and where they are kept.
 //!
-//! Main types: [`Label`], [`Labels`] (an arena with, per node, gap and stage, the list of labels that nothing
+//! Main types: [`Label`], [`Labels`] (an arena with, per node, free window and stage, the list of labels that nothing
 //! dominates). Refuses: to know what labels are good for.
 
 use super::motion::MotionState;
@@ -9,8 +9,8 @@ use crate::timeline::FreeWindow;
 
 /// "None" among label indices.
 pub(super) const NONE: u32 = u32::MAX;
-/// How many rolling labels of one node, gap, stage and heading are kept: they differ only in how long the start of
-/// their run can still be put off, and beyond a few that never decides anything.
+/// How many rolling labels of one node, free window, stage and heading are kept: they differ only in how long the start
+/// of their run can still be put off, and beyond a few that never decides anything.
 const INTERVALS: usize = 4;
 /// The arrival heading of a robot that starts with a heading of its own.
 pub(super) const OWN_HEADING: u8 = u8::MAX;
@@ -23,7 +23,7 @@ pub(super) struct Label {
     /// Latest arrival that the windows on the way allow, for rolling labels.
     pub hi: i64,
     pub node: NodeId,
-    pub gap: FreeWindow,
+    pub free: FreeWindow,
     pub slot: u8,
     pub motion: MotionState,
     pub stage: u8,
@@ -38,7 +38,7 @@ pub(super) struct Label {
     pub parent: u32,
     /// The arc driven to get here; nothing after a stop at a goal.
     pub arc: Option<ArcId>,
-    /// The next label of the same node, gap and stage.
+    /// The next label of the same node, free window and stage.
     next: u32,
 }
 
@@ -47,7 +47,7 @@ impl Label {
     pub fn new(
         (lo, hi): (i64, i64),
         node: NodeId,
-        gap: FreeWindow,
+        free: FreeWindow,
         slot: u8,
         motion: MotionState,
         stage: u8,
@@ -58,7 +58,7 @@ impl Label {
             lo,
             hi,
             node,
-            gap,
+            free,
             slot,
             motion,
             stage,
@@ -83,7 +83,7 @@ impl Label {
     }
 
     fn key(&self) -> u64 {
-        u64::from(self.node.0) << 32 | u64::from(self.gap.index) << 4 | u64::from(self.stage)
+        u64::from(self.node.0) << 32 | u64::from(self.free.index) << 4 | u64::from(self.stage)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Best-first search over free windows.
 //!
-//! Main function: [`plan`]. A label is (node, gap, arrival heading, motion, stage) with the earliest arrival
+//! Main function: [`plan`]. A label is (node, free window, arrival heading, motion, stage) with the earliest arrival
 //! and, while rolling, the latest one too: a robot may delay the start of its run, but cannot wait while it
 //! rolls. Earlier arrival dominates while standing (heading differences paid by turning); while rolling, the
 //! wider interval does. The objective is lexicographic: earliest at the first goal, then earliest at the
@@ -160,8 +160,8 @@ fn goal_windows(
             if before == stage.goal { Span::ZERO } else { pace.fastest_in(stage.goal, stage.loaded) },
             pace.fastest_out(stage.goal, loaded_after) + pace.clearance(),
         );
-        let gaps = care::open_gaps(warehouse, timeline, ask, stage.goal, ask.ready);
-        let fits = gaps.into_iter().filter_map(|g| match (i == last, g.end.is_forever()) {
+        let windows = care::open_windows(warehouse, timeline, ask, stage.goal, ask.ready);
+        let fits = windows.into_iter().filter_map(|g| match (i == last, g.end.is_forever()) {
             (true, false) => {
                 let latest = brief.iter().find(|(part, _)| *part == g.index).map(|(_, latest)| *latest);
                 latest.map(|l| ((g.start + way_in).0, l))
@@ -182,12 +182,12 @@ impl Search<'_> {
         // one is to pass before that, and must not be taken for having made way meanwhile.
         let (came, ready) = (self.ask.from.arrive.min(self.ask.ready), self.ask.ready);
         let own = self.timeline.free_windows(self.warehouse.node_resource(node), came).next();
-        let gap = own.filter(|g| g.start <= came && g.end > ready).ok_or(NoRoute::Blocked)?;
+        let free = own.filter(|g| g.start <= came && g.end > ready).ok_or(NoRoute::Blocked)?;
         let known = self.warehouse.headings(node).iter();
         let slot = known.clone().position(|h| turn_between(*h, self.ask.heading) < 0.02);
         let slot = slot.map_or(OWN_HEADING, |s| s as u8);
         let ready = self.ask.ready.0;
-        let label = Label::new((ready, gap.end.0), node, gap, slot, MotionState::Standing, 0, NONE, None);
+        let label = Label::new((ready, free.end.0), node, free, slot, MotionState::Standing, 0, NONE, None);
         self.push(labels, open, label);
         Ok(())
     }
@@ -204,7 +204,7 @@ impl Search<'_> {
             if label.motion == MotionState::Standing && label.node == stage.goal {
                 if usize::from(label.stage) + 1 < self.ask.stages.len() {
                     self.finish_stage(labels, open, index, label, stage.stay);
-                } else if label.gap.end.is_forever() || self.is_brief_stay(&label) {
+                } else if label.free.end.is_forever() || self.is_brief_stay(&label) {
                     return Ok((index, expansions));
                 }
             }
@@ -233,14 +233,14 @@ impl Search<'_> {
 
     fn finish_stage(&self, labels: &mut Labels, open: &mut Open, index: u32, label: Label, stay: Span) {
         let ready = (Time(label.lo) + stay).0;
-        if ready < label.gap.end.0 {
-            let times = (ready, label.gap.end.0);
+        if ready < label.free.end.0 {
+            let times = (ready, label.free.end.0);
             let stage = label.stage + 1;
             let first = if label.stage == 0 { label.lo } else { label.first };
             let next = Label::new(
                 times,
                 label.node,
-                label.gap,
+                label.free,
                 label.slot,
                 MotionState::Standing,
                 stage,
@@ -289,22 +289,22 @@ impl Search<'_> {
     /// Tries every free window of the next node that can be reached, and of the lane where it needs holding.
     fn enter_gaps(&self, labels: &mut Labels, open: &mut Open, index: u32, label: &Label, hop: &Hop) {
         let node = hop.way.to;
-        let latest = hop.depart.1.min(label.gap.end.0);
+        let latest = hop.depart.1.min(label.free.end.0);
         let resource = self.warehouse.node_resource(node);
-        for gap in self.timeline.free_windows(resource, Time(hop.depart.0 - hop.lead)) {
-            if gap.start.0 > latest {
+        for free in self.timeline.free_windows(resource, Time(hop.depart.0 - hop.lead)) {
+            if free.start.0 > latest {
                 break;
             }
             if hop.way.lane_is_free {
-                self.enter(labels, open, index, label, hop, node, gap, FREE);
+                self.enter(labels, open, index, label, hop, node, free, FREE);
                 continue;
             }
             let lane = self.warehouse.lane_resource(hop.way.lane);
-            for lane_gap in self.timeline.free_windows(lane, Time(hop.depart.0 - hop.lead)) {
-                if lane_gap.start.0 > latest {
+            for lane_free in self.timeline.free_windows(lane, Time(hop.depart.0 - hop.lead)) {
+                if lane_free.start.0 > latest {
                     break;
                 }
-                self.enter(labels, open, index, label, hop, node, gap, lane_gap);
+                self.enter(labels, open, index, label, hop, node, free, lane_free);
             }
         }
     }
@@ -318,19 +318,19 @@ impl Search<'_> {
         label: &Label,
         hop: &Hop,
         node: NodeId,
-        gap: FreeWindow,
-        lane_gap: FreeWindow,
+        free: FreeWindow,
+        lane_free: FreeWindow,
     ) {
         for &(to, span) in &hop.ends {
             let times = if self.pace.holds_while_driving() {
-                self.arrivals_overlapping(label, hop, span, gap, lane_gap)
+                self.arrivals_overlapping(label, hop, span, free, lane_free)
             } else {
-                self.arrivals_instant(label, hop, span, node, gap)
+                self.arrivals_instant(label, hop, span, node, free)
             };
             let Some((lo, hi)) = times else { continue };
-            let hi = if to == MotionState::Standing { gap.end.0 } else { hi };
+            let hi = if to == MotionState::Standing { free.end.0 } else { hi };
             let slot = hop.way.slot;
-            let next = Label::new((lo, hi), node, gap, slot, to, label.stage, index, Some(hop.arc));
+            let next = Label::new((lo, hi), node, free, slot, to, label.stage, index, Some(hop.arc));
             self.push(labels, open, next.with_first(label.first).with_way(span, label.price));
         }
     }
@@ -341,12 +341,12 @@ impl Search<'_> {
         label: &Label,
         hop: &Hop,
         span: i64,
-        gap: FreeWindow,
-        lane_gap: FreeWindow,
+        free: FreeWindow,
+        lane_free: FreeWindow,
     ) -> Option<(i64, i64)> {
         let clear = self.pace.clearance();
-        let latest_arrival = (label.gap.end - clear).min(lane_gap.end - clear).min(gap.end - Span(1)).0;
-        let begin = gap.start.max(lane_gap.start).0;
+        let latest_arrival = (label.free.end - clear).min(lane_free.end - clear).min(free.end - Span(1)).0;
+        let begin = free.start.max(lane_free.start).0;
         let lo = hop.depart.0.max(begin + hop.lead) + span;
         let hi = hop.depart.1.saturating_add(span).min(latest_arrival);
         (lo <= hi).then_some((lo, hi))
@@ -359,16 +359,16 @@ impl Search<'_> {
         hop: &Hop,
         span: i64,
         node: NodeId,
-        gap: FreeWindow,
+        free: FreeWindow,
     ) -> Option<(i64, i64)> {
-        let lo = (hop.depart.0 + span).max(gap.start.0);
-        let hi = label.gap.end.min(gap.end - Span(1)).0;
+        let lo = (hop.depart.0 + span).max(free.start.0);
+        let hi = label.free.end.min(free.end - Span(1)).0;
         if lo > hi {
             return None;
         }
-        if lo == gap.start.0 && lo == label.gap.end.0 {
-            let (before, _) = self.timeline.neighbours(self.warehouse.node_resource(node), gap);
-            let (_, after) = self.timeline.neighbours(self.warehouse.node_resource(label.node), label.gap);
+        if lo == free.start.0 && lo == label.free.end.0 {
+            let (before, _) = self.timeline.neighbours(self.warehouse.node_resource(node), free);
+            let (_, after) = self.timeline.neighbours(self.warehouse.node_resource(label.node), label.free);
             if before == after {
                 return None;
             }

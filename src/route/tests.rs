@@ -65,7 +65,8 @@ fn to(goal: u32) -> Stage {
     Stage { goal: NodeId(goal), loaded: false, stay: Span::ZERO }
 }
 
-/// Earliest arrival at `goal` by trying everything: walks of at most `steps` arcs, all gaits, all choices of gaps.
+/// Earliest arrival at `goal` by trying everything: walks of at most `steps` arcs, all gaits, all choices of free
+/// windows.
 struct Brute<'a> {
     warehouse: &'a Warehouse,
     pace: &'a Pace,
@@ -78,7 +79,7 @@ struct Brute<'a> {
 #[derive(Clone, Copy)]
 struct Step {
     arc: ArcId,
-    gap: FreeWindow,
+    free: FreeWindow,
     motion: MotionState,
 }
 
@@ -87,7 +88,7 @@ impl Brute<'_> {
         let Some(arrival) = self.schedule(start_gap) else { return };
         let last = self.walk.last();
         let standing = last.is_none_or(|s| s.motion == MotionState::Standing);
-        if at == self.goal && standing && last.map_or(start_gap, |s| s.gap).end.is_forever() {
+        if at == self.goal && standing && last.map_or(start_gap, |s| s.free).end.is_forever() {
             self.best = self.best.min(arrival);
         }
         if steps == 0 || arrival >= self.best {
@@ -95,11 +96,11 @@ impl Brute<'_> {
         }
         let hops: Vec<(ArcId, NodeId)> = self.warehouse.out(at).map(|(id, a)| (id, a.to)).collect();
         for (arc, next) in hops {
-            for gap in
+            for free in
                 self.timeline.free_windows(self.warehouse.node_resource(next), Time(0)).collect::<Vec<_>>()
             {
                 for motion in [MotionState::Standing, MotionState::Rolling] {
-                    self.walk.push(Step { arc, gap, motion });
+                    self.walk.push(Step { arc, free, motion });
                     self.go(next, start_gap, steps - 1);
                     self.walk.pop();
                 }
@@ -128,7 +129,7 @@ impl Brute<'_> {
                     return None;
                 }
                 let turn = if rolling { 0 } else { self.pace.turn_between(heading, arc.heading).0 };
-                let window = self.walk[i].gap.start.0 + if rolling { lead } else { 0 };
+                let window = self.walk[i].free.start.0 + if rolling { lead } else { 0 };
                 let need = depart[i].max(arrive + turn).max(window);
                 changed |= need > depart[i];
                 depart[i] = need;
@@ -137,9 +138,9 @@ impl Brute<'_> {
                     depart[i - 1] += depart[i] - arrive;
                     changed = true;
                 }
-                let own_gap = if i == 0 { start_gap } else { self.walk[i - 1].gap };
+                let own_gap = if i == 0 { start_gap } else { self.walk[i - 1].free };
                 let reached = depart[i] + span(i);
-                if reached + clear > own_gap.end.0 || reached >= self.walk[i].gap.end.0 {
+                if reached + clear > own_gap.end.0 || reached >= self.walk[i].free.end.0 {
                     return None;
                 }
             }
@@ -166,7 +167,7 @@ fn brute(warehouse: &Warehouse, pace: &Pace, timeline: &Timeline, goal: u32, ste
 fn assert_fits(timeline: &mut Timeline, route: &Route) {
     let own = Holder::Robot(RobotId(0));
     timeline.reserve(own, vec![start()]).expect("the start is free for ever or the search would have failed");
-    timeline.replace(own, 0, route.kept.clone(), route.visits.clone()).expect("routes fit into free windows");
+    timeline.replace(own, 0, route.kept.clone(), route.visits.clone()).expect("routes fit into windows");
     timeline.assert_sound();
 }
 

@@ -36,7 +36,7 @@ pub struct FreeWindow {
     pub index: u32,
 }
 
-/// The beginning of all time, where the first gap of a line starts.
+/// The beginning of all time, where the first free window of a line starts.
 const BEGINNING: Time = Time(i64::MIN / 2);
 
 /// All holds on one resource.
@@ -90,9 +90,9 @@ impl Line {
         })
     }
 
-    /// Who is on either side of a gap.
-    pub fn neighbours(&self, gap: FreeWindow) -> (Option<Holder>, Option<Holder>) {
-        let i = gap.index as usize;
+    /// Who is on either side of a free window.
+    pub fn neighbours(&self, free: FreeWindow) -> (Option<Holder>, Option<Holder>) {
+        let i = free.index as usize;
         let before = i.checked_sub(1).map(|b| self.holds[b].holder);
         (before, self.holds.get(i).map(|h| h.holder))
     }

@@ -221,8 +221,8 @@ impl Timeline {
     }
 
     /// Who hands over at the two ends of a free window: the last holder before it and the first one after.
-    pub fn neighbours(&self, r: ResourceId, gap: FreeWindow) -> (Option<Holder>, Option<Holder>) {
-        self.lines[r].neighbours(gap)
+    pub fn neighbours(&self, r: ResourceId, free: FreeWindow) -> (Option<Holder>, Option<Holder>) {
+        self.lines[r].neighbours(free)
     }
 
     /// How many holds stand on a resource, conflicts included.

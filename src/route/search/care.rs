@@ -1,5 +1,5 @@
-//! The search near people: closed times are no gaps, no move happens while an end of a lane is to be still, driving may
-//! be slower, and being there may cost.
+//! The search near people: closed times are no free windows, no move happens while an end of a lane is to be still,
+//! driving may be slower, and being there may cost.
 //!
 //! A place that will be closed by hand may still be the end of a route for a while ([`COME_OUT`]).
 //!
@@ -16,7 +16,7 @@ use crate::warehouse::Warehouse;
 use smallvec::{SmallVec, smallvec};
 
 /// The free windows of a node that end after `t`, without the time in which it is closed.
-pub(super) fn open_gaps(
+pub(super) fn open_windows(
     warehouse: &Warehouse,
     timeline: &Timeline,
     ask: &Ask<'_>,
@@ -29,18 +29,18 @@ pub(super) fn open_gaps(
         conditions.filter(|c| c.effect == Effect::Closed).map(|c| c.window).collect();
     closed.sort_unstable_by_key(|w| w.start());
     let mut open = SmallVec::new();
-    for gap in timeline.free_windows(warehouse.node_resource(node), t) {
-        let (mut start, mut part) = (gap.start, 0);
-        let index = |part: u32| gap.index | part << PARTS_AT;
-        for w in closed.iter().filter(|w| w.start() < gap.end && w.end() > gap.start) {
+    for free in timeline.free_windows(warehouse.node_resource(node), t) {
+        let (mut start, mut part) = (free.start, 0);
+        let index = |part: u32| free.index | part << PARTS_AT;
+        for w in closed.iter().filter(|w| w.start() < free.end && w.end() > free.start) {
             if w.start() > start && w.start() > t {
                 open.push(FreeWindow { start, end: w.start(), index: index(part) });
             }
             start = start.max(w.end());
             part += 1;
         }
-        if start < gap.end {
-            open.push(FreeWindow { start, end: gap.end, index: index(part) });
+        if start < free.end {
+            open.push(FreeWindow { start, end: free.end, index: index(part) });
         }
     }
     open
@@ -68,7 +68,7 @@ pub(super) fn brief_stays(warehouse: &Warehouse, pace: &Pace, timeline: &Timelin
     let by_hand = |c: &&Condition| c.effect == Effect::Closed && matches!(c.cause, Cause::Closure(_));
     let begins: SmallVec<[Time; 2]> = conditions.filter(by_hand).map(|c| c.window.start()).collect();
     let way_out = pace.fastest_out(last.goal, last.loaded) + pace.clearance();
-    let parts = open_gaps(warehouse, timeline, ask, last.goal, ask.ready).into_iter();
+    let parts = open_windows(warehouse, timeline, ask, last.goal, ask.ready).into_iter();
     let parts = parts.filter(|g| g.index & ((1 << PARTS_AT) - 1) == whole.index && begins.contains(&g.end));
     parts.map(|g| (g.index, (g.end - last.stay - way_out - COME_OUT).0)).collect()
 }
@@ -76,7 +76,7 @@ pub(super) fn brief_stays(warehouse: &Warehouse, pace: &Pace, timeline: &Timelin
 impl Search<'_> {
     /// Whether a robot may end here until a closure begins.
     pub(super) fn is_brief_stay(&self, label: &Label) -> bool {
-        self.brief.iter().any(|(part, latest)| *part == label.gap.index && label.lo <= *latest)
+        self.brief.iter().any(|(part, latest)| *part == label.free.index && label.lo <= *latest)
     }
 
     /// `Search::enter_gaps` where people are near either end of the lane.
@@ -89,23 +89,23 @@ impl Search<'_> {
         hop: &Hop,
     ) {
         let node = hop.way.to;
-        let latest = hop.depart.1.min(label.gap.end.0);
+        let latest = hop.depart.1.min(label.free.end.0);
         let from = Time(hop.depart.0 - hop.lead);
-        let gaps = open_gaps(self.warehouse, self.timeline, self.ask, node, from);
+        let windows = open_windows(self.warehouse, self.timeline, self.ask, node, from);
         let lane = self.warehouse.lane_resource(hop.way.lane);
         let lanes: SmallVec<[FreeWindow; 4]> = if hop.way.lane_is_free {
             smallvec![FREE]
         } else {
             self.timeline.free_windows(lane, from).collect()
         };
-        for gap in gaps.into_iter().filter(|g| g.start.0 <= latest) {
-            for &lane_gap in lanes.iter().filter(|g| g.start.0 <= latest) {
+        for free in windows.into_iter().filter(|g| g.start.0 <= latest) {
+            for &lane_free in lanes.iter().filter(|g| g.start.0 <= latest) {
                 for &(to, span) in &hop.ends {
-                    let begin = gap.start.max(lane_gap.start).0 + hop.lead;
+                    let begin = free.start.max(lane_free.start).0 + hop.lead;
                     let Some((care, price)) = self.careful(label, hop, (to, span), begin) else { continue };
                     let mut dear = *label;
                     dear.price += price.0;
-                    self.enter(labels, open, index, &dear, &care, node, gap, lane_gap);
+                    self.enter(labels, open, index, &dear, &care, node, free, lane_free);
                 }
             }
         }
