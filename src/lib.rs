@@ -220,11 +220,11 @@
 //! | a headset that is silent, a worker who is lost | `human/track.rs`; `aware/effects.rs` (the region grows) |
 //! | radii of regions | `aware/regions.rs` |
 //! | robots go slow or stop near a person | `fleet/yielding/speed_limit.rs` |
-//! | what people mean for the search (soft cost, no entry) | `aware/effects.rs`; how it obeys: `route/search/care.rs` |
+//! | what people mean for the search (soft cost, no entry) | `aware/effects.rs`; how it obeys: `route/search/constrained.rs` |
 //! | a robot yields: waits, goes round, leaves a path | `fleet/yielding/evade.rs`; noted: `fleet/state/yielding.rs` |
 //! | the published policies | `fleet/yielding/petkovic2021.rs` |
 //! | when a route is kept, and when changed | `aware/safe_space.rs` |
-//! | a closure reroutes robots | `fleet/traffic/closures.rs`, `fleet/state/closed_areas.rs`; `route/search/care.rs` |
+//! | a closure reroutes robots | `fleet/traffic/closures.rs`, `fleet/state/closed_areas.rs`; `route/search/constrained.rs` |
 //! | worker registration, worker's assignment | `fleet/requests/workers.rs`; `api/http/workers.rs`, `assignments.rs` |
 //! | where workers are led, what they are told | `fleet/people/routing.rs`, `fleet/people/guidance.rs` |
 //! | how a person's intent is inferred | `fleet/people/intent.rs`, `human/intention/`; stories: `experiment/stories/` |

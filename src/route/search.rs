@@ -9,9 +9,9 @@
 //! and a place may be reached again, sooner, after its label was expanded: nothing here takes an expanded label for
 //! the best one; the sooner one dominates it and is expanded, too. Refuses: any other objective.
 
-mod care;
+mod constrained;
 
-pub use care::COME_OUT;
+pub use constrained::COME_OUT;
 
 use super::estimate::{Estimates, Table, may_drive};
 use super::label::{Label, Labels, NONE, OWN_HEADING};
@@ -48,7 +48,7 @@ struct Search<'a> {
     tables: Vec<Arc<Table>>,
     goals: Vec<GoalWindows>,
     /// Windows of the last goal that only a closure ends: which, and the latest arrival.
-    brief: care::Brief,
+    brief: constrained::Brief,
     /// Lower bound from each goal to the next.
     between: Vec<i64>,
     /// See [`Pace::start_cost`] and [`Pace::lead`], without and with a rack.
@@ -57,11 +57,11 @@ struct Search<'a> {
     /// See [`super::Planner::weigh`].
     weight: f64,
     /// Whether half of the budget is spent.
-    hurried: bool,
+    anytime: bool,
 }
 
 /// By how much the way ahead outweighs the way behind once half of the budget is spent.
-const HASTE: i64 = 4;
+const ANYTIME: i64 = 4;
 
 /// When a goal can be reached: `[first, last]` arrivals, in order.
 struct GoalWindows(Vec<(i64, i64)>);
@@ -99,7 +99,7 @@ pub(super) fn plan(
     let between = bounds_between(estimates, ask.stages, &tables)?;
     let warehouse = estimates.warehouse().clone();
     let pace = estimates.pace().clone();
-    let brief = care::brief_stays(&warehouse, &pace, timeline, ask);
+    let brief = constrained::brief_stays(&warehouse, &pace, timeline, ask);
     let goals = goal_windows(&warehouse, &pace, timeline, ask, &brief)?;
     let start_cost = [false, true].map(|loaded| pace.start_cost(loaded).0);
     let lead = [false, true].map(|loaded| pace.lead(loaded).0);
@@ -116,7 +116,7 @@ pub(super) fn plan(
         start_cost,
         lead,
         weight,
-        hurried: false,
+        anytime: false,
     };
     let Scratch { labels, open } = scratch;
     labels.clear();
@@ -150,7 +150,7 @@ fn goal_windows(
     pace: &Pace,
     timeline: &Timeline,
     ask: &Ask<'_>,
-    brief: &care::Brief,
+    brief: &constrained::Brief,
 ) -> Result<Vec<GoalWindows>, NoRoute> {
     let last = ask.stages.len() - 1;
     let windows = |(i, stage): (usize, &Stage)| {
@@ -160,7 +160,7 @@ fn goal_windows(
             if before == stage.goal { Span::ZERO } else { pace.fastest_in(stage.goal, stage.loaded) },
             pace.fastest_out(stage.goal, loaded_after) + pace.clearance(),
         );
-        let windows = care::open_windows(warehouse, timeline, ask, stage.goal, ask.ready);
+        let windows = constrained::open_windows(warehouse, timeline, ask, stage.goal, ask.ready);
         let fits = windows.into_iter().filter_map(|g| match (i == last, g.end.is_forever()) {
             (true, false) => {
                 let latest = brief.iter().find(|(part, _)| *part == g.index).map(|(_, latest)| *latest);
@@ -213,7 +213,7 @@ impl Search<'_> {
                 return Err(NoRoute::BudgetSpent);
             }
             if expansions == self.ask.budget / 2 {
-                self.hurry(labels, open);
+                self.search_anytime(labels, open);
             }
             self.expand(labels, open, index, label);
         }
@@ -222,13 +222,13 @@ impl Search<'_> {
 
     /// Half of the budget is spent: from now on whatever is nearest to the goals goes first. A route found now
     /// may not be the earliest one, but a robot that drives is better than one that asks again.
-    fn hurry(&mut self, labels: &Labels, open: &mut Open) {
-        self.hurried = true;
+    fn search_anytime(&mut self, labels: &Labels, open: &mut Open) {
+        self.anytime = true;
         let labels = open
             .drain()
             .map(|Reverse((_, _, left, i))| (labels.get(i).lo + labels.get(i).price, left, i))
             .collect::<Vec<_>>();
-        open.extend(labels.into_iter().map(|(lo, left, i)| Reverse((lo + HASTE * left, 0, left, i))));
+        open.extend(labels.into_iter().map(|(lo, left, i)| Reverse((lo + ANYTIME * left, 0, left, i))));
     }
 
     fn finish_stage(&self, labels: &mut Labels, open: &mut Open, index: u32, label: Label, stay: Span) {
@@ -266,7 +266,7 @@ impl Search<'_> {
             let ends = ends.map(|to| (to, self.pace.drive(arc, stage.loaded, label.motion, to).0));
             let hop = Hop { arc, way, ends: ends.collect(), depart, lead };
             if conditions.is_touched(label.node) || conditions.is_touched(way.to) {
-                self.enter_with_care(labels, open, index, &label, &hop);
+                self.enter_constrained(labels, open, index, &label, &hop);
             } else {
                 self.enter_gaps(labels, open, index, &label, &hop);
             }
@@ -381,8 +381,8 @@ impl Search<'_> {
         let Some((first, last, left)) = self.bound(&label) else { return };
         if let Some(index) = labels.add(label, |a, b| self.dominates(a, b)) {
             let (first, last) = (first + label.price, last + label.price);
-            let key = match (self.hurried, self.weight > 0.0) {
-                (true, _) => (label.lo + label.price + HASTE * left, 0),
+            let key = match (self.anytime, self.weight > 0.0) {
+                (true, _) => (label.lo + label.price + ANYTIME * left, 0),
                 (false, true) => (self.weighted(&label, last), last),
                 (false, false) => (first, last),
             };

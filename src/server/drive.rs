@@ -160,7 +160,7 @@ impl Drive {
             self.resume();
             let Some(step) = self.step(now, inputs) else { return };
             self.note(self.clock.now() - looked, step.facts.len());
-            self.hurry((looked, called), step.urgent, step.guidance);
+            self.send_urgent((looked, called), step.urgent, step.guidance);
             self.tap.note(&step.facts);
             let after = self.journal.record(now, step.facts);
             self.outbox.put(after, step.commands, step.replies);
@@ -213,7 +213,7 @@ impl Drive {
 
     /// Lets stops, and what workers are told, go at once: what was decided with the poses that were there `looked`, of
     /// which one `called`.
-    fn hurry(
+    fn send_urgent(
         &mut self,
         (looked, called): (Time, Option<Time>),
         urgent: Vec<(RobotId, Command)>,

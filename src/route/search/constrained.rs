@@ -3,7 +3,7 @@
 //!
 //! A place that will be closed by hand may still be the end of a route for a while ([`COME_OUT`]).
 //!
-//! Main function: `Search::enter_with_care`. Refuses: to be entered where no condition holds; that would cost time.
+//! Main function: `Search::enter_constrained`. Refuses: to be entered where no condition holds; that would cost time.
 
 use super::{FREE, Hop, Label, Labels, Open, Search};
 use crate::id::NodeId;
@@ -80,7 +80,7 @@ impl Search<'_> {
     }
 
     /// `Search::enter_gaps` where people are near either end of the lane.
-    pub(super) fn enter_with_care(
+    pub(super) fn enter_constrained(
         &self,
         labels: &mut Labels,
         open: &mut Open,
@@ -102,10 +102,12 @@ impl Search<'_> {
             for &lane_free in lanes.iter().filter(|g| g.start.0 <= latest) {
                 for &(to, span) in &hop.ends {
                     let begin = free.start.max(lane_free.start).0 + hop.lead;
-                    let Some((care, price)) = self.careful(label, hop, (to, span), begin) else { continue };
+                    let Some((constraint, price)) = self.careful(label, hop, (to, span), begin) else {
+                        continue;
+                    };
                     let mut dear = *label;
                     dear.price += price.0;
-                    self.enter(labels, open, index, &dear, &care, node, free, lane_free);
+                    self.enter(labels, open, index, &dear, &constraint, node, free, lane_free);
                 }
             }
         }
@@ -126,8 +128,8 @@ impl Search<'_> {
         let still = ends.iter().flat_map(|n| self.binding(*n)).filter(|c| c.effect == Effect::Still);
         let (first, last) = still_until(still.map(|c| c.window), depart, span);
         let depart = (first.0, hop.depart.1.min(last.0));
-        let care = Hop { ends: smallvec![(to, span.0)], depart, ..hop.clone() };
-        (depart.0 <= depart.1).then(|| (care, self.price(hop.way.to, first + span)))
+        let constraint = Hop { ends: smallvec![(to, span.0)], depart, ..hop.clone() };
+        (depart.0 <= depart.1).then(|| (constraint, self.price(hop.way.to, first + span)))
     }
 
     fn binding(&self, node: NodeId) -> impl Iterator<Item = &Condition> + Clone {
