@@ -192,7 +192,7 @@ impl Metrics {
     }
 
     fn look_at_forecasts(&self, moment: &Moment) {
-        for f in &moment.view.foresight {
+        for f in &moment.view.forecast_coverage {
             let label = HorizonLabel { seconds: format!("{:.1}", f.horizon_s) };
             self.forecasts.get_or_create(&label).set(f.forecasts.cast_signed());
             self.forecast_covered.get_or_create(&label).set(f.covered);

@@ -14,16 +14,16 @@ use crate::time::{Span, Time, Window};
 use crate::warehouse::Warehouse;
 use std::collections::BTreeMap;
 
-/// Probability from which a place is closed instead of dear.
+/// Probability from which a place is closed instead of having a soft cost.
 const SURE: f64 = 0.5;
 /// Probability below which a place is neither.
 const NEGLIGIBLE: f64 = 0.05;
 /// What being surely in somebody's way costs, seconds.
 const IN_THE_WAY_S: f64 = 8.0;
-/// How far ahead a place is closed, and how far it is dear.
+/// How far ahead a place is closed, and how far it has a soft cost.
 const HARD: Span = Span::from_secs(6);
 const SOFT: Span = Span::from_secs(15);
-/// Without forecasts: what a walker reaches within the first is closed, within the second dear; seconds.
+/// Without forecasts: what a walker reaches within the first is closed, within the second has a soft cost; seconds.
 const HARD_REACH_S: f64 = 2.0;
 const SOFT_REACH_S: f64 = 5.0;
 /// Conditions around a worker who walks hold this long …
@@ -57,11 +57,11 @@ impl Effects<'_> {
     pub fn presence(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts, stood: Span) {
         let cause = Cause::Worker(worker);
         let window = Window::new(self.now, self.now + stood.clamp(NOW, STOOD));
-        let still = self.regions.still_radius_m(true, w.sigma_m) + w.reach_m;
+        let keep_out = self.regions.keep_out_radius_m(true, w.sigma_m) + w.reach_m;
         let slow = self.regions.slow_radius_m(true, w.sigma_m) + w.reach_m;
         for (node, distance) in self.afoot.nodes_within(self.warehouse, w.at, slow) {
-            let effect = if distance <= still {
-                Effect::Still
+            let effect = if distance <= keep_out {
+                Effect::NoEntryOrExit
             } else {
                 Effect::Slow(self.regions.limits_mps(distance - w.reach_m, w.sigma_m))
             };
@@ -87,7 +87,7 @@ impl Effects<'_> {
         for (node, (probability, _, window)) in found {
             let effect = match probability {
                 p if p >= SURE && window.start() <= self.now + HARD => Effect::Closed,
-                p if p >= NEGLIGIBLE => Effect::Price(Span::from_secs_f64(IN_THE_WAY_S * p.min(1.0))),
+                p if p >= NEGLIGIBLE => Effect::SoftCost(Span::from_secs_f64(IN_THE_WAY_S * p.min(1.0))),
                 _ => continue,
             };
             conditions.add(node, Condition { window, effect, cause });
@@ -102,7 +102,7 @@ impl Effects<'_> {
             let effect = if distance <= WALK_MPS * HARD_REACH_S {
                 Effect::Closed
             } else {
-                Effect::Price(Span::from_secs_f64(IN_THE_WAY_S))
+                Effect::SoftCost(Span::from_secs_f64(IN_THE_WAY_S))
             };
             conditions.add(node, Condition { window, effect, cause });
         }
@@ -112,14 +112,14 @@ impl Effects<'_> {
     /// 4.3.3).
     pub fn plan(&self, conditions: &mut Conditions, worker: WorkerId, path: &Hypothesis, band: Band) {
         let cause = Cause::Worker(worker);
-        let still = self.regions.still_radius_m(true, 0.0);
+        let keep_out = self.regions.keep_out_radius_m(true, 0.0);
         let slow = self.regions.slow_radius_m(true, 0.0);
         passages(0, path, band, self.now, Span::from_secs(120), |p| {
             for node in self.warehouse.nodes_within(p.at, slow) {
                 let distance = (self.warehouse.nodes[node].at - p.at).norm();
                 let effect = match distance {
                     d if d <= self.beside_m() => Effect::Closed,
-                    d if d <= still => Effect::Still,
+                    d if d <= keep_out => Effect::NoEntryOrExit,
                     d => Effect::Slow(self.regions.limits_mps(d, 0.0)),
                 };
                 conditions.add(node, Condition { window: p.window, effect, cause });
@@ -183,13 +183,13 @@ mod tests {
         let node = warehouse.nodes.ids().next().unwrap();
         let at = warehouse.nodes[node].at;
         effects.presence(&mut conditions, WorkerId(0), &standing(at), Span::ZERO);
-        assert!(matches!(conditions.of(node)[0].effect, Effect::Still));
-        let still = regions.still_radius_m(true, 0.02);
-        let near: Vec<_> = afoot.nodes_within(&warehouse, at, still);
+        assert!(matches!(conditions.of(node)[0].effect, Effect::NoEntryOrExit));
+        let keep_out = regions.keep_out_radius_m(true, 0.02);
+        let near: Vec<_> = afoot.nodes_within(&warehouse, at, keep_out);
         assert!(near.len() > 4);
         for n in warehouse.nodes.ids() {
-            let is_still = conditions.of(n).iter().any(|c| c.effect == Effect::Still);
-            assert_eq!(is_still, near.iter().any(|(m, _)| *m == n), "{n:?}");
+            let no_entry = conditions.of(n).iter().any(|c| c.effect == Effect::NoEntryOrExit);
+            assert_eq!(no_entry, near.iter().any(|(m, _)| *m == n), "{n:?}");
         }
     }
 
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn without_forecasts_all_that_can_be_reached_is_closed_or_dear() {
+    fn without_forecasts_all_that_can_be_reached_is_closed_or_has_a_soft_cost() {
         let (warehouse, regions, afoot) = hall();
         let effects = Effects { warehouse: &warehouse, regions: &regions, afoot: &afoot, now: Time::ZERO };
         let node = warehouse.nodes.ids().next().unwrap();
@@ -231,7 +231,7 @@ mod tests {
             let found = conditions.of(n).first().map(|c| c.effect);
             match distance {
                 d if d <= 3.2 => assert_eq!(found, Some(Effect::Closed), "{n:?}"),
-                d if d <= 8.0 => assert!(matches!(found, Some(Effect::Price(_))), "{n:?}"),
+                d if d <= 8.0 => assert!(matches!(found, Some(Effect::SoftCost(_))), "{n:?}"),
                 _ => assert_eq!(found, None, "{n:?}"),
             }
         }

@@ -67,7 +67,7 @@ impl Regions {
     }
 
     /// Region 2: no robot comes or goes.
-    pub fn still_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
+    pub fn keep_out_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
         self.bodies_m() + self.separation_m(SLOW_MPS, loaded, sigma_m)
     }
 
@@ -130,7 +130,7 @@ mod tests {
             let r = Regions::new(Kinematics::default(), 0.9, 0.1);
             let (one, two, three) = (
                 r.stop_radius_m(loaded, 0.02),
-                r.still_radius_m(loaded, 0.02),
+                r.keep_out_radius_m(loaded, 0.02),
                 r.slow_radius_m(loaded, 0.02),
             );
             assert!(one < two && two < three, "{one} {two} {three}");

@@ -229,7 +229,7 @@ impl Run<'_> {
             stages: &stages,
             budget: self.setup.budget,
             conditions: &NO_PEOPLE,
-            away: &[],
+            exemptions: &[],
         };
         let planner = &mut self.planner;
         let found = self.timeline.without(&[robot.holder], |others| planner.plan(&ask, others));

@@ -193,7 +193,7 @@ impl Crowd {
             stages,
             budget: self.budget,
             conditions: &NO_PEOPLE,
-            away: &[],
+            exemptions: &[],
         };
         let planner = &mut self.planner;
         self.timeline.without(&[holder], |others| planner.plan(&ask, others))

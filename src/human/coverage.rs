@@ -73,7 +73,7 @@ impl Default for Coverage {
 
 impl Coverage {
     /// How all horizons do.
-    pub fn foresight(&self) -> &[Foresight; 3] {
+    pub fn forecast_coverage(&self) -> &[Foresight; 3] {
         &self.horizons
     }
 
@@ -178,7 +178,7 @@ mod tests {
     fn regions_grow_until_they_hold_what_they_say() {
         let mut coverage = Coverage::default();
         live(&mut coverage, 0, 3000, like(0.6));
-        for f in coverage.foresight() {
+        for f in coverage.forecast_coverage() {
             assert!((f.scale - 2.0).abs() < 0.4, "{f:?}");
             assert!((0.92..0.98).contains(&f.covered) && f.trusted, "{f:?}");
         }
@@ -190,7 +190,7 @@ mod tests {
         live(&mut coverage, 0, 400, |_| 5.0);
         assert!(!coverage.is_trusted());
         live(&mut coverage, 400, 3000, like(0.3));
-        assert!(coverage.is_trusted(), "{:?}", coverage.foresight());
+        assert!(coverage.is_trusted(), "{:?}", coverage.forecast_coverage());
     }
 
     #[test]
@@ -200,10 +200,10 @@ mod tests {
             || Mixture { parts: vec![Part { weight: 1.0, mean: Point::origin(), cov: Matrix2::identity() }] };
         coverage.expect(W, Time::ZERO, Time::ZERO, [sure(), sure(), sure()]);
         coverage.judge(W, Time(20_000_000), Point::new(99.0, 0.0));
-        assert!(coverage.foresight().iter().all(|f| f.forecasts == 0));
+        assert!(coverage.forecast_coverage().iter().all(|f| f.forecasts == 0));
         coverage.expect(W, Time(30_000_000), Time(30_000_000), [sure(), sure(), sure()]);
         coverage.forget(W);
         coverage.judge(W, Time(30_800_000), Point::new(99.0, 0.0));
-        assert!(coverage.foresight().iter().all(|f| f.forecasts == 0));
+        assert!(coverage.forecast_coverage().iter().all(|f| f.forecasts == 0));
     }
 }

@@ -1,4 +1,5 @@
-//! What people mean for the search: nodes that are closed, kept still, slow or dear for a while.
+//! What people mean for the search: nodes that are closed, without entry or exit, slow, or with a soft cost for a
+//! while.
 //!
 //! Main types: [`Conditions`], [`Condition`], [`Effect`]. This is the only way in which people enter planning.
 //! Refuses: to know why a condition holds, beyond whose it is.
@@ -27,9 +28,9 @@ pub enum Effect {
     /// No robot may be there.
     Closed,
     /// No robot may come or go; who stands there stays.
-    Still,
+    NoEntryOrExit,
     /// Being there is as bad as being this much later.
-    Price(Span),
+    SoftCost(Span),
     /// Robots drive no faster than this, without and with a rack, metres per second.
     Slow([f64; 2]),
 }
@@ -48,7 +49,7 @@ pub struct Condition {
 /// A robot that is too near to a worker already: it may go wherever it does not come nearer. Or one that is in a closed
 /// area already: it may go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Away {
+pub struct Exemption {
     /// From whom, or from where.
     pub from: Cause,
     /// Where the worker is.
@@ -189,17 +190,17 @@ impl Conditions {
         &'a self,
         node: NodeId,
         at: Point,
-        away: &'a [Away],
+        exemptions: &'a [Exemption],
     ) -> impl Iterator<Item = &'a Condition> + Clone {
-        self.of(node).iter().filter(move |c| !away.iter().any(|a| a.excuses(c, at)))
+        self.of(node).iter().filter(move |c| !exemptions.iter().any(|a| a.excuses(c, at)))
     }
 }
 
-impl Away {
+impl Exemption {
     /// Whether a condition on a place does not bind who goes away.
     fn excuses(&self, condition: &Condition, at: Point) -> bool {
         let from_me = condition.cause == self.from;
-        let hard = matches!(condition.effect, Effect::Closed | Effect::Still);
+        let hard = matches!(condition.effect, Effect::Closed | Effect::NoEntryOrExit);
         let farther = || (at - self.at).norm() >= self.distance_m - NEARER_M;
         from_me && hard && (matches!(self.from, Cause::Closure(_)) || farther())
     }
@@ -207,7 +208,7 @@ impl Away {
 
 /// The earliest `t` from `from` on at which a move of `span` meets none of the windows, and until when it may
 /// be put off then.
-pub(super) fn still_until(
+pub(super) fn no_entry_until(
     windows: impl Iterator<Item = Window> + Clone,
     mut from: Time,
     span: Span,
@@ -235,9 +236,9 @@ mod tests {
     #[test]
     fn a_move_waits_for_the_end_of_every_window_that_it_would_meet() {
         let windows = [window(10, 20), window(22, 30), window(100, 110)];
-        assert_eq!(still_until(windows.iter().copied(), Time(0), Span(5)), (Time(0), Time(5)));
-        assert_eq!(still_until(windows.iter().copied(), Time(6), Span(5)), (Time(30), Time(95)));
-        assert_eq!(still_until(windows.iter().copied(), Time(105), Span(5)), (Time(110), Time::MAX));
+        assert_eq!(no_entry_until(windows.iter().copied(), Time(0), Span(5)), (Time(0), Time(5)));
+        assert_eq!(no_entry_until(windows.iter().copied(), Time(6), Span(5)), (Time(30), Time(95)));
+        assert_eq!(no_entry_until(windows.iter().copied(), Time(105), Span(5)), (Time(110), Time::MAX));
     }
 
     #[test]
@@ -267,11 +268,11 @@ mod tests {
     fn who_goes_away_is_bound_only_where_it_would_come_nearer() {
         let at = |x: f64| Point::new(x, 0.0);
         let cause = Cause::Worker(WorkerId(3));
-        let away = Away { from: cause, at: at(0.0), distance_m: 2.0 };
+        let exemption = Exemption { from: cause, at: at(0.0), distance_m: 2.0 };
         let closed = Condition { window: window(0, 9), effect: Effect::Closed, cause };
-        assert!(away.excuses(&closed, at(2.0)) && away.excuses(&closed, at(5.0)));
-        assert!(!away.excuses(&closed, at(1.0)));
+        assert!(exemption.excuses(&closed, at(2.0)) && exemption.excuses(&closed, at(5.0)));
+        assert!(!exemption.excuses(&closed, at(1.0)));
         let other = Condition { cause: Cause::Worker(WorkerId(4)), ..closed };
-        assert!(!away.excuses(&other, at(5.0)));
+        assert!(!exemption.excuses(&other, at(5.0)));
     }
 }

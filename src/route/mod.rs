@@ -16,7 +16,7 @@ pub mod motion;
 mod search;
 mod trace;
 
-pub use conditions::{Away, Cause, Condition, Conditions, Effect, NO_PEOPLE};
+pub use conditions::{Cause, Condition, Conditions, Effect, Exemption, NO_PEOPLE};
 pub use estimate::{Estimates, Table};
 pub use motion::{Kinematics, MotionState, Pace, Rules};
 pub use search::COME_OUT;
@@ -55,7 +55,7 @@ pub struct Ask<'a> {
     /// What people mean for it.
     pub conditions: &'a Conditions,
     /// Workers from whom the robot goes away, being too near already, and closed areas that it is in.
-    pub away: &'a [Away],
+    pub exemptions: &'a [Exemption],
 }
 
 /// A route: what to hold, in order.

@@ -58,7 +58,15 @@ fn strangers(warehouse: &Arc<Warehouse>, holds: &[(u32, i64, i64)], unit: i64) -
 }
 
 fn ask<'a>(from: &'a Visit, stages: &'a [Stage]) -> Ask<'a> {
-    Ask { from, heading: 0.0, ready: Time(0), stages, budget: 1_000_000, conditions: &NO_PEOPLE, away: &[] }
+    Ask {
+        from,
+        heading: 0.0,
+        ready: Time(0),
+        stages,
+        budget: 1_000_000,
+        conditions: &NO_PEOPLE,
+        exemptions: &[],
+    }
 }
 
 fn to(goal: u32) -> Stage {

@@ -180,10 +180,10 @@ fn condition(names: Names, c: &Condition, at: Time) -> ConditionDto {
     };
     let (effect, limit_mps, price_s) = match c.effect {
         Effect::Closed => ("closed", None, None),
-        Effect::Still => ("still", None, None),
+        Effect::NoEntryOrExit => ("still", None, None),
         // A limit that is none has no number in JSON.
         Effect::Slow(l) => ("slow", Some(l.map(round3)), None),
-        Effect::Price(p) => ("price", None, Some(round3(p.as_secs_f64()))),
+        Effect::SoftCost(p) => ("price", None, Some(round3(p.as_secs_f64()))),
     };
     let (from_s, to_s) = seconds(c.window, at);
     ConditionDto { by, kind, from_s, to_s, effect, limit_mps, price_s }

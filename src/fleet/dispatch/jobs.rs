@@ -23,7 +23,7 @@ use std::collections::BTreeSet;
 const JOBS: usize = 128;
 const ROBOTS: usize = 64;
 /// What it costs that the station has as many racks under way as places, per rack beyond.
-const CROWD_MS: i64 = 8_000;
+const CONGESTION_MS: i64 = 8_000;
 /// A rack that waits longer than this for a place at its station has waited for long.
 const LONG: Span = Span::from_secs(60);
 
@@ -101,8 +101,8 @@ fn assign_racks(core: &mut Core, needs: &Needs, robots: Vec<RobotId>, now: Time)
     }
     let (few, mut left) = nearest(core.floor().ways(&robots, &jobs));
     let under_way = core.floor().under_way();
-    let crowd = |id: &JobId| core.floor().crowd(*id, &under_way);
-    let worth: Vec<i64> = jobs.iter().map(|(id, _, _, urgency_ms)| crowd(id) - urgency_ms).collect();
+    let congestion = |id: &JobId| core.floor().congestion(*id, &under_way);
+    let worth: Vec<i64> = jobs.iter().map(|(id, _, _, urgency_ms)| congestion(id) - urgency_ms).collect();
     let cost: Vec<Vec<i64>> = (few.iter())
         .map(|(_, ways)| {
             let known = ways.iter().zip(&worth).map(|(way, w)| way.map_or(NEVER, |way| way + w));
@@ -227,10 +227,10 @@ impl Floor<'_> {
     }
 
     /// What it costs that many racks are on their way to the job's station already.
-    fn crowd(&self, job: JobId, under_way: &IdVec<StationId, usize>) -> i64 {
+    fn congestion(&self, job: JobId, under_way: &IdVec<StationId, usize>) -> i64 {
         let JobKind::Deliver { station, .. } = self.ledger.jobs[&job].request.kind else { return 0 };
         let places = self.warehouse().stations[station].queue.len() + 1;
-        CROWD_MS * (under_way[station].saturating_sub(places / 2)) as i64
+        CONGESTION_MS * (under_way[station].saturating_sub(places / 2)) as i64
     }
 }
 

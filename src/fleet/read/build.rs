@@ -31,7 +31,7 @@ impl Fleet {
         let charger_is_free = self.floor().a_charger_is_free();
         let idle = self.floor().idle_robots(now).into_iter();
         let free = idle.filter(|r| self.floor().is_charged(*r, charger_is_free)).count();
-        let foresight = self.people.coverage.foresight().to_vec();
+        let forecast_coverage = self.people.coverage.forecast_coverage().to_vec();
         let (blocked, stopped) = (self.floor().blocked(), self.core.ledger.stopped);
         let full = stations_with_enough(self.floor(), &self.traffic.needs, now);
         let paused_stations = self.core.ledger.paused_stations.clone();
@@ -50,7 +50,7 @@ impl Fleet {
             closing,
             stopped,
             counts,
-            foresight,
+            forecast_coverage,
         }
     }
 
@@ -191,7 +191,7 @@ impl Fleet {
             accuracy_m: place.map_or(0.0, |w| w.sigma_m + w.reach_m),
             regions_m: [
                 regions.stop_radius_m(false, sigma),
-                regions.still_radius_m(false, sigma),
+                regions.keep_out_radius_m(false, sigma),
                 regions.slow_radius_m(false, sigma),
             ],
             guidance,

@@ -47,7 +47,7 @@ pub struct View {
     /// Sums.
     pub counts: Counts,
     /// Whether forecasts of people hold, by horizon.
-    pub foresight: Vec<Foresight>,
+    pub forecast_coverage: Vec<Foresight>,
 }
 
 /// One robot.

@@ -39,7 +39,7 @@ fn plan(planner: &mut Planner, ways: &[(NodeId, NodeId)], order: &[usize]) -> Op
             stages: &[stage],
             budget: 100_000,
             conditions: &NO_PEOPLE,
-            away: &[],
+            exemptions: &[],
         };
         let route = planner.plan(&ask, &others).ok()?;
         let visits = std::iter::once(route.kept).chain(route.visits).collect();

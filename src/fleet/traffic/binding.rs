@@ -7,7 +7,7 @@ use crate::aware::Zone;
 use crate::fleet::state::floor::Floor;
 use crate::geometry::Point;
 use crate::id::{NodeId, RobotId};
-use crate::route::{Away, Cause, Condition, Effect};
+use crate::route::{Cause, Condition, Effect, Exemption};
 use crate::time::{Span, Time, Window};
 use crate::timeline::Visit;
 use smallvec::SmallVec;
@@ -22,28 +22,28 @@ pub(in crate::fleet) const STOPPING: Span = Span::from_secs(8);
 impl Floor<'_> {
     /// Workers to whom a robot is too near already: it may go wherever it does not come nearer. Closed areas that it
     /// is in: it may go on, since nobody would be helped if it stood there.
-    pub(in crate::fleet) fn away(&self, robot: RobotId, now: Time) -> SmallVec<[Away; 2]> {
+    pub(in crate::fleet) fn exemptions(&self, robot: RobotId, now: Time) -> SmallVec<[Exemption; 2]> {
         let chain = self.ledger.chain(robot);
         let node = chain.get(chain.granted() - 1).expect("what is granted is held").node;
-        let mut away: SmallVec<[Away; 2]> = SmallVec::new();
+        let mut exemptions: SmallVec<[Exemption; 2]> = SmallVec::new();
         for c in self.restrictions.conditions.of(node) {
-            let binds = matches!(c.effect, Effect::Still | Effect::Closed) && c.window.contains(now);
-            if !binds || away.iter().any(|a| a.from == c.cause) {
+            let binds = matches!(c.effect, Effect::NoEntryOrExit | Effect::Closed) && c.window.contains(now);
+            if !binds || exemptions.iter().any(|a| a.from == c.cause) {
                 continue;
             }
-            away.extend(self.away_from(node, c.cause));
+            exemptions.extend(self.exemption_from(node, c.cause));
         }
-        away
+        exemptions
     }
 
     /// Leave to go from a node wherever it is not nearer to what is to be left.
-    pub(in crate::fleet) fn away_from(&self, node: NodeId, from: Cause) -> Option<Away> {
+    pub(in crate::fleet) fn exemption_from(&self, node: NodeId, from: Cause) -> Option<Exemption> {
         let at = match from {
             Cause::Worker(worker) => self.restrictions.whereabouts(worker)?.at,
             Cause::Closure(_) => self.at(node),
             Cause::Robot(robot) => self.place_of(robot),
         };
-        Some(Away { from, at, distance_m: (self.at(node) - at).norm() })
+        Some(Exemption { from, at, distance_m: (self.at(node) - at).norm() })
     }
 
     /// The condition that keeps a visit from being granted, if one does.
@@ -52,30 +52,30 @@ impl Floor<'_> {
         if conditions.of(visit.node).is_empty() {
             return None;
         }
-        let away = self.away(robot, now);
+        let exemptions = self.exemptions(robot, now);
         let long = if visit.leave.is_forever() { STOPPING } else { visit.leave - visit.enter };
         let there = Window::new(now, now + long.max(PASSING).min(STOPPING));
         let soon = Window::new(now, now + PASSING);
         let binds = |c: &&Condition| match c.effect {
             Effect::Closed => c.window.overlaps(there),
-            Effect::Still => c.window.overlaps(soon),
-            Effect::Price(_) | Effect::Slow(_) => false,
+            Effect::NoEntryOrExit => c.window.overlaps(soon),
+            Effect::SoftCost(_) | Effect::Slow(_) => false,
         };
-        conditions.binding(visit.node, self.at(visit.node), &away).find(binds).copied()
+        conditions.binding(visit.node, self.at(visit.node), &exemptions).find(binds).copied()
     }
 
     /// Where the holds ahead of a robot meet the windows of somebody.
     pub(in crate::fleet) fn meetings(&self, robot: RobotId, now: Time) -> SmallVec<[(Cause, Zone); 4]> {
         let chain = self.ledger.chain(robot);
-        let away = self.away(robot, now);
+        let exemptions = self.exemptions(robot, now);
         let ahead = (chain.granted()..chain.end()).filter_map(|s| chain.get(s));
         let mut found = SmallVec::new();
         for visit in ahead.take_while(|v| v.enter <= now + AHEAD) {
             let enter = visit.enter.max(now);
             let stay = if visit.leave.is_forever() { STOPPING } else { visit.leave - visit.enter };
             let own = Window::new(enter, enter + stay.max(PASSING).min(STOPPING));
-            let binding = self.restrictions.conditions.binding(visit.node, self.at(visit.node), &away);
-            let hard = |c: &&Condition| matches!(c.effect, Effect::Closed | Effect::Still);
+            let binding = self.restrictions.conditions.binding(visit.node, self.at(visit.node), &exemptions);
+            let hard = |c: &&Condition| matches!(c.effect, Effect::Closed | Effect::NoEntryOrExit);
             let zones = binding.filter(hard).map(|c| (c.cause, Zone { robot: own, worker: c.window }));
             let last = zones.filter(|(_, z)| z.meets()).max_by_key(|(_, z)| z.worker.end());
             found.extend(last);

@@ -43,7 +43,7 @@ pub(in crate::fleet) fn note_closing(core: &mut Core, now: Time) {
         return;
     }
     let (areas, conditions) = (&core.restrictions.areas, &core.restrictions.conditions);
-    let shuts = |c: &&Condition| c.effect == Effect::Still && c.window.end() > now + STANDS;
+    let shuts = |c: &&Condition| c.effect == Effect::NoEntryOrExit && c.window.end() > now + STANDS;
     let begins = |n: NodeId| conditions.of(n).iter().filter(shuts).map(|c| c.window.start()).min();
     let shut = |n: NodeId| Some((n, begins(n)?.min(areas.begins_here(n).unwrap_or(Time::MAX))));
     let closing: BTreeMap<NodeId, Time> = conditions.passing().filter_map(shut).collect();
@@ -125,13 +125,13 @@ impl Floor<'_> {
         if ahead.peek().is_none() {
             return false;
         }
-        let away = self.away(robot, now);
+        let exemptions = self.exemptions(robot, now);
         ahead.any(|v| {
             // Who stays for ever at the end of a route goes on with something else, but needs time to come out.
             let enter = v.enter.max(now);
             let leave = if v.leave.is_forever() { v.arrive.max(now) + COME_OUT } else { v.leave };
             let robot = Window::new(enter, leave.max(enter + Span(1)));
-            let binding = conditions.binding(v.node, self.warehouse().nodes[v.node].at, &away);
+            let binding = conditions.binding(v.node, self.warehouse().nodes[v.node].at, &exemptions);
             binding
                 .filter(|c| {
                     c.effect == Effect::Closed && matches!(c.cause, Cause::Closure(_) | Cause::Robot(_))

@@ -7,7 +7,7 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::traffic::state::Traffic;
 use crate::id::{NodeId, RobotId};
-use crate::route::{Ask, Away, Route, Stage};
+use crate::route::{Ask, Exemption, Route, Stage};
 use crate::time::Time;
 use crate::timeline::{Holder, Timeline};
 use smallvec::SmallVec;
@@ -107,8 +107,8 @@ impl Traffic {
             let goal = core.floor().any_stay(robot)?;
             stages = SmallVec::from_elem(crate::fleet::traffic::stages::stay_at(goal), 1);
         }
-        let away = core.floor().away(robot, now);
-        self.search_stages_on(core, timeline, robot, &stages, &away, now)
+        let exemptions = core.floor().exemptions(robot, now);
+        self.search_stages_on(core, timeline, robot, &stages, &exemptions, now)
     }
 
     /// A way to a place aside first, then on with the task, on some other timeline likewise.
@@ -117,11 +117,11 @@ impl Traffic {
         core: &mut Core,
         timeline: &Timeline,
         robot: RobotId,
-        (place, away): (NodeId, &[Away]),
+        (place, exemptions): (NodeId, &[Exemption]),
         now: Time,
     ) -> Option<Route> {
         let stages = core.floor().stages_aside(robot, place);
-        let route = self.search_stages_on(core, timeline, robot, &stages, away, now)?;
+        let route = self.search_stages_on(core, timeline, robot, &stages, exemptions, now)?;
         Some(core.floor().with_own_stops(robot, route))
     }
 
@@ -131,13 +131,13 @@ impl Traffic {
         timeline: &Timeline,
         robot: RobotId,
         stages: &[Stage],
-        away: &[Away],
+        exemptions: &[Exemption],
         now: Time,
     ) -> Option<Route> {
         let (from, heading) = core.floor().grant_end(robot);
         let ready = now.max(from.arrive) + core.settings.period;
         let (budget, conditions) = (core.settings.expansions_per_plan, &core.restrictions.conditions);
-        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away };
+        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, exemptions };
         self.tally.plans += 1;
         let kind = core.settings.kind(&core.ledger.robots[robot].kind);
         self.planners.of_mut(kind).plan(&ask, timeline).ok()

@@ -137,9 +137,9 @@ impl Traffic {
         let holder = Holder::Robot(robot);
         let (from, heading) = core.floor().grant_end(robot);
         let ready = now.max(from.arrive) + core.settings.period;
-        let (budget, away) = (core.settings.expansions_per_plan, core.floor().away(robot, now));
+        let (budget, exemptions) = (core.settings.expansions_per_plan, core.floor().exemptions(robot, now));
         let conditions = &core.restrictions.conditions;
-        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, away: &away };
+        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, exemptions: &exemptions };
         let kind = core.settings.kind(&core.ledger.robots[robot].kind);
         let planner = self.planners.of_mut(kind);
         let start = (core.settings.stopwatch)();

@@ -210,7 +210,7 @@ impl Floor<'_> {
         while i < seen.len() && i < PLACES {
             let node = seen[i];
             i += 1;
-            let hard = |c: &Condition| matches!(c.effect, Effect::Closed | Effect::Still);
+            let hard = |c: &Condition| matches!(c.effect, Effect::Closed | Effect::NoEntryOrExit);
             if node != start && !floor.restrictions.conditions.of(node).iter().any(hard) {
                 found.push(node);
                 continue;

@@ -217,13 +217,13 @@ fn evasions(
     let mut routes = Vec::new();
     for &robot in robots {
         // Where it stands is where nobody may be: any way off that comes no nearer is better.
-        let mut away = core.floor().away(robot, now);
-        if away.iter().all(|a| a.from != Cause::Worker(worker)) {
-            away.extend(core.floor().away_from(core.ledger.node_of(robot), Cause::Worker(worker)));
+        let mut exemptions = core.floor().exemptions(robot, now);
+        if exemptions.iter().all(|a| a.from != Cause::Worker(worker)) {
+            exemptions.extend(core.floor().exemption_from(core.ledger.node_of(robot), Cause::Worker(worker)));
         }
         let mut places = core.floor().places_out_of_the_way(robot, worker).into_iter().take(TRIES);
         let route = places.find_map(|place| {
-            let route = traffic.way_aside(core, &scratch, robot, (place, &away), now)?;
+            let route = traffic.way_aside(core, &scratch, robot, (place, &exemptions), now)?;
             core.floor().leaves_in_time(&route, place, worker).then_some(route)
         })?;
         let visits = std::iter::once(&route.kept).chain(&route.visits).cloned().collect();

@@ -216,11 +216,11 @@ impl SpeedLimits<'_> {
         let conditions = nodes.flat_map(|n| self.floor.restrictions.conditions.of(n));
         let limits = conditions.filter(|c| c.cause == Cause::Worker(worker)).filter_map(|c| match c.effect {
             Effect::Slow(l) => Some(l[usize::from(loaded)]).filter(|l| l.is_finite()),
-            Effect::Still if self.floor.settings.policy == HumanAwarePolicy::Giveway => {
+            Effect::NoEntryOrExit if self.floor.settings.policy == HumanAwarePolicy::Giveway => {
                 Some(if self.may_finish(robot, w, loaded) { SLOW_MPS } else { 0.0 })
             }
-            Effect::Still | Effect::Closed => Some(SLOW_MPS),
-            Effect::Price(_) => None,
+            Effect::NoEntryOrExit | Effect::Closed => Some(SLOW_MPS),
+            Effect::SoftCost(_) => None,
         });
         limits.min_by(f64::total_cmp)
     }

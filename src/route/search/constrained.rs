@@ -1,5 +1,5 @@
-//! The search near people: closed times are no free windows, no move happens while an end of a lane is to be still,
-//! driving may be slower, and being there may cost.
+//! The search near people: closed times are no free windows, no move happens while an end of a lane may not be entered
+//! or left, driving may be slower, and being there may cost.
 //!
 //! A place that will be closed by hand may still be the end of a route for a while ([`COME_OUT`]).
 //!
@@ -8,7 +8,7 @@
 use super::{FREE, Hop, Label, Labels, Open, Search};
 use crate::id::NodeId;
 use crate::route::Ask;
-use crate::route::conditions::{Cause, Condition, Effect, still_until};
+use crate::route::conditions::{Cause, Condition, Effect, no_entry_until};
 use crate::route::motion::{MotionState, Pace, drive_span};
 use crate::time::{Span, Time, Window};
 use crate::timeline::{FreeWindow, Timeline};
@@ -24,7 +24,7 @@ pub(super) fn open_windows(
     t: Time,
 ) -> SmallVec<[FreeWindow; 4]> {
     let at = warehouse.nodes[node].at;
-    let conditions = ask.conditions.binding(node, at, ask.away);
+    let conditions = ask.conditions.binding(node, at, ask.exemptions);
     let mut closed: SmallVec<[Window; 4]> =
         conditions.filter(|c| c.effect == Effect::Closed).map(|c| c.window).collect();
     closed.sort_unstable_by_key(|w| w.start());
@@ -64,7 +64,7 @@ pub(super) fn brief_stays(warehouse: &Warehouse, pace: &Pace, timeline: &Timelin
     }
     let whole = timeline.free_windows(warehouse.node_resource(last.goal), ask.ready).last();
     let Some(whole) = whole.filter(|g| g.end.is_forever()) else { return Brief::new() };
-    let conditions = ask.conditions.binding(last.goal, warehouse.nodes[last.goal].at, ask.away);
+    let conditions = ask.conditions.binding(last.goal, warehouse.nodes[last.goal].at, ask.exemptions);
     let by_hand = |c: &&Condition| c.effect == Effect::Closed && matches!(c.cause, Cause::Closure(_));
     let begins: SmallVec<[Time; 2]> = conditions.filter(by_hand).map(|c| c.window.start()).collect();
     let way_out = pace.fastest_out(last.goal, last.loaded) + pace.clearance();
@@ -105,9 +105,9 @@ impl Search<'_> {
                     let Some((constraint, price)) = self.careful(label, hop, (to, span), begin) else {
                         continue;
                     };
-                    let mut dear = *label;
-                    dear.price += price.0;
-                    self.enter(labels, open, index, &dear, &constraint, node, free, lane_free);
+                    let mut costly = *label;
+                    costly.price += price.0;
+                    self.enter(labels, open, index, &costly, &constraint, node, free, lane_free);
                 }
             }
         }
@@ -125,15 +125,16 @@ impl Search<'_> {
         let depart = Time(hop.depart.0.max(begin));
         let drive = Window::new(depart, depart + Span(span));
         let span = Span(span).max(self.slow(&ends, label, hop, drive, to));
-        let still = ends.iter().flat_map(|n| self.binding(*n)).filter(|c| c.effect == Effect::Still);
-        let (first, last) = still_until(still.map(|c| c.window), depart, span);
+        let no_entry =
+            ends.iter().flat_map(|n| self.binding(*n)).filter(|c| c.effect == Effect::NoEntryOrExit);
+        let (first, last) = no_entry_until(no_entry.map(|c| c.window), depart, span);
         let depart = (first.0, hop.depart.1.min(last.0));
         let constraint = Hop { ends: smallvec![(to, span.0)], depart, ..hop.clone() };
         (depart.0 <= depart.1).then(|| (constraint, self.price(hop.way.to, first + span)))
     }
 
     fn binding(&self, node: NodeId) -> impl Iterator<Item = &Condition> + Clone {
-        self.ask.conditions.binding(node, self.warehouse.nodes[node].at, self.ask.away)
+        self.ask.conditions.binding(node, self.warehouse.nodes[node].at, self.ask.exemptions)
     }
 
     /// How long the lane takes if either end is where robots go slowly when it is driven; zero where neither is.
@@ -152,7 +153,7 @@ impl Search<'_> {
     fn price(&self, node: NodeId, t: Time) -> Span {
         let stay = Window::new(t, t + Span::from_secs(1));
         let prices = self.binding(node).filter(|c| c.window.overlaps(stay)).filter_map(|c| match c.effect {
-            Effect::Price(p) => Some(p),
+            Effect::SoftCost(p) => Some(p),
             _ => None,
         });
         prices.max().unwrap_or(Span::ZERO)
