@@ -91,8 +91,8 @@
 //!    scene, where the newest by the time it was *seen* wins. Requests become facts or refusals.
 //! 2. **Evaluate people** (`people/evaluate.rs`): people are followed along their paths. A worker who stays off a path
 //!    deviates and is shown a way back (`people/routing.rs`); intents are updated (`people/intent.rs`). Beliefs become
-//!    conditions on nodes: *closed* where a person will almost surely walk within seconds, *still* around a person (no
-//!    robot comes or goes), *slow* farther out, *dear* where a person may walk. Speed limits and stops leave at once
+//!    conditions on nodes: *closed* where a person will almost surely walk within seconds, *no entry or exit*
+//!    around a person, *slow* farther out, a *soft cost* where a person may walk. Speed limits and stops leave at once
 //!    (`yielding/speed_limit.rs`), and so does guidance (`people/guidance.rs`). On a floor without people and closures
 //!    this phase does nothing.
 //! 3. **Progress** (`traffic/progress.rs`): what has come true? Visits behind a robot are released, a stop that is done
@@ -220,11 +220,11 @@
 //! | a headset that is silent, a worker who is lost | `human/track.rs`; `aware/effects.rs` (the region grows) |
 //! | radii of regions | `aware/regions.rs` |
 //! | robots go slow or stop near a person | `fleet/yielding/speed_limit.rs` |
-//! | what people mean for the search (soft cost, no entry) | `aware/effects.rs`; how it obeys: `route/search/constrained.rs` |
+//! | what people mean for the search (soft cost, no entry) | `aware/effects.rs`; `route/search/constrained.rs` |
 //! | a robot yields: waits, goes round, leaves a path | `fleet/yielding/evade.rs`; noted: `fleet/state/yielding.rs` |
 //! | the published policies | `fleet/yielding/petkovic2021.rs` |
 //! | when a route is kept, and when changed | `aware/safe_space.rs` |
-//! | a closure reroutes robots | `fleet/traffic/closures.rs`, `fleet/state/closed_areas.rs`; `route/search/constrained.rs` |
+//! | a closure reroutes robots | `fleet/traffic/closures.rs`; `fleet/state/closed_areas.rs` |
 //! | worker registration, worker's assignment | `fleet/requests/workers.rs`; `api/http/workers.rs`, `assignments.rs` |
 //! | where workers are led, what they are told | `fleet/people/routing.rs`, `fleet/people/guidance.rs` |
 //! | how a person's intent is inferred | `fleet/people/intent.rs`, `human/intention/`; stories: `experiment/stories/` |
@@ -244,7 +244,7 @@
 //! | idempotency | `fleet/state/keys.rs`; `api/extract.rs` (`Key`) |
 //! | what is stored, and how | `store/record.rs` (facts), `store/ledger_record.rs` (snapshots), `migrations/` |
 //! | retention | `store/retention.rs`; idempotency keys: `fleet/state/keys.rs` |
-//! | what is kept of the past; its bookmarks | `api/reel/`, `server/reels.rs`; `api/reel/mark.rs` |
+//! | what is kept of the past; its bookmarks | `api/recording/`, `server/recordings.rs`; `api/recording/mark.rs` |
 //! | a figure over time, how long it is kept | `history/`, `api/http/history.rs`, `migrations/` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
 //! | which file is the database; its lock | `store/opening.rs`, `store/identity.rs`; `store/lock.rs` |

@@ -2,9 +2,9 @@
 //! page.
 //!
 //! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from whoever runs it; [`live`] is the
-//! feed of the floor, [`reel`] keeps its pictures on file, [`feed`] those of people. Reads look at the latest published
-//! picture or at durable lists; writes put a request into the queue and answer when its facts are durable. Refuses: to
-//! decide anything about robots, and to know store or server.
+//! feed of the floor, [`recording`] keeps its pictures on file, [`feed`] those of people. Reads look at the latest
+//! published picture or at durable lists; writes put a request into the queue and answer when its facts are durable.
+//! Refuses: to decide anything about robots, and to know store or server.
 
 mod assets;
 pub mod auth;
@@ -20,7 +20,7 @@ pub mod massrobotics;
 pub mod metrics;
 pub mod people;
 pub mod port;
-pub mod reel;
+pub mod recording;
 mod refusal;
 pub mod text;
 pub mod waits;
@@ -57,7 +57,7 @@ pub struct Api {
     /// What stands.
     pub alarms: Arc<Alarms>,
     /// Pictures of the past, where they are kept.
-    pub past: Option<Arc<reel::Folder>>,
+    pub past: Option<Arc<recording::Folder>>,
     /// The live feed.
     pub live: Arc<live::Live>,
     /// Feeds of headsets and tags.

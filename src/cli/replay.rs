@@ -3,9 +3,9 @@
 //! Main type: [`Replay`]. Refuses: to simulate; robots and customers say what they said then, and the digest tells
 //! whether the core still makes the same of it.
 
+use super::frames::{FrameWriter, write_page};
 use super::recording;
-use super::reel::{Reeler, write_page};
-use crate::api::reel::is_reel;
+use crate::api::recording::is_reel;
 use crate::server::Show;
 use crate::sim::replay::{Player, Turn};
 use crate::time::Time;
@@ -60,7 +60,8 @@ impl Replay {
         let bar = super::progress(player.scenario.duration.0 as u64 / 1_000_000, "replaying");
         let mut last = Time::ZERO;
         let name = player.scenario.name.clone();
-        let mut reeler = Reeler::create(self.reel.as_deref(), self.page.as_deref(), &player.fleet, name)?;
+        let mut reeler =
+            FrameWriter::create(self.reel.as_deref(), self.page.as_deref(), &player.fleet, name)?;
         let same = loop {
             match player.turn()? {
                 Turn::Step(now, step) => {
@@ -74,7 +75,7 @@ impl Replay {
             bar.set_position(last.0 as u64 / 1_000_000);
         };
         bar.finish_and_clear();
-        reeler.map_or(Ok(()), Reeler::finish)?;
+        reeler.map_or(Ok(()), FrameWriter::finish)?;
         let counts = player.fleet.view(last).counts;
         let report = json!({
             "scenario": player.scenario.name, "steps": player.steps(), "sim_seconds": last.as_secs_f64(),

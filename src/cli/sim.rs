@@ -2,8 +2,8 @@
 //!
 //! Main type: [`Sim`]. Refuses: to exit with success where a law was broken.
 
+use super::frames::FrameWriter;
 use super::learn::read_model;
-use super::reel::Reeler;
 use super::{progress, read, read_map, stopwatch};
 use crate::human::Model;
 use crate::sim::recording::{Header, Recorder};
@@ -154,7 +154,7 @@ fn simulate(
         let header = Header { giveway_recording: 1, scenario: text.clone(), map, seed, model };
         file.write(&Recorder::header(&header))?;
     }
-    let mut reeler = Reeler::create(reel, None, &sim.fleet, scenario.name.clone())?;
+    let mut reeler = FrameWriter::create(reel, None, &sim.fleet, scenario.name.clone())?;
     let what = if ghosts { "bound" } else { "simulating" };
     let bar = progress(scenario.duration.0 as u64 / 1_000_000, what);
     while !sim.is_over() {
@@ -172,7 +172,7 @@ fn simulate(
         bar.set_position(now.0 as u64 / 1_000_000);
     }
     bar.finish_and_clear();
-    reeler.map_or(Ok(()), Reeler::finish)?;
+    reeler.map_or(Ok(()), FrameWriter::finish)?;
     if let Some(file) = file {
         end_recording(file, &sim)?;
     }

@@ -7,7 +7,7 @@
 use super::certificate::{self, Place};
 use crate::api::auth::Gate;
 use crate::api::massrobotics::Interop;
-use crate::api::reel::Limits;
+use crate::api::recording::Limits;
 use anyhow::{Context, bail, ensure};
 use figment::Figment;
 use figment::providers::{Format, Serialized, Toml};

@@ -13,7 +13,7 @@ use super::inbox::Inbox;
 use super::journal::Journal;
 use super::measure::Measure;
 use super::outbox::Outbox;
-use super::reels::Tap;
+use super::recordings::Tap;
 use super::rescue::{Rescue, drivers};
 use super::watchdog::Watchdog;
 use crate::api::feed::hub::{Feeds, Heard};

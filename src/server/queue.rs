@@ -1,7 +1,7 @@
 //! The jobs that wait, looked up once a second for the past that is kept.
 //!
-//! Main type: [`Queue`]. Reels list them every ten seconds, with a whole picture; whoever writes reels cannot ask the
-//! fleet, so that the pictures carry a list that is never old. Refuses: to look at them for every picture.
+//! Main type: [`Queue`]. Recordings list them every ten seconds, with a whole picture; whoever writes recordings cannot
+//! ask the fleet, so that the pictures carry a list that is never old. Refuses: to look at them for every picture.
 
 use crate::fleet::{Backlog, Fleet};
 use crate::time::{Span, Time};

@@ -4,14 +4,14 @@
 //! and puts the pictures into a folder of its own, so that the page can go to any moment of them. Lists are kept in
 //! memory; requests are refused, since the past takes none. Refuses: a database.
 
-use super::{ahead::Ahead, clock::Clock, film::Film, listen, measure::Measure, past::Past};
+use super::{ahead::Ahead, clock::Clock, listen, measure::Measure, past::Past, recorder::FrameRecorder};
 use crate::api::auth::Gate;
 use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Figures, Moment, QUESTIONS, Question};
-use crate::api::reel::{Folder, Limits, Roll};
+use crate::api::recording::{Folder, Limits, Rotation};
 use crate::api::{Api, router};
 use crate::fleet::Fleet;
 use crate::history::{History, Times};
@@ -35,13 +35,13 @@ pub struct Show {
     http: JoinHandle<std::io::Result<()>>,
     play: Option<JoinHandle<anyhow::Result<()>>>,
     _closing: watch::Sender<bool>,
-    _reels: Reels,
+    _reels: Recordings,
 }
 
 /// The folder of the pictures, which goes with the show.
-struct Reels(PathBuf);
+struct Recordings(PathBuf);
 
-impl Drop for Reels {
+impl Drop for Recordings {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }
@@ -66,11 +66,12 @@ impl Show {
             .with_context(|| format!("cannot listen on {listen_at}: choose another with --listen"))?;
         let address = listener.local_addr()?;
         let map = player.fleet.warehouse().clone();
-        let reels = Reels(std::env::temp_dir().join(format!("giveway-replay-{}", std::process::id())));
-        let kept = Folder::open(reels.0.clone(), map.clone(), player.scenario.name.clone(), None);
-        let kept = Arc::new(kept.with_context(|| format!("cannot write to {}", reels.0.display()))?);
-        let roll = Roll::new(kept.clone(), ALL);
-        std::thread::Builder::new().name("ahead".into()).spawn(move || run_ahead(ahead, roll))?;
+        let recordings =
+            Recordings(std::env::temp_dir().join(format!("giveway-replay-{}", std::process::id())));
+        let kept = Folder::open(recordings.0.clone(), map.clone(), player.scenario.name.clone(), None);
+        let kept = Arc::new(kept.with_context(|| format!("cannot write to {}", recordings.0.display()))?);
+        let rotation = Rotation::new(kept.clone(), ALL);
+        std::thread::Builder::new().name("ahead".into()).spawn(move || run_ahead(ahead, rotation))?;
         let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
         let (moments, picture) = watch::channel(Arc::new(Moment::default()));
         let (ask, questions) = mpsc::channel(QUESTIONS);
@@ -104,7 +105,7 @@ impl Show {
         let (measure, ahead) = (Measure::default(), Ahead::default());
         let screen = Screen { live, feeds, alarms, moments, past, figures, ahead, measure, speed, questions };
         let play = Some(tokio::spawn(screen.play(player)));
-        Ok(Show { address, http, play, _closing: closing, _reels: reels })
+        Ok(Show { address, http, play, _closing: closing, _reels: recordings })
     }
 
     /// Where it listens.
@@ -125,17 +126,17 @@ impl Show {
     }
 }
 
-/// Films a whole recording, as fast as it goes.
-fn run_ahead(mut player: Player, mut roll: Roll) {
-    let mut film = Film::default();
+/// Records a whole recording, as fast as it goes.
+fn run_ahead(mut player: Player, mut rotation: Rotation) {
+    let mut record = FrameRecorder::default();
     // Where it cannot be read any further, the other player says so.
     while let Ok(Turn::Step(now, step)) = player.turn() {
-        step.facts.iter().for_each(|fact| roll.note(fact));
-        if let Some(Err(e)) = film.shoot(&player.fleet, now).map(|frame| roll.take(&frame)) {
+        step.facts.iter().for_each(|fact| rotation.note(fact));
+        if let Some(Err(e)) = record.take_frame(&player.fleet, now).map(|frame| rotation.take(&frame)) {
             return tracing::error!("the rest of the recording cannot be gone to: {e}");
         }
     }
-    if let Err(e) = roll.finish() {
+    if let Err(e) = rotation.finish() {
         tracing::error!("the end of the recording cannot be gone to: {e}");
     }
 }

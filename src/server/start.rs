@@ -4,7 +4,7 @@
 //! Refuses: to end the process where the journal contradicts itself; then the server stays up and says so.
 
 use super::clock::{self, Clock};
-use super::reels::Past;
+use super::recordings::Past;
 use super::{Config, Floor, Summary, historian, journal};
 use crate::api::feed::hub::{Feeds, Heard};
 use crate::api::live::Live;

@@ -1,7 +1,7 @@
 //! What a server keeps of the past: it answers while it runs, and after it was killed.
 
 use crate::helper::{Folder, config, floor, get, send, start};
-use giveway::api::reel::lines;
+use giveway::api::recording::lines;
 use giveway::server::{Config, Server};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
@@ -21,8 +21,8 @@ async fn past(at: SocketAddr, seconds: f64) -> Value {
     }
 }
 
-/// The lines of a reel, by way of a file, as a person would keep it.
-async fn reel(at: SocketAddr, folder: &Folder, query: &str) -> Vec<Value> {
+/// The lines of a recording, by way of a file, as a person would keep it.
+async fn recording(at: SocketAddr, folder: &Folder, query: &str) -> Vec<Value> {
     let mut stream = TcpStream::connect(at).await.unwrap();
     let ask = format!("GET /v1/past/reel?{query} HTTP/1.0\r\nhost: {at}\r\n\r\n");
     stream.write_all(ask.as_bytes()).await.unwrap();
@@ -47,7 +47,7 @@ async fn a_server_shows_what_happened_before_and_after_a_restart() {
     let kept = past(at, now + 1.0).await;
     let marks = kept["bookmarks"].as_array().unwrap();
     assert_eq!((marks.len(), &marks[0]["kind"]), (1, &json!("stop")), "{kept}");
-    let found = reel(at, &folder, &format!("from=0&to={}", now + 1.0)).await;
+    let found = recording(at, &folder, &format!("from=0&to={}", now + 1.0)).await;
     assert_eq!(found[0]["start"].as_f64().map(|s| s > 1e9), Some(true));
     assert!(found[0]["map"]["nodes"].is_array() && found[1].get("mark").is_some(), "{}", found[1]);
     // A quick client has the first picture before any robot has joined.
@@ -76,7 +76,7 @@ async fn a_server_shows_what_happened_before_and_after_a_restart() {
     // A restart may be so quick that both runs are one span.
     let [from, to] = [&first["from"], &kept["start"]].map(|t| t.as_str().unwrap());
     let query = format!("from={from}&to={to}&map=false");
-    let found = reel(at, &folder, &query).await;
+    let found = recording(at, &folder, &query).await;
     assert!(found[0]["map"].is_null() && found.last().unwrap()["at"].as_f64() <= Some(0.0));
     server.stop().await.unwrap();
 }

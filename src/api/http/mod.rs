@@ -94,7 +94,7 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(encounters::list))
         .routes(routes!(past::past))
         .routes(routes!(past::figures))
-        .routes(routes!(past::reel))
+        .routes(routes!(past::recording))
         .routes(routes!(history::history))
         .routes(routes!(heat::heat))
         .routes(routes!(ws::live))

@@ -5,7 +5,7 @@
 use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
-use crate::api::reel::{Cut, Folder, Mark, Sum, thinned};
+use crate::api::recording::{Cut, Folder, Mark, Sum, thinned};
 use crate::api::text::{parse_time, round3, time_text};
 use crate::time::{Span, Time};
 use axum::Json;
@@ -42,10 +42,10 @@ pub struct SpanParams {
     /// The beginning; of all that is kept, where absent.
     #[param(example = "2027-01-31T14:05:00Z")]
     from: Option<String>,
-    /// The end; of a reel five minutes after the beginning, else of all that is kept, where absent.
+    /// The end; of a recording five minutes after the beginning, else of all that is kept, where absent.
     #[param(example = "2027-01-31T14:10:00Z")]
     to: Option<String>,
-    /// `false` leaves the map out of a reel.
+    /// `false` leaves the map out of a recording.
     map: Option<bool>,
 }
 
@@ -148,14 +148,14 @@ pub async fn figures(
     Ok(Json(FiguresDto { start, sums: sums.into_iter().skip(surplus).collect() }))
 }
 
-/// The pictures of a span, as a reel: JSON lines, packed with gzip. It begins with the last whole picture before
+/// The pictures of a span, as a recording: JSON lines, packed with gzip. It begins with the last whole picture before
 /// `from`.
 #[utoipa::path(get, path = "/v1/past/reel", tag = "past", params(SpanParams), responses(
     (status = 200, description = "The reel", body = Vec<u8>, content_type = "application/gzip"),
     (status = 404, description = "Nothing is kept of that time", body = Problem,
      content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
-pub async fn reel(State(api): State<Api>, Params(p): Params<SpanParams>) -> Result<Response, Problem> {
+pub async fn recording(State(api): State<Api>, Params(p): Params<SpanParams>) -> Result<Response, Problem> {
     let folder = folder(&api)?;
     let (from, to) = span(folder, &p.from, &p.to)?;
     let from = from.or_else(|| Some(folder.past(0.0, 0.0).spans.first()?.0)).unwrap_or(0.0);

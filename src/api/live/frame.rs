@@ -31,7 +31,7 @@ pub struct Frame {
     pub(in crate::api) counters: Value,
     pub(in crate::api) alarms: Value,
     pub(in crate::api) time_s: f64,
-    /// What only reels have: nobody who looks at the present gets it.
+    /// What only recordings have: nobody who looks at the present gets it.
     pub(in crate::api) beside: Beside,
 }
 

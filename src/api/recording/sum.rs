@@ -1,4 +1,4 @@
-//! Running sums: what was counted since a reel was begun, for charts over any stretch of it.
+//! Running sums: what was counted since a recording was begun, for charts over any stretch of it.
 //!
 //! Main types: [`Tally`] (the sums), [`Sum`] (with their time), [`Counting`] (adds them up from picture to picture).
 //! Differences of sums make figures, and any of them may be left out ([`thinned`]). Counters are those of the fleet,

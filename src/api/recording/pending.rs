@@ -1,4 +1,4 @@
-//! Waiting jobs as reels list them.
+//! Waiting jobs as recordings list them.
 //!
 //! Main function: [`line()`]. Refuses: to say how many wait, which the picture does.
 

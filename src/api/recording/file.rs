@@ -1,4 +1,4 @@
-//! One reel on file: lines, packed, readable up to wherever they were cut off.
+//! One recording on file: lines, packed, readable up to wherever they were cut off.
 //!
 //! Main types: [`Out`]; [`lines`] reads. Refuses: to call a file broken that merely ends too soon, which is what a
 //! server leaves behind that was killed.
@@ -10,7 +10,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
-/// A reel that is being written.
+/// A recording that is being written.
 pub struct Out(GzEncoder<BufWriter<File>>);
 
 impl Out {
@@ -47,7 +47,7 @@ impl Out {
     }
 }
 
-/// The lines of a reel, up to its end or to where it was cut off.
+/// The lines of a recording, up to its end or to where it was cut off.
 ///
 /// # Errors
 /// Where the file cannot be opened.
@@ -64,7 +64,7 @@ pub fn lines(path: &Path) -> io::Result<impl Iterator<Item = String> + use<>> {
     }))
 }
 
-/// Whether a file begins as reels do.
+/// Whether a file begins as recordings do.
 pub fn is_reel(path: &Path) -> bool {
     lines(path).ok().and_then(|mut lines| lines.next()).is_some_and(|line| line.starts_with("{\"reel\":"))
 }

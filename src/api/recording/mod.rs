@@ -1,23 +1,23 @@
-//! Reels: moving pictures of a fleet on file, so that what happened at 14:07 can be looked at again.
+//! Recordings: moving pictures of a fleet on file, so that what happened at 14:07 can be looked at again.
 //!
-//! Main types: [`Reel`] (pictures and facts → lines), [`Mark`] (a bookmark), [`Sum`] (figures so far), [`Out`] (a file
-//! of them), [`Folder`] (many, by time), [`Roll`] (writes a folder), [`page()`] (a page that needs no server). A reel
-//! is JSON lines, packed with gzip; docs/replay.md writes the contract down. Patches are those of the thin live feed.
-//! Refuses: to compare pictures in a way of its own, and to hold back whoever runs the fleet.
+//! Main types: [`Recording`] (pictures and facts → lines), [`Mark`] (a bookmark), [`Sum`] (figures so far), [`Out`] (a
+//! file of them), [`Folder`] (many, by time), [`Rotation`] (writes a folder), [`page()`] (a page that needs no server).
+//! A recording is JSON lines, packed with gzip; docs/replay.md writes the contract down. Patches are those of the thin
+//! live feed. Refuses: to compare pictures in a way of its own, and to hold back whoever runs the fleet.
 
 mod file;
 mod folder;
 mod mark;
 mod page;
 mod pending;
-mod roll;
+mod rotation;
 mod sum;
 
 pub use file::{Out, is_reel, lines};
 pub use folder::{Cut, Folder, Past, Piece};
 pub use mark::{Kind, Mark, Met, is_notable};
 pub use page::page;
-pub use roll::{Limits, Roll};
+pub use rotation::{Limits, Rotation};
 pub use sum::{Sum, Tally, thinned};
 
 use super::building::map_text;
@@ -41,7 +41,7 @@ const KEY_EVERY_S: f64 = 10.0;
 const MOST_WAITING: usize = 1000;
 
 /// Turns pictures and facts into lines.
-pub struct Reel {
+pub struct Recording {
     map: Arc<Warehouse>,
     name: String,
     start: Option<Time>,
@@ -52,9 +52,9 @@ pub struct Reel {
     counting: Counting,
 }
 
-/// What one picture adds to a reel.
+/// What one picture adds to a recording.
 #[derive(Debug, Default)]
-pub struct Shot {
+pub struct RecordedFrame {
     /// When, seconds from the start.
     pub at_s: f64,
     /// The lines, each with its end.
@@ -65,12 +65,13 @@ pub struct Shot {
     pub sums: Vec<Sum>,
 }
 
-impl Reel {
-    /// A reel of this fleet. `start` is the time of day at which its pictures count from 0; nothing in a simulation.
-    pub fn new(map: Arc<Warehouse>, name: String, start: Option<Time>) -> Reel {
+impl Recording {
+    /// A recording of this fleet. `start` is the time of day at which its pictures count from 0; nothing in a
+    /// simulation.
+    pub fn new(map: Arc<Warehouse>, name: String, start: Option<Time>) -> Recording {
         let keyed_s = f64::NEG_INFINITY;
         let counting = Counting::default();
-        Reel { map, name, start, last: None, version: 0, keyed_s, facts: Vec::new(), counting }
+        Recording { map, name, start, last: None, version: 0, keyed_s, facts: Vec::new(), counting }
     }
 
     /// The first line of a file. The next picture begins with a whole one.
@@ -87,7 +88,7 @@ impl Reel {
     }
 
     /// The lines of a picture; nothing where it is the one before.
-    pub fn picture(&mut self, frame: &Arc<Frame>) -> Option<Shot> {
+    pub fn picture(&mut self, frame: &Arc<Frame>) -> Option<RecordedFrame> {
         let at_s = frame.time_s;
         if self.last.as_ref().is_some_and(|last| last.time_s >= at_s) {
             return None;
@@ -118,11 +119,11 @@ impl Reel {
                 .expect("texts take everything");
         }
         self.last = Some(frame.clone());
-        Some(Shot { at_s, lines, marks, sums })
+        Some(RecordedFrame { at_s, lines, marks, sums })
     }
 }
 
-/// The first line of a reel; without a map it is for those who have that.
+/// The first line of a recording; without a map it is for those who have that.
 fn header(name: &str, start: Option<Time>, map: Option<&Warehouse>) -> String {
     let start_s = start.map(|start| round3(start.as_secs_f64()));
     let map = map.map_or_else(|| "null".into(), map_text);

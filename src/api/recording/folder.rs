@@ -1,10 +1,10 @@
-//! A folder of reels: what it has of which time, and cutting a span out of it.
+//! A folder of recordings: what it has of which time, and cutting a span out of it.
 //!
 //! Main types: [`Folder`], [`Piece`] (one file), [`Past`] (what there is), [`Cut`]. Seconds count from the start of the
 //! run that asks; earlier runs lie before 0. Beside each file lies its index, which is made again where it is missing.
 //! Refuses: to keep pictures in memory.
 
-use super::{Limits, Mark, Out, Shot, Sum, Tally, header, lines, split};
+use super::{Limits, Mark, Out, RecordedFrame, Sum, Tally, header, lines, split};
 use crate::api::text::round3;
 use crate::time::Time;
 use crate::warehouse::Warehouse;
@@ -19,7 +19,7 @@ const SEAM_S: f64 = 2.0;
 /// More bookmarks of one file are in the file only.
 const MOST_MARKS: usize = 5000;
 
-/// A folder of reels.
+/// A folder of recordings.
 pub struct Folder {
     /// The building.
     pub map: Arc<Warehouse>,
@@ -147,7 +147,7 @@ impl Folder {
     }
 
     /// The last file has this, too.
-    pub(super) fn grow(&self, news: Shot) {
+    pub(super) fn grow(&self, news: RecordedFrame) {
         if let Some(piece) = self.pieces().last_mut() {
             piece.to_s = news.at_s;
             let room = MOST_MARKS.saturating_sub(piece.marks.len());

@@ -1,20 +1,20 @@
 //! Filming a fleet that is stepped without a server: a simulation, or a recording.
 //!
-//! Main type: [`Film`]. Refuses: to step the fleet itself.
+//! Main type: [`FrameRecorder`]. Refuses: to step the fleet itself.
 
 use super::ahead::Ahead;
 use super::measure::Measure;
 use super::queue::Queue;
 use crate::api::live::Frame;
 use crate::api::port::{Alarms, Moment};
-use crate::api::reel::EVERY;
+use crate::api::recording::EVERY;
 use crate::fleet::Fleet;
 use crate::time::Time;
 use std::sync::Arc;
 
-/// Takes pictures of a fleet, as often as reels have them.
+/// Takes pictures of a fleet, as often as recordings have them.
 #[derive(Debug, Default)]
-pub struct Film {
+pub struct FrameRecorder {
     alarms: Alarms,
     measure: Measure,
     ahead: Ahead,
@@ -22,9 +22,9 @@ pub struct Film {
     due: Option<Time>,
 }
 
-impl Film {
+impl FrameRecorder {
     /// The picture after a step, where it is time for one.
-    pub fn shoot(&mut self, fleet: &Fleet, now: Time) -> Option<Arc<Frame>> {
+    pub fn take_frame(&mut self, fleet: &Fleet, now: Time) -> Option<Arc<Frame>> {
         if self.due.is_some_and(|due| now < due) {
             return None;
         }

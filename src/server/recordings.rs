@@ -8,7 +8,7 @@ use super::clock::Clock;
 use super::queue::Queue;
 use crate::api::live::Live;
 use crate::api::port::Alarms;
-use crate::api::reel::{EVERY, Folder, Limits, Roll, is_notable};
+use crate::api::recording::{EVERY, Folder, Limits, Rotation, is_notable};
 use crate::fleet::{Backlog, Fact, Fleet};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
@@ -73,9 +73,9 @@ impl Past {
             let folder = Folder::open(path.clone(), map.clone(), map.name.clone(), Some(clock.started()))?;
             let folder = Arc::new(folder);
             let (send, facts) = sync_channel(WAITING);
-            let roll = Roll::new(folder.clone(), limits);
+            let rotation = Rotation::new(folder.clone(), limits);
             let (live, clock, alarms) = (live.clone(), clock.clone(), alarms.clone());
-            let keeper = Keeper { roll, live, clock, alarms, rest: None };
+            let keeper = Keeper { rotation, live, clock, alarms, rest: None };
             std::thread::Builder::new().name("past".into()).spawn(move || keeper.run(&facts))?;
             Ok(Past { folder: Some(folder), tap: Tap { facts: Some(send), queue: Queue::default() } })
         };
@@ -89,7 +89,7 @@ impl Past {
 }
 
 struct Keeper {
-    roll: Roll,
+    rotation: Rotation,
     live: Arc<Live>,
     clock: Arc<Clock>,
     alarms: Arc<Alarms>,
@@ -103,26 +103,26 @@ impl Keeper {
         loop {
             let wait = (due - self.clock.now()).0.max(0).unsigned_abs();
             match facts.recv_timeout(Duration::from_micros(wait)) {
-                Ok(fact) => self.roll.note(&fact),
+                Ok(fact) => self.rotation.note(&fact),
                 Err(RecvTimeoutError::Timeout) => {
                     due = self.clock.now() + EVERY;
-                    self.shoot();
+                    self.take_frame();
                 }
                 Err(RecvTimeoutError::Disconnected) => break,
             }
         }
-        if let Err(e) = self.roll.finish() {
+        if let Err(e) = self.rotation.finish() {
             tracing::error!("the last pictures of the past were not written: {e}");
         }
     }
 
-    fn shoot(&mut self) {
+    fn take_frame(&mut self) {
         let now = self.clock.now();
         if self.rest.is_some_and(|until| now < until) {
             return;
         }
         let Some(frame) = self.live.frame() else { return };
-        match self.roll.take(&frame) {
+        match self.rotation.take(&frame) {
             Ok(()) if self.rest.take().is_some() => {
                 self.alarms.clear(ALARM);
                 tracing::info!("the past is kept again");
@@ -156,21 +156,21 @@ mod tests {
         let view = Fleet::new(map.clone(), Settings::default()).view(Time::ZERO);
         live.publish(&Moment { view, ..Moment::default() }, &[], 0.0);
         let folder = Arc::new(Folder::open(path.clone(), map, "lab".into(), None).unwrap());
-        let roll = Roll::new(folder, Limits { age_s: 60.0, bytes: 1 << 20 });
-        let mut keeper = Keeper { roll, live, clock: clock.clone(), alarms: alarms.clone(), rest: None };
+        let rotation = Rotation::new(folder, Limits { age_s: 60.0, bytes: 1 << 20 });
+        let mut keeper = Keeper { rotation, live, clock: clock.clone(), alarms: alarms.clone(), rest: None };
         let standing = || alarms.list().into_iter().find(|a| a.id == ALARM).map(|a| a.text);
         // A file where the folder was refuses every file in it.
         fs::remove_dir_all(&path).unwrap();
         fs::write(&path, "in the way").unwrap();
-        keeper.shoot();
+        keeper.take_frame();
         let said = standing().expect("an alarm stands");
         assert!(said.contains("the past is not kept") && said.contains("The fleet goes on"), "{said}");
         fs::remove_file(&path).unwrap();
         fs::create_dir(&path).unwrap();
-        keeper.shoot();
+        keeper.take_frame();
         assert!(standing().is_some(), "it rests before it tries again");
         keeper.rest = Some(clock.now());
-        keeper.shoot();
+        keeper.take_frame();
         assert_eq!(standing(), None);
         fs::remove_dir_all(&path).unwrap();
     }

@@ -1,4 +1,4 @@
-//! What a reel has beside pictures, as readers see it: sums, jobs that waited, details of encounters.
+//! What a recording has beside pictures, as readers see it: sums, jobs that waited, details of encounters.
 
 use super::tests::{Place, cut};
 use super::*;
@@ -55,12 +55,12 @@ fn frame(zero: Time, at_s: f64) -> Arc<Frame> {
     Arc::new(Frame::of(&map, &moment, &[], 0.0))
 }
 
-/// Films a picture a second.
-fn film(folder: &Arc<Folder>, from_s: u32, to_s: u32) -> Roll {
-    let mut roll = Roll::new(folder.clone(), Limits { age_s: f64::INFINITY, bytes: u64::MAX });
+/// Records a picture a second.
+fn record(folder: &Arc<Folder>, from_s: u32, to_s: u32) -> Rotation {
+    let mut rotation = Rotation::new(folder.clone(), Limits { age_s: f64::INFINITY, bytes: u64::MAX });
     let zero = folder.start.unwrap_or(Time::ZERO);
-    (from_s..=to_s).for_each(|s| roll.take(&frame(zero, f64::from(s))).unwrap());
-    roll
+    (from_s..=to_s).for_each(|s| rotation.take(&frame(zero, f64::from(s))).unwrap());
+    rotation
 }
 
 fn of<'a>(lines: &'a [Value], kind: &str) -> Vec<&'a Value> {
@@ -71,7 +71,7 @@ fn of<'a>(lines: &'a [Value], kind: &str) -> Vec<&'a Value> {
 fn each_whole_picture_comes_with_sums_and_with_the_jobs_that_waited() {
     let place = Place::new("beside");
     let folder = place.folder(1000);
-    film(&folder, 0, 100).finish().unwrap();
+    record(&folder, 0, 100).finish().unwrap();
     let lines = cut(&folder, 35.0, 52.0);
     let times = |kind| of(&lines, kind).iter().map(|l| l["at"].as_f64().unwrap()).collect::<Vec<_>>();
     assert_eq!(times("sum"), [30.0, 40.0, 50.0]);
@@ -93,9 +93,9 @@ fn each_whole_picture_comes_with_sums_and_with_the_jobs_that_waited() {
 #[test]
 fn sums_are_there_after_a_restart_and_what_an_older_version_indexed_opens_without() {
     let place = Place::new("sums");
-    film(&place.folder(1000), 0, 30).finish().unwrap();
+    record(&place.folder(1000), 0, 30).finish().unwrap();
     // Killed: without an index.
-    std::mem::forget(film(&place.folder(1040), 0, 30));
+    std::mem::forget(record(&place.folder(1040), 0, 30));
     let later = place.folder(1100);
     let times = |from, to| later.sums(from, to).iter().map(|s| s.at_s).collect::<Vec<_>>();
     assert_eq!(times(-200.0, 0.0), [-100.0, -90.0, -80.0, -70.0, -60.0, -50.0, -40.0, -30.0]);
@@ -103,8 +103,8 @@ fn sums_are_there_after_a_restart_and_what_an_older_version_indexed_opens_withou
     assert_eq!(times(5.0, 9.0), [-30.0]);
     let began = later.sums(-60.0, -60.0)[1];
     assert_eq!((began.at_s, began.tally.covered_s), (-60.0, 0.0), "seconds begin anew");
-    for reel in place.reels() {
-        let index = reel.with_extension("json");
+    for recording in place.recordings() {
+        let index = recording.with_extension("json");
         let mut old: Value = serde_json::from_str(&std::fs::read_to_string(&index).unwrap()).unwrap();
         old.as_object_mut().unwrap().remove("sums").expect("there were some");
         std::fs::write(&index, old.to_string()).unwrap();
@@ -116,12 +116,12 @@ fn sums_are_there_after_a_restart_and_what_an_older_version_indexed_opens_withou
 
 #[test]
 fn pictures_that_are_far_apart_have_nothing_counted_between_them() {
-    let mut reel = Reel::new(Arc::new(lab()), "lab".into(), None);
+    let mut recording = Recording::new(Arc::new(lab()), "lab".into(), None);
     let times = [0.0, 0.2, 0.4, 20.0, 20.5];
     let sums: Vec<Sum> =
-        times.iter().flat_map(|at| reel.picture(&frame(Time::ZERO, *at)).unwrap().sums).collect();
-    reel.header();
-    let last = reel.picture(&frame(Time::ZERO, 21.0)).unwrap().sums[0];
+        times.iter().flat_map(|at| recording.picture(&frame(Time::ZERO, *at)).unwrap().sums).collect();
+    recording.header();
+    let last = recording.picture(&frame(Time::ZERO, 21.0)).unwrap().sums[0];
     assert_eq!(sums.iter().map(|s| s.tally.covered_s).collect::<Vec<_>>(), [0.0, 0.4]);
     assert_eq!((last.tally.covered_s, last.tally.waiting_s), (1.4, 1.4));
 }
@@ -130,9 +130,9 @@ fn pictures_that_are_far_apart_have_nothing_counted_between_them() {
 fn the_bookmark_of_an_encounter_has_its_details_in_the_seconds_of_whoever_asks() {
     let place = Place::new("met");
     let folder = place.folder(1000);
-    let mut roll = film(&folder, 0, 10);
+    let mut rotation = record(&folder, 0, 10);
     let at = |s: i64| Time((1000 + s) * 1_000_000);
-    roll.note(&Fact::Encountered(Encounter {
+    rotation.note(&Fact::Encountered(Encounter {
         worker: WorkerId::at(0),
         robot: RobotId::at(0),
         began: at(8),
@@ -145,8 +145,8 @@ fn the_bookmark_of_an_encounter_has_its_details_in_the_seconds_of_whoever_asks()
         reaction: Reaction::Stopped,
         delay: Span::from_millis(2500),
     }));
-    roll.take(&frame(at(0), 11.0)).unwrap();
-    roll.finish().unwrap();
+    rotation.take(&frame(at(0), 11.0)).unwrap();
+    rotation.finish().unwrap();
     let marks = place.folder(1100).past(f64::NEG_INFINITY, f64::INFINITY).marks;
     let details = json!({"worker": "w1", "robot": "robot-1", "ended_s": -90.0, "x": 1.5, "y": -0.25, "radius": 1.4,
         "closest": 0.62, "robot_speed": 0.5, "worker_speed": 1.2, "reaction": "stopped", "delay_s": 2.5});

@@ -1,4 +1,4 @@
-//! Reels as readers see them: what a folder has of which time, and what is left of a file that was cut off.
+//! Recordings as readers see them: what a folder has of which time, and what is left of a file that was cut off.
 
 use super::*;
 use crate::api::port::{Alarms, Moment};
@@ -23,11 +23,11 @@ impl Place {
         Arc::new(Folder::open(self.0.clone(), Arc::new(lab()), "lab".into(), start).unwrap())
     }
 
-    pub(super) fn reels(&self) -> Vec<PathBuf> {
+    pub(super) fn recordings(&self) -> Vec<PathBuf> {
         let files = std::fs::read_dir(&self.0).unwrap().map(|f| f.unwrap().path());
-        let mut reels: Vec<_> = files.filter(|f| f.extension().is_some_and(|e| e == "reel")).collect();
-        reels.sort();
-        reels
+        let mut recordings: Vec<_> = files.filter(|f| f.extension().is_some_and(|e| e == "reel")).collect();
+        recordings.sort();
+        recordings
     }
 }
 
@@ -46,17 +46,17 @@ fn frame(at_s: f64, alarms: &Alarms) -> Arc<Frame> {
     Arc::new(Frame::of(&map, &moment, &alarms.list(), 0.0))
 }
 
-/// Films from one second to another; a worker leaves the path at the end of each ten seconds.
-fn film(folder: &Arc<Folder>, from_s: u32, to_s: u32) -> Roll {
-    let mut roll = Roll::new(folder.clone(), NO_LIMITS);
+/// Records from one second to another; a worker leaves the path at the end of each ten seconds.
+fn record(folder: &Arc<Folder>, from_s: u32, to_s: u32) -> Rotation {
+    let mut rotation = Rotation::new(folder.clone(), NO_LIMITS);
     let start = folder.start.unwrap_or(Time::ZERO);
     for s in from_s..=to_s {
         if s % 10 == 9 {
-            roll.note(&Fact::Deviated { worker: WorkerId(0), at: start + Span::from_secs(i64::from(s)) });
+            rotation.note(&Fact::Deviated { worker: WorkerId(0), at: start + Span::from_secs(i64::from(s)) });
         }
-        roll.take(&frame(f64::from(s), &Alarms::default())).unwrap();
+        rotation.take(&frame(f64::from(s), &Alarms::default())).unwrap();
     }
-    roll
+    rotation
 }
 
 /// The lines of a span, read.
@@ -73,18 +73,18 @@ pub(super) fn cut(folder: &Folder, from_s: f64, to_s: f64) -> Vec<Value> {
 fn a_span_begins_with_the_last_whole_picture_before_it_and_has_its_bookmarks() {
     let place = Place::new("span");
     let folder = place.folder(1000);
-    film(&folder, 0, 100).finish().unwrap();
+    record(&folder, 0, 100).finish().unwrap();
     let lines = cut(&folder, 35.0, 52.0);
     assert_eq!(lines[0]["reel"], 1);
     assert_eq!(lines[0]["start"], 1000.0);
     assert_eq!(lines[0]["map"]["name"], lab().name);
     let marks: Vec<_> = lines.iter().filter(|l| l.get("mark").is_some()).map(|l| l["at"].clone()).collect();
     assert_eq!(marks, [39.0, 49.0]);
-    let shots: Vec<_> = lines[1..].iter().filter(|l| l.get("mark").is_none()).collect();
-    assert!(shots[0].get("key").is_some() && shots[0]["at"] == 30.0, "{}", shots[0]);
-    assert_eq!(shots.last().unwrap()["at"], 52.0);
-    let mut version = shots[0]["key"]["version"].clone();
-    for patch in shots[1..].iter().filter_map(|l| l.get("patch")) {
+    let frames: Vec<_> = lines[1..].iter().filter(|l| l.get("mark").is_none()).collect();
+    assert!(frames[0].get("key").is_some() && frames[0]["at"] == 30.0, "{}", frames[0]);
+    assert_eq!(frames.last().unwrap()["at"], 52.0);
+    let mut version = frames[0]["key"]["version"].clone();
+    for patch in frames[1..].iter().filter_map(|l| l.get("patch")) {
         assert_eq!(patch["base"], version, "patches follow one another");
         version = patch["version"].clone();
     }
@@ -92,16 +92,16 @@ fn a_span_begins_with_the_last_whole_picture_before_it_and_has_its_bookmarks() {
 
 #[test]
 fn files_follow_one_another_without_a_seam_and_old_ones_go() {
-    let place = Place::new("roll");
+    let place = Place::new("rotation");
     let folder = place.folder(0);
-    film(&folder, 0, 1300).finish().unwrap();
-    assert_eq!(place.reels().len(), 3);
+    record(&folder, 0, 1300).finish().unwrap();
+    assert_eq!(place.recordings().len(), 3);
     assert_eq!(folder.past(0.0, 0.0).spans, [(0.0, 1300.0)]);
     assert_eq!(cut(&folder, 590.0, 610.0).iter().filter(|l| l.get("patch").is_some()).count(), 20);
     folder.prune(1300.0, Limits { age_s: 500.0, bytes: u64::MAX });
     assert_eq!(folder.past(0.0, 2000.0).spans, [(600.0, 1300.0)]);
     folder.prune(1300.0, Limits { age_s: f64::INFINITY, bytes: 1 });
-    assert!(place.reels().is_empty() && folder.cut(0.0, 2000.0, true).is_none());
+    assert!(place.recordings().is_empty() && folder.cut(0.0, 2000.0, true).is_none());
     assert_eq!(std::fs::read_dir(&place.0).unwrap().count(), 0, "their indexes went, too");
 }
 
@@ -109,24 +109,24 @@ fn files_follow_one_another_without_a_seam_and_old_ones_go() {
 fn what_a_killed_server_wrote_is_there_after_the_restart_before_the_new_beginning() {
     let place = Place::new("killed");
     // Never finished: no index, and the file ends without its end.
-    std::mem::forget(film(&place.folder(1000), 0, 60));
+    std::mem::forget(record(&place.folder(1000), 0, 60));
     let later = place.folder(1100);
     let past = later.past(f64::NEG_INFINITY, f64::INFINITY);
     assert_eq!(past.spans, [(-100.0, -40.0)]);
     assert_eq!(past.marks.first().map(|m| m.at_s), Some(-91.0));
-    film(&later, 5, 30).finish().unwrap();
+    record(&later, 5, 30).finish().unwrap();
     assert_eq!(later.past(0.0, 0.0).spans, [(-100.0, -40.0), (5.0, 30.0)]);
     let lines = cut(&later, -45.0, 10.0);
-    let shots: Vec<f64> = lines[1..].iter().filter_map(|l| l["at"].as_f64()).collect();
-    assert!(shots.contains(&-40.0) && shots.contains(&5.0), "{shots:?}");
+    let frames: Vec<f64> = lines[1..].iter().filter_map(|l| l["at"].as_f64()).collect();
+    assert!(frames.contains(&-40.0) && frames.contains(&5.0), "{frames:?}");
     assert_eq!(lines[0]["start"], 1100.0);
 }
 
 #[test]
 fn a_file_cut_anywhere_gives_whole_lines_up_to_there() {
     let place = Place::new("cut");
-    film(&place.folder(0), 0, 60).finish().unwrap();
-    let path = place.reels().remove(0);
+    record(&place.folder(0), 0, 60).finish().unwrap();
+    let path = place.recordings().remove(0);
     let whole: Vec<String> = lines(&path).unwrap().collect();
     let bytes = std::fs::read(&path).unwrap();
     let mut most = 0;
@@ -141,18 +141,19 @@ fn a_file_cut_anywhere_gives_whole_lines_up_to_there() {
 
 #[test]
 fn an_alarm_is_a_bookmark_once_and_a_stop_by_hand_is_not_two() {
-    let mut reel = Reel::new(Arc::new(lab()), "lab".into(), None);
+    let mut recording = Recording::new(Arc::new(lab()), "lab".into(), None);
     let alarms = Alarms::default();
-    let mut shoot = |at_s, alarms: &Alarms| reel.picture(&frame(at_s, alarms)).expect("a new picture").marks;
-    assert!(shoot(0.0, &alarms).is_empty());
+    let mut take_frame =
+        |at_s, alarms: &Alarms| recording.picture(&frame(at_s, alarms)).expect("a new picture").marks;
+    assert!(take_frame(0.0, &alarms).is_empty());
     alarms.raise("journal", "the journal is slow".into(), Time::ZERO);
     alarms.raise("stopped", "by hand".into(), Time::ZERO);
-    let marks = shoot(1.0, &alarms);
+    let marks = take_frame(1.0, &alarms);
     assert_eq!(marks.len(), 1);
     assert_eq!((marks[0].kind, marks[0].words.as_str()), (Kind::Alarm, "the journal is slow"));
     alarms.raise("journal", "the journal is slower".into(), Time::ZERO);
-    assert!(shoot(2.0, &alarms).is_empty());
-    assert!(reel.picture(&frame(2.0, &alarms)).is_none(), "the same picture is none");
+    assert!(take_frame(2.0, &alarms).is_empty());
+    assert!(recording.picture(&frame(2.0, &alarms)).is_none(), "the same picture is none");
 }
 
 #[test]
@@ -161,17 +162,17 @@ fn where_the_disk_refuses_nothing_breaks_and_the_past_goes_on_later() {
     let folder = place.folder(0);
     std::fs::remove_dir(&place.0).unwrap();
     std::fs::write(&place.0, "in the way").unwrap();
-    let mut roll = Roll::new(folder.clone(), NO_LIMITS);
+    let mut rotation = Rotation::new(folder.clone(), NO_LIMITS);
     let alarms = Alarms::default();
     for s in 0..5 {
-        assert!(roll.take(&frame(f64::from(s), &alarms)).is_err());
+        assert!(rotation.take(&frame(f64::from(s), &alarms)).is_err());
     }
     assert_eq!(folder.past(0.0, 9.0), Past::default());
     std::fs::remove_file(&place.0).unwrap();
     for s in 5..30 {
-        roll.take(&frame(f64::from(s), &alarms)).unwrap();
+        rotation.take(&frame(f64::from(s), &alarms)).unwrap();
     }
-    roll.finish().unwrap();
+    rotation.finish().unwrap();
     assert_eq!(folder.past(0.0, 0.0).spans, [(5.0, 29.0)]);
     assert!(cut(&folder, 0.0, 9.0)[2].get("key").is_some(), "it begins with a whole picture");
 }

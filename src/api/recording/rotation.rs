@@ -1,10 +1,10 @@
-//! Writing a folder of reels: a new file every few minutes, old ones deleted.
+//! Writing a folder of recordings: a new file every few minutes, old ones deleted.
 //!
-//! Main types: [`Roll`], [`Limits`]. Refuses: to keep anything in memory but the last picture, and to grow without
+//! Main types: [`Rotation`], [`Limits`]. Refuses: to keep anything in memory but the last picture, and to grow without
 //! bound on the disk.
 
 use super::folder::Piece;
-use super::{Folder, Out, Reel, Shot};
+use super::{Folder, Out, RecordedFrame, Recording};
 use crate::api::live::Frame;
 use crate::fleet::Fact;
 use std::io;
@@ -26,26 +26,34 @@ pub struct Limits {
 }
 
 /// Writes a folder.
-pub struct Roll {
+pub struct Rotation {
     folder: Arc<Folder>,
     limits: Limits,
-    reel: Reel,
+    recording: Recording,
     out: Option<Out>,
     began_s: f64,
     flushed_s: f64,
-    pending: Shot,
+    pending: RecordedFrame,
 }
 
-impl Roll {
+impl Rotation {
     /// Goes on writing a folder.
-    pub fn new(folder: Arc<Folder>, limits: Limits) -> Roll {
-        let reel = Reel::new(folder.map.clone(), folder.name.clone(), folder.start);
-        Roll { folder, limits, reel, out: None, began_s: 0.0, flushed_s: 0.0, pending: Shot::default() }
+    pub fn new(folder: Arc<Folder>, limits: Limits) -> Rotation {
+        let recording = Recording::new(folder.map.clone(), folder.name.clone(), folder.start);
+        Rotation {
+            folder,
+            limits,
+            recording,
+            out: None,
+            began_s: 0.0,
+            flushed_s: 0.0,
+            pending: RecordedFrame::default(),
+        }
     }
 
     /// Takes notice of a fact.
     pub fn note(&mut self, fact: &Fact) {
-        self.reel.note(fact);
+        self.recording.note(fact);
     }
 
     /// Takes a picture.
@@ -74,21 +82,21 @@ impl Roll {
             self.close()?;
         }
         let fresh = self.out.is_none();
-        let header = if fresh { self.reel.header() } else { String::new() };
-        let Some(shot) = self.reel.picture(frame) else { return Ok(()) };
+        let header = if fresh { self.recording.header() } else { String::new() };
+        let Some(frame) = self.recording.picture(frame) else { return Ok(()) };
         if fresh {
-            (self.began_s, self.flushed_s) = (shot.at_s, shot.at_s);
-            self.folder.prune(shot.at_s, self.limits);
-            self.out = Some(self.folder.begin(shot.at_s)?);
+            (self.began_s, self.flushed_s) = (frame.at_s, frame.at_s);
+            self.folder.prune(frame.at_s, self.limits);
+            self.out = Some(self.folder.begin(frame.at_s)?);
         }
         let Some(out) = &mut self.out else { return Ok(()) };
         out.put(&header)?;
-        out.put(&shot.lines)?;
-        self.pending.at_s = shot.at_s;
-        self.pending.marks.extend(shot.marks);
-        self.pending.sums.extend(shot.sums);
-        if fresh || shot.at_s - self.flushed_s >= FLUSH_EVERY_S {
-            self.flushed_s = shot.at_s;
+        out.put(&frame.lines)?;
+        self.pending.at_s = frame.at_s;
+        self.pending.marks.extend(frame.marks);
+        self.pending.sums.extend(frame.sums);
+        if fresh || frame.at_s - self.flushed_s >= FLUSH_EVERY_S {
+            self.flushed_s = frame.at_s;
             out.flush()?;
             self.tell();
         }
