@@ -139,12 +139,12 @@ impl Sim {
 fn simulate(
     setup: &Setup,
     seed: u64,
-    ghosts: bool,
+    without_conflicts: bool,
     record: Option<&Path>,
     reel: Option<&Path>,
 ) -> anyhow::Result<Outcome> {
     let Setup { scenario, warehouse, lines, text } = setup;
-    let mut sim = Simulation::new(warehouse.clone(), scenario, lines, seed, ghosts, stopwatch);
+    let mut sim = Simulation::new(warehouse.clone(), scenario, lines, seed, without_conflicts, stopwatch);
     let mut recorder = Recorder::default();
     let mut file = record.map(super::recording::create).transpose()?;
     if let Some(file) = &mut file {
@@ -155,7 +155,7 @@ fn simulate(
         file.write(&Recorder::header(&header))?;
     }
     let mut reeler = FrameWriter::create(reel, None, &sim.fleet, scenario.name.clone())?;
-    let what = if ghosts { "bound" } else { "simulating" };
+    let what = if without_conflicts { "bound" } else { "simulating" };
     let bar = progress(scenario.duration.0 as u64 / 1_000_000, what);
     while !sim.is_over() {
         let now = sim.now();

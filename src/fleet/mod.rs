@@ -73,7 +73,7 @@ impl Fleet {
         settings: Settings,
         facts: impl IntoIterator<Item = Fact>,
     ) -> Fleet {
-        let ledger = Ledger::new(warehouse, settings.clearance(), settings.ghosts);
+        let ledger = Ledger::new(warehouse, settings.clearance(), settings.without_conflicts);
         Fleet::resume(ledger, settings, facts)
     }
 

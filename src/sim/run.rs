@@ -32,7 +32,7 @@ pub struct Simulation {
     drain: Span,
     measured: Option<(Counts, u64)>,
     tallies: Tallies,
-    ghosts: bool,
+    without_conflicts: bool,
     stopwatch: fn() -> u64,
     plan_ns: Vec<u64>,
     step_ns: Vec<u64>,
@@ -79,16 +79,16 @@ pub struct People {
 }
 
 impl Simulation {
-    /// Everything at its start. `ghosts` lets robots pass through one another.
+    /// Everything at its start. `without_conflicts` lets robots pass through one another.
     pub fn new(
         warehouse: Arc<Warehouse>,
         scenario: &Scenario,
         lines: &[OrderLine],
         seed: u64,
-        ghosts: bool,
+        without_conflicts: bool,
         stopwatch: fn() -> u64,
     ) -> Simulation {
-        let settings = Settings { ghosts, stopwatch, ..scenario.settings() };
+        let settings = Settings { without_conflicts, stopwatch, ..scenario.settings() };
         let fleet = Fleet::new(warehouse.clone(), settings);
         let world = World::new(warehouse, scenario, lines, seed, &fleet, Time::ZERO);
         Simulation {
@@ -98,10 +98,10 @@ impl Simulation {
             now: Time::ZERO,
             period: scenario.period,
             end: Time::ZERO + scenario.duration,
-            drain: if ghosts { Span::ZERO } else { scenario.drain },
+            drain: if without_conflicts { Span::ZERO } else { scenario.drain },
             measured: None,
             tallies: Tallies::default(),
-            ghosts,
+            without_conflicts,
             stopwatch,
             plan_ns: Vec::new(),
             step_ns: Vec::new(),
@@ -138,7 +138,7 @@ impl Simulation {
         let step = self.fleet.step(self.now, inputs.clone());
         self.step_ns.push((self.stopwatch)() - start);
         self.plan_ns.append(&mut self.fleet.take_plan_times());
-        if !self.ghosts {
+        if !self.without_conflicts {
             self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
         }
         self.trace.add(&step.facts);

@@ -90,7 +90,11 @@ impl World {
         let racks = fleet.ledger().racks.clone();
         let faults = scenario.faults;
         // The bound on throughput is without people.
-        let crew = if fleet.settings().ghosts { None } else { Crew::new(&warehouse, scenario, seed, now) };
+        let crew = if fleet.settings().without_conflicts {
+            None
+        } else {
+            Crew::new(&warehouse, scenario, seed, now)
+        };
         let meter = Meter::new(scenario.workers.encounter_m);
         let robots = vec![];
         let closing = scenario.areas(&warehouse, now).expect("whoever reads a scenario looks at its areas");

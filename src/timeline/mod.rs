@@ -172,7 +172,7 @@ pub struct Timeline {
     lines: IdVec<ResourceId, Line>,
     chains: BTreeMap<Holder, Chain>,
     /// Where everybody else can be driven through; only for the bound on throughput.
-    ghostly: bool,
+    without_conflicts: bool,
 }
 
 impl PartialEq for Timeline {
@@ -186,13 +186,13 @@ impl Timeline {
     /// strictly positive on a real floor, so that no ring of robots can rotate (DESIGN §5, invariant b).
     pub fn new(warehouse: Arc<Warehouse>, clearance: Span) -> Timeline {
         let lines = IdVec::filled(Line::default(), warehouse.resource_count());
-        Timeline { warehouse, clearance, lines, chains: BTreeMap::new(), ghostly: false }
+        Timeline { warehouse, clearance, lines, chains: BTreeMap::new(), without_conflicts: false }
     }
 
     /// A timeline on which holders pass through one another everywhere but at stations, where there is still only
     /// one person to pick: what the bound on throughput is measured with (DESIGN §8).
-    pub fn ghostly(warehouse: Arc<Warehouse>, clearance: Span) -> Timeline {
-        Timeline { ghostly: true, ..Timeline::new(warehouse, clearance) }
+    pub fn without_conflicts(warehouse: Arc<Warehouse>, clearance: Span) -> Timeline {
+        Timeline { without_conflicts: true, ..Timeline::new(warehouse, clearance) }
     }
 
     /// The building.
@@ -309,7 +309,7 @@ impl Timeline {
         for (serial, visit) in (first..keep).zip(&mut chain.visits).filter(|(_, v)| v.leave > leave) {
             Self::erase(&mut self.lines, &self.warehouse, holder, serial, visit);
             visit.leave = leave;
-            let context = (&*self.warehouse, self.clearance, self.ghostly);
+            let context = (&*self.warehouse, self.clearance, self.without_conflicts);
             Self::write(&mut self.lines, context, holder, serial, visit);
         }
     }
@@ -346,7 +346,7 @@ impl Timeline {
             here.lane = None;
             Self::write(
                 &mut self.lines,
-                (&self.warehouse, self.clearance, self.ghostly),
+                (&self.warehouse, self.clearance, self.without_conflicts),
                 holder,
                 first,
                 here,
@@ -408,7 +408,7 @@ impl Timeline {
                 visit.enter = now;
                 Self::write(
                     &mut self.lines,
-                    (&self.warehouse, self.clearance, self.ghostly),
+                    (&self.warehouse, self.clearance, self.without_conflicts),
                     holder,
                     s,
                     visit,
@@ -444,7 +444,7 @@ impl Timeline {
                 if on {
                     Self::write(
                         &mut self.lines,
-                        (&self.warehouse, self.clearance, self.ghostly),
+                        (&self.warehouse, self.clearance, self.without_conflicts),
                         *holder,
                         serial,
                         v,
@@ -471,7 +471,7 @@ impl Timeline {
         for v in visits {
             Self::write(
                 &mut self.lines,
-                (&self.warehouse, self.clearance, self.ghostly),
+                (&self.warehouse, self.clearance, self.without_conflicts),
                 holder,
                 chain.end(),
                 &v,
@@ -482,7 +482,7 @@ impl Timeline {
 
     /// The first clash of visits with the holds of others.
     fn check(&self, holder: Holder, visits: &[Visit]) -> Result<(), Clash> {
-        for visit in visits.iter().filter(|v| !self.ghostly || is_station(&self.warehouse, v)) {
+        for visit in visits.iter().filter(|v| !self.without_conflicts || is_station(&self.warehouse, v)) {
             for (resource, wanted) in claims(&self.warehouse, self.clearance, visit) {
                 let other = self.lines[resource].during(wanted).find(|h| h.holder != holder);
                 if let Some(h) = other {
@@ -495,12 +495,12 @@ impl Timeline {
 
     fn write(
         lines: &mut IdVec<ResourceId, Line>,
-        (warehouse, clearance, ghostly): (&Warehouse, Span, bool),
+        (warehouse, clearance, without_conflicts): (&Warehouse, Span, bool),
         holder: Holder,
         serial: u64,
         visit: &Visit,
     ) {
-        if ghostly && !is_station(warehouse, visit) {
+        if without_conflicts && !is_station(warehouse, visit) {
             return;
         }
         for (resource, window) in claims(warehouse, clearance, visit) {

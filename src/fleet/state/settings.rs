@@ -41,7 +41,7 @@ pub struct Settings {
     /// What was learned about people.
     pub model: Arc<Model>,
     /// Robots pass through one another: only for the bound on throughput.
-    pub ghosts: bool,
+    pub without_conflicts: bool,
     /// Reads any clock in nanoseconds, to tell how long searches take. Nothing is ever decided by it.
     pub stopwatch: fn() -> u64,
 }
@@ -63,7 +63,7 @@ impl Default for Settings {
             policy: HumanAwarePolicy::default(),
             method: Method::Detour,
             model: Model::builtin(),
-            ghosts: false,
+            without_conflicts: false,
             stopwatch: || 0,
         }
     }

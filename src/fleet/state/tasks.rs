@@ -107,7 +107,7 @@ impl Floor<'_> {
         let Some(station) = self.station_of(robot) else { return true };
         let paused = self.ledger.paused_stations.contains_key(&station);
         let room = bound[station] <= self.warehouse().stations[station].queue.len();
-        self.settings.ghosts || (room && !paused)
+        self.settings.without_conflicts || (room && !paused)
     }
 
     /// Whether a robot stands with its rack where it lifted it, until its station has room. It may step aside for a

@@ -49,7 +49,7 @@ impl Traffic {
         if known && !stands && !displaced && !by_hand {
             return false;
         }
-        if core.settings.ghosts || core.floor().is_in_place(seen) {
+        if core.settings.without_conflicts || core.floor().is_in_place(seen) {
             fits_again(core, robot);
             return false;
         }

@@ -65,13 +65,14 @@ pub enum Contradiction {
 }
 
 impl Ledger {
-    /// Nothing promised; racks at home. `ghostly` is for the bound on throughput only.
-    pub fn new(warehouse: Arc<Warehouse>, clearance: Span, ghostly: bool) -> Ledger {
+    /// Nothing promised; racks at home. `without_conflicts` is for the bound on throughput only.
+    pub fn new(warehouse: Arc<Warehouse>, clearance: Span, without_conflicts: bool) -> Ledger {
         let racks = warehouse.racks.iter().map(|r| RackAt::Stored(r.home)).collect();
         let served = IdVec::filled(0, warehouse.stations.len());
         let index = Index::new(&warehouse);
         let wishes = Wishes::none(warehouse.racks.len());
-        let timeline = if ghostly { Timeline::ghostly } else { Timeline::new }(warehouse, clearance);
+        let timeline =
+            if without_conflicts { Timeline::without_conflicts } else { Timeline::new }(warehouse, clearance);
         let promises = Promises {
             jobs: BTreeMap::new(),
             next_job: 1,
