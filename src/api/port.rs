@@ -6,7 +6,7 @@
 
 use crate::fleet::{
     Area, Assignment, AssignmentRequest, Backlog, Closure, Encounter, Expected, Fleet, Job, JobRequest,
-    Reply, StationOrder, Strip, View, Waiting, Why,
+    NodeOccupancy, Reply, StationOrder, View, Waiting, Why,
 };
 use crate::history::{History, Times};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, StationId, WorkerId};
@@ -178,7 +178,7 @@ pub enum Question {
     /// Why a job does not go on.
     Job(JobId, oneshot::Sender<Waits>),
     /// Who holds what in an area, for so long ahead.
-    Strips(Area, Span, oneshot::Sender<Seen<Result<Vec<Strip>, usize>>>),
+    Occupancy(Area, Span, oneshot::Sender<Seen<Result<Vec<NodeOccupancy>, usize>>>),
 }
 
 /// A chain of those who wait.
@@ -203,8 +203,8 @@ impl Question {
             Question::Job(job, reply) => {
                 let _ = reply.send(Seen { at, what: fleet.job_waits(job, at) });
             }
-            Question::Strips(area, ahead, reply) => {
-                let _ = reply.send(Seen { at, what: fleet.strips(area, ahead, at) });
+            Question::Occupancy(area, ahead, reply) => {
+                let _ = reply.send(Seen { at, what: fleet.occupancy(area, ahead, at) });
             }
         }
     }

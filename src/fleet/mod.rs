@@ -16,7 +16,7 @@ mod yielding;
 
 pub use people::forecast::{AHEAD_S, Expected};
 pub use read::backlog::{Backlog, Pending};
-pub use read::occupancy::{Area, MOST_STRIPS, Strip};
+pub use read::occupancy::{Area, MOST_NODES, NodeOccupancy};
 pub use read::view::{Counts, Doing, JobWhy, RobotState, RobotView, StationView, View, Why};
 pub use read::why::{Because, Waiting, Who};
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};

@@ -10,7 +10,7 @@ use crate::api::extract::Params;
 use crate::api::feed::FAR_M;
 use crate::api::port::Question;
 use crate::api::text::{closure_name, round3, time_text, worker_name};
-use crate::fleet::{Area, MOST_STRIPS, Strip};
+use crate::fleet::{Area, MOST_NODES, NodeOccupancy};
 use crate::geometry::Point;
 use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
@@ -120,9 +120,9 @@ pub async fn timelines(
     Params(p): Params<AreaParams>,
 ) -> Result<Json<TimelinesDto>, Problem> {
     let (area, ahead) = p.read()?;
-    let seen = api.query(|reply| Question::Strips(area, ahead, reply)).await?;
+    let seen = api.query(|reply| Question::Occupancy(area, ahead, reply)).await?;
     let strips = seen.what.map_err(|count| {
-        let detail = format!("{count} nodes lie there; at most {MOST_STRIPS} at once: choose a smaller area");
+        let detail = format!("{count} nodes lie there; at most {MOST_NODES} at once: choose a smaller area");
         Problem::invalid(vec![FieldError::new("area", detail)])
     })?;
     let moment = api.moment();
@@ -152,7 +152,7 @@ impl AreaParams {
     }
 }
 
-fn strip(names: Names, strip: &Strip, at: Time) -> StripDto {
+fn strip(names: Names, strip: &NodeOccupancy, at: Time) -> StripDto {
     let place = names.map.nodes[strip.node].at;
     StripDto {
         id: names.node(strip.node),

@@ -1,7 +1,7 @@
 //! What the planner sees of a part of the floor: per node who holds it when, and what people and closures mean there.
 //!
-//! Main type: [`Strip`]. Worked out on demand for an area. Refuses: areas of more than [`MOST_STRIPS`] nodes, since
-//! nobody could read them, and lanes, whose holds are those of the nodes at their ends.
+//! Main type: [`NodeOccupancy`]. Worked out on demand for an area. Refuses: areas of more than [`MOST_NODES`] nodes,
+//! since nobody could read them, and lanes, whose holds are those of the nodes at their ends.
 
 use crate::fleet::Fleet;
 use crate::geometry::Point;
@@ -11,14 +11,14 @@ use crate::time::{Span, Time, Window};
 use crate::timeline::Held;
 
 /// The most nodes at once.
-pub const MOST_STRIPS: usize = 200;
+pub const MOST_NODES: usize = 200;
 
 /// Who was there a moment ago is still shown.
 const BACK: Span = Span::from_secs(5);
 
 /// One node, from a moment ago on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Strip {
+pub struct NodeOccupancy {
     /// Which.
     pub node: NodeId,
     /// Who holds it, or something in conflict with it, in order.
@@ -37,29 +37,29 @@ pub struct Area {
 }
 
 impl Fleet {
-    /// The strips of all nodes in an area, from the top left on, for so long ahead.
+    /// The occupancy of all nodes in an area, from the top left on, for so long ahead.
     ///
     /// # Errors
     /// How many nodes there are, where they are too many.
-    pub fn strips(&self, area: Area, ahead: Span, now: Time) -> Result<Vec<Strip>, usize> {
+    pub fn occupancy(&self, area: Area, ahead: Span, now: Time) -> Result<Vec<NodeOccupancy>, usize> {
         let within =
             |p: Point| (area.low.x..=area.high.x).contains(&p.x) && (area.low.y..=area.high.y).contains(&p.y);
         let nodes = &self.core.warehouse().nodes;
         let mut found: Vec<NodeId> = nodes.pairs().filter(|(_, n)| within(n.at)).map(|(id, _)| id).collect();
-        if found.len() > MOST_STRIPS {
+        if found.len() > MOST_NODES {
             return Err(found.len());
         }
         let place = |n: &NodeId| nodes[*n].at;
         found.sort_by(|a, b| place(b).y.total_cmp(&place(a).y).then(place(a).x.total_cmp(&place(b).x)));
         let window = Window::new(now - BACK, now + ahead);
-        Ok(found.into_iter().map(|node| self.strip(node, window)).collect())
+        Ok(found.into_iter().map(|node| self.node_occupancy(node, window)).collect())
     }
 
-    fn strip(&self, node: NodeId, window: Window) -> Strip {
+    fn node_occupancy(&self, node: NodeId, window: Window) -> NodeOccupancy {
         let resource = self.core.warehouse().node_resource(node);
         let holds = self.core.ledger.timeline().holds(resource, window).collect();
         let conditions = self.core.restrictions.conditions.of(node).iter();
         let conditions = conditions.filter(|c| c.window.overlaps(window)).copied().collect();
-        Strip { node, holds, conditions }
+        NodeOccupancy { node, holds, conditions }
     }
 }

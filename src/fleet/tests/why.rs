@@ -162,8 +162,9 @@ fn strips_say_who_holds_the_nodes_of_an_area_and_what_is_closed_there() {
     floor.step(vec![]);
     let at = floor.fleet.warehouse().nodes[node].at;
     let d = nalgebra::Vector2::new(0.1, 0.1);
-    let strips =
-        |f: &Floor, ahead| f.fleet.strips(Area { low: at - d, high: at + d }, Span::from_secs(ahead), f.now);
+    let strips = |f: &Floor, ahead| {
+        f.fleet.occupancy(Area { low: at - d, high: at + d }, Span::from_secs(ahead), f.now)
+    };
     let found = strips(&floor, 60).unwrap();
     assert_eq!((found.len(), found[0].node), (1, node));
     let hold = found[0].holds.iter().find(|h| h.holder == Holder::Robot(robot)).expect("it stands there");
@@ -172,8 +173,8 @@ fn strips_say_who_holds_the_nodes_of_an_area_and_what_is_closed_there() {
     assert!(strips(&floor, 20).unwrap()[0].conditions.is_empty(), "it begins later than that");
     let all = Area { low: Point::new(-1e3, -1e3), high: Point::new(1e3, 1e3) };
     let count = floor.fleet.warehouse().nodes.len();
-    let of_all = floor.fleet.strips(all, Span::from_secs(60), floor.now);
-    assert_eq!(of_all.map(|s| s.len()), if count > MOST_STRIPS { Err(count) } else { Ok(count) });
+    let of_all = floor.fleet.occupancy(all, Span::from_secs(60), floor.now);
+    assert_eq!(of_all.map(|s| s.len()), if count > MOST_NODES { Err(count) } else { Ok(count) });
 }
 
 #[test]
