@@ -109,9 +109,11 @@ type Seen = (u32, i64, u32, u64, f64, f64, Option<f64>, f64, u8);
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Other {
-    Enlist(String, u32),
+    #[serde(rename = "enlist")]
+    Register(String, u32),
     /// Of a kind that is not the usual one.
-    EnlistAs(String, u32, String),
+    #[serde(rename = "enlist_as")]
+    RegisterAs(String, u32, String),
     Maintain(u64, u32, bool),
     Submit {
         token: u64,
@@ -122,7 +124,8 @@ enum Other {
         key: Option<String>,
     },
     Cancel(u64, u64),
-    Hire(u64, String),
+    #[serde(rename = "hire")]
+    RegisterWorker(u64, String),
     Clear(u64, u32),
     Assign {
         token: u64,
@@ -264,12 +267,14 @@ fn sighted(s: &Sighting) -> Seen {
 
 fn asked(input: &Input) -> Other {
     match input {
-        Input::Register { name, kind, node, .. } if kind == USUAL_KIND => Other::Enlist(name.clone(), node.0),
-        Input::Register { name, kind, node, .. } => Other::EnlistAs(name.clone(), node.0, kind.clone()),
+        Input::Register { name, kind, node, .. } if kind == USUAL_KIND => {
+            Other::Register(name.clone(), node.0)
+        }
+        Input::Register { name, kind, node, .. } => Other::RegisterAs(name.clone(), node.0, kind.clone()),
         Input::Maintain { token, robot, begins } => Other::Maintain(*token, robot.0, *begins),
         Input::Submit { token, request } => submit(*token, request),
         Input::Cancel { token, job } => Other::Cancel(*token, job.0),
-        Input::RegisterWorker { token, name } => Other::Hire(*token, name.clone()),
+        Input::RegisterWorker { token, name } => Other::RegisterWorker(*token, name.clone()),
         Input::ClearWorker { token, worker } => Other::Clear(*token, worker.0),
         Input::Assign { token, worker, request: r } => {
             let (what, key) = (r.what.clone(), r.key.clone());
@@ -409,8 +414,8 @@ fn joins(name: String, kind: String, node: u32) -> Input {
 
 fn other(o: Other) -> Input {
     match o {
-        Other::Enlist(name, node) => joins(name, USUAL_KIND.to_owned(), node),
-        Other::EnlistAs(name, node, kind) => joins(name, kind, node),
+        Other::Register(name, node) => joins(name, USUAL_KIND.to_owned(), node),
+        Other::RegisterAs(name, node, kind) => joins(name, kind, node),
         Other::Maintain(token, robot, begins) => Input::Maintain { token, robot: RobotId(robot), begins },
         Other::Halt(token, robot) => Input::Halt { token, robot: robot.map(RobotId) },
         Other::Release(token, robot) => Input::Release { token, robot: robot.map(RobotId) },
@@ -419,7 +424,7 @@ fn other(o: Other) -> Input {
             Input::Station { token, station: StationId(station), order: order.into() }
         }
         Other::Cancel(token, job) => Input::Cancel { token, job: JobId(job) },
-        Other::Hire(token, name) => Input::RegisterWorker { token, name },
+        Other::RegisterWorker(token, name) => Input::RegisterWorker { token, name },
         Other::Clear(token, worker) => Input::ClearWorker { token, worker: WorkerId(worker) },
         Other::Assign { token, worker, place, stay, what, key } => {
             let request = AssignmentRequest { place: NodeId(place), stay: Span(stay), what, key };

@@ -10,11 +10,11 @@
 //! reads thousands, so writes are widened and reads are not. Lists stay short (tens of holds), so a sorted
 //! vector with binary search beats a tree.
 
-mod cut;
 mod delay;
 mod held;
 mod line;
 mod restore;
+mod truncate;
 
 pub use cut::Kept;
 pub use delay::{Shift, Slip};
@@ -422,7 +422,7 @@ impl Timeline {
     ///
     /// # Panics
     /// If `serial` is not granted.
-    pub fn recall(&mut self, holder: Holder, serial: u64) {
+    pub fn revoke(&mut self, holder: Holder, serial: u64) {
         let chain = self.chains.get_mut(&holder).expect("only holders are called back");
         assert!((chain.first..chain.granted).contains(&serial), "{holder:?} keeps what it was granted");
         chain.granted = serial + 1;

@@ -121,7 +121,7 @@ proptest! {
         let last = (1..=granted).take_while(|s| timeline.waits_for(first, *s).is_none()).last().unwrap_or(0);
         timeline.grant(first, last, Time(now));
         let kept = kept.min(last);
-        timeline.recall(first, kept);
+        timeline.revoke(first, kept);
         timeline.assert_sound();
         for by in late {
             let depart = timeline.chain(first).unwrap().get(kept).unwrap().depart + Span(by);

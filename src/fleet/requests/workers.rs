@@ -14,15 +14,15 @@ impl Intake<'_> {
     /// Takes a request about people in.
     pub(in crate::fleet) fn absorb_request(&mut self, input: Input, now: Time) {
         let (token, answer) = match input {
-            Input::RegisterWorker { token, name } => (token, self.hire(token, name, now)),
-            Input::Assign { token, worker, request } => (token, self.hand_out(token, worker, request, now)),
+            Input::RegisterWorker { token, name } => (token, self.register_worker(token, name, now)),
+            Input::Assign { token, worker, request } => (token, self.assign(token, worker, request, now)),
             Input::Unassign { token, assignment } => (token, self.take_back(token, assignment, now)),
             Input::Finish { token, worker, assignment } => {
                 (token, self.finish(token, worker, assignment, now))
             }
             Input::Close { token, area } => (token, self.close(token, area)),
             Input::Reopen { token, closure } => (token, self.reopen(token, closure, now)),
-            Input::ClearWorker { token, worker } => (token, self.clear(token, worker)),
+            Input::ClearWorker { token, worker } => (token, self.clear_worker(token, worker)),
             Input::Halt { token, robot } => (token, self.halt(token, robot, now)),
             Input::Release { token, robot } => (token, self.release(token, robot, now)),
             Input::Station { token, station, order } => {
@@ -38,7 +38,7 @@ impl Intake<'_> {
         self.core.out.replies.push(answer.unwrap_or_else(|why| Reply::Refused { token, why }));
     }
 
-    fn hire(&mut self, token: u64, name: String, now: Time) -> Result<Reply, Refusal> {
+    fn register_worker(&mut self, token: u64, name: String, now: Time) -> Result<Reply, Refusal> {
         let known = self.core.ledger.workers.pairs().find(|(_, n)| **n == name).map(|(w, _)| w);
         if let Some(worker) = known {
             return Ok(Reply::WorkerRegistered { token, worker, new: false });
@@ -51,7 +51,7 @@ impl Intake<'_> {
         Ok(Reply::WorkerRegistered { token, worker, new: true })
     }
 
-    fn hand_out(
+    fn assign(
         &mut self,
         token: u64,
         worker: WorkerId,
@@ -131,7 +131,7 @@ impl Intake<'_> {
         Ok(Reply::Done { token })
     }
 
-    fn clear(&mut self, token: u64, worker: WorkerId) -> Result<Reply, Refusal> {
+    fn clear_worker(&mut self, token: u64, worker: WorkerId) -> Result<Reply, Refusal> {
         if self.core.ledger.workers.get(worker).is_none() {
             return Err(Refusal::UnknownWorker(worker));
         }

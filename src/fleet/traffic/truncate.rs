@@ -43,7 +43,7 @@ impl Floor<'_> {
     pub(super) fn kept_by(&self, robots: BTreeSet<RobotId>) -> Vec<Kept> {
         let stuck = |r| (Holder::Robot(r), self.ledger.robots[r].failed);
         let holders: Vec<(Holder, bool)> = robots.into_iter().map(stuck).collect();
-        let kept = self.ledger.timeline().cut_down(&holders);
+        let kept = self.ledger.timeline().truncation(&holders);
         kept.into_iter().map(|(h, end, shifts)| Kept { robot: robot_of(h), end, shifts }).collect()
     }
 

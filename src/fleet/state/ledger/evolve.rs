@@ -39,7 +39,7 @@ impl Ledger {
                 assert_eq!(id, *worker, "workers are numbered in order");
             }
             Fact::Assigned { assignment, worker, request, at } => {
-                self.hand_out(*assignment, *worker, request, *at);
+                self.assign(*assignment, *worker, request, *at);
             }
             Fact::Advanced { assignment, state, .. } => self.advance(*assignment, *state),
             Fact::Closed { closure, area } => {
@@ -66,7 +66,9 @@ impl Ledger {
     /// Facts that change what robots hold, do or are.
     fn take_in_of_robots(&mut self, fact: &Fact) {
         match fact {
-            Fact::Registered { robot, name, kind, node, at } => self.enlist(*robot, (name, kind), *node, *at),
+            Fact::Registered { robot, name, kind, node, at } => {
+                self.register(*robot, (name, kind), *node, *at)
+            }
             Fact::Tasked { robot, task } => self.task(*robot, *task),
             Fact::Routed { bookings } => self.route(bookings),
             Fact::Granted { robot, serial, at } => {
@@ -74,7 +76,7 @@ impl Ledger {
             }
             Fact::Revoked { robot, serial, recalls, .. } => {
                 self.promises.robots[*robot].recalls = *recalls;
-                self.timeline.recall(Holder::Robot(*robot), *serial);
+                self.timeline.revoke(Holder::Robot(*robot), *serial);
             }
             Fact::Passed { robot, serial } => self.timeline.release(Holder::Robot(*robot), *serial),
             Fact::Acted { robot, serial } => self.act(*robot, *serial),
@@ -83,7 +85,7 @@ impl Ledger {
                     moved.iter().map(|m| (Holder::Robot(m.robot), m.shifts.as_slice())).collect();
                 self.timeline.slide(&slip);
             }
-            Fact::Truncated { robots } => self.cut(robots),
+            Fact::Truncated { robots } => self.truncate(robots),
             Fact::Placed { robot, node, serial, cut, at } => self.place(*robot, *node, *serial, cut, *at),
             Fact::Failed { robot, .. } => self.promises.robots[*robot].failed = true,
             Fact::Repaired { robot, .. } => {
@@ -129,7 +131,7 @@ impl Ledger {
         }
     }
 
-    fn hand_out(&mut self, id: AssignmentId, worker: WorkerId, request: &AssignmentRequest, at: Time) {
+    fn assign(&mut self, id: AssignmentId, worker: WorkerId, request: &AssignmentRequest, at: Time) {
         assert_eq!(id.0, self.promises.next_assignment, "assignments are numbered in order");
         self.promises.next_assignment += 1;
         if let Some(key) = &request.key {
@@ -150,7 +152,7 @@ impl Ledger {
         }
     }
 
-    fn enlist(&mut self, robot: RobotId, (name, kind): (&str, &str), node: NodeId, at: Time) {
+    fn register(&mut self, robot: RobotId, (name, kind): (&str, &str), node: NodeId, at: Time) {
         let id = self.promises.robots.push(Robot {
             name: name.to_owned(),
             kind: kind.to_owned(),
@@ -276,7 +278,7 @@ impl Ledger {
         }
     }
 
-    fn cut(&mut self, robots: &[Kept]) {
+    fn truncate(&mut self, robots: &[Kept]) {
         self.timeline.keep(&kept(robots));
         self.interrupt(robots);
     }

@@ -13,7 +13,7 @@ pub type Kept<'a> = (Holder, u64, &'a [Shift]);
 impl Timeline {
     /// What stays if these holders lose what was not granted to them: they keep their last granted visit for ever, and
     /// those of which `stuck` is true keep every granted visit for ever. Nothing is changed.
-    pub fn cut_down(&self, holders: &[(Holder, bool)]) -> Vec<(Holder, u64, Vec<Shift>)> {
+    pub fn truncation(&self, holders: &[(Holder, bool)]) -> Vec<(Holder, u64, Vec<Shift>)> {
         let kept = |&(holder, stuck): &(Holder, bool)| {
             let chain = &self.chains[&holder];
             let shifts = (chain.first..chain.granted).filter_map(|serial| {
