@@ -16,11 +16,11 @@ mod line;
 mod restore;
 mod truncate;
 
-pub use cut::Kept;
 pub use delay::{Shift, Slip};
 pub use held::Held;
 pub use line::{FreeWindow, Layer};
 pub use restore::{ChainParts, Flaw};
+pub use truncate::Kept;
 
 use crate::id::{IdVec, NodeId, ResourceId, RobotId, WorkerId};
 use crate::time::{Span, Time, Window};

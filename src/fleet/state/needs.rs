@@ -38,6 +38,8 @@ impl Needs {
 
     /// How long a robot has needed a route.
     pub fn waited(&self, robot: RobotId, now: Time) -> Span {
-        self.waiting.get(&robot).map_or(Span::ZERO, |n| now - n.since)
+        let waited = self.waiting.get(&robot).map_or(Span::ZERO, |n| now - n.since);
+        debug_assert!(waited >= Span::ZERO, "{robot:?} needs a route from later on");
+        waited
     }
 }

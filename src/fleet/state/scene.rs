@@ -66,6 +66,7 @@ impl Scene {
 
     /// A robot is where the ledger has it. What was wrong before, if anything was.
     pub fn place(&mut self, robot: RobotId) -> Option<Displaced> {
+        debug_assert!(self.robot(robot).is_some(), "{robot:?} is placed and was never seen");
         self.robot_mut(robot).placed = true;
         self.displaced.remove(&robot)
     }

@@ -107,6 +107,7 @@ impl YieldingState {
     /// For whom a robot has been standing for so long that it should leave: for one, or for some who take turns.
     pub fn stood_for(&self, robot: RobotId, now: Time) -> Option<WorkerId> {
         let standing = self.of(robot).stands?;
+        debug_assert!(standing.since <= standing.facing_since, "{robot:?} stood for one before it stood");
         let long = now - standing.facing_since > STANDS || now - standing.since > STANDS * 2;
         long.then_some(standing.worker)
     }

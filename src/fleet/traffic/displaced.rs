@@ -177,6 +177,10 @@ fn take_up(core: &mut Core, robot: RobotId, node: NodeId, now: Time) {
         }
         Task::Deliver { .. } | Task::Store { .. } | Task::Idle => {}
     }
+    debug_assert!(
+        core.floor().granted_to_another(robot, node).is_none(),
+        "{robot:?} stands in another's way"
+    );
     let serial = core.ledger.chain(robot).end();
     let cut = core.floor().truncated_for_place(robot, node);
     core.record(Fact::Placed { robot, node, serial, cut, at: now });
@@ -201,6 +205,7 @@ fn displace(core: &mut Core, seen: &Telemetry, why: Displacement, now: Time) {
     if !core.ledger.robots[robot].failed {
         fail(core, robot, now);
     }
+    assert!(core.ledger.robots[robot].failed, "{robot:?} is displaced and counts as failed");
 }
 
 /// Closes the floor where robots stand that are off everything they hold. To be called in every step, behind

@@ -12,6 +12,7 @@ use crate::time::Time;
 /// A robot stops for good: its job goes to another if it cannot lift the rack any more, and all robots whose way
 /// leads over its place lose that way.
 pub(super) fn fail(core: &mut Core, robot: RobotId, now: Time) {
+    assert!(!core.ledger.robots[robot].failed, "{robot:?} fails twice");
     core.record(Fact::Failed { robot, at: now });
     give_up(core, robot, now);
 }

@@ -16,5 +16,6 @@ pub(in crate::fleet) fn fence(core: &mut Core, robot: RobotId, now: Time) {
     if known && core.ledger.robots[robot].fenced.is_none() {
         core.record(Fact::Fenced { robot, at: now });
         give_up(core, robot, now);
+        assert!(core.ledger.robots[robot].failed, "{robot:?} is fenced off and counts as failed");
     }
 }

@@ -78,6 +78,7 @@ fn extend_grant(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: 
     }
     if serial > first {
         debug_assert!(core.ledger.timeline().waits_for(Holder::Robot(robot), first).is_none());
+        assert!(!core.floor().is_halted(robot), "{robot:?} is to stand and is granted more");
         core.record(Fact::Granted { robot, serial: serial - 1, at: now });
     }
     withheld
@@ -96,6 +97,7 @@ fn send(core: &mut Core, robot: RobotId, now: Time) {
         })
         .collect();
     let recalls = core.ledger.robots[robot].recalls;
+    debug_assert_eq!(grant.serials().next(), Some(chain.first()), "orders begin where {robot:?} is");
     core.out.commands.push((robot, Command::Drive { grant, waypoints, recalls }));
     core.scene.robot_mut(robot).told = Some(now);
 }

@@ -27,6 +27,7 @@ impl Traffic {
         }
         let start = (core.settings.stopwatch)();
         let others = self.influencers(core, robot, now);
+        assert!(others.len() <= OTHERS && !others.contains(&robot), "{robot:?} moves {others:?}");
         let mut best: Option<(i64, Vec<Found>)> = None;
         for size in 1..=others.len() {
             for order in orders(robot, &others[..size]) {

@@ -40,7 +40,9 @@ impl Traffic {
             }
             // What is granted is done before anything else is planned: the robot may be at it already.
             let fit = core.scene.fit(robot, now).is_some() && !core.floor().next_stop_is_granted(robot);
-            if !fit || !core.floor().station_has_room(robot, &bound) {
+            // Another robot may have been planned together with it just now.
+            let needs = core.floor().lacks_route(robot);
+            if !fit || !needs || !core.floor().station_has_room(robot, &bound) {
                 continue;
             }
             let waited = self.needs.waited(robot, now);
@@ -83,6 +85,7 @@ impl Traffic {
 
     /// One robot, one search; gives the expansions spent.
     fn plan_one(&mut self, core: &mut Core, robot: RobotId, now: Time) -> u32 {
+        debug_assert!(core.floor().lacks_route(robot), "{robot:?} has the route that its task asks for");
         self.choose_storage(core, robot);
         let stages = core.floor().stages(robot);
         match self.search(core, robot, &stages, now) {
@@ -134,6 +137,7 @@ impl Traffic {
         now: Time,
     ) -> Result<Route, NoRoute> {
         core.at_hand = Some(robot);
+        debug_assert!(!core.ledger.robots[robot].failed, "{robot:?} has failed and goes nowhere");
         let holder = Holder::Robot(robot);
         let (from, heading) = core.floor().grant_end(robot);
         let ready = now.max(from.arrive) + core.settings.period;

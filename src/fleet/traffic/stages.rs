@@ -79,6 +79,14 @@ impl Floor<'_> {
             (kept.depart, kept.leave, kept.stay) = (again.arrive, gone, Span::ZERO);
             visits.insert(0, again);
         }
+        let last = visits.last().unwrap_or(&kept);
+        let lasts = last.leave.is_forever() && self.warehouse().kind(last.node).is_lasting();
+        assert!(lasts, "a route of {robot:?} ends where it may not stay for ever: {last:?}");
+        assert_eq!(
+            kept.node,
+            self.grant_end(robot).0.node,
+            "a route of {robot:?} begins where its grant ends"
+        );
         let acts = self.acts(robot, &self.stages_left(robot));
         let serials = stops.iter().map(|s| keep + (s + usize::from(here)) as u64);
         let stops = serials.zip(acts).map(|(serial, act)| Stop { serial, act }).collect();

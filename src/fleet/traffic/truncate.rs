@@ -15,6 +15,7 @@ use std::collections::{BTreeSet, VecDeque};
 pub(in crate::fleet) fn truncate_behind(core: &mut Core, broken: RobotId) {
     let found = core.floor().all_behind(BTreeSet::from([broken]), None);
     let robots = core.floor().kept_by(found);
+    debug_assert!(robots.iter().any(|kept| kept.robot == broken), "{broken:?} keeps what it was granted");
     core.record(Fact::Truncated { robots });
 }
 
