@@ -10,6 +10,7 @@
 //! reads thousands, so writes are widened and reads are not. Lists stay short (tens of holds), so a sorted
 //! vector with binary search beats a tree.
 
+mod chains;
 mod delay;
 mod held;
 mod line;
@@ -25,8 +26,9 @@ pub use truncate::Kept;
 use crate::id::{IdVec, NodeId, ResourceId, RobotId, WorkerId};
 use crate::time::{Span, Time, Window};
 use crate::warehouse::{NodeKind, Warehouse};
+use chains::Chains;
 use line::{Hold, Line};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 use std::fmt;
 use std::sync::Arc;
 
@@ -170,7 +172,7 @@ pub struct Timeline {
     warehouse: Arc<Warehouse>,
     clearance: Span,
     lines: IdVec<ResourceId, Line>,
-    chains: BTreeMap<Holder, Chain>,
+    chains: Chains,
     /// Where everybody else can be driven through; only for the bound on throughput.
     without_conflicts: bool,
 }
@@ -186,7 +188,7 @@ impl Timeline {
     /// strictly positive on a real floor, so that no ring of robots can rotate (DESIGN §5, invariant b).
     pub fn new(warehouse: Arc<Warehouse>, clearance: Span) -> Timeline {
         let lines = IdVec::filled(Line::default(), warehouse.resource_count());
-        Timeline { warehouse, clearance, lines, chains: BTreeMap::new(), without_conflicts: false }
+        Timeline { warehouse, clearance, lines, chains: Chains::default(), without_conflicts: false }
     }
 
     /// A timeline on which holders pass through one another everywhere but at stations, where there is still only
@@ -207,7 +209,7 @@ impl Timeline {
 
     /// Everyone who holds something, with their visits.
     pub fn chains(&self) -> impl Iterator<Item = (Holder, &Chain)> {
-        self.chains.iter().map(|(h, c)| (*h, c))
+        self.chains.iter()
     }
 
     /// The visits of one holder.
@@ -533,7 +535,7 @@ impl Timeline {
         for r in self.lines.ids() {
             self.lines[r].assert_sound(|| self.warehouse.resource_name(r));
         }
-        for (holder, chain) in &self.chains {
+        for (holder, chain) in self.chains.iter() {
             for pair in chain.visits.iter().zip(chain.visits.iter().skip(1)) {
                 let (a, b) = pair;
                 assert!(in_order(a, b), "{holder:?} has visits out of order: {a:?} then {b:?}");

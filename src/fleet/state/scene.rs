@@ -3,10 +3,11 @@
 //! Main types: [`Scene`], [`Seen`]. Refuses: older observations than it has, and to trust any for ever.
 
 use crate::fleet::state::displaced::Displaced;
+use crate::fleet::state::fault::Fault;
 use crate::fleet::state::io::Telemetry;
 use crate::id::{Dense, RobotId};
 use crate::time::{Span, Time};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// After this long without an observation a robot is silent: it gets no new grants.
 pub const SILENCE: Span = Span::from_secs(3);
@@ -26,6 +27,8 @@ pub struct Seen {
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     robots: Vec<Seen>,
+    /// Robots that say that something is wrong with them.
+    faulty: BTreeSet<RobotId>,
     /// Robots that cannot go on from where they stand.
     displaced: BTreeMap<RobotId, Displaced>,
 }
@@ -34,8 +37,14 @@ impl Scene {
     /// Takes an observation in; an older one than the newest is ignored.
     pub fn see(&mut self, t: Telemetry) {
         let seen = self.robot_mut(t.robot);
-        if seen.newest.is_none_or(|n| n.seen < t.seen) {
-            seen.newest = Some(t);
+        if seen.newest.is_some_and(|n| n.seen >= t.seen) {
+            return;
+        }
+        let before = seen.newest.replace(t).and_then(|n| n.fault);
+        match t.fault {
+            Some(_) => _ = self.faulty.insert(t.robot),
+            None if before.is_some() => _ = self.faulty.remove(&t.robot),
+            None => {}
         }
     }
 
@@ -52,6 +61,12 @@ impl Scene {
     /// A robot that was heard of lately and can drive.
     pub fn fit(&self, robot: RobotId, now: Time) -> Option<&Telemetry> {
         self.robot(robot).filter(|t| !t.cannot_drive() && now - t.seen <= SILENCE)
+    }
+
+    /// Robots that say that something is wrong with them, with what, if they were heard of lately and can drive.
+    pub fn faults(&self, now: Time) -> Vec<(RobotId, Fault)> {
+        let fault = |r: &RobotId| Some((*r, self.fit(*r, now)?.fault?));
+        self.faulty.iter().filter_map(fault).collect()
     }
 
     /// Whether a robot was heard of lately.

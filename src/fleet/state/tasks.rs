@@ -45,8 +45,8 @@ impl Floor<'_> {
     /// Whether a robot stands at a charger, and does not say that it gets no current there.
     pub fn at_charger(&self, robot: RobotId) -> bool {
         let here = self.warehouse().nodes[self.ledger.node_of(robot)].kind;
-        let gets_none = self.scene.robot(robot).is_some_and(|t| t.fault == Some(Fault::Unplugged));
-        here == NodeKind::Charger && !gets_none
+        let gets_none = || self.scene.robot(robot).is_some_and(|t| t.fault == Some(Fault::Unplugged));
+        here == NodeKind::Charger && !gets_none()
     }
 
     /// Whether a job leads to a place that is closed, or will be soon.

@@ -6,7 +6,6 @@
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::ledger;
 use crate::fleet::traffic::state::Traffic;
 use crate::id::{NodeId, RobotId};
 use crate::route::{Cause, Condition, Effect};
@@ -22,12 +21,11 @@ impl Traffic {
     /// Notes where robots are obstructed, or get no current; closes those places while they are noted. To be called in
     /// every step, behind whatever makes the other restrictions.
     pub(in crate::fleet) fn close_obstructed(&mut self, core: &mut Core, now: Time) {
-        for robot in ledger::all(&core.ledger.robots) {
-            let fault = core.scene.fit(robot, now).and_then(|t| t.fault);
+        for (robot, fault) in core.scene.faults(now) {
             let floor = core.floor();
             let node = match fault {
-                Some(Fault::Obstructed) => floor.obstructed_at(robot).map(|n| (n, now + CLOSED)),
-                Some(Fault::Unplugged) => floor.unplugged_at(robot).map(|n| (n, now + OUT_OF_ORDER)),
+                Fault::Obstructed => floor.obstructed_at(robot).map(|n| (n, now + CLOSED)),
+                Fault::Unplugged => floor.unplugged_at(robot).map(|n| (n, now + OUT_OF_ORDER)),
                 _ => None,
             };
             if let Some((node, until)) = node {
@@ -48,8 +46,8 @@ impl Traffic {
 
     /// Calls obstructed robots back to the node that they reached last.
     pub(in crate::fleet) fn revoke_obstructed(&mut self, core: &mut Core, now: Time) {
-        for robot in ledger::all(&core.ledger.robots) {
-            if core.scene.fit(robot, now).is_some_and(|t| t.fault == Some(Fault::Obstructed)) {
+        for (robot, fault) in core.scene.faults(now) {
+            if fault == Fault::Obstructed {
                 self.revoke_grant(core, robot, now);
             }
         }

@@ -8,6 +8,7 @@ use crate::aware::{
 };
 use crate::fleet::people::state::{HumanState, Mode, STROLL_MPS};
 use crate::fleet::state::core::Core;
+use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Command;
 use crate::fleet::state::worker::Reaction;
@@ -149,22 +150,21 @@ impl SpeedLimits<'_> {
         present: &[(WorkerId, Whereabouts)],
         now: Time,
     ) -> (Option<f64>, Option<WorkerId>) {
+        let seen = self.floor.scene.robot(robot);
+        let is_obstructed = seen.is_some_and(|t| t.fault == Some(Fault::Obstructed));
+        let returns = || self.traffic.comes_back_to(self.floor, robot).is_some();
+        let is_displaced = self.floor.scene.displaced(robot).is_some();
+        let stands = self.floor.is_halted(robot) || is_displaced || is_obstructed && !returns();
+        if stands || self.traffic.drives_into(self.floor, robot).is_some() {
+            return (Some(0.0), None);
+        }
+        if present.is_empty() {
+            return (None, None);
+        }
         let at = self.floor.place_of(robot);
-        let speed = self.floor.scene.robot(robot).map_or(0.0, |t| t.speed_mps);
+        let speed = seen.map_or(0.0, |t| t.speed_mps);
         let loaded = self.floor.ledger.rack_on(robot).is_some();
         let mut slowest: (Option<f64>, Option<WorkerId>) = (None, None);
-        let is_displaced = self.floor.scene.displaced(robot).is_some();
-        if self.floor.obstructed_at(robot).is_some()
-            && self.traffic.comes_back_to(self.floor, robot).is_none()
-        {
-            return (Some(0.0), None);
-        }
-        if self.floor.is_halted(robot)
-            || is_displaced
-            || self.traffic.drives_into(self.floor, robot).is_some()
-        {
-            return (Some(0.0), None);
-        }
         for (worker, w) in present {
             let distance = (at - w.at).norm() - w.reach_m;
             if distance > FAR_M {
