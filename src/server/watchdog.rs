@@ -7,7 +7,7 @@
 use super::start::panic_text;
 use crate::api::displaced::words;
 use crate::api::port::Alarms;
-use crate::fleet::{Fleet, Ledger, Task};
+use crate::fleet::{Fault, Fleet, Ledger, Task};
 use crate::id::RobotId;
 use crate::sim::laws::STUCK;
 use crate::time::{Span, Time};
@@ -20,6 +20,8 @@ const STANDS: &str = "progress";
 const BEYOND: &str = "grant";
 /// The alarm while a robot stands where it is not booked.
 const DISPLACED: &str = "displaced";
+/// The alarm while a robot says that something is wrong that only a person can put right.
+const FAULTS: &str = "faults";
 /// The alarm when what was promised contradicts itself.
 const UNSOUND: &str = "ledger";
 /// Robots are looked at this often.
@@ -51,6 +53,8 @@ impl Watchdog {
         });
         let displaced = displaced(fleet);
         set(alarms, DISPLACED, now, &displaced, str::to_owned);
+        let faults = faults(fleet);
+        set(alarms, FAULTS, now, &faults, |names| format!("a person is needed: {names}."));
         let beyond = beyond_grant(fleet);
         set(alarms, BEYOND, now, &beyond, |names| {
             format!("beyond what was granted, as they say: {names}. Stop them and see where they are.")
@@ -88,6 +92,18 @@ fn displaced(fleet: &Fleet) -> Vec<String> {
     let name = |r: RobotId| ledger.robots[r].name.clone();
     let found = ledger.robots.ids().filter_map(|r| Some((r, fleet.displacement(r)?)));
     found.map(|(r, why)| format!("{} {}", name(r), words(map, name, why))).collect()
+}
+
+/// Robots that a person has to look after, each with why. A robot that is broken counts as failed and is listed as
+/// that; one that is driven by hand has a person with it; an obstructed one looks for another way.
+fn faults(fleet: &Fleet) -> Vec<String> {
+    let words = |robot: RobotId| match fleet.telemetry(robot)?.fault? {
+        Fault::EmergencyStop => Some("emergency stop pressed"),
+        Fault::Unplugged => Some("no current from its charger"),
+        Fault::Broken | Fault::Manual | Fault::Obstructed => None,
+    };
+    let robots = fleet.ledger().robots.pairs();
+    robots.filter_map(|(r, record)| Some(format!("{} ({})", record.name, words(r)?))).collect()
 }
 
 /// Robots that say that they reached, or know of, more than they were granted.
@@ -144,7 +160,7 @@ impl Auditor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::{Fact, JobKind, JobRequest, Settings};
+    use crate::fleet::{Fact, Input, JobKind, JobRequest, Settings, Telemetry};
     use crate::id::{JobId, NodeId};
     use crate::warehouse::lab;
     use std::sync::Arc;
@@ -188,6 +204,44 @@ mod tests {
         let idle = Fleet::new(fleet.warehouse().clone(), Settings::default());
         watchdog.look(&idle, at(612), &alarms);
         assert!(alarms.list().is_empty());
+    }
+
+    #[test]
+    fn an_emergency_stop_is_an_alarm_until_it_is_released() {
+        let map = Arc::new(lab());
+        let node = map.node_named("R118").expect("a charger of the laboratory");
+        let (name, kind) = ("robot-1".into(), "robot".into());
+        let joins = Fact::Registered { robot: RobotId(0), name, kind, node, at: Time(1) };
+        let mut fleet = Fleet::restore(map, Settings::default(), [joins]);
+        let (alarms, mut watchdog) = (Alarms::default(), Watchdog::default());
+        let mut says = |s: i64, fault: Option<Fault>| {
+            let seen = Time(s * 1_000_000);
+            let pose = crate::geometry::Pose { at: fleet.warehouse().nodes[node].at, heading: 0.0 };
+            let said = Telemetry {
+                robot: RobotId(0),
+                seen,
+                pose,
+                speed_mps: 0.0,
+                reached: 0,
+                known: 0,
+                acted: None,
+                rack: None,
+                battery: 1.0,
+                fault,
+                limit_mps: None,
+                recalls: 0,
+            };
+            fleet.step(seen, vec![Input::Telemetry(said)]);
+            watchdog.look(&fleet, seen, &alarms);
+            alarms.list().iter().map(|a| a.text.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(says(1, None), [""; 0]);
+        assert_eq!(
+            says(10, Some(Fault::EmergencyStop)),
+            ["a person is needed: robot-1 (emergency stop pressed)."]
+        );
+        assert_eq!(says(20, Some(Fault::Manual)), [""; 0], "a person is with it");
+        assert_eq!(says(30, None), [""; 0]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Cutting: holders lose what they were promised but not granted.
 //!
-//! Main functions: [`Timeline::cut_down`] works out what stays, [`Timeline::keep`] keeps only that;
+//! Main functions: [`Timeline::truncation`] works out what stays, [`Timeline::keep`] keeps only that;
 //! [`Timeline::place`] is for a holder that stands somewhere else. Refuses: to
 //! take back what was granted.
 

@@ -44,7 +44,7 @@ pub(in crate::fleet) fn chain_deliveries(core: &mut Core, picked: &[RobotId], no
     }
 }
 
-/// Gives jobs to robots, and sends those without a job where they are wanted or in nobody's way.
+/// Gives jobs to robots, and sends those without a job where they are wanted or in no other robot's way.
 pub(in crate::fleet) fn assign(core: &mut Core, needs: &Needs, planners: &mut Planners, now: Time) {
     core.ledger.advance_queue(now);
     give_back_jobs(core, now);
@@ -249,9 +249,9 @@ fn nearest(mut robots: Vec<(RobotId, Ways)>) -> (Vec<(RobotId, Ways)>, Vec<Robot
     (robots, left)
 }
 
-/// How many robots with their racks may wait for a station, whose queue takes `places`, before nobody fetches another:
-/// twice as many where the line moves, so that there are some to choose from where ways are long and crowded; as many
-/// once one has waited for long, or the last one to set off had, or nobody has yet; none while the line stands.
+/// How many robots with their racks may wait for a station, whose queue takes `places`, before no robot fetches
+/// another: twice as many where the line moves, so that there are some to choose from where ways are long and crowded;
+/// as many once one has waited for long, or the last one to set off had, or none has yet; none while the line stands.
 fn enough(places: usize, last: Option<Span>, longest: Span) -> usize {
     match () {
         () if longest > LONG * 3 => 0,

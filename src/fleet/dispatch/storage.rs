@@ -43,7 +43,7 @@ impl Floor<'_> {
         free.min_by_key(|n| ((along_axes(here, self.warehouse().nodes[*n].at) * 1000.0) as i64, *n))
     }
 
-    /// A place where an unloaded robot can stay: parking, else a charger, else beneath a rack nobody is sent to.
+    /// A place where an unloaded robot can stay: parking, else a charger, else beneath a rack that no robot is sent to.
     pub(in crate::fleet) fn any_stay(&self, robot: RobotId) -> Option<NodeId> {
         self.free_place(robot, NodeKind::Parking)
             .or_else(|| self.free_place(robot, NodeKind::Charger))

@@ -189,7 +189,7 @@ impl Fleet {
 }
 
 impl Floor<'_> {
-    /// A robot that waits for nobody.
+    /// A robot that waits for nothing.
     fn goes_on(
         &self,
         robot: RobotId,

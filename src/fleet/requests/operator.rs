@@ -2,8 +2,8 @@
 //! comes earlier or later.
 //!
 //! It is a fact, so a restart forgets none of it. Robots are told to stand at once, before the fact is durable.
-//! Refuses: to be an emergency stop, which is the robot's own; and to take back what was promised: who stands keeps
-//! its holds, and those behind wait.
+//! Refuses: to be an emergency stop, which is the robot's own; and to take back what was promised: a robot that stands
+//! keeps its holds, and those behind wait.
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;

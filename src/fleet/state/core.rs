@@ -40,8 +40,6 @@ impl Core {
     /// What a ledger says, with nothing seen yet.
     pub fn new(ledger: Ledger, settings: Settings) -> Core {
         let warehouse = ledger.warehouse();
-        let unknown = settings.unknown_kinds(&ledger);
-        assert!(unknown.is_empty(), "robots of kinds that there are not: {unknown:?}");
         Core {
             restrictions: Restrictions::none(warehouse),
             storage: Storage::new(warehouse),

@@ -81,7 +81,7 @@ pub enum Fact {
         /// Serial number of the stop.
         serial: u64,
     },
-    /// A robot is late: its visits, and those of all who come after it, have other times now.
+    /// A robot is late: its visits, and those of all robots that come after it, have other times now.
     Delayed {
         /// The robots whose visits moved.
         moved: Vec<Moved>,
@@ -400,7 +400,7 @@ impl Task {
         }
     }
 
-    /// The node on which the robot ends, and which nobody else may be promised.
+    /// The node on which the robot ends, and which no other robot may be promised.
     pub fn destination(&self) -> Option<NodeId> {
         match *self {
             Task::Idle => None,

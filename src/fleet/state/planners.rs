@@ -1,4 +1,4 @@
-//! One planner for each kind of robots: what a lane takes depends on who drives it.
+//! One planner for each kind of robots: what a lane takes depends on the robot that drives it.
 //!
 //! Main type: [`Planners`]. Estimates of one kind are never asked for another one. Refuses: to plan.
 

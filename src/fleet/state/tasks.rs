@@ -37,7 +37,7 @@ impl Floor<'_> {
             || places.is_wanted_for_another(node, rack)
     }
 
-    /// Whether somebody else stands on, or is sent to, a node.
+    /// Whether another robot stands on, or is sent to, a node.
     pub fn is_promised(&self, node: NodeId, robot: RobotId) -> bool {
         self.ledger.index().places.is_promised(node, robot)
     }

@@ -16,7 +16,7 @@ use smallvec::SmallVec;
 const AHEAD: Span = Span::from_secs(12);
 /// A robot needs about this long to be on a node and off it again.
 const PASSING: Span = Span::from_millis(1500);
-/// Nobody looks farther ahead for a grant: stops take as long as they take.
+/// Grants look no farther ahead: stops take as long as they take.
 pub(in crate::fleet) const STOPPING: Span = Span::from_secs(8);
 
 impl Floor<'_> {
@@ -64,7 +64,7 @@ impl Floor<'_> {
         conditions.binding(visit.node, self.at(visit.node), &exemptions).find(binds).copied()
     }
 
-    /// Where the holds ahead of a robot meet the windows of somebody.
+    /// Where the holds ahead of a robot meet the windows of people and closures.
     pub(in crate::fleet) fn meetings(&self, robot: RobotId, now: Time) -> SmallVec<[(Cause, Zone); 4]> {
         let chain = self.ledger.chain(robot);
         let exemptions = self.exemptions(robot, now);

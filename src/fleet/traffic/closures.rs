@@ -1,5 +1,5 @@
 //! Areas that are closed for a time, announced ahead: whose route leads in gets another before it begins, nobody sets
-//! off for what is inside, robots that rest inside leave, and what is over for long is forgotten. Around somebody who
+//! off for what is inside, robots that rest inside leave, and what is over for long is forgotten. Around a person who
 //! has been standing for long, it is the same.
 //!
 //! The search knows every announced closure as a condition, so new routes need nothing from here. Refuses: to stop

@@ -278,7 +278,7 @@ impl Floor<'_> {
         planned + late.max(waited)
     }
 
-    /// Whether the robot stands at the end of what it was granted because somebody else comes first.
+    /// Whether the robot stands at the end of what it was granted because another robot comes first.
     fn is_held_up(&self, robot: RobotId, now: Time) -> bool {
         let chain = self.ledger.chain(robot);
         let at_end = chain.first() + 1 == chain.granted() && chain.granted() < chain.end();

@@ -144,7 +144,7 @@ fn arrived(
     }
 }
 
-/// Notes that a robot is late, so that everybody who comes after it is planned with what is true.
+/// Notes that a robot is late, so that every robot that comes after it is planned with what is true.
 fn note_delay(core: &mut Core, robot: RobotId, now: Time) {
     let chain = core.ledger.chain(robot);
     let serial = chain.first();

@@ -1,4 +1,4 @@
-//! Robots that give way: which grant has to wait for whom, and who looks for another route.
+//! Robots that give way: which grant has to wait for whom, and which robot looks for another route.
 //!
 //! Decided by where windows meet (the cases of a potential collision zone, [`Zone`]): if the robot is through
 //! before the worker comes, or comes after the worker is through, it keeps its route; if it would have to wait
@@ -63,7 +63,7 @@ impl Yielding {
         }
     }
 
-    /// Notes who stands because of somebody, and who is on the way again.
+    /// Notes whether a robot stands because of a person, or is on its way again.
     fn note_holding(&mut self, core: &mut Core, robot: RobotId, now: Time) {
         let chain = core.ledger.chain(robot);
         let at_end = chain.first() + 1 == chain.granted() && chain.granted() < chain.end();
@@ -157,7 +157,7 @@ impl Yielding {
         spent
     }
 
-    /// Whether the next hold of a robot may be granted although it is too near to somebody.
+    /// Whether the next hold of a robot may be granted although it is too near to a person.
     fn leads_off(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> bool {
         let chain = floor.ledger.chain(robot);
         let next = chain.get(chain.granted());

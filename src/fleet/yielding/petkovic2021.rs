@@ -91,7 +91,7 @@ impl Yielding {
         match person.mode {
             Mode::Stopped { since } => now - since >= AGAIN,
             Mode::Deviating { .. } if floor.settings.policy == HumanAwarePolicy::Nhir => {
-                // Without a prediction nobody reacts before a robot had to.
+                // Without a prediction the fleet does not react before a robot had to.
                 floor.ledger.robots.ids().any(|r| {
                     let loaded = floor.ledger.rack_on(r).is_some();
                     let radius = people.regions.stop_radius_m(loaded, 0.0);

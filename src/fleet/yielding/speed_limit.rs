@@ -27,8 +27,8 @@ const STANDS_MPS: f64 = 0.05;
 const ROOM_M: f64 = 0.3;
 /// Room beyond region 1 that is left to somebody who comes: what is walked while a stop is on its way, metres.
 const CLEAR_M: f64 = 0.35;
-/// Who stands sets off only with so much more room, metres: poses and speeds waver, and a robot that starts and stops
-/// by turns creeps just when somebody comes.
+/// A robot that stands sets off only with so much more room, metres: poses and speeds waver, and a robot that starts
+/// and stops by turns creeps just when somebody comes.
 const SET_OFF_M: f64 = 0.3;
 /// Whoever is farther away does not come into region 1 before a robot has stopped, metres.
 const PASSING_M: f64 = 6.0;
@@ -40,7 +40,7 @@ const INSIST: Span = Span::from_millis(100);
 const NEARER_M: f64 = 0.05;
 /// Robots and workers farther apart than this are of no interest to one another, metres.
 const FAR_M: f64 = 12.0;
-/// Robots farther from somebody than this meet nobody within the time of braking, metres.
+/// Robots farther from somebody than this meet no person within the time of braking, metres.
 const MEETS_M: f64 = 12.0;
 
 /// What decides how fast robots may be near people, in this step.
@@ -171,7 +171,7 @@ impl SpeedLimits<'_> {
                 continue;
             }
             let off = w.presence != Presence::Lost && self.drives_away(robot, at, w.at, now);
-            // Who drives away needs no room to brake towards anybody, and braking would let the other catch up.
+            // A robot that drives away needs no room to brake, and braking would let the person catch up.
             let towards_mps = if off { 0.0 } else { speed };
             let stop = self.people.regions.stop_radius_at_m(towards_mps, loaded, w.sigma_m);
             let limit = if distance < stop {
@@ -179,7 +179,7 @@ impl SpeedLimits<'_> {
             } else {
                 self.limit_here(robot, at, *worker, w, now)
             };
-            // Down to the slow speed, at which the rules by distance decide: who stands face to face with somebody
+            // Down to the slow speed, at which the rules by distance decide: a robot face to face with a person
             // has to get out of the way somehow.
             let is_fast = speed > SLOW_MPS && limit.is_none_or(|l| l > SLOW_MPS);
             let brakes = self.floor.settings.policy == HumanAwarePolicy::Giveway && is_fast;

@@ -16,7 +16,7 @@ use crate::time::{Span, Time};
 
 /// Whoever is slower than this need not be told to stop, metres per second.
 const STANDS_MPS: f64 = 0.05;
-/// Robots farther away stop for nobody, metres.
+/// Robots farther away stop for no person, metres.
 const NEAR_M: f64 = 8.0;
 /// Robots that were not seen for longer are not guessed to have driven on.
 const OLD: Span = Span::from_millis(200);

@@ -95,7 +95,7 @@ impl Places {
         wanted.take(2).any(|((_, rack), _)| *rack != but)
     }
 
-    /// Chargers, parking places or storage nodes that nobody but this robot claims, in no order.
+    /// Chargers, parking places or storage nodes that no other robot claims, in no order.
     pub fn free_for(&self, robot: RobotId, kind: NodeKind) -> impl Iterator<Item = NodeId> + '_ {
         let wanted = place(kind);
         let free = wanted.into_iter().flat_map(|i| self.free[usize::from(i)].iter().copied());
