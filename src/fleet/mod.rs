@@ -41,7 +41,7 @@ use crate::warehouse::Warehouse;
 use people::state::HumanState;
 use state::core::Core;
 use state::floor::Floor;
-use state::heard::OfWorker;
+use state::heard::WorkerInput;
 use std::sync::Arc;
 use traffic::state::Traffic;
 use traffic::{closures, displaced, fence};
@@ -115,7 +115,7 @@ impl Fleet {
 
     /// What people, closed areas and displaced robots mean for robots: stops and speed limits, which leave at once, and
     /// restrictions for the rest of the step. What workers are told.
-    fn evaluate_people(&mut self, heard: &[OfWorker], now: Time) {
+    fn evaluate_people(&mut self, heard: &[WorkerInput], now: Time) {
         let Fleet { core, people, yielding, traffic, .. } = self;
         closures::begin_restrictions(core, now);
         people.hear(core.floor(), heard, now);

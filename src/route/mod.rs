@@ -39,6 +39,13 @@ pub struct Stage {
     pub stay: Span,
 }
 
+impl Stage {
+    /// Going to a node without a rack, to stay.
+    pub fn to_stay(goal: NodeId) -> Stage {
+        Stage { goal, loaded: false, stay: Span::ZERO }
+    }
+}
+
 /// What is wanted.
 #[derive(Clone, Debug)]
 pub struct Ask<'a> {

@@ -1,4 +1,4 @@
-//! Who has which chain: robots by number, since they are asked for many times in every step.
+//! The chain of each holder: robots by number, since they are asked for many times in every step.
 //!
 //! Main type: [`Chains`]. Refuses: to know what a chain holds.
 

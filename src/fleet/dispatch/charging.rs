@@ -28,7 +28,7 @@ pub(in crate::fleet) fn give_back_jobs(core: &mut Core, now: Time) {
         if fit && core.floor().is_critical(robot) && !core.floor().next_stop_is_granted(robot) {
             let stay = core.floor().free_charger(robot).unwrap_or(node);
             let purpose = if stay == node { Purpose::Park } else { Purpose::Charge };
-            let task = Task::Move { job: None, goal: stay, stay, purpose };
+            let task = Task::rest_at(stay, purpose);
             core.progress(job, JobState::Waiting, Some((robot, task)), now);
         }
     }
@@ -95,7 +95,7 @@ fn make_room_at_chargers(core: &mut Core, without: &[RobotId], now: Time) {
 }
 
 fn move_to(core: &mut Core, robot: RobotId, stay: NodeId, purpose: Purpose) {
-    let task = Task::Move { job: None, goal: stay, stay, purpose };
+    let task = Task::rest_at(stay, purpose);
     core.record(Fact::Tasked { robot, task });
 }
 

@@ -15,6 +15,7 @@ use crate::fleet::state::needs::Needs;
 use crate::fleet::state::planners::Planners;
 use crate::fleet::state::storage::along_axes;
 use crate::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
+use crate::route::Stage;
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
 use std::collections::BTreeSet;
@@ -80,7 +81,7 @@ fn begin_named(core: &mut Core, planners: &mut Planners, robot: RobotId, job: Jo
     };
     let Some(stay) = stay else { return };
     let goal = goal.unwrap_or(stay);
-    let ways = [stage(goal), stage(stay)];
+    let ways = [Stage::to_stay(goal), Stage::to_stay(stay)];
     let kind = core.settings.kind(&core.ledger.robots[robot].kind);
     if planners.of_mut(kind).free_flow(core.ledger.node_of(robot), &ways).is_none() {
         return core.progress(job, JobState::Failed(JobFailure::Unreachable), None, now);
@@ -258,10 +259,6 @@ fn enough(places: usize, last: Option<Span>, longest: Span) -> usize {
         () if longest > LONG || last.is_none_or(|waited| waited > LONG) => places,
         () => 2 * places,
     }
-}
-
-fn stage(goal: NodeId) -> crate::route::Stage {
-    crate::route::Stage { goal, loaded: false, stay: Span::ZERO }
 }
 
 #[cfg(test)]

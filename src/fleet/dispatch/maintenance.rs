@@ -23,12 +23,12 @@ pub(in crate::fleet) fn send_to_maintenance(core: &mut Core, now: Time) {
         match record.task {
             Task::Fetch { job: Some(job), node, .. } if !core.floor().next_stop_is_granted(robot) => {
                 let stay = core.floor().free_place(robot, NodeKind::Parking).unwrap_or(node);
-                let task = Task::Move { job: None, goal: stay, stay, purpose: Purpose::Park };
+                let task = Task::rest_at(stay, Purpose::Park);
                 core.progress(job, JobState::Waiting, Some((robot, task)), now);
             }
             Task::Idle if core.warehouse().kind(core.ledger.node_of(robot)) != NodeKind::Parking => {
                 if let Some(stay) = core.floor().free_place(robot, NodeKind::Parking) {
-                    let task = Task::Move { job: None, goal: stay, stay, purpose: Purpose::Park };
+                    let task = Task::rest_at(stay, Purpose::Park);
                     core.record(Fact::Tasked { robot, task });
                 }
             }

@@ -8,7 +8,7 @@ use crate::fleet::people::routing::REDIRECT;
 use crate::fleet::people::state::{HumanState, Led, Mode, Person, STROLL_MPS};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::heard::OfWorker;
+use crate::fleet::state::heard::WorkerInput;
 use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::Point;
 use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, Taken};
@@ -22,11 +22,11 @@ const MARGIN_M: f64 = 3.0;
 
 impl HumanState {
     /// Takes in what was heard of workers.
-    pub(in crate::fleet) fn hear(&mut self, floor: Floor<'_>, heard: &[OfWorker], now: Time) {
+    pub(in crate::fleet) fn hear(&mut self, floor: Floor<'_>, heard: &[WorkerInput], now: Time) {
         for heard in heard {
             match heard {
-                OfWorker::Seen(sighting) => self.sight(floor, sighting, now),
-                OfWorker::Cleared(worker) => self.clear(*worker),
+                WorkerInput::Seen(sighting) => self.sight(floor, sighting, now),
+                WorkerInput::Cleared(worker) => self.clear(*worker),
             }
         }
     }

@@ -6,7 +6,7 @@ use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::heard::{Heard, OfWorker};
+use crate::fleet::state::heard::{Heard, WorkerInput};
 use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
 use crate::fleet::state::job::{JobKind, JobRequest, JobState};
 use crate::id::{Dense, JobId, RackId, RobotId};
@@ -45,7 +45,7 @@ impl Intake<'_> {
                     self.core.out.replies.push(reply);
                 }
                 Input::Sighted(s) if s.worker.ix() < self.core.ledger.workers.len() => {
-                    self.heard.people.push(OfWorker::Seen(s));
+                    self.heard.people.push(WorkerInput::Seen(s));
                 }
                 Input::Sighted(s) => tracing::warn!(worker = ?s.worker, "sighting of an unknown worker"),
                 request => self.absorb_request(request, now),
@@ -145,10 +145,8 @@ impl Floor<'_> {
             Task::Fetch { rack, node, .. } if self.next_stop_is_granted(robot) => {
                 Task::Fetch { job: None, rack, node }
             }
-            Task::Fetch { node, .. } => {
-                Task::Move { job: None, goal: node, stay: node, purpose: Purpose::Park }
-            }
-            Task::Move { stay, purpose, .. } => Task::Move { job: None, goal: stay, stay, purpose },
+            Task::Fetch { node, .. } => Task::rest_at(node, Purpose::Park),
+            Task::Move { stay, purpose, .. } => Task::rest_at(stay, purpose),
             Task::Idle => Task::Idle,
         }
     }

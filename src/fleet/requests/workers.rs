@@ -4,7 +4,7 @@
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
-use crate::fleet::state::heard::OfWorker;
+use crate::fleet::state::heard::WorkerInput;
 use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
 use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, Closure};
 use crate::id::{AssignmentId, ClosureId, Dense, NodeId, WorkerId};
@@ -135,7 +135,7 @@ impl Intake<'_> {
         if self.core.ledger.workers.get(worker).is_none() {
             return Err(Refusal::UnknownWorker(worker));
         }
-        self.heard.people.push(OfWorker::Cleared(worker));
+        self.heard.people.push(WorkerInput::Cleared(worker));
         Ok(Reply::Done { token })
     }
 }

@@ -371,6 +371,11 @@ pub enum Purpose {
 }
 
 impl Task {
+    /// To go to a node for no customer, and stay there.
+    pub fn rest_at(stay: NodeId, purpose: Purpose) -> Task {
+        Task::Move { job: None, goal: stay, stay, purpose }
+    }
+
     /// The job behind it.
     pub fn job(&self) -> Option<JobId> {
         match *self {

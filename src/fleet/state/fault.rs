@@ -1,7 +1,7 @@
 //! What a robot says is wrong with it, each with one meaning and one reaction.
 //!
 //! Main type: [`Fault`]. A battery that is flat and a load that is lost are no faults of their own: the battery and the
-//! rack in the telemetry say so. Refuses: to say how bad it is in words; those are for whoever shows it.
+//! rack in the telemetry say so. Refuses: to say how bad it is in words; those are in the API.
 
 /// What keeps a robot from doing what it was told, by its own word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

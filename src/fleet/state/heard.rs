@@ -7,7 +7,7 @@ use crate::id::{RobotId, WorkerId};
 
 /// What was heard of one worker, in order.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::fleet) enum OfWorker {
+pub(in crate::fleet) enum WorkerInput {
     /// A worker was seen.
     Seen(Sighting),
     /// What was believed of a worker is wrong.
@@ -18,7 +18,7 @@ pub(in crate::fleet) enum OfWorker {
 #[derive(Debug, Default)]
 pub(in crate::fleet) struct Heard {
     /// What was heard of workers.
-    pub people: Vec<OfWorker>,
+    pub people: Vec<WorkerInput>,
     /// Robots from whose rack has been picked.
     pub picked: Vec<RobotId>,
     /// Robots that may go on earlier than planned.

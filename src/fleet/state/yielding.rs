@@ -9,10 +9,10 @@ use crate::fleet::state::worker::Reaction;
 use crate::id::{IdVec, NodeId, RobotId, WorkerId};
 use crate::time::{Span, Time};
 
-/// Whoever has stood for longer than this is not about to set off: the place is as good as closed, and a robot that
-/// stood there for so long leaves, if it can.
+/// A person who has stood for longer than this is not about to set off: the place is as good as closed, and a robot
+/// that stood there for so long leaves, if it can.
 pub(in crate::fleet) const STANDS: Span = Span::from_secs(20);
-/// Nobody minds places farther from somebody than this, metres.
+/// Places farther from a person than this do not matter, metres.
 const FACES_M: f64 = 6.0;
 
 /// A robot that stands for a worker.

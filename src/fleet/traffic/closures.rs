@@ -110,7 +110,7 @@ fn gives_job_back(core: &mut Core, robot: RobotId, now: Time) -> bool {
         return false;
     }
     let Some(stay) = core.floor().any_stay(robot) else { return false };
-    let task = Task::Move { job: None, goal: stay, stay, purpose: Purpose::Park };
+    let task = Task::rest_at(stay, Purpose::Park);
     core.progress(job, JobState::Waiting, Some((robot, task)), now);
     true
 }
@@ -163,7 +163,7 @@ impl Floor<'_> {
             }
             Task::Move { job: None, goal, stay, purpose } if goal == stay && self.is_closing(stay) => {
                 let stay = self.any_stay(robot).unwrap_or(stay);
-                Task::Move { job: None, goal: stay, stay, purpose }
+                Task::rest_at(stay, purpose)
             }
             task => task,
         }

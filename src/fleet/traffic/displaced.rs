@@ -21,7 +21,7 @@ use crate::fleet::traffic::failure::fail;
 use crate::fleet::traffic::state::Traffic;
 use crate::geometry::{Point, Segment, axis_distance, axis_distance_to_segment, to_mm};
 use crate::id::{NodeId, RobotId};
-use crate::route::{Cause, Condition, Effect};
+use crate::route::{Cause, Condition, Effect, Stage};
 use crate::time::{Time, Window};
 use crate::timeline::Holder;
 use crate::warehouse::NodeKind;
@@ -106,7 +106,7 @@ impl Traffic {
             _ if core.warehouse().kind(node).is_lasting() => return true,
             _ => {
                 let stays = core.warehouse().nodes_where(NodeKind::is_lasting);
-                stays.first().map(|n| super::stages::stay_at(*n)).into_iter().collect()
+                stays.first().map(|n| Stage::to_stay(*n)).into_iter().collect()
             }
         };
         let kind = core.settings.kind(&core.ledger.robots[robot].kind);

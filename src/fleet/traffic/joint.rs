@@ -106,7 +106,7 @@ impl Traffic {
         if stages.is_empty() {
             // It has nothing to do: any place to stay will do.
             let goal = core.floor().any_stay(robot)?;
-            stages = SmallVec::from_elem(crate::fleet::traffic::stages::stay_at(goal), 1);
+            stages = SmallVec::from_elem(Stage::to_stay(goal), 1);
         }
         let exemptions = core.floor().exemptions(robot, now);
         self.search_stages_on(core, timeline, robot, &stages, &exemptions, now)

@@ -137,7 +137,7 @@ fn arrived(
     purpose: Purpose,
     now: Time,
 ) {
-    let task = if is_end { Task::Idle } else { Task::Move { job: None, goal: stay, stay, purpose } };
+    let task = if is_end { Task::Idle } else { Task::rest_at(stay, purpose) };
     match job {
         Some(job) => core.progress(job, JobState::Done, Some((robot, task)), now),
         None => core.record(Fact::Tasked { robot, task }),

@@ -136,8 +136,3 @@ pub(super) fn commit(core: &mut Core, robot: RobotId, route: Route) {
     let booking = core.floor().booking(robot, route);
     core.record(Fact::Routed { bookings: vec![booking] });
 }
-
-/// Going to a node without a rack, to stay.
-pub(in crate::fleet) fn stay_at(goal: NodeId) -> Stage {
-    Stage { goal, loaded: false, stay: Span::ZERO }
-}

@@ -59,7 +59,7 @@ pub struct Robot {
     pub recalls: u64,
 }
 
-/// What was promised, but for who holds what when.
+/// What was promised, but for the holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Promises {
     /// Jobs that are not over.
@@ -102,7 +102,7 @@ pub struct Promises {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ledger {
     promises: Promises,
-    /// Who holds what when.
+    /// All holds.
     timeline: Timeline,
     /// What is looked up instead of searched. It follows from the rest: see [`Ledger::reindex`].
     index: Index,
@@ -159,7 +159,7 @@ impl Ledger {
         (self.racks[rack] == RackAt::On(robot)).then_some(rack)
     }
 
-    /// Who holds what when.
+    /// All holds.
     pub fn timeline(&self) -> &Timeline {
         &self.timeline
     }

@@ -22,7 +22,7 @@ use std::sync::Arc;
 pub struct Parts {
     /// What was promised, but for who holds what when.
     pub promises: Promises,
-    /// Who holds what when.
+    /// All holds.
     pub chains: Vec<ChainParts>,
 }
 
