@@ -47,6 +47,10 @@ dense! {
     ArcId "a";
     /// A node or a lane, as a thing that is held: nodes first, then lanes.
     ResourceId "x";
+    /// A resource as robots with one footprint see it: what has a timeline of its own.
+    LineId "t";
+    /// A kind of robots, as the building knows it.
+    BodyId "b";
     /// A robot.
     RobotId "r";
     /// A rack.

@@ -27,6 +27,7 @@ fn a_lane_is_free_as_soon_as_the_robot_stands_at_its_end() {
     let v = |node, lane, e, a, d, le, stay| Visit {
         node,
         lane,
+        loaded: false,
         enter: e,
         arrive: a,
         depart: d,
@@ -67,6 +68,7 @@ fn a_delay_keeps_free_what_a_node_and_the_lane_to_it_are_both_in_conflict_with()
     let name = |i: usize| format!("N{i}");
     let nodes = (0..8).map(|i| DraftNode { name: name(i), at: Point::new(i as f64 * 0.5, 0.0) }).collect();
     let lane = |i| DraftLane {
+        kinds: None,
         from: name(i),
         to: name(i + 1),
         both: true,
@@ -84,6 +86,7 @@ fn a_delay_keeps_free_what_a_node_and_the_lane_to_it_are_both_in_conflict_with()
     let v = |node, lane, [enter, arrive, depart, leave]: [i64; 4], stay| Visit {
         node: NodeId(node),
         lane,
+        loaded: false,
         enter: Time(enter),
         arrive: Time(arrive),
         depart: Time(depart),
@@ -99,6 +102,6 @@ fn a_delay_keeps_free_what_a_node_and_the_lane_to_it_are_both_in_conflict_with()
     let slip = timeline.delay(robot, 0, Time(10));
     let slip: Vec<_> = slip.iter().map(|(h, shifts)| (*h, shifts.as_slice())).collect();
     timeline.slide(&slip);
-    let free: Vec<FreeWindow> = timeline.free_windows(beyond, Time(0)).collect();
+    let free: Vec<FreeWindow> = timeline.free_windows(LineId(beyond.0), Time(0)).collect();
     assert_eq!((free[0].end, free[1].start), (Time(9), Time(34)), "until the robot has left: {free:?}");
 }

@@ -260,7 +260,7 @@ impl Names<'_> {
         if let JobState::Failed(why) = record.job.state {
             return Some(why_failed(why, |node| record.gone.node.clone().unwrap_or_else(|| self.node(node))));
         }
-        Some(self.why_job(self.view.why_job(record.id, &record.job)?))
+        Some(self.why_job(self.view.why_job(self.map, record.id, &record.job)?))
     }
 
     /// Why a job does not go on, in words.
@@ -282,6 +282,7 @@ impl Names<'_> {
                 format!("waiting for {}, which is on its way somewhere", self.robot(r))
             }
             JobWhy::NoRobot => "no robot is free".into(),
+            JobWhy::NoKind => "no robot of a kind that can do it has joined".into(),
             JobWhy::StationFull(s) => {
                 format!("waiting for room at {}: enough racks wait for it already", station(s))
             }

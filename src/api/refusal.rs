@@ -69,6 +69,18 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         Refusal::UnknownKind => {
             field("kind", "there is no such kind of robots; the scenario's `kinds` lists them".into())
         }
+        Refusal::NoKindFor(rack) => {
+            let name = map.racks.get(rack).map_or_else(|| format!("{rack:?}"), |r| r.name.clone());
+            let what = "can carry it and drive to it and to where it is wanted";
+            field("kind", format!("no kind of robots {what}, rack {name}: the scenario's `kinds` lists them"))
+        }
+        Refusal::NotForKind(n) => {
+            let detail = format!(
+                "no lanes for this kind of robots lead to {} and from it: choose another node",
+                node(n)
+            );
+            field("place", detail)
+        }
         Refusal::PlaceTaken(n) => {
             let detail = format!("a robot holds {}, or is on its way there: choose another node", node(n));
             Problem::conflict("place-taken", "The place is taken", detail)

@@ -107,7 +107,7 @@ impl Names<'_> {
                     JobWhy::RobotBusy(r, _) | JobWhy::Robot(r, _) => {
                         ("robot", Some((self.robot(r), "robot")))
                     }
-                    JobWhy::NoRobot => ("no_robot", None),
+                    JobWhy::NoRobot | JobWhy::NoKind => ("no_robot", None),
                     JobWhy::StationFull(s) | JobWhy::StationPaused(s) => {
                         let name = self.map.stations.get(s).map(|s| (s.name.clone(), "station"));
                         ("station", name)

@@ -5,7 +5,7 @@
 //! costs, in proportion to the probability. Refuses: to look at robots.
 
 use super::afoot::Afoot;
-use super::regions::{BODY_M, Regions};
+use super::regions::Regions;
 use crate::geometry::{Point, Segment};
 use crate::human::{Band, Hypothesis, WALK_MPS, Whereabouts, passages};
 use crate::id::{NodeId, WorkerId};
@@ -49,7 +49,7 @@ pub struct Effects<'a> {
 impl Effects<'_> {
     /// Half of a robot and a person side by side, metres.
     fn beside_m(&self) -> f64 {
-        self.warehouse.footprint_m / 2.0 + BODY_M + GAP_M
+        self.regions.bodies_m(true) + GAP_M
     }
 
     /// Regions 2 and 3 around a worker where the worker is. Whoever has stood for long is expected to stand as long

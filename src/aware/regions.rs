@@ -21,7 +21,8 @@ pub const SLOW_MPS: f64 = 0.5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Regions {
     kinematics: Kinematics,
-    half_m: f64,
+    /// Half of its width, without and with a rack.
+    half_m: [f64; 2],
     /// From a pose being so to the robot's brakes: age, control period, radio, controller; seconds.
     reaction_s: f64,
 }
@@ -29,8 +30,13 @@ pub struct Regions {
 impl Regions {
     /// For robots of this kind, `footprint_m` wide, in a fleet that decides every `period_s`.
     pub fn new(kinematics: Kinematics, footprint_m: f64, period_s: f64) -> Regions {
+        Regions::for_outlines(kinematics, [footprint_m / 2.0; 2], period_s)
+    }
+
+    /// For robots of this kind that reach so far from their middle, without and with a rack.
+    pub fn for_outlines(kinematics: Kinematics, half_m: [f64; 2], period_s: f64) -> Regions {
         let reaction_s = 0.1 + 2.0 * period_s + kinematics.reaction.as_secs_f64();
-        Regions { kinematics, half_m: footprint_m / 2.0, reaction_s }
+        Regions { kinematics, half_m, reaction_s }
     }
 
     /// How long a robot takes to stand.
@@ -45,8 +51,8 @@ impl Regions {
     }
 
     /// Half of a person and half of a robot: what distances between centres have more than separations, metres.
-    fn bodies_m(&self) -> f64 {
-        BODY_M + self.half_m
+    pub fn bodies_m(&self, loaded: bool) -> f64 {
+        BODY_M + self.half_m[usize::from(loaded)]
     }
 
     /// The separation distance at speed `v`, from surface to surface, metres. `sigma_m` is one standard
@@ -63,17 +69,17 @@ impl Regions {
 
     /// Region 1 of a robot that drives at `v`: if it is faster than it should be, it must brake earlier.
     pub fn stop_radius_at_m(&self, v: f64, loaded: bool, sigma_m: f64) -> f64 {
-        self.bodies_m() + self.stop_m(v.max(SLOW_MPS), loaded) + 2.0 * sigma_m
+        self.bodies_m(loaded) + self.stop_m(v.max(SLOW_MPS), loaded) + 2.0 * sigma_m
     }
 
     /// Region 2: no robot comes or goes.
     pub fn keep_out_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
-        self.bodies_m() + self.separation_m(SLOW_MPS, loaded, sigma_m)
+        self.bodies_m(loaded) + self.separation_m(SLOW_MPS, loaded, sigma_m)
     }
 
     /// Region 3: robots are slower than they could be.
     pub fn slow_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
-        self.bodies_m() + self.separation_m(self.kinematics.top_mps(loaded), loaded, sigma_m)
+        self.bodies_m(loaded) + self.separation_m(self.kinematics.top_mps(loaded), loaded, sigma_m)
     }
 
     /// The speed at which the separation distance is just kept, never below [`SLOW_MPS`], metres per second.
@@ -82,7 +88,7 @@ impl Regions {
         let (top, a) = (self.kinematics.top_mps(loaded), self.kinematics.accel_mps2(loaded));
         // v²/2a + v·(T + walk/a) + walk·T + doubt = distance
         let b = self.reaction_s + WALK_MPS / a;
-        let left = distance_m - self.bodies_m() - WALK_MPS * self.reaction_s - 2.0 * sigma_m - ROBOT_M;
+        let left = distance_m - self.bodies_m(loaded) - WALK_MPS * self.reaction_s - 2.0 * sigma_m - ROBOT_M;
         let v = if left <= 0.0 { 0.0 } else { a * ((b * b + 2.0 * left / a).sqrt() - b) };
         (v < top).then(|| quantised(v).clamp(SLOW_MPS.min(top), top))
     }
@@ -142,7 +148,7 @@ mod tests {
         let r = regions(0.5);
         for d in [3.0, 4.0, 5.0, 6.0, 8.0] {
             let v = r.limit_mps(d, true, 0.02).unwrap();
-            let apart = d - r.bodies_m();
+            let apart = d - r.bodies_m(true);
             assert!(v == SLOW_MPS || r.separation_m(v, true, 0.02) <= apart, "{v} at {d}");
         }
         assert_eq!(r.limit_mps(20.0, true, 0.02), None);

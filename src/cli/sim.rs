@@ -89,6 +89,9 @@ impl Setup {
         })?;
         crate::warehouse::room_for(&warehouse, scenario.robots)
             .map_err(|e| anyhow::anyhow!("the map has no room for {} robots:\n{e}", scenario.robots))?;
+        let warehouse = scenario
+            .fit(&warehouse)
+            .map_err(|e| anyhow::anyhow!("the map is not for the robots of {}:\n{e}", path.display()))?;
         scenario.areas(&warehouse, Time::ZERO).with_context(|| format!("{} is refused", path.display()))?;
         if let Some(model) = &scenario.model {
             scenario.learned = read_model(Some(&beside(model)))?;

@@ -70,14 +70,7 @@ impl Grid {
             let left = (i % width > 0 && cells[i - 1]).then(|| i - 1);
             let up = (i >= width && cells[i - width]).then(|| i - width);
             for other in left.into_iter().chain(up) {
-                draft.lanes.push(DraftLane {
-                    from: format!("c{other}"),
-                    to: format!("c{i}"),
-                    both: true,
-                    length_m: None,
-                    speed_limit_mps: None,
-                    users: Users::ALL,
-                });
+                draft.lanes.push(DraftLane::both_ways(format!("c{other}"), format!("c{i}"), Users::ALL));
             }
         }
         Grid { width, warehouse: Arc::new(draft.build_unchecked()), nodes }

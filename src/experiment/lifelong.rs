@@ -133,6 +133,7 @@ impl Run<'_> {
             let start = Visit {
                 node: home,
                 lane: None,
+                loaded: false,
                 enter: Time(0),
                 arrive: Time(0),
                 depart: Time::MAX,

@@ -6,7 +6,7 @@
 //! errand is planned a second time with the way ahead weighted ([`Planner::weigh`]), and compared; robots keep the
 //! plain route. Refuses: to look at a clock itself; the caller passes a stopwatch in.
 
-use crate::id::{Dense, NodeId, RobotId, StationId};
+use crate::id::{BodyId, Dense, NodeId, RobotId, StationId};
 use crate::route::{Ask, Kinematics, NO_PEOPLE, NoRoute, Planner, Route, Rules, Stage};
 use crate::sim::starting_places;
 use crate::time::{Span, Time};
@@ -89,7 +89,7 @@ pub fn run(
     let mut crowd = Crowd {
         timeline: Timeline::new(warehouse.clone(), kinematics.clearance),
         planner: Planner::new(warehouse.clone(), Rules::Drive(kinematics)),
-        starts: starting_places(warehouse, robots),
+        starts: starting_places(warehouse, robots, |_| BodyId(0)),
         ready: Vec::new(),
         budget,
         random: seed.wrapping_mul(2).wrapping_add(1),

@@ -25,7 +25,7 @@ pub use state::fault::Fault;
 pub use state::io::{Bounded, Command, Input, Refusal, Reply, StationOrder, Step, Telemetry, Waypoint};
 pub use state::job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use state::keys::{KEY_LIFE, Keys};
-pub use state::kind::{Charging, RobotKind, USUAL_KIND, most_dangerous};
+pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Sums};
 pub use state::settings::Settings;
 pub use state::wishes::Wishes;
@@ -34,7 +34,6 @@ pub use state::worker::{
     FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
 };
 
-use crate::aware::Regions;
 use crate::id::RobotId;
 use crate::time::Time;
 use crate::warehouse::Warehouse;
@@ -84,10 +83,8 @@ impl Fleet {
     pub fn resume(mut ledger: Ledger, settings: Settings, facts: impl IntoIterator<Item = Fact>) -> Fleet {
         facts.into_iter().for_each(|fact| ledger.evolve(&fact));
         let warehouse = ledger.warehouse().clone();
-        let period_s = settings.period.as_secs_f64();
-        let regions = Regions::new(most_dangerous(&settings.kinds), warehouse.footprint_m, period_s);
         Fleet {
-            people: HumanState::new(&warehouse, regions),
+            people: HumanState::new(&warehouse),
             yielding: Yielding::default(),
             traffic: Traffic::new(&warehouse, &settings.kinds, ledger.robots.ids().collect()),
             core: Core::new(ledger, settings),

@@ -6,7 +6,7 @@
 //! about time windows.
 
 use super::motion::{MotionState, Pace};
-use crate::id::{ArcId, Dense, NodeId};
+use crate::id::{ArcId, BodyId, Dense, NodeId};
 use crate::time::Span;
 use crate::warehouse::{NodeKind, Warehouse, Way};
 use std::collections::BTreeMap;
@@ -28,6 +28,7 @@ pub struct Table {
 #[derive(Debug)]
 pub struct Estimates {
     warehouse: Arc<Warehouse>,
+    body: BodyId,
     pace: Arc<Pace>,
     offsets: Vec<u32>,
     nodes: Vec<NodeId>,
@@ -50,9 +51,18 @@ struct Into {
 
 /// Whether a robot bound for `goal` may drive the arc: lanes have users, a loaded robot never passes beneath
 /// racks, and the places of a station are for robots bound for it, or on their way out of it.
-pub(super) fn may_drive(warehouse: &Warehouse, from: NodeId, way: &Way, loaded: bool, goal: NodeId) -> bool {
+pub(super) fn may_drive(
+    (warehouse, body): (&Warehouse, BodyId),
+    from: NodeId,
+    way: &Way,
+    loaded: bool,
+    goal: NodeId,
+) -> bool {
     let kind = warehouse.kind(way.to);
-    if !way.users.allows(loaded) || (loaded && kind == NodeKind::Storage && way.to != goal) {
+    if !way.is_for(body)
+        || !way.users.allows(loaded)
+        || (loaded && kind == NodeKind::Storage && way.to != goal)
+    {
         return false;
     }
     let zone = kind.reserved_for();
@@ -63,18 +73,18 @@ pub(super) fn may_drive(warehouse: &Warehouse, from: NodeId, way: &Way, loaded: 
 
 impl Estimates {
     /// No tables yet.
-    pub fn new(warehouse: Arc<Warehouse>, pace: Arc<Pace>) -> Estimates {
+    pub fn new(warehouse: Arc<Warehouse>, body: BodyId, pace: Arc<Pace>) -> Estimates {
         let mut offsets = vec![0u32];
         let mut nodes = Vec::new();
         for n in warehouse.nodes.ids() {
             offsets.push(offsets[n.ix()] + 2 * warehouse.headings(n).len() as u32);
             nodes.resize(offsets[n.ix() + 1] as usize, n);
         }
-        let into = [false, true].map(|loaded| Into::new(&warehouse, &pace, &offsets, &nodes, loaded));
+        let into = [false, true].map(|loaded| Into::new((&warehouse, body), &pace, &offsets, &nodes, loaded));
         let longest = into.iter().flat_map(|i| &i.edges).map(|(_, ms)| *ms).max().unwrap_or(0);
         let buckets = vec![Vec::new(); (longest as usize + 2).next_power_of_two()];
         let tables = BTreeMap::new();
-        Estimates { warehouse, pace, offsets, nodes, into, tables, clock: 0, buckets, built: 0 }
+        Estimates { warehouse, body, pace, offsets, nodes, into, tables, clock: 0, buckets, built: 0 }
     }
 
     /// How many tables were computed so far.
@@ -177,9 +187,16 @@ impl Estimates {
 }
 
 impl Into {
-    fn new(warehouse: &Warehouse, pace: &Pace, offsets: &[u32], nodes: &[NodeId], loaded: bool) -> Into {
+    fn new(
+        (warehouse, body): (&Warehouse, BodyId),
+        pace: &Pace,
+        offsets: &[u32],
+        nodes: &[NodeId],
+        loaded: bool,
+    ) -> Into {
         let mut lists: Vec<Vec<(bool, u32, u32)>> = vec![Vec::new(); nodes.len()];
-        for (id, arc) in warehouse.arcs.pairs().filter(|(_, a)| a.users.allows(loaded)) {
+        let open = warehouse.arcs.pairs().filter(|(_, a)| a.users.allows(loaded));
+        for (id, arc) in open.filter(|(id, _)| warehouse.may_drive(body, *id)) {
             let zone = |n: NodeId| warehouse.nodes[n].kind.reserved_for();
             let outer = zone(arc.from).is_none() || zone(arc.from) != zone(arc.to);
             for slot in 0..warehouse.headings(arc.from).len() as u8 {
@@ -222,6 +239,11 @@ impl Estimates {
     /// The pace.
     pub fn pace(&self) -> &Arc<Pace> {
         &self.pace
+    }
+
+    /// The kind of robots.
+    pub fn body(&self) -> BodyId {
+        self.body
     }
 
     /// The building.

@@ -27,6 +27,8 @@ pub(super) struct Label {
     pub slot: u8,
     pub motion: MotionState,
     pub stage: u8,
+    /// Whether the window is one for a robot with a rack, where that makes a difference.
+    pub loaded: bool,
     /// When the first goal was reached; zero before that.
     pub first: i64,
     /// How long the drive to here took, microseconds.
@@ -62,6 +64,7 @@ impl Label {
             slot,
             motion,
             stage,
+            loaded: false,
             parent,
             arc,
             first: 0,
@@ -77,13 +80,19 @@ impl Label {
         Label { first, ..self }
     }
 
+    /// The same label in a window for a robot with a rack, or in one for a robot without.
+    pub fn with_room(self, loaded: bool) -> Label {
+        Label { loaded, ..self }
+    }
+
     /// The same label with what the way to it took and cost.
     pub fn with_way(self, span: i64, price: i64) -> Label {
         Label { span, price, ..self }
     }
 
     fn key(&self) -> u64 {
-        u64::from(self.node.0) << 32 | u64::from(self.free.index) << 4 | u64::from(self.stage)
+        let window = u64::from(self.free.index) << 1 | u64::from(self.loaded);
+        u64::from(self.node.0) << 32 | window << 4 | u64::from(self.stage)
     }
 }
 

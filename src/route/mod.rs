@@ -21,7 +21,7 @@ pub use estimate::{Estimates, Table};
 pub use motion::{Kinematics, MotionState, Pace, Rules};
 pub use search::COME_OUT;
 
-use crate::id::NodeId;
+use crate::id::{BodyId, NodeId};
 use crate::time::{Span, Time};
 use crate::timeline::{Timeline, Visit};
 use crate::warehouse::Warehouse;
@@ -44,6 +44,13 @@ impl Stage {
     pub fn to_stay(goal: NodeId) -> Stage {
         Stage { goal, loaded: false, stay: Span::ZERO }
     }
+}
+
+/// Whether room for a rack is held at a node that is visited on the way to a stage's goal: the robot comes with one, or
+/// lifts one there.
+fn is_loaded_at(stages: &[Stage], node: NodeId, stage: usize) -> bool {
+    let here = stages[stage..].iter().take_while(|s| s.goal == node).count();
+    stages[stage..].iter().take(here + 1).any(|s| s.loaded)
 }
 
 /// What is wanted.
@@ -110,11 +117,16 @@ pub struct Planner {
 }
 
 impl Planner {
-    /// A planner for one building and one set of rules.
+    /// A planner for one building and one set of rules, for robots of the building's first kind.
     pub fn new(warehouse: Arc<Warehouse>, rules: Rules) -> Planner {
+        Planner::for_body(warehouse, BodyId(0), rules)
+    }
+
+    /// A planner for robots of one kind: over lanes that are for it, with its footprints.
+    pub fn for_body(warehouse: Arc<Warehouse>, body: BodyId, rules: Rules) -> Planner {
         let pace = Arc::new(Pace::new(&warehouse, rules));
         Planner {
-            estimates: Estimates::new(warehouse, pace),
+            estimates: Estimates::new(warehouse, body, pace),
             scratch: search::Scratch::default(),
             weight: 0.0,
         }

@@ -16,9 +16,9 @@ pub use constrained::COME_OUT;
 use super::estimate::{Estimates, Table, may_drive};
 use super::label::{Label, Labels, NONE, OWN_HEADING};
 use super::motion::{MotionState, Pace};
-use super::{Ask, NoRoute, Route, Stage, trace};
+use super::{Ask, NoRoute, Route, Stage, is_loaded_at, trace};
 use crate::geometry::turn_between;
-use crate::id::{ArcId, NodeId};
+use crate::id::{ArcId, BodyId, LineId, NodeId, ResourceId};
 use crate::time::{Span, Time};
 use crate::timeline::{FreeWindow, Timeline};
 use crate::warehouse::{Warehouse, Way};
@@ -54,6 +54,8 @@ struct Search<'a> {
     /// See [`Pace::start_cost`] and [`Pace::lead`], without and with a rack.
     start_cost: [i64; 2],
     lead: [i64; 2],
+    /// For each stage, whether windows are for a robot with a rack, on the way and at its goal.
+    room: SmallVec<[[bool; 2]; 4]>,
     /// See [`super::Planner::weigh`].
     weight: f64,
     /// Whether half of the budget is spent.
@@ -99,8 +101,14 @@ pub(super) fn plan(
     let between = bounds_between(estimates, ask.stages, &tables)?;
     let warehouse = estimates.warehouse().clone();
     let pace = estimates.pace().clone();
-    let brief = constrained::brief_stays(&warehouse, &pace, timeline, ask);
-    let goals = goal_windows(&warehouse, &pace, timeline, ask, &brief)?;
+    let room = room(&warehouse, estimates.body(), ask.stages);
+    let last = ask.stages.len() - 1;
+    let goal_line = |i: usize| {
+        let goal = warehouse.node_resource(ask.stages[i].goal);
+        warehouse.line(estimates.body(), room[i][1], goal)
+    };
+    let brief = constrained::brief_stays(&warehouse, &pace, timeline, ask, goal_line(last));
+    let goals = goal_windows(&warehouse, &pace, timeline, ask, (&brief, goal_line))?;
     let start_cost = [false, true].map(|loaded| pace.start_cost(loaded).0);
     let lead = [false, true].map(|loaded| pace.lead(loaded).0);
     let mut search = Search {
@@ -115,6 +123,7 @@ pub(super) fn plan(
         between,
         start_cost,
         lead,
+        room,
         weight,
         anytime: false,
     };
@@ -142,6 +151,15 @@ fn bounds_between(
         .collect()
 }
 
+/// For each stage, whether windows are looked at for a robot with a rack, on the way and at its goal. Where the kind of
+/// robots takes as much floor without one, it never matters.
+fn room(warehouse: &Warehouse, body: BodyId, stages: &[Stage]) -> SmallVec<[[bool; 2]; 4]> {
+    let differ = warehouse.footprint(body, false) != warehouse.footprint(body, true);
+    let at =
+        |i: usize| [stages[i].loaded, is_loaded_at(stages, stages[i].goal, i)].map(|loaded| differ && loaded);
+    (0..stages.len()).map(at).collect()
+}
+
 /// The arrivals at each goal that its free windows allow. Where robots hold the next node while they drive,
 /// nobody arrives sooner after a hold ends than the last lane takes, and nobody leaves faster than the first
 /// one does: without this, every search to a busy station would try all ways of arriving in those seconds.
@@ -150,7 +168,7 @@ fn goal_windows(
     pace: &Pace,
     timeline: &Timeline,
     ask: &Ask<'_>,
-    brief: &constrained::Brief,
+    (brief, goal_line): (&constrained::Brief, impl Fn(usize) -> LineId),
 ) -> Result<Vec<GoalWindows>, NoRoute> {
     let last = ask.stages.len() - 1;
     let windows = |(i, stage): (usize, &Stage)| {
@@ -160,7 +178,8 @@ fn goal_windows(
             if before == stage.goal { Span::ZERO } else { pace.fastest_in(stage.goal, stage.loaded) },
             pace.fastest_out(stage.goal, loaded_after) + pace.clearance(),
         );
-        let windows = constrained::open_windows(warehouse, timeline, ask, stage.goal, ask.ready);
+        let windows =
+            constrained::open_windows(warehouse, timeline, ask, (stage.goal, goal_line(i)), ask.ready);
         let fits = windows.into_iter().filter_map(|g| match (i == last, g.end.is_forever()) {
             (true, false) => {
                 let latest = brief.iter().find(|(part, _)| *part == g.index).map(|(_, latest)| *latest);
@@ -181,15 +200,29 @@ impl Search<'_> {
         // The window in which it came here must last until it can leave: a robot that is late may stand where another
         // one is to pass before that, and must not be taken for having made way meanwhile.
         let (came, ready) = (self.ask.from.arrive.min(self.ask.ready), self.ask.ready);
-        let own = self.timeline.free_windows(self.warehouse.node_resource(node), came).next();
+        let differ = self.room.iter().flatten().any(|room| *room);
+        let loaded = differ && (self.ask.from.loaded || is_loaded_at(self.ask.stages, node, 0));
+        let line = self.line(loaded, self.warehouse.node_resource(node));
+        let own = self.timeline.free_windows(line, came).next();
         let free = own.filter(|g| g.start <= came && g.end > ready).ok_or(NoRoute::Blocked)?;
         let known = self.warehouse.headings(node).iter();
         let slot = known.clone().position(|h| turn_between(*h, self.ask.heading) < 0.02);
         let slot = slot.map_or(OWN_HEADING, |s| s as u8);
         let ready = self.ask.ready.0;
         let label = Label::new((ready, free.end.0), node, free, slot, MotionState::Standing, 0, NONE, None);
-        self.push(labels, open, label);
+        self.push(labels, open, label.with_room(loaded));
         Ok(())
+    }
+
+    /// The timeline of a resource for a robot with a rack, or for one without.
+    fn line(&self, loaded: bool, r: ResourceId) -> LineId {
+        self.warehouse.line(self.estimates.body(), loaded, r)
+    }
+
+    /// Whether a node is entered on a stage in a window for a robot with a rack.
+    fn needs_room(&self, node: NodeId, stage: u8) -> bool {
+        let stage = usize::from(stage);
+        self.room[stage][usize::from(node == self.ask.stages[stage].goal)]
     }
 
     /// Expands labels in order of their bounds until one stays at the last goal for ever.
@@ -247,15 +280,16 @@ impl Search<'_> {
                 index,
                 None,
             );
-            self.push(labels, open, next.with_first(first).with_way(0, label.price));
+            let next = next.with_first(first).with_way(0, label.price);
+            self.push(labels, open, next.with_room(label.loaded));
         }
     }
 
     fn expand(&self, labels: &mut Labels, open: &mut Open, index: u32, label: Label) {
         let stage = self.ask.stages[usize::from(label.stage)];
-        let conditions = self.ask.conditions;
+        let (conditions, body) = (self.ask.conditions, self.estimates.body());
         for (arc, way) in self.warehouse.ways(label.node) {
-            if !may_drive(self.warehouse, label.node, &way, stage.loaded, stage.goal) {
+            if !may_drive((self.warehouse, body), label.node, &way, stage.loaded, stage.goal) {
                 continue;
             }
             let Some(depart) = self.departures(&label, arc) else { continue };
@@ -290,8 +324,9 @@ impl Search<'_> {
     fn enter_gaps(&self, labels: &mut Labels, open: &mut Open, index: u32, label: &Label, hop: &Hop) {
         let node = hop.way.to;
         let latest = hop.depart.1.min(label.free.end.0);
-        let resource = self.warehouse.node_resource(node);
-        for free in self.timeline.free_windows(resource, Time(hop.depart.0 - hop.lead)) {
+        let loaded = self.needs_room(node, label.stage);
+        let line = self.line(loaded, self.warehouse.node_resource(node));
+        for free in self.timeline.free_windows(line, Time(hop.depart.0 - hop.lead)) {
             if free.start.0 > latest {
                 break;
             }
@@ -299,7 +334,7 @@ impl Search<'_> {
                 self.enter(labels, open, index, label, hop, node, free, FREE);
                 continue;
             }
-            let lane = self.warehouse.lane_resource(hop.way.lane);
+            let lane = self.line(loaded, self.warehouse.lane_resource(hop.way.lane));
             for lane_free in self.timeline.free_windows(lane, Time(hop.depart.0 - hop.lead)) {
                 if lane_free.start.0 > latest {
                     break;
@@ -331,7 +366,8 @@ impl Search<'_> {
             let hi = if to == MotionState::Standing { free.end.0 } else { hi };
             let slot = hop.way.slot;
             let next = Label::new((lo, hi), node, free, slot, to, label.stage, index, Some(hop.arc));
-            self.push(labels, open, next.with_first(label.first).with_way(span, label.price));
+            let next = next.with_first(label.first).with_way(span, label.price);
+            self.push(labels, open, next.with_room(self.needs_room(node, label.stage)));
         }
     }
 
@@ -367,8 +403,10 @@ impl Search<'_> {
             return None;
         }
         if lo == free.start.0 && lo == label.free.end.0 {
-            let (before, _) = self.timeline.neighbours(self.warehouse.node_resource(node), free);
-            let (_, after) = self.timeline.neighbours(self.warehouse.node_resource(label.node), label.free);
+            let there = self.line(self.needs_room(node, label.stage), self.warehouse.node_resource(node));
+            let here = self.line(label.loaded, self.warehouse.node_resource(label.node));
+            let (before, _) = self.timeline.neighbours(there, free);
+            let (_, after) = self.timeline.neighbours(here, label.free);
             if before == after {
                 return None;
             }

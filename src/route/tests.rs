@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::geometry::Point;
-use crate::id::{ArcId, ClosureId, Dense, ResourceId, RobotId};
+use crate::id::{ArcId, ClosureId, Dense, LineId, RobotId};
 use crate::time::Window;
 use crate::timeline::{FreeWindow, Holder};
 use crate::warehouse::{Draft, DraftLane, DraftNode, Users};
@@ -18,6 +18,7 @@ fn grid(columns: usize, rows: usize) -> Arc<Warehouse> {
             let up = (y + 1 < rows).then(|| name(x, y + 1));
             for to in right.into_iter().chain(up) {
                 draft.lanes.push(DraftLane {
+                    kinds: None,
                     from: name(x, y),
                     to,
                     both: true,
@@ -33,7 +34,8 @@ fn grid(columns: usize, rows: usize) -> Arc<Warehouse> {
 
 fn still(node: u32, enter: Time, leave: Time) -> Visit {
     let depart = leave;
-    Visit { node: NodeId(node), lane: None, enter, arrive: enter, depart, leave, stay: Span::ZERO }
+    let stay = Span::ZERO;
+    Visit { node: NodeId(node), lane: None, loaded: false, enter, arrive: enter, depart, leave, stay }
 }
 
 fn start() -> Visit {
@@ -104,9 +106,7 @@ impl Brute<'_> {
         }
         let hops: Vec<(ArcId, NodeId)> = self.warehouse.out(at).map(|(id, a)| (id, a.to)).collect();
         for (arc, next) in hops {
-            for free in
-                self.timeline.free_windows(self.warehouse.node_resource(next), Time(0)).collect::<Vec<_>>()
-            {
+            for free in self.timeline.free_windows(LineId(next.0), Time(0)).collect::<Vec<_>>() {
                 for motion in [MotionState::Standing, MotionState::Rolling] {
                     self.walk.push(Step { arc, free, motion });
                     self.go(next, start_gap, steps - 1);
@@ -162,7 +162,7 @@ impl Brute<'_> {
 }
 
 fn brute(warehouse: &Warehouse, pace: &Pace, timeline: &Timeline, goal: u32, steps: usize) -> Option<i64> {
-    let start_gap = timeline.free_windows(ResourceId(0), Time(0)).next()?;
+    let start_gap = timeline.free_windows(LineId(0), Time(0)).next()?;
     if start_gap.start > Time(0) {
         return None;
     }
@@ -219,7 +219,7 @@ proptest! {
 fn breadth_first(warehouse: &Warehouse, timeline: &Timeline, goal: u32, turns: bool) -> Option<i64> {
     let free = |n: NodeId, t: i64| {
         let at = Time(t * 1_000_000);
-        timeline.free_windows(warehouse.node_resource(n), at).next().is_some_and(|g| g.start <= at)
+        timeline.free_windows(LineId(n.0), at).next().is_some_and(|g| g.start <= at)
     };
     let for_ever = |n: NodeId, t: i64| (t..24).all(|u| free(n, u));
     let mut here = vec![(NodeId(0), 0i64)];

@@ -5,7 +5,7 @@
 
 use super::label::{Label, Labels, NONE, OWN_HEADING};
 use super::motion::{MotionState, Pace};
-use super::{Ask, Route};
+use super::{Ask, Route, is_loaded_at};
 use crate::id::ArcId;
 use crate::time::{Span, Time};
 use crate::timeline::Visit;
@@ -27,7 +27,8 @@ pub(super) fn route(
 ) -> Route {
     let moments = moments(labels, goal);
     let stay = (ask.ready - ask.from.arrive).max(Span::ZERO);
-    let kept = Visit { depart: Time::MAX, leave: Time::MAX, stay, ..ask.from.clone() };
+    let loaded = ask.from.loaded || is_loaded_at(ask.stages, ask.from.node, 0);
+    let kept = Visit { depart: Time::MAX, leave: Time::MAX, stay, loaded, ..ask.from.clone() };
     let mut visits = vec![kept];
     let mut stops = Vec::new();
     for pair in moments.windows(2) {
@@ -39,7 +40,10 @@ pub(super) fn route(
                 let here = visits.last_mut().expect("starts with the kept visit");
                 here.stay += to.arrive - from.arrive;
             }
-            Some(arc) => drive(&mut visits, (from, to), arc, loaded, (ask.heading, pace), warehouse),
+            Some(arc) => {
+                let with_rack = is_loaded_at(ask.stages, to.label.node, usize::from(to.label.stage));
+                drive(&mut visits, (from, to), arc, [loaded, with_rack], (ask.heading, pace), warehouse);
+            }
         }
     }
     stops.push(visits.len() - 1);
@@ -66,12 +70,13 @@ fn moments(labels: &Labels, goal: u32) -> Vec<Moment> {
     moments
 }
 
-/// Ends the last visit and appends the next one.
+/// Ends the last visit and appends the next one: driven with a rack or without, and held for a robot with one or
+/// without.
 fn drive(
     visits: &mut Vec<Visit>,
     (from, to): (&Moment, &Moment),
     arc: ArcId,
-    loaded: bool,
+    [loaded, with_rack]: [bool; 2],
     (own_heading, pace): (f64, &Pace),
     warehouse: &Warehouse,
 ) {
@@ -98,6 +103,7 @@ fn drive(
     visits.push(Visit {
         node: to.label.node,
         lane,
+        loaded: with_rack,
         enter,
         arrive: to.arrive,
         depart: Time::MAX,

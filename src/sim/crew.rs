@@ -64,7 +64,6 @@ pub(super) struct Crew {
     walkways: Walkways,
     doors: Vec<Point>,
     fronts: Vec<NodeId>,
-    half_m: f64,
     seed: u64,
     /// When the scenario began: its times count from here.
     start: Time,
@@ -101,8 +100,7 @@ impl Crew {
         let fronts = fronts(warehouse, &workers.assignments, &walkways);
         let member = |i: usize| Member::new(i, &workers, &scenario.faults, seed, now);
         let members = (0..workers.count).map(member).collect();
-        let half_m = warehouse.footprint_m / 2.0;
-        Some(Crew { workers, walkways, doors, fronts, half_m, seed, start: now, tokens: 0, members })
+        Some(Crew { workers, walkways, doors, fronts, seed, start: now, tokens: 0, members })
     }
 
     /// What is asked of the fleet, and what the devices have sent, by `now`.
@@ -207,7 +205,7 @@ impl Crew {
     /// Everybody lives for `dt` seconds, up to `now`.
     pub fn tick(&mut self, now: Time, dt: f64, robots: &[RobotNear]) {
         let colleagues: Vec<Vec<Point>> = (0..self.members.len()).map(|i| self.colleagues(i, now)).collect();
-        let around = Around { walkways: &self.walkways, half_m: self.half_m, robots };
+        let around = Around { walkways: &self.walkways, robots };
         for (i, member) in self.members.iter_mut().enumerate() {
             member.listen(now);
             if member.walker.is_none() {
@@ -385,7 +383,7 @@ mod tests {
             let inputs = crew.say(now, &fleet);
             fleet.step(now, inputs);
             let velocity = Vector::new(-speed_mps, 0.0);
-            let robot = RobotNear { at: crew.doors[0] + Vector::new(far_m, 0.0), velocity };
+            let robot = RobotNear { at: crew.doors[0] + Vector::new(far_m, 0.0), velocity, half_m: 0.45 };
             crew.tick(now, 0.1, &[robot]);
             crew.present(now).count()
         };

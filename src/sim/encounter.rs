@@ -119,7 +119,7 @@ mod tests {
         let mut meter = Meter::new(1.5);
         for i in 0..500 {
             let at = Point::new(-5.0 + i as f64 / 50.0, 0.3);
-            let robot = RobotNear { at, velocity: Vector::new(1.0, 0.0) };
+            let robot = RobotNear { at, velocity: Vector::new(1.0, 0.0), half_m: 0.45 };
             let person = Person { worker: 0, at: Point::origin(), speed_mps: 0.7 };
             meter.look(RobotId(0), &robot, &person);
             meter.settle(Time(i * 20_000));

@@ -51,8 +51,9 @@ impl Player {
             scenario.learned = Arc::new(Model::parse(model).map_err(|e| broken(format!("model: {e}")))?);
         }
         let warehouse = formats::json::parse(&header.map).map_err(|e| broken(format!("map: {e}")))?;
+        let warehouse = scenario.fit(&Arc::new(warehouse)).map_err(|e| broken(format!("map: {e}")))?;
         let settings = Settings { stopwatch, ..scenario.settings() };
-        let fleet = Fleet::new(Arc::new(warehouse), settings);
+        let fleet = Fleet::new(warehouse, settings);
         Ok(Player { fleet, scenario, lines, playback, digest: Digest::default(), steps: 0 })
     }
 

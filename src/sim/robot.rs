@@ -4,12 +4,13 @@
 //! told, and it can always stop before the end of it. Refuses: to know where others are.
 
 use super::guard::Guard;
+use super::walker::BODY_M;
 use crate::fleet::{Act, Command, Fault, OFF_ROUTE_M, RobotKind, Telemetry, Waypoint};
 use crate::geometry::{Point, Pose, Segment, Vector, turn_between, wrap_angle};
 use crate::id::{NodeId, RackId, RobotId};
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use crate::warehouse::{Footprint, Warehouse};
 use std::collections::VecDeque;
 
 /// Longest step of integration, seconds.
@@ -68,13 +69,21 @@ pub(super) struct Body {
     acting: Option<(u64, Act, Option<Time>)>,
     path: VecDeque<Target>,
     kinematics: Kinematics,
+    /// What it takes of the floor, without and with a rack.
+    footprints: [Footprint; 2],
     /// Its own scanner stopped it; see `guard`.
     guard: Guard,
 }
 
 impl Body {
     /// A robot standing on a node.
-    pub fn new(id: RobotId, node: NodeId, at: Point, battery: f64, kind: &RobotKind) -> Body {
+    pub fn new(
+        id: RobotId,
+        node: NodeId,
+        at: Point,
+        battery: f64,
+        (kind, footprints): (&RobotKind, [Footprint; 2]),
+    ) -> Body {
         Body {
             id,
             pose: Pose { at, heading: 0.0 },
@@ -95,8 +104,19 @@ impl Body {
             acting: None,
             path: VecDeque::new(),
             kinematics: kind.kinematics,
+            footprints,
             guard: Guard::default(),
         }
+    }
+
+    /// What it takes of the floor, with the rack that it has.
+    pub fn footprint(&self) -> &Footprint {
+        &self.footprints[usize::from(self.rack.is_some())]
+    }
+
+    /// Whether its outline touches a person.
+    pub fn touches(&self, person: Point) -> bool {
+        self.footprint().at(self.pose).distance_to(person) <= BODY_M
     }
 
     /// Puts it where the ledger has it: a restarted simulation.
@@ -432,6 +452,7 @@ impl Body {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::id::BodyId;
     use crate::timeline::{Holder, Reserved, Timeline};
     use crate::warehouse::lab;
     use std::sync::Arc;
@@ -449,7 +470,9 @@ mod tests {
         let (home, next) = (arc.from, arc.to);
         let far = |n: &NodeId| (w.nodes[*n].at - w.nodes[home].at).norm() > 3.0;
         let away = w.nodes.ids().find(far).expect("the laboratory is larger than that");
-        let mut body = Body::new(RobotId(0), home, w.nodes[home].at, 1.0, &RobotKind::default());
+        let footprints = [false, true].map(|loaded| w.footprint(BodyId(0), loaded).clone());
+        let mut body =
+            Body::new(RobotId(0), home, w.nodes[home].at, 1.0, (&RobotKind::default(), footprints));
         let drive = |first: u64, nodes: &[NodeId], act: Option<Act>| Command::Drive {
             grant: proof(&w, home),
             waypoints: (first..).zip(nodes).map(|(serial, n)| Waypoint { serial, node: *n, act }).collect(),

@@ -88,6 +88,8 @@ impl Simulation {
         without_conflicts: bool,
         stopwatch: fn() -> u64,
     ) -> Simulation {
+        let warehouse =
+            scenario.fit(&warehouse).expect("whoever reads a scenario fits the map to its robots");
         let settings = Settings { without_conflicts, stopwatch, ..scenario.settings() };
         let fleet = Fleet::new(warehouse.clone(), settings);
         let world = World::new(warehouse, scenario, lines, seed, &fleet, Time::ZERO);

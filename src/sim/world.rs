@@ -16,7 +16,7 @@ use crate::fleet::{
     Closure, Command, Fault, Fleet, Guidance, Input, RackAt, Reply, Telemetry, most_dangerous,
 };
 use crate::geometry::Point;
-use crate::id::{Dense, IdVec, NodeId, RackId, RobotId, WorkerId};
+use crate::id::{BodyId, Dense, IdVec, NodeId, RackId, RobotId, WorkerId};
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
@@ -82,7 +82,8 @@ impl World {
         now: Time,
     ) -> World {
         let known = fleet.ledger().robots.len();
-        let places = starting_places(&warehouse, scenario.robots);
+        let places =
+            starting_places(&warehouse, scenario.robots, |i| warehouse.body_of(&scenario.kind_of(i).name));
         let joining = places.into_iter().enumerate().skip(known);
         let kind = |i: usize| scenario.kind_of(i).name.clone();
         let joining = joining.map(|(i, n)| (format!("robot-{}", i + 1), kind(i), n)).collect();
@@ -305,20 +306,23 @@ impl World {
     /// People walk, robots look out for them, and both are measured.
     fn people(&mut self, from: Time, to: Time) {
         let Some(crew) = &mut self.crew else { return };
-        let near = |r: &Robot| RobotNear { at: r.body.pose.at, velocity: r.body.velocity() };
+        let near = |r: &Robot| {
+            let half_m = r.body.footprint().half_m();
+            RobotNear { at: r.body.pose.at, velocity: r.body.velocity(), half_m }
+        };
         let robots: Vec<RobotNear> = self.robots.iter().map(near).collect();
         crew.tick(to, (to - from).as_secs_f64(), &robots);
         let people: Vec<Presence> = crew.present(to).collect();
         let places: Vec<Point> = people.iter().map(|p| p.pose.at).collect();
-        let half_m = self.warehouse.footprint_m / 2.0;
         self.meter.pass_time(people.len(), to - from);
         for (robot, near) in self.robots.iter_mut().zip(&robots) {
-            robot.body.scan(to, half_m, &places);
+            robot.body.scan(to, near.half_m, &places);
             let (id, speed, brakes) = (robot.body.id, robot.body.speed_mps, robot.body.is_guarded());
             for p in &people {
                 let person = Person { worker: p.worker, at: p.pose.at, speed_mps: p.speed_mps };
                 self.meter.look(id, near, &person);
-                self.meter.touch(id, p.worker, near.gap(p.pose.at, half_m) <= 0.0, speed, brakes);
+                let touches = near.gap(p.pose.at) <= 0.0 && robot.body.touches(p.pose.at);
+                self.meter.touch(id, p.worker, touches, speed, brakes);
             }
         }
         self.meter.settle(to);
@@ -391,7 +395,10 @@ impl World {
             let who = i as u64;
             let battery = 0.6 + 0.4 * Stream::new(self.seed, 4, who).unit();
             let at = self.warehouse.nodes[node].at;
-            let mut body = Body::new(id, node, at, battery, fleet.settings().kind(&record.kind));
+            let kind = self.warehouse.body_of(&record.kind);
+            let footprints = [false, true].map(|loaded| self.warehouse.footprint(kind, loaded).clone());
+            let mut body =
+                Body::new(id, node, at, battery, (fleet.settings().kind(&record.kind), footprints));
             let (reached, rack) = (fleet.ledger().chain(id).first(), fleet.ledger().rack_on(id));
             body.resume(reached, record.acted, record.recalls, rack);
             let delay = Span::from_millis(self.faults.message_delay_ms);
@@ -407,6 +414,17 @@ impl World {
                 tries: 0,
             });
         }
+    }
+
+    /// Where each robot truly is.
+    pub fn places(&self) -> impl Iterator<Item = (RobotId, Point)> {
+        self.robots.iter().map(|r| (r.body.id, r.body.pose.at))
+    }
+
+    /// Whether the outlines of two robots truly overlap by more than `slack_m`.
+    pub fn overlap(&self, a: RobotId, b: RobotId, slack_m: f64) -> bool {
+        let [a, b] = [a, b].map(|robot| &self.robots[robot.ix()].body);
+        a.footprint().at(a.pose).overlaps(&b.footprint().at(b.pose), slack_m)
     }
 
     /// Where each robot truly is, how fast, and the serial number of the last visit that it knows: for the laws.
@@ -447,13 +465,17 @@ impl Robot {
 }
 
 /// Where robots stand at first: chargers, parking places, then beneath racks, spread over the floor.
-pub fn starting_places(warehouse: &Warehouse, robots: usize) -> Vec<NodeId> {
+pub fn starting_places(warehouse: &Warehouse, robots: usize, body: impl Fn(usize) -> BodyId) -> Vec<NodeId> {
     let mut places = warehouse.nodes_where(|k| k == NodeKind::Charger);
     places.extend(warehouse.nodes_where(|k| k == NodeKind::Parking));
     let storage = warehouse.nodes_where(|k| k == NodeKind::Storage);
     let wanted = robots.saturating_sub(places.len());
     let step = (storage.len() / wanted.max(1)).max(1);
     places.extend(storage.iter().copied().step_by(step));
-    places.truncate(robots);
-    places
+    let mut found = Vec::new();
+    for robot in 0..robots {
+        let first = places.iter().position(|n| warehouse.may_be_at(body(robot), *n));
+        found.extend(first.map(|at| places.remove(at)));
+    }
+    found
 }

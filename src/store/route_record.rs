@@ -15,9 +15,19 @@ use serde::{Deserialize, Serialize};
 #[derive(Serialize, Deserialize)]
 struct TimesRecord(i64, i64, Option<i64>, Option<i64>);
 
-/// A visit: node, lane, stay, times.
+/// A visit: node, lane, stay, times, whether for a robot with a rack: all were, before robots were told apart.
 #[derive(Serialize, Deserialize)]
-pub(super) struct VisitRecord(u32, Option<u32>, i64, TimesRecord);
+pub(super) struct VisitRecord(
+    u32,
+    Option<u32>,
+    i64,
+    TimesRecord,
+    #[serde(default = "with_rack", skip_serializing_if = "Clone::clone")] bool,
+);
+
+fn with_rack() -> bool {
+    true
+}
 
 /// A visit that has other times: serial, times.
 #[derive(Serialize, Deserialize)]
@@ -57,15 +67,15 @@ impl TimesRecord {
 impl From<&Visit> for VisitRecord {
     fn from(v: &Visit) -> VisitRecord {
         let times = TimesRecord::of(v.enter, v.arrive, v.depart, v.leave);
-        VisitRecord(v.node.0, v.lane.map(|l| l.0), v.stay.0, times)
+        VisitRecord(v.node.0, v.lane.map(|l| l.0), v.stay.0, times, v.loaded)
     }
 }
 
 impl From<VisitRecord> for Visit {
-    fn from(VisitRecord(node, lane, stay, times): VisitRecord) -> Visit {
+    fn from(VisitRecord(node, lane, stay, times, loaded): VisitRecord) -> Visit {
         let [enter, arrive, depart, leave] = times.times();
         let lane = lane.map(ResourceId);
-        Visit { node: NodeId(node), lane, enter, arrive, depart, leave, stay: Span(stay) }
+        Visit { node: NodeId(node), lane, loaded, enter, arrive, depart, leave, stay: Span(stay) }
     }
 }
 

@@ -5,7 +5,7 @@
 //! Castagna). Refuses: to change any order.
 
 use super::{Holder, Layer, Timeline, Visit};
-use crate::id::ResourceId;
+use crate::id::LineId;
 use crate::time::{Span, Time};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
@@ -67,7 +67,7 @@ impl Timeline {
     /// If the order of holders on a resource would change, two holders would overlap, or a holder would leave a place
     /// before it is elsewhere: whoever worked this out, or wrote it down, is broken.
     pub fn slide(&mut self, slip: &[(Holder, &[Shift])]) {
-        let mut touched: BTreeSet<ResourceId> = BTreeSet::new();
+        let mut touched: BTreeSet<LineId> = BTreeSet::new();
         for (holder, shifts) in slip {
             for shift in *shifts {
                 let chain = self.chains.get_mut(holder).expect("only holders are late");
@@ -77,10 +77,11 @@ impl Timeline {
                 self.rewrite(*holder, shift.serial, &mut touched);
             }
         }
-        for r in touched {
-            let swapped = self.lines[r].swapped();
-            assert_eq!(swapped, None, "a delay changes an order on {}", self.warehouse.resource_name(r));
-            self.lines[r].sort();
+        for l in touched {
+            let swapped = self.lines[l].swapped();
+            let name = || self.warehouse.resource_name(self.warehouse.resource_of(l));
+            assert_eq!(swapped, None, "a delay changes an order on {}", name());
+            self.lines[l].sort();
         }
         for (holder, shifts) in slip {
             shifts.iter().for_each(|shift| self.assert_fits(*holder, shift.serial));
@@ -101,19 +102,19 @@ impl Timeline {
     }
 
     /// Brings the entries of a visit up to date without changing their place in any order.
-    fn rewrite(&mut self, h: Holder, s: u64, touched: &mut BTreeSet<ResourceId>) {
+    fn rewrite(&mut self, h: Holder, s: u64, touched: &mut BTreeSet<LineId>) {
         let warehouse = self.warehouse.clone();
         let visit = self.chains[&h].get(s).expect("it moved, so it is there");
-        let mut first: &[ResourceId] = &[];
-        for (resource, window) in super::claims(&warehouse, self.clearance, visit) {
-            self.lines[resource].slide(h, s, (Layer::Physical, 0), window);
-            touched.insert(resource);
-            for &c in warehouse.conflicts(resource) {
+        let mut first: &[LineId] = &[];
+        for (line, window) in super::claims(self.context(&warehouse, h), visit) {
+            self.lines[line].slide(h, s, (Layer::Physical, 0), window);
+            touched.insert(line);
+            for &c in warehouse.lines_in_conflict(line) {
                 let nth = usize::from(first.contains(&c));
                 self.lines[c].slide(h, s, (Layer::Conflict, nth), window);
                 touched.insert(c);
             }
-            first = warehouse.conflicts(resource);
+            first = warehouse.lines_in_conflict(line);
         }
     }
 
@@ -187,10 +188,10 @@ impl Draft<'_> {
     fn push_followers(&self, h: Holder, s: u64, due: &mut Due) {
         let Some(visit) = self.visit(h, s) else { return };
         let warehouse = &self.timeline.warehouse;
-        for (resource, window) in super::claims(warehouse, self.timeline.clearance, visit) {
-            let conflicts = warehouse.conflicts(resource).iter();
-            for r in std::iter::once(&resource).chain(conflicts) {
-                for f in self.timeline.lines[*r].followers(h, s) {
+        for (line, window) in super::claims(self.timeline.context(warehouse, h), visit) {
+            let conflicts = warehouse.lines_in_conflict(line).iter();
+            for l in std::iter::once(&line).chain(conflicts) {
+                for f in self.timeline.lines[*l].followers(h, s) {
                     let start = self.moved.get(&(f.holder, f.serial)).map_or(f.start, |v| v.enter);
                     if start < window.end() {
                         self.demand(f.holder, f.serial, window.end(), due);

@@ -4,7 +4,7 @@
 
 use super::line::{Hold, Layer};
 use super::{Holder, Timeline};
-use crate::id::ResourceId;
+use crate::id::{LineId, ResourceId};
 use crate::time::Window;
 
 /// One hold on a resource.
@@ -21,21 +21,30 @@ pub struct Held {
 }
 
 impl Timeline {
-    /// The holds on a resource that meet `window`, in their order.
-    pub fn holds(&self, r: ResourceId, window: Window) -> impl Iterator<Item = Held> {
-        self.lines[r].during(window).map(|h| self.held(h))
+    /// The holds on a resource that meet `window`, in their order, whoever is kept away by them.
+    pub fn holds(&self, r: ResourceId, window: Window) -> Vec<Held> {
+        let mut found: Vec<(&Hold, Held)> = (self.warehouse.lines_of(r))
+            .flat_map(|line| self.lines[line].during(window))
+            .map(|h| (h, self.held(h)))
+            .collect();
+        // What is held itself for one footprint is in conflict for all others.
+        found.sort_by_key(|(h, _)| (h.start, h.holder, h.serial, h.end, h.layer));
+        found.dedup_by_key(|(h, _)| (h.start, h.holder, h.serial, h.end));
+        found.into_iter().map(|(_, held)| held).collect()
     }
 
-    /// All holds of others on a resource, in their order, also those whose time is over.
-    pub fn held_by_others(&self, r: ResourceId, own: Holder) -> impl Iterator<Item = Held> {
-        self.lines[r].all().filter(move |h| h.holder != own).map(|h| self.held(h))
+    /// All holds of others on a timeline, in their order, also those whose time is over.
+    pub fn held_by_others(&self, line: LineId, own: Holder) -> impl Iterator<Item = Held> {
+        self.lines[line].all().filter(move |h| h.holder != own).map(|h| self.held(h))
     }
 
     /// Everybody who passes before `holder` has the visit `serial`, in order, on the resource that
     /// [`Timeline::waits_for`] names; nothing where nobody does.
     pub fn before(&self, holder: Holder, serial: u64) -> Option<(ResourceId, Vec<Held>)> {
         let (resource, _) = self.waits_for(holder, serial)?;
-        let first = self.lines[resource].before(holder, serial).filter(|h| h.holder != holder);
+        let loaded = self.chains.get(&holder)?.get(serial)?.loaded;
+        let line = self.line(holder, loaded, resource);
+        let first = self.lines[line].before(holder, serial).filter(|h| h.holder != holder);
         Some((resource, first.map(|h| self.held(h)).collect()))
     }
 

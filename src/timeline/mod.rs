@@ -5,8 +5,9 @@
 //! Refuses: to hold anything twice, to forget who was promised a resource first, and to know why anyone wants to be
 //! anywhere.
 //!
-//! Each resource has one list of holds sorted by start. A hold on a resource also stands, marked
-//! [`Layer::Conflict`], in the list of every resource in conflict with it: a plan writes a few hundred holds but
+//! Each resource has one list of holds sorted by start, and one for each footprint where robots differ in it
+//! ([`crate::id::LineId`]): what a robot with that footprint looks at. A hold on a resource also stands, marked
+//! [`Layer::Conflict`], in the list of everything that it excludes: a plan writes a few hundred holds but
 //! reads thousands, so writes are widened and reads are not. Lists stay short (tens of holds), so a sorted
 //! vector with binary search beats a tree.
 
@@ -23,7 +24,7 @@ pub use line::{FreeWindow, Layer};
 pub use restore::{ChainParts, Flaw};
 pub use truncate::Kept;
 
-use crate::id::{IdVec, NodeId, ResourceId, RobotId, WorkerId};
+use crate::id::{BodyId, Dense, IdVec, LineId, NodeId, ResourceId, RobotId, WorkerId};
 use crate::time::{Span, Time, Window};
 use crate::warehouse::{NodeKind, Warehouse};
 use chains::Chains;
@@ -61,6 +62,8 @@ pub struct Visit {
     pub node: NodeId,
     /// The lane driven to get here, if that lane is in conflict with anything beyond its ends.
     pub lane: Option<ResourceId>,
+    /// Whether node and lane are held for a robot with a rack: one comes with it, or leaves with it.
+    pub loaded: bool,
     /// The hold on node and lane begins.
     pub enter: Time,
     /// The centre of the node is reached.
@@ -171,8 +174,10 @@ pub type Replacement = (Holder, u64, Visit, Vec<Visit>);
 pub struct Timeline {
     warehouse: Arc<Warehouse>,
     clearance: Span,
-    lines: IdVec<ResourceId, Line>,
+    lines: IdVec<LineId, Line>,
     chains: Chains,
+    /// The kind of each robot; the first one beyond the end.
+    bodies: Vec<BodyId>,
     /// Where everybody else can be driven through; only for the bound on throughput.
     without_conflicts: bool,
 }
@@ -187,8 +192,9 @@ impl Timeline {
     /// Nothing held. `clearance` is the time by which a hold outlasts the moment in which the tail has left;
     /// strictly positive on a real floor, so that no ring of robots can rotate (DESIGN §5, invariant b).
     pub fn new(warehouse: Arc<Warehouse>, clearance: Span) -> Timeline {
-        let lines = IdVec::filled(Line::default(), warehouse.resource_count());
-        Timeline { warehouse, clearance, lines, chains: Chains::default(), without_conflicts: false }
+        let lines = IdVec::filled(Line::default(), warehouse.line_count());
+        let (chains, bodies) = (Chains::default(), Vec::new());
+        Timeline { warehouse, clearance, lines, chains, bodies, without_conflicts: false }
     }
 
     /// A timeline on which holders pass through one another everywhere but at stations, where there is still only
@@ -207,6 +213,31 @@ impl Timeline {
         self.clearance
     }
 
+    /// Says of which kind a robot is, before it holds anything.
+    ///
+    /// # Panics
+    /// If it holds something.
+    pub fn set_body(&mut self, robot: RobotId, body: BodyId) {
+        assert!(!self.chains.contains_key(&Holder::Robot(robot)), "{robot:?} has held as another kind");
+        if self.bodies.len() <= robot.ix() {
+            self.bodies.resize(robot.ix() + 1, BodyId(0));
+        }
+        self.bodies[robot.ix()] = body;
+    }
+
+    /// The kind of a holder. Workers are as wide as robots of the first one.
+    pub fn body(&self, holder: Holder) -> BodyId {
+        match holder {
+            Holder::Robot(robot) => self.bodies.get(robot.ix()).copied().unwrap_or(BodyId(0)),
+            Holder::Worker(_) => BodyId(0),
+        }
+    }
+
+    /// The timeline of a resource at which a holder looks, without or with a rack.
+    pub fn line(&self, holder: Holder, loaded: bool, r: ResourceId) -> LineId {
+        self.warehouse.line(self.body(holder), loaded, r)
+    }
+
     /// Everyone who holds something, with their visits.
     pub fn chains(&self) -> impl Iterator<Item = (Holder, &Chain)> {
         self.chains.iter()
@@ -217,24 +248,24 @@ impl Timeline {
         self.chains.get(&holder)
     }
 
-    /// The free windows of a resource that end after `t`, in order.
-    pub fn free_windows(&self, r: ResourceId, t: Time) -> impl Iterator<Item = FreeWindow> {
-        self.lines[r].free_windows(t)
+    /// The free windows of a resource that end after `t`, in order, as robots with one footprint find it.
+    pub fn free_windows(&self, line: LineId, t: Time) -> impl Iterator<Item = FreeWindow> {
+        self.lines[line].free_windows(t)
     }
 
     /// Who hands over at the two ends of a free window: the last holder before it and the first one after.
-    pub fn neighbours(&self, r: ResourceId, free: FreeWindow) -> (Option<Holder>, Option<Holder>) {
-        self.lines[r].neighbours(free)
+    pub fn neighbours(&self, line: LineId, free: FreeWindow) -> (Option<Holder>, Option<Holder>) {
+        self.lines[line].neighbours(free)
     }
 
-    /// How many holds stand on a resource, conflicts included.
-    pub fn load(&self, r: ResourceId) -> usize {
-        self.lines[r].len()
+    /// How many holds stand on a timeline, conflicts included.
+    pub fn load(&self, line: LineId) -> usize {
+        self.lines[line].len()
     }
 
-    /// Everyone else whose hold on `r`, or on something in conflict with it, meets `window`.
-    pub fn holders_during(&self, r: ResourceId, window: Window, own: Holder) -> impl Iterator<Item = Holder> {
-        self.lines[r].during(window).map(|h| h.holder).filter(move |h| *h != own)
+    /// Everyone else whose hold, on a resource or on something in conflict with it, meets `window`.
+    pub fn holders_during(&self, line: LineId, window: Window, own: Holder) -> impl Iterator<Item = Holder> {
+        self.lines[line].during(window).map(|h| h.holder).filter(move |h| *h != own)
     }
 
     /// Puts a holder on the floor with its first visits.
@@ -306,12 +337,13 @@ impl Timeline {
 
     /// Ends the holds on visits before `keep` by `leave`: a broken robot kept them for ever, and now drives on.
     fn end_by(&mut self, holder: Holder, keep: u64, leave: Time) {
+        let warehouse = self.warehouse.clone();
+        let context = self.context(&warehouse, holder);
         let chain = self.chains.get_mut(&holder).expect("only holders replace");
         let first = chain.first;
         for (serial, visit) in (first..keep).zip(&mut chain.visits).filter(|(_, v)| v.leave > leave) {
-            Self::erase(&mut self.lines, &self.warehouse, holder, serial, visit);
+            Self::erase(&mut self.lines, context, holder, serial, visit);
             visit.leave = leave;
-            let context = (&*self.warehouse, self.clearance, self.without_conflicts);
             Self::write(&mut self.lines, context, holder, serial, visit);
         }
     }
@@ -333,34 +365,32 @@ impl Timeline {
 
     /// Forgets the visits before `serial`: the holder has left them.
     pub fn release(&mut self, holder: Holder, serial: u64) {
+        let warehouse = self.warehouse.clone();
+        let context = self.context(&warehouse, holder);
         let chain = self.chains.get_mut(&holder).expect("only holders release");
         assert!(serial < chain.end(), "{holder:?} must stay somewhere");
         while chain.first < serial {
             let visit = chain.visits.pop_front().expect("serial < end");
-            Self::erase(&mut self.lines, &self.warehouse, holder, chain.first, &visit);
+            Self::erase(&mut self.lines, context, holder, chain.first, &visit);
             chain.first += 1;
         }
         chain.granted = chain.granted.max(chain.first);
         // Whoever stands on a node is off the lane that led there.
         let (first, here) = (chain.first, &mut chain.visits[0]);
         if here.lane.is_some() {
-            Self::erase(&mut self.lines, &self.warehouse, holder, first, here);
+            Self::erase(&mut self.lines, context, holder, first, here);
             here.lane = None;
-            Self::write(
-                &mut self.lines,
-                (&self.warehouse, self.clearance, self.without_conflicts),
-                holder,
-                first,
-                here,
-            );
+            Self::write(&mut self.lines, context, holder, first, here);
         }
     }
 
     /// Forgets a holder altogether: it has left the floor.
     pub fn remove(&mut self, holder: Holder) {
+        let warehouse = self.warehouse.clone();
+        let context = self.context(&warehouse, holder);
         if let Some(mut chain) = self.chains.remove(&holder) {
             while let Some(visit) = chain.visits.pop_front() {
-                Self::erase(&mut self.lines, &self.warehouse, holder, chain.first, &visit);
+                Self::erase(&mut self.lines, context, holder, chain.first, &visit);
                 chain.first += 1;
             }
         }
@@ -369,8 +399,8 @@ impl Timeline {
     /// Everyone who comes after a visit in the order of its resources.
     pub fn after(&self, holder: Holder, serial: u64) -> Vec<Holder> {
         let Some(visit) = self.chains.get(&holder).and_then(|c| c.get(serial)) else { return Vec::new() };
-        let mut found: Vec<Holder> = (claims(&self.warehouse, self.clearance, visit))
-            .flat_map(|(r, _)| std::iter::once(r).chain(self.warehouse.conflicts(r).iter().copied()))
+        let mut found: Vec<Holder> = (claims(self.context(&self.warehouse, holder), visit))
+            .flat_map(|(l, _)| std::iter::once(l).chain(self.warehouse.lines_in_conflict(l).iter().copied()))
             .flat_map(|r| self.lines[r].followers(holder, serial).map(|h| h.holder))
             .collect();
         found.sort_unstable();
@@ -389,9 +419,10 @@ impl Timeline {
     pub fn waits_for(&self, holder: Holder, serial: u64) -> Option<(ResourceId, Holder)> {
         let visit = self.chains.get(&holder)?.get(serial)?;
         let node = self.warehouse.node_resource(visit.node);
-        std::iter::once(node)
-            .chain(visit.lane)
-            .find_map(|r| Some((r, self.lines[r].first_before(holder, serial)?)))
+        std::iter::once(node).chain(visit.lane).find_map(|r| {
+            let line = self.line(holder, visit.loaded, r);
+            Some((r, self.lines[line].first_before(holder, serial)?))
+        })
     }
 
     /// Marks visits up to and including `serial` as granted: the holder may be there from `now` on, so the holds
@@ -400,21 +431,17 @@ impl Timeline {
     /// # Panics
     /// If somebody else is before the holder in the order of a resource.
     pub fn grant(&mut self, holder: Holder, serial: u64, now: Time) {
+        let warehouse = self.warehouse.clone();
+        let context = self.context(&warehouse, holder);
         let from = self.chains[&holder].granted;
         for s in from..=serial {
             assert_eq!(self.waits_for(holder, s), None, "{holder:?} is granted what others hold before it");
             let chain = self.chains.get_mut(&holder).expect("checked above");
             let visit = &mut chain.visits[(s - chain.first) as usize];
             if visit.enter > now {
-                Self::erase(&mut self.lines, &self.warehouse, holder, s, visit);
+                Self::erase(&mut self.lines, context, holder, s, visit);
                 visit.enter = now;
-                Self::write(
-                    &mut self.lines,
-                    (&self.warehouse, self.clearance, self.without_conflicts),
-                    holder,
-                    s,
-                    visit,
-                );
+                Self::write(&mut self.lines, context, holder, s, visit);
             }
             chain.granted = s + 1;
         }
@@ -439,20 +466,16 @@ impl Timeline {
     }
 
     fn toggle(&mut self, holders: &[Holder], on: bool) {
+        let warehouse = self.warehouse.clone();
         for holder in holders {
+            let context = self.context(&warehouse, *holder);
             let Some(chain) = self.chains.get(holder) else { continue };
             for (i, v) in chain.visits.iter().enumerate() {
                 let serial = chain.first + i as u64;
                 if on {
-                    Self::write(
-                        &mut self.lines,
-                        (&self.warehouse, self.clearance, self.without_conflicts),
-                        *holder,
-                        serial,
-                        v,
-                    );
+                    Self::write(&mut self.lines, context, *holder, serial, v);
                 } else {
-                    Self::erase(&mut self.lines, &self.warehouse, *holder, serial, v);
+                    Self::erase(&mut self.lines, context, *holder, serial, v);
                 }
             }
         }
@@ -460,34 +483,34 @@ impl Timeline {
 
     /// Removes and returns the visits from `serial` on.
     fn take_from(&mut self, holder: Holder, serial: u64) -> Vec<Visit> {
+        let warehouse = self.warehouse.clone();
+        let context = self.context(&warehouse, holder);
         let chain = self.chains.get_mut(&holder).expect("only holders replace");
         let old: Vec<Visit> = chain.visits.drain((serial - chain.first) as usize..).collect();
         for (i, v) in old.iter().enumerate() {
-            Self::erase(&mut self.lines, &self.warehouse, holder, serial + i as u64, v);
+            Self::erase(&mut self.lines, context, holder, serial + i as u64, v);
         }
         old
     }
 
     fn put(&mut self, holder: Holder, visits: impl IntoIterator<Item = Visit>) {
+        let warehouse = self.warehouse.clone();
+        let context = self.context(&warehouse, holder);
         let chain = self.chains.get_mut(&holder).expect("only holders replace");
         for v in visits {
-            Self::write(
-                &mut self.lines,
-                (&self.warehouse, self.clearance, self.without_conflicts),
-                holder,
-                chain.end(),
-                &v,
-            );
+            Self::write(&mut self.lines, context, holder, chain.end(), &v);
             chain.visits.push_back(v);
         }
     }
 
     /// The first clash of visits with the holds of others.
     fn check(&self, holder: Holder, visits: &[Visit]) -> Result<(), Clash> {
+        let context = self.context(&self.warehouse, holder);
         for visit in visits.iter().filter(|v| !self.without_conflicts || is_station(&self.warehouse, v)) {
-            for (resource, wanted) in claims(&self.warehouse, self.clearance, visit) {
-                let other = self.lines[resource].during(wanted).find(|h| h.holder != holder);
+            for (line, wanted) in claims(context, visit) {
+                let other = self.lines[line].during(wanted).find(|h| h.holder != holder);
                 if let Some(h) = other {
+                    let resource = self.warehouse.resource_of(line);
                     return Err(Clash { resource, wanted, by: h.holder, held: Window::new(h.start, h.end) });
                 }
             }
@@ -495,35 +518,41 @@ impl Timeline {
         Ok(())
     }
 
+    /// What writing and erasing the visits of a holder takes.
+    fn context<'a>(&self, warehouse: &'a Warehouse, holder: Holder) -> Context<'a> {
+        let (clearance, without_conflicts) = (self.clearance, self.without_conflicts);
+        Context { warehouse, body: self.body(holder), clearance, without_conflicts }
+    }
+
     fn write(
-        lines: &mut IdVec<ResourceId, Line>,
-        (warehouse, clearance, without_conflicts): (&Warehouse, Span, bool),
+        lines: &mut IdVec<LineId, Line>,
+        context: Context<'_>,
         holder: Holder,
         serial: u64,
         visit: &Visit,
     ) {
-        if without_conflicts && !is_station(warehouse, visit) {
+        if context.without_conflicts && !is_station(context.warehouse, visit) {
             return;
         }
-        for (resource, window) in claims(warehouse, clearance, visit) {
+        for (line, window) in claims(context, visit) {
             let hold = |layer| Hold { start: window.start(), end: window.end(), holder, serial, layer };
-            lines[resource].insert(hold(Layer::Physical));
-            for &c in warehouse.conflicts(resource) {
+            lines[line].insert(hold(Layer::Physical));
+            for &c in context.warehouse.lines_in_conflict(line) {
                 lines[c].insert(hold(Layer::Conflict));
             }
         }
     }
 
     fn erase(
-        lines: &mut IdVec<ResourceId, Line>,
-        warehouse: &Warehouse,
+        lines: &mut IdVec<LineId, Line>,
+        context: Context<'_>,
         holder: Holder,
         serial: u64,
         visit: &Visit,
     ) {
-        for resource in std::iter::once(warehouse.node_resource(visit.node)).chain(visit.lane) {
-            lines[resource].remove(holder, serial);
-            for &c in warehouse.conflicts(resource) {
+        for (line, _) in claims(context, visit) {
+            lines[line].remove(holder, serial);
+            for &c in context.warehouse.lines_in_conflict(line) {
                 lines[c].remove(holder, serial);
             }
         }
@@ -532,8 +561,8 @@ impl Timeline {
     /// Asserts that no resource is held twice and that every chain is in order. For laws and tests: looks at
     /// everything.
     pub fn assert_sound(&self) {
-        for r in self.lines.ids() {
-            self.lines[r].assert_sound(|| self.warehouse.resource_name(r));
+        for l in self.lines.ids() {
+            self.lines[l].assert_sound(|| self.warehouse.resource_name(self.warehouse.resource_of(l)));
         }
         for (holder, chain) in self.chains.iter() {
             for pair in chain.visits.iter().zip(chain.visits.iter().skip(1)) {
@@ -555,14 +584,21 @@ fn is_station(warehouse: &Warehouse, visit: &Visit) -> bool {
     matches!(warehouse.nodes[visit.node].kind, NodeKind::Station(_))
 }
 
-/// What a visit holds: its node and, where needed, its lane.
-fn claims(
-    warehouse: &Warehouse,
+/// What writing and erasing the visits of one holder takes.
+#[derive(Clone, Copy)]
+struct Context<'a> {
+    warehouse: &'a Warehouse,
+    body: BodyId,
     clearance: Span,
-    v: &Visit,
-) -> impl Iterator<Item = (ResourceId, Window)> + use<> {
-    let node = (warehouse.node_resource(v.node), v.window());
-    let lane = v.lane.map(|l| (l, Window::new(v.enter, (v.arrive + clearance).max(v.enter + Span(1)))));
+    without_conflicts: bool,
+}
+
+/// What a visit holds: its node and, where needed, its lane, as robots with its own footprint find them.
+fn claims(c: Context<'_>, v: &Visit) -> impl Iterator<Item = (LineId, Window)> + use<> {
+    let line = |r| c.warehouse.line(c.body, v.loaded, r);
+    let node = (line(c.warehouse.node_resource(v.node)), v.window());
+    let until = (v.arrive + c.clearance).max(v.enter + Span(1));
+    let lane = v.lane.map(|l| (line(l), Window::new(v.enter, until)));
     std::iter::once(node).chain(lane)
 }
 

@@ -4,7 +4,7 @@
 //! words ([`Flaw`]); a timeline that was written down by this program never does.
 
 use super::{Chain, Clash, Holder, Timeline, Visit, in_order};
-use crate::id::Dense;
+use crate::id::{BodyId, Dense};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
 use std::sync::Arc;
@@ -69,16 +69,17 @@ pub enum Flaw {
 }
 
 impl Timeline {
-    /// A timeline that holds exactly this.
+    /// A timeline that holds exactly this. `bodies` are the kinds of robots, by their numbers.
     ///
     /// # Errors
     /// The first thing that cannot be.
     pub fn restore(
         warehouse: Arc<Warehouse>,
         clearance: Span,
+        bodies: Vec<BodyId>,
         chains: Vec<ChainParts>,
     ) -> Result<Timeline, Flaw> {
-        let mut timeline = Timeline::new(warehouse, clearance);
+        let mut timeline = Timeline { bodies, ..Timeline::new(warehouse, clearance) };
         for parts in chains {
             let holder = parts.holder;
             if timeline.chains.contains_key(&holder) {

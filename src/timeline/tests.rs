@@ -13,6 +13,7 @@ fn row(n: usize, dense: bool) -> Arc<Warehouse> {
     let pitch = if dense { 0.5 } else { 1.0 };
     let nodes = (0..n).map(|i| DraftNode { name: name(i), at: Point::new(i as f64 * pitch, 0.0) }).collect();
     let lane = |i| DraftLane {
+        kinds: None,
         from: name(i),
         to: name(i + 1),
         both: true,
@@ -35,6 +36,7 @@ fn visit(node: u32, enter: i64, leave: i64) -> Visit {
     Visit {
         node: NodeId(node),
         lane: None,
+        loaded: false,
         enter: Time(enter),
         arrive,
         depart,
@@ -84,7 +86,7 @@ proptest! {
                 if !busy(t) && (t == 0 || busy(t - 1)) { model.push((t, t + 1)); }
                 else if !busy(t) { model.last_mut().unwrap().1 = t + 1; }
             }
-            let real: Vec<(i64, i64)> = timeline.free_windows(ResourceId(node), Time(0))
+            let real: Vec<(i64, i64)> = timeline.free_windows(LineId(node), Time(0))
                 .map(|g| (g.start.0.max(0), g.end.0.min(LENGTH))).filter(|(a, b)| a < b).collect();
             prop_assert_eq!(real, model);
         }

@@ -2,6 +2,7 @@
 //!
 //! Main types: [`Draft`] and its parts. Refuses: to build anything on which [`super::check`] finds a problem.
 
+use super::body::Bodies;
 use super::check::{self, Findings};
 use super::conflict;
 use super::near::Near;
@@ -28,8 +29,8 @@ pub struct Draft {
     pub lanes: Vec<DraftLane>,
     /// Picking stations.
     pub stations: Vec<DraftStation>,
-    /// Names of racks with the names of their storage nodes.
-    pub racks: Vec<(String, String)>,
+    /// Racks.
+    pub racks: Vec<DraftRack>,
     /// Names of nodes for racks.
     pub storage: Vec<String>,
     /// Names of charging nodes.
@@ -68,18 +69,40 @@ pub struct DraftLane {
     pub speed_limit_mps: Option<f64>,
     /// Who may use it.
     pub users: Users,
+    /// The kinds of robots that may use it; nothing for all.
+    pub kinds: Option<Vec<String>>,
 }
 
 impl DraftLane {
     /// A lane driven from `from` to `to` only, as long as the straight line.
     pub fn one_way(from: impl Into<String>, to: impl Into<String>, users: Users) -> DraftLane {
         let (from, to) = (from.into(), to.into());
-        DraftLane { from, to, both: false, length_m: None, speed_limit_mps: None, users }
+        DraftLane { from, to, both: false, length_m: None, speed_limit_mps: None, users, kinds: None }
     }
 
     /// A lane driven both ways, as long as the straight line.
     pub fn both_ways(from: impl Into<String>, to: impl Into<String>, users: Users) -> DraftLane {
         DraftLane { both: true, ..DraftLane::one_way(from, to, users) }
+    }
+}
+
+/// A rack by names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DraftRack {
+    /// Unique name.
+    pub name: String,
+    /// Name of its storage node.
+    pub node: String,
+    /// What type of load it is, for robots that carry some types only.
+    pub load: Option<String>,
+    /// Its weight, kilograms.
+    pub weight_kg: f64,
+}
+
+impl DraftRack {
+    /// A rack without type and weight: every robot carries it.
+    pub fn plain(name: impl Into<String>, node: impl Into<String>) -> DraftRack {
+        DraftRack { name: name.into(), node: node.into(), load: None, weight_kg: 0.0 }
     }
 }
 
@@ -145,13 +168,23 @@ impl Draft {
                 length_m: l.length_m.unwrap_or_else(|| straight(id(&l.from), id(&l.to))),
                 speed_limit_mps: l.speed_limit_mps,
                 users: l.users,
+                kinds: l.kinds.clone(),
             })
             .collect();
-        let racks = self.racks.iter().map(|(name, at)| Rack { name: name.clone(), home: id(at) }).collect();
+        let racks = (self.racks.iter())
+            .map(|r| Rack {
+                name: r.name.clone(),
+                home: id(&r.node),
+                load: r.load.clone(),
+                weight_kg: r.weight_kg,
+            })
+            .collect();
         let mut warehouse = Warehouse {
             name: self.name,
             footprint_m: self.footprint_m,
             conflicts: conflict::between(&nodes, &lanes, self.footprint_m),
+            bodies: Bodies::one(self.footprint_m, nodes.len()),
+            lines: IdVec::new(),
             near: Near::new(nodes.iter().map(|n| n.at).collect()),
             nodes,
             lanes,
@@ -165,6 +198,7 @@ impl Draft {
             kinds: IdVec::new(),
             headings: IdVec::new(),
         };
+        warehouse.index_lines();
         warehouse.index_arcs();
         warehouse
     }
@@ -198,7 +232,7 @@ impl Draft {
 
 impl Warehouse {
     /// Fills `arcs`, `out_start` and `headings` from nodes and lanes.
-    fn index_arcs(&mut self) {
+    pub(super) fn index_arcs(&mut self) {
         let mut arcs: Vec<Arc> = Vec::new();
         for (id, lane) in self.lanes.pairs() {
             let ways = [(lane.a, lane.b), (lane.b, lane.a)];
@@ -240,6 +274,7 @@ impl Warehouse {
                 slot: a.slot,
                 lane_is_free: self.lane_is_free_of_conflicts(a.lane),
                 users: a.users,
+                bodies: self.bodies_on(a.lane),
             })
             .collect();
         self.kinds = self.nodes.iter().map(|n| n.kind).collect();

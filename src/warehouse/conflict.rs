@@ -10,7 +10,7 @@ use smallvec::SmallVec;
 use std::collections::BTreeMap;
 
 /// Squares that touch do not overlap; this absorbs the rounding of decimal coordinates (metres).
-const TOUCH: f64 = 1e-6;
+pub(super) const TOUCH: f64 = 1e-6;
 
 type Conflicts = IdVec<ResourceId, SmallVec<[ResourceId; 2]>>;
 

@@ -4,9 +4,11 @@
 //! writes maps as text. Refuses: anything that moves or changes with time, and reading files itself.
 
 mod bay;
+mod body;
 mod build;
 mod check;
 mod conflict;
+mod footprint;
 pub mod formats;
 mod generate;
 mod near;
@@ -15,15 +17,17 @@ mod summary;
 mod svg;
 pub mod walkway;
 
-pub use build::{Draft, DraftLane, DraftNode, DraftStation};
+pub use body::{Body, MOST_BODIES};
+pub use build::{Draft, DraftLane, DraftNode, DraftRack, DraftStation};
 pub use check::{Finding, Findings, room_for};
+pub use footprint::{Footprint, Shape};
 pub use generate::{Blocks, kiva, lab, thesis};
 pub use sketch::sketch;
 pub use summary::{Summary, summary};
 pub use svg::to_svg;
 
 use crate::geometry::Point;
-use crate::id::{ArcId, Dense, IdVec, LaneId, NodeId, RackId, ResourceId, StationId};
+use crate::id::{ArcId, BodyId, Dense, IdVec, LaneId, NodeId, RackId, ResourceId, StationId};
 use crate::time::Span;
 use smallvec::SmallVec;
 
@@ -115,6 +119,8 @@ pub struct Lane {
     pub speed_limit_mps: Option<f64>,
     /// Who may use it.
     pub users: Users,
+    /// The kinds of robots that may use it; nothing for all.
+    pub kinds: Option<Vec<String>>,
 }
 
 /// A lane driven in one direction: what the search expands.
@@ -151,6 +157,15 @@ pub struct Way {
     pub lane_is_free: bool,
     /// Who may use it.
     pub users: Users,
+    /// A bit for each kind of robots that may.
+    pub bodies: u32,
+}
+
+impl Way {
+    /// Whether robots of a kind may drive it.
+    pub fn is_for(&self, body: BodyId) -> bool {
+        self.bodies >> body.ix() & 1 == 1
+    }
 }
 
 /// A picking station.
@@ -173,6 +188,10 @@ pub struct Rack {
     pub name: String,
     /// The storage node where it stands when the system starts for the first time.
     pub home: NodeId,
+    /// What type of load it is, for robots that carry some types only.
+    pub load: Option<String>,
+    /// Its weight, kilograms.
+    pub weight_kg: f64,
 }
 
 /// A validated building. Made only by [`Draft::build`], which lists every problem of a bad one.
@@ -201,6 +220,8 @@ pub struct Warehouse {
     kinds: IdVec<NodeId, NodeKind>,
     headings: IdVec<NodeId, SmallVec<[f64; 4]>>,
     conflicts: IdVec<ResourceId, SmallVec<[ResourceId; 2]>>,
+    bodies: body::Bodies,
+    lines: body::Conflicts,
     near: near::Near,
 }
 
@@ -247,15 +268,16 @@ impl Warehouse {
         self.nodes.len() + self.lanes.len()
     }
 
-    /// The resources that nobody else may hold while `r` is held, without `r` itself. A lane's own end nodes
-    /// are not among them: whoever drives a lane holds both ends anyway, so most lanes have none at all.
+    /// The resources that no other robot may hold while `r` is held, without `r` itself, where both robots take the
+    /// square of the map (see [`Warehouse::lines_in_conflict`] for others). A lane's own end nodes are not among them: a
+    /// robot that drives a lane holds both ends anyway, so most lanes have none at all.
     pub fn conflicts(&self, r: ResourceId) -> &[ResourceId] {
         &self.conflicts[r]
     }
 
     /// Whether driving the lane asks for nothing beyond its two ends, so that it needs no timeline.
     pub fn lane_is_free_of_conflicts(&self, l: LaneId) -> bool {
-        self.conflicts[self.lane_resource(l)].is_empty()
+        self.lines_of(self.lane_resource(l)).all(|line| self.lines[line].is_empty())
     }
 
     /// How many resources need a timeline of their own: all nodes, and the lanes that reach beyond their ends.

@@ -2,7 +2,7 @@
 //!
 //! Main function: [`sketch`]. Refuses: anything that letters cannot say; add that to the draft.
 
-use super::{Draft, DraftLane, DraftNode, DraftStation, Users};
+use super::{Draft, DraftLane, DraftNode, DraftRack, DraftStation, Users};
 use crate::geometry::Point;
 use crate::time::Span;
 use std::collections::BTreeMap;
@@ -52,7 +52,7 @@ fn role(draft: &mut Draft, letter: char, node: String) {
         'P' => draft.parking.push(node),
         'S' => draft.storage.push(node),
         'R' => {
-            draft.racks.push((format!("rack {node}"), node.clone()));
+            draft.racks.push(DraftRack::plain(format!("rack {node}"), &node));
             draft.storage.push(node);
         }
         '1'..='9' => {

@@ -53,7 +53,7 @@ fn grown() -> Warehouse {
 }
 
 fn without_rack(name: &str) -> Warehouse {
-    changed(|draft| draft.racks.retain(|(rack, _)| rack != name))
+    changed(|draft| draft.racks.retain(|rack| rack.name != name))
 }
 
 async fn start(folder: &Folder, map: Warehouse) -> anyhow::Result<Server> {
@@ -404,7 +404,7 @@ async fn names_that_are_gone_from_the_map_stay_in_the_lists_over_several_changes
     let renamed = |suffix: &str| {
         changed(|draft| {
             let rename = |name: &mut String| *name += suffix;
-            draft.racks.iter_mut().map(|(name, _)| name).filter(|n| !held.contains(n)).for_each(rename);
+            draft.racks.iter_mut().map(|r| &mut r.name).filter(|n| !held.contains(n)).for_each(rename);
             draft.racks.reverse();
         })
     };

@@ -30,6 +30,7 @@ fn every_fact() -> Vec<Fact> {
     let visit = |serial: u32, last: bool| Visit {
         node: NodeId(serial),
         lane: (!last).then_some(ResourceId(99)),
+        loaded: last,
         enter: at,
         arrive: at,
         depart: if last { Time::MAX } else { at },

@@ -36,7 +36,11 @@ pub async fn fleet(State(api): State<Api>) -> Json<FleetDto> {
     let names = Names { map: &api.map, view: &moment.view };
     let robots = moment.view.robots.iter().enumerate().filter(|(_, r)| r.why == Some(Why::Paused));
     let paused = robots.map(|(i, _)| names.robot(RobotId::at(i))).collect();
-    Json(FleetDto { stopped: moment.view.stopped.map(time_text), paused, free: moment.view.free })
+    Json(FleetDto {
+        stopped: moment.view.stopped.map(time_text),
+        paused,
+        free: moment.view.free.values().sum(),
+    })
 }
 
 /// Stop all robots. They are told at once and stand until the fleet is resumed, over a restart, too. No emergency

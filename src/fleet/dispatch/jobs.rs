@@ -40,6 +40,9 @@ pub(in crate::fleet) fn chain_deliveries(core: &mut Core, picked: &[RobotId], no
         let Some(job) = floor.ledger.index().queue.next_delivery(rack) else { continue };
         let JobKind::Deliver { station, .. } = floor.ledger.jobs[&job].request.kind else { continue };
         let station = floor.warehouse().stations[station].node;
+        if !floor.may_be_at(robot, station) {
+            continue;
+        }
         let task = Task::Deliver { job, rack, station, store };
         core.progress(job, JobState::Carrying { robot }, Some((robot, task)), now);
     }
@@ -190,20 +193,25 @@ impl Floor<'_> {
 
     /// For each robot, how long its ways to the racks of these jobs take.
     fn ways(&self, robots: &[RobotId], jobs: &[(JobId, RackId, NodeId, i64)]) -> Vec<(RobotId, Ways)> {
-        let ways = |r: RobotId| jobs.iter().map(|(id, _, node, _)| self.way_ms(r, *id, *node)).collect();
+        let ways = |r: RobotId| -> Ways {
+            jobs.iter().map(|(id, rack, node, _)| self.way_ms(r, *id, (*rack, *node))).collect()
+        };
         robots.iter().map(|r| (*r, ways(*r))).collect()
     }
 
     /// How long the robot's way to a rack takes, milliseconds; nothing if another robot stands there for ever, or the
-    /// robot's charge does not last for the job.
-    fn way_ms(&self, robot: RobotId, job: JobId, node: NodeId) -> Option<i64> {
-        if self.ledger.resident(node).is_some_and(|r| r != robot) {
+    /// robot is not of a kind for the job, or its charge does not last for it.
+    fn way_ms(&self, robot: RobotId, job: JobId, (rack, node): (RackId, NodeId)) -> Option<i64> {
+        let kind = &self.ledger.jobs[&job].request.kind;
+        if self.ledger.resident(node).is_some_and(|r| r != robot)
+            || !kind.is_for(self.warehouse(), self.body(robot), (rack, node))
+        {
             return None;
         }
         let at = |n: NodeId| self.warehouse().nodes[n].at;
         let here = self.ledger.node_of(robot);
         let way_m = along_axes(at(here), at(node));
-        let goal = match self.ledger.jobs[&job].request.kind {
+        let goal = match *kind {
             JobKind::Deliver { station, .. } => self.warehouse().stations[station].node,
             JobKind::Relocate { node, .. } => node,
             _ => node,

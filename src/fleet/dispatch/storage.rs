@@ -27,7 +27,8 @@ impl Floor<'_> {
         let closed = |n: NodeId| if self.is_closing(n) { CLOSED_M } else { 0.0 };
         let cost =
             |n: NodeId| along_axes(at(from), at(n)) + (heat - 1.0) * self.storage.to_station_m[n] + closed(n);
-        let free = self.storage.nodes.iter().copied().filter(|n| !self.is_taken_storage(*n, rack, robot));
+        let free = self.storage.nodes.iter().copied().filter(|n| self.may_be_at(robot, *n));
+        let free = free.filter(|n| !self.is_taken_storage(*n, rack, robot));
         let mut ranked: Vec<(i64, NodeId)> = free.map(|n| ((cost(n) * 1000.0) as i64, n)).collect();
         let wanted = choice.min(ranked.len().saturating_sub(1)).min(16);
         match ranked.is_empty() {
@@ -40,6 +41,7 @@ impl Floor<'_> {
     pub(in crate::fleet) fn free_place(&self, robot: RobotId, kind: NodeKind) -> Option<NodeId> {
         let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;
         let free = self.ledger.index().places.free_for(robot, kind).filter(|n| !self.is_closing(*n));
+        let free = free.filter(|n| self.may_be_at(robot, *n));
         free.min_by_key(|n| ((along_axes(here, self.warehouse().nodes[*n].at) * 1000.0) as i64, *n))
     }
 

@@ -11,8 +11,9 @@ use crate::fleet::state::floor::Floor;
 use crate::fleet::state::heard::WorkerInput;
 use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::Point;
-use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, Taken};
+use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, Taken, Whereabouts};
 use crate::id::WorkerId;
+use crate::route::Conditions;
 use crate::time::{Span, Time};
 
 /// Whoever follows a new path for this far is on the path again, metres.
@@ -111,23 +112,36 @@ impl HumanState {
     pub(in crate::fleet) fn restrict(&self, core: &mut Core, now: Time) {
         let ours = core.settings.policy == HumanAwarePolicy::Giveway;
         let warehouse = core.warehouse().clone();
-        let conditions = &mut core.restrictions.conditions;
-        let effects = Effects { warehouse: &warehouse, regions: &self.regions, afoot: &self.afoot, now };
-        for (worker, place) in self.present(now) {
-            let person = &self.people[worker];
-            if ours || place.presence == Presence::Lost {
-                let stood = person.stands_since.filter(|_| ours).map_or(Span::ZERO, |t| now - t);
-                effects.presence(conditions, worker, &place, stood);
-                let band = Band::around(place.velocity.norm());
-                effects.forecast(conditions, worker, &person.ways, band);
-                if !self.coverage.is_trusted() {
-                    effects.reachable(conditions, worker, place.at);
-                }
-            } else if let Some(path) = person.rest_of_path(place.at) {
-                let stay = person.plan.as_ref().map(|p| p.stay);
-                let path = Hypothesis { probability: 1.0, path, stay };
-                effects.plan(conditions, worker, &path, Band::ANY);
+        let present = self.present(now);
+        for (conditions, regions) in core.restrictions.conditions.with_regions(&core.regions) {
+            let effects = Effects { warehouse: &warehouse, regions, afoot: &self.afoot, now };
+            for (worker, place) in &present {
+                self.restrict_around(&effects, conditions, (*worker, place), ours);
             }
+        }
+    }
+
+    /// Notes what one person means for robots of one kind.
+    fn restrict_around(
+        &self,
+        effects: &Effects<'_>,
+        conditions: &mut Conditions,
+        (worker, place): (WorkerId, &Whereabouts),
+        ours: bool,
+    ) {
+        let (person, now) = (&self.people[worker], effects.now);
+        if ours || place.presence == Presence::Lost {
+            let stood = person.stands_since.filter(|_| ours).map_or(Span::ZERO, |t| now - t);
+            effects.presence(conditions, worker, place, stood);
+            let band = Band::around(place.velocity.norm());
+            effects.forecast(conditions, worker, &person.ways, band);
+            if !self.coverage.is_trusted() {
+                effects.reachable(conditions, worker, place.at);
+            }
+        } else if let Some(path) = person.rest_of_path(place.at) {
+            let stay = person.plan.as_ref().map(|p| p.stay);
+            let path = Hypothesis { probability: 1.0, path, stay };
+            effects.plan(conditions, worker, &path, Band::ANY);
         }
     }
 

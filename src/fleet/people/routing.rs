@@ -106,7 +106,7 @@ impl HumanState {
         let Some(goal) = person.plan.as_ref().map(|p| p.follower.goal()) else { return };
         let mut cut = self.edges_blocked_for_long(core.floor());
         for r in core.ledger.robots.ids().filter(|r| core.floor().stands_near(*r, place.at)) {
-            let reach = core.warehouse().footprint_m / 2.0 + 0.2;
+            let reach = core.floor().beside_m(r, 0.2);
             self.walkways.edges_within(core.floor().place_of(r), reach).into_iter().for_each(|e| {
                 cut.insert(e);
             });
@@ -163,11 +163,12 @@ impl HumanState {
         if let Some(way) = walkways.path(at, goal, cut) {
             return Some(way.points);
         }
-        let reach = floor.warehouse().footprint_m / 2.0 + BODY_M;
-        let robots: Vec<Point> = floor.ledger.robots.ids().map(|r| floor.place_of(r)).collect();
+        let robots = floor.ledger.robots.ids().map(|r| (floor.place_of(r), floor.beside_m(r, BODY_M)));
+        let robots: Vec<(Point, f64)> = robots.collect();
         let is_clear = |to: Point| {
             let step = Segment { a: at, b: to };
-            robots.iter().all(|r| step.distance_to(*r) >= reach || (to - r).norm() > (at - r).norm() + 0.3)
+            let leaves = |r: &Point| (to - r).norm() > (at - r).norm() + 0.3;
+            robots.iter().all(|(r, reach)| step.distance_to(*r) >= *reach || leaves(r))
         };
         let steps = walkways.near(at, 1.8).into_iter().map(|(n, _)| walkways.nodes()[n].at);
         let ways = steps.filter(|p| is_clear(*p)).filter_map(|p| {
@@ -186,11 +187,10 @@ impl HumanState {
         if plan.is_there(place.at) {
             return None;
         }
-        let reach = floor.warehouse().footprint_m / 2.0 + BODY_M;
         let mut ahead = vec![place.at];
         ahead.extend(plan.follower.ahead().iter().take(3));
         let stops = |robot: &RobotId| {
-            let at = floor.place_of(*robot);
+            let (at, reach) = (floor.place_of(*robot), floor.beside_m(*robot, BODY_M));
             let near = ahead.windows(2).any(|s| Segment { a: s[0], b: s[1] }.distance_to(at) < reach);
             near && (at - place.at).norm() < 2.0 && floor.stands_near(*robot, place.at)
         };
@@ -200,13 +200,12 @@ impl HumanState {
     /// Walkways on which robots rest or are broken: nobody waits for those to go away.
     pub(in crate::fleet) fn edges_blocked_for_long(&self, floor: Floor<'_>) -> EdgeSet {
         let mut cut = self.walkways.no_edges();
-        let reach = floor.warehouse().footprint_m / 2.0 + 0.2;
         for robot in floor.ledger.robots.ids() {
             let chain = floor.ledger.chain(robot);
             let rests = chain.first() + 1 == chain.end();
             if rests || floor.ledger.robots[robot].failed {
                 let at = floor.place_of(robot);
-                for e in self.walkways.edges_within(at, reach) {
+                for e in self.walkways.edges_within(at, floor.beside_m(robot, 0.2)) {
                     cut.insert(e);
                 }
             }

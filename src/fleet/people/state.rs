@@ -2,7 +2,7 @@
 //!
 //! Main types: [`HumanState`], [`Person`], [`Mode`]. Refuses: to decide.
 
-use crate::aware::{Afoot, Regions};
+use crate::aware::Afoot;
 use crate::fleet::people::intents::Intents;
 use crate::fleet::state::worker::Guidance;
 use crate::geometry::Point;
@@ -100,7 +100,6 @@ pub(in crate::fleet) enum Led {
 pub(in crate::fleet) struct HumanState {
     pub walkways: Arc<Walkways>,
     pub intents: Intents,
-    pub regions: Regions,
     pub afoot: Afoot,
     pub people: IdVec<WorkerId, Person>,
     /// Whether forecasts hold.
@@ -108,13 +107,12 @@ pub(in crate::fleet) struct HumanState {
 }
 
 impl HumanState {
-    pub fn new(warehouse: &Warehouse, regions: Regions) -> HumanState {
+    pub fn new(warehouse: &Warehouse) -> HumanState {
         let walkways = Arc::new(Walkways::of(warehouse));
         HumanState {
             intents: Intents::new(warehouse, walkways.clone()),
             afoot: Afoot::new(warehouse, walkways.clone()),
             walkways,
-            regions,
             people: IdVec::new(),
             coverage: Coverage::default(),
         }

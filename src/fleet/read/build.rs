@@ -12,7 +12,7 @@ use crate::fleet::state::worker::{ClosureView, Presence, WorkerView};
 use crate::fleet::traffic::state::Withheld;
 use crate::geometry::{Point, Pose};
 use crate::human::Belief;
-use crate::id::{JobId, NodeId, RobotId, StationId, WorkerId};
+use crate::id::{BodyId, JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::route::Cause;
 use crate::time::Time;
 use crate::warehouse::NodeKind;
@@ -30,7 +30,10 @@ impl Fleet {
         let (workers, closures) = (self.worker_views(now), self.floor().closure_views());
         let charger_is_free = self.floor().a_charger_is_free();
         let idle = self.floor().idle_robots(now).into_iter();
-        let free = idle.filter(|r| self.floor().is_charged(*r, charger_is_free)).count();
+        let free = idle.filter(|r| self.floor().is_charged(*r, charger_is_free));
+        let mut of_kind: BTreeMap<BodyId, usize> = BTreeMap::new();
+        free.for_each(|r| *of_kind.entry(self.floor().body(r)).or_default() += 1);
+        let kinds = self.core.ledger.robots.ids().map(|r| self.floor().body(r)).collect();
         let forecast_coverage = self.people.coverage.forecast_coverage().to_vec();
         let (blocked, stopped) = (self.floor().blocked(), self.core.ledger.stopped);
         let full = stations_with_enough(self.floor(), &self.traffic.needs, now);
@@ -44,7 +47,8 @@ impl Fleet {
             workers,
             closures,
             blocked,
-            free,
+            kinds,
+            free: of_kind,
             full,
             paused_stations,
             closing,
@@ -179,7 +183,6 @@ impl Fleet {
         let place = self.people.whereabouts(worker, now);
         let person = self.people.people.get(worker);
         let sigma = place.map_or(0.0, |w| w.sigma_m);
-        let regions = &self.people.regions;
         let belief = self.people.intents.belief(worker).unwrap_or_default();
         let guidance = place.map(|w| self.people.guidance(self.floor(), worker, &w, now)).unwrap_or_default();
         WorkerView {
@@ -189,11 +192,7 @@ impl Fleet {
             seen: person.and_then(|p| p.track.newest()).map(|s| s.seen),
             speed_mps: place.map_or(0.0, |w| w.velocity.norm()),
             accuracy_m: place.map_or(0.0, |w| w.sigma_m + w.reach_m),
-            regions_m: [
-                regions.stop_radius_m(false, sigma),
-                regions.keep_out_radius_m(false, sigma),
-                regions.slow_radius_m(false, sigma),
-            ],
+            regions_m: self.core.regions.widest_m(sigma),
             guidance,
             goals: self.goals_view(&belief),
             undecided: belief.undecided,

@@ -57,9 +57,13 @@ impl Fleet {
 
     fn node_occupancy(&self, node: NodeId, window: Window) -> NodeOccupancy {
         let resource = self.core.warehouse().node_resource(node);
-        let holds = self.core.ledger.timeline().holds(resource, window).collect();
-        let conditions = self.core.restrictions.conditions.of(node).iter();
-        let conditions = conditions.filter(|c| c.window.overlaps(window)).copied().collect();
+        let holds = self.core.ledger.timeline().holds(resource, window);
+        let mut conditions: Vec<Condition> = Vec::new();
+        for condition in self.core.restrictions.conditions.all().flat_map(|set| set.of(node)) {
+            if condition.window.overlaps(window) && !conditions.contains(condition) {
+                conditions.push(*condition);
+            }
+        }
         NodeOccupancy { node, holds, conditions }
     }
 }

@@ -11,10 +11,10 @@ use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::worker::{ClosureView, WorkerView};
 use crate::geometry::Pose;
 use crate::human::Foresight;
-use crate::id::{ClosureId, Dense, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
+use crate::id::{BodyId, ClosureId, Dense, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use crate::timeline::Holder;
-use crate::warehouse::NodeKind;
+use crate::warehouse::{NodeKind, Warehouse};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The fleet at one moment.
@@ -34,8 +34,10 @@ pub struct View {
     pub closures: Vec<ClosureView>,
     /// Waiting jobs that come after others, each with one that is not over yet.
     pub blocked: BTreeMap<JobId, JobId>,
-    /// How many robots could take a job now.
-    pub free: usize,
+    /// The kinds of robots that have joined.
+    pub kinds: BTreeSet<BodyId>,
+    /// Of each kind how many robots could take a job now, if any.
+    pub free: BTreeMap<BodyId, usize>,
     /// Stations for which no more racks are fetched at present.
     pub full: BTreeSet<StationId>,
     /// Stations at which nobody picks, since when.
@@ -210,8 +212,10 @@ pub enum JobWhy {
     RackBusy(RackId, RobotId, Option<JobId>),
     /// The robot that the customer named has something else to do.
     RobotBusy(RobotId, Option<JobId>),
-    /// No robot is free.
+    /// No robot that could do it is free.
     NoRobot,
+    /// No robot has joined that can carry the rack, and may drive to it and to where it is wanted.
+    NoKind,
     /// Enough racks wait for the station already.
     StationFull(StationId),
     /// Nobody picks at the station.
@@ -230,7 +234,7 @@ pub enum JobWhy {
 
 impl View {
     /// Why a job does not go on, if it does not.
-    pub fn why_job(&self, id: JobId, job: &Job) -> Option<JobWhy> {
+    pub fn why_job(&self, map: &Warehouse, id: JobId, job: &Job) -> Option<JobWhy> {
         if let Some(robot) = job.state.robot() {
             return Some(JobWhy::Robot(robot, self.robots.get(robot.ix())?.why?));
         }
@@ -256,14 +260,18 @@ impl View {
             let robot = self.robot_at_work_on(rack)?;
             Some(JobWhy::RackBusy(rack, robot, self.robots.get(robot.ix())?.job))
         });
-        rack_busy.or_else(|| self.why_not_fetched(&job.request.kind))
+        rack_busy.or_else(|| self.why_not_fetched(map, &job.request.kind))
     }
 
     /// Why no robot fetches a rack that stands in storage.
-    fn why_not_fetched(&self, kind: &JobKind) -> Option<JobWhy> {
+    fn why_not_fetched(&self, map: &Warehouse, kind: &JobKind) -> Option<JobWhy> {
         let rack = kind.rack()?;
         let RackAt::Stored(node) = *self.racks.get(rack.ix())? else { return None };
         let closed = |n: &NodeId| self.closing.contains(n);
+        let fits = |body: &BodyId| kind.is_for(map, *body, (rack, node));
+        if !self.kinds.is_empty() && !self.kinds.iter().any(fits) {
+            return Some(JobWhy::NoKind);
+        }
         match kind {
             JobKind::Deliver { station, .. } if self.paused_stations.contains_key(station) => {
                 return Some(JobWhy::StationPaused(*station));
@@ -277,7 +285,7 @@ impl View {
         }
         let stays = |r: &RobotView| r.held.last().or(r.granted.last()) == Some(&node);
         let blocked = self.robots.iter().position(stays).map(|r| JobWhy::RackBlocked(rack, RobotId::at(r)));
-        blocked.or((self.free == 0).then_some(JobWhy::NoRobot))
+        blocked.or((!self.free.keys().any(fits)).then_some(JobWhy::NoRobot))
     }
 
     /// The robot that carries a rack, or is on its way to it.

@@ -90,7 +90,7 @@ impl Fleet {
         if chain.len() >= LONGEST || chain.iter().any(|w| w.who == who) {
             return None;
         }
-        let Some(why) = view.why_job(id, job) else {
+        let Some(why) = view.why_job(self.core.warehouse(), id, job) else {
             if let Some(robot) = job.state.robot() {
                 self.follow(robot, now, chain);
             }
@@ -103,6 +103,7 @@ impl Fleet {
             JobWhy::RackBlocked(_, robot) | JobWhy::RobotLow(robot) => Some(robot),
             JobWhy::After(_)
             | JobWhy::NoRobot
+            | JobWhy::NoKind
             | JobWhy::StationFull(_)
             | JobWhy::StationPaused(_)
             | JobWhy::ClosedOff

@@ -9,6 +9,7 @@ use crate::fleet::state::floor::Floor;
 use crate::fleet::state::heard::{Heard, WorkerInput};
 use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
 use crate::fleet::state::job::{JobKind, JobRequest, JobState};
+use crate::fleet::state::ledger::RackAt;
 use crate::id::{Dense, JobId, RackId, RobotId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
@@ -131,7 +132,24 @@ impl Floor<'_> {
                 return Err(Refusal::StorageTaken(node));
             }
         }
-        Ok(())
+        self.check_kinds(kind)
+    }
+
+    /// Some kind of robots must be able to do it, or that of the robot which the customer names.
+    fn check_kinds(&self, kind: &JobKind) -> Result<(), Refusal> {
+        let w = self.warehouse();
+        if let JobKind::Go { robot, node } = *kind
+            && !self.may_be_at(robot, node)
+        {
+            return Err(Refusal::NotForKind(node));
+        }
+        let Some(rack) = kind.rack() else { return Ok(()) };
+        let node = match self.ledger.racks[rack] {
+            RackAt::Stored(node) => node,
+            RackAt::On(robot) => self.ledger.node_of(robot),
+        };
+        let fits = w.bodies().ids().any(|body| kind.is_for(w, body, (rack, node)));
+        if fits { Ok(()) } else { Err(Refusal::NoKindFor(rack)) }
     }
 
     /// What a robot goes on with when its job is over before its task is: it brings its rack to storage, or goes to

@@ -34,8 +34,13 @@ impl Intake<'_> {
             return Err(Refusal::UnknownPlace);
         }
         let robot = RobotId::at(self.core.ledger.robots.len());
-        let (resource, ever) = (self.core.warehouse().node_resource(node), Window::new(now, Time::MAX));
-        let mut others = self.core.ledger.timeline().holders_during(resource, ever, Holder::Robot(robot));
+        let (warehouse, ever) = (self.core.warehouse(), Window::new(now, Time::MAX));
+        let body = warehouse.body_of(&kind);
+        if !warehouse.may_be_at(body, node) {
+            return Err(Refusal::NotForKind(node));
+        }
+        let line = warehouse.line(body, false, warehouse.node_resource(node));
+        let mut others = self.core.ledger.timeline().holders_during(line, ever, Holder::Robot(robot));
         if others.next().is_some() || self.core.floor().is_promised(node, robot) {
             return Err(Refusal::PlaceTaken(node));
         }

@@ -4,10 +4,11 @@
 //! Main type: [`Areas`]. Refuses: to know of people, whose conditions are made anew in every step.
 
 use crate::aware::nodes_in;
+use crate::fleet::state::regions::KindConditions;
 use crate::fleet::state::worker::Closure;
 use crate::geometry::Point;
 use crate::id::{ClosureId, NodeId};
-use crate::route::{Cause, Condition, Conditions, Effect};
+use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
 use crate::warehouse::{NodeKind, Warehouse};
 use std::collections::BTreeMap;
@@ -50,7 +51,7 @@ impl Areas {
         &mut self,
         closures: &BTreeMap<ClosureId, Closure>,
         changes: u64,
-        conditions: &mut Conditions,
+        conditions: &mut KindConditions,
         warehouse: &Warehouse,
         now: Time,
     ) {

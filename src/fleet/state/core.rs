@@ -8,6 +8,7 @@ use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Step;
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::ledger::Ledger;
+use crate::fleet::state::regions::KindRegions;
 use crate::fleet::state::restrictions::Restrictions;
 use crate::fleet::state::scene::Scene;
 use crate::fleet::state::settings::Settings;
@@ -28,6 +29,8 @@ pub(in crate::fleet) struct Core {
     pub scene: Scene,
     /// What people, closed areas and displaced robots mean for robots, in this step.
     pub restrictions: Restrictions,
+    /// How near robots of each kind come to people, and how fast.
+    pub regions: KindRegions,
     /// What the map says about storage.
     pub storage: Storage,
     /// What the step gives out so far.
@@ -40,8 +43,10 @@ impl Core {
     /// What a ledger says, with nothing seen yet.
     pub fn new(ledger: Ledger, settings: Settings) -> Core {
         let warehouse = ledger.warehouse();
+        let regions = KindRegions::new(warehouse, &settings);
         Core {
-            restrictions: Restrictions::none(warehouse),
+            restrictions: Restrictions::none(warehouse, &regions),
+            regions,
             storage: Storage::new(warehouse),
             scene: Scene::default(),
             out: Step::default(),
@@ -53,8 +58,8 @@ impl Core {
 
     /// The floor as it is now, for questions.
     pub fn floor(&self) -> Floor<'_> {
-        let Core { settings, ledger, scene, restrictions, storage, .. } = self;
-        Floor { ledger, scene, settings, restrictions, storage }
+        let Core { settings, ledger, scene, restrictions, regions, storage, .. } = self;
+        Floor { ledger, scene, settings, restrictions, regions, storage }
     }
 
     /// The building.

@@ -5,15 +5,17 @@
 
 use super::kind::RobotKind;
 use super::ledger::Ledger;
+use super::regions::KindRegions;
 use super::restrictions::Restrictions;
 use super::scene::Scene;
 use super::storage::Storage;
+use crate::aware::Regions;
 use crate::fleet::state::settings::Settings;
 use crate::geometry::Point;
-use crate::id::{NodeId, RobotId};
-use crate::route::Kinematics;
-use crate::timeline::Visit;
-use crate::warehouse::Warehouse;
+use crate::id::{BodyId, NodeId, RobotId};
+use crate::route::{Conditions, Kinematics};
+use crate::timeline::{Holder, Visit};
+use crate::warehouse::{Footprint, Warehouse};
 use std::sync::Arc;
 
 /// The floor as it is now.
@@ -27,6 +29,8 @@ pub(in crate::fleet) struct Floor<'a> {
     pub settings: &'a Settings,
     /// What people, closed areas and displaced robots mean for robots.
     pub restrictions: &'a Restrictions,
+    /// How near robots of each kind come to people, and how fast.
+    pub regions: &'a KindRegions,
     /// What the map says about storage.
     pub storage: &'a Storage,
 }
@@ -40,6 +44,36 @@ impl<'a> Floor<'a> {
     /// The kind of a robot.
     pub fn kind(&self, robot: RobotId) -> &'a RobotKind {
         self.settings.kind(&self.ledger.robots[robot].kind)
+    }
+
+    /// The kind of a robot, as the building knows it.
+    pub fn body(&self, robot: RobotId) -> BodyId {
+        self.ledger.timeline().body(Holder::Robot(robot))
+    }
+
+    /// What a robot takes of the floor, with the rack that it has.
+    pub fn footprint(&self, robot: RobotId) -> &'a Footprint {
+        self.warehouse().footprint(self.body(robot), self.ledger.rack_on(robot).is_some())
+    }
+
+    /// Half of a robot and half of a person beside it, metres.
+    pub fn beside_m(&self, robot: RobotId, person_m: f64) -> f64 {
+        self.footprint(robot).half_m() + person_m
+    }
+
+    /// How near a robot comes to people, and how fast.
+    pub fn regions(&self, robot: RobotId) -> &'a Regions {
+        self.regions.of(self.body(robot))
+    }
+
+    /// What binds a robot on nodes.
+    pub fn conditions(&self, robot: RobotId) -> &'a Conditions {
+        self.restrictions.conditions.of(self.body(robot))
+    }
+
+    /// Whether lanes for a robot's kind lead to a node and from it.
+    pub fn may_be_at(&self, robot: RobotId, node: NodeId) -> bool {
+        self.warehouse().may_be_at(self.body(robot), node)
     }
 
     /// Whether a node is closed, or will be soon.

@@ -393,6 +393,10 @@ pub enum Refusal {
     EmptyArea,
     /// There is no such kind of robots.
     UnknownKind,
+    /// No kind of robots can carry the rack, and drive to it and to where it is wanted.
+    NoKindFor(RackId),
+    /// No lanes for robots of that kind lead to the node and from it.
+    NotForKind(NodeId),
     /// Another robot holds the node, or is promised it.
     PlaceTaken(NodeId),
 }

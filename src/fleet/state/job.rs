@@ -2,8 +2,9 @@
 //!
 //! Main types: [`JobKind`], [`JobRequest`], [`Job`], [`JobState`]. Refuses: to know how a job is carried out.
 
-use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
+use crate::id::{BodyId, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
 
 /// What is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -57,6 +58,19 @@ impl JobKind {
             }
             JobKind::Charge { .. } | JobKind::Park { .. } | JobKind::Go { .. } => None,
         }
+    }
+
+    /// Whether robots of a kind can do it with its rack on a node: carry the rack, and drive there and to where it is
+    /// wanted.
+    pub fn is_for(&self, w: &Warehouse, body: BodyId, (rack, node): (RackId, NodeId)) -> bool {
+        let goal = match *self {
+            JobKind::Deliver { station, .. } => w.stations[station].node,
+            JobKind::Relocate { node, .. } => node,
+            JobKind::Return { .. } | JobKind::Charge { .. } | JobKind::Park { .. } | JobKind::Go { .. } => {
+                node
+            }
+        };
+        w.can_carry(body, rack) && w.may_be_at(body, node) && w.may_be_at(body, goal)
     }
 
     /// The station that the rack is wanted at, if any.

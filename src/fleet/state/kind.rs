@@ -1,9 +1,11 @@
 //! Kinds of robots: what all robots of one kind have in common.
 //!
-//! Main types: [`RobotKind`], [`Charging`]. A robot's kind is known by its name, which the ledger keeps: what a kind is
+//! Main types: [`RobotKind`], [`Charging`]. Main function: [`fitted`]. A robot's kind is known by its name, which the ledger keeps: what a kind is
 //! may be changed between two starts, which kind a robot is of may not. Refuses: to know of a robot's state.
 
 use crate::route::Kinematics;
+use crate::warehouse::{Body, Findings, Warehouse};
+use std::sync::Arc;
 
 /// The name of the kind where a scenario tells none apart, and of robots from before there were kinds.
 pub const USUAL_KIND: &str = "robot";
@@ -17,6 +19,8 @@ pub struct RobotKind {
     pub kinematics: Kinematics,
     /// When it charges, and how long a charge lasts.
     pub charging: Charging,
+    /// What it takes of the floor, and what it can carry.
+    pub body: Body,
 }
 
 impl Default for RobotKind {
@@ -25,8 +29,20 @@ impl Default for RobotKind {
             name: USUAL_KIND.to_owned(),
             kinematics: Kinematics::default(),
             charging: Charging::default(),
+            body: Body::usual(USUAL_KIND),
         }
     }
+}
+
+/// A building for robots of these kinds.
+///
+/// # Errors
+/// Kinds for which it was not drawn.
+pub fn fitted(warehouse: &Arc<Warehouse>, kinds: &[RobotKind]) -> Result<Arc<Warehouse>, Findings> {
+    if kinds.iter().map(|k| &k.body).eq(warehouse.bodies().iter()) {
+        return Ok(warehouse.clone());
+    }
+    warehouse.for_bodies(kinds.iter().map(|k| k.body.clone()).collect()).map(Arc::new)
 }
 
 /// When robots of a kind charge, in shares of a full charge.

@@ -19,6 +19,7 @@ pub mod ledger;
 pub mod life;
 pub(in crate::fleet) mod needs;
 pub(in crate::fleet) mod planners;
+pub(in crate::fleet) mod regions;
 pub(in crate::fleet) mod restrictions;
 pub mod scene;
 pub(in crate::fleet) mod settings;

@@ -14,7 +14,9 @@ pub(in crate::fleet) struct Planners(Vec<(String, Planner)>);
 impl Planners {
     /// A planner for each kind in a building.
     pub fn new(warehouse: &Arc<Warehouse>, kinds: &[RobotKind]) -> Planners {
-        let planner = |k: &RobotKind| Planner::new(warehouse.clone(), Rules::Drive(k.kinematics));
+        let planner = |k: &RobotKind| {
+            Planner::for_body(warehouse.clone(), warehouse.body_of(&k.name), Rules::Drive(k.kinematics))
+        };
         Planners(kinds.iter().map(|k| (k.name.clone(), planner(k))).collect())
     }
 

@@ -4,9 +4,9 @@
 //! Main type: [`Restrictions`]. Refuses: to say what a robot does about it.
 
 use crate::fleet::state::closed_areas::Areas;
+use crate::fleet::state::regions::{KindConditions, KindRegions};
 use crate::human::Whereabouts;
 use crate::id::{IdVec, NodeId, WorkerId};
-use crate::route::Conditions;
 use crate::time::Time;
 use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,8 +14,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Where robots may not go, or only at a price, from now on.
 #[derive(Debug)]
 pub(in crate::fleet) struct Restrictions {
-    /// For each node, what binds there and when.
-    pub conditions: Conditions,
+    /// For each node, what binds robots of each kind there and when.
+    pub conditions: KindConditions,
     /// Announced closures.
     pub areas: Areas,
     /// Nodes that are as good as closed because somebody, or a displaced robot, has been standing there for long, with
@@ -27,9 +27,9 @@ pub(in crate::fleet) struct Restrictions {
 
 impl Restrictions {
     /// Nothing restricts robots.
-    pub fn none(warehouse: &Warehouse) -> Restrictions {
+    pub fn none(warehouse: &Warehouse, regions: &KindRegions) -> Restrictions {
         Restrictions {
-            conditions: Conditions::none(warehouse),
+            conditions: KindConditions::none(warehouse, regions),
             areas: Areas::default(),
             closing: BTreeMap::new(),
             workers: IdVec::new(),

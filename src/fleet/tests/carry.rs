@@ -5,7 +5,7 @@ use crate::fleet::carry::{Carried, carry};
 use crate::geometry::Spot;
 use crate::id::AssignmentId;
 use crate::time::Window;
-use crate::warehouse::{Draft, formats::json};
+use crate::warehouse::{Draft, DraftRack, formats::json};
 use std::collections::BTreeSet;
 
 fn habits() -> Habits {
@@ -40,7 +40,7 @@ fn roomy() -> Warehouse {
 }
 
 fn remove_rack(draft: &mut Draft, name: &str) {
-    draft.racks.retain(|(rack, _)| rack != name);
+    draft.racks.retain(|rack| rack.name != name);
 }
 
 impl Floor {
@@ -168,7 +168,7 @@ fn a_robot_or_a_rack_on_a_node_that_is_gone_or_for_something_else_is_in_the_way(
             names.iter_mut().filter(|n| *n == from).for_each(|n| *n = "new".into());
         }
         draft.nodes.iter_mut().filter(|n| n.name == from).for_each(|n| n.name = "new".into());
-        draft.racks.iter_mut().filter(|(_, home)| home == from).for_each(|(_, home)| *home = "new".into());
+        draft.racks.iter_mut().filter(|r| r.node == from).for_each(|r| r.node = "new".into());
         for lane in &mut draft.lanes {
             for end in [&mut lane.from, &mut lane.to] {
                 if end == from {
@@ -194,9 +194,9 @@ fn a_robot_or_a_rack_on_a_node_that_is_gone_or_for_something_else_is_in_the_way(
     let aisle = changed(&roomy(), |draft| {
         draft.storage.retain(|n| *n != home);
         remove_rack(draft, &rack.name);
-        draft.racks.retain(|(_, at)| *at != home);
-        let free = draft.storage.iter().find(|n| draft.racks.iter().all(|(_, at)| at != *n)).cloned();
-        draft.racks.push((rack.name.clone(), free.expect("some storage is free")));
+        draft.racks.retain(|r| r.node != home);
+        let free = draft.storage.iter().find(|n| draft.racks.iter().all(|r| r.node != **n)).cloned();
+        draft.racks.push(DraftRack::plain(&rack.name, free.expect("some storage is free")));
     });
     let said = floor.carried(&aisle).report.to_string();
     assert!(said.contains("which is no storage node on the new map"), "{said}");
@@ -331,7 +331,7 @@ fn new_racks_stand_at_home_or_on_the_next_free_storage_node() {
     let mut floor = Floor::new(roomy(), &scenario(1));
     let free = floor.free_storage();
     let (home, kept) = (floor.name_of(free), floor.fleet.warehouse().racks[RackId(0)].clone());
-    let map = changed(&roomy(), |draft| draft.racks.insert(0, ("fresh".into(), home.clone())));
+    let map = changed(&roomy(), |draft| draft.racks.insert(0, DraftRack::plain("fresh", &home)));
     let on = floor.under(map, &scenario(1));
     assert!(on.rack_places().contains(&("fresh".to_owned(), home.clone())));
     assert_eq!(on.rack_places().len(), on.fleet.warehouse().racks.len(), "none stands where another does");
@@ -340,21 +340,13 @@ fn new_racks_stand_at_home_or_on_the_next_free_storage_node() {
     floor.until_over(600);
     let old_home = floor.name_of(kept.home);
     let map = changed(&roomy(), |draft| {
-        draft
-            .racks
-            .iter_mut()
-            .filter(|(rack, _)| *rack == kept.name)
-            .for_each(|(rack, _)| *rack = "fresh".into());
-        draft.racks.push((kept.name.clone(), home.clone()));
+        draft.racks.iter_mut().filter(|r| r.name == kept.name).for_each(|r| r.name = "fresh".into());
+        draft.racks.push(DraftRack::plain(&kept.name, &home));
     });
     assert!(floor.under(map, &scenario(1)).rack_places().contains(&("fresh".to_owned(), old_home.clone())));
     let map = changed(&roomy(), |draft| {
-        draft
-            .racks
-            .iter_mut()
-            .filter(|(rack, _)| *rack == kept.name)
-            .for_each(|(_, at)| *at = old_home.clone());
-        draft.racks.push(("fresh".into(), home.clone()));
+        draft.racks.iter_mut().filter(|r| r.name == kept.name).for_each(|r| r.node = old_home.clone());
+        draft.racks.push(DraftRack::plain("fresh", &home));
     });
     let carried = floor.carried(&map);
     let fresh = map.rack_named("fresh").unwrap();

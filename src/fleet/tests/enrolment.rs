@@ -73,7 +73,7 @@ fn a_robot_in_maintenance_finishes_what_it_carries_and_rests_until_it_may_work_a
     let named = floor.submit(request(JobKind::Park { robot: R0 }));
     floor.run(5);
     let view = floor.fleet.view(floor.now);
-    let why = view.why_job(named, &floor.fleet.ledger().jobs[&named]);
+    let why = view.why_job(floor.fleet.warehouse(), named, &floor.fleet.ledger().jobs[&named]);
     assert_eq!(why, Some(JobWhy::Robot(R0, Why::Maintenance)), "not even by name");
     floor.step(vec![maintain(R0, false)]);
     floor.until_over(900);

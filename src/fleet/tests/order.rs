@@ -4,7 +4,7 @@
 use super::*;
 use crate::fleet::state::index::urgency_ms;
 use crate::geometry::Spot;
-use crate::id::ClosureId;
+use crate::id::{BodyId, ClosureId};
 use crate::route::{Cause, Condition, Effect};
 use crate::time::Window;
 use proptest::prelude::*;
@@ -151,7 +151,11 @@ fn closures_that_come_and_go_leave_the_conditions_that_the_list_says() {
                 cause: Cause::Closure(*id),
             });
             let wanted: Vec<Condition> = wanted.collect();
-            assert_eq!(floor.fleet.core.restrictions.conditions.of(node), wanted, "{node:?} at {now}");
+            assert_eq!(
+                floor.fleet.core.restrictions.conditions.of(BodyId(0)).of(node),
+                wanted,
+                "{node:?} at {now}"
+            );
             let soon = Window::new(now, now + Span::from_secs(180));
             let counts = wanted.iter().any(|k| k.window.overlaps(soon));
             assert!(!counts || floor.fleet.floor().is_closing(node), "{node:?} at {now}");

@@ -3,7 +3,7 @@
 use super::*;
 use crate::geometry::Point;
 use crate::human::{Quality, Sighting};
-use crate::id::WorkerId;
+use crate::id::{BodyId, WorkerId};
 
 const STEP_S: f64 = 0.1;
 
@@ -331,7 +331,7 @@ fn of_an_area_of_nodes_exactly_these_are_closed() {
     let window = crate::time::Window::new(Time::ZERO, Time::MAX);
     let area = Closure { outline, nodes: nodes.clone(), window, reason: "posts".into() };
     floor.step(vec![Input::Close { token: 3, area: area.clone() }]);
-    let mut closed: Vec<NodeId> = floor.fleet.core.restrictions.conditions.nodes().collect();
+    let mut closed: Vec<NodeId> = floor.fleet.core.restrictions.conditions.of(BodyId(0)).nodes().collect();
     closed.sort_unstable();
     assert_eq!(closed, nodes);
     let unknown = Closure { nodes: vec![NodeId(9999)], ..area };

@@ -68,7 +68,8 @@ fn a_paused_station_gets_no_racks_until_it_goes_on() {
     let job = floor.submit(request(deliver(3)));
     floor.run(60);
     assert!(floor.is(job, "waiting"));
-    let why = floor.fleet.view(floor.now).why_job(job, &floor.fleet.ledger().jobs[&job]);
+    let why =
+        floor.fleet.view(floor.now).why_job(floor.fleet.warehouse(), job, &floor.fleet.ledger().jobs[&job]);
     assert_eq!(why, Some(JobWhy::StationPaused(StationId(0))));
     floor.tell_station(StationOrder::Resume);
     floor.until_over(300);

@@ -16,7 +16,8 @@ fn holder(i: usize) -> Holder {
 
 fn stand(node: NodeId) -> Visit {
     let (from, to) = (Time::ZERO, Time::MAX);
-    Visit { node, lane: None, enter: from, arrive: from, depart: to, leave: to, stay: Span::ZERO }
+    let stay = Span::ZERO;
+    Visit { node, lane: None, loaded: false, enter: from, arrive: from, depart: to, leave: to, stay }
 }
 
 /// Until then, robots that are still to be planned are taken to stand where they are.

@@ -7,7 +7,7 @@ use crate::timeline::Holder;
 
 impl Floor {
     fn why(&self, job: JobId) -> Option<JobWhy> {
-        self.fleet.view(self.now).why_job(job, &self.fleet.ledger().jobs[&job])
+        self.fleet.view(self.now).why_job(self.fleet.warehouse(), job, &self.fleet.ledger().jobs[&job])
     }
 
     /// The chain of some robot whose root is so, once there is one.

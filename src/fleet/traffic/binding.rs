@@ -26,7 +26,7 @@ impl Floor<'_> {
         let chain = self.ledger.chain(robot);
         let node = chain.get(chain.granted() - 1).expect("what is granted is held").node;
         let mut exemptions: SmallVec<[Exemption; 2]> = SmallVec::new();
-        for c in self.restrictions.conditions.of(node) {
+        for c in self.conditions(robot).of(node) {
             let binds = matches!(c.effect, Effect::NoEntryOrExit | Effect::Closed) && c.window.contains(now);
             if !binds || exemptions.iter().any(|a| a.from == c.cause) {
                 continue;
@@ -48,7 +48,7 @@ impl Floor<'_> {
 
     /// The condition that keeps a visit from being granted, if one does.
     pub(super) fn holds_back(&self, robot: RobotId, visit: &Visit, now: Time) -> Option<Condition> {
-        let conditions = &self.restrictions.conditions;
+        let conditions = self.conditions(robot);
         if conditions.of(visit.node).is_empty() {
             return None;
         }
@@ -74,7 +74,7 @@ impl Floor<'_> {
             let enter = visit.enter.max(now);
             let stay = if visit.leave.is_forever() { STOPPING } else { visit.leave - visit.enter };
             let own = Window::new(enter, enter + stay.max(PASSING).min(STOPPING));
-            let binding = self.restrictions.conditions.binding(visit.node, self.at(visit.node), &exemptions);
+            let binding = self.conditions(robot).binding(visit.node, self.at(visit.node), &exemptions);
             let hard = |c: &&Condition| matches!(c.effect, Effect::Closed | Effect::NoEntryOrExit);
             let zones = binding.filter(hard).map(|c| (c.cause, Zone { robot: own, worker: c.window }));
             let last = zones.filter(|(_, z)| z.meets()).max_by_key(|(_, z)| z.worker.end());

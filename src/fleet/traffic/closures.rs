@@ -16,7 +16,7 @@ use crate::fleet::state::yielding::STANDS;
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
 use crate::id::{NodeId, RobotId};
-use crate::route::{COME_OUT, Cause, Condition, Effect};
+use crate::route::{COME_OUT, Cause, Condition, Conditions, Effect};
 use crate::time::{Span, Time, Window};
 use std::collections::BTreeMap;
 
@@ -27,7 +27,7 @@ const AGAIN: Span = Span::from_secs(5);
 /// that have been over for long are forgotten.
 pub(in crate::fleet) fn begin_restrictions(core: &mut Core, now: Time) {
     let restrictions = &mut core.restrictions;
-    restrictions.conditions.clear();
+    restrictions.conditions.all_mut().for_each(Conditions::clear);
     let (closures, changes) = (&core.ledger.closures, core.ledger.index().closure_changes());
     let warehouse = core.ledger.warehouse();
     restrictions.areas.update(closures, changes, &mut restrictions.conditions, warehouse, now);
@@ -44,9 +44,11 @@ pub(in crate::fleet) fn note_closing(core: &mut Core, now: Time) {
     }
     let (areas, conditions) = (&core.restrictions.areas, &core.restrictions.conditions);
     let shuts = |c: &&Condition| c.effect == Effect::NoEntryOrExit && c.window.end() > now + STANDS;
-    let begins = |n: NodeId| conditions.of(n).iter().filter(shuts).map(|c| c.window.start()).min();
+    let of = |n: NodeId| conditions.all().flat_map(move |set| set.of(n));
+    let begins = |n: NodeId| of(n).filter(shuts).map(|c| c.window.start()).min();
     let shut = |n: NodeId| Some((n, begins(n)?.min(areas.begins_here(n).unwrap_or(Time::MAX))));
-    let closing: BTreeMap<NodeId, Time> = conditions.passing().filter_map(shut).collect();
+    let closing: BTreeMap<NodeId, Time> =
+        conditions.all().flat_map(Conditions::passing).filter_map(shut).collect();
     let either = |n: NodeId| closing.get(&n).copied().or_else(|| areas.begins_here(n));
     let cut_off = closing.keys().flat_map(|n| storage_behind(core.warehouse(), *n, either));
     let cut_off: Vec<(NodeId, Time)> = cut_off.collect();
@@ -120,7 +122,7 @@ impl Floor<'_> {
     fn leads_into_closed(&self, robot: RobotId, now: Time) -> bool {
         let chain = self.ledger.chain(robot);
         let ahead = (chain.granted()..chain.end()).filter_map(|s| chain.get(s));
-        let conditions = &self.restrictions.conditions;
+        let conditions = self.conditions(robot);
         let mut ahead = ahead.filter(|v| conditions.is_touched(v.node)).peekable();
         if ahead.peek().is_none() {
             return false;

@@ -119,13 +119,13 @@ impl Traffic {
         others().next()?;
         let at = floor.place_of(robot);
         let way = self.granted_way(floor, robot, at);
-        let reach = floor.warehouse().footprint_m - TOUCH_M;
-        let hits = |p: Point| {
+        let hits = |other: RobotId, p: Point| {
+            let reach = floor.footprint(robot).half_m() + floor.footprint(other).half_m() - TOUCH_M;
             let nearest = way.windows(2).map(|w| axis_distance_to_segment(p, Segment { a: w[0], b: w[1] }));
             // One that is too near already may leave.
             nearest.fold(f64::INFINITY, f64::min) < reach.min(axis_distance(p, at) - SAME_M)
         };
-        others().find(|(_, d)| hits(d.at)).map(|(r, _)| r)
+        others().find(|(r, d)| hits(*r, d.at)).map(|(r, _)| r)
     }
 
     /// Calls robots back that were stopped before they drove into a displaced one, so that they can go round it and it
@@ -194,7 +194,7 @@ fn displace(core: &mut Core, seen: &Telemetry, why: Displacement, now: Time) {
     let is_off = !core.floor().keeps_to_its_holds(seen);
     let nodes = match before {
         Some(b) if (b.at - at).norm() < SAME_M && b.is_off == is_off => b.nodes.clone(),
-        _ if is_off => core.floor().nodes_blocked_at(at),
+        _ if is_off => core.floor().nodes_blocked_by(robot, at),
         _ => Vec::new(),
     };
     if before.is_none_or(|b| b.why != why) {
@@ -283,8 +283,10 @@ impl Floor<'_> {
 
     /// Other robots that hold a node, or something in conflict with it, and whether that was granted to them.
     fn holders_of(&self, robot: RobotId, node: NodeId) -> Vec<(RobotId, bool)> {
-        let resource = self.warehouse().node_resource(node);
-        let held = self.ledger.timeline().held_by_others(resource, Holder::Robot(robot));
+        let (timeline, own) = (self.ledger.timeline(), Holder::Robot(robot));
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let line = timeline.line(own, loaded, self.warehouse().node_resource(node));
+        let held = timeline.held_by_others(line, own);
         held.map(|h| (truncate::robot_of(h.holder), h.granted)).collect()
     }
 
@@ -294,10 +296,11 @@ impl Floor<'_> {
         self.kept_by(self.all_behind(promised, Some(robot)))
     }
 
-    /// Nodes on which another robot would touch one that stands here, and the ends of lanes on which it would.
-    fn nodes_blocked_at(&self, at: Point) -> Vec<NodeId> {
+    /// Nodes on which another robot, of whichever kind, would touch one that stands here, and the ends of lanes on
+    /// which it would.
+    fn nodes_blocked_by(&self, robot: RobotId, at: Point) -> Vec<NodeId> {
         let w = self.warehouse();
-        let reach = w.footprint_m - TOUCH_M;
+        let reach = self.footprint(robot).half_m() + w.widest_half_m() - TOUCH_M;
         let place = |n: NodeId| w.nodes[n].at;
         let touches = |n: NodeId| axis_distance(place(n), at) < reach;
         let mut blocked: Vec<NodeId> = w.nodes.ids().filter(|n| touches(*n)).collect();

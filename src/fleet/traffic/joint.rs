@@ -62,8 +62,9 @@ impl Traffic {
         let Some(route) = self.search_on(core, &without, robot, now) else { return Vec::new() };
         let mut met: BTreeMap<RobotId, usize> = BTreeMap::new();
         for visit in &route.visits {
-            let resource = core.warehouse().node_resource(visit.node);
-            for h in core.ledger.timeline().holders_during(resource, visit.window(), Holder::Robot(robot)) {
+            let (timeline, own) = (core.ledger.timeline(), Holder::Robot(robot));
+            let line = timeline.line(own, visit.loaded, core.warehouse().node_resource(visit.node));
+            for h in timeline.holders_during(line, visit.window(), own) {
                 if let Holder::Robot(r) = h {
                     *met.entry(r).or_default() += 1;
                 }
@@ -137,7 +138,7 @@ impl Traffic {
     ) -> Option<Route> {
         let (from, heading) = core.floor().grant_end(robot);
         let ready = now.max(from.arrive) + core.settings.period;
-        let (budget, conditions) = (core.settings.expansions_per_plan, &core.restrictions.conditions);
+        let (budget, conditions) = (core.settings.expansions_per_plan, core.floor().conditions(robot));
         let ask = Ask { from: &from, heading, ready, stages, budget, conditions, exemptions };
         self.tally.plans += 1;
         let kind = core.settings.kind(&core.ledger.robots[robot].kind);

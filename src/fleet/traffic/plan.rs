@@ -142,7 +142,8 @@ impl Traffic {
         let (from, heading) = core.floor().grant_end(robot);
         let ready = now.max(from.arrive) + core.settings.period;
         let (budget, exemptions) = (core.settings.expansions_per_plan, core.floor().exemptions(robot, now));
-        let conditions = &core.restrictions.conditions;
+        let body = core.floor().body(robot);
+        let conditions = core.restrictions.conditions.of(body);
         let ask = Ask { from: &from, heading, ready, stages, budget, conditions, exemptions: &exemptions };
         let kind = core.settings.kind(&core.ledger.robots[robot].kind);
         let planner = self.planners.of_mut(kind);

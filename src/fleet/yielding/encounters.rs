@@ -46,7 +46,7 @@ impl Yielding {
                     continue;
                 }
                 let loaded = core.ledger.rack_on(robot).is_some();
-                let radius_m = people.regions.stop_radius_m(loaded, 0.0);
+                let radius_m = core.floor().regions(robot).stop_radius_m(loaded, 0.0);
                 let (robot_mps, worker_mps) = (seen.speed_mps, w.velocity.norm());
                 near.push(Near { worker, robot, at: w.at, radius_m, distance_m, robot_mps, worker_mps });
             }

@@ -119,7 +119,7 @@ impl Yielding {
         }
         let node = floor.ledger.node_of(robot);
         let soon = Window::new(now, now + STOPPING);
-        floor.restrictions.conditions.of(node).iter().find_map(|c| match (c.effect, c.cause) {
+        floor.conditions(robot).of(node).iter().find_map(|c| match (c.effect, c.cause) {
             (Effect::Closed, Cause::Worker(w)) if c.window.overlaps(soon) => Some(w),
             _ => None,
         })
@@ -211,13 +211,14 @@ impl Floor<'_> {
             let node = seen[i];
             i += 1;
             let hard = |c: &Condition| matches!(c.effect, Effect::Closed | Effect::NoEntryOrExit);
-            if node != start && !floor.restrictions.conditions.of(node).iter().any(hard) {
+            if node != start && !floor.conditions(robot).of(node).iter().any(hard) {
                 found.push(node);
                 continue;
             }
             for (_, way) in floor.warehouse().ways(node) {
                 let kind = floor.warehouse().kind(way.to);
                 let open = way.users.allows(loaded)
+                    && way.is_for(floor.body(robot))
                     && kind.reserved_for().is_none()
                     && !(loaded && kind == crate::warehouse::NodeKind::Storage);
                 if open && (at(way.to) - w.at).norm() >= own - 0.15 && !seen.contains(&way.to) {

@@ -13,6 +13,7 @@ use crate::fleet::people::state::{HumanState, Led, Mode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::regions::KindConditions;
 use crate::fleet::state::worker::Reaction;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::yielding::evade::TRIES;
@@ -21,7 +22,7 @@ use crate::geometry::{Point, Segment};
 use crate::human::intention::reported_goals;
 use crate::human::{Band, Hypothesis, Presence, common_prefix, straight_on, towards_goal};
 use crate::id::{NodeId, RobotId, WorkerId};
-use crate::route::{Cause, Conditions, Effect, Route};
+use crate::route::{Cause, Effect, Route};
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Visit};
 
@@ -94,7 +95,7 @@ impl Yielding {
                 // Without a prediction the fleet does not react before a robot had to.
                 floor.ledger.robots.ids().any(|r| {
                     let loaded = floor.ledger.rack_on(r).is_some();
-                    let radius = people.regions.stop_radius_m(loaded, 0.0);
+                    let radius = floor.regions(r).stop_radius_m(loaded, 0.0);
                     (floor.place_of(r) - place.at).norm() < radius
                 })
             }
@@ -131,9 +132,9 @@ impl Yielding {
             return Some(Led::Along(segment, Mode::Following));
         }
         let mut cut = people.walkways.no_edges();
-        let reach = core.warehouse().footprint_m / 2.0 + BODY_M;
         for robot in core.ledger.robots.ids() {
-            people.walkways.edges_within(core.floor().place_of(robot), reach).into_iter().for_each(|e| {
+            let (at, reach) = (core.floor().place_of(robot), core.floor().beside_m(robot, BODY_M));
+            people.walkways.edges_within(at, reach).into_iter().for_each(|e| {
                 cut.insert(e);
             });
         }
@@ -141,11 +142,12 @@ impl Yielding {
         if let Some(path) = other.filter(|p| core.floor().robots_on(p).is_empty()) {
             return Some(Led::Along(path, Mode::Redirected));
         }
-        let effects =
-            Effects { warehouse: core.warehouse(), regions: &people.regions, afoot: &people.afoot, now };
         let mut conditions = core.restrictions.conditions.clone();
         let way = Hypothesis { probability: 1.0, path: segment.clone(), stay: None };
-        effects.plan(&mut conditions, worker, &way, Band::ANY);
+        for (conditions, regions) in conditions.with_regions(&core.regions) {
+            let effects = Effects { warehouse: core.warehouse(), regions, afoot: &people.afoot, now };
+            effects.plan(conditions, worker, &way, Band::ANY);
+        }
         if self.all_leave(core, traffic, conditions, worker, &in_the_way, now) {
             return Some(Led::Along(segment, Mode::Following));
         }
@@ -158,7 +160,7 @@ impl Yielding {
         &mut self,
         core: &mut Core,
         traffic: &mut Traffic,
-        conditions: Conditions,
+        conditions: KindConditions,
         worker: WorkerId,
         robots: &[RobotId],
         now: Time,
@@ -224,7 +226,7 @@ fn evasions(
         let mut places = core.floor().places_out_of_the_way(robot, worker).into_iter().take(TRIES);
         let route = places.find_map(|place| {
             let route = traffic.way_aside(core, &scratch, robot, (place, &exemptions), now)?;
-            core.floor().leaves_in_time(&route, place, worker).then_some(route)
+            core.floor().leaves_in_time(robot, &route, place, worker).then_some(route)
         })?;
         let visits = std::iter::once(&route.kept).chain(&route.visits).cloned().collect();
         scratch.extend(Holder::Robot(robot), visits).ok()?;
@@ -283,9 +285,9 @@ fn most_probable_segment(
 impl Floor<'_> {
     /// Whether a robot is off the path before a slow walker would be through: later, the worker would wait for
     /// the robot and the robot for the worker.
-    fn leaves_in_time(&self, route: &Route, place: NodeId, worker: WorkerId) -> bool {
+    fn leaves_in_time(&self, robot: RobotId, route: &Route, place: NodeId, worker: WorkerId) -> bool {
         let gone = |visit: &Visit| {
-            let conditions = self.restrictions.conditions.of(visit.node).iter();
+            let conditions = self.conditions(robot).of(visit.node).iter();
             let mut closed =
                 conditions.filter(|c| c.effect == Effect::Closed && c.cause == Cause::Worker(worker));
             closed.all(|c| visit.leave <= c.window.end())
@@ -295,9 +297,8 @@ impl Floor<'_> {
 
     /// Robots that stand where a path leads.
     fn robots_on(&self, path: &[Point]) -> Vec<RobotId> {
-        let reach = self.warehouse().footprint_m / 2.0 + BODY_M;
         let on = |robot: &RobotId| {
-            let at = self.place_of(*robot);
+            let (at, reach) = (self.place_of(*robot), self.beside_m(*robot, BODY_M));
             path.windows(2).any(|s| Segment { a: s[0], b: s[1] }.distance_to(at) < reach)
         };
         self.ledger.robots.ids().filter(on).collect()

@@ -173,7 +173,7 @@ impl SpeedLimits<'_> {
             let off = w.presence != Presence::Lost && self.drives_away(robot, at, w.at, now);
             // A robot that drives away needs no room to brake, and braking would let the person catch up.
             let towards_mps = if off { 0.0 } else { speed };
-            let stop = self.people.regions.stop_radius_at_m(towards_mps, loaded, w.sigma_m);
+            let stop = self.floor.regions(robot).stop_radius_at_m(towards_mps, loaded, w.sigma_m);
             let limit = if distance < stop {
                 Some(if off && !self.is_caught_up(robot, *worker, w, now) { SLOW_MPS } else { 0.0 })
             } else {
@@ -213,7 +213,7 @@ impl SpeedLimits<'_> {
                 return None;
             }
         }
-        let conditions = nodes.flat_map(|n| self.floor.restrictions.conditions.of(n));
+        let conditions = nodes.flat_map(|n| self.floor.conditions(robot).of(n));
         let limits = conditions.filter(|c| c.cause == Cause::Worker(worker)).filter_map(|c| match c.effect {
             Effect::Slow(l) => Some(l[usize::from(loaded)]).filter(|l| l.is_finite()),
             Effect::NoEntryOrExit if self.floor.settings.policy == HumanAwarePolicy::Giveway => {
@@ -251,7 +251,7 @@ impl SpeedLimits<'_> {
         let told_to = self.yielding.of(robot).is_told_to_stand();
         let stands = told_to || seen.speed_mps < STANDS_MPS;
         let room_m = CLEAR_M + if stands { SET_OFF_M } else { 0.0 };
-        moves_within(&drive, &walk, self.people.regions.stop_radius_m(loaded, w.sigma_m) + room_m)
+        moves_within(&drive, &walk, self.floor.regions(robot).stop_radius_m(loaded, w.sigma_m) + room_m)
     }
 
     /// How a worker will walk on, as far as that is known: along the path, straight on without one, and from where
@@ -285,7 +285,7 @@ impl SpeedLimits<'_> {
     /// Whether a robot within region 2 may drive on to the end of what it was granted: the worker stands, and
     /// it does not lead into region 1. Else it could not be at rest when the worker comes.
     fn may_finish(&self, robot: RobotId, w: &Whereabouts, loaded: bool) -> bool {
-        let clear_m = self.people.regions.stop_radius_m(loaded, w.sigma_m) + ROOM_M;
+        let clear_m = self.floor.regions(robot).stop_radius_m(loaded, w.sigma_m) + ROOM_M;
         let leaves_room = self
             .floor
             .granted_ahead(robot)
@@ -324,9 +324,9 @@ impl SpeedLimits<'_> {
         let loaded = self.floor.ledger.rack_on(robot).is_some();
         let seen_mps = self.floor.scene.robot(robot).map_or(0.0, |t| t.speed_mps);
         let speed_mps = seen_mps.max(SLOW_MPS);
-        let times = self.people.regions.times(speed_mps, loaded);
+        let times = self.floor.regions(robot).times(speed_mps, loaded);
         let time = Span::from_secs_f64(times.react_s + times.stop_s) + BEYOND;
-        let robot = Swept { way, speed_mps, half_m: self.floor.warehouse().footprint_m / 2.0 };
+        let robot = Swept { way, speed_mps, half_m: self.floor.footprint(robot).half_m() };
         collision(|t| self.people.forecast(self.floor, worker, t), &robot, now, time)
             .is_some_and(|p| p >= THRESHOLD)
     }

@@ -6,7 +6,7 @@
 //! Main function: `Search::enter_constrained`. Refuses: to be entered where no condition holds; that would cost time.
 
 use super::{FREE, Hop, Label, Labels, Open, Search};
-use crate::id::NodeId;
+use crate::id::{LineId, NodeId};
 use crate::route::Ask;
 use crate::route::conditions::{Cause, Condition, Effect, no_entry_until};
 use crate::route::motion::{MotionState, Pace, drive_span};
@@ -20,7 +20,7 @@ pub(super) fn open_windows(
     warehouse: &Warehouse,
     timeline: &Timeline,
     ask: &Ask<'_>,
-    node: NodeId,
+    (node, line): (NodeId, LineId),
     t: Time,
 ) -> SmallVec<[FreeWindow; 4]> {
     let at = warehouse.nodes[node].at;
@@ -29,7 +29,7 @@ pub(super) fn open_windows(
         conditions.filter(|c| c.effect == Effect::Closed).map(|c| c.window).collect();
     closed.sort_unstable_by_key(|w| w.start());
     let mut open = SmallVec::new();
-    for free in timeline.free_windows(warehouse.node_resource(node), t) {
+    for free in timeline.free_windows(line, t) {
         let (mut start, mut part) = (free.start, 0);
         let index = |part: u32| free.index | part << PARTS_AT;
         for w in closed.iter().filter(|w| w.start() < free.end && w.end() > free.start) {
@@ -57,18 +57,24 @@ pub const COME_OUT: Span = Span::from_secs(60);
 pub(super) type Brief = SmallVec<[(u32, i64); 1]>;
 
 /// Where a robot may end although a closure will begin there: nobody else comes, and it has time to leave.
-pub(super) fn brief_stays(warehouse: &Warehouse, pace: &Pace, timeline: &Timeline, ask: &Ask<'_>) -> Brief {
+pub(super) fn brief_stays(
+    warehouse: &Warehouse,
+    pace: &Pace,
+    timeline: &Timeline,
+    ask: &Ask<'_>,
+    line: LineId,
+) -> Brief {
     let last = ask.stages[ask.stages.len() - 1];
     if !ask.conditions.is_touched(last.goal) {
         return Brief::new();
     }
-    let whole = timeline.free_windows(warehouse.node_resource(last.goal), ask.ready).last();
+    let whole = timeline.free_windows(line, ask.ready).last();
     let Some(whole) = whole.filter(|g| g.end.is_forever()) else { return Brief::new() };
     let conditions = ask.conditions.binding(last.goal, warehouse.nodes[last.goal].at, ask.exemptions);
     let by_hand = |c: &&Condition| c.effect == Effect::Closed && matches!(c.cause, Cause::Closure(_));
     let begins: SmallVec<[Time; 2]> = conditions.filter(by_hand).map(|c| c.window.start()).collect();
     let way_out = pace.fastest_out(last.goal, last.loaded) + pace.clearance();
-    let parts = open_windows(warehouse, timeline, ask, last.goal, ask.ready).into_iter();
+    let parts = open_windows(warehouse, timeline, ask, (last.goal, line), ask.ready).into_iter();
     let parts = parts.filter(|g| g.index & ((1 << PARTS_AT) - 1) == whole.index && begins.contains(&g.end));
     parts.map(|g| (g.index, (g.end - last.stay - way_out - COME_OUT).0)).collect()
 }
@@ -91,8 +97,10 @@ impl Search<'_> {
         let node = hop.way.to;
         let latest = hop.depart.1.min(label.free.end.0);
         let from = Time(hop.depart.0 - hop.lead);
-        let windows = open_windows(self.warehouse, self.timeline, self.ask, node, from);
-        let lane = self.warehouse.lane_resource(hop.way.lane);
+        let loaded = self.needs_room(node, label.stage);
+        let line = self.line(loaded, self.warehouse.node_resource(node));
+        let windows = open_windows(self.warehouse, self.timeline, self.ask, (node, line), from);
+        let lane = self.line(loaded, self.warehouse.lane_resource(hop.way.lane));
         let lanes: SmallVec<[FreeWindow; 4]> = if hop.way.lane_is_free {
             smallvec![FREE]
         } else {

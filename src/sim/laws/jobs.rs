@@ -5,8 +5,8 @@
 
 use super::super::world::World;
 use super::violation::{DELIVERS, OVERDUE, Violation};
-use crate::fleet::{Fact, Fleet, JobKind, JobState, JobWhy, RackAt, Task, Why};
-use crate::id::{JobId, RobotId};
+use crate::fleet::{Fact, Fleet, Job, JobKind, JobState, JobWhy, RackAt, Task, Why};
+use crate::id::{BodyId, JobId, RobotId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
 use std::collections::{BTreeMap, BTreeSet};
@@ -92,10 +92,10 @@ impl JobLaws {
         let mut suspects = BTreeSet::new();
         for (id, state) in overdue {
             let Some(job) = fleet.ledger().jobs.get(&id) else { continue };
-            let why = view.why_job(id, job);
+            let why = view.why_job(fleet.warehouse(), id, job);
             // A job at work goes on with its robot, about which there is a law of its own.
             let at_work = state.robot().is_some() && why.is_none();
-            if at_work || why.is_some_and(|w| is_true(w, now, world, fleet)) {
+            if at_work || why.is_some_and(|w| is_true(w, job, now, (world, fleet))) {
                 continue;
             }
             suspects.insert(id);
@@ -154,7 +154,7 @@ fn happened(kind: &JobKind, before: JobState, world: &World, fleet: &Fleet) -> b
 }
 
 /// Whether a reason why a job waits is one that the floor shows.
-fn is_true(why: JobWhy, now: Time, world: &World, fleet: &Fleet) -> bool {
+fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) -> bool {
     let ledger = fleet.ledger();
     let works = |r: RobotId| ledger.robots[r].task != Task::Idle;
     match why {
@@ -173,7 +173,8 @@ fn is_true(why: JobWhy, now: Time, world: &World, fleet: &Fleet) -> bool {
             let critical = fleet.settings().kind(&ledger.robots[robot].kind).charging.critical;
             world.truth().any(|(r, t)| r == robot && t.battery <= critical + 0.01)
         }
-        JobWhy::NoRobot => fleet.view(now).free == 0,
+        JobWhy::NoRobot => !is_any_fit(fleet.view(now).free.into_keys(), job, fleet),
+        JobWhy::NoKind => !is_any_fit(fleet.view(now).kinds.into_iter(), job, fleet),
         JobWhy::StationFull(station) => {
             let there = w_station(fleet, station);
             ledger.robots.ids().any(|r| ledger.node_of(r) == there || works(r))
@@ -195,6 +196,13 @@ fn is_true(why: JobWhy, now: Time, world: &World, fleet: &Fleet) -> bool {
     }
 }
 
+/// Whether any of these kinds can do a job that waits for a robot.
+fn is_any_fit(mut kinds: impl Iterator<Item = BodyId>, job: &Job, fleet: &Fleet) -> bool {
+    let Some(rack) = job.request.kind.rack() else { return false };
+    let RackAt::Stored(node) = fleet.ledger().racks[rack] else { return false };
+    kinds.any(|body| job.request.kind.is_for(fleet.warehouse(), body, (rack, node)))
+}
+
 fn w_station(fleet: &Fleet, station: crate::id::StationId) -> crate::id::NodeId {
     fleet.warehouse().stations[station].node
 }
@@ -210,7 +218,7 @@ pub(in crate::sim) fn undrained(world: &World, fleet: &Fleet) -> (usize, usize) 
 pub(super) fn why_undrained(now: Time, fleet: &Fleet) -> Vec<String> {
     let view = fleet.view(now);
     let jobs = fleet.ledger().jobs.iter().take(3).map(|(id, job)| {
-        let (kind, state, why) = (job.request.kind, job.state, view.why_job(*id, job));
+        let (kind, state, why) = (job.request.kind, job.state, view.why_job(fleet.warehouse(), *id, job));
         format!("{id:?} {kind:?} {state:?}: {why:?}")
     });
     let carries = |r: &RobotId| fleet.ledger().rack_on(*r).is_some();

@@ -61,7 +61,7 @@ impl Laws {
             jobs: JobLaws::new(fleet),
             places: PlaceLaws::default(),
             steps: 0,
-            reach_m: fleet.warehouse().footprint_m - SLACK_M,
+            reach_m: 2.0 * fleet.warehouse().widest_half_m() - SLACK_M,
             broken: Vec::new(),
             count: 0,
         }
@@ -101,10 +101,10 @@ impl Laws {
         }
     }
 
-    /// No two robots' squares overlap: neighbours are found on a grid of cells as wide as a footprint.
+    /// No two robots overlap: neighbours are found on a grid of cells as wide as the widest robot.
     fn check_places(&mut self, now: Time, world: &World) {
         let mut places: Vec<((i64, i64), RobotId, Point)> =
-            world.truth().map(|(r, t)| (self.cell(t.pose.at), r, t.pose.at)).collect();
+            world.places().map(|(r, at)| (self.cell(at), r, at)).collect();
         places.sort_unstable_by_key(|(c, r, _)| (*c, *r));
         let mut overlaps = Vec::new();
         for (i, (cell, r, at)) in places.iter().enumerate() {
@@ -114,7 +114,7 @@ impl Laws {
                 let from =
                     if (dx, dy) == (0, 0) { i + 1 } else { places.partition_point(|(c, _, _)| *c < other) };
                 for (_, s, there) in places[from..].iter().take_while(|(c, _, _)| *c == other) {
-                    if axis_distance(*at, *there) < self.reach_m {
+                    if axis_distance(*at, *there) < self.reach_m && world.overlap(*r, *s, SLACK_M) {
                         overlaps.push(Violation::Overlap(*r, *s));
                     }
                 }

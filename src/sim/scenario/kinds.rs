@@ -3,9 +3,11 @@
 //! Main types: [`KindShare`], and the file's own [`Figures`] and [`KindFile`]. Refuses: kinds of one name.
 
 use super::check::{ScenarioError, check};
-use crate::fleet::{Charging, RobotKind};
+use crate::fleet::{Charging, RobotKind, USUAL_KIND};
+use crate::geometry::Point;
 use crate::route::Kinematics;
 use crate::time::Span;
+use crate::warehouse::{Body, Footprint};
 use serde::Deserialize;
 
 /// A kind of robots, and how many of each round of robots are of it.
@@ -18,9 +20,14 @@ pub struct KindShare {
 }
 
 impl KindShare {
+    /// All robots are of this kind.
+    fn only(kind: RobotKind) -> Vec<KindShare> {
+        vec![KindShare { kind, share: 1 }]
+    }
+
     /// All robots are of one kind.
     pub fn one(kinematics: Kinematics, charging: Charging) -> Vec<KindShare> {
-        vec![KindShare { kind: RobotKind { kinematics, charging, ..RobotKind::default() }, share: 1 }]
+        KindShare::only(RobotKind { kinematics, charging, ..RobotKind::default() })
     }
 }
 
@@ -34,6 +41,32 @@ pub(super) struct Figures {
     accel_loaded_mps2: Option<f64>,
     lift_s: Option<f64>,
     battery: Battery,
+    footprint: Option<Outline>,
+    footprint_loaded: Option<Outline>,
+    drive: Drive,
+    carries: Option<Vec<String>>,
+    payload_kg: Option<f64>,
+}
+
+/// An outline as files name it.
+#[derive(Clone, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+enum Outline {
+    /// The side of a square along the map's axes.
+    SquareM(f64),
+    /// The radius of a disc.
+    CircleM(f64),
+    /// Corners, x ahead and y to the left of the point on which the robot turns.
+    PolygonM(Vec<[f64; 2]>),
+}
+
+/// Whether a robot turns to where it drives.
+#[derive(Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Drive {
+    #[default]
+    Differential,
+    Omnidirectional,
 }
 
 /// A kind with its name and share.
@@ -74,7 +107,7 @@ fn one() -> usize {
 pub(super) fn read(fleet: Option<Figures>, kinds: Vec<KindFile>) -> Result<Vec<KindShare>, ScenarioError> {
     if kinds.is_empty() {
         let figures = fleet.unwrap_or_default();
-        return Ok(KindShare::one(figures.kinematics("fleet")?, figures.battery.charging("fleet.battery")?));
+        return Ok(KindShare::only(figures.kind(USUAL_KIND.to_owned(), "fleet")?));
     }
     let wrong = |message: String| Err(ScenarioError::Wrong { key: "kinds", message });
     if fleet.is_some() {
@@ -95,9 +128,33 @@ pub(super) fn read(fleet: Option<Figures>, kinds: Vec<KindFile>) -> Result<Vec<K
 
 impl KindFile {
     fn share(self, i: usize) -> Result<KindShare, ScenarioError> {
-        let kinematics = self.fleet.kinematics(&format!("kinds[{i}].fleet"))?;
-        let charging = self.fleet.battery.charging(&format!("kinds[{i}].fleet.battery"))?;
-        Ok(KindShare { kind: RobotKind { name: self.name, kinematics, charging }, share: self.share })
+        Ok(KindShare { kind: self.fleet.kind(self.name, &format!("kinds[{i}].fleet"))?, share: self.share })
+    }
+}
+
+impl Outline {
+    fn check(&self, key: &str) -> Result<(), ScenarioError> {
+        match self {
+            Outline::SquareM(m) | Outline::CircleM(m) => {
+                check(key, *m, 0.05..=10.0, "from 0.05 to 10 metres")
+            }
+            Outline::PolygonM(corners) => {
+                check(&format!("{key}: corners"), corners.len() as f64, 3.0..=32.0, "from 3 to 32")?;
+                let mut numbers = corners.iter().flatten();
+                numbers.try_for_each(|m| check(key, *m, -10.0..=10.0, "from -10 to 10 metres"))
+            }
+        }
+    }
+
+    fn footprint(&self, turns: bool) -> Footprint {
+        match self {
+            Outline::SquareM(side_m) => Footprint::Square { side_m: *side_m },
+            Outline::CircleM(radius_m) => Footprint::Circle { radius_m: *radius_m },
+            Outline::PolygonM(corners) => {
+                let corners = corners.iter().map(|[x, y]| Point::new(*x, *y)).collect();
+                Footprint::Polygon { corners, turns }
+            }
+        }
     }
 }
 
@@ -115,6 +172,25 @@ impl Battery {
 }
 
 impl Figures {
+    fn kind(self, name: String, of: &str) -> Result<RobotKind, ScenarioError> {
+        let kinematics = self.kinematics(of)?;
+        let charging = self.battery.charging(&format!("{of}.battery"))?;
+        let body = self.body(&name, of)?;
+        Ok(RobotKind { name, kinematics, charging, body })
+    }
+
+    fn body(&self, name: &str, of: &str) -> Result<Body, ScenarioError> {
+        let outlines = [("footprint", &self.footprint), ("footprint_loaded", &self.footprint_loaded)];
+        for (key, outline) in outlines {
+            outline.as_ref().map_or(Ok(()), |o| o.check(&format!("{of}.{key}")))?;
+        }
+        let payload_kg = self.payload_kg.unwrap_or(f64::INFINITY);
+        check(&format!("{of}.payload_kg"), payload_kg, 0.0..=f64::INFINITY, "0 or more")?;
+        let turns = self.drive == Drive::Differential;
+        let footprints = outlines.map(|(_, outline)| outline.as_ref().map(|o| o.footprint(turns)));
+        Ok(Body { kind: name.to_owned(), footprints, carries: self.carries.clone(), payload_kg })
+    }
+
     fn kinematics(&self, of: &str) -> Result<Kinematics, ScenarioError> {
         let usual = Kinematics::default();
         let speed = self.speed_mps.unwrap_or(usual.speed_mps);
@@ -134,6 +210,7 @@ impl Figures {
             accel_unloaded_mps2: unloaded,
             accel_loaded_mps2: loaded,
             lift: Span::from_secs_f64(lift),
+            turn_radps: if self.drive == Drive::Differential { usual.turn_radps } else { f64::INFINITY },
             ..usual
         })
     }

@@ -16,10 +16,10 @@ pub use kinds::KindShare;
 pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, Sensor, Source, Workers};
 
 use crate::aware::HumanAwarePolicy;
-use crate::fleet::{Closure, RobotKind};
+use crate::fleet::{Closure, RobotKind, fitted};
 use crate::human::Model;
 use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use crate::warehouse::{Findings, Warehouse};
 use check::check;
 use kinds::{Figures, KindFile};
 use serde::Deserialize;
@@ -261,6 +261,15 @@ impl Scenario {
     pub fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, ScenarioError> {
         let areas: Result<Vec<_>, _> = self.closures.iter().map(|c| c.areas(warehouse, start)).collect();
         Ok(areas?.concat())
+    }
+
+    /// The building for the kinds of robots that the scenario has.
+    ///
+    /// # Errors
+    /// Kinds for which it was not drawn.
+    pub fn fit(&self, warehouse: &Arc<Warehouse>) -> Result<Arc<Warehouse>, Findings> {
+        let kinds: Vec<RobotKind> = self.kinds.iter().map(|k| k.kind.clone()).collect();
+        fitted(warehouse, &kinds)
     }
 
     /// The settings of the core for this scenario.

@@ -41,6 +41,8 @@ pub struct RobotNear {
     pub at: Point,
     /// How it moves, metres per second.
     pub velocity: Vector,
+    /// Half the side of the square around its outline, metres.
+    pub half_m: f64,
 }
 
 /// What is around a walker.
@@ -48,22 +50,20 @@ pub struct RobotNear {
 pub struct Around<'a> {
     /// The floor.
     pub walkways: &'a Walkways,
-    /// Half the side of a robot's square, metres.
-    pub half_m: f64,
     /// Robots, wherever they are.
     pub robots: &'a [RobotNear],
 }
 
 impl RobotNear {
     /// Metres between a body and the robot's square; negative where they overlap.
-    pub fn gap(&self, p: Point, half_m: f64) -> f64 {
-        let d = p - self.at;
+    pub fn gap(&self, p: Point) -> f64 {
+        let (d, half_m) = (p - self.at, self.half_m);
         let out = Vector::new((d.x.abs() - half_m).max(0.0), (d.y.abs() - half_m).max(0.0));
         out.norm() - BODY_M
     }
 
     /// Whether a body at `p` is in the way of the robot within the next `seconds`. Standing robots have no way.
-    pub fn sweeps(&self, p: Point, half_m: f64, seconds: f64) -> bool {
+    pub fn sweeps(&self, p: Point, seconds: f64) -> bool {
         let speed = self.velocity.norm();
         if speed < 0.05 {
             return false;
@@ -71,7 +71,7 @@ impl RobotNear {
         let way = self.velocity / speed;
         let d = p - self.at;
         // Half of the square's extent along the way, and across it: the square keeps to the map's axes.
-        let reach = half_m * (way.x.abs() + way.y.abs()) + BODY_M;
+        let reach = self.half_m * (way.x.abs() + way.y.abs()) + BODY_M;
         let along = d.dot(&way);
         along > 0.0 && along < reach + speed * seconds && d.perp(&way).abs() < reach + SIDE_M
     }
@@ -208,17 +208,17 @@ impl Legs {
     }
 
     fn taken(&self, to: Point, foresight: f64, around: &Around<'_>) -> Option<Taken> {
-        let Around { walkways, half_m, robots } = *around;
+        let Around { walkways, robots } = *around;
         let room = walkways.clearance_m(to);
         if !walkways.is_free(to) || (room < WALL_M && room < walkways.clearance_m(self.at)) {
             return Some(Taken::Wall);
         }
         let taken = robots.iter().any(|r| {
-            let gap = r.gap(to, half_m);
+            let gap = r.gap(to);
             // Nobody walks on towards a robot that cannot stop in time.
-            let comes = if r.sweeps(to, half_m, 3.0) { COMES_S * r.velocity.norm() } else { 0.0 };
-            let nearer = gap < STAND_OFF_M + comes && gap <= r.gap(self.at, half_m);
-            let steps_in = || r.sweeps(to, half_m, foresight) && !r.sweeps(self.at, half_m, foresight);
+            let comes = if r.sweeps(to, 3.0) { COMES_S * r.velocity.norm() } else { 0.0 };
+            let nearer = gap < STAND_OFF_M + comes && gap <= r.gap(self.at);
+            let steps_in = || r.sweeps(to, foresight) && !r.sweeps(self.at, foresight);
             nearer || steps_in()
         });
         taken.then_some(Taken::Robot)

@@ -106,7 +106,7 @@ impl Walker {
         let here = self.legs.at;
         let comes = |r: &&RobotNear| {
             let d = here - r.at;
-            d.norm() < NEAR_M && r.sweeps(here, around.half_m, 10.0)
+            d.norm() < NEAR_M && r.sweeps(here, 10.0)
         };
         let Some(robot) = around.robots.iter().find(comes) else {
             if now < self.reacts_until && self.traits.persona == Persona::Freezes {
@@ -326,7 +326,7 @@ fn join(at: Point, path: &[Point], walkways: &Walkways) -> Vec<Point> {
 fn cut_by_robots(at: Point, around: &Around<'_>) -> EdgeSet {
     let mut cut = around.walkways.no_edges();
     for r in around.robots.iter().filter(|r| (r.at - at).norm() < IN_SIGHT_M) {
-        for e in around.walkways.edges_within(r.at, around.half_m + BODY_M) {
+        for e in around.walkways.edges_within(r.at, r.half_m + BODY_M) {
             if around.walkways.segment(e).distance_to(at) > HERE_M {
                 cut.insert(e);
             }
@@ -344,8 +344,8 @@ fn is_clear(at: Point, route: impl Iterator<Item = Point>, around: &Around<'_>) 
         for i in 1..=steps as u32 {
             let p = from + (to - from) * (f64::from(i) / steps);
             let taken = |r: &RobotNear| {
-                let gap = r.gap(p, around.half_m);
-                gap < 0.0 && gap < r.gap(at, around.half_m)
+                let gap = r.gap(p);
+                gap < 0.0 && gap < r.gap(at)
             };
             if around.robots.iter().any(taken) {
                 return false;
@@ -365,7 +365,7 @@ fn back_off(at: Point, around: &Around<'_>, cut: &EdgeSet) -> Option<(Point, Vec
     let walkways = around.walkways;
     let robots = around.robots.iter().filter(|r| (r.at - at).norm() < IN_SIGHT_M);
     let robots: Vec<&RobotNear> = robots.collect();
-    let room = |p: Point| robots.iter().map(|r| r.gap(p, around.half_m)).fold(IN_SIGHT_M, f64::min);
+    let room = |p: Point| robots.iter().map(|r| r.gap(p)).fold(IN_SIGHT_M, f64::min);
     let here = room(at);
     let places = walkways.nodes().iter().map(|n| n.at);
     let mut places: Vec<Point> = places.filter(|p| (p - at).norm() < IN_SIGHT_M).collect();
@@ -380,7 +380,7 @@ fn back_off(at: Point, around: &Around<'_>, cut: &EdgeSet) -> Option<(Point, Vec
 
 /// A place nearby that is out of a robot's way.
 fn beside(at: Point, robot: &RobotNear, around: &Around<'_>) -> Option<Point> {
-    let clear = |p: Point| !robot.sweeps(p, around.half_m, 10.0) && robot.gap(p, around.half_m) > 0.2;
+    let clear = |p: Point| !robot.sweeps(p, 10.0) && robot.gap(p) > 0.2;
     let near =
         around.walkways.near(at, 2.5).into_iter().filter(|(n, _)| clear(around.walkways.nodes()[*n].at));
     let best = near.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));

@@ -14,7 +14,6 @@ const DT: f64 = 0.02;
 struct Hall {
     warehouse: Warehouse,
     walkways: Walkways,
-    half_m: f64,
     robots: Vec<RobotNear>,
     now: Time,
     job: Option<Job>,
@@ -24,8 +23,7 @@ impl Hall {
     fn new() -> Hall {
         let warehouse = thesis();
         let walkways = Walkways::of(&warehouse);
-        let half_m = warehouse.footprint_m / 2.0;
-        Hall { warehouse, walkways, half_m, robots: vec![], now: Time::ZERO, job: None }
+        Hall { warehouse, walkways, robots: vec![], now: Time::ZERO, job: None }
     }
 
     fn place(&self, name: &str) -> Point {
@@ -42,7 +40,7 @@ impl Hall {
         let known: Vec<Point> = ["G0-14", "G12-13"].map(|n| self.place(n)).to_vec();
         for _ in 0..(seconds / DT) as i64 {
             self.now += Span::from_secs_f64(DT);
-            let around = Around { walkways: &self.walkways, half_m: self.half_m, robots: &self.robots };
+            let around = Around { walkways: &self.walkways, robots: &self.robots };
             let desk = Desk { job: self.job, known: &known, colleagues: &[] };
             walker.tick(self.now, DT, &around, &desk);
             if walker.finished.pop().is_some() {
@@ -151,10 +149,10 @@ fn a_walker_stops_before_a_robot_and_takes_another_way_after_a_while() {
     let mut hall = Hall::new();
     hall.work_at("S1-1");
     let mut w = walker(&hall, &workers(Causes::None, &[], Persona::Yields), "G0-14");
-    hall.robots = vec![RobotNear { at: hall.place("G0-9"), velocity: Vector::zeros() }];
+    hall.robots = vec![RobotNear { at: hall.place("G0-9"), velocity: Vector::zeros(), half_m: 0.45 }];
     let mut detour = false;
     hall.live(&mut w, 80.0, |hall, w| {
-        assert!(hall.robots[0].gap(w.legs.at, hall.half_m) >= 0.0);
+        assert!(hall.robots[0].gap(w.legs.at) >= 0.0);
         detour |= matches!(w.log().segments().last(), Some(s) if s.cause == Cause::Detour);
     });
     assert!(detour && hall.job.is_none(), "it did not get to work");
@@ -166,7 +164,7 @@ fn nobody_who_minds_robots_steps_in_front_of_one_that_moves() {
     hall.work_at("S4-10");
     let mut w = walker(&hall, &workers(Causes::None, &[], Persona::Hurries), "G0-10");
     // A robot that drives to and fro on the cross street before it.
-    hall.robots = vec![RobotNear { at: hall.place("G0-7"), velocity: Vector::new(1.5, 0.0) }];
+    hall.robots = vec![RobotNear { at: hall.place("G0-7"), velocity: Vector::new(1.5, 0.0), half_m: 0.45 }];
     for _ in 0..600 {
         let r = &mut hall.robots[0];
         if !(0.0..=12.0).contains(&(r.at.x + r.velocity.x * 0.1)) {
@@ -174,7 +172,7 @@ fn nobody_who_minds_robots_steps_in_front_of_one_that_moves() {
         }
         r.at += r.velocity * 0.1;
         hall.live(&mut w, 0.1, |hall, w| {
-            let gap = hall.robots[0].gap(w.legs.at, hall.half_m);
+            let gap = hall.robots[0].gap(w.legs.at);
             let on_street = (w.legs.at.y - 7.0).abs() < 0.45 + BODY_M;
             assert!(gap > 0.0 || on_street, "touched at {}", w.legs.at);
         });
@@ -250,7 +248,7 @@ fn who_ignores_a_redirection_keeps_the_old_path_and_the_log_says_so() {
 #[test]
 fn nobody_is_caught_at_the_corner_of_a_rack_on_the_way_to_a_place_in_sight() {
     let hall = Hall::new();
-    let around = Around { walkways: &hall.walkways, half_m: hall.half_m, robots: &[] };
+    let around = Around { walkways: &hall.walkways, robots: &[] };
     let fronts = hall.warehouse.nodes_where(|k| k == NodeKind::Storage);
     let goal = |n: &NodeId| hall.walkways.on_floor(hall.warehouse.nodes[*n].at);
     let goals: Vec<Point> = fronts.iter().filter_map(goal).map(|p| ease(p, &hall.walkways)).collect();

@@ -5,7 +5,7 @@
 
 use super::{Doubts, Findings};
 use crate::geometry::Point;
-use crate::warehouse::build::{Draft, DraftLane};
+use crate::warehouse::build::{Draft, DraftLane, DraftRack};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// More nodes than any building has; keeps a broken file from taking all memory.
@@ -24,6 +24,8 @@ const SPEED_MAX_MPS: f64 = 50.0;
 const ARRIVALS_MAX: usize = 255;
 /// Names are for people: no longer than this.
 const NAME_MAX: usize = 80;
+/// Heavier racks are a mistake in the unit, kilograms.
+const WEIGHT_MAX_KG: f64 = 100_000.0;
 
 /// Everything that can be said about a draft before its names are turned into ids.
 pub(in crate::warehouse) fn names_and_numbers(draft: &Draft) -> Result<(), Findings> {
@@ -133,6 +135,9 @@ fn lane_numbers(lane: &DraftLane, place: &str, found: &mut Findings) {
     if !(u.loaded || u.unloaded || u.people) {
         found.add(place, "nobody may use it", "name loaded, unloaded or people, or remove it");
     }
+    if lane.kinds.as_ref().is_some_and(Vec::is_empty) {
+        found.add(place, "no kind of robots may use it", "name kinds, or leave `kinds` out");
+    }
     if let Some(v) = lane.speed_limit_mps
         && !(v > 0.0 && v <= SPEED_MAX_MPS)
     {
@@ -172,9 +177,13 @@ fn stations(draft: &Draft, found: &mut Findings) {
 fn racks(draft: &Draft, found: &mut Findings) {
     let storage: BTreeSet<&str> = draft.storage.iter().map(String::as_str).collect();
     let (mut names, mut taken) = (BTreeSet::new(), BTreeMap::new());
-    for (name, node) in &draft.racks {
+    for DraftRack { name, node, weight_kg, .. } in &draft.racks {
         let place = format!("rack {name}");
         good_name(name, &place, found);
+        if !(0.0..=WEIGHT_MAX_KG).contains(weight_kg) {
+            let remedy = format!("give kilograms from 0 to {WEIGHT_MAX_KG}");
+            found.add(&place, format!("it weighs {weight_kg} kg"), remedy);
+        }
         if !names.insert(name.as_str()) {
             found.add(&place, "the name is used twice", "rename one of the two");
         }

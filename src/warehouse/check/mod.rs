@@ -36,9 +36,9 @@ pub struct Findings(pub Vec<Finding>);
 #[derive(Debug, Default)]
 pub(super) struct Doubts {
     /// Names of places at which something was left out; the missing parts may join them to anything.
-    places: BTreeSet<String>,
+    pub places: BTreeSet<String>,
     /// Whether places to stay were left out.
-    stays: bool,
+    pub stays: bool,
 }
 
 impl Findings {
@@ -47,11 +47,16 @@ impl Findings {
         self.0.extend(other.err().into_iter().flat_map(|more| more.0));
     }
 
-    fn add(&mut self, place: impl Into<String>, problem: impl Into<String>, remedy: impl Into<String>) {
+    pub(super) fn add(
+        &mut self,
+        place: impl Into<String>,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) {
         self.0.push(Finding { place: place.into(), problem: problem.into(), remedy: remedy.into() });
     }
 
-    fn into_result(self) -> Result<(), Findings> {
+    pub(super) fn into_result(self) -> Result<(), Findings> {
         if self.0.is_empty() { Ok(()) } else { Err(self) }
     }
 }

@@ -3,7 +3,7 @@
 use super::room_for;
 use crate::geometry::Point;
 use crate::time::Span;
-use crate::warehouse::{Draft, DraftLane, DraftNode, DraftStation, Users, sketch};
+use crate::warehouse::{Draft, DraftLane, DraftNode, DraftRack, DraftStation, Users, sketch};
 use proptest::prelude::*;
 
 const GOOD: &str = "
@@ -131,7 +131,7 @@ fn doubled_empty_and_endless_names_are_refused() {
 fn doubled_stations_and_racks_are_refused() {
     let mut draft = good();
     draft.stations.push(DraftStation { node: "1,0".into(), ..draft.stations[0].clone() });
-    draft.racks.push(("rack 0,2".into(), "1,2".into()));
+    draft.racks.push(DraftRack::plain("rack 0,2", "1,2"));
     refused(draft.clone(), &["station station 1", "twice"]);
     refused(draft.clone(), &["rack rack 0,2: the name is used twice"]);
     refused(draft, &["rack rack 0,2: rack rack 1,2 stands on 1,2 too"]);
@@ -140,7 +140,7 @@ fn doubled_stations_and_racks_are_refused() {
 #[test]
 fn a_rack_on_open_floor_is_refused() {
     let mut draft = good();
-    draft.racks[0].1 = "1,1".into();
+    draft.racks[0].node = "1,1".into();
     refused(draft, &["rack rack 0,2", "1,1 is not a storage node"]);
 }
 

@@ -7,7 +7,7 @@ use super::MapError;
 use crate::geometry::Point;
 use crate::id::NodeId;
 use crate::time::Span;
-use crate::warehouse::{Draft, DraftLane, DraftNode, DraftStation, NodeKind, Users, Warehouse};
+use crate::warehouse::{Draft, DraftLane, DraftNode, DraftRack, DraftStation, NodeKind, Users, Warehouse};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -123,6 +123,8 @@ struct LaneRecord {
     speed_limit_mps: Option<Number>,
     #[serde(default, rename = "for", skip_serializing_if = "Option::is_none")]
     users: Option<Vec<User>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    kinds: Option<Vec<String>>,
 }
 
 #[derive(Serialize, Deserialize, Clone, Copy, PartialEq)]
@@ -138,6 +140,10 @@ enum User {
 struct RackRecord {
     id: String,
     node: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    load: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    weight_kg: Option<Number>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -182,7 +188,7 @@ impl From<MapRecord> for Draft {
             nodes: r.nodes.into_iter().map(node).collect(),
             lanes: r.lanes.into_iter().map(DraftLane::from).collect(),
             stations: r.stations.into_iter().map(DraftStation::from).collect(),
-            racks: r.racks.into_iter().map(|rack| (rack.id, rack.node)).collect(),
+            racks: r.racks.into_iter().map(DraftRack::from).collect(),
             storage: r.storage,
             chargers: r.chargers,
             parking: r.parking,
@@ -201,7 +207,13 @@ impl From<LaneRecord> for DraftLane {
             people: list.contains(&User::People),
         });
         let (length_m, speed_limit_mps) = (l.length_m.map(|n| n.0), l.speed_limit_mps.map(|n| n.0));
-        DraftLane { from: l.from, to: l.to, both: l.both, length_m, speed_limit_mps, users }
+        DraftLane { from: l.from, to: l.to, both: l.both, length_m, speed_limit_mps, users, kinds: l.kinds }
+    }
+}
+
+impl From<RackRecord> for DraftRack {
+    fn from(RackRecord { id, node, load, weight_kg }: RackRecord) -> DraftRack {
+        DraftRack { name: id, node, load, weight_kg: weight_kg.map_or(0.0, |n| n.0) }
     }
 }
 
@@ -228,7 +240,14 @@ impl From<&Warehouse> for MapRecord {
             nodes: w.nodes.iter().map(node).collect(),
             lanes: w.lanes.iter().map(|l| lane_record(w, l)).collect(),
             storage: of(NodeKind::Storage),
-            racks: (w.racks.iter()).map(|r| RackRecord { id: r.name.clone(), node: name(r.home) }).collect(),
+            racks: (w.racks.iter())
+                .map(|r| RackRecord {
+                    id: r.name.clone(),
+                    node: name(r.home),
+                    load: r.load.clone(),
+                    weight_kg: (r.weight_kg != 0.0).then_some(Number(r.weight_kg)),
+                })
+                .collect(),
             stations: (w.stations.iter())
                 .map(|s| StationRecord {
                     id: s.name.clone(),
@@ -259,6 +278,7 @@ fn lane_record(w: &Warehouse, l: &crate::warehouse::Lane) -> LaneRecord {
         length_m: (l.length_m != straight).then_some(Number(l.length_m)),
         speed_limit_mps: l.speed_limit_mps.map(Number),
         users: (l.users != Users::ALL).then_some(users),
+        kinds: l.kinds.clone(),
     }
 }
 

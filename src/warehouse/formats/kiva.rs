@@ -9,7 +9,7 @@ use super::grid::Grid;
 use super::{MapError, Notes, Options};
 use crate::time::Span;
 use crate::warehouse::bay::Bay;
-use crate::warehouse::{Draft, Users};
+use crate::warehouse::{Draft, DraftRack, Users};
 use nalgebra::Vector2;
 
 const LETTERS: &str = "@er.";
@@ -101,7 +101,7 @@ fn nodes(grid: &Grid, cells: &Cells, options: &Options, draft: &mut Draft, notes
             homes += 1.0;
             if is_charger { &mut draft.chargers } else { &mut draft.parking }.push(name);
         } else if cells.storage[c] {
-            draft.racks.push((format!("k{}", draft.racks.len() + 1), name.clone()));
+            draft.racks.push(DraftRack::plain(format!("k{}", draft.racks.len() + 1), &name));
             draft.storage.push(name);
         } else if !cells.floor[c] {
             continue;

@@ -3,7 +3,7 @@
 //! Main type: [`Pen`]. Refuses: to check anything; the draft is checked when it is built.
 
 use crate::geometry::Point;
-use crate::warehouse::{Draft, DraftLane, DraftNode, Users};
+use crate::warehouse::{Draft, DraftLane, DraftNode, DraftRack, Users};
 use std::collections::BTreeMap;
 
 /// A grid position, metres.
@@ -72,7 +72,7 @@ impl Pen {
         order.truncate(count);
         order.sort_unstable();
         self.draft.racks =
-            order.iter().zip(1..).map(|(&i, k)| (format!("K{k}"), storage[i].clone())).collect();
+            order.iter().zip(1..).map(|(&i, k)| DraftRack::plain(format!("K{k}"), &storage[i])).collect();
     }
 }
 

@@ -10,7 +10,7 @@ use crate::fleet::state::life::{self, Stage, Work};
 use crate::fleet::state::worker::{Assignment, AssignmentRequest, AssignmentState};
 use crate::id::{AssignmentId, JobId, NodeId, RobotId, WorkerId};
 use crate::time::Time;
-use crate::timeline::{self, Holder};
+use crate::timeline::{self, Holder, Visit};
 
 impl Ledger {
     /// Takes one fact in.
@@ -168,6 +168,8 @@ impl Ledger {
         });
         assert_eq!(id, robot, "robots are numbered in order");
         let holder = Holder::Robot(robot);
+        let body = self.warehouse().body_of(kind);
+        self.timeline.set_body(robot, body);
         self.timeline.reserve(holder, vec![stand(node, at)]).expect("robots join on free nodes");
         self.timeline.grant(holder, 0, at);
     }
@@ -285,7 +287,8 @@ impl Ledger {
 
     /// A robot stands elsewhere: it holds that place alone, and others lose what they were promised there.
     fn place(&mut self, robot: RobotId, node: NodeId, serial: u64, cut: &[Kept], at: Time) {
-        self.timeline.place(Holder::Robot(robot), serial, stand(node, at), &kept(cut));
+        let visit = Visit { loaded: self.rack_on(robot).is_some(), ..stand(node, at) };
+        self.timeline.place(Holder::Robot(robot), serial, visit, &kept(cut));
         let record = &mut self.promises.robots[robot];
         record.stops.clear();
         record.interrupted = true;

@@ -187,7 +187,8 @@ impl Ledger {
 
 /// Standing on a node for ever.
 pub fn stand(node: NodeId, at: Time) -> Visit {
-    Visit { node, lane: None, enter: at, arrive: at, depart: Time::MAX, leave: Time::MAX, stay: Span::ZERO }
+    let (loaded, stay) = (false, Span::ZERO);
+    Visit { node, lane: None, loaded, enter: at, arrive: at, depart: Time::MAX, leave: Time::MAX, stay }
 }
 
 /// All robots by number.

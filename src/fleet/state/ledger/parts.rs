@@ -121,7 +121,8 @@ impl Ledger {
         check_names(&warehouse, &parts)?;
         check_racks(&parts)?;
         let index = Index::new(&warehouse);
-        let timeline = Timeline::restore(warehouse, clearance, parts.chains)?;
+        let bodies = parts.promises.robots.iter().map(|r| warehouse.body_of(&r.kind)).collect();
+        let timeline = Timeline::restore(warehouse, clearance, bodies, parts.chains)?;
         let mut ledger = Ledger { promises: parts.promises, timeline, index };
         ledger.reindex();
         Ok(ledger)

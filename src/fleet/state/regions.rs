@@ -1,0 +1,123 @@
+//! Regions around people for each kind of robots, and the conditions that follow from them.
+//!
+//! Main types: [`KindRegions`], [`KindConditions`]. Kinds of the same speeds, brakes and footprints share theirs, so a
+//! fleet of one kind works each out once. Refuses: to look at people.
+
+use crate::aware::Regions;
+use crate::fleet::state::kind::{RobotKind, most_dangerous};
+use crate::fleet::state::settings::Settings;
+use crate::id::{BodyId, IdVec, NodeId};
+use crate::route::{Cause, Condition, Conditions};
+use crate::warehouse::Warehouse;
+
+/// Radii and speeds near people, by kind.
+#[derive(Clone, Debug)]
+pub(in crate::fleet) struct KindRegions {
+    sets: Vec<Regions>,
+    of: IdVec<BodyId, usize>,
+}
+
+impl KindRegions {
+    /// Those of the kinds in a building. Kinds that the building does not tell apart get those of the most dangerous.
+    pub fn new(warehouse: &Warehouse, settings: &Settings) -> KindRegions {
+        let period_s = settings.period.as_secs_f64();
+        let mut all = KindRegions { sets: Vec::new(), of: IdVec::new() };
+        for body in warehouse.bodies().ids() {
+            let is_it = |k: &&RobotKind| warehouse.body_of(&k.name) == body;
+            let kinds: Vec<RobotKind> = settings.kinds.iter().filter(is_it).cloned().collect();
+            let kinds = if kinds.is_empty() { &settings.kinds } else { &kinds };
+            let half_m = [false, true].map(|loaded| warehouse.footprint(body, loaded).half_m());
+            let regions = Regions::for_outlines(most_dangerous(kinds), half_m, period_s);
+            let known = all.sets.iter().position(|r| *r == regions);
+            all.of.push(known.unwrap_or(all.sets.len()));
+            if known.is_none() {
+                all.sets.push(regions);
+            }
+        }
+        all
+    }
+
+    /// Those of a kind.
+    pub fn of(&self, body: BodyId) -> &Regions {
+        &self.sets[self.of[body]]
+    }
+
+    /// The largest radii of regions 1, 2 and 3 that any robot without a rack keeps, metres.
+    pub fn widest_m(&self, sigma_m: f64) -> [f64; 3] {
+        let of = |r: &Regions| {
+            let (stop, keep_out) = (r.stop_radius_m(false, sigma_m), r.keep_out_radius_m(false, sigma_m));
+            [stop, keep_out, r.slow_radius_m(false, sigma_m)]
+        };
+        let wider = |a: [f64; 3], b: [f64; 3]| [a[0].max(b[0]), a[1].max(b[1]), a[2].max(b[2])];
+        self.sets.iter().map(of).reduce(wider).expect("a fleet has a kind of robots")
+    }
+}
+
+/// Conditions on nodes, for robots of each kind.
+#[derive(Clone, Debug)]
+pub(in crate::fleet) struct KindConditions {
+    sets: Vec<Conditions>,
+    of: IdVec<BodyId, usize>,
+}
+
+impl KindConditions {
+    /// None yet.
+    pub fn none(warehouse: &Warehouse, regions: &KindRegions) -> KindConditions {
+        let sets = regions.sets.iter().map(|_| Conditions::none(warehouse)).collect();
+        KindConditions { sets, of: regions.of.clone() }
+    }
+
+    /// Those for robots of a kind.
+    pub fn of(&self, body: BodyId) -> &Conditions {
+        &self.sets[self.of[body]]
+    }
+
+    /// Each set with the regions that it follows from.
+    pub fn with_regions<'a>(
+        &'a mut self,
+        regions: &'a KindRegions,
+    ) -> impl Iterator<Item = (&'a mut Conditions, &'a Regions)> {
+        assert_eq!(self.sets.len(), regions.sets.len(), "conditions follow from regions");
+        self.sets.iter_mut().zip(&regions.sets)
+    }
+
+    /// All sets.
+    pub fn all(&self) -> impl Iterator<Item = &Conditions> {
+        self.sets.iter()
+    }
+
+    /// All sets, for what holds for every robot.
+    pub fn all_mut(&mut self) -> impl Iterator<Item = &mut Conditions> {
+        self.sets.iter_mut()
+    }
+
+    /// Adds one that passes with the step, for every robot.
+    pub fn add(&mut self, node: NodeId, condition: Condition) {
+        self.sets.iter_mut().for_each(|set| set.add(node, condition));
+    }
+
+    /// Adds one that lasts until it is lifted, for every robot.
+    pub fn announce(&mut self, node: NodeId, condition: Condition) {
+        self.sets.iter_mut().for_each(|set| set.announce(node, condition));
+    }
+
+    /// Takes the lasting ones of a cause back from a node, for every robot.
+    pub fn lift(&mut self, node: NodeId, cause: Cause) {
+        self.sets.iter_mut().for_each(|set| set.lift(node, cause));
+    }
+
+    /// Takes the passing ones of a cause back, for every robot.
+    pub fn withdraw(&mut self, cause: Cause) {
+        self.sets.iter_mut().for_each(|set| set.withdraw(cause));
+    }
+
+    /// Whether there are none for any robot.
+    pub fn is_empty(&self) -> bool {
+        self.sets.iter().all(Conditions::is_empty)
+    }
+
+    /// Whether any pass with the step.
+    pub fn has_passing(&self) -> bool {
+        self.sets.iter().any(Conditions::has_passing)
+    }
+}

@@ -1,0 +1,295 @@
+//! Which lanes, places and racks are for which kind of robots, and which resources exclude one another where two
+//! kinds meet.
+//!
+//! Main types: [`Body`] (what the building must know of a kind), [`Conflicts`]. Main function:
+//! [`Warehouse::for_bodies`].
+//!
+//! The rule: a robot with footprint `f` on a resource `r` excludes a robot with footprint `g` from a resource `s`
+//! exactly if what the two outlines take there overlaps. Each resource therefore has a timeline for each footprint
+//! ([`LineId`]), in which everything stands that excludes a robot with that footprint. Reading costs what it costs with
+//! one footprint; a hold is written once for each footprint and conflict, so writing costs as many times as much as
+//! there are footprints.
+//!
+//! Refuses: footprints that reach beyond the one for which the map was drawn, since whether a floor is well-formed
+//! (invariant a) was checked with that; kinds whose lanes do not make a well-formed floor of their own.
+
+use super::check::{self, Doubts, Findings};
+use super::footprint::Footprint;
+use super::{Lane, Users, Warehouse};
+use crate::geometry::Segment;
+use crate::id::{ArcId, BodyId, Dense, IdVec, LaneId, LineId, NodeId, RackId, ResourceId};
+use smallvec::SmallVec;
+
+/// More kinds than these cannot be told apart on one floor.
+pub const MOST_BODIES: usize = 32;
+
+/// What the building must know of a kind of robots.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// The name of the kind.
+    pub kind: String,
+    /// Its outlines without and with a rack; nothing for the square of the map.
+    pub footprints: [Option<Footprint>; 2],
+    /// The types of racks that it can carry; nothing for all.
+    pub carries: Option<Vec<String>>,
+    /// The heaviest rack that it can carry, kilograms.
+    pub payload_kg: f64,
+}
+
+impl Body {
+    /// A kind that takes the square of the map, carries every rack and drives all lanes that are not for others.
+    pub fn usual(kind: &str) -> Body {
+        Body { kind: kind.into(), footprints: [None, None], carries: None, payload_kg: f64::INFINITY }
+    }
+}
+
+/// The bodies on a floor, with what follows from their footprints.
+#[derive(Clone, Debug)]
+pub(super) struct Bodies {
+    bodies: IdVec<BodyId, Body>,
+    /// All different footprints.
+    footprints: Vec<Footprint>,
+    /// For each body, which footprint it has without and with a rack.
+    of: IdVec<BodyId, [usize; 2]>,
+    /// For each node, a bit for each body that may be there.
+    places: IdVec<NodeId, u32>,
+}
+
+impl Bodies {
+    /// One kind that takes the square of the map.
+    pub fn one(footprint_m: f64, nodes: usize) -> Bodies {
+        Bodies {
+            bodies: vec![Body::usual("robot")].into(),
+            footprints: vec![Footprint::Square { side_m: footprint_m }],
+            of: vec![[0, 0]].into(),
+            places: IdVec::filled(u32::MAX, nodes),
+        }
+    }
+}
+
+/// For each line, the others that a hold on it blocks.
+pub(super) type Conflicts = IdVec<LineId, SmallVec<[LineId; 2]>>;
+
+impl Warehouse {
+    /// The same building for robots of these kinds.
+    ///
+    /// # Errors
+    /// Kinds for which the floor was not drawn, with what to do about each.
+    pub fn for_bodies(&self, bodies: Vec<Body>) -> Result<Warehouse, Findings> {
+        let mut found = Findings::default();
+        if bodies.is_empty() || bodies.len() > MOST_BODIES {
+            let problem = format!("there are {}", bodies.len());
+            found.add("kinds of robots", problem, format!("give from one to {MOST_BODIES}"));
+            return Err(found);
+        }
+        let square = Footprint::Square { side_m: self.footprint_m };
+        let mut known =
+            Bodies { bodies: IdVec::new(), footprints: Vec::new(), of: IdVec::new(), ..self.bodies.clone() };
+        for body in bodies {
+            let of = body.footprints.each_ref().map(|f| f.clone().unwrap_or_else(|| square.clone()));
+            check_footprints(&body, &of, &square, &mut found);
+            known.of.push(of.map(|f| {
+                let at = known.footprints.iter().position(|k| *k == f);
+                at.unwrap_or_else(|| {
+                    known.footprints.push(f);
+                    known.footprints.len() - 1
+                })
+            }));
+            known.bodies.push(body);
+        }
+        let mut w = Warehouse { bodies: known, ..self.clone() };
+        w.index_lines();
+        w.index_arcs();
+        w.bodies.places = w.places_of_bodies();
+        for body in w.bodies.bodies.ids() {
+            w.check_floor_of(body, &mut found);
+        }
+        found.into_result()?;
+        Ok(w)
+    }
+
+    /// Fills the conflicts of all footprints.
+    pub(super) fn index_lines(&mut self) {
+        self.lines = self.conflicts_of_footprints();
+    }
+
+    /// Whether the lanes that a kind may drive are a floor in which it is never stuck. Where there are no rules about
+    /// kinds, that is the floor of the map, which was checked.
+    fn check_floor_of(&self, body: BodyId, found: &mut Findings) {
+        let kind = &self.bodies.bodies[body].kind;
+        let mut own = self.clone();
+        for lane in own.lanes.iter_mut().filter(|l| !is_for(l, kind)) {
+            lane.users = Users { unloaded: false, loaded: false, ..lane.users };
+        }
+        if own.lanes == self.lanes {
+            return;
+        }
+        own.index_arcs();
+        let places = self.nodes.pairs().filter(|(n, _)| !self.may_be_at(body, *n));
+        let doubts = Doubts { places: places.map(|(_, n)| n.name.clone()).collect(), ..Doubts::default() };
+        if let Err(problems) = check::well_formed(&own, &doubts) {
+            for problem in problems.0 {
+                let place = format!("robots of kind {kind:?}, {}", problem.place);
+                found.add(place, problem.problem, problem.remedy);
+            }
+        }
+    }
+
+    /// Pairs of resources that overlap for the map's square are looked at again for each pair of footprints: these lie
+    /// within the square, so there are no others.
+    fn conflicts_of_footprints(&self) -> Conflicts {
+        let count = self.resource_count();
+        let footprints = &self.bodies.footprints;
+        let mut found = Conflicts::filled(SmallVec::new(), footprints.len() * count);
+        let square = Footprint::Square { side_m: self.footprint_m };
+        for (i, f) in footprints.iter().enumerate() {
+            for (r, s) in self.pairs_near() {
+                for (j, g) in footprints.iter().enumerate() {
+                    let same = r == s;
+                    let taken = if same {
+                        i != j
+                    } else if *f == square && *g == square {
+                        true
+                    } else {
+                        self.taken(f, r).overlaps(&self.taken(g, s), super::conflict::TOUCH)
+                    };
+                    if taken {
+                        found[LineId::at(i * count + r.ix())].push(LineId::at(j * count + s.ix()));
+                    }
+                }
+            }
+        }
+        found.iter_mut().for_each(|list| list.sort_unstable());
+        found
+    }
+
+    /// Pairs of resources in conflict for the square of the map, both ways round, and each node with itself.
+    fn pairs_near(&self) -> impl Iterator<Item = (ResourceId, ResourceId)> {
+        let nodes = self.nodes.ids().map(|n| (self.node_resource(n), self.node_resource(n)));
+        let others = self.conflicts.ids().flat_map(|r| self.conflicts[r].iter().map(move |s| (r, *s)));
+        nodes.chain(others)
+    }
+
+    fn taken(&self, footprint: &Footprint, r: ResourceId) -> super::Shape {
+        match self.resource(r) {
+            Ok(n) => footprint.standing(self.nodes[n].at),
+            Err(l) => {
+                let lane = &self.lanes[l];
+                footprint.driving(Segment { a: self.nodes[lane.a].at, b: self.nodes[lane.b].at })
+            }
+        }
+    }
+
+    /// For each node the bodies that come there and leave again.
+    fn places_of_bodies(&self) -> IdVec<NodeId, u32> {
+        let mut came: IdVec<NodeId, u32> = IdVec::filled(0, self.nodes.len());
+        let mut left = came.clone();
+        for (arc, way) in self.arcs.iter().zip(self.ways.iter()).filter(|(a, _)| a.users.allows(false)) {
+            came[arc.to] |= way.bodies;
+            left[arc.from] |= way.bodies;
+        }
+        self.nodes.ids().map(|n| came[n] & left[n]).collect()
+    }
+
+    /// A bit for each kind that may drive a lane.
+    pub(super) fn bodies_on(&self, lane: LaneId) -> u32 {
+        let bodies = self.bodies.bodies.pairs().filter(|(_, b)| is_for(&self.lanes[lane], &b.kind));
+        bodies.fold(0, |bits, (b, _)| bits | 1 << b.ix())
+    }
+
+    /// Whether robots of a kind may drive an arc.
+    pub fn may_drive(&self, body: BodyId, arc: ArcId) -> bool {
+        self.ways[arc].is_for(body)
+    }
+
+    /// The kind of this name; the first one where the building does not know it.
+    pub fn body_of(&self, kind: &str) -> BodyId {
+        let found = self.bodies.bodies.pairs().find(|(_, b)| b.kind == kind);
+        found.map_or(BodyId(0), |(id, _)| id)
+    }
+
+    /// The kinds of robots that the building knows.
+    pub fn bodies(&self) -> &IdVec<BodyId, Body> {
+        &self.bodies.bodies
+    }
+
+    /// What a robot of a kind takes of the floor, without or with a rack.
+    pub fn footprint(&self, body: BodyId, loaded: bool) -> &Footprint {
+        &self.bodies.footprints[self.bodies.of[body][usize::from(loaded)]]
+    }
+
+    /// Half of the widest robot, metres.
+    pub fn widest_half_m(&self) -> f64 {
+        self.bodies.footprints.iter().map(Footprint::half_m).fold(0.0, f64::max)
+    }
+
+    /// Whether robots of a kind may be at a node.
+    pub fn may_be_at(&self, body: BodyId, node: NodeId) -> bool {
+        self.bodies.places[node] >> body.ix() & 1 == 1
+    }
+
+    /// Whether a robot of a kind can carry a rack.
+    pub fn can_carry(&self, body: BodyId, rack: RackId) -> bool {
+        let (body, rack) = (&self.bodies.bodies[body], &self.racks[rack]);
+        let fits =
+            body.carries.as_ref().is_none_or(|types| rack.load.as_ref().is_some_and(|l| types.contains(l)));
+        fits && rack.weight_kg <= body.payload_kg
+    }
+
+    /// The timeline of a resource that robots of a kind look at, without or with a rack.
+    pub fn line(&self, body: BodyId, loaded: bool, r: ResourceId) -> LineId {
+        LineId::at(self.bodies.of[body][usize::from(loaded)] * self.resource_count() + r.ix())
+    }
+
+    /// The timelines of a resource, one for each footprint.
+    pub fn lines_of(&self, r: ResourceId) -> impl Iterator<Item = LineId> {
+        (r.ix()..self.line_count()).step_by(self.resource_count()).map(LineId::at)
+    }
+
+    /// The resource of a timeline.
+    pub fn resource_of(&self, line: LineId) -> ResourceId {
+        ResourceId::at(line.ix() % self.resource_count())
+    }
+
+    /// How many timelines there are: one for each resource and footprint.
+    pub fn line_count(&self) -> usize {
+        self.bodies.footprints.len() * self.resource_count()
+    }
+
+    /// The timelines in which a hold on one is written, too: those of everything that it excludes.
+    pub fn lines_in_conflict(&self, line: LineId) -> &[LineId] {
+        &self.lines[line]
+    }
+}
+
+fn is_for(lane: &Lane, kind: &str) -> bool {
+    lane.kinds.as_ref().is_none_or(|kinds| kinds.iter().any(|k| k == kind))
+}
+
+fn check_footprints(
+    body: &Body,
+    [unloaded, loaded]: &[Footprint; 2],
+    square: &Footprint,
+    found: &mut Findings,
+) {
+    let kind = &body.kind;
+    let side_m = 2.0 * square.half_m();
+    for (footprint, which) in [(unloaded, "footprint"), (loaded, "footprint_loaded")] {
+        if !footprint.is_within(square) {
+            let problem = format!(
+                "it reaches {:.3} m from its middle and the map is for {side_m} m wide robots",
+                footprint.half_m()
+            );
+            let remedy = "make it smaller, or draw the map for a larger `footprint_m`";
+            found.add(format!("{which} of kind {kind:?}"), problem, remedy);
+        }
+    }
+    if !unloaded.is_within(loaded) {
+        let remedy = "give `footprint_loaded` an outline with the robot in it";
+        found.add(
+            format!("footprints of kind {kind:?}"),
+            "without a rack it takes floor that it does not take with one",
+            remedy,
+        );
+    }
+}
