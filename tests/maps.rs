@@ -2,7 +2,7 @@
 //!
 //! `UPDATE_MAPS=1 cargo test --test maps` writes the maps anew after a generator has changed.
 
-use giveway::warehouse::{Warehouse, formats, kiva, lab, thesis};
+use giveway::warehouse::{Warehouse, formats, kiva, lab, mixed, thesis};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -10,8 +10,8 @@ fn path(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("maps").join(name)
 }
 
-fn shipped() -> [Warehouse; 3] {
-    [lab(), thesis(), kiva()]
+fn shipped() -> [Warehouse; 4] {
+    [lab(), thesis(), kiva(), mixed()]
 }
 
 fn schema() -> Value {

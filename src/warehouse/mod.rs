@@ -21,7 +21,7 @@ pub use body::{Body, MOST_BODIES};
 pub use build::{Draft, DraftLane, DraftNode, DraftRack, DraftStation};
 pub use check::{Finding, Findings, room_for};
 pub use footprint::{Footprint, Shape};
-pub use generate::{Blocks, kiva, lab, thesis};
+pub use generate::{Blocks, kiva, lab, mixed, thesis};
 pub use sketch::sketch;
 pub use summary::{Summary, summary};
 pub use svg::to_svg;

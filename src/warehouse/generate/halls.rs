@@ -5,7 +5,7 @@
 
 use super::pen::{Cell, Pen, outline};
 use crate::time::Span;
-use crate::warehouse::{DraftStation, Users, Warehouse};
+use crate::warehouse::{Draft, DraftStation, Users, Warehouse};
 
 /// The laboratory's street around the racks, from R32 northwards and anticlockwise round to R32.
 const LAB_RING: [(&str, Cell); 20] = [
@@ -69,6 +69,10 @@ pub fn lab() -> Warehouse {
 /// The simulated warehouse: eight blocks of twelve storage places, two-way aisles, two stations in the south,
 /// chargers in the north; 228 nodes and 348 lanes. A pillar takes the north-east corner.
 pub fn thesis() -> Warehouse {
+    thesis_draft().build().expect("the shipped map is well-formed, a test builds it")
+}
+
+pub(super) fn thesis_draft() -> Draft {
     const PILLAR: Cell = (12, 14);
     let mut pen = Pen::new("thesis");
     let is_street = |(x, y): Cell| x % 3 == 0 || y % 7 == 0;
@@ -113,7 +117,7 @@ pub fn thesis() -> Warehouse {
     for (x, y) in [1, 4, 7, 10].into_iter().flat_map(|x| [(x, 1), (x, 8)]) {
         pen.draft.obstacles.push(outline((x, y), (x + 1, y + 5)));
     }
-    pen.draft.build().expect("the shipped map is well-formed, a test builds it")
+    pen.draft
 }
 
 /// Adds a station along `way`, of which the first `queue` nodes are its queue and the next is the station

@@ -1,15 +1,17 @@
 //! Maps made by rule: the ones that ship in `maps/`, and [`Blocks`] for others like them.
 //!
-//! Main type: [`Blocks`]; [`lab`], [`thesis`] and [`kiva`] are the shipped halls. Refuses: chance; the same
+//! Main type: [`Blocks`]; [`lab`], [`thesis`], [`mixed`] and [`kiva`] are the shipped halls. Refuses: chance; the same
 //! parameters give the same map.
 
 mod blocks;
 mod halls;
+mod mixed;
 mod pen;
 mod side;
 
 pub use blocks::Blocks;
 pub use halls::{lab, thesis};
+pub use mixed::mixed;
 
 use super::Warehouse;
 use crate::time::Span;
