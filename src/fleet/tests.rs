@@ -76,7 +76,7 @@ fn request(kind: JobKind) -> JobRequest {
 
 impl Floor {
     fn new(warehouse: Warehouse, scenario: &Scenario) -> Floor {
-        let warehouse = Arc::new(warehouse);
+        let warehouse = scenario.fit(&Arc::new(warehouse)).expect("the map is for these robots");
         let fleet = Fleet::new(warehouse.clone(), scenario.settings());
         let world = World::new(warehouse, scenario, &[], scenario.seed, &fleet, Time::ZERO);
         let laws = Laws::new(&fleet);

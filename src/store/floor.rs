@@ -3,7 +3,7 @@
 //! Main functions: `keep`, `stored`. It is written whenever a database is opened with a map of the same seal: databases
 //! of earlier releases get it then. Refuses: a text that does not say what the seal says.
 
-use super::{ABOUT, Store, StoreError, seal};
+use super::{ABOUT, Store, StoreError, body_record, seal};
 use crate::warehouse::Warehouse;
 use crate::warehouse::formats::{MapError, json};
 use sqlx::sqlite::{SqliteConnection, SqlitePool};
@@ -13,7 +13,9 @@ const PUT: &str = "INSERT OR REPLACE INTO about (key, value) VALUES ($1, $2)";
 /// Notes the map, unless it is noted just so. Its name and its speed limits, say, may change under one seal.
 pub(super) async fn keep(db: &mut SqliteConnection, map: &Warehouse) -> Result<(), StoreError> {
     let text = json::write(map);
-    for (key, value) in [("seal", &seal(map)), ("map", &map.name), ("floor", &text)] {
+    for (key, value) in
+        [("seal", &seal(map)), ("map", &map.name), ("floor", &text), ("kinds", &body_record::write(map))]
+    {
         let there: Option<String> = sqlx::query_scalar(ABOUT).bind(key).fetch_optional(&mut *db).await?;
         if there.as_ref() != Some(value) {
             sqlx::query(PUT).bind(key).bind(value).execute(&mut *db).await?;
@@ -26,7 +28,11 @@ pub(super) async fn keep(db: &mut SqliteConnection, map: &Warehouse) -> Result<(
 pub(super) async fn stored(db: &SqlitePool) -> Result<Option<Warehouse>, StoreError> {
     let text: Option<String> = sqlx::query_scalar(ABOUT).bind("floor").fetch_optional(db).await?;
     let sealed: Option<String> = sqlx::query_scalar(ABOUT).bind("seal").fetch_optional(db).await?;
+    // Databases from before there were footprints by kind have none: all robots took the map's square.
+    let kinds: Option<String> = sqlx::query_scalar(ABOUT).bind("kinds").fetch_optional(db).await?;
+    let kinds = kinds.and_then(|text| body_record::read(&text));
     let map = text.and_then(|text| read(&text));
+    let map = map.map(|map| kinds.map_or_else(|| map.clone(), |kinds| map.with_bodies(kinds)));
     Ok(map.filter(|map| Some(seal(map)) == sealed))
 }
 

@@ -11,6 +11,7 @@
 //! file that was taken away.
 
 mod act_record;
+mod body_record;
 mod carry;
 mod check;
 mod error;

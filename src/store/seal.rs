@@ -4,6 +4,7 @@
 //! node that was moved, holds that were promised may overlap. Refuses: to notice changes that move no id and no
 //! meaning, such as a speed limit.
 
+use super::body_record::outlines;
 use crate::id::Dense;
 use crate::warehouse::{NodeKind, Warehouse};
 use sha2::{Digest, Sha256};
@@ -20,6 +21,10 @@ pub fn seal(w: &Warehouse) -> String {
         line(format!("node {} {} {} {}", n.name, purpose(n.kind), mm(n.at.x), mm(n.at.y)));
     }
     line(format!("footprint {}", (w.footprint_m * 1000.0).round() as i64));
+    // Kinds that take the map's square exclude one another as before there were others.
+    for b in w.bodies().iter().filter(|b| b.footprints.iter().any(Option::is_some)) {
+        line(format!("kind {} {}", b.kind, outlines(b)));
+    }
     for l in w.lanes.iter() {
         line(format!("lane {} {} {}", l.a.ix(), l.b.ix(), l.both));
     }

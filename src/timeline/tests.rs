@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::geometry::Point;
-use crate::warehouse::{Draft, DraftLane, DraftNode, Users};
+use crate::warehouse::{Body, Draft, DraftLane, DraftNode, Footprint, Users};
 use proptest::prelude::*;
 
 const LENGTH: i64 = 40;
@@ -43,6 +43,13 @@ fn visit(node: u32, enter: i64, leave: i64) -> Visit {
         leave: Time(leave),
         stay: Span::ZERO,
     }
+}
+
+/// The dense row for small robots, which exclude nobody on the next node, and large ones.
+fn row_for_two_kinds(n: usize) -> Arc<Warehouse> {
+    let small = [Some(Footprint::Circle { radius_m: 0.04 }), Some(Footprint::Circle { radius_m: 0.1 })];
+    let small = Body { footprints: small, ..Body::usual("small") };
+    Arc::new(row(n, true).with_bodies(vec![small, Body::usual("large")]))
 }
 
 fn robot(i: u32) -> Holder {
@@ -93,13 +100,45 @@ proptest! {
     }
 
     #[test]
+    fn free_windows_of_each_kind_are_the_holes_between_robots_that_would_touch_it(
+        asks in proptest::collection::vec((0u32..5, 0i64..LENGTH - 1, 1i64..12, any::<bool>(), any::<bool>()), 1..40),
+    ) {
+        let mut timeline = Timeline::new(row_for_two_kinds(5), Span(1));
+        let half_m = |large: bool, loaded: bool| if large { 0.45 } else if loaded { 0.1 } else { 0.04 };
+        // Nodes are half a metre apart; robots on one node always touch.
+        let touch = |a: (u32, f64), b: (u32, f64)| a.0 == b.0 || f64::from(a.0.abs_diff(b.0)) * 0.5 < a.1 + b.1;
+        let mut held: Vec<((u32, f64), i64, i64)> = Vec::new();
+        let mut clear = |at: (u32, f64), from: i64, to: i64, add: bool| {
+            let free = held.iter().all(|(other, a, b)| !touch(at, *other) || *b <= from || to <= *a);
+            if free && add { held.push((at, from, to)); }
+            free
+        };
+        for (i, (node, start, length, large, loaded)) in asks.into_iter().enumerate() {
+            let end = (start + length).min(LENGTH);
+            timeline.set_body(RobotId(i as u32), BodyId(u32::from(large)));
+            let wanted = Visit { loaded, ..visit(node, start, end) };
+            let got = timeline.reserve(robot(i as u32), vec![wanted]);
+            prop_assert_eq!(got.is_ok(), clear((node, half_m(large, loaded)), start, end, true));
+            timeline.assert_sound();
+        }
+        for (node, large, loaded) in (0..5).flat_map(|n| [(n, false, false), (n, false, true), (n, true, true)]) {
+            let line = timeline.warehouse().line(BodyId(u32::from(large)), loaded, ResourceId(node));
+            let free: Vec<_> = timeline.free_windows(line, Time(0)).collect();
+            for t in 0..LENGTH {
+                let real = free.iter().any(|g| g.start.0 <= t && t < g.end.0);
+                prop_assert_eq!(real, clear((node, half_m(large, loaded)), t, t + 1, false), "{} at {}", node, t);
+            }
+        }
+    }
+
+    #[test]
     fn delays_keep_every_order_and_never_make_an_overlap(
         starts in proptest::collection::vec(0i64..6, 2..6),
         late in 0i64..50,
         who in any::<prop::sample::Index>(),
-        dense in any::<bool>(),
+        (dense, kinds) in (any::<bool>(), any::<bool>()),
     ) {
-        let mut timeline = convoy(&starts, dense);
+        let mut timeline = if kinds { convoy_of_two_kinds(&starts) } else { convoy(&starts, dense) };
         let before = orders(&timeline);
         let who = robot(who.index(starts.len()) as u32);
         let depart = timeline.chain(who).unwrap().get(1).unwrap().depart + Span(late);
@@ -143,9 +182,20 @@ fn convoy(waits: &[i64], dense: bool) -> Timeline {
 
 /// A convoy whose first robot must be sure of a node so long before it drives to it.
 fn convoy_with(lead: i64, waits: &[i64], dense: bool) -> Timeline {
+    let length = 4 * waits.len() + 4;
+    drive_up(Timeline::new(row(length, dense), Span(1)), lead, waits, dense)
+}
+
+/// A convoy of small and large robots by turns.
+fn convoy_of_two_kinds(waits: &[i64]) -> Timeline {
+    let mut timeline = Timeline::new(row_for_two_kinds(4 * waits.len() + 4), Span(1));
+    (0..waits.len() as u32).for_each(|i| timeline.set_body(RobotId(i), BodyId(i % 2)));
+    drive_up(timeline, 0, waits, true)
+}
+
+fn drive_up(mut timeline: Timeline, lead: i64, waits: &[i64], dense: bool) -> Timeline {
     let robots = waits.len() as u32;
     let length = 4 * robots + 4;
-    let mut timeline = Timeline::new(row(length as usize, dense), Span(1));
     let mut start = 0;
     for (i, wait) in (0..).zip(waits) {
         start += wait + if dense { 45 } else { 25 };

@@ -41,6 +41,11 @@ impl Body {
     pub fn usual(kind: &str) -> Body {
         Body { kind: kind.into(), footprints: [None, None], carries: None, payload_kg: f64::INFINITY }
     }
+
+    /// Its outlines without and with a rack.
+    fn outlines(&self, square: &Footprint) -> [Footprint; 2] {
+        self.footprints.each_ref().map(|f| f.clone().unwrap_or_else(|| square.clone()))
+    }
 }
 
 /// The bodies on a floor, with what follows from their footprints.
@@ -83,29 +88,32 @@ impl Warehouse {
             return Err(found);
         }
         let square = Footprint::Square { side_m: self.footprint_m };
-        let mut known =
-            Bodies { bodies: IdVec::new(), footprints: Vec::new(), of: IdVec::new(), ..self.bodies.clone() };
-        for body in bodies {
-            let of = body.footprints.each_ref().map(|f| f.clone().unwrap_or_else(|| square.clone()));
-            check_footprints(&body, &of, &square, &mut found);
-            known.of.push(of.map(|f| {
-                let at = known.footprints.iter().position(|k| *k == f);
-                at.unwrap_or_else(|| {
-                    known.footprints.push(f);
-                    known.footprints.len() - 1
+        bodies.iter().for_each(|body| check_footprints(body, &square, &mut found));
+        let w = self.with_bodies(bodies);
+        w.bodies.bodies.ids().for_each(|body| w.check_floor_of(body, &mut found));
+        found.into_result()?;
+        Ok(w)
+    }
+
+    /// The same building for robots of these kinds, unchecked: those that were written down were checked before.
+    pub fn with_bodies(&self, bodies: Vec<Body>) -> Warehouse {
+        let square = Footprint::Square { side_m: self.footprint_m };
+        let (mut footprints, mut of) = (Vec::new(), IdVec::new());
+        for body in &bodies {
+            of.push(body.outlines(&square).map(|f| {
+                let known = footprints.iter().position(|k| *k == f);
+                known.unwrap_or_else(|| {
+                    footprints.push(f);
+                    footprints.len() - 1
                 })
             }));
-            known.bodies.push(body);
         }
-        let mut w = Warehouse { bodies: known, ..self.clone() };
+        let bodies = Bodies { bodies: bodies.into(), footprints, of, places: self.bodies.places.clone() };
+        let mut w = Warehouse { bodies, ..self.clone() };
         w.index_lines();
         w.index_arcs();
         w.bodies.places = w.places_of_bodies();
-        for body in w.bodies.bodies.ids() {
-            w.check_floor_of(body, &mut found);
-        }
-        found.into_result()?;
-        Ok(w)
+        w
     }
 
     /// Fills the conflicts of all footprints.
@@ -266,30 +274,143 @@ fn is_for(lane: &Lane, kind: &str) -> bool {
     lane.kinds.as_ref().is_none_or(|kinds| kinds.iter().any(|k| k == kind))
 }
 
-fn check_footprints(
-    body: &Body,
-    [unloaded, loaded]: &[Footprint; 2],
-    square: &Footprint,
-    found: &mut Findings,
-) {
-    let kind = &body.kind;
-    let side_m = 2.0 * square.half_m();
+fn check_footprints(body: &Body, square: &Footprint, found: &mut Findings) {
+    let (kind, [unloaded, loaded]) = (&body.kind, &body.outlines(square));
     for (footprint, which) in [(unloaded, "footprint"), (loaded, "footprint_loaded")] {
         if !footprint.is_within(square) {
+            let (half_m, side_m) = (footprint.half_m(), 2.0 * square.half_m());
             let problem = format!(
-                "it reaches {:.3} m from its middle and the map is for {side_m} m wide robots",
-                footprint.half_m()
+                "it reaches {half_m:.3} m from its middle, and the map is for robots {side_m} m wide"
             );
             let remedy = "make it smaller, or draw the map for a larger `footprint_m`";
             found.add(format!("{which} of kind {kind:?}"), problem, remedy);
         }
     }
     if !unloaded.is_within(loaded) {
+        let problem = "without a rack it takes floor that it does not take with one";
         let remedy = "give `footprint_loaded` an outline with the robot in it";
-        found.add(
-            format!("footprints of kind {kind:?}"),
-            "without a rack it takes floor that it does not take with one",
-            remedy,
+        found.add(format!("footprints of kind {kind:?}"), problem, remedy);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+    use crate::warehouse::{Draft, DraftLane, DraftNode, mixed, thesis};
+    use proptest::prelude::*;
+
+    fn disc(kind: &str, radius_m: f64) -> Body {
+        let footprints = [Some(Footprint::Circle { radius_m }), Some(Footprint::Circle { radius_m })];
+        Body { footprints, ..Body::usual(kind) }
+    }
+
+    /// Nodes half a metre apart in a row.
+    fn row(n: usize) -> Warehouse {
+        let name = |i: usize| format!("N{i}");
+        let at = |i: usize| Point::new(i as f64 * 0.5, 0.0);
+        let nodes = (0..n).map(|i| DraftNode { name: name(i), at: at(i) }).collect();
+        let lanes = (1..n).map(|i| DraftLane::both_ways(name(i - 1), name(i), Users::ALL)).collect();
+        Draft { name: "row".into(), footprint_m: 1.2, nodes, lanes, ..Draft::default() }.build_unchecked()
+    }
+
+    fn problems(w: &Warehouse, body: Body) -> Vec<String> {
+        let found = w.for_bodies(vec![body]).err().unwrap_or_default();
+        found.0.iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn small_robots_stand_where_large_ones_exclude_one_another_and_both() {
+        let w = row(6).with_bodies(vec![disc("small", 0.2), Body::usual("large")]);
+        let (small, large) = (BodyId(0), BodyId(1));
+        let excludes = |a: BodyId, r: u32, b: BodyId, s: u32| {
+            let (a, b) = (w.line(a, false, ResourceId(r)), w.line(b, false, ResourceId(s)));
+            w.lines_in_conflict(a).contains(&b)
+        };
+        assert!(!excludes(small, 2, small, 3), "0.4 m wide, 0.5 m apart");
+        assert!(
+            excludes(large, 2, large, 4) && !excludes(large, 0, large, 3),
+            "1.2 m wide, 1 m and 1.5 m apart"
         );
+        assert!(excludes(small, 2, large, 3) && excludes(large, 3, small, 2), "0.2 m and 0.6 m, 0.5 m apart");
+        assert!(!excludes(small, 2, large, 4) && !excludes(large, 4, small, 2), "1 m apart");
+        assert!(excludes(small, 2, large, 2), "one robot on a node, of whichever kind");
+    }
+
+    #[test]
+    fn kinds_for_which_a_map_was_not_drawn_are_refused_with_a_remedy() {
+        let wide = problems(&thesis(), disc("wide", 0.5));
+        assert!(wide[0].contains("0.9 m wide") && wide[0].contains("footprint_m"), "{wide:?}");
+        let outlines = [0.4, 0.3].map(|radius_m| Some(Footprint::Circle { radius_m }));
+        let shrinks = problems(&thesis(), Body { footprints: outlines, ..Body::usual("odd") });
+        assert!(shrinks[0].contains("does not take with one"), "{shrinks:?}");
+        assert!(thesis().for_bodies(vec![]).is_err());
+    }
+
+    #[test]
+    fn lanes_of_a_kind_have_to_be_a_floor_of_their_own() {
+        let mut w = thesis();
+        let node = w.node_named("G6-7").expect("it is there");
+        for lane in w.lanes.iter_mut().filter(|l| l.a == node) {
+            lane.kinds = Some(vec!["shuttle".into()]);
+        }
+        assert!(w.for_bodies(vec![Body::usual("shuttle")]).is_ok(), "all lanes are for shuttles");
+        assert!(w.for_bodies(vec![Body::usual("mover")]).is_ok(), "movers go round");
+        let south = |n: NodeId| thesis().nodes[n].at.y < 7.5;
+        for lane in w.lanes.iter_mut().filter(|l| south(l.a) != south(l.b)) {
+            lane.kinds = Some(vec!["shuttle".into()]);
+        }
+        w.index_arcs();
+        let cut = problems(&w, Body::usual("mover"));
+        assert!(cut.iter().all(|p| p.contains("\"mover\"")) && cut.len() > 1, "two floors: {cut:?}");
+    }
+
+    #[test]
+    fn what_a_kind_can_carry_is_told_by_type_and_weight() {
+        let bins = Body { carries: Some(vec!["bin".into()]), payload_kg: 30.0, ..Body::usual("weak") };
+        let strong = Body { payload_kg: 30.0, carries: None, ..Body::usual("any") };
+        let w = mixed().with_bodies(vec![Body { payload_kg: 60.0, ..bins.clone() }, bins, strong]);
+        let (bin, shelf) = (RackId(0), RackId(1));
+        assert_eq!((w.racks[bin].weight_kg, w.racks[shelf].weight_kg), (40.0, 400.0));
+        let can = |body: u32, rack| w.can_carry(BodyId(body), rack);
+        assert_eq!([can(0, bin), can(0, shelf)], [true, false], "bins alone");
+        assert_eq!([can(1, bin), can(2, bin)], [false, false], "too heavy");
+    }
+
+    #[test]
+    fn a_place_is_for_the_kinds_that_come_there_and_leave_again() {
+        let w = mixed().with_bodies(vec![Body::usual("shuttle"), Body::usual("mover")]);
+        assert!(w.nodes.ids().all(|n| w.may_be_at(BodyId(0), n)), "shuttles go everywhere");
+        assert!(w.nodes.ids().all(|n| w.may_be_at(BodyId(1), n)), "movers come beneath racks from the aisle");
+        let beneath = |body: BodyId| w.arcs.ids().filter(|a| w.may_drive(body, *a)).count();
+        assert!(beneath(BodyId(1)) < beneath(BodyId(0)), "but do not pass there");
+    }
+
+    proptest! {
+        #[test]
+        fn two_resources_exclude_each_other_exactly_if_what_is_taken_there_overlaps(
+            radii in prop::collection::vec(1u32..12, 1..4),
+        ) {
+            let bodies = radii.iter().enumerate().map(|(i, r)| disc(&format!("k{i}"), f64::from(*r) * 0.05));
+            let w = row(7).with_bodies(bodies.collect());
+            let count = w.resource_count() as u32;
+            for (a, b) in w.bodies().ids().flat_map(|a| w.bodies().ids().map(move |b| (a, b))) {
+                for (r, s) in (0..count).flat_map(|r| (0..count).map(move |s| (ResourceId(r), ResourceId(s)))) {
+                    let (la, lb) = (w.line(a, true, r), w.line(b, true, s));
+                    let found = w.lines_in_conflict(la).contains(&lb);
+                    prop_assert_eq!(found, w.lines_in_conflict(lb).contains(&la), "one way only");
+                    let overlap = w.taken(w.footprint(a, true), r)
+                        .overlaps(&w.taken(w.footprint(b, true), s), super::super::conflict::TOUCH);
+                    let ends = |r| match w.resource(r) {
+                        Ok(n) => [n, n],
+                        Err(l) => [w.lanes[l].a, w.lanes[l].b],
+                    };
+                    let share = ends(r).iter().any(|n| ends(s).contains(n));
+                    let node = r == s && w.resource(r).is_ok();
+                    let wanted = if node { la != lb } else { overlap && !share };
+                    prop_assert_eq!(found, wanted, "{:?} {:?}", (a, r), (b, s));
+                }
+            }
+        }
     }
 }

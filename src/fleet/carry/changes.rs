@@ -34,6 +34,12 @@ pub(super) fn notes(old: &Warehouse, new: &Warehouse, ids: &Matching) -> Vec<Str
     if (old.footprint_m - new.footprint_m).abs() > MOVED_M {
         notes.push(format!("the footprint of robots is {} m, it was {} m", new.footprint_m, old.footprint_m));
     }
+    for body in new.bodies().iter() {
+        let before = old.bodies().iter().find(|b| b.kind == body.kind);
+        if before.is_some_and(|b| b.footprints != body.footprints) {
+            notes.push(format!("robots of kind {} have other footprints", body.kind));
+        }
+    }
     notes
 }
 

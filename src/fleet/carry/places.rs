@@ -9,7 +9,7 @@ use crate::fleet::state::ledger::{Robot, stand};
 use crate::fleet::state::storage::along_axes;
 use crate::fleet::{JobKind, RackAt};
 use crate::id::{IdVec, NodeId, RackId, RobotId};
-use crate::timeline::{ChainParts, Holder};
+use crate::timeline::{ChainParts, Holder, Visit};
 use crate::warehouse::NodeKind;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -68,9 +68,7 @@ impl Move<'_> {
                 self.report.refuse(what, SEND_ELSEWHERE);
                 continue;
             };
-            let near = self.new.conflicts(self.new.node_resource(here)).iter();
-            let near = near.filter_map(|r| self.new.resource(*r).ok()).chain([here]);
-            for other in near.filter_map(|n| by_node.get(&n).copied()).collect::<Vec<_>>() {
+            for other in self.too_near(robot, here, &by_node) {
                 let place = |r: RobotId| &self.old.nodes[ledger.node_of(r)].name;
                 let other_name = &ledger.robots[other].name;
                 let what = format!(
@@ -85,6 +83,21 @@ impl Move<'_> {
             stands.insert(robot, here);
         }
         stands
+    }
+
+    /// Robots that have no room beside one on a node.
+    fn too_near(&self, robot: RobotId, here: NodeId, by_node: &BTreeMap<NodeId, RobotId>) -> Vec<RobotId> {
+        let line = |robot: RobotId, node: NodeId| {
+            let body = self.new.body_of(&self.ledger.robots[robot].kind);
+            let loaded = self.ledger.rack_on(robot).is_some();
+            self.new.line(body, loaded, self.new.node_resource(node))
+        };
+        let blocked = self.new.lines_in_conflict(line(robot, here));
+        let near = self.new.conflicts(self.new.node_resource(here)).iter();
+        let near = near.filter_map(|r| self.new.resource(*r).ok()).chain([here]);
+        let others = near.filter_map(|n| Some((n, *by_node.get(&n)?)));
+        let touch = |(n, other): &(NodeId, RobotId)| *n == here || blocked.contains(&line(*other, *n));
+        others.filter(touch).map(|(_, other)| other).collect()
     }
 
     /// Where racks of the old map are on the new one; nothing for racks that are new.
@@ -246,7 +259,8 @@ impl Move<'_> {
     fn chains(&self, stands: &BTreeMap<RobotId, NodeId>) -> Vec<ChainParts> {
         let chain = |(robot, node): (&RobotId, &NodeId)| {
             let first = self.ledger.chain(*robot).end();
-            let visits = vec![stand(*node, self.at)];
+            let loaded = self.ledger.rack_on(*robot).is_some();
+            let visits = vec![Visit { loaded, ..stand(*node, self.at) }];
             ChainParts { holder: Holder::Robot(*robot), first, granted: first + 1, visits }
         };
         stands.iter().map(chain).collect()

@@ -4,7 +4,7 @@
 //! may be changed between two starts, which kind a robot is of may not. Refuses: to know of a robot's state.
 
 use crate::route::Kinematics;
-use crate::warehouse::{Body, Findings, Warehouse};
+use crate::warehouse::{Body, Findings, Footprint, Warehouse};
 use std::sync::Arc;
 
 /// The name of the kind where a scenario tells none apart, and of robots from before there were kinds.
@@ -19,8 +19,12 @@ pub struct RobotKind {
     pub kinematics: Kinematics,
     /// When it charges, and how long a charge lasts.
     pub charging: Charging,
-    /// What it takes of the floor, and what it can carry.
-    pub body: Body,
+    /// Its outlines without and with a rack; nothing for the square of the map.
+    pub footprints: [Option<Footprint>; 2],
+    /// The types of racks that it can carry; nothing for all.
+    pub carries: Option<Vec<String>>,
+    /// The heaviest rack that it can carry, kilograms.
+    pub payload_kg: f64,
 }
 
 impl Default for RobotKind {
@@ -29,8 +33,18 @@ impl Default for RobotKind {
             name: USUAL_KIND.to_owned(),
             kinematics: Kinematics::default(),
             charging: Charging::default(),
-            body: Body::usual(USUAL_KIND),
+            footprints: [None, None],
+            carries: None,
+            payload_kg: f64::INFINITY,
         }
+    }
+}
+
+impl RobotKind {
+    /// What the building must know of it.
+    pub fn body(&self) -> Body {
+        let (footprints, carries) = (self.footprints.clone(), self.carries.clone());
+        Body { kind: self.name.clone(), footprints, carries, payload_kg: self.payload_kg }
     }
 }
 
@@ -39,10 +53,12 @@ impl Default for RobotKind {
 /// # Errors
 /// Kinds for which it was not drawn.
 pub fn fitted(warehouse: &Arc<Warehouse>, kinds: &[RobotKind]) -> Result<Arc<Warehouse>, Findings> {
-    if kinds.iter().map(|k| &k.body).eq(warehouse.bodies().iter()) {
+    let has_rules = warehouse.lanes.iter().any(|l| l.kinds.is_some());
+    let bodies: Vec<Body> = kinds.iter().map(RobotKind::body).collect();
+    if !has_rules && bodies.iter().eq(warehouse.bodies().iter()) {
         return Ok(warehouse.clone());
     }
-    warehouse.for_bodies(kinds.iter().map(|k| k.body.clone()).collect()).map(Arc::new)
+    warehouse.for_bodies(bodies).map(Arc::new)
 }
 
 /// When robots of a kind charge, in shares of a full charge.

@@ -1,7 +1,10 @@
 //! Robots of several kinds: each is planned, granted and charged as robots of its kind are.
 
 use super::*;
+use crate::geometry::Point;
+use crate::id::BodyId;
 use crate::timeline::Holder;
+use crate::warehouse::{Footprint, mixed};
 
 /// A kind that takes its time.
 fn slow() -> RobotKind {
@@ -100,4 +103,108 @@ fn a_robot_of_an_unknown_kind_cannot_join_and_one_in_the_ledger_is_found() {
     assert_eq!(usual.unknown_kinds(floor.fleet.ledger()), [("robot-2", "mover")]);
     let holder = Holder::Robot(RobotId::at(1));
     assert!(floor.fleet.ledger().timeline().chain(holder).is_some());
+}
+
+/// Small robots for bins, and large ones for everything, on the hall that is for both.
+fn shuttles_and_movers(robots: usize) -> Scenario {
+    let disc = |radius_m| Some(Footprint::Circle { radius_m });
+    let (footprints, carries) = ([disc(0.2), disc(0.3)], Some(vec!["bin".into()]));
+    let shuttle =
+        RobotKind { name: "shuttle".into(), footprints, carries, payload_kg: 60.0, ..RobotKind::default() };
+    let mover = RobotKind { name: "mover".into(), payload_kg: 600.0, ..slow() };
+    let share = |kind| KindShare { kind, share: 1 };
+    Scenario { kinds: vec![share(shuttle), share(mover)], ..scenario(robots) }
+}
+
+#[test]
+fn a_rack_is_fetched_by_robots_that_can_carry_it() {
+    let mut floor = Floor::new(mixed(), &shuttles_and_movers(4));
+    let jobs = floor.submit_batch(8);
+    floor.until_over(3_000);
+    floor.assert_done_once(&jobs);
+    let bookings = floor.facts.iter().filter_map(|f| match f {
+        Fact::Routed { bookings } => Some(bookings),
+        _ => None,
+    });
+    let carried = bookings.flatten().flat_map(|b| {
+        b.stops.iter().filter_map(|stop| match stop.act {
+            Act::Lift(rack) => Some((b.robot, rack)),
+            _ => None,
+        })
+    });
+    let carried: Vec<(RobotId, RackId)> = carried.collect();
+    let w = floor.fleet.warehouse();
+    let kind = |r: RobotId| floor.fleet.ledger().robots[r].kind.as_str();
+    let is_bin = |rack: RackId| w.racks[rack].load.as_deref() == Some("bin");
+    assert!(carried.iter().all(|(r, rack)| kind(*r) == "mover" || is_bin(*rack)), "{carried:?}");
+    assert!(carried.iter().any(|(r, _)| kind(*r) == "shuttle") && carried.iter().any(|(_, k)| !is_bin(*k)));
+}
+
+#[test]
+fn a_job_that_no_robot_of_the_floor_can_do_says_so_and_one_that_no_kind_can_do_is_refused() {
+    let mut few = shuttles_and_movers(1);
+    let shelf = RackId(1);
+    let mut floor = Floor::new(mixed(), &few);
+    let job = floor.submit(request(JobKind::Deliver { rack: shelf, station: StationId(0), pick: None }));
+    floor.run(5);
+    let view = floor.fleet.view(floor.now);
+    let why = view.why_job(floor.fleet.warehouse(), job, &floor.fleet.ledger().jobs[&job]);
+    assert_eq!(why, Some(JobWhy::NoKind), "one shuttle, and a shelf");
+    few.kinds.truncate(1);
+    let mut floor = Floor::new(mixed(), &few);
+    let Reply::Refused { why, .. } = floor.ask(request(JobKind::Return { rack: shelf })) else {
+        panic!("no kind carries shelves")
+    };
+    assert_eq!(why, Refusal::NoKindFor(shelf));
+}
+
+#[test]
+fn robots_of_a_kind_drive_over_lanes_that_are_for_it() {
+    let mut floor = Floor::new(mixed(), &shuttles_and_movers(2));
+    let named = |floor: &Floor, name: &str| floor.fleet.warehouse().node_named(name).expect("it is there");
+    let passed = |floor: &mut Floor, robot: usize| {
+        let robot = RobotId::at(robot);
+        for name in ["S1-1", "S1-6"] {
+            let node = named(floor, name);
+            let job = floor.submit(request(JobKind::Go { robot, node }));
+            floor.until(300, "it is there", |f| f.state(job).is_none());
+        }
+        let goal = named(floor, "S1-6");
+        let bookings = floor.facts.iter().rev().filter_map(|f| match f {
+            Fact::Routed { bookings } => bookings.iter().find(|b| b.robot == robot),
+            _ => None,
+        });
+        let there = bookings.map(|b| b.visits.iter().map(|v| v.node).collect::<Vec<NodeId>>());
+        let mut there = there.filter(|way| way.last() == Some(&goal));
+        there.next().expect("it drove there")
+    };
+    let (small, large) = (passed(&mut floor, 0), passed(&mut floor, 1));
+    let w = floor.fleet.warehouse();
+    let beneath = |way: &[NodeId]| way.iter().filter(|n| w.kind(**n) == NodeKind::Storage).count();
+    assert!(beneath(&small) > 2, "a shuttle passes beneath racks: {small:?}");
+    assert_eq!(beneath(&large), 1, "a mover goes round: {large:?}");
+}
+
+#[test]
+fn the_laws_and_the_regions_near_people_are_those_of_the_robot_at_hand() {
+    let mut floor = Floor::new(mixed(), &shuttles_and_movers(4));
+    floor.run(1);
+    let [a, b] = ["G3-9", "G3-9~G3-10"].map(|n| floor.fleet.warehouse().node_named(n).expect("it is there"));
+    let at = |n: NodeId, floor: &Floor| floor.fleet.warehouse().nodes[n].at;
+    let (here, there): (Point, Point) = (at(a, &floor), at(b, &floor));
+    for (i, j, overlap) in [(0, 2, false), (1, 3, true), (0, 1, true)] {
+        let [i, j] = [i, j].map(RobotId::at);
+        floor.world.put(i, here);
+        floor.world.put(j, there);
+        assert_eq!(floor.world.overlap(i, j, 0.001), overlap, "{i:?} and {j:?}, half a metre apart");
+        floor.world.put(i, Point::new(-20.0, 0.0));
+        floor.world.put(j, Point::new(-25.0, 0.0));
+    }
+    let regions = |body| *floor.fleet.core.regions.of(BodyId(body));
+    let keep_out = |body| regions(body).keep_out_radius_m(false, 0.0);
+    assert!(
+        (regions(0).bodies_m(false) - 0.45).abs() < 1e-9 && (regions(0).bodies_m(true) - 0.55).abs() < 1e-9
+    );
+    assert!((regions(1).bodies_m(false) - 0.7).abs() < 1e-9, "the square of the map");
+    assert!(keep_out(1) > keep_out(0), "larger, with weaker brakes");
 }

@@ -7,7 +7,7 @@ use crate::fleet::{Charging, RobotKind, USUAL_KIND};
 use crate::geometry::Point;
 use crate::route::Kinematics;
 use crate::time::Span;
-use crate::warehouse::{Body, Footprint};
+use crate::warehouse::Footprint;
 use serde::Deserialize;
 
 /// A kind of robots, and how many of each round of robots are of it.
@@ -175,11 +175,6 @@ impl Figures {
     fn kind(self, name: String, of: &str) -> Result<RobotKind, ScenarioError> {
         let kinematics = self.kinematics(of)?;
         let charging = self.battery.charging(&format!("{of}.battery"))?;
-        let body = self.body(&name, of)?;
-        Ok(RobotKind { name, kinematics, charging, body })
-    }
-
-    fn body(&self, name: &str, of: &str) -> Result<Body, ScenarioError> {
         let outlines = [("footprint", &self.footprint), ("footprint_loaded", &self.footprint_loaded)];
         for (key, outline) in outlines {
             outline.as_ref().map_or(Ok(()), |o| o.check(&format!("{of}.{key}")))?;
@@ -188,7 +183,7 @@ impl Figures {
         check(&format!("{of}.payload_kg"), payload_kg, 0.0..=f64::INFINITY, "0 or more")?;
         let turns = self.drive == Drive::Differential;
         let footprints = outlines.map(|(_, outline)| outline.as_ref().map(|o| o.footprint(turns)));
-        Ok(Body { kind: name.to_owned(), footprints, carries: self.carries.clone(), payload_kg })
+        Ok(RobotKind { name, kinematics, charging, footprints, carries: self.carries, payload_kg })
     }
 
     fn kinematics(&self, of: &str) -> Result<Kinematics, ScenarioError> {
