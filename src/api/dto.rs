@@ -38,7 +38,7 @@ pub struct RobotDto {
     pub heading: f64,
     /// Metres per second.
     pub speed: f64,
-    /// idle, busy, free, interrupted or failed.
+    /// idle, busy, free, interrupted or failed; gone in the live feed, where robots go by number.
     pub state: &'static str,
     /// What it is at.
     #[schema(example = "carrying")]
@@ -48,6 +48,8 @@ pub struct RobotDto {
     pub kind: String,
     /// Whether it is in maintenance, or will be when it has finished what it has begun.
     pub maintenance: bool,
+    /// Whether it is to leave the floor, and has not left yet.
+    pub leaving: bool,
     /// What it says is wrong with it: broken, emergency_stop, manual, obstructed, unplugged; null for nothing.
     #[schema(example = "emergency_stop")]
     pub fault: Option<&'static str>,
@@ -178,6 +180,7 @@ impl Names<'_> {
             doing: doing_word(r.doing),
             kind: r.kind.clone(),
             maintenance: r.maintenance,
+            leaving: r.leaving,
             fault: r.fault.map(Fault::word),
             rack: r.rack.and_then(rack),
             job: r.job.map(job_name),
@@ -327,6 +330,8 @@ impl Names<'_> {
             Why::Silent => "not heard of".into(),
             Why::Paused => PAUSED.into(),
             Why::Maintenance => "in maintenance".into(),
+            Why::Leaving => "leaves the floor: switch it off when it is to be taken away".into(),
+            Why::Gone => "has left the floor".into(),
             Why::Stopped => "stopped with the whole fleet".into(),
         }
     }
@@ -351,6 +356,9 @@ const PAUSED: &str = "paused by hand";
 pub const JOB_STATES: [&str; 7] =
     ["waiting", "assigned", "carrying", "picking", "done", "cancelled", "failed"];
 
+/// The word for a robot that has left the floor: lists leave it out.
+pub const GONE: &str = "gone";
+
 /// The word for a robot's state.
 pub fn state_word(s: RobotState) -> &'static str {
     match s {
@@ -359,6 +367,7 @@ pub fn state_word(s: RobotState) -> &'static str {
         RobotState::Free => "free",
         RobotState::Interrupted => "interrupted",
         RobotState::Failed => "failed",
+        RobotState::Gone => GONE,
     }
 }
 
@@ -387,6 +396,7 @@ fn why_failed(why: JobFailure, node_name: impl Fn(NodeId) -> String) -> String {
         }
         JobFailure::Unreachable => "no way leads there, even on an empty floor".into(),
         JobFailure::Short => "the station said that goods were missing".into(),
+        JobFailure::RobotGone => "the robot that it names has left the floor".into(),
         JobFailure::MapChanged => "the map was changed and no longer has what this job names".into(),
         JobFailure::StorageTaken(node) => {
             let node = node_name(node);

@@ -240,7 +240,7 @@ impl Metrics {
         for (state, n) in by_state {
             self.jobs.get_or_create(&label(state)).set(n.cast_signed());
         }
-        for state in ["idle", "busy", "free", "interrupted", "failed"] {
+        for state in ["idle", "busy", "free", "interrupted", "failed", "gone"] {
             let n = moment.view.robots.iter().filter(|r| state_word(r.state) == state).count();
             self.robots.get_or_create(&label(state)).set(n as i64);
         }

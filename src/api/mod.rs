@@ -28,7 +28,7 @@ mod ws;
 
 pub use http::{alive, router};
 
-use crate::fleet::Reply;
+use crate::fleet::{Reply, RobotKind};
 use crate::warehouse::Warehouse;
 use error::Problem;
 use port::{Alarms, Ask, Figures, Moment, Now, Question, Records, What};
@@ -44,6 +44,8 @@ const PATIENCE: Duration = Duration::from_secs(10);
 pub struct Api {
     /// The building.
     pub map: Arc<Warehouse>,
+    /// The kinds of robots that may join.
+    pub kinds: Arc<[RobotKind]>,
     /// The latest picture.
     pub moments: watch::Receiver<Arc<Moment>>,
     /// Durable jobs.

@@ -145,6 +145,8 @@ pub enum What {
     Register(String, String, NodeId),
     /// That a robot goes to maintenance, or comes back.
     Maintain(RobotId, bool),
+    /// That a robot leaves the floor.
+    Retire(RobotId),
     /// A worker to be known, by name.
     Hire(String),
     /// That nobody is where this worker was lost.

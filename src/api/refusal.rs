@@ -69,6 +69,10 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         Refusal::UnknownKind => {
             field("kind", "there is no such kind of robots; the scenario's `kinds` lists them".into())
         }
+        Refusal::RobotIsGone(_) => {
+            let detail = "the robot has left the floor: register it again with POST /v1/robots";
+            Problem::conflict("robot-is-gone", "The robot has left the floor", detail)
+        }
         Refusal::NoKindFor(rack) => {
             let name = map.racks.get(rack).map_or_else(|| format!("{rack:?}"), |r| r.name.clone());
             let what = "can carry it and drive to it and to where it is wanted";

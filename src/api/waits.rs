@@ -144,6 +144,7 @@ impl Names<'_> {
             Why::Silent => ("silent", None),
             Why::Paused => ("paused", None),
             Why::Maintenance => ("maintenance", None),
+            Why::Leaving | Why::Gone => ("leaving", None),
             Why::Stopped => ("stopped", None),
         }
     }

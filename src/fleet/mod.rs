@@ -26,7 +26,7 @@ pub use state::io::{Bounded, Command, Input, Refusal, Reply, StationOrder, Step,
 pub use state::job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use state::keys::{KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
-pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Sums};
+pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums};
 pub use state::settings::Settings;
 pub use state::wishes::Wishes;
 pub use state::worker::{
@@ -86,7 +86,7 @@ impl Fleet {
         Fleet {
             people: HumanState::new(&warehouse),
             yielding: Yielding::default(),
-            traffic: Traffic::new(&warehouse, &settings.kinds, ledger.robots.ids().collect()),
+            traffic: Traffic::new(&warehouse, &settings.kinds, ledger.present().collect()),
             core: Core::new(ledger, settings),
             #[cfg(test)]
             trap: None,

@@ -13,6 +13,7 @@ mod hand;
 mod jobs;
 mod keys;
 mod kinds;
+mod leaving;
 mod life;
 mod limits;
 mod messages;

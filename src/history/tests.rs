@@ -17,6 +17,7 @@ fn robot(at: usize, why: Option<Why>) -> RobotView {
         kind: "robot".into(),
         critical: 0.15,
         maintenance: false,
+        leaving: false,
         fault: None,
         name: "r".into(),
         pose: Pose { at: Point::new(0.0, 0.0), heading: 0.0 },

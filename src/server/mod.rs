@@ -251,6 +251,7 @@ async fn work(
     let custody = custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced);
     let custody = tokio::spawn(custody);
     let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
+    let kinds = fleet.settings().kinds.clone().into();
     let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
     let drive = drive::Drive {
         fleet,
@@ -281,6 +282,7 @@ async fn work(
     let tasks = Tasks { http, writer, thread, feed, custody, historian: charts.historian };
     let api = Api {
         map,
+        kinds,
         moments: picture,
         records: Arc::new(records::Shelf(store.clone())),
         figures: charts.figures,

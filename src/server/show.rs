@@ -86,6 +86,7 @@ impl Show {
         let (closing, closes) = watch::channel(false);
         let api = Api {
             map,
+            kinds: player.fleet.settings().kinds.clone().into(),
             moments: picture,
             records: past.clone(),
             figures: figures.clone(),

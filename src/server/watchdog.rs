@@ -65,7 +65,7 @@ impl Watchdog {
     fn without_progress(&mut self, fleet: &Fleet, now: Time) -> Vec<String> {
         let ledger = fleet.ledger();
         let mut found = Vec::new();
-        for (robot, record) in ledger.robots.pairs() {
+        for (robot, record) in ledger.robots.pairs().filter(|(_, r)| !r.is_gone()) {
             let done = (ledger.chain(robot).first(), record.acted);
             let entry = self.progress.entry(robot).or_insert((done.0, done.1, now));
             // A robot that is failed, or told to stand, has an alarm or a state of its own; a pick takes as long as it
@@ -90,7 +90,7 @@ impl Watchdog {
 fn displaced(fleet: &Fleet) -> Vec<String> {
     let (ledger, map) = (fleet.ledger(), fleet.warehouse());
     let name = |r: RobotId| ledger.robots[r].name.clone();
-    let found = ledger.robots.ids().filter_map(|r| Some((r, fleet.displacement(r)?)));
+    let found = ledger.present().filter_map(|r| Some((r, fleet.displacement(r)?)));
     found.map(|(r, why)| format!("{} {}", name(r), words(map, name, why))).collect()
 }
 
@@ -103,7 +103,16 @@ fn faults(fleet: &Fleet) -> Vec<String> {
         Fault::Broken | Fault::Manual | Fault::Obstructed => None,
     };
     let robots = fleet.ledger().robots.pairs();
-    robots.filter_map(|(r, record)| Some(format!("{} ({})", record.name, words(r)?))).collect()
+    robots
+        .filter_map(|(r, record)| Some(format!("{} ({})", record.name, words(r).or_else(|| back(fleet, r))?)))
+        .collect()
+}
+
+/// A robot that has left and can be heard: nobody makes way for it.
+fn back(fleet: &Fleet, robot: RobotId) -> Option<&'static str> {
+    let heard = fleet.telemetry(robot).is_some();
+    (fleet.ledger().robots[robot].is_gone() && heard)
+        .then_some("has left the floor and reports: register it again")
 }
 
 /// Robots that say that they reached, or know of, more than they were granted.
@@ -113,7 +122,7 @@ fn beyond_grant(fleet: &Fleet) -> Vec<String> {
         let granted = ledger.chain(*r).granted();
         fleet.telemetry(*r).is_some_and(|t| t.reached.max(t.known) >= granted)
     };
-    ledger.robots.ids().filter(beyond).map(|r| ledger.robots[r].name.clone()).collect()
+    ledger.present().filter(beyond).map(|r| ledger.robots[r].name.clone()).collect()
 }
 
 fn set(alarms: &Alarms, id: &'static str, now: Time, names: &[String], text: impl Fn(&str) -> String) {

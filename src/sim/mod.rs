@@ -13,6 +13,7 @@ mod digest;
 pub mod encounter;
 mod guard;
 pub mod laws;
+mod leavers;
 mod link;
 mod pushes;
 mod random;

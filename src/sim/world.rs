@@ -6,6 +6,7 @@ use super::announce::announce;
 use super::crew::{Crew, Presence};
 use super::customers::{Customers, FIRST_TOKEN, OrderLine};
 use super::encounter::{Figures, Meter, Person};
+use super::leavers::{Leavers, may_be_taken};
 use super::link::Link;
 use super::pushes::{Around, NEARBY_M};
 use super::random::Stream;
@@ -13,7 +14,7 @@ use super::robot::Body;
 use super::scenario::{Faults, Scenario};
 use super::walker::{RobotNear, Walker};
 use crate::fleet::{
-    Closure, Command, Fault, Fleet, Guidance, Input, RackAt, Reply, Telemetry, most_dangerous,
+    Closure, Command, Fault, Fleet, Guidance, Input, RackAt, Reply, Service, Telemetry, most_dangerous,
 };
 use crate::geometry::Point;
 use crate::id::{BodyId, Dense, IdVec, NodeId, RackId, RobotId, WorkerId};
@@ -43,6 +44,8 @@ struct Robot {
     push_on: Option<Time>,
     /// How often they found no place for it: they look farther away then.
     tries: u32,
+    /// Whether it was switched off and taken away.
+    off: bool,
 }
 
 /// The simulated floor.
@@ -55,6 +58,7 @@ pub struct World {
     seed: u64,
     robots: Vec<Robot>,
     customers: Customers,
+    leavers: Leavers,
     crew: Option<Crew>,
     meter: Meter,
     joining: Vec<(String, String, NodeId)>,
@@ -108,6 +112,7 @@ impl World {
             seed,
             robots,
             customers,
+            leavers: Leavers::new(scenario.customers.departures_per_hour, scenario.customers.away_s, seed),
             crew,
             meter,
             joining,
@@ -126,8 +131,10 @@ impl World {
         let join = |(name, kind, node)| Input::Register { token: JOINS, name, kind, node };
         inputs.extend(self.joining.drain(..).map(join));
         inputs.extend(announce(std::mem::take(&mut self.closing), fleet));
+        inputs.extend(self.leavers.say(now, now - self.now, self.customers.have_stopped(), fleet));
+        self.come_and_go(fleet);
         let from = self.now;
-        for robot in &mut self.robots {
+        for robot in self.robots.iter_mut().filter(|r| !r.off) {
             while let Some(order) = robot.orders.receive(from) {
                 robot.body.obey(&order, &self.warehouse);
             }
@@ -138,7 +145,7 @@ impl World {
         self.live(from, now);
         self.note_racks();
         inputs.extend(self.picks(fleet));
-        for robot in &mut self.robots {
+        for robot in self.robots.iter_mut().filter(|r| !r.off) {
             robot.reports.send(now, robot.body.report(now));
             while let Some(report) = robot.reports.receive(now) {
                 inputs.push(Input::Telemetry(report));
@@ -149,6 +156,19 @@ impl World {
             inputs.extend(crew.say(now, fleet));
         }
         inputs
+    }
+
+    /// Robots that leave are switched off and taken away; those that come back stand where they were registered.
+    fn come_and_go(&mut self, fleet: &Fleet) {
+        for i in 0..self.robots.len() {
+            let (id, robot) = (RobotId::at(i), &self.robots[i]);
+            let Some(service) = fleet.ledger().robots.get(id).map(|r| r.service) else { break };
+            if !robot.off && robot.body.speed_mps == 0.0 && may_be_taken(fleet, id) {
+                self.robots[i].off = true;
+            } else if robot.off && !matches!(service, Service::Leaving { .. } | Service::Gone { .. }) {
+                self.robots[i] = self.robot(id, fleet);
+            }
+        }
     }
 
     /// People push robots elsewhere that stand, and later on those that have not been taken up where they are.
@@ -163,6 +183,7 @@ impl World {
             let again = robot.push_on.is_some();
             let due = match robot.push_on {
                 Some(at) => to >= at,
+                None if robot.off => false,
                 None => often > 0.0 && robot.pushes.happens(often) && robot.body.can_be_pushed(),
             };
             if due {
@@ -174,7 +195,7 @@ impl World {
 
     /// Pushes a robot onto a node nearby or to a place between nodes, if there is one where it is in nobody's way.
     fn push(&mut self, i: usize, onto_node: bool, (from, to): (Time, Time)) {
-        let others = self.robots.iter().enumerate().filter(|(j, _)| *j != i);
+        let others = self.robots.iter().enumerate().filter(|(j, r)| *j != i && !r.off);
         let floor = Around {
             warehouse: &self.warehouse,
             racks: &self.racks,
@@ -294,7 +315,7 @@ impl World {
         let ticks = if self.crew.is_some() { ((to - from).0 + TICK.0 - 1) / TICK.0 } else { 1 };
         let at = |i: i64| from + Span((to - from).0 * i / ticks);
         for i in 0..ticks {
-            for robot in &mut self.robots {
+            for robot in self.robots.iter_mut().filter(|r| !r.off) {
                 let charger = self.warehouse.nodes[robot.body.node].kind == NodeKind::Charger;
                 let charging = charger && !robot.body.has(Fault::Unplugged);
                 robot.body.advance(at(i), at(i + 1), charging);
@@ -310,12 +331,12 @@ impl World {
             let half_m = r.body.footprint().half_m();
             RobotNear { at: r.body.pose.at, velocity: r.body.velocity(), half_m }
         };
-        let robots: Vec<RobotNear> = self.robots.iter().map(near).collect();
+        let robots: Vec<RobotNear> = self.robots.iter().filter(|r| !r.off).map(near).collect();
         crew.tick(to, (to - from).as_secs_f64(), &robots);
         let people: Vec<Presence> = crew.present(to).collect();
         let places: Vec<Point> = people.iter().map(|p| p.pose.at).collect();
         self.meter.pass_time(people.len(), to - from);
-        for (robot, near) in self.robots.iter_mut().zip(&robots) {
+        for (robot, near) in self.robots.iter_mut().filter(|r| !r.off).zip(&robots) {
             robot.body.scan(to, near.half_m, &places);
             let (id, speed, brakes) = (robot.body.id, robot.body.speed_mps, robot.body.is_guarded());
             for p in &people {
@@ -358,7 +379,7 @@ impl World {
     /// Hands over orders to robots.
     pub fn command(&mut self, now: Time, commands: Vec<(RobotId, Command)>) {
         for (robot, command) in commands {
-            if let Some(robot) = self.robots.get_mut(robot.ix()) {
+            if let Some(robot) = self.robots.get_mut(robot.ix()).filter(|r| !r.off) {
                 robot.orders.send(now, command);
             }
         }
@@ -389,36 +410,40 @@ impl World {
     /// Bodies for robots that the fleet knows by now.
     fn meet(&mut self, fleet: &Fleet) {
         for i in self.robots.len()..fleet.ledger().robots.len() {
-            let id = RobotId::at(i);
-            let record = &fleet.ledger().robots[id];
-            let node = fleet.ledger().node_of(id);
-            let who = i as u64;
-            let battery = 0.6 + 0.4 * Stream::new(self.seed, 4, who).unit();
-            let at = self.warehouse.nodes[node].at;
-            let kind = self.warehouse.body_of(&record.kind);
-            let footprints = [false, true].map(|loaded| self.warehouse.footprint(kind, loaded).clone());
-            let mut body =
-                Body::new(id, node, at, battery, (fleet.settings().kind(&record.kind), footprints));
-            let (reached, rack) = (fleet.ledger().chain(id).first(), fleet.ledger().rack_on(id));
-            body.resume(reached, record.acted, record.recalls, rack);
-            let delay = Span::from_millis(self.faults.message_delay_ms);
-            let loss = self.faults.message_loss;
-            self.robots.push(Robot {
-                had: body.rack,
-                body,
-                orders: Link::new(delay, loss, Stream::new(self.seed, 1, who)),
-                reports: Link::new(delay, loss, Stream::new(self.seed, 2, who)),
-                luck: Stream::new(self.seed, 5, who),
-                pushes: Stream::new(self.seed, 6, who),
-                push_on: None,
-                tries: 0,
-            });
+            self.robots.push(self.robot(RobotId::at(i), fleet));
+        }
+    }
+
+    /// A robot where the ledger has it, with its radio.
+    fn robot(&self, id: RobotId, fleet: &Fleet) -> Robot {
+        let record = &fleet.ledger().robots[id];
+        let node = fleet.ledger().node_of(id);
+        let who = id.ix() as u64;
+        let battery = 0.6 + 0.4 * Stream::new(self.seed, 4, who).unit();
+        let at = self.warehouse.nodes[node].at;
+        let kind = self.warehouse.body_of(&record.kind);
+        let footprints = [false, true].map(|loaded| self.warehouse.footprint(kind, loaded).clone());
+        let mut body = Body::new(id, node, at, battery, (fleet.settings().kind(&record.kind), footprints));
+        let (reached, rack) = (fleet.ledger().chain(id).first(), fleet.ledger().rack_on(id));
+        body.resume(reached, record.acted, record.recalls, rack);
+        let delay = Span::from_millis(self.faults.message_delay_ms);
+        let loss = self.faults.message_loss;
+        Robot {
+            had: body.rack,
+            body,
+            orders: Link::new(delay, loss, Stream::new(self.seed, 1, who)),
+            reports: Link::new(delay, loss, Stream::new(self.seed, 2, who)),
+            luck: Stream::new(self.seed, 5, who),
+            pushes: Stream::new(self.seed, 6, who),
+            push_on: None,
+            tries: 0,
+            off: record.is_gone(),
         }
     }
 
     /// Where each robot truly is.
     pub fn places(&self) -> impl Iterator<Item = (RobotId, Point)> {
-        self.robots.iter().map(|r| (r.body.id, r.body.pose.at))
+        self.robots.iter().filter(|r| !r.off).map(|r| (r.body.id, r.body.pose.at))
     }
 
     /// Whether the outlines of two robots truly overlap by more than `slack_m`.
@@ -429,7 +454,7 @@ impl World {
 
     /// Where each robot truly is, how fast, and the serial number of the last visit that it knows: for the laws.
     pub fn truth(&self) -> impl Iterator<Item = (RobotId, Telemetry)> {
-        self.robots.iter().map(|r| (r.body.id, r.body.report(self.now)))
+        self.robots.iter().filter(|r| !r.off).map(|r| (r.body.id, r.body.report(self.now)))
     }
 }
 

@@ -48,6 +48,7 @@ pub(super) enum FailureRecord {
     StorageTaken(u32),
     Short,
     MapChanged,
+    RobotGone,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -149,6 +150,7 @@ impl From<JobFailure> for FailureRecord {
             JobFailure::Unreachable => FailureRecord::Unreachable,
             JobFailure::Short => FailureRecord::Short,
             JobFailure::MapChanged => FailureRecord::MapChanged,
+            JobFailure::RobotGone => FailureRecord::RobotGone,
             JobFailure::StorageTaken(node) => FailureRecord::StorageTaken(node.0),
         }
     }
@@ -161,6 +163,7 @@ impl From<FailureRecord> for JobFailure {
             FailureRecord::Unreachable => JobFailure::Unreachable,
             FailureRecord::Short => JobFailure::Short,
             FailureRecord::MapChanged => JobFailure::MapChanged,
+            FailureRecord::RobotGone => JobFailure::RobotGone,
             FailureRecord::StorageTaken(node) => JobFailure::StorageTaken(NodeId(node)),
         }
     }

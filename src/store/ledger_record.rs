@@ -9,7 +9,8 @@ use super::people_record::{AssignmentRecord, AssignmentStateRecord, ClosureRecor
 use super::record::{is_usual_kind, usual_kind};
 use super::route_record::{StopRecord, VisitRecord};
 use crate::fleet::{
-    Assignment, Closure, Contradiction, Job, Keys, Ledger, Parts, Promises, RackAt, Robot, Stop, Sums, Wishes,
+    Assignment, Closure, Contradiction, Job, Keys, Ledger, Parts, Promises, RackAt, Robot, Service, Stop,
+    Sums, Wishes,
 };
 use crate::id::{AssignmentId, ClosureId, Dense, JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
@@ -65,6 +66,10 @@ struct RobotRecord {
     fenced: Option<i64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     maintenance: Option<i64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    leaving: Option<i64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    gone: Option<i64>,
     recalls: u64,
 }
 
@@ -75,9 +80,15 @@ enum RackRecord {
     On(u32),
 }
 
-/// Robot, first serial, granted, visits.
+/// Robot, first serial, granted, visits, whether it has left the floor.
 #[derive(Serialize, Deserialize)]
-struct ChainRecord(u32, u64, u64, Vec<VisitRecord>);
+struct ChainRecord(
+    u32,
+    u64,
+    u64,
+    Vec<VisitRecord>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")] bool,
+);
 
 #[derive(Serialize, Deserialize)]
 struct PromiseRecord {
@@ -221,6 +232,12 @@ impl From<JobRecord> for Job {
 
 impl From<&Robot> for RobotRecord {
     fn from(r: &Robot) -> RobotRecord {
+        let [maintenance, leaving, gone] = match r.service {
+            Service::Works => [None; 3],
+            Service::Maintenance { since } => [Some(since.0), None, None],
+            Service::Leaving { since } => [None, Some(since.0), None],
+            Service::Gone { since } => [None, None, Some(since.0)],
+        };
         RobotRecord {
             name: r.name.clone(),
             kind: r.kind.clone(),
@@ -231,7 +248,9 @@ impl From<&Robot> for RobotRecord {
             interrupted: r.interrupted,
             paused: r.paused.map(|t| t.0),
             fenced: r.fenced.map(|t| t.0),
-            maintenance: r.maintenance.map(|t| t.0),
+            maintenance,
+            leaving,
+            gone,
             recalls: r.recalls,
         }
     }
@@ -239,6 +258,13 @@ impl From<&Robot> for RobotRecord {
 
 impl From<RobotRecord> for Robot {
     fn from(r: RobotRecord) -> Robot {
+        let at = |t: i64| Time(t);
+        let service = match (r.maintenance.map(at), r.leaving.map(at), r.gone.map(at)) {
+            (_, _, Some(since)) => Service::Gone { since },
+            (_, Some(since), None) => Service::Leaving { since },
+            (Some(since), None, None) => Service::Maintenance { since },
+            (None, None, None) => Service::Works,
+        };
         Robot {
             name: r.name,
             kind: r.kind,
@@ -249,7 +275,7 @@ impl From<RobotRecord> for Robot {
             interrupted: r.interrupted,
             paused: r.paused.map(Time),
             fenced: r.fenced.map(Time),
-            maintenance: r.maintenance.map(Time),
+            service,
             recalls: r.recalls,
         }
     }
@@ -276,14 +302,15 @@ impl From<RackRecord> for RackAt {
 impl From<&ChainParts> for ChainRecord {
     fn from(c: &ChainParts) -> ChainRecord {
         let Holder::Robot(robot) = c.holder else { unreachable!("workers hold nothing in the timelines") };
-        ChainRecord(robot.0, c.first, c.granted, c.visits.iter().map(VisitRecord::from).collect())
+        let visits = c.visits.iter().map(VisitRecord::from).collect();
+        ChainRecord(robot.0, c.first, c.granted, visits, c.absent)
     }
 }
 
 impl From<ChainRecord> for ChainParts {
-    fn from(ChainRecord(robot, first, granted, visits): ChainRecord) -> ChainParts {
+    fn from(ChainRecord(robot, first, granted, visits, absent): ChainRecord) -> ChainParts {
         let visits = visits.into_iter().map(Visit::from).collect();
-        ChainParts { holder: Holder::Robot(RobotId(robot)), first, granted, visits }
+        ChainParts { holder: Holder::Robot(RobotId(robot)), first, granted, visits, absent }
     }
 }
 

@@ -143,6 +143,20 @@ enum Record {
         robot: u32,
         since: Option<i64>,
     },
+    Retired {
+        robot: u32,
+        at: i64,
+    },
+    Left {
+        robot: u32,
+        at: i64,
+    },
+    Returned {
+        robot: u32,
+        kind: String,
+        node: u32,
+        at: i64,
+    },
     Hired {
         worker: u32,
         name: String,
@@ -255,6 +269,11 @@ impl From<&Fact> for Record {
             Fact::Maintenance { robot, since } => {
                 Record::Maintenance { robot: robot.0, since: since.map(|t| t.0) }
             }
+            Fact::Retired { robot, at } => Record::Retired { robot: robot.0, at: at.0 },
+            Fact::Left { robot, at } => Record::Left { robot: robot.0, at: at.0 },
+            Fact::Returned { robot, kind, node, at } => {
+                Record::Returned { robot: robot.0, kind: kind.clone(), node: node.0, at: at.0 }
+            }
             Fact::WorkerRegistered { worker, name, at } => {
                 Record::Hired { worker: worker.0, name: name.clone(), at: at.0 }
             }
@@ -332,6 +351,11 @@ impl From<Record> for Fact {
             Record::Fenced { robot, at } => Fact::Fenced { robot: RobotId(robot), at: Time(at) },
             Record::Maintenance { robot, since } => {
                 Fact::Maintenance { robot: RobotId(robot), since: since.map(Time) }
+            }
+            Record::Retired { robot, at } => Fact::Retired { robot: RobotId(robot), at: Time(at) },
+            Record::Left { robot, at } => Fact::Left { robot: RobotId(robot), at: Time(at) },
+            Record::Returned { robot, kind, node, at } => {
+                Fact::Returned { robot: RobotId(robot), kind, node: NodeId(node), at: Time(at) }
             }
             Record::Hired { worker, name, at } => {
                 Fact::WorkerRegistered { worker: WorkerId(worker), name, at: Time(at) }

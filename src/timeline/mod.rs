@@ -127,9 +127,16 @@ pub struct Chain {
     first: u64,
     visits: VecDeque<Visit>,
     granted: u64,
+    /// Whether the holder has left the floor: its last visit is known and holds nothing.
+    absent: bool,
 }
 
 impl Chain {
+    /// Whether the holder has left the floor.
+    pub fn is_absent(&self) -> bool {
+        self.absent
+    }
+
     /// Serial number of the visit at `index`.
     pub fn serial_of(&self, index: usize) -> u64 {
         self.first + index as u64
@@ -218,7 +225,8 @@ impl Timeline {
     /// # Panics
     /// If it holds something.
     pub fn set_body(&mut self, robot: RobotId, body: BodyId) {
-        assert!(!self.chains.contains_key(&Holder::Robot(robot)), "{robot:?} has held as another kind");
+        let holds = self.chain(Holder::Robot(robot)).is_some_and(|chain| !chain.absent);
+        assert!(!holds, "{robot:?} holds as another kind");
         if self.bodies.len() <= robot.ix() {
             self.bodies.resize(robot.ix() + 1, BodyId(0));
         }
@@ -384,7 +392,20 @@ impl Timeline {
         }
     }
 
-    /// Forgets a holder altogether: it has left the floor.
+    /// A holder has left the floor: it holds nothing any more. Where it stood last, and the numbers of its visits, stay
+    /// known: it may be placed again.
+    pub fn depart(&mut self, holder: Holder) {
+        let first = self.chains.get(&holder).expect("only holders leave").first;
+        let mut visits = self.take_from(holder, first);
+        visits.truncate(1);
+        let chain = self.chains.get_mut(&holder).expect("just seen");
+        let here = visits.first_mut().expect("it stood somewhere");
+        (here.depart, here.leave, here.lane) = (Time::MAX, Time::MAX, None);
+        (chain.granted, chain.absent) = (first + 1, true);
+        chain.visits.extend(visits);
+    }
+
+    /// Forgets a holder altogether, with the numbers of its visits.
     pub fn remove(&mut self, holder: Holder) {
         let warehouse = self.warehouse.clone();
         let context = self.context(&warehouse, holder);
@@ -520,6 +541,10 @@ impl Timeline {
 
     /// What writing and erasing the visits of a holder takes.
     fn context<'a>(&self, warehouse: &'a Warehouse, holder: Holder) -> Context<'a> {
+        debug_assert!(
+            self.chain(holder).is_none_or(|c| !c.absent || c.visits.len() == 1),
+            "{holder:?} has left the floor and plans nothing"
+        );
         let (clearance, without_conflicts) = (self.clearance, self.without_conflicts);
         Context { warehouse, body: self.body(holder), clearance, without_conflicts }
     }

@@ -20,6 +20,8 @@ pub struct ChainParts {
     pub granted: u64,
     /// The visits, oldest first.
     pub visits: Vec<Visit>,
+    /// Whether the holder has left the floor, and holds nothing.
+    pub absent: bool,
 }
 
 /// Why visits cannot be held.
@@ -86,6 +88,11 @@ impl Timeline {
                 return Err(Flaw::Twice { holder });
             }
             timeline.validate(&parts)?;
+            if parts.absent {
+                let ChainParts { first, granted, visits, absent, .. } = parts;
+                timeline.chains.insert(holder, Chain { first, granted, visits: visits.into(), absent });
+                continue;
+            }
             timeline.check(holder, &parts.visits).map_err(|clash| {
                 let resource = timeline.warehouse.resource_name(clash.resource);
                 Flaw::Overlap { resource, holder, clash }
@@ -98,7 +105,7 @@ impl Timeline {
     }
 
     fn validate(&self, parts: &ChainParts) -> Result<(), Flaw> {
-        let ChainParts { holder, first, granted, visits } = parts;
+        let ChainParts { holder, first, granted, visits, .. } = parts;
         let (holder, w) = (*holder, &self.warehouse);
         let end = first.checked_add(visits.len() as u64).ok_or(Flaw::Nowhere { holder })?;
         if visits.last().is_none_or(|v| !v.leave.is_forever()) || *granted <= *first || *granted > end {

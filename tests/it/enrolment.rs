@@ -87,3 +87,71 @@ async fn a_robot_goes_to_maintenance_over_http_and_comes_back() {
     send(at, "PUT", "/v1/robots/robot-99/maintenance", &[], "").await.unwrap().problem(404);
     server.stop().await.unwrap();
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_robot_leaves_over_http_and_comes_back_under_its_name() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    until(at, "robot-1", "there", |_| true).await;
+    let robots = get(at, "/v1/health").await.json()["robots"].as_u64().unwrap();
+    assert_eq!(send(at, "DELETE", "/v1/robots/robot-1", &[], "").await.unwrap().status, 204);
+    until(at, "robot-1", "leaving", |r| r["leaving"] == true).await;
+    for _ in 0..1200 {
+        if robot(at, "robot-1").await.is_none() {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    assert_eq!(robot(at, "robot-1").await, None, "it is gone from the list");
+    assert_eq!(get(at, "/v1/health").await.json()["robots"], robots - 1);
+    let again = send(at, "DELETE", "/v1/robots/robot-1", &[], "").await.unwrap().problem(409);
+    assert!(again["detail"].as_str().unwrap().contains("POST /v1/robots"), "{again}");
+    let park = json!({"kind": "park", "robot": "robot-1"}).to_string();
+    send(at, "POST", "/v1/jobs", &JSON, &park).await.unwrap().problem(409);
+    server.stop().await.unwrap();
+    let server = start(&folder).await;
+    let at = server.address();
+    until(at, "robot-2", "there", |_| true).await;
+    assert_eq!(robot(at, "robot-1").await, None, "a restart does not bring it back");
+    let racks = get(at, "/v1/racks").await.json();
+    let taken = racks["items"].as_array().unwrap().iter().filter_map(|r| r["node"].as_u64());
+    let taken: Vec<usize> = taken.map(|n| n as usize).collect();
+    let map = map();
+    let free: Vec<&str> = (map.nodes.iter().enumerate())
+        .filter(|(i, n)| n.kind == NodeKind::Parking || n.kind == NodeKind::Storage && !taken.contains(i))
+        .map(|(_, n)| n.name.as_str())
+        .collect();
+    let mut statuses = Vec::new();
+    for node in free {
+        let joined = register(at, &json!({"name": "robot-1", "node": node})).await;
+        statuses.push(joined.status);
+        if joined.status == 201 {
+            break;
+        }
+    }
+    assert_eq!(statuses.last(), Some(&201), "some place was free: {statuses:?}");
+    until(at, "robot-1", "back", |r| r["leaving"] == false && r["why"] != "has left the floor").await;
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn kinds_of_robots_are_listed_with_what_they_take_and_carry() {
+    let folder = Folder::new();
+    let mut mixed = crate::helper::floor();
+    let text = include_str!("../../scenarios/mixed.json");
+    mixed.scenario = giveway::sim::Scenario::parse(text).unwrap();
+    mixed.scenario.robots = 4;
+    mixed.map = std::sync::Arc::new(giveway::warehouse::mixed());
+    mixed.map = mixed.scenario.fit(&mixed.map).unwrap();
+    let server = giveway::server::Server::start(&crate::helper::config(&folder), mixed).await.unwrap();
+    let at = server.address();
+    let kinds = get(at, "/v1/kinds").await.json();
+    assert_eq!(kinds[0]["name"], "shuttle", "{kinds}");
+    assert_eq!(kinds[0]["footprint"]["circle_m"], 0.22);
+    assert_eq!((&kinds[0]["carries"][0], &kinds[0]["payload_kg"]), (&json!("bin"), &json!(60.0)));
+    assert_eq!(kinds[1]["footprint"]["polygon_m"].as_array().map(Vec::len), Some(4));
+    until(at, "robot-1", "a shuttle", |r| r["kind"] == "shuttle").await;
+    until(at, "robot-3", "a mover", |r| r["kind"] == "mover").await;
+    server.stop().await.unwrap();
+}

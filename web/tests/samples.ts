@@ -2,7 +2,7 @@
 import type { Robot, Snapshot, Worker } from '../src/wire/types';
 
 export const robot = (id: string, more: Partial<Robot> = {}): Robot => ({
-  id, x: 0, y: 0, heading: 0, speed: 0, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, fault: null, rack: null, job: null, battery: 1,
+  id, x: 0, y: 0, heading: 0, speed: 0, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null, rack: null, job: null, battery: 1,
   granted: [], held: [], why: null, ...more,
 });
 

@@ -66,6 +66,7 @@ impl Stage {
         let (ticks, metrics) = (clock.clone(), Arc::new(Metrics::default()));
         let api = Api {
             map: map.clone(),
+            kinds: Arc::new([]),
             moments: picture,
             records: Arc::new(Nothing),
             figures: Arc::new(Figures::new(Time::ZERO, "giveway", Default::default())),

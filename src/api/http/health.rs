@@ -4,6 +4,7 @@
 
 use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
+use crate::fleet::RobotState;
 use axum::Json;
 use axum::extract::State;
 use axum::http::header;
@@ -44,7 +45,7 @@ pub async fn health(State(api): State<Api>) -> Result<Json<Health>, Problem> {
         status: "ok",
         version: env!("CARGO_PKG_VERSION"),
         map: api.map.name.clone(),
-        robots: moment.view.robots.len(),
+        robots: moment.view.robots.iter().filter(|r| r.state != RobotState::Gone).count(),
         time_s: moment.time_s,
     }))
 }

@@ -3,7 +3,7 @@
 //! Main functions: [`racks`], [`stations`], [`robots`]. Refuses: pages of more than 500.
 
 use crate::api::Api;
-use crate::api::dto::{Names, Page, RackDto, RobotDto, StationDto};
+use crate::api::dto::{GONE, Names, Page, RackDto, RobotDto, StationDto};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
 use axum::Json;
@@ -49,7 +49,7 @@ pub async fn stations(
     page(Names { map: &api.map, view: &moment.view }.stations(), &p)
 }
 
-/// All robots.
+/// All robots on the floor.
 #[utoipa::path(get, path = "/v1/robots", tag = "floor", params(Paging), responses(
     (status = 200, description = "Robots in order of joining", body = Page<RobotDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
@@ -58,7 +58,8 @@ pub async fn robots(
     Params(p): Params<Paging>,
 ) -> Result<Json<Page<RobotDto>>, Problem> {
     let moment = api.moment();
-    page(Names { map: &api.map, view: &moment.view }.robots(), &p)
+    let robots = Names { map: &api.map, view: &moment.view }.robots();
+    page(robots.into_iter().filter(|r| r.state != GONE).collect(), &p)
 }
 
 /// A limit within bounds.

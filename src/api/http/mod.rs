@@ -11,6 +11,7 @@ mod health;
 mod heat;
 mod history;
 mod jobs;
+mod kinds;
 mod lists;
 mod map;
 mod page;
@@ -63,7 +64,9 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(lists::racks))
         .routes(routes!(lists::stations))
         .routes(routes!(lists::robots, robots::register))
+        .routes(routes!(robots::retire))
         .routes(routes!(robots::maintain, robots::work_again))
+        .routes(routes!(kinds::kinds))
         .routes(routes!(why::robot))
         .routes(routes!(why::job))
         .routes(routes!(timelines::timelines))

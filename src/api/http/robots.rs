@@ -1,4 +1,5 @@
-//! `POST /v1/robots` and maintenance: robots that join, go to maintenance and come back.
+//! `POST /v1/robots`, `DELETE /v1/robots/{id}` and maintenance: robots that join, go to maintenance and come back, and
+//! leave.
 //!
 //! Main type: [`NewRobot`]. Refuses: to let a robot join where another one is, or is to be.
 
@@ -87,6 +88,20 @@ pub async fn register(
     }
 }
 
+/// Take a robot off the floor for good. It finishes what it has begun, gives back what it has not, and goes to a parking
+/// place. Switch it off there: once it has been silent for ten seconds it is gone and nothing is kept free for it. A
+/// broken one is gone then wherever it stands, if it has no rack on it. Jobs that name it fail. Registered again under
+/// its name, it comes back.
+#[utoipa::path(delete, path = "/v1/robots/{id}", tag = "floor",
+    params(("id" = String, Path, example = "robot-1")), responses(
+    (status = 204, description = "It is to leave, and that is durable"),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 409, description = "It has left", body = Problem, content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn retire(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+    done(&api, What::Retire(parse_robot(&api, &id)?)).await
+}
+
 /// Send a robot to maintenance. It finishes what it has begun, gives back what it has not, goes to a parking place and
 /// gets no jobs until `DELETE` lets it work again; a restart forgets none of that.
 #[utoipa::path(put, path = "/v1/robots/{id}/maintenance", tag = "floor",
@@ -98,7 +113,7 @@ pub async fn maintain(State(api): State<Api>, Segment(id): Segment) -> Result<St
     done(&api, What::Maintain(parse_robot(&api, &id)?, true)).await
 }
 
-/// Let a robot work again after maintenance.
+/// Let a robot work again after maintenance, or stay that was to leave.
 #[utoipa::path(delete, path = "/v1/robots/{id}/maintenance", tag = "floor",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It works again"),

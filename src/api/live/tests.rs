@@ -13,6 +13,7 @@ fn robot(name: &str, x: f64) -> RobotView {
         kind: "robot".into(),
         critical: 0.15,
         maintenance: false,
+        leaving: false,
         fault: None,
         name: name.into(),
         pose: Pose { at: Point::new(x, 2.0), heading: 0.0 },

@@ -19,6 +19,7 @@ fn frame(zero: Time, at_s: f64) -> Arc<Frame> {
         kind: "robot".into(),
         critical: 0.15,
         maintenance: false,
+        leaving: false,
         fault: None,
         name: "robot-1".into(),
         pose: Pose { at: Point::new(1.0, 2.0), heading: 0.0 },

@@ -261,7 +261,8 @@ impl Move<'_> {
             let first = self.ledger.chain(*robot).end();
             let loaded = self.ledger.rack_on(*robot).is_some();
             let visits = vec![Visit { loaded, ..stand(*node, self.at) }];
-            ChainParts { holder: Holder::Robot(*robot), first, granted: first + 1, visits }
+            let absent = self.ledger.chain(*robot).is_absent();
+            ChainParts { holder: Holder::Robot(*robot), first, granted: first + 1, visits, absent }
         };
         stands.iter().map(chain).collect()
     }

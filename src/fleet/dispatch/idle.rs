@@ -5,7 +5,7 @@
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::Job;
-use crate::fleet::state::ledger;
+use crate::fleet::state::ledger::{self, Service};
 use crate::id::{JobId, RobotId};
 use crate::time::Time;
 
@@ -15,7 +15,7 @@ impl Floor<'_> {
         let idle = |r: &RobotId| {
             let record = &self.ledger.robots[*r];
             let fit = !record.failed && !self.is_halted(*r) && self.scene.fit(*r, now).is_some();
-            record.task == Task::Idle && record.maintenance.is_none() && fit
+            record.task == Task::Idle && record.service == Service::Works && fit
         };
         ledger::all(&self.ledger.robots).filter(idle).collect()
     }

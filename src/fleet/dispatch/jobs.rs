@@ -4,6 +4,7 @@
 
 use crate::fleet::dispatch::assignment::{NEVER, least_cost};
 use crate::fleet::dispatch::charging::{give_back_jobs, rest};
+use crate::fleet::dispatch::leaving::let_leave;
 use crate::fleet::dispatch::maintenance::send_to_maintenance;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Purpose, Task};
@@ -52,6 +53,7 @@ pub(in crate::fleet) fn chain_deliveries(core: &mut Core, picked: &[RobotId], no
 pub(in crate::fleet) fn assign(core: &mut Core, needs: &Needs, planners: &mut Planners, now: Time) {
     core.ledger.advance_queue(now);
     give_back_jobs(core, now);
+    let_leave(core, now);
     send_to_maintenance(core, now);
     assign_named(core, planners, now);
     let floor = core.floor();
@@ -172,7 +174,7 @@ pub(in crate::fleet) fn stations_with_enough(
     now: Time,
 ) -> BTreeSet<StationId> {
     let mut waiting = IdVec::filled((0, Span::ZERO), floor.warehouse().stations.len());
-    for robot in floor.ledger.robots.ids().filter(|r| floor.waits_for_room(*r)) {
+    for robot in floor.ledger.present().filter(|r| floor.waits_for_room(*r)) {
         let station = floor.station_of(robot).expect("it waits for one");
         let (number, longest): &mut (usize, Span) = &mut waiting[station];
         (*number, *longest) = (*number + 1, needs.waited(robot, now).max(*longest));

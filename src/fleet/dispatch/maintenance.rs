@@ -1,11 +1,11 @@
-//! Where robots in maintenance go.
+//! Where robots in maintenance go, and those that are to leave.
 //!
 //! Refuses: to say which robots those are; operators do.
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::job::JobState;
-use crate::fleet::state::ledger;
+use crate::fleet::state::ledger::{self, Service};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
 
@@ -14,7 +14,7 @@ use crate::warehouse::NodeKind;
 pub(in crate::fleet) fn send_to_maintenance(core: &mut Core, now: Time) {
     for robot in ledger::all(&core.ledger.robots) {
         let record = &core.ledger.robots[robot];
-        if record.maintenance.is_none() || record.failed || core.floor().is_halted(robot) {
+        if record.service == Service::Works || record.failed || core.floor().is_halted(robot) {
             continue;
         }
         if core.scene.fit(robot, now).is_none() {

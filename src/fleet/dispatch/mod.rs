@@ -7,5 +7,6 @@ pub(in crate::fleet) mod assignment;
 pub(in crate::fleet) mod charging;
 pub(in crate::fleet) mod idle;
 pub(in crate::fleet) mod jobs;
+pub(in crate::fleet) mod leaving;
 pub(in crate::fleet) mod maintenance;
 pub(in crate::fleet) mod storage;

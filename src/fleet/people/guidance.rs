@@ -114,7 +114,7 @@ impl HumanState {
 
 impl Floor<'_> {
     fn near(&self, place: &Whereabouts) -> Vec<NearRobot> {
-        let mut near: Vec<NearRobot> = (self.ledger.robots.ids())
+        let mut near: Vec<NearRobot> = (self.ledger.present())
             .filter_map(|robot| {
                 let seen = self.scene.robot(robot)?;
                 let to = seen.pose.at - place.at;

@@ -70,7 +70,7 @@ impl HumanState {
         }
         self.intents.cut_at = Some(now);
         let mut cut: EdgeSet = self.walkways.no_edges();
-        for robot in floor.ledger.robots.ids() {
+        for robot in floor.ledger.present() {
             if floor.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05) {
                 let edges = self.walkways.edges_within(floor.place_of(robot), floor.beside_m(robot, 0.2));
                 edges.into_iter().for_each(|e| {

@@ -105,7 +105,7 @@ impl HumanState {
         person.blocked_since = robot.map(|r| (r, now));
         let Some(goal) = person.plan.as_ref().map(|p| p.follower.goal()) else { return };
         let mut cut = self.edges_blocked_for_long(core.floor());
-        for r in core.ledger.robots.ids().filter(|r| core.floor().stands_near(*r, place.at)) {
+        for r in core.ledger.present().filter(|r| core.floor().stands_near(*r, place.at)) {
             let reach = core.floor().beside_m(r, 0.2);
             self.walkways.edges_within(core.floor().place_of(r), reach).into_iter().for_each(|e| {
                 cut.insert(e);
@@ -163,7 +163,7 @@ impl HumanState {
         if let Some(way) = walkways.path(at, goal, cut) {
             return Some(way.points);
         }
-        let robots = floor.ledger.robots.ids().map(|r| (floor.place_of(r), floor.beside_m(r, BODY_M)));
+        let robots = floor.ledger.present().map(|r| (floor.place_of(r), floor.beside_m(r, BODY_M)));
         let robots: Vec<(Point, f64)> = robots.collect();
         let is_clear = |to: Point| {
             let step = Segment { a: at, b: to };
@@ -194,13 +194,13 @@ impl HumanState {
             let near = ahead.windows(2).any(|s| Segment { a: s[0], b: s[1] }.distance_to(at) < reach);
             near && (at - place.at).norm() < 2.0 && floor.stands_near(*robot, place.at)
         };
-        floor.ledger.robots.ids().find(stops)
+        floor.ledger.present().find(stops)
     }
 
     /// Walkways on which robots rest or are broken: nobody waits for those to go away.
     pub(in crate::fleet) fn edges_blocked_for_long(&self, floor: Floor<'_>) -> EdgeSet {
         let mut cut = self.walkways.no_edges();
-        for robot in floor.ledger.robots.ids() {
+        for robot in floor.ledger.present() {
             let chain = floor.ledger.chain(robot);
             let rests = chain.first() + 1 == chain.end();
             if rests || floor.ledger.robots[robot].failed {

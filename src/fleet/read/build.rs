@@ -8,6 +8,7 @@ use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView
 use crate::fleet::state::fact::{Act, Purpose, Task};
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::ledger::Service;
 use crate::fleet::state::worker::{ClosureView, Presence, WorkerView};
 use crate::fleet::traffic::state::Withheld;
 use crate::geometry::{Point, Pose};
@@ -33,7 +34,7 @@ impl Fleet {
         let free = idle.filter(|r| self.floor().is_charged(*r, charger_is_free));
         let mut of_kind: BTreeMap<BodyId, usize> = BTreeMap::new();
         free.for_each(|r| *of_kind.entry(self.floor().body(r)).or_default() += 1);
-        let kinds = self.core.ledger.robots.ids().map(|r| self.floor().body(r)).collect();
+        let kinds = self.core.ledger.present().map(|r| self.floor().body(r)).collect();
         let forecast_coverage = self.people.coverage.forecast_coverage().to_vec();
         let (blocked, stopped) = (self.floor().blocked(), self.core.ledger.stopped);
         let full = stations_with_enough(self.floor(), &self.traffic.needs, now);
@@ -94,7 +95,8 @@ impl Fleet {
             kind: record.kind.clone(),
             battery: seen.map_or(0.0, |t| t.battery),
             critical: self.floor().charging(r).critical,
-            maintenance: record.maintenance.is_some(),
+            maintenance: matches!(record.service, Service::Maintenance { .. }),
+            leaving: matches!(record.service, Service::Leaving { .. }),
             fault: seen.and_then(|t| t.fault),
             state: self.floor().robot_state(r),
             task: record.task,
@@ -140,8 +142,11 @@ impl Fleet {
         if fault == Some(Fault::Unplugged) {
             return Some(Why::Unplugged);
         }
-        if record.maintenance.is_some() && record.task == Task::Idle {
-            return Some(Why::Maintenance);
+        match record.service {
+            Service::Maintenance { .. } if record.task == Task::Idle => return Some(Why::Maintenance),
+            Service::Leaving { .. } if record.task == Task::Idle => return Some(Why::Leaving),
+            Service::Gone { .. } => return Some(Why::Gone),
+            _ => {}
         }
         if let Some(other) = self.traffic.drives_into(self.floor(), r) {
             return Some(Why::BlockedBy(other));
@@ -210,7 +215,7 @@ impl Fleet {
 
     fn station_view(&self, s: StationId) -> StationView {
         let station = &self.core.warehouse().stations[s];
-        let stands = |n: NodeId| self.core.ledger.robots.ids().find(|r| self.core.ledger.node_of(*r) == n);
+        let stands = |n: NodeId| self.core.ledger.present().find(|r| self.core.ledger.node_of(*r) == n);
         StationView {
             robot: stands(station.node),
             picking: stands(station.node).is_some_and(|r| self.floor().is_picked_from(r)),
@@ -230,6 +235,7 @@ impl Floor<'_> {
     fn robot_state(&self, r: RobotId) -> RobotState {
         let record = &self.ledger.robots[r];
         match record.task {
+            _ if record.is_gone() => RobotState::Gone,
             _ if record.failed => RobotState::Failed,
             _ if record.interrupted && record.task != Task::Idle => RobotState::Interrupted,
             Task::Idle => RobotState::Idle,

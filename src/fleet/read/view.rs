@@ -71,6 +71,8 @@ pub struct RobotView {
     pub critical: f64,
     /// Whether it is in maintenance, or will be when it has finished what it has begun.
     pub maintenance: bool,
+    /// Whether it is to leave the floor, and has not left yet.
+    pub leaving: bool,
     /// What it says is wrong with it.
     pub fault: Option<Fault>,
     /// Its state in the sense of the thesis, 4.2.4.
@@ -104,6 +106,8 @@ pub enum RobotState {
     Interrupted,
     /// Cannot drive.
     Failed,
+    /// Has left the floor.
+    Gone,
 }
 
 /// What a robot is at.
@@ -185,6 +189,10 @@ pub enum Why {
     Paused,
     /// It is in maintenance, and gets no jobs.
     Maintenance,
+    /// It is to leave the floor: switched off, it is gone.
+    Leaving,
+    /// It has left the floor.
+    Gone,
     /// Somebody stopped the whole fleet.
     Stopped,
 }
@@ -194,11 +202,21 @@ impl Why {
     /// person who stopped it, ends that.
     pub fn is_by_itself(self) -> bool {
         use Why::{
-            Displaced, EmergencyStop, Failed, Maintenance, Manual, Paused, Silent, Stopped, Unplugged,
+            Displaced, EmergencyStop, Failed, Gone, Leaving, Maintenance, Manual, Paused, Silent, Stopped,
+            Unplugged,
         };
         matches!(
             self,
-            Failed | EmergencyStop | Manual | Displaced(_) | Silent | Paused | Maintenance | Stopped
+            Failed
+                | EmergencyStop
+                | Manual
+                | Displaced(_)
+                | Silent
+                | Paused
+                | Maintenance
+                | Stopped
+                | Leaving
+                | Gone
         ) || self == Unplugged
     }
 }

@@ -180,7 +180,7 @@ impl Fleet {
             Some(why @ Why::BlockedBy(other)) => (link(Because::Robot(why), None, 0), Some(other)),
             Some(why @ Why::QueueFull(station)) => {
                 let node = self.core.warehouse().stations[station].node;
-                let there = self.core.ledger.robots.ids().find(|r| self.core.ledger.node_of(*r) == node);
+                let there = self.core.ledger.present().find(|r| self.core.ledger.node_of(*r) == node);
                 (link(Because::Robot(why), None, 0), there.filter(|r| *r != robot))
             }
             Some(why) => (link(Because::Robot(why), None, 0), None),

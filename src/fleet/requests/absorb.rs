@@ -26,6 +26,7 @@ pub(in crate::fleet) fn absorb(core: &mut Core, walkways: &Walkways, now: Time, 
 impl Intake<'_> {
     /// Takes all inputs in.
     fn take_in(&mut self, now: Time, inputs: Vec<Input>) {
+        self.core.scene.begin(now);
         self.expire_keys(now);
         for input in inputs {
             match input {
@@ -106,6 +107,10 @@ impl Floor<'_> {
         let w = self.warehouse();
         let rack_known = |r: RackId| r.ix() < w.racks.len();
         let robot_known = |r: RobotId| r.ix() < self.ledger.robots.len();
+        let gone = kind.robot().filter(|r| robot_known(*r) && self.ledger.robots[*r].is_gone());
+        if let Some(robot) = gone {
+            return Err(Refusal::RobotIsGone(robot));
+        }
         let known = match *kind {
             JobKind::Deliver { rack, station, .. } => rack_known(rack) && station.ix() < w.stations.len(),
             JobKind::Return { rack } => rack_known(rack),

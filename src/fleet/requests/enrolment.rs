@@ -1,5 +1,7 @@
-//! Robots that join, go to maintenance and come back.
+//! Robots that join, go to maintenance and come back, and leave.
 //!
+//! A robot that is to leave finishes what it has begun like one in maintenance, and is gone once it has not been heard
+//! of for a while. One that is registered again under its name comes back.
 //! A robot in maintenance finishes what it has begun, takes no more jobs, and rests at a parking place until somebody
 //! lets it work again: a restart forgets none of that. Refuses: robots on places that others hold, and of kinds that
 //! there are not.
@@ -7,6 +9,7 @@
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::io::{Bounded, Refusal, Reply};
+use crate::fleet::state::ledger::Service;
 use crate::id::{Dense, NodeId, RobotId};
 use crate::time::{Time, Window};
 use crate::timeline::Holder;
@@ -21,10 +24,10 @@ impl Intake<'_> {
         now: Time,
     ) -> Result<Reply, Refusal> {
         let known = self.core.ledger.robots.pairs().find(|(_, r)| r.name == name).map(|(robot, _)| robot);
-        if let Some(robot) = known {
+        if let Some(robot) = known.filter(|r| !self.core.ledger.robots[*r].is_gone()) {
             return Ok(Reply::Registered { token, robot, new: false });
         }
-        if self.core.ledger.robots.len() >= self.core.settings.robots_max {
+        if known.is_none() && self.core.ledger.robots.len() >= self.core.settings.robots_max {
             return Err(Refusal::TooMany(Bounded::Robots, self.core.ledger.robots.len()));
         }
         if !self.core.settings.kinds.iter().any(|k| k.name == kind) {
@@ -33,7 +36,7 @@ impl Intake<'_> {
         if self.core.warehouse().nodes.get(node).is_none() {
             return Err(Refusal::UnknownPlace);
         }
-        let robot = RobotId::at(self.core.ledger.robots.len());
+        let robot = known.unwrap_or(RobotId::at(self.core.ledger.robots.len()));
         let (warehouse, ever) = (self.core.warehouse(), Window::new(now, Time::MAX));
         let body = warehouse.body_of(&kind);
         if !warehouse.may_be_at(body, node) {
@@ -45,7 +48,11 @@ impl Intake<'_> {
             return Err(Refusal::PlaceTaken(node));
         }
         drop(others);
-        self.core.record(Fact::Registered { robot, name, kind, node, at: now });
+        self.core.scene.forget(robot);
+        self.core.record(match known {
+            None => Fact::Registered { robot, name, kind, node, at: now },
+            Some(_) => Fact::Returned { robot, kind, node, at: now },
+        });
         Ok(Reply::Registered { token, robot, new: true })
     }
 
@@ -57,10 +64,31 @@ impl Intake<'_> {
         begins: bool,
         now: Time,
     ) -> Result<Reply, Refusal> {
-        let record = self.core.ledger.robots.get(robot).ok_or(Refusal::UnknownPlace)?;
-        if record.maintenance.is_some() != begins {
-            self.core.record(Fact::Maintenance { robot, since: begins.then_some(now) });
+        match (self.service_of(robot)?, begins) {
+            (Service::Works, true) => self.core.record(Fact::Maintenance { robot, since: Some(now) }),
+            (Service::Maintenance { .. } | Service::Leaving { .. }, false) => {
+                self.core.record(Fact::Maintenance { robot, since: None });
+            }
+            _ => {}
         }
         Ok(Reply::Done { token })
+    }
+
+    /// A robot is to leave the floor.
+    pub(in crate::fleet) fn retire(
+        &mut self,
+        token: u64,
+        robot: RobotId,
+        now: Time,
+    ) -> Result<Reply, Refusal> {
+        if !matches!(self.service_of(robot)?, Service::Leaving { .. }) {
+            self.core.record(Fact::Retired { robot, at: now });
+        }
+        Ok(Reply::Done { token })
+    }
+
+    fn service_of(&self, robot: RobotId) -> Result<Service, Refusal> {
+        let record = self.core.ledger.robots.get(robot).ok_or(Refusal::UnknownPlace)?;
+        if record.is_gone() { Err(Refusal::RobotIsGone(robot)) } else { Ok(record.service) }
     }
 }

@@ -66,7 +66,7 @@ impl Floor<'_> {
     /// The robot that stands at a station with a rack to pick from.
     pub(in crate::fleet) fn picked_from(&self, station: StationId) -> Option<RobotId> {
         let node = self.warehouse().stations[station].node;
-        let mut there = self.ledger.robots.ids().filter(|r| self.ledger.node_of(*r) == node);
+        let mut there = self.ledger.present().filter(|r| self.ledger.node_of(*r) == node);
         there.find(|r| self.is_picked_from(*r))
     }
 

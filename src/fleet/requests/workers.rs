@@ -32,6 +32,7 @@ impl Intake<'_> {
                 (token, self.register(token, (name, kind), node, now))
             }
             Input::Maintain { token, robot, begins } => (token, self.maintain(token, robot, begins, now)),
+            Input::Retire { token, robot } => (token, self.retire(token, robot, now)),
             Input::Prioritise { token, job, priority } => (token, self.prioritise(token, job, priority, now)),
             _ => unreachable!("telemetry, sightings and jobs are taken in elsewhere"),
         };

@@ -252,6 +252,31 @@ pub enum Fact {
         /// Since when; nothing where it works again.
         since: Option<Time>,
     },
+    /// A robot is to leave the floor.
+    Retired {
+        /// Which.
+        robot: RobotId,
+        /// When.
+        at: Time,
+    },
+    /// A robot has left the floor: it holds nothing any more.
+    Left {
+        /// Which.
+        robot: RobotId,
+        /// When.
+        at: Time,
+    },
+    /// A robot that had left stands on the floor again.
+    Returned {
+        /// Which.
+        robot: RobotId,
+        /// The name of its kind.
+        kind: String,
+        /// Where it stands.
+        node: NodeId,
+        /// When.
+        at: Time,
+    },
 }
 
 /// Visits of one robot that have other times now.
@@ -430,7 +455,10 @@ impl Fact {
             | Fact::Failed { robot, .. }
             | Fact::Repaired { robot, .. }
             | Fact::Fenced { robot, .. }
-            | Fact::Maintenance { robot, .. } => Some(*robot),
+            | Fact::Maintenance { robot, .. }
+            | Fact::Retired { robot, .. }
+            | Fact::Left { robot, .. }
+            | Fact::Returned { robot, .. } => Some(*robot),
             Fact::Routed { bookings } => match &bookings[..] {
                 [only] => Some(only.robot),
                 _ => None,

@@ -38,6 +38,13 @@ pub enum Input {
         /// Whether it goes.
         begins: bool,
     },
+    /// A robot is to leave the floor.
+    Retire {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        robot: RobotId,
+    },
     /// Somebody wants a job done.
     Submit {
         /// Comes back with the reply.
@@ -148,6 +155,7 @@ impl Input {
             Input::Telemetry(_) | Input::Sighted(_) => None,
             Input::Register { token, .. }
             | Input::Maintain { token, .. }
+            | Input::Retire { token, .. }
             | Input::Submit { token, .. }
             | Input::Cancel { token, .. }
             | Input::RegisterWorker { token, .. }
@@ -397,6 +405,8 @@ pub enum Refusal {
     NoKindFor(RackId),
     /// No lanes for robots of that kind lead to the node and from it.
     NotForKind(NodeId),
+    /// The robot has left the floor.
+    RobotIsGone(RobotId),
     /// Another robot holds the node, or is promised it.
     PlaceTaken(NodeId),
 }

@@ -156,6 +156,8 @@ pub enum JobFailure {
     StorageTaken(NodeId),
     /// The rack came to its station, where goods were missing.
     Short,
+    /// The robot that it names has left the floor.
+    RobotGone,
     /// The map was changed, and no longer has a rack, a station or a node that it names.
     MapChanged,
 }

@@ -31,6 +31,8 @@ pub struct Scene {
     faulty: BTreeSet<RobotId>,
     /// Robots that cannot go on from where they stand.
     displaced: BTreeMap<RobotId, Displaced>,
+    /// Since when anything could be seen.
+    began: Option<Time>,
 }
 
 impl Scene {
@@ -46,6 +48,23 @@ impl Scene {
             None if before.is_some() => _ = self.faulty.remove(&t.robot),
             None => {}
         }
+    }
+
+    /// Forgets what was seen of a robot: it is another one, or stands elsewhere.
+    pub fn forget(&mut self, robot: RobotId) {
+        *self.robot_mut(robot) = Seen::default();
+        self.faulty.remove(&robot);
+        self.displaced.remove(&robot);
+    }
+
+    /// Since when anything could be seen; nothing before the first step.
+    pub fn began(&self) -> Option<Time> {
+        self.began
+    }
+
+    /// A step begins.
+    pub fn begin(&mut self, now: Time) {
+        self.began.get_or_insert(now);
     }
 
     /// A robot as it is seen.

@@ -88,7 +88,7 @@ impl Floor<'_> {
     /// For each station, how many robots are on their way to it or stand at it.
     pub fn bound_for_stations(&self) -> IdVec<StationId, usize> {
         let mut bound = IdVec::filled(0, self.warehouse().stations.len());
-        for robot in self.ledger.robots.ids() {
+        for robot in self.ledger.present() {
             let standing = match self.warehouse().nodes[self.ledger.node_of(robot)].kind {
                 NodeKind::Station(s) => Some(s),
                 _ => None,

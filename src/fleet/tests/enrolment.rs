@@ -90,7 +90,7 @@ fn a_robot_on_its_way_to_a_rack_gives_the_job_to_another_one_when_it_goes_to_mai
     floor.until(60, "it has given it back", |f| f.state(job).is_some_and(|s| s.robot() != Some(robot)));
     floor.until_over(900);
     assert_eq!(floor.story(job).last(), Some(&"done"));
-    assert!(floor.fleet.ledger().robots[robot].maintenance.is_some(), "it is still there");
+    assert_ne!(floor.fleet.ledger().robots[robot].service, Service::Works, "it is still there");
 }
 
 #[test]
@@ -100,8 +100,8 @@ fn maintenance_survives_a_restart() {
     let facts = floor.facts.clone();
     let settings = floor.fleet.settings().clone();
     let fleet = Fleet::restore(floor.fleet.warehouse().clone(), settings, facts);
-    assert_eq!(fleet.ledger().robots[R0].maintenance, floor.fleet.ledger().robots[R0].maintenance);
-    assert!(fleet.ledger().robots[R0].maintenance.is_some());
+    assert_eq!(fleet.ledger().robots[R0].service, floor.fleet.ledger().robots[R0].service);
+    assert_ne!(fleet.ledger().robots[R0].service, Service::Works);
     let place = free_parking(&floor);
     let reply = floor.answer_to(7, vec![join("new", place)]);
     assert!(matches!(reply, Reply::Registered { new: true, .. }), "{reply:?}");

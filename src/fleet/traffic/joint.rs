@@ -54,7 +54,7 @@ impl Traffic {
         let fit = |r: &RobotId| !core.ledger.robots[*r].failed && core.scene.fit(*r, now).is_some();
         let busy = |r: &RobotId| core.floor().next_stop_is_granted(*r);
         let movable = |r: &RobotId| *r != robot && fit(r) && !busy(r) && !core.floor().waits_for_room(*r);
-        let movable: Vec<RobotId> = core.ledger.robots.ids().filter(movable).collect();
+        let movable: Vec<RobotId> = core.ledger.present().filter(movable).collect();
         let mut without = core.ledger.timeline().clone();
         for r in movable.iter().chain([&robot]) {
             without.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);

@@ -39,7 +39,7 @@ impl Yielding {
     pub(in crate::fleet) fn meet(&mut self, core: &mut Core, people: &HumanState, now: Time) {
         let mut near = Vec::new();
         for (worker, w) in people.present(now) {
-            for robot in core.ledger.robots.ids() {
+            for robot in core.ledger.present() {
                 let Some(seen) = core.scene.robot(robot) else { continue };
                 let distance_m = (seen.pose.at - w.at).norm();
                 if distance_m > NEAR_M || w.presence == Presence::Lost {

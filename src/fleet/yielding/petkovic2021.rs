@@ -58,12 +58,12 @@ impl Yielding {
             self.interrupt_all(core, worker, now);
         }
         let (worker, since) = self.procedure.running?;
-        let all_stand = core.ledger.robots.ids().all(|r| self.is_at_rest(core.floor(), r));
+        let all_stand = core.ledger.present().all(|r| self.is_at_rest(core.floor(), r));
         if !all_stand && now - since <= REST {
             return None;
         }
         self.procedure.running = None;
-        self.procedure.again = core.ledger.robots.ids().collect();
+        self.procedure.again = core.ledger.present().collect();
         Some((worker, self.plan_for(core, people, traffic, worker, now)?))
     }
 
@@ -93,7 +93,7 @@ impl Yielding {
             Mode::Stopped { since } => now - since >= AGAIN,
             Mode::Deviating { .. } if floor.settings.policy == HumanAwarePolicy::Nhir => {
                 // Without a prediction the fleet does not react before a robot had to.
-                floor.ledger.robots.ids().any(|r| {
+                floor.ledger.present().any(|r| {
                     let loaded = floor.ledger.rack_on(r).is_some();
                     let radius = floor.regions(r).stop_radius_m(loaded, 0.0);
                     (floor.place_of(r) - place.at).norm() < radius
@@ -106,7 +106,7 @@ impl Yielding {
 
     fn interrupt_all(&mut self, core: &mut Core, worker: WorkerId, now: Time) {
         self.procedure.running = Some((worker, now));
-        for robot in core.ledger.robots.ids().collect::<Vec<_>>() {
+        for robot in core.ledger.present().collect::<Vec<_>>() {
             let drives = core.scene.robot(robot).is_some_and(|t| t.speed_mps > 0.05);
             let chain = core.ledger.chain(robot);
             if drives || chain.granted() < chain.end() {
@@ -132,7 +132,7 @@ impl Yielding {
             return Some(Led::Along(segment, Mode::Following));
         }
         let mut cut = people.walkways.no_edges();
-        for robot in core.ledger.robots.ids() {
+        for robot in core.ledger.present() {
             let (at, reach) = (core.floor().place_of(robot), core.floor().beside_m(robot, BODY_M));
             people.walkways.edges_within(at, reach).into_iter().for_each(|e| {
                 cut.insert(e);
@@ -301,6 +301,6 @@ impl Floor<'_> {
             let (at, reach) = (self.place_of(*robot), self.beside_m(*robot, BODY_M));
             path.windows(2).any(|s| Segment { a: s[0], b: s[1] }.distance_to(at) < reach)
         };
-        self.ledger.robots.ids().filter(on).collect()
+        self.ledger.present().filter(on).collect()
     }
 }

@@ -62,7 +62,7 @@ impl Yielding {
         now: Time,
     ) {
         let present = people.present(now);
-        for robot in core.ledger.robots.ids().collect::<Vec<_>>() {
+        for robot in core.ledger.present().collect::<Vec<_>>() {
             let Some(seen) = core.scene.robot(robot).copied() else { continue };
             let (limit, because) = self.limits(core, people, traffic).limit_for(robot, &present, now);
             if let Some(worker) = because.filter(|_| limit == Some(0.0) && seen.speed_mps > STANDS_MPS) {

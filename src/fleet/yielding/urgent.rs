@@ -44,7 +44,7 @@ impl Yielding {
         let Some(place) = track.whereabouts(now) else { return false };
         let stands = person.told.as_ref().is_some_and(|(told, _)| told.state == GuidanceState::Stop);
         let limits = self.limits(core, people, traffic);
-        floor.ledger.robots.ids().any(|robot| {
+        floor.ledger.present().any(|robot| {
             let Some(seen) = floor.scene.robot(robot).filter(|t| t.speed_mps > STANDS_MPS) else {
                 return false;
             };

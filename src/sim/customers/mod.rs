@@ -109,6 +109,11 @@ impl Customers {
         self.stopped = true;
     }
 
+    /// Whether they want nothing new any more.
+    pub fn have_stopped(&self) -> bool {
+        self.stopped
+    }
+
     /// What the fleet answered.
     pub fn hear(&mut self, reply: &Reply, now: Time) {
         self.choices.hear(reply, now);

@@ -177,11 +177,11 @@ fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) 
         JobWhy::NoKind => !is_any_fit(fleet.view(now).kinds.into_iter(), job, fleet),
         JobWhy::StationFull(station) => {
             let there = w_station(fleet, station);
-            ledger.robots.ids().any(|r| ledger.node_of(r) == there || works(r))
+            ledger.present().any(|r| ledger.node_of(r) == there || works(r))
         }
         JobWhy::StationPaused(station) => ledger.paused_stations.contains_key(&station),
         JobWhy::ClosedOff => {
-            let displaced = || ledger.robots.ids().any(|r| fleet.displacement(r).is_some());
+            let displaced = || ledger.present().any(|r| fleet.displacement(r).is_some());
             !ledger.closures.is_empty() || !ledger.workers.is_empty() || displaced()
         }
         JobWhy::RackBlocked(rack, robot) => {
@@ -190,7 +190,7 @@ fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) 
         }
         JobWhy::NoPlace(kind) => {
             let places = fleet.warehouse().nodes_where(|k| k == kind);
-            let taken = |n| ledger.robots.ids().any(|r| ledger.chain(r).last().is_some_and(|v| v.node == n));
+            let taken = |n| ledger.present().any(|r| ledger.chain(r).last().is_some_and(|v| v.node == n));
             places.into_iter().all(taken) || !ledger.closures.is_empty()
         }
     }
@@ -222,7 +222,7 @@ pub(super) fn why_undrained(now: Time, fleet: &Fleet) -> Vec<String> {
         format!("{id:?} {kind:?} {state:?}: {why:?}")
     });
     let carries = |r: &RobotId| fleet.ledger().rack_on(*r).is_some();
-    let robots = fleet.ledger().robots.ids().filter(carries).take(3).map(|r| {
+    let robots = fleet.ledger().present().filter(carries).take(3).map(|r| {
         let record = &fleet.ledger().robots[r];
         let battery = fleet.telemetry(r).map_or(0.0, |t| t.battery);
         format!(

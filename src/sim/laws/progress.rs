@@ -39,7 +39,7 @@ impl ProgressLaws {
             self.look_at_lines(now, fleet);
         }
         let mut broken = Vec::new();
-        for (r, record) in fleet.ledger().robots.pairs() {
+        for (r, record) in fleet.ledger().robots.pairs().filter(|(_, r)| !r.is_gone()) {
             let at = (fleet.ledger().chain(r).first(), record.acted);
             let fresh = Stood { at, since: now, unexcused: now };
             let stood = self.robots.entry(r).or_insert(fresh);

@@ -47,6 +47,10 @@ pub struct Habits {
     pub station_pauses_per_hour: f64,
     /// How long either lasts, seconds.
     pub pause_s: f64,
+    /// How often an hour a robot leaves the floor.
+    pub departures_per_hour: f64,
+    /// After how long it is brought back, seconds.
+    pub away_s: f64,
 }
 
 impl Default for Habits {
@@ -67,6 +71,8 @@ impl Default for Habits {
             slow_pick: 0.0,
             slow_pick_s: 120.0,
             short: 0.0,
+            departures_per_hour: 0.0,
+            away_s: 300.0,
             robot_pauses_per_hour: 0.0,
             station_pauses_per_hour: 0.0,
             pause_s: 60.0,
@@ -97,6 +103,8 @@ impl Habits {
         ] {
             check(key, number, 0.1..=1e6, "from 0.1 to 1000000")?;
         }
+        check("customers.departures_per_hour", self.departures_per_hour, 0.0..=1e4, "from 0 to 10000")?;
+        check("customers.away_s", self.away_s, 1.0..=1e6, "from 1 to 1000000")?;
         check("customers.robot_pauses_per_hour", self.robot_pauses_per_hour, 0.0..=1e4, "from 0 to 10000")?;
         check(
             "customers.station_pauses_per_hour",

@@ -23,6 +23,8 @@ export interface Mirror {
   readonly counters: Counters;
   readonly alarms: readonly Alarm[];
 }
+/** The robots without those that have left. */
+export const onFloor = (mirror: Mirror): readonly Robot[] => mirror.robots.rows.filter((r) => r.state !== 'gone');
 /** `gap`: the patch builds on another version, and only a new snapshot helps. */
 export type Reduced = { kind: 'snapshot' | 'patched'; mirror: Mirror } | { kind: 'gap' };
 
@@ -32,7 +34,7 @@ const NO_COUNTERS: Counters = {
   deviations: 0, interruptions: 0, plan_us_p50: 0, plan_us_p99: 0, step_us_p99: 0,
 };
 const BLANK_ROBOT: Robot = {
-  id: '', x: 0, y: 0, heading: 0, speed: 0, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, fault: null, rack: null, job: null,
+  id: '', x: 0, y: 0, heading: 0, speed: 0, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null, rack: null, job: null,
   battery: 1, granted: [], held: [], why: null,
 };
 const BLANK_RACK: Rack = { id: '', node: null, robot: null };

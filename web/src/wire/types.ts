@@ -31,7 +31,8 @@ export interface Lane {
 }
 
 export const ROBOT_STATES = ['idle', 'busy', 'free', 'interrupted', 'failed'] as const;
-export type RobotState = (typeof ROBOT_STATES)[number];
+/** One that has left the floor keeps its place in the list of the feed, where robots go by number. */
+export type RobotState = (typeof ROBOT_STATES)[number] | 'gone';
 export type Doing =
   | 'to_rack' | 'lifting' | 'carrying' | 'queueing' | 'picking' | 'returning' | 'setting_down'
   | 'to_charger' | 'charging' | 'parking' | 'going' | 'idle' | 'waiting' | 'failed';
@@ -48,6 +49,8 @@ export interface Robot {
   kind: string;
   /** Whether it is in maintenance, or will be when it has finished what it has begun. */
   maintenance: boolean;
+  /** Whether it is to leave the floor, and has not left yet. */
+  leaving: boolean;
   /** What it says is wrong with it; `why` has it in words. */
   fault: 'broken' | 'emergency_stop' | 'manual' | 'obstructed' | 'unplugged' | null;
   rack: string | null;

@@ -37,7 +37,7 @@ export function timeOfDay(rfc3339: string | null): string {
 }
 
 export const STATE_WORDS: Record<RobotState, string> = {
-  idle: 'Idle', busy: 'Busy', free: 'Free', interrupted: 'Interrupted', failed: 'Failed',
+  idle: 'Idle', busy: 'Busy', free: 'Free', interrupted: 'Interrupted', failed: 'Failed', gone: 'Gone',
 };
 
 export const GUIDANCE_WORDS: Record<GuidanceState, string> = {

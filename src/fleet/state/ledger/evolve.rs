@@ -3,7 +3,7 @@
 //! Main function: [`Ledger::evolve`]. It asserts that what it is told is possible: a journal that books a lane twice
 //! does not load. Refuses: to decide anything.
 
-use super::{Ledger, RackAt, Robot, stand};
+use super::{Ledger, RackAt, Robot, Service, stand};
 use crate::fleet::state::fact::{Act, Booking, Fact, Kept, Task};
 use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState};
 use crate::fleet::state::life::{self, Stage, Work};
@@ -96,7 +96,15 @@ impl Ledger {
                 self.promises.robots[*robot].failed = true;
                 self.promises.robots[*robot].fenced = Some(*at);
             }
-            Fact::Maintenance { robot, since } => self.promises.robots[*robot].maintenance = *since,
+            Fact::Maintenance { robot, since } => {
+                let service = since.map_or(Service::Works, |since| Service::Maintenance { since });
+                self.promises.robots[*robot].service = service;
+            }
+            Fact::Retired { robot, at } => {
+                self.promises.robots[*robot].service = Service::Leaving { since: *at };
+            }
+            Fact::Left { robot, at } => self.leave(*robot, *at),
+            Fact::Returned { robot, kind, node, at } => self.come_back(*robot, kind, *node, *at),
             Fact::Halted { robot, at } => *self.halted(*robot) = Some(*at),
             Fact::Released { robot, .. } => {
                 *self.halted(*robot) = None;
@@ -153,25 +161,34 @@ impl Ledger {
     }
 
     fn register(&mut self, robot: RobotId, (name, kind): (&str, &str), node: NodeId, at: Time) {
-        let id = self.promises.robots.push(Robot {
-            name: name.to_owned(),
-            kind: kind.to_owned(),
-            task: Task::Idle,
-            stops: Vec::new(),
-            acted: None,
-            failed: false,
-            interrupted: false,
-            paused: None,
-            fenced: None,
-            maintenance: None,
-            recalls: 0,
-        });
+        let id = self.promises.robots.push(new_robot(name, kind));
         assert_eq!(id, robot, "robots are numbered in order");
         let holder = Holder::Robot(robot);
         let body = self.warehouse().body_of(kind);
         self.timeline.set_body(robot, body);
         self.timeline.reserve(holder, vec![stand(node, at)]).expect("robots join on free nodes");
         self.timeline.grant(holder, 0, at);
+    }
+
+    /// A robot has left the floor. Whoever has nothing to do there and carries nothing may.
+    fn leave(&mut self, robot: RobotId, at: Time) {
+        assert_eq!(self.rack_on(robot), None, "{robot:?} leaves with a rack");
+        let record = &mut self.promises.robots[robot];
+        assert_eq!(record.task, Task::Idle, "{robot:?} leaves while it has something to do");
+        assert!(matches!(record.service, Service::Leaving { .. }), "{robot:?} leaves unasked");
+        record.stops.clear();
+        record.service = Service::Gone { since: at };
+        self.timeline.depart(Holder::Robot(robot));
+    }
+
+    /// A robot that had left stands on the floor again.
+    fn come_back(&mut self, robot: RobotId, kind: &str, node: NodeId, at: Time) {
+        let (body, serial) = (self.warehouse().body_of(kind), self.chain(robot).end());
+        let record = &mut self.promises.robots[robot];
+        assert!(record.is_gone(), "{robot:?} comes back and had not left");
+        *record = Robot { acted: record.acted, recalls: record.recalls, ..new_robot(&record.name, kind) };
+        self.timeline.set_body(robot, body);
+        self.timeline.place(Holder::Robot(robot), serial, stand(node, at), &[]);
     }
 
     /// Brings a job to another state, and its robot to the task that goes with it.
@@ -323,4 +340,21 @@ impl Ledger {
 
 fn kept(robots: &[Kept]) -> Vec<timeline::Kept<'_>> {
     robots.iter().map(|k| (Holder::Robot(k.robot), k.end, k.shifts.as_slice())).collect()
+}
+
+/// A robot that has just joined.
+fn new_robot(name: &str, kind: &str) -> Robot {
+    Robot {
+        name: name.to_owned(),
+        kind: kind.to_owned(),
+        task: Task::Idle,
+        stops: Vec::new(),
+        acted: None,
+        failed: false,
+        interrupted: false,
+        paused: None,
+        fenced: None,
+        service: Service::Works,
+        recalls: 0,
+    }
 }

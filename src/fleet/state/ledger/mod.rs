@@ -15,10 +15,11 @@ use crate::fleet::state::job::Job;
 use crate::fleet::state::keys::Keys;
 use crate::fleet::state::wishes::Wishes;
 use crate::fleet::state::worker::{Assignment, Closure};
-use crate::id::{AssignmentId, ClosureId, Dense, IdVec, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::{Chain, Holder, Timeline, Visit};
 use crate::warehouse::Warehouse;
+use smallvec::SmallVec;
 use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -30,6 +31,36 @@ pub enum RackAt {
     Stored(NodeId),
     /// On a robot.
     On(RobotId),
+}
+
+/// Whether a robot works on this floor: by registration, maintenance and leaving.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Service {
+    /// It does.
+    #[default]
+    Works,
+    /// It is to be maintained, or is: it takes no jobs.
+    Maintenance {
+        /// Since when.
+        since: Time,
+    },
+    /// It is to leave: it finishes what it has begun, and is gone when it is heard of no more.
+    Leaving {
+        /// Since when.
+        since: Time,
+    },
+    /// It has left. Registered again, it works again.
+    Gone {
+        /// Since when.
+        since: Time,
+    },
+}
+
+impl Robot {
+    /// Whether it has left the floor.
+    pub fn is_gone(&self) -> bool {
+        matches!(self.service, Service::Gone { .. })
+    }
 }
 
 /// A robot as it was told to be.
@@ -53,8 +84,8 @@ pub struct Robot {
     pub paused: Option<Time>,
     /// Since when it is fenced off, since what is promised about it contradicts itself.
     pub fenced: Option<Time>,
-    /// Since when it is to be maintained, or is.
-    pub maintenance: Option<Time>,
+    /// Whether it works on this floor.
+    pub service: Service,
     /// How often it was called back and came.
     pub recalls: u64,
 }
@@ -159,6 +190,11 @@ impl Ledger {
         (self.racks[rack] == RackAt::On(robot)).then_some(rack)
     }
 
+    /// The robots that are on the floor, by number.
+    pub fn present(&self) -> impl Iterator<Item = RobotId> + '_ {
+        self.robots.pairs().filter(|(_, r)| !r.is_gone()).map(|(robot, _)| robot)
+    }
+
     /// All holds.
     pub fn timeline(&self) -> &Timeline {
         &self.timeline
@@ -191,7 +227,9 @@ pub fn stand(node: NodeId, at: Time) -> Visit {
     Visit { node, lane: None, loaded, enter: at, arrive: at, depart: Time::MAX, leave: Time::MAX, stay }
 }
 
-/// All robots by number.
+/// All robots on the floor, by number.
 pub fn all(robots: &IdVec<RobotId, Robot>) -> impl Iterator<Item = RobotId> + use<> {
-    (0..robots.len()).map(RobotId::at)
+    let present: SmallVec<[RobotId; 64]> =
+        robots.pairs().filter(|(_, r)| !r.is_gone()).map(|(robot, _)| robot).collect();
+    present.into_iter()
 }

@@ -104,6 +104,7 @@ impl Ledger {
             first: chain.first(),
             granted: chain.granted(),
             visits: chain.visits().cloned().collect(),
+            absent: chain.is_absent(),
         });
         Parts { promises: self.promises.clone(), chains: chains.collect() }
     }

@@ -66,7 +66,10 @@ impl Ledger {
             self.index_rack(rack);
         }
         match fact {
-            Fact::Registered { robot, .. } | Fact::Tasked { robot, .. } => self.index_robot(*robot),
+            Fact::Registered { robot, .. }
+            | Fact::Tasked { robot, .. }
+            | Fact::Left { robot, .. }
+            | Fact::Returned { robot, .. } => self.index_robot(*robot),
             Fact::Routed { bookings } => bookings.iter().for_each(|b| self.index_robot(b.robot)),
             Fact::Truncated { robots } => robots.iter().for_each(|kept| self.index_robot(kept.robot)),
             Fact::Placed { robot, cut, .. } => {
@@ -91,7 +94,7 @@ impl Ledger {
     fn index_robot(&mut self, robot: RobotId) {
         let task = self.promises.robots[robot].task;
         let chain = self.timeline.chain(Holder::Robot(robot)).expect("every robot stands somewhere");
-        let end = chain.last().map(|v| v.node);
+        let end = chain.last().filter(|_| !chain.is_absent()).map(|v| v.node);
         self.index.places.claim(robot, end, task.destination());
         let fetched = match task {
             Task::Fetch { rack, .. } => Some(rack),

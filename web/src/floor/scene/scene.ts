@@ -77,15 +77,17 @@ export class Stage {
     for (let i = 0; i < rows.length; i++) {
       const r = rows[i]!;
       const k = 3 * i;
-      const jump = !same || Math.abs(r.x - s.x[i]!) > JUMP_M || Math.abs(r.y - s.y[i]!) > JUMP_M;
-      if (jump) { s.x[i] = r.x; s.y[i] = r.y; s.heading[i] = r.heading; }
+      // One that has left is nowhere: nothing is drawn, met or picked there.
+      const [x, y] = r.state === 'gone' ? [NaN, NaN] : [r.x, r.y];
+      const near = Math.abs(x - s.x[i]!) <= JUMP_M && Math.abs(y - s.y[i]!) <= JUMP_M;
+      if (!same || !near) { s.x[i] = x; s.y[i] = y; s.heading[i] = r.heading; }
       this.#from[k] = s.x[i]!;
       this.#from[k + 1] = s.y[i]!;
       this.#from[k + 2] = s.heading[i]!;
-      this.#to[k] = r.x;
-      this.#to[k + 1] = r.y;
+      this.#to[k] = x;
+      this.#to[k + 1] = y;
       this.#to[k + 2] = r.heading;
-      s.look[i] = Math.max(0, LOOKS.indexOf(r.doing === 'charging' ? 'charging' : r.state));
+      s.look[i] = Math.max(0, (LOOKS as readonly string[]).indexOf(r.doing === 'charging' ? 'charging' : r.state));
       s.battery[i] = r.battery;
       s.ids[i] = r.id;
     }

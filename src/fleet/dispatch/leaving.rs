@@ -1,0 +1,54 @@
+//! Robots that leave the floor for good: when they are gone, and what becomes of jobs that name them.
+//!
+//! Refuses: to take a robot for gone that can still be heard, carries a rack, or may be driving.
+
+use crate::fleet::state::core::Core;
+use crate::fleet::state::fact::{Fact, Task};
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::job::{JobFailure, JobState};
+use crate::fleet::state::ledger::{self, Service};
+use crate::id::{JobId, RobotId};
+use crate::time::{Span, Time};
+
+/// A robot that rests where it ends, or is broken, is gone when it has been silent for so long: switched off.
+const SWITCHED_OFF: Span = Span::from_secs(10);
+/// One that stood on its way when it was heard of last is gone after this.
+const TAKEN_AWAY: Span = Span::from_secs(60);
+
+/// Robots that were to leave, and are heard of no more, have left.
+pub(in crate::fleet) fn let_leave(core: &mut Core, now: Time) {
+    for robot in ledger::all(&core.ledger.robots) {
+        if !core.floor().has_left(robot, now) {
+            continue;
+        }
+        if let Some(job) = core.ledger.robots[robot].task.job() {
+            core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
+        } else if core.ledger.robots[robot].task != Task::Idle {
+            core.record(Fact::Tasked { robot, task: Task::Idle });
+        }
+        let named: Vec<JobId> = core.ledger.index().named_for(robot).collect();
+        for job in named {
+            core.progress(job, JobState::Failed(JobFailure::RobotGone), None, now);
+        }
+        tracing::info!(robot = core.ledger.robots[robot].name, "a robot has left the floor");
+        core.record(Fact::Left { robot, at: now });
+    }
+}
+
+impl Floor<'_> {
+    fn has_left(&self, robot: RobotId, now: Time) -> bool {
+        let record = &self.ledger.robots[robot];
+        let Service::Leaving { since } = record.service else { return false };
+        if self.ledger.rack_on(robot).is_some() {
+            return false;
+        }
+        let seen = self.scene.robot(robot);
+        // Before its first report after a start it may stand anywhere, and drive.
+        let heard = seen.map_or_else(|| self.scene.began().unwrap_or(now), |t| t.seen).max(since);
+        let chain = self.ledger.chain(robot);
+        let rests = record.task == Task::Idle && chain.first() + 1 == chain.end();
+        let stands = seen.is_none_or(|t| t.speed_mps == 0.0);
+        let silent = now - heard;
+        silent >= TAKEN_AWAY && stands || silent >= SWITCHED_OFF && (rests || record.failed)
+    }
+}

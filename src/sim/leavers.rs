@@ -1,0 +1,66 @@
+//! Robots that are taken off the floor, and brought back later.
+//!
+//! Main type: [`Leavers`]. Refuses: to take one away that the fleet has not let go to where it rests, unless it is
+//! broken.
+
+use super::customers::FIRST_TOKEN;
+use super::random::Stream;
+use crate::fleet::{Fleet, Input, Service, Task};
+use crate::id::{NodeId, RobotId};
+use crate::time::{Span, Time};
+use crate::warehouse::NodeKind;
+
+/// Requests about robots that leave and come back carry this token.
+const TOKEN: u64 = FIRST_TOKEN | 1 << 60;
+/// Where there is no room for a robot that comes back, another place is tried after this.
+const AGAIN: Span = Span::from_secs(5);
+
+/// Which robots leave, and when they are brought back.
+#[derive(Debug)]
+pub(super) struct Leavers {
+    per_hour: f64,
+    away: Span,
+    random: Stream,
+    next_try: Time,
+}
+
+impl Leavers {
+    /// So many robots leave in an hour, and are brought back after so long.
+    pub fn new(per_hour: f64, away_s: f64, seed: u64) -> Leavers {
+        let random = Stream::new(seed, 8, 0);
+        Leavers { per_hour, away: Span::from_secs_f64(away_s), random, next_try: Time::ZERO }
+    }
+
+    /// What is said now. Robots that are away come back although customers have `stopped`.
+    pub fn say(&mut self, now: Time, period: Span, stopped: bool, fleet: &Fleet) -> Option<Input> {
+        if self.per_hour <= 0.0 {
+            return None;
+        }
+        let robots = &fleet.ledger().robots;
+        let hours = period.as_secs_f64() / 3600.0;
+        if !stopped && robots.len() > 0 && self.random.happens(self.per_hour * hours) {
+            let robot = RobotId(self.random.below(robots.len()) as u32);
+            return Some(Input::Retire { token: TOKEN, robot });
+        }
+        if now < self.next_try {
+            return None;
+        }
+        self.next_try = now + AGAIN;
+        let due = |s: Service| matches!(s, Service::Gone { since } if now - since >= self.away);
+        let (_, record) = robots.pairs().find(|(_, r)| due(r.service))?;
+        let w = fleet.warehouse();
+        let body = w.body_of(&record.kind);
+        let places: Vec<NodeId> =
+            w.nodes_where(NodeKind::is_lasting).into_iter().filter(|n| w.may_be_at(body, *n)).collect();
+        let node = places[self.random.below(places.len())];
+        Some(Input::Register { token: TOKEN, name: record.name.clone(), kind: record.kind.clone(), node })
+    }
+}
+
+/// Whether a robot that is to leave can be switched off and taken away.
+pub(super) fn may_be_taken(fleet: &Fleet, robot: RobotId) -> bool {
+    let (record, chain) = (&fleet.ledger().robots[robot], fleet.ledger().chain(robot));
+    let rests = record.task == Task::Idle && chain.first() + 1 == chain.end();
+    let empty = fleet.ledger().rack_on(robot).is_none();
+    matches!(record.service, Service::Leaving { .. }) && empty && (rests || record.failed)
+}
