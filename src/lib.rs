@@ -64,6 +64,8 @@
 //! | release | a resource is given back | openTCS |
 //! | kind of robots | what all robots of it have in common: kinematics, charging; one planner each | VDA 5050 |
 //! | maintenance | a robot finishes what it has begun, rests at a parking place and takes no jobs | |
+//! | leaving, gone | as for maintenance, then off the floor for good; its place is free | |
+//! | kind, footprint | what robots have in common; the floor that one takes, with or without a rack | VDA 5050 |
 //! | job, dispatch, transport | what a customer wants; choosing robot, rack, station; from place to place | openTCS |
 //! | worker, assignment, observation | a person on the floor; that person's task; a pose and when it was seen | |
 //! | deviation, intent, forecast | off the path; a distribution over goals; where, when, how probably | Petković 2021 |
@@ -231,7 +233,10 @@
 //! | where people will be (forecast) | `human/outlook.rs`, `human/motion/`; learned: `experiment/learning/` |
 //! | whether forecasts hold | `human/coverage.rs`; which robots brake: `fleet/yielding/speed_limit.rs` |
 //! | stop of the whole fleet, pause of a robot | `fleet/requests/operator.rs`; `api/http/halt.rs` |
-//! | a robot joins (registration); maintenance | `fleet/requests/enrolment.rs`; `fleet/dispatch/maintenance.rs` |
+//! | a robot joins (registration), leaves | `fleet/requests/enrolment.rs`; `fleet/dispatch/leaving.rs` |
+//! | maintenance | `fleet/dispatch/maintenance.rs` |
+//! | kinds of robots, footprints | `warehouse/body.rs`, `footprint.rs`; `fleet/state/kind.rs` |
+//! | conflicts where two kinds meet | the rule and its cost: `warehouse/body.rs` |
 //! | the view; why a robot or a job waits | `fleet/read/build.rs`, `view.rs`; `fleet/read/why.rs` |
 //! | occupancy (timelines) of an area | `fleet/read/occupancy.rs`; `api/http/timelines.rs` |
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |

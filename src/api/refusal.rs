@@ -66,6 +66,22 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             );
             field("place", detail)
         }
+        Refusal::UnknownKind
+        | Refusal::RobotIsGone(_)
+        | Refusal::NoKindFor(_)
+        | Refusal::NotForKind(_)
+        | Refusal::PlaceTaken(_) => about_robots(map, why),
+        Refusal::EmptyArea => {
+            field("outline", "an area needs three corners and an end after its beginning".into())
+        }
+    }
+}
+
+/// A robot or its kind stands against it.
+fn about_robots(map: &Warehouse, why: Refusal) -> Problem {
+    let field = |field: &str, detail: String| Problem::invalid(vec![FieldError::new(field, detail)]);
+    let node = |n: NodeId| map.nodes.get(n).map_or_else(|| format!("{n:?}"), |node| node.name.clone());
+    match why {
         Refusal::UnknownKind => {
             field("kind", "there is no such kind of robots; the scenario's `kinds` lists them".into())
         }
@@ -89,9 +105,7 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             let detail = format!("a robot holds {}, or is on its way there: choose another node", node(n));
             Problem::conflict("place-taken", "The place is taken", detail)
         }
-        Refusal::EmptyArea => {
-            field("outline", "an area needs three corners and an end after its beginning".into())
-        }
+        other => unreachable!("{other:?} is not about robots"),
     }
 }
 

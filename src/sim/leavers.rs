@@ -38,7 +38,7 @@ impl Leavers {
         }
         let robots = &fleet.ledger().robots;
         let hours = period.as_secs_f64() / 3600.0;
-        if !stopped && robots.len() > 0 && self.random.happens(self.per_hour * hours) {
+        if !stopped && !robots.is_empty() && self.random.happens(self.per_hour * hours) {
             let robot = RobotId(self.random.below(robots.len()) as u32);
             return Some(Input::Retire { token: TOKEN, robot });
         }

@@ -1,6 +1,7 @@
 //! Kinds of robots as they are written down beside the map: which holds exclude one another follows from them.
 //!
-//! Main functions: `write`, `read`, `outlines`. Refuses: to know of a kind what holds do not depend on; the scenario has that.
+//! Main functions: `write`, `read`, `outlines`. Refuses: to know of a kind what holds do not depend on; the scenario
+//! has that.
 
 use crate::geometry::Point;
 use crate::warehouse::{Body, Footprint, Warehouse};

@@ -106,7 +106,7 @@ impl Timeline {
         let warehouse = self.warehouse.clone();
         let visit = self.chains[&h].get(s).expect("it moved, so it is there");
         let mut first: &[LineId] = &[];
-        for (line, window) in super::claims(self.context(&warehouse, h), visit) {
+        for (line, window) in super::entries::claims(self.context(&warehouse, h), visit) {
             self.lines[line].slide(h, s, (Layer::Physical, 0), window);
             touched.insert(line);
             for &c in warehouse.lines_in_conflict(line) {
@@ -188,7 +188,7 @@ impl Draft<'_> {
     fn push_followers(&self, h: Holder, s: u64, due: &mut Due) {
         let Some(visit) = self.visit(h, s) else { return };
         let warehouse = &self.timeline.warehouse;
-        for (line, window) in super::claims(self.timeline.context(warehouse, h), visit) {
+        for (line, window) in super::entries::claims(self.timeline.context(warehouse, h), visit) {
             let conflicts = warehouse.lines_in_conflict(line).iter();
             for l in std::iter::once(&line).chain(conflicts) {
                 for f in self.timeline.lines[*l].followers(h, s) {

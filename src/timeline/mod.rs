@@ -13,6 +13,7 @@
 
 mod chains;
 mod delay;
+mod entries;
 mod held;
 mod line;
 mod restore;
@@ -26,9 +27,10 @@ pub use truncate::Kept;
 
 use crate::id::{BodyId, Dense, IdVec, LineId, NodeId, ResourceId, RobotId, WorkerId};
 use crate::time::{Span, Time, Window};
-use crate::warehouse::{NodeKind, Warehouse};
+use crate::warehouse::Warehouse;
 use chains::Chains;
-use line::{Hold, Line};
+use entries::{claims, is_station};
+use line::Line;
 use std::collections::VecDeque;
 use std::fmt;
 use std::sync::Arc;
@@ -539,50 +541,6 @@ impl Timeline {
         Ok(())
     }
 
-    /// What writing and erasing the visits of a holder takes.
-    fn context<'a>(&self, warehouse: &'a Warehouse, holder: Holder) -> Context<'a> {
-        debug_assert!(
-            self.chain(holder).is_none_or(|c| !c.absent || c.visits.len() == 1),
-            "{holder:?} has left the floor and plans nothing"
-        );
-        let (clearance, without_conflicts) = (self.clearance, self.without_conflicts);
-        Context { warehouse, body: self.body(holder), clearance, without_conflicts }
-    }
-
-    fn write(
-        lines: &mut IdVec<LineId, Line>,
-        context: Context<'_>,
-        holder: Holder,
-        serial: u64,
-        visit: &Visit,
-    ) {
-        if context.without_conflicts && !is_station(context.warehouse, visit) {
-            return;
-        }
-        for (line, window) in claims(context, visit) {
-            let hold = |layer| Hold { start: window.start(), end: window.end(), holder, serial, layer };
-            lines[line].insert(hold(Layer::Physical));
-            for &c in context.warehouse.lines_in_conflict(line) {
-                lines[c].insert(hold(Layer::Conflict));
-            }
-        }
-    }
-
-    fn erase(
-        lines: &mut IdVec<LineId, Line>,
-        context: Context<'_>,
-        holder: Holder,
-        serial: u64,
-        visit: &Visit,
-    ) {
-        for (line, _) in claims(context, visit) {
-            lines[line].remove(holder, serial);
-            for &c in context.warehouse.lines_in_conflict(line) {
-                lines[c].remove(holder, serial);
-            }
-        }
-    }
-
     /// Asserts that no resource is held twice and that every chain is in order. For laws and tests: looks at
     /// everything.
     pub fn assert_sound(&self) {
@@ -603,28 +561,6 @@ impl Timeline {
 /// delay then moves the end of the first by more than that of the second, which waits less.
 fn in_order(a: &Visit, b: &Visit) -> bool {
     a.enter <= b.enter && a.arrive <= a.depart && b.enter <= b.arrive && b.arrive <= a.leave
-}
-
-fn is_station(warehouse: &Warehouse, visit: &Visit) -> bool {
-    matches!(warehouse.nodes[visit.node].kind, NodeKind::Station(_))
-}
-
-/// What writing and erasing the visits of one holder takes.
-#[derive(Clone, Copy)]
-struct Context<'a> {
-    warehouse: &'a Warehouse,
-    body: BodyId,
-    clearance: Span,
-    without_conflicts: bool,
-}
-
-/// What a visit holds: its node and, where needed, its lane, as robots with its own footprint find them.
-fn claims(c: Context<'_>, v: &Visit) -> impl Iterator<Item = (LineId, Window)> + use<> {
-    let line = |r| c.warehouse.line(c.body, v.loaded, r);
-    let node = (line(c.warehouse.node_resource(v.node)), v.window());
-    let until = (v.arrive + c.clearance).max(v.enter + Span(1));
-    let lane = v.lane.map(|l| (line(l), Window::new(v.enter, until)));
-    std::iter::once(node).chain(lane)
 }
 
 #[cfg(test)]

@@ -269,8 +269,8 @@ impl Warehouse {
     }
 
     /// The resources that no other robot may hold while `r` is held, without `r` itself, where both robots take the
-    /// square of the map (see [`Warehouse::lines_in_conflict`] for others). A lane's own end nodes are not among them: a
-    /// robot that drives a lane holds both ends anyway, so most lanes have none at all.
+    /// square of the map (see [`Warehouse::lines_in_conflict`] for others). A lane's own end nodes are not among them:
+    /// a robot that drives a lane holds both ends anyway, so most lanes have none at all.
     pub fn conflicts(&self, r: ResourceId) -> &[ResourceId] {
         &self.conflicts[r]
     }

@@ -1,13 +1,13 @@
 // What the page shows over time, in a real browser against a real server that this test starts itself, with people on
 // the floor: node tests/charts.mjs PATH-TO-GIVEWAY
 // Charts, encounters, maps of heat, forecasts, and how somebody is seen.
-import { spawn } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
 import { PATIENCE, assert, check, finish, openBrowser, until } from './chromium.mjs';
+import { serve } from './serve.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -19,7 +19,7 @@ const SHOTS = HERE('./shots/');
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 await mkdir(SHOTS, { recursive: true });
 const scratch = mkdtempSync(`${tmpdir()}/giveway-charts-`);
-const { url, stop } = await serve();
+const { url, stop } = await serve(program, HERE('../../scenarios/people-3.json'), scratch);
 const browser = await openBrowser();
 const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
 const page = await context.newPage();
@@ -245,19 +245,3 @@ async function axe(look) {
 }
 
 /** A server with people on the floor, on any port. */
-async function serve() {
-  const server = spawn(program, ['serve', '--scenario', HERE('../../scenarios/people-3.json'), '--listen', '127.0.0.1:0', '--database', `${scratch}/db.sqlite`]);
-  let log = '';
-  server.stderr.on('data', (text) => { log += text; });
-  server.stdout.on('data', (text) => { log += text; });
-  const ended = new Promise((done) => { server.once('exit', done); });
-  for (let i = 0; i < 300; i++) {
-    const at = /^Giveway is at (http:\/\/[^/]*)\/$/m.exec(log)?.[1];
-    if (at) return { url: at, stop: async () => { server.kill('SIGTERM'); await ended; rmSync(scratch, { recursive: true, force: true }); } };
-    if (server.exitCode !== null) break;
-    await new Promise((done) => { setTimeout(done, 200); });
-  }
-  console.error(`The server did not start:\n${log}`);
-  server.kill();
-  process.exit(1);
-}

@@ -88,10 +88,10 @@ pub async fn register(
     }
 }
 
-/// Take a robot off the floor for good. It finishes what it has begun, gives back what it has not, and goes to a parking
-/// place. Switch it off there: once it has been silent for ten seconds it is gone and nothing is kept free for it. A
-/// broken one is gone then wherever it stands, if it has no rack on it. Jobs that name it fail. Registered again under
-/// its name, it comes back.
+/// Take a robot off the floor for good. It finishes what it has begun, gives back what it has not, and goes to a
+/// parking place. Switch it off there: once it has been silent for ten seconds it is gone and nothing is kept free for
+/// it. A broken one is gone then wherever it stands, if it has no rack on it. Jobs that name it fail. Registered again
+/// under its name, it comes back.
 #[utoipa::path(delete, path = "/v1/robots/{id}", tag = "floor",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It is to leave, and that is durable"),

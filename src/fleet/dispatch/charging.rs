@@ -70,9 +70,7 @@ fn leave_the_way(core: &mut Core, robot: RobotId, now: Time) {
     let may_stay = core.warehouse().nodes[node].kind.is_lasting() && !core.floor().is_closing(node);
     let stay = match may_stay {
         false => core.floor().any_stay(robot),
-        true if core.floor().is_in_the_way(robot, node, now) => {
-            core.floor().free_place(robot, NodeKind::Parking)
-        }
+        true if core.floor().is_in_the_way(robot, node, now) => core.floor().place_without_rack(robot),
         true => None,
     };
     if let Some(stay) = stay {
@@ -151,15 +149,15 @@ impl Floor<'_> {
         matches!(job, Some(JobKind::Charge { .. }))
     }
 
-    /// Whether a robot that takes no job stands beneath a rack that waiting jobs ask for: no other robot is sent there.
+    /// Whether a robot that takes no job, or cannot carry the rack, stands beneath one that waiting jobs ask for: no
+    /// other robot is sent there.
     fn is_in_the_way(&self, robot: RobotId, node: NodeId, now: Time) -> bool {
         let turn = (now.0 / self.settings.period.0) % (LOOKS.0 / self.settings.period.0).max(1);
         let looks = turn == i64::from(robot.0) % (LOOKS.0 / self.settings.period.0).max(1);
-        if !looks || self.battery(robot) >= self.charging(robot).low {
-            return false;
-        }
-        let rack = self.ledger.index().places.rack_on(node);
-        rack.is_some_and(|rack| self.ledger.index().queue.is_wanted(rack))
+        let Some(rack) = self.ledger.index().places.rack_on(node).filter(|_| looks) else { return false };
+        let is_low = self.battery(robot) < self.charging(robot).low;
+        let is_no_use = is_low || !self.warehouse().can_carry(self.body(robot), rack);
+        is_no_use && self.ledger.index().queue.is_wanted(rack)
     }
 
     fn leaves_charger(&self, robot: RobotId) -> bool {

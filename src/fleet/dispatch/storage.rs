@@ -39,9 +39,20 @@ impl Floor<'_> {
 
     /// A free charger or parking place near a robot, for it to go to.
     pub(in crate::fleet) fn free_place(&self, robot: RobotId, kind: NodeKind) -> Option<NodeId> {
+        self.nearest_free(robot, kind, |_| true)
+    }
+
+    /// A place where a robot can stay other than where it rests.
+    pub(in crate::fleet) fn another_stay(&self, robot: RobotId) -> Option<NodeId> {
+        let rests = self.ledger.chain(robot).last().map(|v| v.node);
+        let mut kinds = [NodeKind::Parking, NodeKind::Charger, NodeKind::Storage].into_iter();
+        kinds.find_map(|kind| self.nearest_free(robot, kind, |n| Some(n) != rests))
+    }
+
+    fn nearest_free(&self, robot: RobotId, kind: NodeKind, fits: impl Fn(NodeId) -> bool) -> Option<NodeId> {
         let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;
         let free = self.ledger.index().places.free_for(robot, kind).filter(|n| !self.is_closing(*n));
-        let free = free.filter(|n| self.may_be_at(robot, *n));
+        let free = free.filter(|n| self.may_be_at(robot, *n) && fits(*n));
         free.min_by_key(|n| ((along_axes(here, self.warehouse().nodes[*n].at) * 1000.0) as i64, *n))
     }
 
@@ -50,6 +61,14 @@ impl Floor<'_> {
         self.free_place(robot, NodeKind::Parking)
             .or_else(|| self.free_place(robot, NodeKind::Charger))
             .or_else(|| self.free_place(robot, NodeKind::Storage))
+    }
+
+    /// A place where an unloaded robot can stay that is in the way of no rack: parking, else storage that has none.
+    pub(in crate::fleet) fn place_without_rack(&self, robot: RobotId) -> Option<NodeId> {
+        let places = &self.ledger.index().places;
+        let empty = |n: NodeId| places.rack_on(n).is_none() && !places.is_wanted(n);
+        let parking = self.free_place(robot, NodeKind::Parking);
+        parking.or_else(|| self.nearest_free(robot, NodeKind::Storage, empty))
     }
 
     /// Whether a storage node cannot be promised to `rack` on `robot`.

@@ -1,7 +1,8 @@
 //! Kinds of robots: what all robots of one kind have in common.
 //!
-//! Main types: [`RobotKind`], [`Charging`]. Main function: [`fitted`]. A robot's kind is known by its name, which the ledger keeps: what a kind is
-//! may be changed between two starts, which kind a robot is of may not. Refuses: to know of a robot's state.
+//! Main types: [`RobotKind`], [`Charging`]. Main function: [`fitted`]. A robot's kind is known by its name, which the
+//! ledger keeps: what a kind is may be changed between two starts, which kind a robot is of may not. Refuses: to know
+//! of a robot's state.
 
 use crate::route::Kinematics;
 use crate::warehouse::{Body, Findings, Footprint, Warehouse};

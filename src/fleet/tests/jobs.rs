@@ -254,3 +254,15 @@ fn a_job_that_one_robot_alone_can_do_is_not_lost_behind_a_hundred_others() {
     let begun = jobs.iter().filter(|job| !floor.is(**job, "waiting")).count();
     assert!(begun >= 5, "{begun} of {}: as many as the station has places", jobs.len());
 }
+
+#[test]
+fn a_robot_that_rests_where_another_is_sent_makes_way() {
+    let mut floor = Floor::thesis(2);
+    let parking = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Parking)[0];
+    let [a, b] = [0, 1].map(RobotId::at);
+    let there = floor.submit(request(JobKind::Go { robot: a, node: parking }));
+    floor.until(300, "it rests there", |f| f.state(there).is_none());
+    let go = floor.submit(request(JobKind::Go { robot: b, node: parking }));
+    floor.until(300, "the other one was there", |f| f.state(go).is_none());
+    floor.assert_done_once(&[there, go]);
+}

@@ -208,3 +208,19 @@ fn the_laws_and_the_regions_near_people_are_those_of_the_robot_at_hand() {
     assert!((regions(1).bodies_m(false) - 0.7).abs() < 1e-9, "the square of the map");
     assert!(keep_out(1) > keep_out(0), "larger, with weaker brakes");
 }
+
+#[test]
+fn a_robot_that_cannot_carry_the_rack_above_it_makes_way_for_one_that_can() {
+    let mut two = shuttles_and_movers(2);
+    two.kinds[0].kind.charging.opportunity = false;
+    let mut floor = Floor::new(mixed(), &two);
+    let shelf = RackId(1);
+    let beneath = floor.fleet.warehouse().racks[shelf].home;
+    let job = floor.submit(request(JobKind::Go { robot: RobotId::at(0), node: beneath }));
+    floor.until(300, "the shuttle is beneath", |f| f.state(job).is_none());
+    floor.run(3);
+    assert_eq!(floor.fleet.ledger().node_of(RobotId::at(0)), beneath);
+    let job = floor.submit(request(JobKind::Deliver { rack: shelf, station: StationId(0), pick: None }));
+    floor.until(600, "the mover has fetched it", |f| f.state(job).is_none());
+    floor.assert_done_once(&[job]);
+}

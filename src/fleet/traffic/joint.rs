@@ -105,8 +105,8 @@ impl Traffic {
     ) -> Option<Route> {
         let mut stages = core.floor().stages_left(robot);
         if stages.is_empty() {
-            // It has nothing to do: any place to stay will do.
-            let goal = core.floor().any_stay(robot)?;
+            // It has nothing to do, and rests in the way: any other place to stay will do.
+            let goal = core.floor().another_stay(robot)?;
             stages = SmallVec::from_elem(Stage::to_stay(goal), 1);
         }
         let exemptions = core.floor().exemptions(robot, now);

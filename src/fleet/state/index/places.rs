@@ -89,6 +89,12 @@ impl Places {
         self.stored[node]
     }
 
+    /// Whether some job wants a rack on a node.
+    pub fn is_wanted(&self, node: NodeId) -> bool {
+        let wanted = self.relocations.range((node, RackId(0))..=(node, RackId(u32::MAX)));
+        wanted.take(1).count() > 0
+    }
+
     /// Whether some job wants another rack on a node.
     pub fn is_wanted_for_another(&self, node: NodeId, but: RackId) -> bool {
         let wanted = self.relocations.range((node, RackId(0))..=(node, RackId(u32::MAX)));

@@ -1,0 +1,77 @@
+//! How visits stand in the timelines: what they hold, and whom that keeps away.
+//!
+//! Main type: [`Context`] (whose visits these are); main function: [`claims`]. Refuses: to ask whether a place is free.
+
+use super::line::{Hold, Layer, Line};
+use super::{Holder, Timeline, Visit};
+use crate::id::{BodyId, IdVec, LineId};
+use crate::time::{Span, Window};
+use crate::warehouse::{NodeKind, Warehouse};
+
+impl Timeline {
+    /// What writing and erasing the visits of a holder takes.
+    pub(super) fn context<'a>(&self, warehouse: &'a Warehouse, holder: Holder) -> Context<'a> {
+        debug_assert!(
+            self.chain(holder).is_none_or(|c| !c.absent || c.visits.len() == 1),
+            "{holder:?} has left the floor and plans nothing"
+        );
+        let (clearance, without_conflicts) = (self.clearance, self.without_conflicts);
+        Context { warehouse, body: self.body(holder), clearance, without_conflicts }
+    }
+
+    pub(super) fn write(
+        lines: &mut IdVec<LineId, Line>,
+        context: Context<'_>,
+        holder: Holder,
+        serial: u64,
+        visit: &Visit,
+    ) {
+        if context.without_conflicts && !is_station(context.warehouse, visit) {
+            return;
+        }
+        for (line, window) in claims(context, visit) {
+            let hold = |layer| Hold { start: window.start(), end: window.end(), holder, serial, layer };
+            lines[line].insert(hold(Layer::Physical));
+            for &c in context.warehouse.lines_in_conflict(line) {
+                lines[c].insert(hold(Layer::Conflict));
+            }
+        }
+    }
+
+    pub(super) fn erase(
+        lines: &mut IdVec<LineId, Line>,
+        context: Context<'_>,
+        holder: Holder,
+        serial: u64,
+        visit: &Visit,
+    ) {
+        for (line, _) in claims(context, visit) {
+            lines[line].remove(holder, serial);
+            for &c in context.warehouse.lines_in_conflict(line) {
+                lines[c].remove(holder, serial);
+            }
+        }
+    }
+}
+
+pub(super) fn is_station(warehouse: &Warehouse, visit: &Visit) -> bool {
+    matches!(warehouse.nodes[visit.node].kind, NodeKind::Station(_))
+}
+
+/// What writing and erasing the visits of one holder takes.
+#[derive(Clone, Copy)]
+pub(super) struct Context<'a> {
+    warehouse: &'a Warehouse,
+    body: BodyId,
+    clearance: Span,
+    without_conflicts: bool,
+}
+
+/// What a visit holds: its node and, where needed, its lane, as robots with its own footprint find them.
+pub(super) fn claims(c: Context<'_>, v: &Visit) -> impl Iterator<Item = (LineId, Window)> + use<> {
+    let line = |r| c.warehouse.line(c.body, v.loaded, r);
+    let node = (line(c.warehouse.node_resource(v.node)), v.window());
+    let until = (v.arrive + c.clearance).max(v.enter + Span(1));
+    let lane = v.lane.map(|l| (line(l), Window::new(v.enter, until)));
+    std::iter::once(node).chain(lane)
+}
