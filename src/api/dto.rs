@@ -318,11 +318,15 @@ impl Names<'_> {
             },
             Why::NoRoute => "no route found yet; trying again".into(),
             Why::Failed => "cannot drive".into(),
-            Why::EmergencyStop => "its emergency stop is pressed: release it when the way is clear".into(),
+            Why::EmergencyStop => {
+                "stands: its emergency stop is pressed; release it when the way is clear".into()
+            }
             Why::Manual => "driven by hand: it goes on by itself when that ends on a free node".into(),
             Why::Obstructed(n) => {
                 let node = self.map.nodes.get(n).map_or("the next node", |n| n.name.as_str());
-                format!("something stands on its way to {node}: clear it; it looks for another way")
+                format!(
+                    "cannot pass: something stands on its way to {node}; clear it, it looks for another way"
+                )
             }
             Why::Unplugged => "gets no current from its charger: look at plug and charger".into(),
             Why::Displaced(displacement) => displaced::words(self.map, |r| self.robot(r), displacement),

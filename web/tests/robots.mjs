@@ -44,9 +44,12 @@ const map = await ask('/v1/map');
 
 await check('The card of a robot says of which kind it is', async () => {
   for (const kind of ['shuttle', 'mover']) {
-    const robot = (await robots()).find((r) => r.kind === kind);
-    await choose(robot.id);
-    await card.getByText(kind, { exact: true }).waitFor({ timeout: PATIENCE });
+    await until(`the card of a ${kind}`, async () => {
+      const robot = (await robots()).find((r) => r.kind === kind);
+      if (!robot) return false;
+      await choose(robot.id);
+      return card.getByText(kind, { exact: true }).waitFor({ timeout: 5_000 }).then(() => true, () => false);
+    });
     await card.getByRole('button', { name: 'Close' }).click();
   }
   return (await ask('/v1/kinds')).map((k) => k.name).join(', ');
