@@ -220,7 +220,7 @@ impl Run<'_> {
         let here = self.timeline.chain(robot.holder)?.visits().next()?.clone();
         // A goal on this cell was counted at this step, so the next one on it needs the robot here at the next step.
         let stay = if here.node == goal { STEP } else { Span::ZERO };
-        let stage = |goal, stay| Stage { goal, loaded: false, stay };
+        let stage = |goal, stay| Stage { stay, ..Stage::to_stay(goal) };
         let stages = [stage(goal, stay), stage(robot.home, Span::ZERO)];
         let heading = self.heading(i);
         let ask = Ask {

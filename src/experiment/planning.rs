@@ -153,7 +153,7 @@ impl Crowd {
     /// Robots are dealt to the kinds by number, so that the kinds are spread over the floor.
     fn errand(&mut self, robot: usize) -> Vec<Stage> {
         let w = self.planner.warehouse().clone();
-        let stage = |goal, loaded, stay| Stage { goal, loaded, stay: Span::from_millis(stay) };
+        let stage = |goal, loaded, stay| Stage { goal, loaded, lifts: false, stay: Span::from_millis(stay) };
         let from_storage = w.nodes[self.starts[robot]].kind == NodeKind::Storage;
         let stations = w.stations.pairs();
         let places: Vec<StationId> =

@@ -34,6 +34,8 @@ pub struct Stage {
     pub goal: NodeId,
     /// Whether a rack is carried on the way.
     pub loaded: bool,
+    /// Whether a rack is lifted there: from then on the robot takes the floor of one with a rack.
+    pub lifts: bool,
     /// How long to stay there before the next stage; at the last one, where the robot may stay for ever, it counts only
     /// where the place is to be closed by hand.
     pub stay: Span,
@@ -42,7 +44,7 @@ pub struct Stage {
 impl Stage {
     /// Going to a node without a rack, to stay.
     pub fn to_stay(goal: NodeId) -> Stage {
-        Stage { goal, loaded: false, stay: Span::ZERO }
+        Stage { goal, loaded: false, lifts: false, stay: Span::ZERO }
     }
 }
 
@@ -50,7 +52,8 @@ impl Stage {
 /// lifts one there.
 fn is_loaded_at(stages: &[Stage], node: NodeId, stage: usize) -> bool {
     let here = stages[stage..].iter().take_while(|s| s.goal == node).count();
-    stages[stage..].iter().take(here + 1).any(|s| s.loaded)
+    let on = &stages[stage..];
+    on.iter().take(here + 1).any(|s| s.loaded) || on.iter().take(here).any(|s| s.lifts)
 }
 
 /// What is wanted.

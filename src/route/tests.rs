@@ -5,7 +5,7 @@ use crate::geometry::Point;
 use crate::id::{ArcId, ClosureId, Dense, LineId, RobotId};
 use crate::time::Window;
 use crate::timeline::{FreeWindow, Holder};
-use crate::warehouse::{Draft, DraftLane, DraftNode, Users};
+use crate::warehouse::{Body, Draft, DraftLane, DraftNode, Footprint, Users};
 use proptest::prelude::*;
 
 fn grid(columns: usize, rows: usize) -> Arc<Warehouse> {
@@ -72,7 +72,7 @@ fn ask<'a>(from: &'a Visit, stages: &'a [Stage]) -> Ask<'a> {
 }
 
 fn to(goal: u32) -> Stage {
-    Stage { goal: NodeId(goal), loaded: false, stay: Span::ZERO }
+    Stage::to_stay(NodeId(goal))
 }
 
 /// Earliest arrival at `goal` by trying everything: walks of at most `steps` arcs, all gaits, all choices of free
@@ -479,4 +479,51 @@ fn a_weighted_search_expands_less_on_a_floor_where_much_is_equal() {
         let quick = planner.plan(&ask(&from, &stages), timeline).unwrap();
         assert!(quick.expansions <= plain.expansions, "{} and {}", quick.expansions, plain.expansions);
     }
+}
+
+/// Nodes in a row, a metre apart, for robots that have room beside one another unless both have a rack.
+fn row_for_racks(n: usize) -> Arc<Warehouse> {
+    let name = |i: usize| format!("n{i}");
+    let nodes = (0..n).map(|i| DraftNode { name: name(i), at: Point::new(i as f64, 0.0) }).collect();
+    let lanes = (1..n).map(|i| DraftLane::both_ways(name(i - 1), name(i), Users::ALL)).collect();
+    let draft = Draft { name: "row".into(), footprint_m: 1.2, nodes, lanes, ..Draft::default() };
+    let outlines = [0.2, 0.6].map(|radius_m| Some(Footprint::Circle { radius_m }));
+    Arc::new(draft.build_unchecked().with_bodies(vec![Body { footprints: outlines, ..Body::usual("grows") }]))
+}
+
+#[test]
+fn room_for_a_rack_is_held_from_where_it_is_lifted_on() {
+    let warehouse = row_for_racks(4);
+    let timeline = strangers(&warehouse, &[], 500_000);
+    let mut planner = Planner::new(warehouse, drive());
+    let loaded = |route: &Route| {
+        let visits = std::iter::once(&route.kept).chain(&route.visits);
+        visits.map(|v| (v.node.0, v.loaded)).collect::<Vec<_>>()
+    };
+    let (from, lift) = (start(), Stage { lifts: true, ..to(2) });
+    let fetch = planner.plan(&ask(&from, &[lift]), &timeline).unwrap();
+    assert_eq!(loaded(&fetch), [(0, false), (1, false), (2, true)], "it lifts at the end");
+    let stages = [lift, Stage { loaded: true, ..to(3) }, to(1)];
+    let whole = planner.plan(&ask(&from, &stages), &timeline).unwrap();
+    let wanted = [(0, false), (1, false), (2, true), (3, true), (2, false), (1, false)];
+    assert_eq!(loaded(&whole), wanted, "it carries the rack from 2 to 3");
+    let had = Visit { loaded: true, ..start() };
+    let after = planner.plan(&ask(&had, &[to(1)]), &timeline).unwrap();
+    assert_eq!(loaded(&after), [(0, true), (1, false)], "where it set a rack down it holds as before");
+}
+
+#[test]
+fn a_rack_is_not_lifted_while_a_robot_stands_too_near_for_one_with_a_rack() {
+    let warehouse = row_for_racks(4);
+    // Another robot with a rack is on the next node until 20 s.
+    let mut timeline = strangers(&warehouse, &[], 500_000);
+    let other = Visit { loaded: true, ..still(3, Time(0), Time(20_000_000)) };
+    timeline.reserve(Holder::Robot(RobotId(7)), vec![other]).expect("the floor is empty");
+    let mut planner = Planner::new(warehouse, drive());
+    let from = start();
+    let passes = planner.plan(&ask(&from, &[to(2)]), &timeline).unwrap();
+    let lifts = planner.plan(&ask(&from, &[Stage { lifts: true, ..to(2) }]), &timeline).unwrap();
+    let entered = |route: &Route| route.visits.last().unwrap().enter;
+    assert!(entered(&passes) < Time(20_000_000), "{:?}", entered(&passes));
+    assert!(entered(&lifts) >= Time(20_000_000), "{:?}", entered(&lifts));
 }

@@ -32,7 +32,7 @@ fn plan(planner: &mut Planner, ways: &[(NodeId, NodeId)], order: &[usize]) -> Op
             let waits = Visit { depart: HEAD_START, leave: HEAD_START, ..stand(ways[later].0) };
             others.reserve(holder(later), vec![waits]).ok()?;
         }
-        let (from, stage) = (stand(ways[i].0), Stage { goal: ways[i].1, loaded: false, stay: Span::ZERO });
+        let (from, stage) = (stand(ways[i].0), Stage::to_stay(ways[i].1));
         let ask = Ask {
             from: &from,
             heading: 0.0,

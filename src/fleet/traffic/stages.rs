@@ -18,10 +18,10 @@ impl Floor<'_> {
     /// The legs that the rest of a robot's task asks for.
     pub(in crate::fleet) fn stages(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
         let lift = self.kinematics(robot).lift;
-        let leg = |goal, loaded, stay| Stage { goal, loaded, stay };
+        let leg = |goal, loaded, stay| Stage { goal, loaded, lifts: false, stay };
         match self.ledger.robots[robot].task {
             Task::Idle => smallvec![],
-            Task::Fetch { node, .. } => smallvec![leg(node, false, lift)],
+            Task::Fetch { node, .. } => smallvec![Stage { lifts: true, ..leg(node, false, lift) }],
             Task::Deliver { station, store, job, .. } => {
                 smallvec![leg(station, true, self.pick_span(station, job)), leg(store, true, lift)]
             }
@@ -107,7 +107,7 @@ impl Floor<'_> {
     pub(in crate::fleet) fn stages_aside(&self, robot: RobotId, place: NodeId) -> SmallVec<[Stage; 4]> {
         let rest = self.stages_after(robot);
         let loaded = self.ledger.rack_on(robot).is_some();
-        let leg = |goal| Stage { goal, loaded, stay: Span::ZERO };
+        let leg = |goal| Stage { loaded, ..Stage::to_stay(goal) };
         let mut stages = smallvec![leg(place)];
         if rest.is_empty() {
             stages.push(leg(self.ledger.chain(robot).last().expect("it stands somewhere").node));

@@ -278,6 +278,11 @@ impl Ledger {
         assert_eq!(record.stops.first().map(|s| s.serial), Some(serial), "{robot:?} acts at its next stop");
         let stop = record.stops.remove(0);
         record.acted = Some(serial);
+        let room = self.chain(robot).get(serial).is_some_and(|v| v.loaded);
+        assert!(
+            room || !matches!(stop.act, Act::Lift(_)),
+            "{robot:?} lifts a rack where it holds no room for one"
+        );
         match stop.act {
             Act::Lift(rack) => {
                 assert_eq!(
