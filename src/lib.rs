@@ -32,7 +32,7 @@
 //! - [`route`]: the one search, over free windows.
 //! - [`human`]: people as beliefs. Where they are, whether they keep to their path, which goals are theirs, where they
 //!   will be when. Every kind of bad sighting has one answer (`human/track.rs`). Forecasts are mixtures whose figures
-//!   were learned from recorded people (`human/outlook.rs`, `human/model.rs`) and are judged while the system runs.
+//!   were learned from recorded people (`human/forecast.rs`, `human/model.rs`) and are judged while the system runs.
 //! - [`aware`]: what people mean for robots: conditions on nodes for the search and the grants, regions for speeds,
 //!   encounters. There is no second planner.
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
@@ -230,7 +230,7 @@
 //! | worker registration, worker's assignment | `fleet/requests/workers.rs`; `api/http/workers.rs`, `assignments.rs` |
 //! | where workers are led, what they are told | `fleet/people/routing.rs`, `fleet/people/guidance.rs` |
 //! | how a person's intent is inferred | `fleet/people/intent.rs`, `human/intention/`; stories: `experiment/stories/` |
-//! | where people will be (forecast) | `human/outlook.rs`, `human/motion/`; learned: `experiment/learning/` |
+//! | where people will be (forecast) | `human/forecast.rs`, `human/motion/`; learned: `experiment/learning/` |
 //! | whether forecasts hold | `human/coverage.rs`; which robots brake: `fleet/yielding/speed_limit.rs` |
 //! | stop of the whole fleet, pause of a robot | `fleet/requests/operator.rs`; `api/http/halt.rs` |
 //! | a robot joins (registration), leaves | `fleet/requests/enrolment.rs`; `fleet/dispatch/leaving.rs` |

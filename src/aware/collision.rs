@@ -92,7 +92,7 @@ pub fn collision(
 mod tests {
     use super::*;
     use crate::human::motion::{Fix, Motion};
-    use crate::human::{Model, Outlook, Part};
+    use crate::human::{Forecast, Model, Part};
     use nalgebra::Matrix2;
 
     /// Somebody who walks along x at 1.2 m/s and is at the origin after two seconds.
@@ -116,8 +116,8 @@ mod tests {
     fn ask_scaled(robot: &Swept, lead_s: f64, scale: f64) -> f64 {
         let (motion, now) = walking();
         let model = Model::builtin();
-        let outlook = Outlook { motion: &motion, ways: &[], bound: &model.bound, free: &model.free };
-        collision(|t| Some(outlook.at(t)?.scaled(scale)), robot, now, Span::from_secs_f64(lead_s)).unwrap()
+        let forecast = Forecast { motion: &motion, ways: &[], bound: &model.bound, free: &model.free };
+        collision(|t| Some(forecast.at(t)?.scaled(scale)), robot, now, Span::from_secs_f64(lead_s)).unwrap()
     }
 
     fn robot(from: (f64, f64), to: (f64, f64)) -> Swept {

@@ -1,6 +1,6 @@
 //! Whether forecasts hold while the system runs, and what is done where they do not.
 //!
-//! Main types: [`Coverage`] (one record for all people), [`Foresight`] (its figures). A forecast that was
+//! Main types: [`Coverage`] (one record for all people), [`HorizonCoverage`] (its figures). A forecast that was
 //! made is kept until it is due and compared with where the person was. Regions grow with every miss and
 //! shrink with every hit, so that they hold what they say in the long run, whatever people do (adaptive
 //! conformal inference: Gibbs and Candès 2021). Where they still do not, forecasts are not trusted, and
@@ -34,7 +34,7 @@ const BAND: (f64, f64) = (0.88, 0.92);
 
 /// How one horizon does.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Foresight {
+pub struct HorizonCoverage {
     /// How far ahead, seconds.
     pub horizon_s: f64,
     /// How many forecasts have come due.
@@ -60,20 +60,25 @@ struct Pending {
 pub struct Coverage {
     pending: BTreeMap<WorkerId, VecDeque<Pending>>,
     made: BTreeMap<WorkerId, Time>,
-    horizons: [Foresight; 3],
+    horizons: [HorizonCoverage; 3],
 }
 
 impl Default for Coverage {
     fn default() -> Coverage {
-        let fresh =
-            |horizon_s| Foresight { horizon_s, forecasts: 0, covered: LEVEL, scale: 1.0, trusted: true };
+        let fresh = |horizon_s| HorizonCoverage {
+            horizon_s,
+            forecasts: 0,
+            covered: LEVEL,
+            scale: 1.0,
+            trusted: true,
+        };
         Coverage { pending: BTreeMap::new(), made: BTreeMap::new(), horizons: WATCHED_S.map(fresh) }
     }
 }
 
 impl Coverage {
     /// How all horizons do.
-    pub fn forecast_coverage(&self) -> &[Foresight; 3] {
+    pub fn forecast_coverage(&self) -> &[HorizonCoverage; 3] {
         &self.horizons
     }
 
@@ -85,7 +90,7 @@ impl Coverage {
     /// The factor of standard deviations for a horizon, seconds.
     pub fn scale(&self, ahead_s: f64) -> f64 {
         let [a, b, c] = &self.horizons;
-        let between = |p: &Foresight, q: &Foresight| {
+        let between = |p: &HorizonCoverage, q: &HorizonCoverage| {
             let share = ((ahead_s - p.horizon_s) / (q.horizon_s - p.horizon_s)).clamp(0.0, 1.0);
             p.scale + (q.scale - p.scale) * share
         };
@@ -129,7 +134,7 @@ impl Coverage {
     }
 }
 
-impl Foresight {
+impl HorizonCoverage {
     fn learn(&mut self, hit: bool) {
         self.forecasts += 1;
         let weight = 1.0 / (self.forecasts as f64 + 20.0).min(MEMORY);

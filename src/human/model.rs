@@ -4,9 +4,9 @@
 //! the built-in figures hold, which were learned in the same way from public recordings. Refuses: figures that cannot
 //! be.
 
+use super::forecast::{CLASSES, HORIZONS, Kernel, Shapes};
 use super::intention::PurposeModel;
 use super::motion::MotionModel;
-use super::outlook::{CLASSES, HORIZONS, Kernel, Shapes};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, LazyLock};
 

@@ -159,18 +159,18 @@ describe('the feed of somebody in words', () => {
 
 describe('forecasts', () => {
   const part = { p: 0.5, x: 1, y: 2, sx: 2, sy: 1, tilt: 0.5 };
-  const outlooks = [{ worker: 'w1', parts: [{ ...part, after_s: 1 }, { ...part, after_s: 4 }] }];
+  const forecasts = [{ worker: 'w1', parts: [{ ...part, after_s: 1 }, { ...part, after_s: 4 }] }];
   test('one moment ahead is drawn, or all of them with the soonest on top', () => {
-    expect(forecastsOf(outlooks, 4)).toEqual([{ worker: 'w1', parts: [{ x: 1, y: 2, sxx: 4, sxy: 1, syy: 1, weight: 0.5 }] }]);
-    expect(forecastsOf(outlooks, 'all')[0]!.parts.length).toBe(2);
-    expect(forecastsOf(outlooks, 'none')).toEqual([]);
+    expect(forecastsOf(forecasts, 4)).toEqual([{ worker: 'w1', parts: [{ x: 1, y: 2, sxx: 4, sxy: 1, syy: 1, weight: 0.5 }] }]);
+    expect(forecastsOf(forecasts, 'all')[0]!.parts.length).toBe(2);
+    expect(forecastsOf(forecasts, 'none')).toEqual([]);
   });
   test('thin patches carry them as numbers, and rows as they are', () => {
     const mirror = seen(1, {});
     const thin = reduce(mirror, { type: 'patch', base: 1, version: 2, ahead: [[0, 1, 50, 100, 200, 200, 100, 50]] });
     expect(thin.kind === 'gap' ? null : thin.mirror.forecasts).toEqual([{ worker: 'w1', parts: [{ ...part, after_s: 1 }] }]);
-    const plain = reduce(mirror, { type: 'patch', base: 1, version: 2, forecasts: outlooks });
-    expect(plain.kind === 'gap' ? null : plain.mirror.forecasts).toBe(outlooks);
+    const plain = reduce(mirror, { type: 'patch', base: 1, version: 2, forecasts });
+    expect(plain.kind === 'gap' ? null : plain.mirror.forecasts).toBe(forecasts);
     expect(thin.kind === 'gap' ? null : (reduce(thin.mirror, { type: 'patch', base: 2, version: 3 }) as { mirror: Mirror }).mirror.forecasts.length).toBe(1);
   });
 });

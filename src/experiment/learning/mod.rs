@@ -8,8 +8,8 @@ pub mod shapes;
 
 use crate::experiment::recorded::{Ground, OBSERVED, Recording, STEPS, Seen, Subject, all};
 use crate::geometry::Point;
+use crate::human::forecast::Shapes;
 use crate::human::motion::MotionModel;
-use crate::human::outlook::Shapes;
 use crate::human::{Method, Model};
 use shapes::Item;
 use std::sync::Arc;
@@ -106,9 +106,9 @@ fn person_of(recording: &Recording, walk: usize) -> usize {
 fn predict(items: &mut Vec<Item>, seen: &[Seen], person: usize, mut subject: Subject<'_>, blend_s: f64) {
     let (observed, later) = seen.split_at(OBSERVED);
     observed.iter().for_each(|p| subject.see(p.t, p.at));
-    subject.outlook(|outlook| {
+    subject.forecast(|forecast| {
         for (horizon, p) in later.iter().enumerate() {
-            let guesses = outlook.guesses(p.t, blend_s).expect("eight samples were seen");
+            let guesses = forecast.guesses(p.t, blend_s).expect("eight samples were seen");
             items.push(Item { guesses, truth: p.at, horizon, person });
         }
     });

@@ -6,7 +6,7 @@
 
 use crate::geometry::{Point, Vector};
 use crate::human::Mixture;
-use crate::human::outlook::{CLASSES, Guess, Guesses, HORIZONS, Kernel, Shape, Shapes};
+use crate::human::forecast::{CLASSES, Guess, Guesses, HORIZONS, Kernel, Shape, Shapes};
 use nalgebra::Rotation2;
 
 /// One prediction and where the person was.

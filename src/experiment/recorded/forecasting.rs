@@ -165,12 +165,12 @@ fn predict(
             let mut subject = Subject::new(ground, model, method, sigma_m);
             seen.iter().for_each(|s| subject.see(s.t, s.at));
             let speed = subject.motion().ahead(last.t).map_or(0.0, |a| a.velocity.norm());
-            let (mixtures, points) = subject.outlook(|o| {
+            let (mixtures, points) = subject.forecast(|o| {
                 let mixture = |i| o.at(times(i)).unwrap_or_default();
                 let point = |i| o.point(times(i)).unwrap_or(last.at);
                 ((0..PREDICTED).map(mixture).collect(), std::array::from_fn(point))
             });
-            Prediction { points, mixtures, class: crate::human::outlook::class_of(speed) }
+            Prediction { points, mixtures, class: crate::human::forecast::class_of(speed) }
         }
     }
 }

@@ -195,7 +195,7 @@ impl Replay {
             let stated = (t - start >= KNOWN && off.norm() < NEAR_M).then(|| {
                 let swept = Swept { way: way.ahead(metres), speed_mps: self.speed_mps, half_m: self.half_m };
                 let time = Span::from_secs_f64(self.lead_s) + BEYOND;
-                subject.outlook(|o| collision(|t| o.at(t), &swept, t, time)).unwrap_or(1.0)
+                subject.forecast(|o| collision(|t| o.at(t), &swept, t, time)).unwrap_or(1.0)
             });
             looks.push(Look { t, stated, too_near: off.norm() < self.separation_m, touches });
             t += TICK;

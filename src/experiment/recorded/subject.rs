@@ -4,7 +4,7 @@
 
 use crate::geometry::Point;
 use crate::human::motion::{Fix, Motion, Use};
-use crate::human::{Belief, Distances, Hypothesis, Intention, Method, Model, Outlook};
+use crate::human::{Belief, Distances, Forecast, Hypothesis, Intention, Method, Model};
 use crate::id::GoalId;
 use crate::time::Time;
 
@@ -80,9 +80,9 @@ impl<'a> Subject<'a> {
     }
 
     /// Calls `f` with what is to be expected of the person.
-    pub fn outlook<R>(&self, f: impl FnOnce(&Outlook<'_>) -> R) -> R {
+    pub fn forecast<R>(&self, f: impl FnOnce(&Forecast<'_>) -> R) -> R {
         let ways = self.ways();
         let (bound, free) = (&self.model.bound, &self.model.free);
-        f(&Outlook { motion: &self.motion, ways: &ways, bound, free })
+        f(&Forecast { motion: &self.motion, ways: &ways, bound, free })
     }
 }

@@ -8,7 +8,7 @@ use crate::aware::HumanAwarePolicy;
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::floor::Floor;
 use crate::human::motion::{Fix, Motion};
-use crate::human::{Mixture, Model, Outlook, Presence, Quality, Sighting, Taken, WATCHED_S};
+use crate::human::{Forecast, Mixture, Model, Presence, Quality, Sighting, Taken, WATCHED_S};
 use crate::id::WorkerId;
 use crate::time::{Span, Time};
 
@@ -82,17 +82,17 @@ impl HumanState {
     }
 
     /// What is to be expected of a worker; nothing before it was seen.
-    fn forecast_of<'a>(&'a self, floor: Floor<'a>, worker: WorkerId) -> Option<Outlook<'a>> {
+    fn forecast_of<'a>(&'a self, floor: Floor<'a>, worker: WorkerId) -> Option<Forecast<'a>> {
         let person = self.people.get(worker)?;
         let motion = person.motion.as_ref()?;
         let model = &floor.settings.model;
-        Some(Outlook { motion, ways: &person.ways, bound: &model.bound, free: &model.free })
+        Some(Forecast { motion, ways: &person.ways, bound: &model.bound, free: &model.free })
     }
 
     /// Where a worker will be at a moment, with regions as wide as experience has made them.
     pub(in crate::fleet) fn forecast(&self, floor: Floor<'_>, worker: WorkerId, t: Time) -> Option<Mixture> {
-        let outlook = self.forecast_of(floor, worker)?;
-        let ahead_s = (t - outlook.motion.seen()?).max(Span::ZERO).as_secs_f64();
-        Some(outlook.at(t)?.scaled(self.coverage.scale(ahead_s)))
+        let forecast = self.forecast_of(floor, worker)?;
+        let ahead_s = (t - forecast.motion.seen()?).max(Span::ZERO).as_secs_f64();
+        Some(forecast.at(t)?.scaled(self.coverage.scale(ahead_s)))
     }
 }

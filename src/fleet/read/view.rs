@@ -10,7 +10,7 @@ use crate::fleet::state::job::{Job, JobKind, JobState};
 use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::worker::{ClosureView, WorkerView};
 use crate::geometry::Pose;
-use crate::human::Foresight;
+use crate::human::HorizonCoverage;
 use crate::id::{BodyId, ClosureId, Dense, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use crate::timeline::Holder;
@@ -49,7 +49,7 @@ pub struct View {
     /// Sums.
     pub counts: Counts,
     /// Whether forecasts of people hold, by horizon.
-    pub forecast_coverage: Vec<Foresight>,
+    pub forecast_coverage: Vec<HorizonCoverage>,
 }
 
 /// One robot.

@@ -1,7 +1,7 @@
 // The page's copy of the floor: a pure reducer over snapshots and patches. Untouched rows keep their
 // identity from one version to the next. It opens no socket and reads no clock.
 import type {
-  Alarm, Changed, Closure, Counters, JobCounts, Message, Outlook, Patch, Rack, Robot, Station, Worker,
+  Alarm, Changed, Closure, Counters, JobCounts, Message, WorkerForecast, Patch, Rack, Robot, Station, Worker,
 } from './types';
 
 export interface Table<T> {
@@ -18,7 +18,7 @@ export interface Mirror {
   readonly stations: Table<Station>;
   readonly workers: Table<Worker>;
   readonly closures: readonly Closure[];
-  readonly forecasts: readonly Outlook[];
+  readonly forecasts: readonly WorkerForecast[];
   readonly jobs: JobCounts;
   readonly counters: Counters;
   readonly alarms: readonly Alarm[];
@@ -92,7 +92,7 @@ function patched(old: Mirror, patch: Patch): Mirror {
     stations: merge(old.stations, patch.stations, BLANK_STATION),
     workers,
     closures: patch.closures ?? old.closures,
-    forecasts: patch.ahead ? patch.ahead.map((numbers) => outlook(numbers, workers)) : (patch.forecasts ?? old.forecasts),
+    forecasts: patch.ahead ? patch.ahead.map((numbers) => forecastOf(numbers, workers)) : (patch.forecasts ?? old.forecasts),
     jobs: overlay(old.jobs, patch.jobs),
     counters: overlay(old.counters, patch.counters),
     alarms: patch.alarms ?? old.alarms,
@@ -176,8 +176,8 @@ function walk(table: Table<Worker>, old: Table<Worker>, { walks = [], paths = []
 }
 
 /** What is forecast of one worker, from numbers. */
-function outlook([row = -1, ...n]: readonly number[], workers: Table<Worker>): Outlook {
-  const parts: Outlook['parts'] = Array.from({ length: Math.floor(n.length / 7) }, (_, k) => {
+function forecastOf([row = -1, ...n]: readonly number[], workers: Table<Worker>): WorkerForecast {
+  const parts: WorkerForecast['parts'] = Array.from({ length: Math.floor(n.length / 7) }, (_, k) => {
     const [after_s = 0, p = 0, x = 0, y = 0, sx = 0, sy = 0, tilt = 0] = n.slice(7 * k, 7 * k + 7);
     return { after_s, p: p / 100, x: x / 100, y: y / 100, sx: sx / 100, sy: sy / 100, tilt: tilt / 100 };
   });

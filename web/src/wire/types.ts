@@ -132,7 +132,7 @@ export interface Curve {
   sy: number;
   tilt: number;
 }
-export interface Outlook {
+export interface WorkerForecast {
   worker: string;
   parts: readonly Curve[];
 }
@@ -171,7 +171,7 @@ export interface Snapshot {
   workers: Worker[];
   closures: Closure[];
   /** Where people may be in the coming seconds. */
-  forecasts?: Outlook[];
+  forecasts?: WorkerForecast[];
   jobs: JobCounts;
   counters: Counters;
   alarms: Alarm[];
@@ -190,7 +190,7 @@ export interface Patch {
   /** All of them, as they rarely change. */
   closures?: Closure[];
   /** All of them. */
-  forecasts?: Outlook[];
+  forecasts?: WorkerForecast[];
   jobs?: Partial<JobCounts>;
   counters?: Partial<Counters>;
   alarms?: Alarm[];

@@ -1,6 +1,6 @@
 // Where people may be in the coming seconds: bell curves, drawn as heat below everything that moves. It
 // takes what it is given; who forecasts, and how far ahead, is decided elsewhere.
-import type { Outlook } from '../../wire';
+import type { WorkerForecast } from '../../wire';
 import { KIND, type Sheet } from './sheet';
 
 /** One bell curve: its middle in metres, its covariance in square metres, its share of the probability. */
@@ -27,9 +27,9 @@ const REACH = 3;
 const LEAST = 0.05;
 
 /** What is drawn of what the server expects: one moment ahead, in seconds, or all of them, one over the other. */
-export function forecastsOf(outlooks: readonly Outlook[], ahead: number | 'all' | 'none'): Forecast[] {
+export function forecastsOf(workerForecasts: readonly WorkerForecast[], ahead: number | 'all' | 'none'): Forecast[] {
   if (ahead === 'none') return [];
-  return outlooks.map(({ worker, parts }) => ({
+  return workerForecasts.map(({ worker, parts }) => ({
     worker,
     // The farthest first: what comes soonest is narrow and lies on top.
     parts: parts.filter((c) => ahead === 'all' || c.after_s === ahead).toSorted((a, b) => b.after_s - a.after_s)
