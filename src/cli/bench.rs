@@ -5,7 +5,7 @@
 use super::sim::quantiles;
 use super::{progress, read, read_map, stopwatch};
 use crate::experiment::grid::Grid;
-use crate::experiment::lifelong::{self, Setup};
+use crate::experiment::lifelong::{self, LifelongSetup};
 use crate::experiment::{distances, planning};
 use crate::fleet::Settings;
 use crate::warehouse::{room_for, thesis};
@@ -113,9 +113,9 @@ impl Distances {
         anyhow::ensure!(self.changes > 0, "--changes must be at least 1");
         let map = thesis();
         let setups = [
-            distances::Setup::of_map(&map, false),
-            distances::Setup::of_map(&map, true),
-            distances::Setup::grid(100),
+            distances::DistanceSetup::of_map(&map, false),
+            distances::DistanceSetup::of_map(&map, true),
+            distances::DistanceSetup::grid(100),
         ];
         let command = format!("giveway bench distances --changes {} --seed {}", self.changes, self.seed);
         let mut rows = Vec::new();
@@ -152,7 +152,7 @@ impl Plan {
         let bar = progress(self.queries as u64, "queries");
         let step = |query| bar.set_position(query as u64);
         anyhow::ensure!((0.0..=100.0).contains(&self.weight), "--weight must be from 0 to 100");
-        let setup = planning::Setup {
+        let setup = planning::PlanningSetup {
             robots: self.robots,
             queries: self.queries,
             budget,
@@ -228,7 +228,7 @@ impl Lifelong {
         let named = |path: &PathBuf, e: String| anyhow::anyhow!("{}: {e}", path.display());
         let grid = Grid::parse(&read(&self.map)?).map_err(|e| named(&self.map, e))?;
         let cells = |path: &PathBuf| lifelong::parse_cells(&grid, &read(path)?).map_err(|e| named(path, e));
-        let setup = Setup {
+        let setup = LifelongSetup {
             starts: cells(&self.agents)?,
             tasks: cells(&self.tasks)?,
             steps: self.steps,

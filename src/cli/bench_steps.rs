@@ -4,7 +4,7 @@
 
 use super::sim::quantiles;
 use super::{progress, read_map, stopwatch};
-use crate::experiment::steps::{Case, Setup, run};
+use crate::experiment::steps::{Case, StepSetup, run};
 use crate::warehouse::room_for;
 use clap::Args;
 use serde_json::{Value, json};
@@ -56,7 +56,7 @@ impl Steps {
         let bar = progress(cases.len() as u64, "cases");
         let mut rows = Vec::new();
         for (name, robots, case) in cases {
-            let setup = Setup { robots, settle: self.settle, steps: self.steps };
+            let setup = StepSetup { robots, settle: self.settle, steps: self.steps };
             let out = run(&warehouse, case, &setup, stopwatch);
             rows.push(
                 json!({"case": name, "robots": robots, "open": out.open, "step_us": quantiles(&out.step_ns)}),

@@ -91,7 +91,7 @@ impl Changed {
 
 /// What was found in a database.
 #[derive(Debug, Serialize)]
-struct Report {
+struct DatabaseReport {
     /// Whether nothing is wrong.
     ok: bool,
     /// Which file was looked at.
@@ -169,14 +169,14 @@ async fn inspect(path: &Path) -> anyhow::Result<Store> {
     Ok(Store::inspect(path).await?)
 }
 
-async fn look(path: &Path, floor: Floor, named: bool) -> anyhow::Result<Report> {
+async fn look(path: &Path, floor: Floor, named: bool) -> anyhow::Result<DatabaseReport> {
     let store = inspect(path).await?;
     let report = examine(&store, floor, named).await;
     store.close().await;
     report
 }
 
-async fn check(path: &Path, floor: Floor, named: bool) -> anyhow::Result<Report> {
+async fn check(path: &Path, floor: Floor, named: bool) -> anyhow::Result<DatabaseReport> {
     let mut report = look(path, floor, named).await?;
     if let Some(changed) = &report.changed_map {
         let (obstacles, losses) = (changed.obstacles.len(), changed.losses.len());
@@ -191,7 +191,7 @@ async fn check(path: &Path, floor: Floor, named: bool) -> anyhow::Result<Report>
 }
 
 /// Carries a database over to the map; says what that means where it is refused.
-async fn carry(config: &Config, floor: Floor, accept_losses: bool) -> anyhow::Result<Report> {
+async fn carry(config: &Config, floor: Floor, accept_losses: bool) -> anyhow::Result<DatabaseReport> {
     let path = &config.database;
     ensure!(path.is_file(), "there is no database {}: name it with --database FILE", path.display());
     let (map, settings) = floor
@@ -218,10 +218,10 @@ async fn carry(config: &Config, floor: Floor, accept_losses: bool) -> anyhow::Re
 }
 
 /// Everything that can be said about a database without changing it.
-async fn examine(store: &Store, floor: Floor, named: bool) -> anyhow::Result<Report> {
+async fn examine(store: &Store, floor: Floor, named: bool) -> anyhow::Result<DatabaseReport> {
     let path = store.path();
     let bytes = std::fs::metadata(path).map_or(0, |m| m.len());
-    let mut report = Report {
+    let mut report = DatabaseReport {
         ok: true,
         database: path.into(),
         bytes,
@@ -243,7 +243,12 @@ async fn examine(store: &Store, floor: Floor, named: bool) -> anyhow::Result<Rep
     Ok(report)
 }
 
-async fn look_inside(store: &Store, floor: Floor, named: bool, report: &mut Report) -> anyhow::Result<()> {
+async fn look_inside(
+    store: &Store,
+    floor: Floor,
+    named: bool,
+    report: &mut DatabaseReport,
+) -> anyhow::Result<()> {
     let about = store.belongs().await.context("this is no database of Giveway")?;
     let about = about.context("this database of Giveway belongs to no map: it was never used")?;
     report.map = Some(about.map.clone());
@@ -274,7 +279,7 @@ async fn compare(
     about: &Belongs,
     (map, settings): (Arc<Warehouse>, Settings),
     named: bool,
-    report: &mut Report,
+    report: &mut DatabaseReport,
 ) -> anyhow::Result<()> {
     let (theirs, ours) = (&about.map, &map.name);
     match store.compare(&map, settings.clearance()).await {
@@ -296,7 +301,7 @@ async fn compare(
     Ok(())
 }
 
-async fn backup(path: &Path, target: &Path, floor: Floor, named: bool) -> anyhow::Result<Report> {
+async fn backup(path: &Path, target: &Path, floor: Floor, named: bool) -> anyhow::Result<DatabaseReport> {
     ensure!(
         !target.exists(),
         "{} is there already: a backup never overwrites; name another",
@@ -323,7 +328,7 @@ async fn backup(path: &Path, target: &Path, floor: Floor, named: bool) -> anyhow
     Ok(report)
 }
 
-async fn restore(source: &Path, path: &Path, floor: Floor, named: bool) -> anyhow::Result<Report> {
+async fn restore(source: &Path, path: &Path, floor: Floor, named: bool) -> anyhow::Result<DatabaseReport> {
     let store = inspect(source).await?;
     let mut report = examine(&store, floor, named).await?;
     if report.ok {
@@ -335,7 +340,7 @@ async fn restore(source: &Path, path: &Path, floor: Floor, named: bool) -> anyho
     Ok(report)
 }
 
-fn show(command: &Command, report: &Report) {
+fn show(command: &Command, report: &DatabaseReport) {
     println!("database {} ({:.1} MB)", report.database.display(), report.bytes as f64 / 1e6);
     println!("map      {}", report.map.as_deref().unwrap_or("none"));
     let last = report.last.as_deref().map_or(String::new(), |t| format!(", the last of {t}"));

@@ -5,7 +5,7 @@
 use super::{progress, read_map};
 use crate::aware::HumanAwarePolicy;
 use crate::experiment::statistics::{Paired, Summary};
-use crate::experiment::table::{Column, Row, Setup};
+use crate::experiment::table::{Column, Row, TableSetup};
 use crate::sim::detection::{Score, TO_GOAL_S};
 use crate::sim::{Sensor, Source};
 use crate::warehouse::{Warehouse, room_for, thesis};
@@ -112,7 +112,7 @@ impl Runs {
     }
 
     /// All runs of all cases: for each case the rows, seed by seed.
-    fn run(&self, cases: &[(Setup, HumanAwarePolicy)]) -> Vec<Vec<Row>> {
+    fn run(&self, cases: &[(TableSetup, HumanAwarePolicy)]) -> Vec<Vec<Row>> {
         let total = cases.len() * self.runs as usize;
         let rows: Vec<Mutex<Option<Row>>> = (0..total).map(|_| Mutex::new(None)).collect();
         let next = AtomicUsize::new(0);
@@ -158,14 +158,14 @@ impl Table {
         let mut arms: Vec<HumanAwarePolicy> = self.arms.iter().map(|a| a.arm()).collect();
         arms.sort_unstable();
         arms.dedup();
-        let setup = |workers| Setup {
+        let setup = |workers| TableSetup {
             warehouse: warehouse.clone(),
             robots: self.runs.robots,
             workers,
             seconds: self.runs.seconds,
             sensor: Sensor::default(),
         };
-        let cases: Vec<(Setup, HumanAwarePolicy)> =
+        let cases: Vec<(TableSetup, HumanAwarePolicy)> =
             self.workers.iter().flat_map(|w| arms.iter().map(|a| (setup(*w), *a))).collect();
         let rows = self.runs.run(&cases);
         let broken = violations(rows.iter().flatten());
@@ -248,14 +248,14 @@ impl Detection {
             ("tag_clean", tag),
             ("tag_faulty", tag.faulty()),
         ];
-        let setup = |sensor| Setup {
+        let setup = |sensor| TableSetup {
             warehouse: warehouse.clone(),
             robots: self.runs.robots,
             workers: self.workers,
             seconds: self.runs.seconds,
             sensor,
         };
-        let cases: Vec<(Setup, HumanAwarePolicy)> =
+        let cases: Vec<(TableSetup, HumanAwarePolicy)> =
             sensors.iter().map(|(_, sensor)| (setup(*sensor), self.arm.arm())).collect();
         let rows = self.runs.run(&cases);
         let broken = violations(rows.iter().flatten());

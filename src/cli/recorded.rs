@@ -8,7 +8,7 @@ use super::write;
 use crate::experiment::learning::RECORDED_M;
 use crate::experiment::plot::{LineChart, Series};
 use crate::experiment::recorded::forecasting::{self, ForecastScore, LEVELS, Predictor};
-use crate::experiment::recorded::meetings::{Judged, Meetings, Replay, Said, THRESHOLDS};
+use crate::experiment::recorded::meetings::{Judged, Meetings, Replay, StatedRisk, THRESHOLDS};
 use crate::experiment::recorded::purposes::{self, BEFORE_S, PARTS, PurposeScore, Recogniser};
 use crate::experiment::recorded::{
     Degrade, PREDICTED, Recording, STEP_S, Seen, Stretch, Trip, scored, trips,
@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 /// What both experiments read.
 #[derive(Args)]
-struct Source {
+struct TrackSource {
     /// Recorded tracks.
     #[arg(long)]
     tracks: PathBuf,
@@ -54,21 +54,21 @@ struct Source {
 #[derive(Args)]
 pub struct Forecast {
     #[command(flatten)]
-    source: Source,
+    source: TrackSource,
 }
 
 /// Arguments of `experiment intention`.
 #[derive(Args)]
 pub struct Purpose {
     #[command(flatten)]
-    source: Source,
+    source: TrackSource,
 }
 
 /// Arguments of `experiment meetings`.
 #[derive(Args)]
 pub struct Encounters {
     #[command(flatten)]
-    source: Source,
+    source: TrackSource,
     /// Robots beside each person.
     #[arg(long, default_value_t = 8)]
     robots: usize,
@@ -102,7 +102,7 @@ fn outcome(replay: &Replay, found: &Meetings) -> Value {
     };
     let by_threshold = THRESHOLDS.iter().zip(&found.by_threshold);
     let thresholds: Map<String, Value> = by_threshold.map(|(t, j)| (format!("{t}"), judged(j))).collect();
-    let mean = |s: &Said| {
+    let mean = |s: &StatedRisk| {
         let share = |sum: f64| (s.looks > 0).then(|| sum / s.looks as f64);
         json!({"looks": s.looks, "said": share(s.stated), "came": share(s.came as f64)})
     };
@@ -119,7 +119,7 @@ fn outcome(replay: &Replay, found: &Meetings) -> Value {
 }
 
 /// Everything that was read.
-struct Case {
+struct RecordedCase {
     recording: Recording,
     stretches: Vec<Stretch>,
     goals: Vec<Point>,
@@ -131,12 +131,12 @@ struct Case {
 /// What is seen of samples: all, or a worse view.
 type View = Option<Degrade>;
 
-impl Source {
-    fn read(&self) -> anyhow::Result<Case> {
+impl TrackSource {
+    fn read(&self) -> anyhow::Result<RecordedCase> {
         let recording = read_tracks(&self.tracks, self.format)?;
         let goals: Vec<Point> = read_goals(self.goals.as_deref())?.into_iter().map(|g| g.1).collect();
         let (stretches, trips) = (scored(&recording), trips(&recording, &goals));
-        Ok(Case {
+        Ok(RecordedCase {
             recording,
             stretches,
             goals,
@@ -160,7 +160,7 @@ impl Source {
     }
 }
 
-impl Case {
+impl RecordedCase {
     fn sigma_m(view: View) -> f64 {
         view.map_or(RECORDED_M, |d| d.noise_m.max(RECORDED_M))
     }
@@ -175,21 +175,29 @@ impl Case {
     }
 
     fn forecast(&self, predictor: Predictor, view: View) -> ForecastScore {
-        let Case { recording, stretches, goals, model, .. } = self;
+        let RecordedCase { recording, stretches, goals, model, .. } = self;
         forecasting::score(
             recording,
             stretches,
             goals,
             model,
             predictor,
-            Case::sigma_m(view),
+            RecordedCase::sigma_m(view),
             self.seen(view),
         )
     }
 
     fn purpose(&self, recogniser: Recogniser, view: View) -> PurposeScore {
-        let Case { recording, trips, goals, model, .. } = self;
-        purposes::score(recording, trips, goals, model, recogniser, Case::sigma_m(view), self.seen(view))
+        let RecordedCase { recording, trips, goals, model, .. } = self;
+        purposes::score(
+            recording,
+            trips,
+            goals,
+            model,
+            recogniser,
+            RecordedCase::sigma_m(view),
+            self.seen(view),
+        )
     }
 
     fn header(&self) -> Value {
@@ -325,7 +333,7 @@ impl Purpose {
 }
 
 /// Adds scores of goals, where there are goals: of all recognisers as it is, of those that remember in worse views.
-fn goal_scores(case: &Case, view: View, models: &mut Map<String, Value>) {
+fn goal_scores(case: &RecordedCase, view: View, models: &mut Map<String, Value>) {
     if case.trips.is_empty() {
         return;
     }
@@ -336,7 +344,7 @@ fn goal_scores(case: &Case, view: View, models: &mut Map<String, Value>) {
     }
 }
 
-fn finish(source: &Source, report: &Value) -> anyhow::Result<ExitCode> {
+fn finish(source: &TrackSource, report: &Value) -> anyhow::Result<ExitCode> {
     if source.json {
         println!("{}", serde_json::to_string_pretty(report)?);
     } else {
@@ -421,7 +429,7 @@ fn coverage_chart(score: &ForecastScore) -> LineChart {
 }
 
 /// Right goals along the way, by recogniser.
-fn goal_chart(case: &Case) -> LineChart {
+fn goal_chart(case: &RecordedCase) -> LineChart {
     let shown = [
         (Recogniser::Method(Method::Detour), "ours"),
         (Recogniser::Method(Method::Chapter4), "thesis, chapter 4"),

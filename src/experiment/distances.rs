@@ -11,7 +11,7 @@ use crate::warehouse::Warehouse;
 
 /// A graph to measure on.
 #[derive(Debug)]
-pub struct Setup {
+pub struct DistanceSetup {
     /// What it is.
     pub name: String,
     nodes: Vec<Point>,
@@ -19,18 +19,18 @@ pub struct Setup {
     goals: Vec<usize>,
 }
 
-impl Setup {
+impl DistanceSetup {
     /// The road graph of a map with a goal near each corner and one in the middle, or with all nodes as goals.
-    pub fn of_map(w: &Warehouse, all: bool) -> Setup {
+    pub fn of_map(w: &Warehouse, all: bool) -> DistanceSetup {
         let nodes: Vec<Point> = w.nodes.iter().map(|n| n.at).collect();
         let edges = w.lanes.iter().map(|l| (l.a.ix(), l.b.ix(), l.length_m)).collect();
         let goals = if all { (0..nodes.len()).collect() } else { spread(&nodes) };
-        Setup { name: format!("{} roads", w.name), nodes, edges, goals }
+        DistanceSetup { name: format!("{} roads", w.name), nodes, edges, goals }
     }
 
     /// A square grid, a metre or a little more from node to node (hardly any two ways are equally long, so that cuts
     /// matter), with a goal near each corner and one in the middle.
-    pub fn grid(side: usize) -> Setup {
+    pub fn grid(side: usize) -> DistanceSetup {
         let nodes: Vec<Point> =
             (0..side * side).map(|i| Point::new((i % side) as f64, (i / side) as f64)).collect();
         let metres = |i: usize| 1.0 + (i * 7919 % 1009) as f64 / 5000.0;
@@ -38,7 +38,7 @@ impl Setup {
         let north = (0..side * (side - 1)).map(|i| (i, i + side, metres(2 * i + 1)));
         let edges = east.chain(north).collect();
         let goals = spread(&nodes);
-        Setup { name: format!("grid {side} × {side}"), nodes, edges, goals }
+        DistanceSetup { name: format!("grid {side} × {side}"), nodes, edges, goals }
     }
 }
 
@@ -56,7 +56,7 @@ fn spread(nodes: &[Point]) -> Vec<usize> {
 
 /// What was measured, nanoseconds ascending.
 #[derive(Debug)]
-pub struct Outcome {
+pub struct DistanceOutcome {
     /// How many nodes.
     pub nodes: usize,
     /// How many edges.
@@ -70,7 +70,7 @@ pub struct Outcome {
 }
 
 /// Cuts `changes` random edges one by one, each restored at once; both repairs count.
-pub fn run(setup: &Setup, changes: usize, seed: u64, stopwatch: fn() -> u64) -> Outcome {
+pub fn run(setup: &DistanceSetup, changes: usize, seed: u64, stopwatch: fn() -> u64) -> DistanceOutcome {
     let graph = Graph::new(setup.nodes.len(), &setup.edges);
     let mut dice = Dice::new(seed);
     let anew = |cut: Option<usize>| -> Vec<Field> {
@@ -97,7 +97,7 @@ pub fn run(setup: &Setup, changes: usize, seed: u64, stopwatch: fn() -> u64) -> 
     repair_ns.sort_unstable();
     anew_ns.sort_unstable();
     let (nodes, edges, goals) = (graph.nodes(), graph.edges(), setup.goals.len());
-    Outcome { nodes, edges, goals, repair_ns, anew_ns }
+    DistanceOutcome { nodes, edges, goals, repair_ns, anew_ns }
 }
 
 #[cfg(test)]
@@ -107,10 +107,10 @@ mod tests {
 
     #[test]
     fn repairs_on_the_graph_of_the_thesis_are_what_a_new_computation_gives() {
-        let out = run(&Setup::of_map(&thesis(), true), 60, 1, || 0);
+        let out = run(&DistanceSetup::of_map(&thesis(), true), 60, 1, || 0);
         assert_eq!((out.nodes, out.edges, out.goals), (228, 348, 228));
         assert_eq!((out.repair_ns.len(), out.anew_ns.len()), (120, 4));
-        let out = run(&Setup::grid(12), 60, 1, || 0);
+        let out = run(&DistanceSetup::grid(12), 60, 1, || 0);
         assert_eq!((out.nodes, out.edges, out.goals), (144, 264, 5));
     }
 }

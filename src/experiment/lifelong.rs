@@ -4,7 +4,7 @@
 //! (planning.md section 3), under pebble rules with or without turns. An independent check looks at every step of every
 //! robot. Refuses: to trust the timeline for that check, and to look at a clock.
 //!
-//! Goals are counted as the League of Robot Runners counts them: a robot that is on its goal's cell at a step has
+//! Goals are counted as the League of Agent Runners counts them: a robot that is on its goal's cell at a step has
 //! reached it, whether it meant to stop there or not, and it reaches at most one goal a step. So a list that names the
 //! same cell for ever has an end: the robot stays there and reaches one goal a step.
 
@@ -20,7 +20,7 @@ const STEP: Span = Span(1_000_000);
 
 /// What to run.
 #[derive(Clone, Debug)]
-pub struct Setup {
+pub struct LifelongSetup {
     /// Start cells, one per robot; also where it parks.
     pub starts: Vec<NodeId>,
     /// Goals; robot `i` of `k` takes entries `i`, `i + k`, `i + 2k`, …
@@ -37,7 +37,7 @@ pub struct Setup {
 
 /// What came out.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Outcome {
+pub struct LifelongOutcome {
     /// Goals reached.
     pub tasks: usize,
     /// Goals reached per step.
@@ -56,7 +56,7 @@ pub struct Outcome {
     pub expansions: u64,
 }
 
-struct Robot {
+struct Agent {
     holder: Holder,
     home: NodeId,
     next_task: usize,
@@ -68,12 +68,12 @@ struct Robot {
 }
 
 struct Run<'a> {
-    setup: &'a Setup,
+    setup: &'a LifelongSetup,
     grid: &'a Grid,
     timeline: Timeline,
     planner: Planner,
-    robots: Vec<Robot>,
-    out: Outcome,
+    robots: Vec<Agent>,
+    out: LifelongOutcome,
 }
 
 /// Parses a benchmark list: a count of at least one, then that many cells. Lines that start with `#` are skipped.
@@ -105,7 +105,7 @@ pub fn first_shared(cells: &[NodeId]) -> Option<NodeId> {
 ///
 /// # Panics
 /// If start cells are not distinct, or there is no goal.
-pub fn run(grid: &Grid, setup: &Setup, mut progress: impl FnMut(usize)) -> Outcome {
+pub fn run(grid: &Grid, setup: &LifelongSetup, mut progress: impl FnMut(usize)) -> LifelongOutcome {
     assert!(!setup.tasks.is_empty(), "robots need goals");
     let rules = Rules::Pebble { step: STEP, turns: setup.turns };
     let mut run = Run {
@@ -114,7 +114,7 @@ pub fn run(grid: &Grid, setup: &Setup, mut progress: impl FnMut(usize)) -> Outco
         timeline: Timeline::new(grid.warehouse.clone(), Span::ZERO),
         planner: Planner::new(grid.warehouse.clone(), rules),
         robots: Vec::new(),
-        out: Outcome::default(),
+        out: LifelongOutcome::default(),
     };
     run.place();
     for step in 0..setup.steps {
@@ -141,7 +141,7 @@ impl Run<'_> {
                 stay: Span::ZERO,
             };
             self.timeline.reserve(holder, vec![start]).expect("start cells are distinct");
-            self.robots.push(Robot { holder, home, next_task: i, reaches: None, retry: 0, track: vec![] });
+            self.robots.push(Agent { holder, home, next_task: i, reaches: None, retry: 0, track: vec![] });
         }
     }
 
@@ -306,10 +306,10 @@ mod tests {
         Grid::parse(CORRIDOR).expect("a floor")
     }
 
-    fn setup(grid: &Grid, starts: &str, tasks: &str) -> Setup {
+    fn setup(grid: &Grid, starts: &str, tasks: &str) -> LifelongSetup {
         let cells = |text| parse_cells(grid, text).expect("cells of the floor");
         let (starts, tasks) = (cells(starts), cells(tasks));
-        Setup { starts, tasks, steps: 12, turns: false, improve_every: 1, budget: 1000 }
+        LifelongSetup { starts, tasks, steps: 12, turns: false, improve_every: 1, budget: 1000 }
     }
 
     /// Goals reached in twelve steps by robots from these cells.
@@ -386,7 +386,7 @@ mod tests {
             let grid = corridor();
             let nodes = |cells: &[usize]| cells.iter().map(|&c| grid.node(c).expect("free")).collect();
             let (starts, tasks) = (nodes(&homes), nodes(&goals));
-            let setup = Setup { starts, tasks, steps: 25, turns, improve_every, budget: 1000 };
+            let setup = LifelongSetup { starts, tasks, steps: 25, turns, improve_every, budget: 1000 };
             let out = run(&grid, &setup, |_| {});
             prop_assert_eq!([out.vertex_conflicts, out.swaps, out.jumps], [0; 3]);
             prop_assert!(out.tasks <= setup.steps * homes.len());

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// What to measure.
 #[derive(Clone, Copy, Debug)]
-pub struct Setup {
+pub struct PlanningSetup {
     /// How many robots hold routes.
     pub robots: usize,
     /// How many single routes to plan.
@@ -49,7 +49,7 @@ pub struct Weighted {
 
 /// What was measured.
 #[derive(Clone, Debug, Default)]
-pub struct Outcome {
+pub struct PlanningOutcome {
     /// Searches that found a route, nanoseconds, ascending.
     pub found_ns: Vec<u64>,
     /// Searches that found none, nanoseconds, ascending.
@@ -80,11 +80,11 @@ struct Crowd {
 /// Plans single routes among many.
 pub fn run(
     warehouse: &Arc<Warehouse>,
-    setup: &Setup,
+    setup: &PlanningSetup,
     stopwatch: fn() -> u64,
     mut progress: impl FnMut(usize),
-) -> Outcome {
-    let Setup { robots, queries, budget, seed, weight } = *setup;
+) -> PlanningOutcome {
+    let PlanningSetup { robots, queries, budget, seed, weight } = *setup;
     let kinematics = Kinematics::default();
     let mut crowd = Crowd {
         timeline: Timeline::new(warehouse.clone(), kinematics.clearance),
@@ -94,7 +94,7 @@ pub fn run(
         budget,
         random: seed.wrapping_mul(2).wrapping_add(1),
     };
-    let mut out = Outcome::default();
+    let mut out = PlanningOutcome::default();
     crowd.ready = crowd.starts.clone().iter().map(|_| Time(crowd.below(60_000_000) as i64)).collect();
     for (i, &node) in crowd.starts.iter().enumerate() {
         let stand = crate::fleet::state::ledger::stand(node, Time::ZERO);
@@ -219,7 +219,7 @@ impl Crowd {
         reserved.expect("the search uses only free windows");
     }
 
-    fn sum_up(&mut self, out: &mut Outcome) {
+    fn sum_up(&mut self, out: &mut PlanningOutcome) {
         out.routes = self.timeline.chains().filter(|(_, c)| c.visits().len() > 1).count();
         out.holds = self.timeline.chains().map(|(_, c)| c.visits().len()).sum();
         out.estimate_bytes = self.planner.estimates().bytes();

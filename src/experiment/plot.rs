@@ -87,12 +87,12 @@ pub struct BarChart {
 }
 
 /// The part of the picture inside the axes.
-struct Frame {
+struct PlotFrame {
     x: (f64, f64),
     y: (f64, f64),
 }
 
-impl Frame {
+impl PlotFrame {
     fn px(&self, x: f64, y: f64) -> (f64, f64) {
         let (left, right) = (SIDES.0, WIDTH - SIDES.1);
         let across = (x - self.x.0) / (self.x.1 - self.x.0);
@@ -134,7 +134,7 @@ fn head(out: &mut String, height: f64, title: &str, subtitle: &str) {
 }
 
 /// Grid lines and numbers of the vertical axis, and its name.
-fn vertical(out: &mut String, frame: &Frame, name: &str) {
+fn vertical(out: &mut String, frame: &PlotFrame, name: &str) {
     for t in ticks(frame.y.0, frame.y.1, 5.0) {
         let (x, y) = frame.px(frame.x.0, t);
         put!(out, "<path class=\"grid\" d=\"M{x:.1} {y:.1}H{:.1}\"/>", WIDTH - SIDES.1);
@@ -188,7 +188,7 @@ impl LineChart {
         let all = || self.series.iter().flat_map(|s| &s.points);
         let (low, high) = all().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.0), h.max(p.0)));
         let x = if low < high { (low, high) } else { (0.0, 1.0) };
-        let frame = Frame { x, y: self.range };
+        let frame = PlotFrame { x, y: self.range };
         let mut body = String::new();
         vertical(&mut body, &frame, &self.y);
         for t in ticks(x.0, x.1, 12.0) {
@@ -241,7 +241,7 @@ impl BarChart {
         let low = bars().map(|b| b.value.min(b.low)).fold(0.0, f64::min);
         let groups = self.groups.len().max(1) as f64;
         let room = if high > low { (high - low) * 0.05 } else { 1.0 };
-        let frame = Frame { x: (0.0, groups), y: (low, high + room) };
+        let frame = PlotFrame { x: (0.0, groups), y: (low, high + room) };
         let mut body = String::new();
         vertical(&mut body, &frame, &self.y);
         let wide = 0.8 / self.series.len().max(1) as f64;

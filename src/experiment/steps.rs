@@ -47,7 +47,7 @@ pub struct Measured {
 
 /// How to measure.
 #[derive(Clone, Copy, Debug)]
-pub struct Setup {
+pub struct StepSetup {
     /// How many robots.
     pub robots: usize,
     /// Steps before any is measured.
@@ -60,7 +60,7 @@ pub struct Setup {
 ///
 /// # Panics
 /// If the scenario that it is made of is refused, which would be a mistake in here.
-pub fn run(warehouse: &Arc<Warehouse>, case: Case, setup: &Setup, stopwatch: fn() -> u64) -> Measured {
+pub fn run(warehouse: &Arc<Warehouse>, case: Case, setup: &StepSetup, stopwatch: fn() -> u64) -> Measured {
     let text = format!(
         r#"{{"giveway_scenario": 1, "name": "steps", "map": "-", "robots": {}, "period_ms": 50}}"#,
         setup.robots

@@ -1,7 +1,7 @@
 //! Robots and people together, by four ways of giving way: Table 4.1 of Petković 2021 with our own arm beside it.
 //!
-//! Main types: [`Setup`], [`Row`], [`Column`]. Every arm meets the same seeds, and what comes to people's minds
-//! does not depend on the arm. Refuses: threads and files; whoever calls runs [`Setup::run`] as often, and on as
+//! Main types: [`TableSetup`], [`Row`], [`Column`]. Every arm meets the same seeds, and what comes to people's minds
+//! does not depend on the arm. Refuses: threads and files; whoever calls runs [`TableSetup::run`] as often, and on as
 //! many cores, as it likes.
 
 use super::statistics::{Paired, Summary};
@@ -23,7 +23,7 @@ const DEVIATE_S: [f64; 6] = [300.0, 320.0, 420.0, 450.0, 500.0, 625.0];
 
 /// One experiment, to be run with many seeds.
 #[derive(Clone, Debug)]
-pub struct Setup {
+pub struct TableSetup {
     /// The hall.
     pub warehouse: Arc<Warehouse>,
     /// Robots in it.
@@ -121,7 +121,7 @@ impl Column {
     }
 }
 
-impl Setup {
+impl TableSetup {
     /// The scenario of one run.
     pub fn scenario(&self, arm: HumanAwarePolicy, seed: u64) -> Scenario {
         let deviations = Deviations { at_s: DEVIATE_S.to_vec(), causes: Causes::All };
@@ -186,9 +186,9 @@ mod tests {
     use super::*;
     use crate::warehouse::thesis;
 
-    fn setup() -> Setup {
+    fn setup() -> TableSetup {
         let warehouse = Arc::new(thesis());
-        Setup { warehouse, robots: 8, workers: 1, seconds: 340.0, sensor: Sensor::default() }
+        TableSetup { warehouse, robots: 8, workers: 1, seconds: 340.0, sensor: Sensor::default() }
     }
 
     #[test]

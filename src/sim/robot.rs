@@ -1,6 +1,6 @@
 //! A simulated robot: drives along granted waypoints with inertia, turns in place, lifts, waits, breaks down.
 //!
-//! Main type: [`Body`]. Between two calls it integrates in steps of at most 20 ms. It never drives beyond what it was
+//! Main type: [`RobotBody`]. Between two calls it integrates in steps of at most 20 ms. It never drives beyond what it was
 //! told, and it can always stop before the end of it. Refuses: to know where others are.
 
 use super::guard::Guard;
@@ -39,7 +39,7 @@ struct Target {
 
 /// One robot.
 #[derive(Debug)]
-pub(super) struct Body {
+pub(super) struct RobotBody {
     pub id: RobotId,
     pub pose: Pose,
     pub speed_mps: f64,
@@ -75,7 +75,7 @@ pub(super) struct Body {
     guard: Guard,
 }
 
-impl Body {
+impl RobotBody {
     /// A robot standing on a node.
     pub fn new(
         id: RobotId,
@@ -83,8 +83,8 @@ impl Body {
         at: Point,
         battery: f64,
         (kind, footprints): (&RobotKind, [Footprint; 2]),
-    ) -> Body {
-        Body {
+    ) -> RobotBody {
+        RobotBody {
             id,
             pose: Pose { at, heading: 0.0 },
             speed_mps: 0.0,
@@ -472,7 +472,7 @@ mod tests {
         let away = w.nodes.ids().find(far).expect("the laboratory is larger than that");
         let footprints = [false, true].map(|loaded| w.footprint(BodyId(0), loaded).clone());
         let mut body =
-            Body::new(RobotId(0), home, w.nodes[home].at, 1.0, (&RobotKind::default(), footprints));
+            RobotBody::new(RobotId(0), home, w.nodes[home].at, 1.0, (&RobotKind::default(), footprints));
         let drive = |first: u64, nodes: &[NodeId], act: Option<Act>| Command::Drive {
             grant: proof(&w, home),
             waypoints: (first..).zip(nodes).map(|(serial, n)| Waypoint { serial, node: *n, act }).collect(),

@@ -10,7 +10,7 @@ use super::leavers::{Leavers, may_be_taken};
 use super::link::Link;
 use super::pushes::{Around, NEARBY_M};
 use super::random::Stream;
-use super::robot::Body;
+use super::robot::RobotBody;
 use super::scenario::{Faults, Scenario};
 use super::walker::{RobotNear, Walker};
 use crate::fleet::{
@@ -32,7 +32,7 @@ const TICK: Span = Span::from_millis(20);
 /// A robot with its radio.
 #[derive(Debug)]
 struct Robot {
-    body: Body,
+    body: RobotBody,
     /// The rack that was on it when it was looked at last.
     had: Option<RackId>,
     orders: Link<Command>,
@@ -423,7 +423,8 @@ impl World {
         let at = self.warehouse.nodes[node].at;
         let kind = self.warehouse.body_of(&record.kind);
         let footprints = [false, true].map(|loaded| self.warehouse.footprint(kind, loaded).clone());
-        let mut body = Body::new(id, node, at, battery, (fleet.settings().kind(&record.kind), footprints));
+        let mut body =
+            RobotBody::new(id, node, at, battery, (fleet.settings().kind(&record.kind), footprints));
         let (reached, rack) = (fleet.ledger().chain(id).first(), fleet.ledger().rack_on(id));
         body.resume(reached, record.acted, record.recalls, rack);
         let delay = Span::from_millis(self.faults.message_delay_ms);

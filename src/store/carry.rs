@@ -6,7 +6,7 @@
 //! accepted, and to begin without a backup.
 
 use super::check::{back_up, sync_folder};
-use super::gone::{BEYOND, Gone, Kind};
+use super::gone::{BEYOND, Gone, GoneKind};
 use super::opening::free_name;
 use super::{Opening, Store, StoreError, floor, job_record, last_step, ledger_record, seal, steps};
 use crate::fleet::carry::{Carried, Report, carry};
@@ -218,7 +218,7 @@ async fn renumber(db: &mut SqliteConnection, old: &Warehouse, new: &Warehouse) -
     let known = Gone::of(&mut *db).await?;
     let mut gone = Gone::default();
     sqlx::query(IDS).execute(&mut *db).await?;
-    for kind in Kind::ALL {
+    for kind in GoneKind::ALL {
         let changes = changes(kind, &names(kind, old), &names(kind, new), &known, &mut gone);
         let changes = serde_json::to_string(&changes).expect("a list of numbers is JSON");
         sqlx::query(MAP_ID).bind(kind.word()).bind(changes).execute(&mut *db).await?;
@@ -235,20 +235,20 @@ async fn renumber(db: &mut SqliteConnection, old: &Warehouse, new: &Warehouse) -
 }
 
 /// All names of a kind, in the order of their ids.
-fn names(kind: Kind, map: &Warehouse) -> Vec<&str> {
+fn names(kind: GoneKind, map: &Warehouse) -> Vec<&str> {
     fn list<I: Dense, T>(things: &IdVec<I, T>, name: impl Fn(&T) -> &str) -> Vec<&str> {
         things.iter().map(name).collect()
     }
     match kind {
-        Kind::Node => list(&map.nodes, |n| &n.name),
-        Kind::Station => list(&map.stations, |s| &s.name),
-        Kind::Rack => list(&map.racks, |r| &r.name),
+        GoneKind::Node => list(&map.nodes, |n| &n.name),
+        GoneKind::Station => list(&map.stations, |s| &s.name),
+        GoneKind::Rack => list(&map.racks, |r| &r.name),
     }
 }
 
 /// Which ids of one kind become which, as far as they change. What is gone gets ids beyond the map; what was gone and
 /// has come back gets its place in the map.
-fn changes(kind: Kind, old: &[&str], new: &[&str], known: &Gone, gone: &mut Gone) -> Vec<(u32, u32)> {
+fn changes(kind: GoneKind, old: &[&str], new: &[&str], known: &Gone, gone: &mut Gone) -> Vec<(u32, u32)> {
     let at: BTreeMap<&str, u32> = (0..).zip(new).map(|(id, name)| (*name, id)).collect();
     let before = known.0.iter().filter(|((k, _), _)| *k == kind).map(|((_, id), name)| (*id, name.as_str()));
     let mut beyond: BTreeMap<&str, u32> = BTreeMap::new();

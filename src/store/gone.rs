@@ -29,27 +29,27 @@ pub struct GoneNames {
 
 /// What has positions in a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Kind {
+pub(super) enum GoneKind {
     Node,
     Station,
     Rack,
 }
 
-impl Kind {
-    pub const ALL: [Kind; 3] = [Kind::Node, Kind::Station, Kind::Rack];
+impl GoneKind {
+    pub const ALL: [GoneKind; 3] = [GoneKind::Node, GoneKind::Station, GoneKind::Rack];
 
     pub fn word(self) -> &'static str {
         match self {
-            Kind::Node => "node",
-            Kind::Station => "station",
-            Kind::Rack => "rack",
+            GoneKind::Node => "node",
+            GoneKind::Station => "station",
+            GoneKind::Rack => "rack",
         }
     }
 }
 
 /// All names of what is gone.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Gone(pub BTreeMap<(Kind, u32), String>);
+pub(super) struct Gone(pub BTreeMap<(GoneKind, u32), String>);
 
 impl Gone {
     /// What a database has of them; nothing where its tables are older.
@@ -63,20 +63,20 @@ impl Gone {
         let mut gone = BTreeMap::new();
         for row in sqlx::query(ALL).fetch_all(db).await? {
             let word: &str = row.try_get(0)?;
-            if let Some(kind) = Kind::ALL.into_iter().find(|k| k.word() == word) {
+            if let Some(kind) = GoneKind::ALL.into_iter().find(|k| k.word() == word) {
                 gone.insert((kind, row.try_get(1)?), row.try_get(2)?);
             }
         }
         Ok(Gone(gone))
     }
 
-    fn name(&self, kind: Kind, id: u32) -> Option<String> {
+    fn name(&self, kind: GoneKind, id: u32) -> Option<String> {
         self.0.get(&(kind, id)).cloned()
     }
 
     /// The name of a place.
     pub fn node(&self, node: NodeId) -> Option<String> {
-        self.name(Kind::Node, node.0)
+        self.name(GoneKind::Node, node.0)
     }
 
     /// The names of what a job speaks of.
@@ -87,8 +87,8 @@ impl Gone {
             _ => None,
         };
         GoneNames {
-            rack: kind.rack().and_then(|r| self.name(Kind::Rack, r.0)),
-            station: kind.station().and_then(|s| self.name(Kind::Station, s.0)),
+            rack: kind.rack().and_then(|r| self.name(GoneKind::Rack, r.0)),
+            station: kind.station().and_then(|s| self.name(GoneKind::Station, s.0)),
             node,
         }
     }

@@ -39,7 +39,7 @@ pub struct Exchange {
 
 /// What an exchange led to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum PingOutcome {
     /// The first one: the clock is known from now on.
     First,
     /// One more.
@@ -93,14 +93,14 @@ impl ClockSync {
     }
 
     /// Takes an exchange in.
-    pub fn take(&mut self, e: Exchange) -> Outcome {
+    pub fn take(&mut self, e: Exchange) -> PingOutcome {
         let plausible = |ms: f64| (0.0..LARGEST_MS).contains(&ms);
         let (got, answered) = (e.got_ms * 1000.0, e.answered_ms * 1000.0);
         let (asked, heard) = (e.asked.0 as f64, e.heard.0 as f64);
         let delay_us = (heard - asked) - (answered - got);
         // Devices round their clocks, some to a millisecond.
         if !plausible(e.got_ms) || !plausible(e.answered_ms) || answered < got || delay_us < -2000.0 {
-            return Outcome::Absurd;
+            return PingOutcome::Absurd;
         }
         let offset_us = ((asked - got) + (heard - answered)) / 2.0;
         let sample = Sample { offset_us, delay_us: delay_us.max(0.0), at: e.heard };
@@ -117,13 +117,13 @@ impl ClockSync {
             let known = self.used.is_some();
             self.used = Some(Used { offset_us, at: e.heard });
             return match (jumped, known) {
-                (true, _) => Outcome::Jumped,
-                (false, true) => Outcome::Taken,
-                (false, false) => Outcome::First,
+                (true, _) => PingOutcome::Jumped,
+                (false, true) => PingOutcome::Taken,
+                (false, false) => PingOutcome::First,
             };
         }
         self.slew(e.heard);
-        Outcome::Taken
+        PingOutcome::Taken
     }
 
     /// When a moment of the device's clock was; nothing while its clock is not known.
@@ -214,7 +214,7 @@ mod tests {
             let mut last: Option<(Time, f64)> = None;
             for (i, (there, back)) in delays.iter().enumerate() {
                 let e = device.exchange(i as f64 * 10.0, *there, *back);
-                prop_assert!(matches!(sync.take(e), Outcome::First | Outcome::Taken));
+                prop_assert!(matches!(sync.take(e), PingOutcome::First | PingOutcome::Taken));
                 let moment = e.heard + Span::from_millis(3);
                 let told = sync.when(device.reads(moment), moment).unwrap();
                 let bound = sync.error(moment).unwrap();
@@ -233,9 +233,9 @@ mod tests {
     fn the_sample_with_the_least_delay_counts() {
         let device = Device { offset_ms: 5000.0, ppm: 0.0 };
         let mut sync = ClockSync::default();
-        assert_eq!(sync.take(device.exchange(0.0, 200.0, 2.0)), Outcome::First);
+        assert_eq!(sync.take(device.exchange(0.0, 200.0, 2.0)), PingOutcome::First);
         assert_eq!(sync.error(device.exchange(0.0, 200.0, 2.0).heard), Some(Span::from_millis(101)));
-        assert_eq!(sync.take(device.exchange(1.0, 2.0, 2.0)), Outcome::Taken);
+        assert_eq!(sync.take(device.exchange(1.0, 2.0, 2.0)), PingOutcome::Taken);
         for i in 2..6 {
             sync.take(device.exchange(f64::from(i), 2.0, 150.0));
         }
@@ -250,7 +250,7 @@ mod tests {
         let mut sync = ClockSync::default();
         for i in 0..360 {
             let e = device.exchange(f64::from(i) * 10.0, 5.0, 5.0);
-            assert_ne!(sync.take(e), Outcome::Jumped);
+            assert_ne!(sync.take(e), PingOutcome::Jumped);
             let told = sync.when(device.reads(e.heard), e.heard).unwrap();
             assert!((told - e.heard).0.abs() < 8000, "{i}: {:?}", told - e.heard);
         }
@@ -263,7 +263,7 @@ mod tests {
         (0..8).for_each(|i| _ = sync.take(before.exchange(f64::from(i), 3.0, 3.0)));
         let after = Device { offset_ms: -4000.0, ppm: 0.0 };
         let e = after.exchange(20.0, 3.0, 3.0);
-        assert_eq!(sync.take(e), Outcome::Jumped);
+        assert_eq!(sync.take(e), PingOutcome::Jumped);
         let told = sync.when(after.reads(e.heard), e.heard).unwrap();
         assert!((told - e.heard).0.abs() < 100, "{:?}", told - e.heard);
         assert_eq!(sync.due(), None, "the next ping goes out at once");
@@ -279,7 +279,7 @@ mod tests {
         assert!(sync.when(device.reads(still), still).is_some(), "the old offset serves meanwhile");
         let slept = Device { offset_ms: -30.0, ppm: 0.0 };
         let e = slept.exchange(60.0, 3.0, 3.0);
-        assert_eq!(sync.take(e), Outcome::Taken);
+        assert_eq!(sync.take(e), PingOutcome::Taken);
         assert!((sync.when(slept.reads(e.heard), e.heard).unwrap() - e.heard).0.abs() < 100);
     }
 
@@ -294,7 +294,7 @@ mod tests {
             Exchange { answered_ms: good.got_ms - 1.0, ..good },
             Exchange { answered_ms: good.got_ms + 100.0, ..good },
         ] {
-            assert_eq!(sync.take(bad), Outcome::Absurd, "{bad:?}");
+            assert_eq!(sync.take(bad), PingOutcome::Absurd, "{bad:?}");
         }
         assert_eq!(sync.when(5000.0, good.heard), None);
     }

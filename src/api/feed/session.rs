@@ -3,7 +3,7 @@
 //! Main function: [`feed`]. Guidance leaves at once when it changed, else four times a second; what could not leave
 //! in time was replaced by newer. Refuses: to wait for a client, and to talk a version that it does not know.
 
-use super::clock::{Exchange, Outcome};
+use super::clock::{Exchange, PingOutcome};
 use super::hub::{Connection, Told};
 use super::intake::{Intake, pairs};
 use super::thin::RateLimiter;
@@ -364,14 +364,14 @@ impl Session<'_> {
         let outcome = self.intake.clock.take(Exchange { asked, got_ms: t1, answered_ms: t2, heard: now });
         self.api.feeds.clock_error(self.worker, self.intake.clock.error(now));
         match outcome {
-            Outcome::Taken => Ok(()),
-            outcome @ (Outcome::First | Outcome::Jumped) => {
+            PingOutcome::Taken => Ok(()),
+            outcome @ (PingOutcome::First | PingOutcome::Jumped) => {
                 let error = self.intake.clock.error(now).unwrap_or_default();
-                let jumped = outcome == Outcome::Jumped;
+                let jumped = outcome == PingOutcome::Jumped;
                 let error_ms = error.0 as f64 / 1000.0;
                 self.send(json!({"type": "clock", "error_ms": error_ms, "jumped": jumped})).await
             }
-            Outcome::Absurd => {
+            PingOutcome::Absurd => {
                 let text = "t1 and t2 are milliseconds of one monotonic clock, t1 before t2";
                 self.warn("pong", 1, text).await
             }

@@ -29,7 +29,7 @@ const ENCOUNTERS: u32 = 100_000;
 /// What is added up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum HeatKind {
     /// Seconds that robots stood although they would have driven on.
     Waiting,
     /// Robots that came into region 1 of a worker.
@@ -42,7 +42,7 @@ pub enum Kind {
 #[into_params(parameter_in = Query)]
 pub struct HeatParams {
     /// waiting or encounters.
-    kind: Kind,
+    kind: HeatKind,
     /// From when on, RFC 3339; an hour before the end where absent. Waiting is kept for a day.
     #[param(example = "2027-01-31T06:00:00Z")]
     from: Option<String>,
@@ -54,7 +54,7 @@ pub struct HeatParams {
 #[derive(Debug, Serialize, ToSchema)]
 pub struct HeatDto {
     /// waiting or encounters.
-    pub kind: Kind,
+    pub kind: HeatKind,
     /// From when on it is added up, RFC 3339: waiting is kept in steps of five minutes.
     pub from: String,
     /// The end.
@@ -88,12 +88,14 @@ pub struct CellDto {
 pub async fn heat(State(api): State<Api>, Params(p): Params<HeatParams>) -> Result<Json<HeatDto>, Problem> {
     let (from, to) = stretch(&api, p.from.as_deref(), p.to.as_deref())?;
     let (from, unit, size, mut cells) = match p.kind {
-        Kind::Waiting => {
+        HeatKind::Waiting => {
             let oldest = api.moment().view.now - HEAT_STEP * DAY as i64;
             let from = floor(from.max(oldest), HEAT_STEP);
             (from, "seconds", api.map.footprint_m, waiting(&api, from, to))
         }
-        Kind::Encounters => (from, "encounters", CELL_MM as f64 / 1000.0, encounters(&api, from, to).await?),
+        HeatKind::Encounters => {
+            (from, "encounters", CELL_MM as f64 / 1000.0, encounters(&api, from, to).await?)
+        }
     };
     cells.sort_by(|a, b| b.amount.total_cmp(&a.amount).then(a.x.total_cmp(&b.x)).then(a.y.total_cmp(&b.y)));
     cells.truncate(MOST);

@@ -42,7 +42,7 @@ struct Kept {
 }
 
 #[derive(Debug)]
-struct State {
+struct LiveState {
     version: u64,
     frame: Arc<Frame>,
     snapshot: Option<Utf8Bytes>,
@@ -54,14 +54,14 @@ struct State {
 #[derive(Debug)]
 pub struct Live {
     map: Arc<Warehouse>,
-    state: Mutex<State>,
+    state: Mutex<LiveState>,
     newest: watch::Sender<u64>,
 }
 
 impl Live {
     /// A feed whose first version is `first`, which no earlier run may have reached.
     pub fn new(map: Arc<Warehouse>, first: u64) -> Live {
-        let state = State {
+        let state = LiveState {
             version: first,
             frame: Arc::default(),
             snapshot: None,
@@ -129,7 +129,7 @@ impl Live {
         KEPT as u64
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, LiveState> {
         self.state.lock().expect("nobody panics with this lock")
     }
 }

@@ -73,12 +73,12 @@ pub struct Meetings {
     /// By distance alone.
     pub by_distance: Judged,
     /// What was said, and after how many looks they met, by class of what was said ([`CLASSES`]).
-    pub said: [Said; CLASSES.len()],
+    pub said: [StatedRisk; CLASSES.len()],
 }
 
 /// Looks at which about the same probability of a meeting was stated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Said {
+pub struct StatedRisk {
     /// How many.
     pub looks: u64,
     /// The sum of what was stated.

@@ -100,12 +100,12 @@ const ERRANDS: [(f64, f64, &str); 5] = [
     (32.0, 19.0, "walks east to brown"),
 ];
 
-struct Person {
+struct StoryPerson {
     pose: Pose,
     errand: usize,
 }
 
-impl Person {
+impl StoryPerson {
     /// Walks for a tick; whether it sets off on a new errand.
     fn walk(&mut self, all: &Distances) -> bool {
         let Some((x, y, _)) = ERRANDS.get(self.errand) else { return false };
@@ -148,7 +148,7 @@ pub(super) fn tell(method: Method, seed: u64) -> Story {
         }
     }
     let mut crowd = Crowd::new(&w, seed);
-    let mut person = Person { pose: Pose { at: Point::new(7.0, 5.0), heading: FRAC_PI_2 }, errand: 0 };
+    let mut person = StoryPerson { pose: Pose { at: Point::new(7.0, 5.0), heading: FRAC_PI_2 }, errand: 0 };
     let mut events = vec![Event { at: 0.0, what: ERRANDS[0].2.into() }];
     let (mut beliefs, mut tick, mut stepped) = (Vec::new(), 0_u32, 0_u32);
     while person.errand < ERRANDS.len() && f64::from(tick) < LONGEST_S * RATE {

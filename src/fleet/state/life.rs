@@ -1,6 +1,6 @@
 //! The life of a job: one table of what may happen to it, and of what its robot does meanwhile.
 //!
-//! Main types: [`Stage`], [`Work`], [`Event`]; main functions [`next`] (the table) and [`work`] (what the robot of a
+//! Main types: [`JobStage`], [`Work`], [`Event`]; main functions [`next`] (the table) and [`work`] (what the robot of a
 //! job in some stage does for it). `Ledger::evolve` asserts both for every fact in every build, so a job and the task
 //! of the robot that serves it can never disagree. Refuses: to decide that something happens.
 
@@ -9,7 +9,7 @@ use crate::fleet::state::job::{JobKind, JobState};
 
 /// How far a job has come, without the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
+pub enum JobStage {
     /// No robot has it.
     Waiting,
     /// A robot is on its way to the rack, or to where it was sent.
@@ -89,17 +89,17 @@ impl Family {
     }
 }
 
-impl Stage {
+impl JobStage {
     /// The stage of a state.
-    pub fn of(state: JobState) -> Stage {
+    pub fn of(state: JobState) -> JobStage {
         match state {
-            JobState::Waiting => Stage::Waiting,
-            JobState::Assigned { .. } => Stage::Assigned,
-            JobState::Carrying { .. } => Stage::Carrying,
-            JobState::Picking { .. } => Stage::Picking,
-            JobState::Done => Stage::Done,
-            JobState::Cancelled => Stage::Cancelled,
-            JobState::Failed(_) => Stage::Failed,
+            JobState::Waiting => JobStage::Waiting,
+            JobState::Assigned { .. } => JobStage::Assigned,
+            JobState::Carrying { .. } => JobStage::Carrying,
+            JobState::Picking { .. } => JobStage::Picking,
+            JobState::Done => JobStage::Done,
+            JobState::Cancelled => JobStage::Cancelled,
+            JobState::Failed(_) => JobStage::Failed,
         }
     }
 }
@@ -119,9 +119,9 @@ impl Work {
 }
 
 /// The table: the stage to which an event takes a job. Nothing where the event cannot happen then.
-pub fn next(kind: &JobKind, from: Stage, event: Event) -> Option<Stage> {
+pub fn next(kind: &JobKind, from: JobStage, event: Event) -> Option<JobStage> {
     use Family::{Deliver, Put, Send};
-    use Stage::{Assigned, Cancelled, Carrying, Done, Failed, Picking, Waiting};
+    use JobStage::{Assigned, Cancelled, Carrying, Done, Failed, Picking, Waiting};
     let to = match (Family::of(kind), from, event) {
         (_, Done | Cancelled | Failed, _) => return None,
         (_, _, Event::Cancelled) => Cancelled,
@@ -143,20 +143,20 @@ pub fn next(kind: &JobKind, from: Stage, event: Event) -> Option<Stage> {
 }
 
 /// What the robot that serves a job does for it in a stage. Nothing where the kind has no such stage.
-pub fn work(kind: &JobKind, stage: Stage) -> Option<Work> {
+pub fn work(kind: &JobKind, stage: JobStage) -> Option<Work> {
     use Family::{Deliver, Put, Send};
     Some(match (Family::of(kind), stage) {
-        (_, Stage::Waiting | Stage::Done | Stage::Cancelled | Stage::Failed) => Work::Nothing,
-        (Deliver | Put, Stage::Assigned) => Work::Fetch,
-        (Send, Stage::Assigned) => Work::Move,
-        (Deliver, Stage::Carrying | Stage::Picking) => Work::Deliver,
-        (Put, Stage::Carrying) => Work::Store,
-        (Put, Stage::Picking) | (Send, Stage::Carrying | Stage::Picking) => return None,
+        (_, JobStage::Waiting | JobStage::Done | JobStage::Cancelled | JobStage::Failed) => Work::Nothing,
+        (Deliver | Put, JobStage::Assigned) => Work::Fetch,
+        (Send, JobStage::Assigned) => Work::Move,
+        (Deliver, JobStage::Carrying | JobStage::Picking) => Work::Deliver,
+        (Put, JobStage::Carrying) => Work::Store,
+        (Put, JobStage::Picking) | (Send, JobStage::Carrying | JobStage::Picking) => return None,
     })
 }
 
 /// The event that takes a job from one stage to another, if one does.
-pub fn event(kind: &JobKind, from: Stage, to: Stage) -> Option<Event> {
+pub fn event(kind: &JobKind, from: JobStage, to: JobStage) -> Option<Event> {
     EVENTS.into_iter().find(|e| next(kind, from, *e) == Some(to))
 }
 
@@ -180,14 +180,14 @@ mod tests {
     use super::*;
     use crate::id::{NodeId, RackId, RobotId, StationId};
 
-    const STAGES: [Stage; 7] = [
-        Stage::Waiting,
-        Stage::Assigned,
-        Stage::Carrying,
-        Stage::Picking,
-        Stage::Done,
-        Stage::Cancelled,
-        Stage::Failed,
+    const STAGES: [JobStage; 7] = [
+        JobStage::Waiting,
+        JobStage::Assigned,
+        JobStage::Carrying,
+        JobStage::Picking,
+        JobStage::Done,
+        JobStage::Cancelled,
+        JobStage::Failed,
     ];
 
     fn kinds() -> [JobKind; 6] {
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn no_event_brings_a_job_back_that_is_over() {
         for kind in kinds() {
-            for stage in [Stage::Done, Stage::Cancelled, Stage::Failed] {
+            for stage in [JobStage::Done, JobStage::Cancelled, JobStage::Failed] {
                 assert!(EVENTS.iter().all(|e| next(&kind, stage, *e).is_none()), "{kind:?} {stage:?}");
             }
         }
@@ -214,10 +214,10 @@ mod tests {
     #[test]
     fn a_job_can_be_cancelled_and_can_fail_at_every_stage_that_its_kind_has() {
         for kind in kinds() {
-            for stage in [Stage::Waiting, Stage::Assigned, Stage::Carrying, Stage::Picking] {
+            for stage in [JobStage::Waiting, JobStage::Assigned, JobStage::Carrying, JobStage::Picking] {
                 let has = work(&kind, stage).is_some();
-                assert!(!has || next(&kind, stage, Event::Cancelled) == Some(Stage::Cancelled));
-                assert!(!has || next(&kind, stage, Event::Failed) == Some(Stage::Failed));
+                assert!(!has || next(&kind, stage, Event::Cancelled) == Some(JobStage::Cancelled));
+                assert!(!has || next(&kind, stage, Event::Failed) == Some(JobStage::Failed));
             }
         }
     }
@@ -225,7 +225,7 @@ mod tests {
     #[test]
     fn every_stage_that_can_be_reached_says_what_the_robot_does_and_leads_to_done() {
         for kind in kinds() {
-            let mut reached = vec![Stage::Waiting];
+            let mut reached = vec![JobStage::Waiting];
             let mut i = 0;
             while let Some(from) = reached.get(i).copied() {
                 i += 1;
@@ -236,7 +236,7 @@ mod tests {
                     }
                 }
             }
-            assert!(reached.contains(&Stage::Done), "{kind:?} reaches {reached:?}");
+            assert!(reached.contains(&JobStage::Done), "{kind:?} reaches {reached:?}");
             let unused = STAGES.into_iter().filter(|s| !reached.contains(s));
             unused.for_each(|s| assert_eq!(work(&kind, s), None, "{kind:?} never comes to {s:?}"));
         }
@@ -246,7 +246,7 @@ mod tests {
     fn two_events_do_not_lead_from_one_stage_to_the_same_other_one() {
         for kind in kinds() {
             for from in STAGES {
-                let ends: Vec<Stage> = EVENTS.iter().filter_map(|e| next(&kind, from, *e)).collect();
+                let ends: Vec<JobStage> = EVENTS.iter().filter_map(|e| next(&kind, from, *e)).collect();
                 for to in &ends {
                     assert_eq!(ends.iter().filter(|s| *s == to).count(), 1, "{kind:?}: {from:?} to {to:?}");
                 }

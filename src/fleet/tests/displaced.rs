@@ -254,9 +254,9 @@ fn nobody_is_told_to_drive_after_a_start_until_all_were_heard_of_or_a_while_is_o
 }
 
 /// A stream of numbers for tests that push at random.
-struct Dice(u64);
+struct TestDice(u64);
 
-impl Dice {
+impl TestDice {
     fn below(&mut self, n: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) as usize) % n
@@ -279,7 +279,7 @@ fn with_customers_of_every_kind(seed: u64, rate: f64) -> Scenario {
 
 /// Pushes some robots, or all, before anybody drives: onto free nodes, off nodes, onto nodes that others hold. Gives
 /// how many.
-fn push_some(floor: &mut Floor, dice: &mut Dice) -> usize {
+fn push_some(floor: &mut Floor, dice: &mut TestDice) -> usize {
     let robots: Vec<RobotId> = floor.fleet.ledger().robots.ids().collect();
     let share = 1 + dice.below(3);
     let mut pushed = 0;
@@ -317,7 +317,7 @@ fn push_some(floor: &mut Floor, dice: &mut Dice) -> usize {
 fn pushed_at_restarts(seed: u64) -> (usize, usize, usize) {
     let scenario = with_customers_of_every_kind(seed, 1e-9);
     let mut floor = Floor::new(thesis(), &scenario);
-    let (mut dice, mut pushed) = (Dice(seed), 0);
+    let (mut dice, mut pushed) = (TestDice(seed), 0);
     for round in 0..3 {
         floor.run(60 + dice.below(90) as i64);
         floor.restart(&Scenario { seed: seed * 100 + round, ..scenario.clone() });

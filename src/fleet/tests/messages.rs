@@ -3,9 +3,9 @@
 use super::*;
 
 /// A small generator of numbers that look random.
-struct Dice(u64);
+struct TestDice(u64);
 
-impl Dice {
+impl TestDice {
     fn below(&mut self, n: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) as usize) % n
@@ -23,7 +23,7 @@ fn repeated_late_and_shuffled_telemetry_changes_nothing() {
     let mut floor = Floor::thesis(5);
     let mut noisy =
         Fleet::restore(floor.fleet.warehouse().clone(), floor.fleet.settings().clone(), floor.facts.clone());
-    let (mut dice, mut old, mut extra) = (Dice(1), Vec::<Input>::new(), 0);
+    let (mut dice, mut old, mut extra) = (TestDice(1), Vec::<Input>::new(), 0);
     let mut wanted: Vec<JobKind> = (0..15).map(|i| deliver(i * 4)).collect();
     while floor.now < Time::from_secs_f64(300.0) {
         let mut inputs = floor.world.advance(floor.now, &floor.fleet);

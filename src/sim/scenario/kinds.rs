@@ -43,7 +43,7 @@ pub(super) struct Figures {
     battery: Battery,
     footprint: Option<Outline>,
     footprint_loaded: Option<Outline>,
-    drive: Drive,
+    drive: DriveWord,
     carries: Option<Vec<String>>,
     payload_kg: Option<f64>,
 }
@@ -63,7 +63,7 @@ enum Outline {
 /// Whether a robot turns to where it drives.
 #[derive(Clone, Copy, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Drive {
+enum DriveWord {
     #[default]
     Differential,
     Omnidirectional,
@@ -181,7 +181,7 @@ impl Figures {
         }
         let payload_kg = self.payload_kg.unwrap_or(f64::INFINITY);
         check(&format!("{of}.payload_kg"), payload_kg, 0.0..=f64::INFINITY, "0 or more")?;
-        let turns = self.drive == Drive::Differential;
+        let turns = self.drive == DriveWord::Differential;
         let footprints = outlines.map(|(_, outline)| outline.as_ref().map(|o| o.footprint(turns)));
         Ok(RobotKind { name, kinematics, charging, footprints, carries: self.carries, payload_kg })
     }
@@ -205,7 +205,7 @@ impl Figures {
             accel_unloaded_mps2: unloaded,
             accel_loaded_mps2: loaded,
             lift: Span::from_secs_f64(lift),
-            turn_radps: if self.drive == Drive::Differential { usual.turn_radps } else { f64::INFINITY },
+            turn_radps: if self.drive == DriveWord::Differential { usual.turn_radps } else { f64::INFINITY },
             ..usual
         })
     }

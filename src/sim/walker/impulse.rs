@@ -12,7 +12,7 @@ use crate::time::{Span, Time};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impulse {
     /// What.
-    pub kind: Kind,
+    pub kind: ImpulseKind,
     /// Chooses among the places there are.
     pub pick: f64,
     /// How long it takes, or how long to stay there.
@@ -21,7 +21,7 @@ pub struct Impulse {
 
 /// What comes to mind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum ImpulseKind {
     /// To stop for a moment.
     Pause,
     /// To look around.
@@ -38,24 +38,24 @@ pub enum Kind {
     Scripted,
 }
 
-impl Kind {
+impl ImpulseKind {
     /// Shortest and longest stay, seconds.
     fn stays(self) -> (f64, f64) {
         match self {
-            Kind::Pause => (3.0, 30.0),
-            Kind::Look => (2.0, 5.0),
-            Kind::Mind => (2.0, 8.0),
-            Kind::Unknown => (5.0, 15.0),
-            Kind::Wander => (10.0, 40.0),
-            Kind::Help => (10.0, 30.0),
-            Kind::Scripted => (3.0, 10.0),
+            ImpulseKind::Pause => (3.0, 30.0),
+            ImpulseKind::Look => (2.0, 5.0),
+            ImpulseKind::Mind => (2.0, 8.0),
+            ImpulseKind::Unknown => (5.0, 15.0),
+            ImpulseKind::Wander => (10.0, 40.0),
+            ImpulseKind::Help => (10.0, 30.0),
+            ImpulseKind::Scripted => (3.0, 10.0),
         }
     }
 }
 
 #[derive(Debug)]
 struct Clock {
-    kind: Kind,
+    kind: ImpulseKind,
     mean_s: f64,
     next: Time,
     random: Stream,
@@ -77,14 +77,14 @@ impl Impulses {
     pub(in crate::sim) fn new(deviations: &Deviations, seed: u64, who: u64, start: Time) -> Impulses {
         let rates = deviations.causes.rates();
         let kinds = [
-            (Kind::Pause, rates.pause_per_hour),
-            (Kind::Look, rates.look_per_hour),
-            (Kind::Mind, rates.mind_per_hour),
-            (Kind::Unknown, rates.unknown_per_hour),
-            (Kind::Wander, rates.wander_per_hour),
-            (Kind::Help, rates.help_per_hour),
+            (ImpulseKind::Pause, rates.pause_per_hour),
+            (ImpulseKind::Look, rates.look_per_hour),
+            (ImpulseKind::Mind, rates.mind_per_hour),
+            (ImpulseKind::Unknown, rates.unknown_per_hour),
+            (ImpulseKind::Wander, rates.wander_per_hour),
+            (ImpulseKind::Help, rates.help_per_hour),
         ];
-        let clock = |(i, (kind, per_hour)): (usize, (Kind, f64))| {
+        let clock = |(i, (kind, per_hour)): (usize, (ImpulseKind, f64))| {
             let mean_s = 3600.0 / per_hour;
             let mut random = Stream::new(seed, PURPOSE + 1 + i as u64, who);
             let next = start + Span::from_secs_f64(random.exponential(mean_s));
@@ -100,7 +100,7 @@ impl Impulses {
     /// The next thing that has come up by `now`.
     pub fn due(&mut self, now: Time) -> Option<Impulse> {
         if self.scripted.pop_if(|at| *at <= now).is_some() {
-            return Some(impulse(Kind::Scripted, &mut self.random));
+            return Some(impulse(ImpulseKind::Scripted, &mut self.random));
         }
         let clock = self.clocks.iter_mut().find(|c| c.next <= now)?;
         let found = impulse(clock.kind, &mut clock.random);
@@ -109,7 +109,7 @@ impl Impulses {
     }
 }
 
-fn impulse(kind: Kind, random: &mut Stream) -> Impulse {
+fn impulse(kind: ImpulseKind, random: &mut Stream) -> Impulse {
     let pick = random.unit();
     let (low, high) = kind.stays();
     Impulse { kind, pick, stay: Span::from_secs_f64(random.between(low, high)) }
@@ -126,7 +126,7 @@ mod tests {
         let deviations = Deviations { at_s: vec![5.0, 3.0], causes: Causes::All };
         let mut impulses = Impulses::new(&deviations, 7, 3, Time::ZERO);
         let hours = 400;
-        let mut counts: BTreeMap<Kind, u32> = BTreeMap::new();
+        let mut counts: BTreeMap<ImpulseKind, u32> = BTreeMap::new();
         for second in 0..hours * 3600 {
             while let Some(i) = impulses.due(Time::from_secs_f64(f64::from(second))) {
                 *counts.entry(i.kind).or_default() += 1;
@@ -136,17 +136,17 @@ mod tests {
         }
         let usual = Rates::USUAL;
         for (kind, rate) in [
-            (Kind::Pause, usual.pause_per_hour),
-            (Kind::Look, usual.look_per_hour),
-            (Kind::Mind, usual.mind_per_hour),
-            (Kind::Unknown, usual.unknown_per_hour),
-            (Kind::Wander, usual.wander_per_hour),
-            (Kind::Help, usual.help_per_hour),
+            (ImpulseKind::Pause, usual.pause_per_hour),
+            (ImpulseKind::Look, usual.look_per_hour),
+            (ImpulseKind::Mind, usual.mind_per_hour),
+            (ImpulseKind::Unknown, usual.unknown_per_hour),
+            (ImpulseKind::Wander, usual.wander_per_hour),
+            (ImpulseKind::Help, usual.help_per_hour),
         ] {
             let (found, wanted) = (f64::from(counts[&kind]), rate * f64::from(hours));
             assert!((found - wanted).abs() < 4.0 * wanted.sqrt(), "{kind:?}: {found}, not {wanted}");
         }
-        assert_eq!(counts[&Kind::Scripted], 2);
+        assert_eq!(counts[&ImpulseKind::Scripted], 2);
     }
 
     #[test]
@@ -162,7 +162,7 @@ mod tests {
                     found.push((now, i));
                 }
             }
-            found.retain(|(_, i)| i.kind == Kind::Pause);
+            found.retain(|(_, i)| i.kind == ImpulseKind::Pause);
             found
         };
         assert_eq!(only(30.0, 0.0), only(30.0, 200.0));

@@ -3,7 +3,7 @@
 //! Refuses: to move anybody; it sets the route and the wanted speed, the legs do the rest.
 
 use super::cause::Cause;
-use super::impulse::{Impulse, Kind};
+use super::impulse::{Impulse, ImpulseKind};
 use super::legs::{Around, BODY_M, RobotNear};
 use super::persona::Persona;
 use super::{Aside, Desk, Doing, Job, Shown, Walker};
@@ -71,29 +71,29 @@ impl Walker {
         let Impulse { kind, pick, stay } = impulse;
         let walks = self.doing == Doing::Duty && !self.legs.route.is_empty();
         let leaves = matches!(self.doing, Doing::Leave(_) | Doing::Gone);
-        if leaves || !(walks || kind == Kind::Scripted) {
+        if leaves || !(walks || kind == ImpulseKind::Scripted) {
             return;
         }
         let errand = |cause, goal| Doing::Errand { cause, goal, stay, until: None };
         let known = || desk.known.get((pick * desk.known.len() as f64) as usize).copied();
         let unknown = || somewhere(around.walkways, desk.known, pick);
         let doing = match kind {
-            Kind::Pause => {
+            ImpulseKind::Pause => {
                 self.pause_until = now + stay;
                 return;
             }
-            Kind::Look => {
+            ImpulseKind::Look => {
                 self.look_until = now + stay;
                 return;
             }
-            Kind::Mind => known().map(|goal| errand(Cause::ChangeOfMind, goal)),
-            Kind::Unknown => unknown().map(|goal| errand(Cause::UnknownGoal, goal)),
-            Kind::Help => {
+            ImpulseKind::Mind => known().map(|goal| errand(Cause::ChangeOfMind, goal)),
+            ImpulseKind::Unknown => unknown().map(|goal| errand(Cause::UnknownGoal, goal)),
+            ImpulseKind::Help => {
                 let colleague = desk.colleagues.get((pick * desk.colleagues.len() as f64) as usize).copied();
                 colleague.or_else(unknown).map(|goal| errand(Cause::Help, goal))
             }
-            Kind::Scripted => unknown().map(|goal| errand(Cause::Scripted, goal)),
-            Kind::Wander => Some(Doing::Wander(now + stay)),
+            ImpulseKind::Scripted => unknown().map(|goal| errand(Cause::Scripted, goal)),
+            ImpulseKind::Wander => Some(Doing::Wander(now + stay)),
         };
         if let Some(doing) = doing {
             (self.doing, self.detour, self.aside) = (doing, false, None);

@@ -40,7 +40,8 @@ pub(in crate::warehouse) fn well_formed(w: &Warehouse, doubts: &Doubts) -> Resul
     let blocked = standing(w, &doubtful, &mut found);
     without_lanes(w, &doubtful, &mut found);
     let incoming = incoming(w);
-    let [loaded, unloaded] = [true, false].map(|loaded| Floor::of(w, loaded, &doubtful, &blocked, &incoming));
+    let [loaded, unloaded] =
+        [true, false].map(|loaded| OpenFloor::of(w, loaded, &doubtful, &blocked, &incoming));
     loaded.cut_off(&mut found);
     unloaded.cut_off(&mut found);
     for (n, node) in w.nodes.pairs().filter(|(n, _)| !doubtful[*n]) {
@@ -113,7 +114,7 @@ fn incoming(w: &Warehouse) -> Incoming {
 }
 
 /// The open floor as robots of one kind see it.
-struct Floor<'a> {
+struct OpenFloor<'a> {
     w: &'a Warehouse,
     loaded: bool,
     blocked: &'a Blocked,
@@ -126,7 +127,7 @@ struct Floor<'a> {
     after_station: Set,
 }
 
-impl<'a> Floor<'a> {
+impl<'a> OpenFloor<'a> {
     fn of(
         w: &'a Warehouse,
         loaded: bool,
@@ -160,7 +161,7 @@ impl<'a> Floor<'a> {
             nodes.into_iter().for_each(|n| set[NodeId::at(n.index())] = true);
             set
         };
-        Floor {
+        OpenFloor {
             w,
             loaded,
             blocked,

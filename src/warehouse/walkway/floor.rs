@@ -1,6 +1,6 @@
 //! The floor on which people walk, as a raster with the clearance of every cell.
 //!
-//! Main type: [`Floor`]. Refuses: holes that lifted racks leave; the places of racks are never floor.
+//! Main type: [`Raster`]. Refuses: holes that lifted racks leave; the places of racks are never floor.
 
 use crate::geometry::{Point, inside};
 use crate::warehouse::{NodeKind, Warehouse};
@@ -17,7 +17,7 @@ const SAMPLES: [(f64, f64); 4] = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), 
 
 /// The raster. Cells are numbered row by row from the south; the outermost ones are never free.
 #[derive(Clone, Debug)]
-pub(super) struct Floor {
+pub(super) struct Raster {
     /// Side of a cell, metres.
     pub cell_m: f64,
     /// Middle of the first cell.
@@ -28,9 +28,9 @@ pub(super) struct Floor {
     pub clear2: Vec<u32>,
 }
 
-impl Floor {
+impl Raster {
     /// The free floor of a building.
-    pub fn of(w: &Warehouse) -> Floor {
+    pub fn of(w: &Warehouse) -> Raster {
         let (low, high) = w.bounds();
         let size = high - low;
         let fine = size.x.max(1.0) * size.y.max(1.0) / (CELL_M * CELL_M);
@@ -41,7 +41,7 @@ impl Floor {
         let count = |from: f64, to: f64| ((to - from) / cell_m).ceil() as usize + margin as usize + 1;
         let low = Point::new(first(low.x), first(low.y));
         let (columns, rows) = (count(low.x, high.x), count(low.y, high.y));
-        let mut floor = Floor { cell_m, low, columns, rows, clear2: Vec::new() };
+        let mut floor = Raster { cell_m, low, columns, rows, clear2: Vec::new() };
         let free = floor.free(w);
         floor.clear2 = distances2(columns, rows, |i| !free[i]);
         floor.close_slits();

@@ -21,7 +21,7 @@ use super::near::Near;
 use super::{NodeKind, Warehouse};
 use crate::geometry::{Point, Segment};
 use crate::id::{Dense, IdVec, NodeId, WalkEdgeId, WalkNodeId};
-use floor::Floor;
+use floor::Raster;
 use std::collections::BTreeSet;
 
 /// No edge is longer, metres.
@@ -63,7 +63,7 @@ impl WalkEdge {
 /// The free floor of a building and its middle lines.
 #[derive(Clone, Debug)]
 pub struct Walkways {
-    floor: Floor,
+    floor: Raster,
     nodes: IdVec<WalkNodeId, WalkNode>,
     edges: IdVec<WalkEdgeId, WalkEdge>,
     /// Where the links of each node begin in `links`, and the end of the last.
@@ -77,14 +77,18 @@ impl Walkways {
     /// The walkways of a building: inside its outlines, outside of its obstacles and of all places of racks.
     /// Where the map has no outlines, the rectangle around its aisles takes their place.
     pub fn of(w: &Warehouse) -> Walkways {
-        let floor = Floor::of(w);
+        let floor = Raster::of(w);
         let keep: BTreeSet<usize> = places(w).into_iter().filter_map(|p| floor.cell(p)).collect();
         let skeleton = thin::skeleton(&floor, &keep);
         let (nodes, edges) = trace::graph(&floor, &skeleton, &keep);
         Walkways::new(floor, nodes, edges)
     }
 
-    fn new(floor: Floor, nodes: IdVec<WalkNodeId, WalkNode>, edges: IdVec<WalkEdgeId, WalkEdge>) -> Walkways {
+    fn new(
+        floor: Raster,
+        nodes: IdVec<WalkNodeId, WalkNode>,
+        edges: IdVec<WalkEdgeId, WalkEdge>,
+    ) -> Walkways {
         let mut links: Vec<(WalkNodeId, WalkEdgeId, WalkNodeId)> =
             edges.pairs().flat_map(|(e, edge)| [(edge.a, e, edge.b), (edge.b, e, edge.a)]).collect();
         links.sort_unstable();

@@ -6,12 +6,12 @@
 //! A dead end is eaten up from its end, unless a cell in it is to be kept. Refuses: branches into corners, which a
 //! plain diagram has everywhere and nobody walks.
 
-use super::floor::Floor;
+use super::floor::Raster;
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
 /// Which cells are middle lines. Cells in `keep` are, if they are free.
-pub(super) fn skeleton(floor: &Floor, keep: &BTreeSet<usize>) -> Vec<bool> {
+pub(super) fn skeleton(floor: &Raster, keep: &BTreeSet<usize>) -> Vec<bool> {
     let mut left: Vec<bool> = floor.clear2.iter().map(|c| *c > 0).collect();
     let mut queued = vec![false; left.len()];
     let mut queue = BinaryHeap::new();

@@ -2,7 +2,7 @@
 //!
 //! Main function: [`graph`]. Refuses: edges longer than the pitch, and to move a line by more than a cell.
 
-use super::floor::Floor;
+use super::floor::Raster;
 use super::thin::around;
 use super::{PITCH_M, WalkEdge, WalkNode};
 use crate::geometry::{Point, Segment};
@@ -16,7 +16,7 @@ type Chain = Vec<usize>;
 
 /// The graph of a skeleton; cells in `keep` become nodes.
 pub(super) fn graph(
-    floor: &Floor,
+    floor: &Raster,
     skeleton: &[bool],
     keep: &BTreeSet<usize>,
 ) -> (IdVec<WalkNodeId, WalkNode>, IdVec<WalkEdgeId, WalkEdge>) {
@@ -41,7 +41,7 @@ pub(super) fn graph(
 }
 
 /// Neighbours along the line; a diagonal one only where no cell between leads there too.
-fn neighbours(floor: &Floor, skeleton: &[bool], i: usize) -> Vec<usize> {
+fn neighbours(floor: &Raster, skeleton: &[bool], i: usize) -> Vec<usize> {
     let ring = around(floor.columns, i);
     let is_next = |k: usize| {
         skeleton[ring[k]] && (k.is_multiple_of(2) || !(skeleton[ring[k - 1]] || skeleton[ring[(k + 1) % 8]]))
@@ -50,7 +50,7 @@ fn neighbours(floor: &Floor, skeleton: &[bool], i: usize) -> Vec<usize> {
 }
 
 /// The lines between crossings, ends and kept cells, each once, in the order of its first cell.
-fn chains(floor: &Floor, skeleton: &[bool], keep: &BTreeSet<usize>) -> Vec<Chain> {
+fn chains(floor: &Raster, skeleton: &[bool], keep: &BTreeSet<usize>) -> Vec<Chain> {
     let lines: BTreeMap<usize, Vec<usize>> =
         (0..skeleton.len()).filter(|i| skeleton[*i]).map(|i| (i, neighbours(floor, skeleton, i))).collect();
     let mut ends: BTreeSet<usize> =
@@ -93,13 +93,13 @@ fn follow(lines: &BTreeMap<usize, Vec<usize>>, ends: &BTreeSet<usize>, start: us
     chain
 }
 
-fn length(floor: &Floor, chain: &[usize]) -> f64 {
+fn length(floor: &Raster, chain: &[usize]) -> f64 {
     chain.windows(2).map(|pair| (floor.middle(pair[1]) - floor.middle(pair[0])).norm()).sum()
 }
 
 /// For each end of a chain the cell that stands for it: crossings close together are one, at the kept cell or
 /// else where there is most room.
-fn crossings(floor: &Floor, chains: &[Chain], keep: &BTreeSet<usize>) -> BTreeMap<usize, usize> {
+fn crossings(floor: &Raster, chains: &[Chain], keep: &BTreeSet<usize>) -> BTreeMap<usize, usize> {
     let mut head: BTreeMap<usize, usize> =
         chains.iter().flat_map(|c| [c[0], c[c.len() - 1]]).map(|end| (end, end)).collect();
     let find = |head: &BTreeMap<usize, usize>, mut i: usize| {
@@ -118,7 +118,7 @@ fn crossings(floor: &Floor, chains: &[Chain], keep: &BTreeSet<usize>) -> BTreeMa
 }
 
 struct Graph<'a> {
-    floor: &'a Floor,
+    floor: &'a Raster,
     nodes: IdVec<WalkNodeId, WalkNode>,
     edges: IdVec<WalkEdgeId, WalkEdge>,
     /// Nodes by their cell, where chains end.

@@ -6,7 +6,7 @@
 use super::{Ledger, RackAt, Robot, Service, stand};
 use crate::fleet::state::fact::{Act, Booking, Fact, Kept, Task};
 use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState};
-use crate::fleet::state::life::{self, Stage, Work};
+use crate::fleet::state::life::{self, JobStage, Work};
 use crate::fleet::state::worker::{Assignment, AssignmentRequest, AssignmentState};
 use crate::id::{AssignmentId, JobId, NodeId, RobotId, WorkerId};
 use crate::time::Time;
@@ -195,7 +195,7 @@ impl Ledger {
     fn progress(&mut self, id: JobId, state: JobState, tasked: Option<(RobotId, Task)>) {
         let job = self.promises.jobs.get_mut(&id).expect("only live jobs progress");
         let (kind, before) = (job.request.kind, job.state);
-        let event = life::event(&kind, Stage::of(before), Stage::of(state));
+        let event = life::event(&kind, JobStage::of(before), JobStage::of(state));
         assert!(event.is_some(), "{id:?} ({kind:?}) cannot go from {before:?} to {state:?}");
         let robots = (before.robot(), state.robot());
         assert!(!matches!(robots, (Some(a), Some(b)) if a != b), "{id:?} changes its robot: {robots:?}");
@@ -246,7 +246,8 @@ impl Ledger {
 
     /// Asserts that the robot of a job does what the job's stage asks for.
     fn assert_served(&self, id: JobId, kind: &JobKind, state: JobState) {
-        let wanted = life::work(kind, Stage::of(state)).expect("the table leads to stages that the kind has");
+        let wanted =
+            life::work(kind, JobStage::of(state)).expect("the table leads to stages that the kind has");
         let Some(robot) = state.robot() else { return };
         let task = self.promises.robots[robot].task;
         let serves = task.job() == Some(id) && Work::of(&task) == wanted;
