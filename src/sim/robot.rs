@@ -1,7 +1,7 @@
 //! A simulated robot: drives along granted waypoints with inertia, turns in place, lifts, waits, breaks down.
 //!
-//! Main type: [`RobotBody`]. Between two calls it integrates in steps of at most 20 ms. It never drives beyond what it was
-//! told, and it can always stop before the end of it. Refuses: to know where others are.
+//! Main type: [`RobotBody`]. Between two calls it integrates in steps of at most 20 ms. It never drives beyond what it
+//! was told, and it can always stop before the end of it. Refuses: to know where others are.
 
 use super::guard::Guard;
 use super::walker::BODY_M;
