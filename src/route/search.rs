@@ -54,6 +54,8 @@ struct Search<'a> {
     /// See [`Pace::start_cost`] and [`Pace::lead`], without and with a rack.
     start_cost: [i64; 2],
     lead: [i64; 2],
+    /// The first timeline for a robot without a rack, and for one with one: the others follow by resources.
+    lines: [LineId; 2],
     /// For each stage, whether windows are for a robot with a rack, on the way and at its goal.
     room: SmallVec<[[bool; 2]; 4]>,
     /// See [`super::Planner::weigh`].
@@ -123,6 +125,7 @@ pub(super) fn plan(
         between,
         start_cost,
         lead,
+        lines: [false, true].map(|loaded| warehouse.line(estimates.body(), loaded, ResourceId(0))),
         room,
         weight,
         anytime: false,
@@ -216,7 +219,7 @@ impl Search<'_> {
 
     /// The timeline of a resource for a robot with a rack, or for one without.
     fn line(&self, loaded: bool, r: ResourceId) -> LineId {
-        self.warehouse.line(self.estimates.body(), loaded, r)
+        LineId(self.lines[usize::from(loaded)].0 + r.0)
     }
 
     /// Whether a node is entered on a stage in a window for a robot with a rack.
