@@ -1,10 +1,8 @@
 // What a person does on the page, in a real browser against a real, running server: node tests/acts.mjs URL
 // Asks why, looks at timelines, closes an area, hands in a table of jobs. Run it with a scenario that has jobs.
-import { readFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
-import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, check, finish, openBrowser, until } from './chromium.mjs';
+import { PATIENCE, assert, assertAccessible, check, finish, isRefusal, listen, openBrowser, until } from './chromium.mjs';
 
 const url = process.argv[2];
 if (!url) {
@@ -12,16 +10,12 @@ if (!url) {
   process.exit(2);
 }
 const SHOTS = fileURLToPath(new URL('./shots/', import.meta.url));
-const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 await mkdir(SHOTS, { recursive: true });
 const browser = await openBrowser();
 const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
 const page = await context.newPage();
 const complaints = [];
-page.on('console', (message) => {
-  if (message.type() === 'error' && !/status of 4(04|09|22)\b/.test(message.text())) complaints.push(message.text());
-});
-page.on('pageerror', (error) => complaints.push(error.message));
+listen(page, complaints, isRefusal);
 
 const ask = async (path) => (await context.request.get(new URL(path, url).href)).json();
 const button = (name) => page.getByRole('button', { name, exact: true });
@@ -93,7 +87,7 @@ await check('Timelines are reached by keys, and there is a table of them', async
   await page.getByRole('application', { name: 'Timelines of the area' }).focus();
   for (const key of ['ArrowDown', 'ArrowRight', 'ArrowDown', '+']) await page.keyboard.press(key);
   await timelines.getByRole('status').filter({ hasText: /^\S+: / }).waitFor({ timeout: PATIENCE });
-  await axe('timelines');
+  await assertAccessible(page, 'timelines');
   await timelines.getByLabel('As a table').check();
   const rows = await timelines.getByRole('region', { name: 'Table of timelines' }).getByRole('row').count();
   assert(rows > 1, 'the table is empty');
@@ -145,7 +139,7 @@ await check('A table of jobs is read line by line, and only what is right is sen
   await page.screenshot({ path: `${SHOTS}csv.png` });
   await dialog.getByRole('button', { name: 'Submit 2 jobs' }).click();
   await dialog.getByText('2 accepted').waitFor({ timeout: PATIENCE });
-  await axe('table of jobs');
+  await assertAccessible(page, 'table of jobs');
   const ids = (await dialog.getByText(/^accepted as j\d+$/).allTextContents()).map((t) => t.split(' ').at(-1));
   for (const id of ids) await context.request.delete(new URL(`/v1/jobs/${id}`, url).href);
   await dialog.getByRole('button', { name: 'Done' }).click();
@@ -159,7 +153,7 @@ await check('One click stops all robots, everybody sees it, and they go on only 
   await until('a floor on which all robots stand', async () => (await ask('/v1/robots')).items.every((r) => r.speed === 0));
   await page.waitForTimeout(400);
   await page.screenshot({ path: `${SHOTS}stopped.png` });
-  await axe('stopped');
+  await assertAccessible(page, 'stopped');
   await button('Resume all robots').click();
   await page.getByRole('dialog').getByRole('button', { name: 'Keep them stopped' }).click();
   assert((await ask('/v1/fleet')).stopped !== null, 'they went on although they were to stay');
@@ -240,12 +234,6 @@ await check('The page fits a phone without scrolling sideways', async () => {
   assert(over <= 0, `it is ${over} px too wide`);
 });
 await page.screenshot({ path: `${SHOTS}acts-phone.png`, fullPage: true });
-await check('axe finds nothing wrong (phone, light)', () => axe('phone'));
+await check('axe finds nothing wrong (phone, light)', () => assertAccessible(page, 'phone'));
 await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
 await finish(browser);
-
-async function axe(look) {
-  await page.evaluate(AXE);
-  const { violations } = await page.evaluate(() => globalThis.axe.run());
-  assert(violations.length === 0, `${look}: ${violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(' ')).slice(0, 3).join('; ')}`).join(' | ')}`);
-}

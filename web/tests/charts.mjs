@@ -3,10 +3,9 @@
 // Charts, encounters, maps of heat, forecasts, and how somebody is seen.
 import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
-import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, check, finish, openBrowser, until } from './chromium.mjs';
+import { PATIENCE, assert, assertAccessible, check, finish, listen, openBrowser, until } from './chromium.mjs';
 import { serve } from './serve.mjs';
 
 const program = process.argv[2];
@@ -16,7 +15,6 @@ if (!program) {
 }
 const HERE = (path) => fileURLToPath(new URL(path, import.meta.url));
 const SHOTS = HERE('./shots/');
-const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 await mkdir(SHOTS, { recursive: true });
 const scratch = mkdtempSync(`${tmpdir()}/giveway-charts-`);
 const { url, stop } = await serve(program, HERE('../../scenarios/people-3.json'), scratch);
@@ -24,8 +22,7 @@ const browser = await openBrowser();
 const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
 const page = await context.newPage();
 const complaints = [];
-page.on('console', (message) => { if (message.type() === 'error') complaints.push(message.text()); });
-page.on('pageerror', (error) => complaints.push(error.message));
+listen(page, complaints);
 const ask = async (path) => (await context.request.get(new URL(path, url).href)).json();
 const button = (name) => page.getByRole('button', { name, exact: true });
 const charts = page.getByRole('region', { name: 'Charts', exact: true });
@@ -71,7 +68,7 @@ await check('Somebody’s card shows where to over time, and how well the feed i
   assert(await card.locator('svg polygon').count() > 0, 'nothing is drawn');
   await card.screenshot({ path: `${SHOTS}person.png` });
   await page.screenshot({ path: `${SHOTS}person-page.png` });
-  await axe('person');
+  await assertAccessible(page, 'person');
   const words = (await card.locator('dl.wide').last().innerText()).replaceAll(/\s+/g, ' ');
   await card.getByRole('button', { name: 'Close' }).click();
   return words;
@@ -108,7 +105,7 @@ await check('Charts have values after deliveries, and follow the pointer and the
   const most = await charts.locator('[data-chart="deliveries"] .scale span').last().textContent();
   assert(Number(most) > 1, `deliveries per hour reach to ${most}`);
   await page.screenshot({ path: `${SHOTS}charts.png` });
-  await axe('charts');
+  await assertAccessible(page, 'charts');
   return words;
 });
 await check('An encounter comes as a row, shows its place, and can be seen again', async () => {
@@ -124,7 +121,7 @@ await check('An encounter comes as a row, shows its place, and can be seen again
   await encounters.getByRole('button', { name: 'Closest' }).click();
   await page.waitForTimeout(700);
   await page.screenshot({ path: `${SHOTS}encounters.png` });
-  await axe('encounters');
+  await assertAccessible(page, 'encounters');
   const of = await encounters.getByLabel('What the fleet did');
   await of.selectOption('kept');
   await of.selectOption('');
@@ -155,7 +152,7 @@ await check('Maps of heat are put onto the floor, with what the colours mean', a
     await page.waitForTimeout(600);
     await page.screenshot({ path: `${SHOTS}${shot}.png` });
   }
-  await axe('heat');
+  await assertAccessible(page, 'heat');
   const words = await page.getByRole('group', { name: 'Meaning of the colours' }).innerText();
   await page.getByLabel('none', { exact: true }).check();
   await page.waitForFunction(() => document.querySelector('canvas')?.dataset.cells === '0', null, { timeout: PATIENCE });
@@ -167,7 +164,7 @@ await check('Figures over time come as a table, too', async () => {
   await charts.getByLabel('As a table').check();
   const rows = await charts.getByRole('region', { name: 'Table of figures over time' }).getByRole('row').count();
   assert(rows > 1, 'the table is empty');
-  await axe('table of charts');
+  await assertAccessible(page, 'table of charts');
   await charts.getByLabel('As a table').uncheck();
   await button('1 day').click();
   await charts.locator('[data-chart="deliveries"]').waitFor();
@@ -188,7 +185,7 @@ await check('The file of an experiment shows its arms side by side', async () =>
   await charts.getByLabel(/^Open the output/).setInputFiles(file);
   await charts.getByText('giveway (running here)').first().waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}experiment.png` });
-  await axe('experiment');
+  await assertAccessible(page, 'experiment');
   await charts.getByLabel(/^Open the output/).setInputFiles({ name: 'x.json', mimeType: 'application/json', buffer: Buffer.from('{}') });
   await charts.getByRole('alert').waitFor({ timeout: PATIENCE });
   await button('Compare arms of an experiment').click();
@@ -197,7 +194,7 @@ await check('The file of an experiment shows its arms side by side', async () =>
 await page.getByLabel('Theme').selectOption('light');
 await page.waitForTimeout(600);
 await page.screenshot({ path: `${SHOTS}charts-light.png` });
-await check('axe finds nothing wrong (charts, light)', () => axe('light'));
+await check('axe finds nothing wrong (charts, light)', () => assertAccessible(page, 'light'));
 await page.getByText('Layers', { exact: true }).click();
 await page.getByLabel('where robots waited').check();
 await page.waitForTimeout(1_200);
@@ -213,7 +210,7 @@ await check('The page fits a phone without scrolling sideways', async () => {
   }
 });
 await page.screenshot({ path: `${SHOTS}charts-phone.png`, fullPage: true });
-await check('axe finds nothing wrong (phone, light)', () => axe('phone'));
+await check('axe finds nothing wrong (phone, light)', () => assertAccessible(page, 'phone'));
 await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
 await stop();
 await finish(browser);
@@ -236,12 +233,6 @@ async function meet() {
     await post(`/v1/workers/${id}/clear`, {});
     return false;
   });
-}
-
-async function axe(look) {
-  await page.evaluate(AXE);
-  const { violations } = await page.evaluate(() => globalThis.axe.run());
-  assert(violations.length === 0, `${look}: ${violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(' ')).slice(0, 3).join('; ')}`).join(' | ')}`);
 }
 
 /** A server with people on the floor, on any port. */

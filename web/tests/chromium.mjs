@@ -1,6 +1,9 @@
 // The browser that the tests use: Debian's, without a window and without a graphics card.
-import { existsSync } from 'node:fs';
+import { existsSync, readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
 import { chromium } from 'playwright-core';
+
+const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
 const ARGS = [
   '--headless', '--no-sandbox', '--disable-gpu', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
@@ -35,6 +38,30 @@ export async function check(sentence, run) {
 
 export function assert(truth, why) {
   if (!truth) throw new Error(why);
+}
+
+/** Notes what a page writes to its console as an error, or throws. The browser itself logs some things that a test means. */
+export function listen(page, complaints, meant = () => false) {
+  page.on('console', (message) => {
+    if (message.type() === 'error' && !meant(message)) complaints.push(message.text());
+  });
+  page.on('pageerror', (error) => complaints.push(error.message));
+}
+
+/** A request that the server refused: the browser logs it, and the page tells the user. */
+export const isRefusal = (message) => /status of 4(00|04|09|22)\b/.test(message.text());
+
+/** The server was killed while the page was open. */
+export const isLostLink = (message) =>
+  /ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|WebSocket connection to/.test(message.text());
+
+/** That the accessibility checker axe finds nothing wrong with a page. */
+export async function assertAccessible(page, look) {
+  // Evaluated from outside the page, as its Content-Security-Policy lets no script be added.
+  await page.evaluate(AXE);
+  const { violations } = await page.evaluate(() => globalThis.axe.run());
+  const where = (nodes) => nodes.slice(0, 3).map((n) => `${n.target.join(' ')} ${n.failureSummary ?? ''}`).join('; ');
+  assert(violations.length === 0, `${look}: ${violations.map((v) => `${v.id}: ${where(v.nodes)}`).join(' | ')}`);
 }
 
 /** Asks twice a second until it is so. */

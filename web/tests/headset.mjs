@@ -6,7 +6,7 @@ import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, check, finish, openBrowser } from './chromium.mjs';
+import { PATIENCE, assert, assertAccessible, check, finish, isLostLink, listen, openBrowser } from './chromium.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -17,7 +17,6 @@ const require = createRequire(import.meta.url);
 const SHOTS = fileURLToPath(new URL('./shots/', import.meta.url));
 const SCENARIO = fileURLToPath(new URL('../../tests/it/quiet.json', import.meta.url));
 const IWER = await readFile(join(require.resolve('iwer'), '../../build/iwer.min.js'), 'utf8');
-const AXE = await readFile(require.resolve('axe-core/axe.min.js'), 'utf8');
 const TOKEN = 'a-token-for-the-headset-test';
 /** People walk so fast: metres per second, and so often they move here. */
 const [WALK, STEP_MS] = [1.2, 40];
@@ -416,18 +415,11 @@ function watchShown(seen) {
 }
 
 function watch(one) {
-  one.on('console', (message) => {
-    // The browser itself logs what is meant here: the missing token, and the server that was killed.
-    const meant = /ERR_FAILED|status of 401|ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|WebSocket connection to/.test(message.text());
-    if (message.type() === 'error' && !meant) complaints.push(message.text());
-  });
-  one.on('pageerror', (error) => complaints.push(error.message));
+  // The missing token and the pages that are cut off are meant.
+  const meant = (message) => /ERR_FAILED|status of 401/.test(message.text());
+  listen(one, complaints, (message) => meant(message) || isLostLink(message));
 }
 
 async function accessible(look, one = page) {
-  await check(`axe finds nothing wrong (${look})`, async () => {
-    await one.evaluate(AXE);
-    const { violations } = await one.evaluate(() => globalThis.axe.run());
-    assert(violations.length === 0, violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(' ')).slice(0, 3).join('; ')}`).join(' | '));
-  });
+  await check(`axe finds nothing wrong (${look})`, () => assertAccessible(one, look));
 }

@@ -1,10 +1,8 @@
 // The page in a real browser against a real, running server: node tests/live.mjs URL
 // Each check prints a sentence; the last line counts them. CHROMIUM names the browser to use.
-import { readFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
-import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, check, finish, openBrowser, until } from './chromium.mjs';
+import { PATIENCE, assert, assertAccessible, check, finish, isRefusal, listen, openBrowser, until } from './chromium.mjs';
 
 const url = process.argv[2];
 if (!url) {
@@ -12,7 +10,6 @@ if (!url) {
   process.exit(2);
 }
 const SHOTS = fileURLToPath(new URL('./shots/', import.meta.url));
-const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const JOB_DONE_MS = 240_000;
 const WRONG_RACK = 'no-such-rack';
 
@@ -243,19 +240,10 @@ await check('A lost connection is said plainly and the data is shown as old', as
 await finish(browser);
 
 function watch(one) {
-  one.on('console', (message) => {
-    // The browser itself logs a refused request; the wrong rack below is meant to be refused.
-    const meant = /status of 4(00|04|09|22)\b/.test(message.text()) && message.location().url.endsWith('/v1/jobs');
-    if (message.type() === 'error' && !meant) complaints.push(message.text());
-  });
-  one.on('pageerror', (error) => complaints.push(error.message));
+  // The wrong rack below is meant to be refused.
+  listen(one, complaints, (message) => isRefusal(message) && message.location().url.endsWith('/v1/jobs'));
 }
 
 async function accessible(look) {
-  await check(`axe finds nothing wrong (${look})`, async () => {
-    // Evaluated from outside the page, as its Content-Security-Policy lets no script be added.
-    await page.evaluate(AXE);
-    const { violations } = await page.evaluate(() => globalThis.axe.run());
-    assert(violations.length === 0, violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(' ')).slice(0, 3).join('; ')}`).join(' | '));
-  });
+  await check(`axe finds nothing wrong (${look})`, () => assertAccessible(page, look));
 }

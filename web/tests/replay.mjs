@@ -2,12 +2,11 @@
 // node tests/replay.mjs PROGRAM. It records a run with a person who leaves the path, and starts and kills servers itself.
 import { execFile, spawn } from 'node:child_process';
 import { mkdir, mkdtemp, readFile, rm, stat, writeFile } from 'node:fs/promises';
-import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 import { promisify } from 'node:util';
-import { PATIENCE, assert, check, finish, openBrowser } from './chromium.mjs';
+import { PATIENCE, assert, assertAccessible, check, finish, isLostLink, listen, openBrowser } from './chromium.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -16,7 +15,6 @@ if (!program) {
 }
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 const SHOTS = here('./shots/');
-const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const SECONDS = 150;
 const LONG = 600;
 
@@ -425,19 +423,10 @@ async function start(...words) {
 
 async function open() {
   const one = await context.newPage();
-  one.on('console', (message) => {
-    // The browser itself logs the server that was killed.
-    const meant = /ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|WebSocket connection to/.test(message.text());
-    if (message.type() === 'error' && !meant) complaints.push(message.text());
-  });
-  one.on('pageerror', (error) => complaints.push(error.message));
+  listen(one, complaints, isLostLink);
   return one;
 }
 
 async function axe(look) {
-  await check(`axe finds nothing wrong (${look})`, async () => {
-    await page.evaluate(AXE);
-    const { violations } = await page.evaluate(() => globalThis.axe.run());
-    assert(violations.length === 0, violations.map((v) => `${v.id}: ${v.nodes.map((n) => `${n.target.join(' ')} ${n.failureSummary ?? ''}`).slice(0, 3).join('; ')}`).join(' | '));
-  });
+  await check(`axe finds nothing wrong (${look})`, () => assertAccessible(page, look));
 }

@@ -4,7 +4,7 @@ import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, check, finish, openBrowser, until } from './chromium.mjs';
+import { PATIENCE, assert, check, finish, isRefusal, listen, openBrowser, until } from './chromium.mjs';
 import { serve } from './serve.mjs';
 
 const program = process.argv[2];
@@ -26,10 +26,7 @@ const browser = await openBrowser();
 const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
 const page = await context.newPage();
 const complaints = [];
-page.on('console', (message) => {
-  if (message.type() === 'error' && !/status of 4(04|09|22)\b/.test(message.text())) complaints.push(message.text());
-});
-page.on('pageerror', (error) => complaints.push(error.message));
+listen(page, complaints, isRefusal);
 const ask = async (path) => (await context.request.get(new URL(path, url).href)).json();
 const robots = async () => (await ask('/v1/robots')).items;
 const card = page.getByRole('region', { name: 'Robot', exact: true });
