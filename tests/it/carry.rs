@@ -56,6 +56,16 @@ fn without_rack(name: &str) -> Warehouse {
     changed(|draft| draft.racks.retain(|rack| rack.name != name))
 }
 
+/// Robots that are discs, and take more of the floor with a rack on them.
+fn discs(map: Warehouse) -> Warehouse {
+    let mut scenario: Value = serde_json::from_str(&std::fs::read_to_string(SCENARIO).unwrap()).unwrap();
+    scenario["fleet"]["footprint"] = json!({"circle_m": 0.2});
+    scenario["fleet"]["footprint_loaded"] = json!({"circle_m": 0.3});
+    let scenario = Scenario::parse(&scenario.to_string()).unwrap();
+    let fitted = scenario.fit(&Arc::new(map)).unwrap();
+    Arc::unwrap_or_clone(fitted)
+}
+
 async fn start(folder: &Folder, map: Warehouse) -> anyhow::Result<Server> {
     let scenario = Scenario::parse(&std::fs::read_to_string(SCENARIO).unwrap()).unwrap();
     Server::start(&config(folder), Floor { scenario, map: Arc::new(map), lines: Vec::new() }).await
@@ -171,6 +181,11 @@ async fn a_server_goes_on_with_a_map_on_which_a_node_was_moved_and_every_job_end
 #[tokio::test(flavor = "multi_thread")]
 async fn a_server_goes_on_with_a_map_on_which_every_id_is_another_one_and_every_job_ends() {
     goes_on_with(grown(), false).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_server_goes_on_with_robots_of_other_footprints_and_every_job_ends() {
+    goes_on_with(discs(map()), true).await;
 }
 
 async fn goes_on_with(map: Warehouse, keeps_ids: bool) {

@@ -55,12 +55,13 @@ impl Move<'_> {
         Placed { robots: self.robots(&stores), chains: self.chains(&stands), racks }
     }
 
-    /// Where each robot stands.
+    /// Where each robot on the floor stands.
     fn stands(&mut self) -> BTreeMap<RobotId, NodeId> {
         let ledger = self.ledger;
         let mut stands = BTreeMap::new();
         let mut by_node: BTreeMap<NodeId, RobotId> = BTreeMap::new();
-        for (robot, record) in ledger.robots.pairs() {
+        for robot in ledger.present() {
+            let record = &ledger.robots[robot];
             let node = ledger.node_of(robot);
             let Some(here) = self.ids.nodes[node] else {
                 let name = &self.old.nodes[node].name;
@@ -255,16 +256,20 @@ impl Move<'_> {
     }
 
     /// One visit for each robot, without end. Its serial number is higher than all of the old route, so that a late
-    /// report about the old route cannot be mistaken for one about the new.
+    /// report about the old route cannot be mistaken for one about the new. Where a robot that has left once stood does
+    /// not matter: it holds nothing there.
     fn chains(&self, stands: &BTreeMap<RobotId, NodeId>) -> Vec<ChainParts> {
-        let chain = |(robot, node): (&RobotId, &NodeId)| {
-            let first = self.ledger.chain(*robot).end();
-            let loaded = self.ledger.rack_on(*robot).is_some();
-            let visits = vec![Visit { loaded, ..stand(*node, self.at) }];
-            let absent = self.ledger.chain(*robot).is_absent();
-            ChainParts { holder: Holder::Robot(*robot), first, granted: first + 1, visits, absent }
+        let left_from = |robot: RobotId| self.ids.nodes[self.ledger.node_of(robot)].unwrap_or(NodeId(0));
+        let chain = |robot: RobotId| {
+            let old = self.ledger.chain(robot);
+            let first = old.end();
+            let node = stands.get(&robot).copied().unwrap_or_else(|| left_from(robot));
+            let loaded = self.ledger.rack_on(robot).is_some();
+            let visits = vec![Visit { loaded, ..stand(node, self.at) }];
+            let (holder, granted, absent) = (Holder::Robot(robot), first + 1, old.is_absent());
+            ChainParts { holder, first, granted, visits, absent }
         };
-        stands.iter().map(chain).collect()
+        self.ledger.robots.ids().map(chain).collect()
     }
 }
 

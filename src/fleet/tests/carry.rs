@@ -5,7 +5,7 @@ use crate::fleet::carry::{Carried, carry};
 use crate::geometry::Spot;
 use crate::id::AssignmentId;
 use crate::time::Window;
-use crate::warehouse::{Draft, DraftRack, formats::json};
+use crate::warehouse::{Draft, DraftRack, Footprint, formats::json, mixed};
 use std::collections::BTreeSet;
 
 fn habits() -> Habits {
@@ -203,6 +203,25 @@ fn a_robot_or_a_rack_on_a_node_that_is_gone_or_for_something_else_is_in_the_way(
 }
 
 #[test]
+fn a_robot_that_has_left_stands_in_no_way_and_stays_away_under_a_changed_map() {
+    let mut floor = Floor::thesis(2);
+    let (gone, other) = (RobotId(0), RobotId(1));
+    floor.answer_to(7, vec![Input::Retire { token: 7, robot: gone }]);
+    floor.until(300, "it is gone", |f| f.fleet.ledger().robots[gone].is_gone());
+    let node = floor.fleet.ledger().node_of(gone);
+    let job = floor.submit(request(JobKind::Go { robot: other, node }));
+    floor.until(300, "another one stands where it stood", |f| f.state(job).is_none());
+    for map in [thesis(), permuted(&thesis())] {
+        let next = floor.under(map, &scenario(2));
+        assert!(next.fleet.ledger().robots[gone].is_gone());
+        assert_eq!(next.places()[1], floor.places()[1]);
+    }
+    let small = changed(&thesis(), |draft| drop(draft.parking.pop()));
+    floor.until(60, "nothing is on its way", |f| f.is_idle(other));
+    assert!(floor.carried(&small).report.is_clean(), "{}", floor.carried(&small).report);
+}
+
+#[test]
 fn two_robots_that_have_no_room_beside_one_another_on_the_new_map_are_in_the_way() {
     let floor = Floor::lab(2);
     let places = floor.places();
@@ -216,6 +235,27 @@ fn two_robots_that_have_no_room_beside_one_another_on_the_new_map_are_in_the_way
     let said = carried.report.to_string();
     assert!(carried.parts.is_none() && said.contains("have no room beside one another"), "{said}");
     assert!(said.contains("robot-1") && said.contains("robot-2"), "{said}");
+}
+
+#[test]
+fn robots_whose_footprints_grow_until_they_overlap_are_in_the_way_and_other_footprints_are_not() {
+    let with = |radius_m: f64| {
+        let mut scenario = scenario(2);
+        scenario.kinds[0].kind.footprints = [Some(Footprint::Circle { radius_m }), None];
+        scenario.fit(&Arc::new(mixed())).expect("it lies within the square of the map")
+    };
+    let (small, other, large) = (with(0.2), with(0.24), with(0.3));
+    let mut ledger = Ledger::new(small, Kinematics::default().clearance, false);
+    for (robot, node) in [(RobotId(0), "G3-9"), (RobotId(1), "G3-9~G3-10")] {
+        let (name, kind) = (format!("robot-{robot:?}"), "robot".into());
+        let node = ledger.warehouse().node_named(node).expect("it is there");
+        ledger.evolve(&Fact::Registered { robot, name, kind, node, at: Time::ZERO });
+    }
+    let carried = carry(&ledger, &other, Time::ZERO);
+    assert!(carried.report.is_clean() && carried.parts.is_some(), "{}", carried.report);
+    let carried = carry(&ledger, &large, Time::ZERO);
+    let said = carried.report.to_string();
+    assert!(carried.parts.is_none() && said.contains("have no room beside one another"), "{said}");
 }
 
 #[test]
