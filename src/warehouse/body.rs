@@ -126,7 +126,10 @@ impl Warehouse {
     fn check_floor_of(&self, body: BodyId, found: &mut Findings) {
         let kind = &self.bodies.bodies[body].kind;
         let mut own = self.clone();
-        for lane in own.lanes.iter_mut().filter(|l| !is_for(l, kind)) {
+        // A place from which it cannot come back is none for it, nor is a lane to there.
+        let leads = |l: &Lane| self.may_be_at(body, l.a) && self.may_be_at(body, l.b);
+        let robots = |l: &Lane| l.users.unloaded || l.users.loaded;
+        for lane in own.lanes.iter_mut().filter(|l| robots(l) && !(is_for(l, kind) && leads(l))) {
             lane.users = Users { unloaded: false, loaded: false, ..lane.users };
         }
         if own.lanes == self.lanes {
@@ -178,7 +181,7 @@ impl Warehouse {
         nodes.chain(others)
     }
 
-    fn taken(&self, footprint: &Footprint, r: ResourceId) -> super::Shape {
+    fn taken(&self, footprint: &Footprint, r: ResourceId) -> super::footprint::Hull {
         match self.resource(r) {
             Ok(n) => footprint.standing(self.nodes[n].at),
             Err(l) => {

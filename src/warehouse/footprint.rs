@@ -1,6 +1,6 @@
 //! What a robot takes of the floor: its outline, and what that outline covers where the robot turns and drives.
 //!
-//! Main types: [`Footprint`], [`Shape`] (an outline at a place). Refuses: outlines that are not convex; it takes their
+//! Main types: [`Footprint`], [`Hull`] (an outline at a place). Refuses: outlines that are not convex; it takes their
 //! hull.
 
 use crate::geometry::{Point, Pose, Segment, Vector};
@@ -30,8 +30,8 @@ pub enum Footprint {
 
 /// A convex part of the floor: a hull, widened on all sides.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shape {
-    hull: Vec<Point>,
+pub struct Hull {
+    corners: Vec<Point>,
     round_m: f64,
 }
 
@@ -40,37 +40,39 @@ const DIRECTIONS: u32 = 64;
 
 impl Footprint {
     /// The body of a robot at a pose.
-    pub fn at(&self, pose: Pose) -> Shape {
+    pub fn at(&self, pose: Pose) -> Hull {
         let placed = |corner: Point| pose.at + corner.coords;
         match self {
-            Footprint::Square { side_m } => Shape { hull: square(*side_m).map(placed).into(), round_m: 0.0 },
-            Footprint::Circle { radius_m } => Shape { hull: vec![pose.at], round_m: *radius_m },
+            Footprint::Square { side_m } => {
+                Hull { corners: square(*side_m).map(placed).into(), round_m: 0.0 }
+            }
+            Footprint::Circle { radius_m } => Hull { corners: vec![pose.at], round_m: *radius_m },
             Footprint::Polygon { corners, turns } => {
                 let turn = Rotation2::new(if *turns { pose.heading } else { 0.0 });
                 let corners = corners.iter().map(|c| placed(turn * c)).collect();
-                Shape { hull: hull(corners), round_m: 0.0 }
+                Hull { corners: hull(corners), round_m: 0.0 }
             }
         }
     }
 
     /// What a robot takes that stands at a place and may turn there: its turning circle, if it turns.
-    pub fn standing(&self, at: Point) -> Shape {
+    pub fn standing(&self, at: Point) -> Hull {
         match self {
             Footprint::Polygon { corners, turns: true } => {
-                Shape { hull: vec![at], round_m: farthest_m(corners) }
+                Hull { corners: vec![at], round_m: farthest_m(corners) }
             }
             _ => self.at(Pose { at, heading: 0.0 }),
         }
     }
 
     /// What a robot takes that drives a lane, whichever way.
-    pub fn driving(&self, lane: Segment) -> Shape {
+    pub fn driving(&self, lane: Segment) -> Hull {
         let ahead = lane.heading();
         let headings = [ahead, ahead + std::f64::consts::PI];
         let poses = headings.into_iter().flat_map(|heading| [lane.a, lane.b].map(|at| Pose { at, heading }));
-        let bodies: Vec<Shape> = poses.map(|p| self.at(p)).collect();
+        let bodies: Vec<Hull> = poses.map(|p| self.at(p)).collect();
         let round_m = bodies[0].round_m;
-        Shape { hull: hull(bodies.into_iter().flat_map(|b| b.hull).collect()), round_m }
+        Hull { corners: hull(bodies.into_iter().flat_map(|b| b.corners).collect()), round_m }
     }
 
     /// Half of its width where it is widest: how far from its middle it reaches along an axis of the map, metres.
@@ -96,42 +98,42 @@ impl Footprint {
     }
 }
 
-impl Shape {
+impl Hull {
     /// Whether it and another one overlap by more than `slack_m`.
     ///
     /// Two convex shapes are apart exactly if they are along some axis, and for rounded polygons one of these is among
     /// the normals of all edges and the directions between all corners (Ericson 2005, 5.2.1).
-    pub fn overlaps(&self, other: &Shape, slack_m: f64) -> bool {
+    pub fn overlaps(&self, other: &Hull, slack_m: f64) -> bool {
         let round_m = self.round_m + other.round_m;
         let normals = self.normals().chain(other.normals());
-        let between = self.hull.iter().flat_map(|p| other.hull.iter().map(move |q| q - p));
+        let between = self.corners.iter().flat_map(|p| other.corners.iter().map(move |q| q - p));
         let mut axes = normals.chain(between).filter_map(|axis| axis.try_normalize(1e-9));
         !axes.any(|axis| {
-            let ((low, high), (from, to)) = (extent(&self.hull, axis), extent(&other.hull, axis));
+            let ((low, high), (from, to)) = (extent(&self.corners, axis), extent(&other.corners, axis));
             (from - high).max(low - to) >= round_m - slack_m
         })
     }
 
     /// Its distance from a point outside, metres; zero within.
     pub fn distance_to(&self, p: Point) -> f64 {
-        if self.hull.len() > 2 && crate::geometry::inside(&self.hull, p) {
+        if self.corners.len() > 2 && crate::geometry::inside(&self.corners, p) {
             return 0.0;
         }
         let edges = self.edges().map(|e| e.distance_to(p));
         (edges.fold(f64::INFINITY, f64::min) - self.round_m).max(0.0)
     }
 
-    fn is_within(&self, outer: &Shape) -> bool {
+    fn is_within(&self, outer: &Hull) -> bool {
         let axes = (0..DIRECTIONS).map(|i| {
             let angle = f64::from(i) * std::f64::consts::TAU / f64::from(DIRECTIONS);
             Vector::new(angle.cos(), angle.sin())
         });
-        let reach = |shape: &Shape, axis| extent(&shape.hull, axis).1 + shape.round_m;
+        let reach = |shape: &Hull, axis| extent(&shape.corners, axis).1 + shape.round_m;
         axes.into_iter().all(|axis| reach(self, axis) <= reach(outer, axis) + 1e-6)
     }
 
     fn edges(&self) -> impl Iterator<Item = Segment> {
-        let ends = self.hull.iter().zip(self.hull.iter().cycle().skip(1));
+        let ends = self.corners.iter().zip(self.corners.iter().cycle().skip(1));
         ends.map(|(a, b)| Segment { a: *a, b: *b })
     }
 

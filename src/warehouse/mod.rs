@@ -20,7 +20,7 @@ pub mod walkway;
 pub use body::{Body, MOST_BODIES};
 pub use build::{Draft, DraftLane, DraftNode, DraftRack, DraftStation};
 pub use check::{Finding, Findings, room_for};
-pub use footprint::{Footprint, Shape};
+pub use footprint::{Footprint, Hull};
 pub use generate::{Blocks, kiva, lab, mixed, thesis};
 pub use sketch::sketch;
 pub use summary::{Summary, summary};
