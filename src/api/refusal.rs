@@ -5,7 +5,7 @@
 use super::error::{FieldError, Problem};
 use super::text::{assignment_name, closure_name, job_name, worker_name};
 use crate::fleet::{Bounded, Refusal};
-use crate::id::NodeId;
+use crate::id::{NodeId, RackId};
 use crate::warehouse::{NodeKind, Warehouse};
 
 /// A refusal as a problem.
@@ -66,47 +66,38 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             );
             field("place", detail)
         }
-        Refusal::UnknownKind
-        | Refusal::RobotIsGone(_)
-        | Refusal::NoKindFor(_)
-        | Refusal::NotForKind(_)
-        | Refusal::PlaceTaken(_) => about_robots(map, why),
+        Refusal::UnknownKind => {
+            field("kind", "there is no such kind of robots; GET /v1/kinds lists them".into())
+        }
+        Refusal::RobotIsGone(_) => robot_is_gone(),
+        Refusal::NoKindFor(rack) => field("kind", no_kind_for(map, rack)),
+        Refusal::NotForKind(n) => field("place", not_for_kind(&node(n))),
+        Refusal::PlaceTaken(n) => place_taken(&node(n)),
         Refusal::EmptyArea => {
             field("outline", "an area needs three corners and an end after its beginning".into())
         }
     }
 }
 
-/// A robot or its kind stands against it.
-fn about_robots(map: &Warehouse, why: Refusal) -> Problem {
-    let field = |field: &str, detail: String| Problem::invalid(vec![FieldError::new(field, detail)]);
-    let node = |n: NodeId| map.nodes.get(n).map_or_else(|| format!("{n:?}"), |node| node.name.clone());
-    match why {
-        Refusal::UnknownKind => {
-            field("kind", "there is no such kind of robots; the scenario's `kinds` lists them".into())
-        }
-        Refusal::RobotIsGone(_) => {
-            let detail = "the robot has left the floor: register it again with POST /v1/robots";
-            Problem::conflict("robot-is-gone", "The robot has left the floor", detail)
-        }
-        Refusal::NoKindFor(rack) => {
-            let name = map.racks.get(rack).map_or_else(|| format!("{rack:?}"), |r| r.name.clone());
-            let what = "can carry it and drive to it and to where it is wanted";
-            field("kind", format!("no kind of robots {what}, rack {name}: the scenario's `kinds` lists them"))
-        }
-        Refusal::NotForKind(n) => {
-            let detail = format!(
-                "no lanes for this kind of robots lead to {} and from it: choose another node",
-                node(n)
-            );
-            field("place", detail)
-        }
-        Refusal::PlaceTaken(n) => {
-            let detail = format!("a robot holds {}, or is on its way there: choose another node", node(n));
-            Problem::conflict("place-taken", "The place is taken", detail)
-        }
-        other => unreachable!("{other:?} is not about robots"),
-    }
+fn robot_is_gone() -> Problem {
+    let detail = "the robot has left the floor: register it again with POST /v1/robots";
+    Problem::conflict("robot-is-gone", "The robot has left the floor", detail)
+}
+
+fn no_kind_for(map: &Warehouse, rack: RackId) -> String {
+    let name = map.racks.get(rack).map_or_else(|| format!("{rack:?}"), |r| r.name.clone());
+    format!(
+        "no kind of robots can carry {name} and drive to it and to where it is wanted; GET /v1/kinds lists them"
+    )
+}
+
+fn not_for_kind(node: &str) -> String {
+    format!("no lanes for this kind of robots lead to {node} and from it: choose another node")
+}
+
+fn place_taken(node: &str) -> Problem {
+    let detail = format!("a robot holds {node}, or is on its way there: choose another node");
+    Problem::conflict("place-taken", "The place is taken", detail)
 }
 
 /// There is no room for another one of a kind.

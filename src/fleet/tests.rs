@@ -13,7 +13,6 @@ mod hand;
 mod jobs;
 mod keys;
 mod kinds;
-mod leaving;
 mod life;
 mod limits;
 mod messages;

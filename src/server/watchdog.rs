@@ -108,7 +108,7 @@ fn faults(fleet: &Fleet) -> Vec<String> {
         .collect()
 }
 
-/// A robot that has left and can be heard: nobody makes way for it.
+/// A robot that has left and can be heard: other robots do not make way for it.
 fn back(fleet: &Fleet, robot: RobotId) -> Option<&'static str> {
     let heard = fleet.telemetry(robot).is_some();
     (fleet.ledger().robots[robot].is_gone() && heard)

@@ -89,7 +89,7 @@ impl Simulation {
         stopwatch: fn() -> u64,
     ) -> Simulation {
         let warehouse =
-            scenario.fit(&warehouse).expect("whoever reads a scenario fits the map to its robots");
+            scenario.fit(&warehouse).expect("a scenario is refused with its map where it is read");
         let settings = Settings { without_conflicts, stopwatch, ..scenario.settings() };
         let fleet = Fleet::new(warehouse.clone(), settings);
         let world = World::new(warehouse, scenario, lines, seed, &fleet, Time::ZERO);

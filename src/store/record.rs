@@ -266,10 +266,10 @@ impl From<&Fact> for Record {
             Fact::Failed { robot, at } => Record::Failed { robot: robot.0, at: at.0 },
             Fact::Repaired { robot, at } => Record::Repaired { robot: robot.0, at: at.0 },
             Fact::Fenced { robot, at } => Record::Fenced { robot: robot.0, at: at.0 },
-            service @ (Fact::Maintenance { .. }
-            | Fact::Retired { .. }
-            | Fact::Left { .. }
-            | Fact::Returned { .. }) => record_service(service),
+            Fact::Maintenance { robot, since } => record_maintenance(*robot, *since),
+            Fact::Retired { robot, at } => Record::Retired { robot: robot.0, at: at.0 },
+            Fact::Left { robot, at } => Record::Left { robot: robot.0, at: at.0 },
+            Fact::Returned { robot, kind, node, at } => record_returned(*robot, kind, *node, *at),
             Fact::WorkerRegistered { worker, name, at } => {
                 Record::Hired { worker: worker.0, name: name.clone(), at: at.0 }
             }
@@ -304,33 +304,20 @@ impl From<&Fact> for Record {
     }
 }
 
-/// Whether a robot works on the floor.
-fn record_service(fact: &Fact) -> Record {
-    match fact {
-        Fact::Maintenance { robot, since } => {
-            Record::Maintenance { robot: robot.0, since: since.map(|t| t.0) }
-        }
-        Fact::Retired { robot, at } => Record::Retired { robot: robot.0, at: at.0 },
-        Fact::Left { robot, at } => Record::Left { robot: robot.0, at: at.0 },
-        Fact::Returned { robot, kind, node, at } => {
-            Record::Returned { robot: robot.0, kind: kind.clone(), node: node.0, at: at.0 }
-        }
-        other => unreachable!("{other:?} is about something else"),
-    }
+fn record_maintenance(robot: RobotId, since: Option<Time>) -> Record {
+    Record::Maintenance { robot: robot.0, since: since.map(|t| t.0) }
 }
 
-fn service_of(record: Record) -> Fact {
-    match record {
-        Record::Maintenance { robot, since } => {
-            Fact::Maintenance { robot: RobotId(robot), since: since.map(Time) }
-        }
-        Record::Retired { robot, at } => Fact::Retired { robot: RobotId(robot), at: Time(at) },
-        Record::Left { robot, at } => Fact::Left { robot: RobotId(robot), at: Time(at) },
-        Record::Returned { robot, kind, node, at } => {
-            Fact::Returned { robot: RobotId(robot), kind, node: NodeId(node), at: Time(at) }
-        }
-        _ => unreachable!("the record is about something else"),
-    }
+fn record_returned(robot: RobotId, kind: &str, node: NodeId, at: Time) -> Record {
+    Record::Returned { robot: robot.0, kind: kind.to_owned(), node: node.0, at: at.0 }
+}
+
+fn maintenance(robot: u32, since: Option<i64>) -> Fact {
+    Fact::Maintenance { robot: RobotId(robot), since: since.map(Time) }
+}
+
+fn returned(robot: u32, kind: String, node: u32, at: i64) -> Fact {
+    Fact::Returned { robot: RobotId(robot), kind, node: NodeId(node), at: Time(at) }
 }
 
 fn kept(records: Vec<KeptRecord>) -> Vec<Kept> {
@@ -376,10 +363,10 @@ impl From<Record> for Fact {
             Record::Failed { robot, at } => Fact::Failed { robot: RobotId(robot), at: Time(at) },
             Record::Repaired { robot, at } => Fact::Repaired { robot: RobotId(robot), at: Time(at) },
             Record::Fenced { robot, at } => Fact::Fenced { robot: RobotId(robot), at: Time(at) },
-            service @ (Record::Maintenance { .. }
-            | Record::Retired { .. }
-            | Record::Left { .. }
-            | Record::Returned { .. }) => service_of(service),
+            Record::Maintenance { robot, since } => maintenance(robot, since),
+            Record::Retired { robot, at } => Fact::Retired { robot: RobotId(robot), at: Time(at) },
+            Record::Left { robot, at } => Fact::Left { robot: RobotId(robot), at: Time(at) },
+            Record::Returned { robot, kind, node, at } => returned(robot, kind, node, at),
             Record::Hired { worker, name, at } => {
                 Fact::WorkerRegistered { worker: WorkerId(worker), name, at: Time(at) }
             }

@@ -21,7 +21,7 @@ pub struct Held {
 }
 
 impl Timeline {
-    /// The holds on a resource that meet `window`, in their order, whoever is kept away by them.
+    /// The holds on a resource that meet `window`, in their order, whichever robots they keep away.
     pub fn holds(&self, r: ResourceId, window: Window) -> Vec<Held> {
         let mut found: Vec<(&Hold, Held)> = (self.warehouse.lines_of(r))
             .flat_map(|line| self.lines[line].during(window))

@@ -45,7 +45,7 @@ fn visit(node: u32, enter: i64, leave: i64) -> Visit {
     }
 }
 
-/// The dense row for small robots, which exclude nobody on the next node, and large ones.
+/// The dense row for small robots, which exclude no robot on the next node, and large ones.
 fn row_for_two_kinds(n: usize) -> Arc<Warehouse> {
     let small = [Some(Footprint::Circle { radius_m: 0.04 }), Some(Footprint::Circle { radius_m: 0.1 })];
     let small = Body { footprints: small, ..Body::usual("small") };

@@ -10,7 +10,6 @@ use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobKind, JobState};
 use crate::fleet::state::kind::Charging;
-use crate::fleet::state::ledger;
 use crate::id::{JobId, NodeId, RobotId};
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
@@ -22,7 +21,7 @@ const LOOKS: Span = Span::from_secs(5);
 
 /// Robots with too little charge give back what they have not begun.
 pub(in crate::fleet) fn give_back_jobs(core: &mut Core, now: Time) {
-    for robot in ledger::all(&core.ledger.robots) {
+    for robot in core.ledger.present() {
         let Task::Fetch { job: Some(job), node, .. } = core.ledger.robots[robot].task else { continue };
         let fit = core.scene.fit(robot, now).is_some();
         if fit && core.floor().is_critical(robot) && !core.floor().next_stop_is_granted(robot) {
@@ -80,7 +79,7 @@ fn leave_the_way(core: &mut Core, robot: RobotId, now: Time) {
 
 /// For each robot without a charger, one that has enough leaves its charger, the fullest first.
 fn make_room_at_chargers(core: &mut Core, without: &[RobotId], now: Time) {
-    let leaving = ledger::all(&core.ledger.robots).filter(|r| core.floor().leaves_charger(*r)).count();
+    let leaving = core.ledger.present().filter(|r| core.floor().leaves_charger(*r)).count();
     for needs in without.iter().skip(leaving) {
         let Some(robot) = core.floor().fullest_at_a_charger(*needs, now) else { return };
         let stay = core
@@ -101,7 +100,7 @@ impl Floor<'_> {
     /// Whether some charger is free for a robot that is not at one.
     pub(in crate::fleet) fn a_charger_is_free(&self) -> bool {
         let low = |r: &RobotId| self.battery(*r) < self.charging(*r).low && !self.at_charger(*r);
-        ledger::all(&self.ledger.robots).find(low).is_some_and(|r| self.free_charger(r).is_some())
+        self.ledger.present().find(low).is_some_and(|r| self.free_charger(r).is_some())
     }
 
     fn free_charger(&self, robot: RobotId) -> Option<NodeId> {

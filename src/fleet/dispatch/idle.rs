@@ -5,7 +5,7 @@
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::Job;
-use crate::fleet::state::ledger::{self, Service};
+use crate::fleet::state::ledger::Service;
 use crate::id::{JobId, RobotId};
 use crate::time::Time;
 
@@ -17,7 +17,7 @@ impl Floor<'_> {
             let fit = !record.failed && !self.is_halted(*r) && self.scene.fit(*r, now).is_some();
             record.task == Task::Idle && record.service == Service::Works && fit
         };
-        ledger::all(&self.ledger.robots).filter(idle).collect()
+        self.ledger.present().filter(idle).collect()
     }
 
     /// The job that a robot is to do next by name: the highest priority first, then the nearest deadline, then the

@@ -6,7 +6,7 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobFailure, JobState};
-use crate::fleet::state::ledger::{self, Service};
+use crate::fleet::state::ledger::Service;
 use crate::id::{JobId, RobotId};
 use crate::time::{Span, Time};
 
@@ -17,7 +17,7 @@ const TAKEN_AWAY: Span = Span::from_secs(60);
 
 /// Robots that were to leave, and are heard of no more, have left.
 pub(in crate::fleet) fn let_leave(core: &mut Core, now: Time) {
-    for robot in ledger::all(&core.ledger.robots) {
+    for robot in core.ledger.present() {
         if !core.floor().has_left(robot, now) {
             continue;
         }

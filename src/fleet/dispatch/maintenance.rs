@@ -5,14 +5,14 @@
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::job::JobState;
-use crate::fleet::state::ledger::{self, Service};
+use crate::fleet::state::ledger::Service;
 use crate::time::Time;
 use crate::warehouse::NodeKind;
 
 /// Robots in maintenance give back jobs that they have not begun, and go to a parking place. Where none is free
 /// they rest where they are.
 pub(in crate::fleet) fn send_to_maintenance(core: &mut Core, now: Time) {
-    for robot in ledger::all(&core.ledger.robots) {
+    for robot in core.ledger.present() {
         let record = &core.ledger.robots[robot];
         if record.service == Service::Works || record.failed || core.floor().is_halted(robot) {
             continue;

@@ -11,7 +11,6 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobState;
-use crate::fleet::state::ledger;
 use crate::fleet::state::yielding::STANDS;
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
@@ -62,7 +61,7 @@ impl Traffic {
         if core.restrictions.closing.is_empty() && core.restrictions.areas.is_empty() {
             return;
         }
-        for robot in ledger::all(&core.ledger.robots) {
+        for robot in core.ledger.present() {
             let looked = self.looked_round.get(&robot).is_some_and(|t| now - *t < AGAIN);
             if *budget == 0 || looked || !core.floor().can_be_routed_round(robot, now) {
                 continue;

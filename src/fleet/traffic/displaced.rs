@@ -15,7 +15,6 @@ use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Telemetry;
 use crate::fleet::state::job::JobState;
-use crate::fleet::state::ledger;
 use crate::fleet::state::scene::{SILENCE, Scene};
 use crate::fleet::traffic::failure::fail;
 use crate::fleet::traffic::state::Traffic;
@@ -134,7 +133,7 @@ impl Traffic {
         if core.scene.all_displaced().next().is_none() {
             return;
         }
-        for robot in ledger::all(&core.ledger.robots) {
+        for robot in core.ledger.present() {
             if self.drives_into(core.floor(), robot).is_some() {
                 self.revoke_grant(core, robot, now);
             }

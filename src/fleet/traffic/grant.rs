@@ -9,7 +9,6 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Waypoint};
-use crate::fleet::state::ledger;
 use crate::fleet::state::yielding::YieldingState;
 use crate::fleet::traffic::state::{Traffic, Withheld};
 use crate::id::RobotId;
@@ -41,7 +40,7 @@ impl Traffic {
         while self.withheld.len() < core.ledger.robots.len() {
             self.withheld.push(None);
         }
-        for robot in ledger::all(&core.ledger.robots) {
+        for robot in core.ledger.present() {
             core.at_hand = Some(robot);
             if core.ledger.robots[robot].failed || core.scene.fit(robot, now).is_none() {
                 continue;

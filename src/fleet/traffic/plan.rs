@@ -8,7 +8,6 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobKind;
-use crate::fleet::state::ledger;
 use crate::fleet::state::needs::Need;
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
@@ -69,7 +68,7 @@ impl Traffic {
 
     /// Robots whose task asks for a route that they do not have, longest waiting first.
     fn in_need(&mut self, core: &mut Core, now: Time) -> Vec<RobotId> {
-        for robot in ledger::all(&core.ledger.robots) {
+        for robot in core.ledger.present() {
             if core.floor().lacks_route(robot) {
                 let fresh = Need { since: now, next_try: now, tries: 0 };
                 self.needs.waiting.entry(robot).or_insert(fresh);
@@ -158,7 +157,7 @@ impl Traffic {
     /// changed where keeping it would hand one robot's delay on to the fleet. The new windows fit into what
     /// everybody holds, so the order of all stays free of cycles.
     pub(in crate::fleet) fn improve(&mut self, core: &mut Core, now: Time, mut budget: u32) {
-        for robot in ledger::all(&core.ledger.robots) {
+        for robot in core.ledger.present() {
             if budget == 0 {
                 return;
             }

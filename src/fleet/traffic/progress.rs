@@ -6,7 +6,6 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Act, Fact, Moved, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobFailure, JobKind, JobState};
-use crate::fleet::state::ledger;
 use crate::fleet::traffic::failure::fail;
 use crate::fleet::traffic::revoke::note_revoked;
 use crate::fleet::traffic::state::Traffic;
@@ -26,7 +25,7 @@ impl Traffic {
     /// Takes what robots report into the ledger. Gives the robots that were taken up where they were not expected.
     pub(in crate::fleet) fn note_progress(&mut self, core: &mut Core, now: Time) -> Vec<RobotId> {
         let mut taken_up = Vec::new();
-        for robot in ledger::all(&core.ledger.robots) {
+        for robot in core.ledger.present() {
             core.at_hand = Some(robot);
             let Some(seen) = core.scene.robot(robot).copied() else { continue };
             // What a robot reports that is fenced off would only meet the same contradiction.

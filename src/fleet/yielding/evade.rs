@@ -52,7 +52,7 @@ impl Yielding {
         if !core.restrictions.conditions.has_passing() && none_yields() {
             return;
         }
-        for robot in crate::fleet::state::ledger::all(&core.ledger.robots) {
+        for robot in core.ledger.present() {
             self.note_holding(core, robot, now);
             if *budget == 0 || core.settings.policy != HumanAwarePolicy::Giveway {
                 continue;

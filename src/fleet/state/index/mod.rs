@@ -8,7 +8,7 @@ mod queue;
 mod waits;
 
 pub use places::Places;
-pub use queue::{Goal, Line, Queue, Rank, Stage, urgency_ms};
+pub use queue::{DeadlineStage, Goal, Line, Queue, Rank, urgency_ms};
 pub use waits::Waits;
 
 use crate::fleet::state::job::{JobKind, JobState};
@@ -16,6 +16,7 @@ use crate::id::{AssignmentId, JobId, RobotId, WorkerId};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// For how long the ledger knows that a job was cancelled or failed: jobs that are to come after it fail as well.
 pub const BAD_END_KNOWN: Span = Span::from_secs(7 * 24 * 3600);
@@ -33,6 +34,8 @@ pub struct Index {
     pub waits: Waits,
     /// Waiting jobs for a robot that the customer named, by robot.
     named: BTreeMap<RobotId, BTreeSet<JobId>>,
+    /// Robots on the floor, by number. Shared, so that the ledger can change while a loop goes over them.
+    present: Arc<[RobotId]>,
     /// Open assignments by worker.
     assignments: BTreeMap<WorkerId, BTreeSet<AssignmentId>>,
     /// Counts every closure that was announced or taken back.
@@ -53,9 +56,20 @@ impl Index {
             queue: Queue::new(warehouse.racks.len()),
             waits: Waits::default(),
             named: BTreeMap::new(),
+            present: Arc::new([]),
             assignments: BTreeMap::new(),
             closure_changes: 0,
         }
+    }
+
+    /// Robots on the floor, by number.
+    pub fn present(&self) -> &Arc<[RobotId]> {
+        &self.present
+    }
+
+    /// These robots are on the floor.
+    pub(in crate::fleet::state) fn note_present(&mut self, robots: impl Iterator<Item = RobotId>) {
+        self.present = robots.collect();
     }
 
     /// The open assignments of a worker, oldest first.
@@ -117,7 +131,8 @@ impl Index {
 
     /// Whether two indexes say the same.
     pub(in crate::fleet::state) fn says_the_same(&self, other: &Index) -> bool {
-        self.places == other.places
+        self.present == other.present
+            && self.places == other.places
             && self.queue == other.queue
             && self.waits == other.waits
             && self.named == other.named

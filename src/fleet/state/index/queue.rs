@@ -1,6 +1,6 @@
 //! Waiting jobs in the order in which robots are matched with them, kept so that nothing has to be sorted.
 //!
-//! Main type: [`Queue`]. Within one priority and one [`Stage`] of the deadline the order never changes, so each such
+//! Main type: [`Queue`]. Within one priority and one [`DeadlineStage`] of the deadline the order never changes, so each such
 //! [`Line`] is a sorted set, and the few lines are merged by urgency when somebody looks. For each free rack only the
 //! first job of each line is offered. Refuses: to say whether a station has room; whoever looks leaves lines out.
 
@@ -29,7 +29,7 @@ pub enum Goal {
 
 /// How near the deadline of a job is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Stage {
+pub enum DeadlineStage {
     /// It has none, or it is far away: age counts.
     Plain,
     /// It is near: the nearer, the more urgent.
@@ -44,7 +44,7 @@ pub enum Stage {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Line {
     priority: u8,
-    stage: Stage,
+    stage: DeadlineStage,
 }
 
 /// A job's place in its line.
@@ -167,8 +167,8 @@ impl Queue {
     pub fn next_delivery(&self, rack: RackId) -> Option<JobId> {
         let lines = self.racks.get(&rack)?.iter().filter(|((goal, _), _)| *goal != Goal::Storage);
         let oldest = |line: &Line, jobs: &BTreeSet<Rank>| match line.stage {
-            Stage::Plain | Stage::Overdue => jobs.first().map(|(_, id)| *id),
-            Stage::Near | Stage::Late => jobs.iter().map(|(_, id)| *id).min(),
+            DeadlineStage::Plain | DeadlineStage::Overdue => jobs.first().map(|(_, id)| *id),
+            DeadlineStage::Near | DeadlineStage::Late => jobs.iter().map(|(_, id)| *id).min(),
         };
         let first = lines.filter_map(|((_, line), jobs)| Some((Reverse(line.priority), oldest(line, jobs)?)));
         first.min().map(|(_, id)| id)
@@ -197,7 +197,7 @@ impl Queue {
             JobKind::Deliver { station, .. } => Goal::Station(station),
             _ => Goal::Storage,
         };
-        let line = Line { priority: job.request.priority, stage: Stage::Plain };
+        let line = Line { priority: job.request.priority, stage: DeadlineStage::Plain };
         let (accepted, deadline) = (job.accepted, job.request.deadline);
         let rack = kind.rack().map(|rack| (rack, goal));
         let mut entry = Entry { line, rank: (0, id), accepted, deadline, is_blocked, rack };
@@ -234,9 +234,9 @@ impl Queue {
         let (stage, change) = stage(deadline, self.as_of);
         entry.line.stage = stage;
         entry.rank.0 = match stage {
-            Stage::Plain | Stage::Overdue => 0,
-            Stage::Near => deadline.0,
-            Stage::Late => (deadline.0 / 2).saturating_add(entry.accepted.0 / 2),
+            DeadlineStage::Plain | DeadlineStage::Overdue => 0,
+            DeadlineStage::Near => deadline.0,
+            DeadlineStage::Late => (deadline.0 / 2).saturating_add(entry.accepted.0 / 2),
         };
         self.changes.extend(change.map(|at| (at, id)));
     }
@@ -332,13 +332,13 @@ fn merge<L: Iterator<Item = JobId>>(
 }
 
 /// How near a deadline is, and when that changes.
-fn stage(deadline: Time, now: Time) -> (Stage, Option<Time>) {
+fn stage(deadline: Time, now: Time) -> (DeadlineStage, Option<Time>) {
     let left = deadline - now;
     match () {
-        () if left >= NEAR => (Stage::Plain, Some(deadline - NEAR + Span(1))),
-        () if left > Span::ZERO => (Stage::Near, Some(deadline)),
-        () if left > Span::ZERO - LATEST => (Stage::Late, Some(deadline + LATEST)),
-        () => (Stage::Overdue, None),
+        () if left >= NEAR => (DeadlineStage::Plain, Some(deadline - NEAR + Span(1))),
+        () if left > Span::ZERO => (DeadlineStage::Near, Some(deadline)),
+        () if left > Span::ZERO - LATEST => (DeadlineStage::Late, Some(deadline + LATEST)),
+        () => (DeadlineStage::Overdue, None),
     }
 }
 

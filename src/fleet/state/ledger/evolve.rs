@@ -170,7 +170,7 @@ impl Ledger {
         self.timeline.grant(holder, 0, at);
     }
 
-    /// A robot has left the floor. Whoever has nothing to do there and carries nothing may.
+    /// A robot has left the floor. Only one that has nothing to do and carries nothing may.
     fn leave(&mut self, robot: RobotId, at: Time) {
         assert_eq!(self.rack_on(robot), None, "{robot:?} leaves with a rack");
         let record = &mut self.promises.robots[robot];

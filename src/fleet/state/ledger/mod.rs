@@ -19,7 +19,6 @@ use crate::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, RobotId, 
 use crate::time::{Span, Time};
 use crate::timeline::{Chain, Holder, Timeline, Visit};
 use crate::warehouse::Warehouse;
-use smallvec::SmallVec;
 use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -191,8 +190,9 @@ impl Ledger {
     }
 
     /// The robots that are on the floor, by number.
-    pub fn present(&self) -> impl Iterator<Item = RobotId> + '_ {
-        self.robots.pairs().filter(|(_, r)| !r.is_gone()).map(|(robot, _)| robot)
+    pub fn present(&self) -> impl Iterator<Item = RobotId> + use<> {
+        let present = self.index.present().clone();
+        (0..present.len()).map(move |i| present[i])
     }
 
     /// All holds.
@@ -225,11 +225,4 @@ impl Ledger {
 pub fn stand(node: NodeId, at: Time) -> Visit {
     let (loaded, stay) = (false, Span::ZERO);
     Visit { node, lane: None, loaded, enter: at, arrive: at, depart: Time::MAX, leave: Time::MAX, stay }
-}
-
-/// All robots on the floor, by number.
-pub fn all(robots: &IdVec<RobotId, Robot>) -> impl Iterator<Item = RobotId> + use<> {
-    let present: SmallVec<[RobotId; 64]> =
-        robots.pairs().filter(|(_, r)| !r.is_gone()).map(|(robot, _)| robot).collect();
-    present.into_iter()
 }

@@ -22,6 +22,7 @@ impl Ledger {
         racks.into_iter().for_each(|rack| self.index_rack(rack));
         let robots: Vec<RobotId> = self.promises.robots.ids().collect();
         robots.into_iter().for_each(|robot| self.index_robot(robot));
+        self.index_present();
         for (id, job) in &self.promises.jobs {
             admit(&mut self.index, &self.promises.jobs, &self.promises.ended_badly, *id, job);
         }
@@ -66,10 +67,11 @@ impl Ledger {
             self.index_rack(rack);
         }
         match fact {
-            Fact::Registered { robot, .. }
-            | Fact::Tasked { robot, .. }
-            | Fact::Left { robot, .. }
-            | Fact::Returned { robot, .. } => self.index_robot(*robot),
+            Fact::Registered { robot, .. } | Fact::Left { robot, .. } | Fact::Returned { robot, .. } => {
+                self.index_present();
+                self.index_robot(*robot);
+            }
+            Fact::Tasked { robot, .. } => self.index_robot(*robot),
             Fact::Routed { bookings } => bookings.iter().for_each(|b| self.index_robot(b.robot)),
             Fact::Truncated { robots } => robots.iter().for_each(|kept| self.index_robot(kept.robot)),
             Fact::Placed { robot, cut, .. } => {
@@ -89,6 +91,11 @@ impl Ledger {
             Fact::Closed { .. } | Fact::Reopened { .. } => self.index.note_closure_change(),
             _ => {}
         }
+    }
+
+    fn index_present(&mut self) {
+        let robots = self.promises.robots.pairs().filter(|(_, r)| !r.is_gone());
+        self.index.note_present(robots.map(|(robot, _)| robot));
     }
 
     fn index_robot(&mut self, robot: RobotId) {
