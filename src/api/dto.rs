@@ -4,10 +4,9 @@
 //! them. Ids on the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
 
 use super::displaced;
-use super::port::JobRecord;
 use super::text::{closure_name, job_name, round3, time_text, worker_name};
 use crate::fleet::{
-    Counts, Doing, Fault, JobFailure, JobKind, JobState, JobWhy, RackAt, RobotState, View, Why,
+    Counts, Doing, Fault, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotState, View, Why,
 };
 use crate::id::{Dense, NodeId, RobotId};
 use crate::timeline::Holder;
@@ -226,7 +225,7 @@ impl Names<'_> {
     }
 
     /// A job.
-    pub fn job(&self, record: &JobRecord) -> JobDto {
+    pub fn job(&self, record: &JobRow) -> JobDto {
         let request = &record.job.request;
         let gone = &record.gone;
         let pick = match request.kind {
@@ -259,7 +258,7 @@ impl Names<'_> {
         }
     }
 
-    fn why_of_job(&self, record: &JobRecord) -> Option<String> {
+    fn why_of_job(&self, record: &JobRow) -> Option<String> {
         if let JobState::Failed(why) = record.job.state {
             return Some(why_failed(why, |node| record.gone.node.clone().unwrap_or_else(|| self.node(node))));
         }

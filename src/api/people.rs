@@ -6,10 +6,10 @@
 
 use super::dto::Names;
 use super::feed::hub::Carried;
-use super::port::{AssignmentRecord, EncounterRecord};
 use super::text::{assignment_name, closure_name, round3, time_text, worker_name};
 use crate::fleet::{
-    AssignmentState, Closure, Guidance, GuidanceReason, GuidanceState, NearRobot, Reaction, WorkerView,
+    AssignmentRow, AssignmentState, Closure, EncounterRow, Guidance, GuidanceReason, GuidanceState,
+    NearRobot, Reaction, WorkerView,
 };
 use crate::geometry::{Point, inside, wrap_angle};
 use crate::id::{ClosureId, Dense, NodeId, WorkerId};
@@ -362,7 +362,7 @@ impl Names<'_> {
     }
 
     /// An assignment.
-    pub fn assignment(&self, record: &AssignmentRecord) -> AssignmentDto {
+    pub fn assignment(&self, record: &AssignmentRow) -> AssignmentDto {
         let a = &record.assignment;
         AssignmentDto {
             id: assignment_name(record.id),
@@ -409,7 +409,7 @@ impl Names<'_> {
     }
 
     /// An encounter.
-    pub fn encounter(&self, record: &EncounterRecord) -> EncounterDto {
+    pub fn encounter(&self, record: &EncounterRow) -> EncounterDto {
         let e = &record.encounter;
         let m = |mm: i64| mm as f64 / 1000.0;
         EncounterDto {

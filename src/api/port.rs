@@ -1,12 +1,12 @@
 //! What the API needs from the program that runs it: durable lists to read, a queue for requests, alarms, a clock, and
 //! the fleet's picture.
 //!
-//! Main types: [`Records`], [`JobRecord`], [`AssignmentRecord`], [`EncounterRecord`], [`Ask`], [`Question`],
+//! Main types: [`Records`], [`JobRow`], [`AssignmentRow`], [`EncounterRow`], [`Ask`], [`Question`],
 //! [`Alarms`], [`Moment`], [`Figures`], [`Now`]. Refuses: to know who answers.
 
 use crate::fleet::{
-    Area, Assignment, AssignmentRequest, Backlog, Closure, Encounter, Expected, Fleet, Job, JobRequest,
-    NodeOccupancy, Reply, StationOrder, View, Waiting, Why,
+    Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
+    Expected, Fleet, JobQuery, JobRequest, JobRow, NodeOccupancy, Reply, StationOrder, View, Waiting, Why,
 };
 use crate::history::{History, Times};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, StationId, WorkerId};
@@ -19,110 +19,21 @@ use tokio::sync::oneshot;
 /// An answer that comes later.
 pub type Later<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
 
-/// A job as it is listed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct JobRecord {
-    /// Its number.
-    pub id: JobId,
-    /// What it is and how far it has come.
-    pub job: Job,
-    /// The robot at work on it, or the last one that was.
-    pub robot: Option<RobotId>,
-    /// When its state changed last.
-    pub updated: Time,
-    /// Names of what it speaks of and the map no longer has.
-    pub gone: Gone,
-}
-
-/// Names of what a row of the past speaks of, where the map no longer has it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Gone {
-    /// Of its rack.
-    pub rack: Option<String>,
-    /// Of its station.
-    pub station: Option<String>,
-    /// Of its node, or place.
-    pub node: Option<String>,
-}
-
-/// Which jobs to list, newest first.
-#[derive(Clone, Debug, Default)]
-pub struct JobFilter {
-    /// Only jobs in this state, by its word.
-    pub state: Option<&'static str>,
-    /// Only jobs older than this one.
-    pub before: Option<JobId>,
-    /// How many at most.
-    pub limit: u32,
-}
-
-/// An assignment as it is listed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct AssignmentRecord {
-    /// Its number.
-    pub id: AssignmentId,
-    /// What it is and how far it has come.
-    pub assignment: Assignment,
-    /// When its state changed last.
-    pub updated: Time,
-    /// Names of what it speaks of and the map no longer has.
-    pub gone: Gone,
-}
-
-/// Which assignments to list, newest first.
-#[derive(Clone, Debug, Default)]
-pub struct AssignmentFilter {
-    /// Only those of this worker.
-    pub worker: Option<WorkerId>,
-    /// Only those in this state, by its word.
-    pub state: Option<&'static str>,
-    /// Only those older than this one.
-    pub before: Option<AssignmentId>,
-    /// How many at most.
-    pub limit: u32,
-}
-
-/// An encounter as it is listed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct EncounterRecord {
-    /// Its number, growing.
-    pub seq: i64,
-    /// What happened.
-    pub encounter: Encounter,
-}
-
-/// Which encounters to list, newest first.
-#[derive(Clone, Debug, Default)]
-pub struct EncounterFilter {
-    /// Only those that began at this time or later.
-    pub from: Option<Time>,
-    /// Only those that began before this time.
-    pub to: Option<Time>,
-    /// Only those of this worker.
-    pub worker: Option<WorkerId>,
-    /// Only those of this robot.
-    pub robot: Option<RobotId>,
-    /// Only those recorded before this one.
-    pub before: Option<i64>,
-    /// How many at most.
-    pub limit: u32,
-}
-
 /// Reads the clock of whoever runs the API.
 pub type Now = Arc<dyn Fn() -> Time + Send + Sync>;
 
 /// Durable lists. Errors are texts for people: what happened and what to do.
 pub trait Records: Send + Sync {
     /// One job.
-    fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRecord>, String>>;
+    fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRow>, String>>;
     /// Some jobs, newest first.
-    fn jobs(&self, filter: JobFilter) -> Later<'_, Result<Vec<JobRecord>, String>>;
+    fn jobs(&self, filter: JobQuery) -> Later<'_, Result<Vec<JobRow>, String>>;
     /// One assignment.
-    fn assignment(&self, id: AssignmentId) -> Later<'_, Result<Option<AssignmentRecord>, String>>;
+    fn assignment(&self, id: AssignmentId) -> Later<'_, Result<Option<AssignmentRow>, String>>;
     /// Some assignments, newest first.
-    fn assignments(&self, filter: AssignmentFilter) -> Later<'_, Result<Vec<AssignmentRecord>, String>>;
+    fn assignments(&self, filter: AssignmentQuery) -> Later<'_, Result<Vec<AssignmentRow>, String>>;
     /// Some encounters, newest first.
-    fn encounters(&self, filter: EncounterFilter) -> Later<'_, Result<Vec<EncounterRecord>, String>>;
+    fn encounters(&self, filter: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>>;
 }
 
 /// A request to the fleet.

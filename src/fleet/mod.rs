@@ -17,6 +17,9 @@ mod yielding;
 pub use people::forecast::{AHEAD_S, Expected};
 pub use read::backlog::{Backlog, Pending};
 pub use read::occupancy::{Area, MOST_NODES, NodeOccupancy};
+pub use read::rows::{
+    AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JobQuery, JobRow,
+};
 pub use read::view::{Counts, Doing, JobWhy, RobotState, RobotView, StationView, View, Why};
 pub use read::why::{Because, Waiting, Who};
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};

@@ -2,20 +2,20 @@
 //!
 //! Main type: [`Past`]. Refuses: a database.
 
-use crate::api::port::{
-    AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, Gone, JobFilter, JobRecord, Later,
-    Records,
+use crate::api::port::{Later, Records};
+use crate::fleet::{
+    Assignment, AssignmentQuery, AssignmentRow, AssignmentState, EncounterQuery, EncounterRow, Fact,
+    GoneNames, Job, JobQuery, JobRow, JobState,
 };
-use crate::fleet::{Assignment, AssignmentState, Fact, Job, JobState};
 use crate::id::{AssignmentId, JobId};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard};
 
 #[derive(Default)]
 struct Lists {
-    jobs: BTreeMap<JobId, JobRecord>,
-    assignments: BTreeMap<AssignmentId, AssignmentRecord>,
-    encounters: Vec<EncounterRecord>,
+    jobs: BTreeMap<JobId, JobRow>,
+    assignments: BTreeMap<AssignmentId, AssignmentRow>,
+    encounters: Vec<EncounterRow>,
 }
 
 /// What had happened up to the moment that is shown.
@@ -38,9 +38,9 @@ impl Lists {
     fn add(&mut self, fact: &Fact) {
         match fact {
             Fact::Accepted { job: id, request, at } => {
-                let (gone, request) = (Gone::default(), request.clone());
+                let (gone, request) = (GoneNames::default(), request.clone());
                 let job = Job { request, state: JobState::Waiting, accepted: *at };
-                self.jobs.insert(*id, JobRecord { id: *id, job, robot: None, updated: *at, gone });
+                self.jobs.insert(*id, JobRow { id: *id, job, robot: None, updated: *at, gone });
             }
             Fact::Progressed { job, state, at, .. } => {
                 if let Some(record) = self.jobs.get_mut(job) {
@@ -56,9 +56,9 @@ impl Lists {
             }
             Fact::Assigned { assignment: id, worker, request, at } => {
                 let (request, state) = (request.clone(), AssignmentState::Waiting);
-                let gone = Gone::default();
+                let gone = GoneNames::default();
                 let assignment = Assignment { worker: *worker, request, state, accepted: *at };
-                self.assignments.insert(*id, AssignmentRecord { id: *id, assignment, updated: *at, gone });
+                self.assignments.insert(*id, AssignmentRow { id: *id, assignment, updated: *at, gone });
             }
             Fact::Advanced { assignment, state, at } => {
                 if let Some(record) = self.assignments.get_mut(assignment) {
@@ -67,7 +67,7 @@ impl Lists {
             }
             Fact::Encountered(encounter) => {
                 let seq = self.encounters.len() as i64 + 1;
-                self.encounters.push(EncounterRecord { seq, encounter: encounter.clone() });
+                self.encounters.push(EncounterRow { seq, encounter: encounter.clone() });
             }
             _ => {}
         }
@@ -75,28 +75,28 @@ impl Lists {
 }
 
 impl Records for Past {
-    fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRecord>, String>> {
+    fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRow>, String>> {
         let found = self.lists().jobs.get(&id).cloned();
         Box::pin(async move { Ok(found) })
     }
 
-    fn jobs(&self, filter: JobFilter) -> Later<'_, Result<Vec<JobRecord>, String>> {
+    fn jobs(&self, filter: JobQuery) -> Later<'_, Result<Vec<JobRow>, String>> {
         let before = filter.before.unwrap_or(JobId(u64::MAX));
-        let wanted = |r: &&JobRecord| filter.state.is_none_or(|s| r.job.state.word() == s);
+        let wanted = |r: &&JobRow| filter.state.is_none_or(|s| r.job.state.word() == s);
         let lists = self.lists();
         let newest_first = lists.jobs.range(..before).rev().map(|(_, r)| r);
         let found: Vec<_> = newest_first.filter(wanted).take(filter.limit as usize).cloned().collect();
         Box::pin(async move { Ok(found) })
     }
 
-    fn assignment(&self, id: AssignmentId) -> Later<'_, Result<Option<AssignmentRecord>, String>> {
+    fn assignment(&self, id: AssignmentId) -> Later<'_, Result<Option<AssignmentRow>, String>> {
         let found = self.lists().assignments.get(&id).cloned();
         Box::pin(async move { Ok(found) })
     }
 
-    fn assignments(&self, f: AssignmentFilter) -> Later<'_, Result<Vec<AssignmentRecord>, String>> {
+    fn assignments(&self, f: AssignmentQuery) -> Later<'_, Result<Vec<AssignmentRow>, String>> {
         let before = f.before.unwrap_or(AssignmentId(u64::MAX));
-        let wanted = |r: &&AssignmentRecord| {
+        let wanted = |r: &&AssignmentRow| {
             f.worker.is_none_or(|w| r.assignment.worker == w)
                 && f.state.is_none_or(|s| r.assignment.state.word() == s)
         };
@@ -106,8 +106,8 @@ impl Records for Past {
         Box::pin(async move { Ok(found) })
     }
 
-    fn encounters(&self, f: EncounterFilter) -> Later<'_, Result<Vec<EncounterRecord>, String>> {
-        let wanted = |r: &&EncounterRecord| {
+    fn encounters(&self, f: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>> {
+        let wanted = |r: &&EncounterRow| {
             let e = &r.encounter;
             f.before.is_none_or(|seq| r.seq < seq)
                 && f.from.is_none_or(|t| e.began >= t)

@@ -1,10 +1,10 @@
 //! Names of what rows of the past speak of and the map no longer has.
 //!
-//! Main types: [`GoneNames`] (of one row), `Gone` (all of them). Ids of what is gone are beyond every map, so that they
-//! never come to mean something else. Refuses: to name what the map has.
+//! Main type: `Gone`, all of them; [`GoneNames`] are those of one row. Ids of what is gone are beyond every map, so
+//! that they never come to mean something else. Refuses: to name what the map has.
 
 use super::StoreError;
-use crate::fleet::{JobFailure, JobKind, JobState};
+use crate::fleet::{GoneNames, JobFailure, JobKind, JobState};
 use crate::id::NodeId;
 use sqlx::Row;
 use sqlx::sqlite::{SqliteExecutor, SqlitePool};
@@ -15,17 +15,6 @@ pub(super) const BEYOND: u32 = 1 << 31;
 
 const ALL: &str = "SELECT kind, id, name FROM gone";
 const TABLES: &str = "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = 'gone'";
-
-/// The names of what a row speaks of, where the map does not have it any more.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct GoneNames {
-    /// Of its rack.
-    pub rack: Option<String>,
-    /// Of its station.
-    pub station: Option<String>,
-    /// Of its node, or place.
-    pub node: Option<String>,
-}
 
 /// What has positions in a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,40 +1,14 @@
 //! The list of jobs: what the facts say about each, ready to be listed.
 //!
-//! Main types: [`JobRow`], [`JobQuery`]. Refuses: names, which the map gives to ids elsewhere.
+//! Refuses: names, which the map gives to ids elsewhere.
 
 use super::gone::Gone;
-use super::{GoneNames, Store, StoreError, job_record};
-use crate::fleet::{Fact, Job, JobKind, JobRequest, JobState};
+use super::{Store, StoreError, job_record};
+use crate::fleet::{Fact, Job, JobKind, JobQuery, JobRequest, JobRow, JobState};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
-
-/// A job as the database has it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct JobRow {
-    /// Its number.
-    pub id: JobId,
-    /// What it is and how far it has come.
-    pub job: Job,
-    /// The robot at work on it, or the last one that was.
-    pub robot: Option<RobotId>,
-    /// When its state changed last.
-    pub updated: Time,
-    /// Names of what it speaks of and the map no longer has.
-    pub gone: GoneNames,
-}
-
-/// Which jobs to list, newest first.
-#[derive(Clone, Debug, Default)]
-pub struct JobQuery {
-    /// Only jobs in this state, by its word.
-    pub state: Option<&'static str>,
-    /// Only jobs older than this one.
-    pub before: Option<JobId>,
-    /// How many at most.
-    pub limit: u32,
-}
 
 const ACCEPT: &str = "INSERT INTO jobs \
     (id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, created, updated) \

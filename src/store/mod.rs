@@ -1,8 +1,8 @@
 //! The journal of steps, snapshots of what they led to, the lists of jobs, assignments and encounters, and figures
 //! over time, in SQLite.
 //!
-//! Main types: [`Store`] (open, load, append, snapshot, lists), [`Entry`], [`Loaded`], [`JobRow`],
-//! [`AssignmentRow`], [`EncounterRow`], [`StoreError`]; [`record`] is the wire form of facts, [`ledger_record`]
+//! Main types: [`Store`] (open, load, append, snapshot, rows of lists), [`Entry`], [`Loaded`], [`StoreError`];
+//! [`record`] is the wire form of facts, [`ledger_record`]
 //! that of snapshots. This module is the seam behind which PostgreSQL follows: statements are constants with `$1`,
 //! and nobody outside sees a row. What is guaranteed: an [`Store::append`] that returned `Ok` survives loss of
 //! power; a step is there whole or not at all; the journal and the lists never differ; a batch that is appended
@@ -36,10 +36,7 @@ mod steps;
 pub use carry::{CarriedOver, CarryOver};
 pub use check::Belongs;
 pub use error::StoreError;
-pub use gone::GoneNames;
-pub use jobs::{JobQuery, JobRow};
 pub use opening::Opening;
-pub use people::{AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow};
 pub use seal::seal;
 pub use snapshot::SNAPSHOT_AFTER;
 pub use steps::{Entry, Loaded};

@@ -1,68 +1,18 @@
 //! Lists about people: assignments and encounters, as the facts leave them.
 //!
-//! Main types: [`AssignmentRow`], [`AssignmentQuery`], [`EncounterRow`], [`EncounterQuery`]. Refuses: names, which
-//! others give to ids.
+//! Refuses: names, which others give to ids.
 
 use super::gone::Gone;
 use super::{Store, StoreError};
-use crate::fleet::{Assignment, AssignmentRequest, AssignmentState, Encounter, Fact, Reaction};
+use crate::fleet::{
+    Assignment, AssignmentQuery, AssignmentRequest, AssignmentRow, AssignmentState, Encounter,
+    EncounterQuery, EncounterRow, Fact, GoneNames, Reaction,
+};
 use crate::geometry::Spot;
 use crate::id::{AssignmentId, NodeId, RobotId, WorkerId};
 use crate::time::{Span, Time};
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
-
-/// An assignment as the database has it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct AssignmentRow {
-    /// Its number.
-    pub id: AssignmentId,
-    /// What it is and how far it has come.
-    pub assignment: Assignment,
-    /// When its state changed last.
-    pub updated: Time,
-    /// The name of its place, where the map no longer has it.
-    pub gone: Option<String>,
-}
-
-/// Which assignments to list, newest first.
-#[derive(Clone, Debug, Default)]
-pub struct AssignmentQuery {
-    /// Only those of this worker.
-    pub worker: Option<WorkerId>,
-    /// Only those in this state, by its word.
-    pub state: Option<&'static str>,
-    /// Only those older than this one.
-    pub before: Option<AssignmentId>,
-    /// How many at most.
-    pub limit: u32,
-}
-
-/// An encounter as the database has it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct EncounterRow {
-    /// Its number, in the order of recording.
-    pub seq: i64,
-    /// What happened.
-    pub encounter: Encounter,
-}
-
-/// Which encounters to list, newest first.
-#[derive(Clone, Debug, Default)]
-pub struct EncounterQuery {
-    /// Only those that began at this time or later.
-    pub from: Option<Time>,
-    /// Only those that began before this time.
-    pub to: Option<Time>,
-    /// Only those of this worker.
-    pub worker: Option<WorkerId>,
-    /// Only those of this robot.
-    pub robot: Option<RobotId>,
-    /// Only those recorded before this one.
-    pub before: Option<i64>,
-    /// How many at most.
-    pub limit: u32,
-}
 
 const ASSIGN: &str = "INSERT INTO assignments \
     (id, worker, place, stay, what, key, state, created, updated) \
@@ -168,7 +118,7 @@ fn assignment(row: &SqliteRow, gone: &Gone) -> Result<AssignmentRow, StoreError>
     };
     let (worker, accepted) = (WorkerId(row.try_get("worker")?), Time(row.try_get("created")?));
     Ok(AssignmentRow {
-        gone: gone.node(request.place),
+        gone: GoneNames { node: gone.node(request.place), ..GoneNames::default() },
         id: AssignmentId(id.unsigned_abs()),
         assignment: Assignment { worker, request, state, accepted },
         updated: Time(row.try_get("updated")?),

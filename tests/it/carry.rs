@@ -3,11 +3,11 @@
 use crate::helper::{Folder, SCENARIO, all_jobs, config, get, map, post};
 use crate::journal::{commits, log_of};
 use crate::run::{Keeper, Run, nothing};
-use giveway::fleet::{Input, JobKind, JobRequest, JobState, Ledger};
+use giveway::fleet::{Input, JobKind, JobQuery, JobRequest, JobState, Ledger};
 use giveway::id::{JobId, NodeId, RackId, RobotId};
 use giveway::server::{Floor, Server};
 use giveway::sim::Scenario;
-use giveway::store::{CarryOver, JobQuery, Opening, Store, StoreError};
+use giveway::store::{CarryOver, Opening, Store, StoreError};
 use giveway::time::Time;
 use giveway::warehouse::{Draft, DraftLane, DraftNode, Users, Warehouse, formats::json};
 use serde_json::{Value, json};
@@ -354,7 +354,7 @@ async fn a_floor_goes_on_under_every_changed_map_and_its_lists_agree_with_its_le
         assert!(!open.is_empty(), "it was in the middle of things");
         let all = JobQuery { state: None, before: None, limit: 1000 };
         let rows = store.jobs(&all).await.unwrap();
-        assert!(rows.iter().all(|row| row.gone == giveway::store::GoneNames::default()));
+        assert!(rows.iter().all(|row| row.gone == giveway::fleet::GoneNames::default()));
         while open.iter().any(|job| run.fleet.ledger().jobs.contains_key(job)) {
             assert!(next < 60_000, "not done: {open:?}");
             let (entry, _) = run.step(vec![]);
@@ -396,8 +396,8 @@ async fn names_that_are_gone_from_the_map_stay_in_the_lists_over_several_changes
     let folder = Folder::new();
     work(&folder, &Arc::new(map()), 1300, 400).await;
     let all = JobQuery { state: None, before: None, limit: 1000 };
-    let named = |rows: Vec<giveway::store::JobRow>, map: &Warehouse| {
-        let name = |row: &giveway::store::JobRow| {
+    let named = |rows: Vec<giveway::fleet::JobRow>, map: &Warehouse| {
+        let name = |row: &giveway::fleet::JobRow| {
             let rack = row.job.request.kind.rack()?;
             row.gone.rack.clone().or_else(|| map.racks.get(rack).map(|rack| rack.name.clone()))
         };

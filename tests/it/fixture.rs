@@ -5,11 +5,13 @@
 
 use crate::helper::{Folder, map};
 use crate::run::{Keeper, Run, deliver, nothing};
-use giveway::fleet::{AssignmentRequest, Closure, Fleet, Input, JobKind, JobRequest, Reply};
+use giveway::fleet::{
+    AssignmentQuery, AssignmentRequest, Closure, Fleet, Input, JobKind, JobQuery, JobRequest, Reply,
+};
 use giveway::geometry::Spot;
 use giveway::id::{ClosureId, JobId, RackId, RobotId, WorkerId};
 use giveway::sim::Scenario;
-use giveway::store::{AssignmentQuery, JobQuery, Store};
+use giveway::store::Store;
 use giveway::time::{Span, Time, Window};
 use serde_json::{Value, json};
 use std::path::PathBuf;

@@ -2,11 +2,11 @@
 
 use crate::helper::{Folder, map};
 use crate::run::{Keeper, Run, deliver, nothing};
-use giveway::fleet::{Encounter, Fact, Fleet, Input, JobState, Reaction, Reply};
+use giveway::fleet::{Encounter, EncounterQuery, Fact, Fleet, Input, JobQuery, JobState, Reaction, Reply};
 use giveway::geometry::Spot;
 use giveway::id::{JobId, RobotId, WorkerId};
 use giveway::sim::{Scenario, Simulation};
-use giveway::store::{EncounterQuery, Entry, JobQuery, Store, StoreError, ledger_record};
+use giveway::store::{Entry, Store, StoreError, ledger_record};
 use giveway::time::{Span, Time};
 use giveway::warehouse::Warehouse;
 use giveway::warehouse::thesis;

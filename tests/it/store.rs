@@ -2,12 +2,12 @@
 
 use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, start};
 use giveway::fleet::{
-    Act, AssignmentRequest, AssignmentState, Booking, Closure, Encounter, Fact, JobFailure, JobKind,
-    JobRequest, JobState, Kept, Moved, Purpose, Reaction, Stop, Task,
+    Act, AssignmentQuery, AssignmentRequest, AssignmentState, Booking, Closure, Encounter, EncounterQuery,
+    Fact, JobFailure, JobKind, JobQuery, JobRequest, JobState, Kept, Moved, Purpose, Reaction, Stop, Task,
 };
 use giveway::geometry::Spot;
 use giveway::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
-use giveway::store::{AssignmentQuery, EncounterQuery, Entry, JobQuery, Store, StoreError, record};
+use giveway::store::{Entry, Store, StoreError, record};
 use giveway::time::{Span, Time, Window};
 use giveway::timeline::{Shift, Visit};
 use sqlx::Connection;

@@ -1,12 +1,12 @@
 //! A connection over a real socket, with the fleet played by the test.
 
 use super::hub::{Feeds, Heard};
-use crate::api::port::{
-    Alarms, AssignmentFilter, AssignmentRecord, EncounterFilter, EncounterRecord, Figures, JobFilter,
-    JobRecord, Later, Moment, Records,
-};
+use crate::api::port::{Alarms, Figures, Later, Moment, Records};
 use crate::api::{Api, auth::Gate, live::Live, massrobotics::Interop, metrics::Metrics, router};
-use crate::fleet::{Guidance, GuidanceReason, GuidanceState, View};
+use crate::fleet::{
+    AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, Guidance, GuidanceReason, GuidanceState,
+    JobQuery, JobRow, View,
+};
 use crate::geometry::Point;
 use crate::id::{AssignmentId, IdVec, JobId, WorkerId};
 use crate::time::{Span, Time};
@@ -25,19 +25,19 @@ const ANNA: WorkerId = WorkerId(0);
 struct Nothing;
 
 impl Records for Nothing {
-    fn job(&self, _: JobId) -> Later<'_, Result<Option<JobRecord>, String>> {
+    fn job(&self, _: JobId) -> Later<'_, Result<Option<JobRow>, String>> {
         Box::pin(async { Ok(None) })
     }
-    fn jobs(&self, _: JobFilter) -> Later<'_, Result<Vec<JobRecord>, String>> {
+    fn jobs(&self, _: JobQuery) -> Later<'_, Result<Vec<JobRow>, String>> {
         Box::pin(async { Ok(Vec::new()) })
     }
-    fn assignment(&self, _: AssignmentId) -> Later<'_, Result<Option<AssignmentRecord>, String>> {
+    fn assignment(&self, _: AssignmentId) -> Later<'_, Result<Option<AssignmentRow>, String>> {
         Box::pin(async { Ok(None) })
     }
-    fn assignments(&self, _: AssignmentFilter) -> Later<'_, Result<Vec<AssignmentRecord>, String>> {
+    fn assignments(&self, _: AssignmentQuery) -> Later<'_, Result<Vec<AssignmentRow>, String>> {
         Box::pin(async { Ok(Vec::new()) })
     }
-    fn encounters(&self, _: EncounterFilter) -> Later<'_, Result<Vec<EncounterRecord>, String>> {
+    fn encounters(&self, _: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>> {
         Box::pin(async { Ok(Vec::new()) })
     }
 }

@@ -9,10 +9,10 @@ use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Body, Key, Params, Segment};
 use crate::api::people::{ASSIGNMENT_STATES, AssignmentDto};
-use crate::api::port::{AssignmentFilter, AssignmentRecord, What};
+use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{assignment_name, parse_assignment};
-use crate::fleet::{AssignmentRequest, Reply};
+use crate::fleet::{AssignmentQuery, AssignmentRequest, AssignmentRow, Reply};
 use crate::id::{AssignmentId, WorkerId};
 use crate::time::Span;
 use axum::Json;
@@ -203,7 +203,7 @@ async fn list(
     if !errors.is_empty() {
         return Err(Problem::invalid(errors));
     }
-    let filter = AssignmentFilter { worker, state, before, limit: limit + 1 };
+    let filter = AssignmentQuery { worker, state, before, limit: limit + 1 };
     let mut rows = api.records.assignments(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
     let more = rows.len() > limit as usize;
     rows.truncate(limit as usize);
@@ -216,12 +216,12 @@ fn parse_id(text: &str) -> Result<AssignmentId, Problem> {
     parse_assignment(text).ok_or_else(|| Problem::unknown("assignment", detail()))
 }
 
-async fn read(api: &Api, id: AssignmentId) -> Result<AssignmentRecord, Problem> {
+async fn read(api: &Api, id: AssignmentId) -> Result<AssignmentRow, Problem> {
     let record = api.records.assignment(id).await.map_err(|why| Problem::unavailable(why, 2))?;
     record.ok_or_else(|| Problem::unknown("assignment", format!("{} does not exist", assignment_name(id))))
 }
 
-fn dto(api: &Api, record: &AssignmentRecord) -> AssignmentDto {
+fn dto(api: &Api, record: &AssignmentRow) -> AssignmentDto {
     Names { map: &api.map, view: &api.moment().view }.assignment(record)
 }
 

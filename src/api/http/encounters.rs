@@ -8,8 +8,8 @@ use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
 use crate::api::people::EncounterDto;
-use crate::api::port::EncounterFilter;
 use crate::api::text::parse_time;
+use crate::fleet::EncounterQuery;
 use crate::id::{Dense, RobotId};
 use crate::time::Time;
 use axum::Json;
@@ -62,7 +62,7 @@ pub async fn list(
         None if table => LONGEST_TABLE,
         limit => checked_limit(limit, 50)?,
     };
-    let filter = EncounterFilter { limit: limit + 1, ..filter(&api, &p)? };
+    let filter = EncounterQuery { limit: limit + 1, ..filter(&api, &p)? };
     let mut rows = api.records.encounters(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
     let more = rows.len() > limit as usize;
     rows.truncate(limit as usize);
@@ -95,7 +95,7 @@ fn wants_table(headers: &HeaderMap, p: &EncounterParams) -> Result<bool, Problem
     }
 }
 
-fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterFilter, Problem> {
+fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterQuery, Problem> {
     let mut errors = Vec::new();
     let mut time = |field: &str, text: &Option<String>| -> Option<Time> {
         let text = text.as_deref()?;
@@ -129,7 +129,7 @@ fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterFilter, Problem> {
     if !errors.is_empty() {
         return Err(Problem::invalid(errors));
     }
-    Ok(EncounterFilter { from, to, worker, robot, before, limit: 0 })
+    Ok(EncounterQuery { from, to, worker, robot, before, limit: 0 })
 }
 
 /// A table as RFC 4180 has it.

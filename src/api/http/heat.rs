@@ -7,8 +7,8 @@ use crate::api::Api;
 use crate::api::dto::Names;
 use crate::api::error::Problem;
 use crate::api::extract::Params;
-use crate::api::port::EncounterFilter;
 use crate::api::text::{round3, time_text};
+use crate::fleet::EncounterQuery;
 use crate::history::{DAY, HEAT_STEP, floor};
 use crate::time::Time;
 use axum::Json;
@@ -117,7 +117,7 @@ fn waiting(api: &Api, from: Time, to: Time) -> Vec<CellDto> {
 
 async fn encounters(api: &Api, from: Time, to: Time) -> Result<Vec<CellDto>, Problem> {
     let filter =
-        EncounterFilter { from: Some(from), to: Some(to), limit: ENCOUNTERS, ..EncounterFilter::default() };
+        EncounterQuery { from: Some(from), to: Some(to), limit: ENCOUNTERS, ..EncounterQuery::default() };
     let rows = api.records.encounters(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
     let mut cells: BTreeMap<(i64, i64), f64> = BTreeMap::new();
     for row in rows {

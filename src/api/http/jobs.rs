@@ -9,10 +9,10 @@ use crate::api::Api;
 use crate::api::dto::{JOB_STATES, JobDto, Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Body, Key, Params, Segment};
-use crate::api::port::{JobFilter, JobRecord, Moment, What};
+use crate::api::port::{Moment, What};
 use crate::api::refusal::refused;
 use crate::api::text::{job_name, parse_job_name, parse_time};
-use crate::fleet::{JobKind, JobRequest, Reply};
+use crate::fleet::{JobKind, JobQuery, JobRequest, JobRow, Reply};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
@@ -117,7 +117,7 @@ pub async fn list(
     if !errors.is_empty() {
         return Err(Problem::invalid(errors));
     }
-    let filter = JobFilter { state, before, limit: limit + 1 };
+    let filter = JobQuery { state, before, limit: limit + 1 };
     let mut rows = api.records.jobs(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
     let more = rows.len() > limit as usize;
     rows.truncate(limit as usize);
@@ -229,12 +229,12 @@ fn parse_id(text: &str) -> Result<JobId, Problem> {
         .ok_or_else(|| Problem::unknown("job", format!("\"{text}\" is no job; jobs are like j17")))
 }
 
-async fn read(api: &Api, id: JobId) -> Result<JobRecord, Problem> {
+async fn read(api: &Api, id: JobId) -> Result<JobRow, Problem> {
     let row = api.records.job(id).await.map_err(|why| Problem::unavailable(why, 2))?;
     row.ok_or_else(|| Problem::unknown("job", format!("{} does not exist", job_name(id))))
 }
 
-fn dto(api: &Api, row: &JobRecord) -> JobDto {
+fn dto(api: &Api, row: &JobRow) -> JobDto {
     Names { map: &api.map, view: &api.moment().view }.job(row)
 }
 

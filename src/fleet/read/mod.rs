@@ -1,11 +1,12 @@
-//! What outsiders see: the view, why something waits, occupancy of an area, the jobs that wait.
+//! What outsiders see: the view, why something waits, occupancy of an area, the jobs that wait, rows of lists.
 //!
-//! Main types: [`view::View`], `why::Waiting`, `occupancy::NodeOccupancy`, `backlog::Backlog`. Refuses: to be an input
+//! Main types: [`view::View`], `why::Waiting`, `occupancy::NodeOccupancy`, `backlog::Backlog`, `rows::JobRow`. Refuses: to be an input
 //! of any decision.
 
 pub(in crate::fleet) mod backlog;
 pub(in crate::fleet) mod build;
 pub(in crate::fleet) mod occupancy;
 mod questions;
+pub(in crate::fleet) mod rows;
 pub mod view;
 pub(in crate::fleet) mod why;

@@ -1,0 +1,98 @@
+//! Jobs, assignments and encounters as lists have them, and which of them are wanted.
+//!
+//! Main types: [`JobRow`], [`AssignmentRow`], [`EncounterRow`], and a query for each. The store reads them, a recording
+//! makes them from facts, and the API gives their names. Refuses: to know where they are kept.
+
+use crate::fleet::state::job::Job;
+use crate::fleet::state::worker::{Assignment, Encounter};
+use crate::id::{AssignmentId, JobId, RobotId, WorkerId};
+use crate::time::Time;
+
+/// A job as it is listed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct JobRow {
+    /// Its number.
+    pub id: JobId,
+    /// What it is and how far it has come.
+    pub job: Job,
+    /// The robot at work on it, or the last one that was.
+    pub robot: Option<RobotId>,
+    /// When its state changed last.
+    pub updated: Time,
+    /// Names of what it speaks of and the map no longer has.
+    pub gone: GoneNames,
+}
+
+/// The names of what a row speaks of, where the map does not have it any more.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct GoneNames {
+    /// Of its rack.
+    pub rack: Option<String>,
+    /// Of its station.
+    pub station: Option<String>,
+    /// Of its node, or place.
+    pub node: Option<String>,
+}
+
+/// Which jobs to list, newest first.
+#[derive(Clone, Debug, Default)]
+pub struct JobQuery {
+    /// Only jobs in this state, by its word.
+    pub state: Option<&'static str>,
+    /// Only jobs older than this one.
+    pub before: Option<JobId>,
+    /// How many at most.
+    pub limit: u32,
+}
+
+/// An assignment as it is listed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AssignmentRow {
+    /// Its number.
+    pub id: AssignmentId,
+    /// What it is and how far it has come.
+    pub assignment: Assignment,
+    /// When its state changed last.
+    pub updated: Time,
+    /// Names of what it speaks of and the map no longer has.
+    pub gone: GoneNames,
+}
+
+/// Which assignments to list, newest first.
+#[derive(Clone, Debug, Default)]
+pub struct AssignmentQuery {
+    /// Only those of this worker.
+    pub worker: Option<WorkerId>,
+    /// Only those in this state, by its word.
+    pub state: Option<&'static str>,
+    /// Only those older than this one.
+    pub before: Option<AssignmentId>,
+    /// How many at most.
+    pub limit: u32,
+}
+
+/// An encounter as it is listed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EncounterRow {
+    /// Its number, in the order of recording.
+    pub seq: i64,
+    /// What happened.
+    pub encounter: Encounter,
+}
+
+/// Which encounters to list, newest first.
+#[derive(Clone, Debug, Default)]
+pub struct EncounterQuery {
+    /// Only those that began at this time or later.
+    pub from: Option<Time>,
+    /// Only those that began before this time.
+    pub to: Option<Time>,
+    /// Only those of this worker.
+    pub worker: Option<WorkerId>,
+    /// Only those of this robot.
+    pub robot: Option<RobotId>,
+    /// Only those recorded before this one.
+    pub before: Option<i64>,
+    /// How many at most.
+    pub limit: u32,
+}
