@@ -5,7 +5,7 @@
 use giveway::aware::nodes_in;
 use giveway::fleet::Command;
 use giveway::geometry::Point;
-use giveway::sim::{Demand, OrderLine, Outcome, Scenario, Simulation, Tally};
+use giveway::sim::{Demand, JobTally, OrderLine, Outcome, Scenario, Simulation};
 use giveway::time::{Span, Time};
 use giveway::warehouse::{Warehouse, formats, room_for};
 use std::path::{Path, PathBuf};
@@ -165,7 +165,7 @@ fn jobs_of_every_kind_are_accepted_and_end_in_every_way() {
         assert!(jobs.accepted > 0 && jobs.done > 0 && jobs.open_at_end == 0, "{kind}: {jobs:?}");
         assert_eq!(jobs.accepted, jobs.done + jobs.failed + jobs.cancelled, "{kind}: {jobs:?}");
     }
-    let all = |count: fn(&Tally) -> u64| outcome.jobs.values().map(count).sum::<u64>();
+    let all = |count: fn(&JobTally) -> u64| outcome.jobs.values().map(count).sum::<u64>();
     assert!(all(|t| t.cancelled) > 10 && all(|t| t.failed) > 0, "{:?}", outcome.jobs);
 }
 

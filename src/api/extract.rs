@@ -1,7 +1,7 @@
 //! Reading requests: bodies, queries and paths, with every rejection a problem that says what to do.
 //!
-//! Main types: [`Body`], [`Params`], [`Segment`], [`Key`]. Refuses: unknown fields, bodies over 64 KiB, other
-//! media types.
+//! Main types: [`JsonBody`], [`Params`], [`PathPart`], [`IdempotencyKey`]. Refuses: unknown fields, bodies over 64 KiB,
+//! other media types.
 
 use super::error::Problem;
 use axum::extract::rejection::{PathRejection, QueryRejection};
@@ -13,9 +13,9 @@ use serde::de::DeserializeOwned;
 pub const BODY_LIMIT: usize = 64 * 1024;
 
 /// A JSON body.
-pub struct Body<T>(pub T);
+pub struct JsonBody<T>(pub T);
 
-impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
+impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for JsonBody<T> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
@@ -30,7 +30,7 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
             let detail = format!("the body is cut off or longer than {BODY_LIMIT} bytes");
             Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
         })?;
-        serde_json::from_slice(&bytes).map(Body).map_err(|e| match e.classify() {
+        serde_json::from_slice(&bytes).map(JsonBody).map_err(|e| match e.classify() {
             serde_json::error::Category::Data => {
                 let status = StatusCode::UNPROCESSABLE_ENTITY;
                 Problem::new(status, "invalid", "Some fields are wrong", e.to_string())
@@ -54,31 +54,31 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Params<T> {
 }
 
 /// The variable part of a path.
-pub struct Segment(pub String);
+pub struct PathPart(pub String);
 
-impl<S: Send + Sync> FromRequestParts<S> for Segment {
+impl<S: Send + Sync> FromRequestParts<S> for PathPart {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
         let path = Path::<String>::from_request_parts(parts, state).await;
-        path.map(|Path(text)| Segment(text)).map_err(|e: PathRejection| Problem::malformed(e.body_text()))
+        path.map(|Path(text)| PathPart(text)).map_err(|e: PathRejection| Problem::malformed(e.body_text()))
     }
 }
 
 /// The `Idempotency-Key` header.
-pub struct Key(pub Option<String>);
+pub struct IdempotencyKey(pub Option<String>);
 
-impl<S: Send + Sync> FromRequestParts<S> for Key {
+impl<S: Send + Sync> FromRequestParts<S> for IdempotencyKey {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
-        let Some(value) = parts.headers.get("idempotency-key") else { return Ok(Key(None)) };
+        let Some(value) = parts.headers.get("idempotency-key") else { return Ok(IdempotencyKey(None)) };
         let text = value.to_str().unwrap_or("").trim();
         if text.is_empty() || text.len() > 255 {
             let detail =
                 "Idempotency-Key: 1 to 255 printable ASCII characters, the same ones for the same job only";
             return Err(Problem::malformed(detail));
         }
-        Ok(Key(Some(text.into())))
+        Ok(IdempotencyKey(Some(text.into())))
     }
 }

@@ -1,9 +1,9 @@
 //! Reports of the MassRobotics AMR Interoperability Standard, as a way to say where a worker is.
 //!
-//! Main types: [`Interop`] (which uuids are workers, where frames lie), [`Report`]. The standard (JSON schema of the
-//! AMR_Interop_Standard repository, May 2022) lets people carry a device that reports like a robot: a `statusReport`
-//! with location, orientation and time. Pure. Refuses: uuids that nobody made known, since a robot of another maker
-//! must not be taken for a person.
+//! Main types: [`Interop`] (which uuids are workers, where frames lie), [`InteropReport`]. The standard (JSON schema of
+//! the AMR_Interop_Standard repository, May 2022) lets people carry a device that reports like a robot: a
+//! `statusReport` with location, orientation and time. Pure. Refuses: uuids that nobody made known, since a robot of
+//! another maker must not be taken for a person.
 
 use super::feed::align::Alignment;
 use super::text::parse_time;
@@ -43,7 +43,7 @@ pub struct Datum {
 
 /// An identityReport or a statusReport; keys that say nothing about where somebody is are ignored.
 #[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
-pub struct Report {
+pub struct InteropReport {
     /// Who.
     pub uuid: String,
     /// When, RFC 3339.
@@ -126,7 +126,7 @@ impl Interop {
     ///
     /// # Errors
     /// Why it says nothing.
-    pub fn sighting(&self, worker: WorkerId, report: &Report) -> Result<Option<Sighting>, Unfit> {
+    pub fn sighting(&self, worker: WorkerId, report: &InteropReport) -> Result<Option<Sighting>, Unfit> {
         let seen = parse_time(&report.timestamp).ok_or_else(|| Unfit::Time(report.timestamp.clone()))?;
         let Some(location) = &report.location else {
             return if report.manufacturer.is_some() { Ok(None) } else { Err(Unfit::Neither) };

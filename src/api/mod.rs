@@ -31,7 +31,7 @@ pub use http::{alive, router};
 use crate::fleet::{Reply, RobotKind};
 use crate::warehouse::Warehouse;
 use error::Problem;
-use port::{Alarms, Ask, Figures, Moment, Now, Question, Records, What};
+use port::{Alarms, FleetRequest, Moment, Now, Question, Records, SharedHistory, What};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{mpsc, oneshot, watch};
@@ -51,9 +51,9 @@ pub struct Api {
     /// Durable jobs.
     pub records: Arc<dyn Records>,
     /// Figures over time.
-    pub figures: Arc<Figures>,
+    pub figures: Arc<SharedHistory>,
     /// Takes requests; absent where a recording is shown, since the past takes none.
-    pub queue: Option<mpsc::Sender<Ask>>,
+    pub queue: Option<mpsc::Sender<FleetRequest>>,
     /// Takes questions.
     pub questions: mpsc::Sender<Question>,
     /// What stands.
@@ -83,7 +83,7 @@ impl Api {
     }
 
     /// Where requests go; a recording takes none, nor poses.
-    fn queue(&self) -> Result<&mpsc::Sender<Ask>, Problem> {
+    fn queue(&self) -> Result<&mpsc::Sender<FleetRequest>, Problem> {
         self.queue.as_ref().ok_or_else(|| {
             let detail = "a recording is shown here, and nothing in it can be changed: ask a running server";
             Problem::conflict("recording", "This is a recording", detail)
@@ -105,7 +105,7 @@ impl Api {
     async fn ask(&self, what: What) -> Result<Reply, Problem> {
         let queue = self.queue()?;
         let (reply, answer) = oneshot::channel();
-        queue.try_send(Ask { what, reply }).map_err(|_| {
+        queue.try_send(FleetRequest { what, reply }).map_err(|_| {
             let cause = self.alarms.list().into_iter().map(|a| a.text).collect::<Vec<_>>().join("; ");
             let cause = if cause.is_empty() { "too many requests are waiting".into() } else { cause };
             Problem::unavailable(format!("nothing was accepted: {cause}. Try again soon."), 1)

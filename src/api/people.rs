@@ -5,7 +5,7 @@
 //! of its own, but for the direction of a robot as seen by a worker.
 
 use super::dto::Names;
-use super::feed::hub::Carried;
+use super::feed::hub::CarriedSenses;
 use super::text::{assignment_name, closure_name, round3, time_text, worker_name};
 use crate::fleet::{
     AssignmentRow, AssignmentState, Closure, EncounterRow, Guidance, GuidanceReason, GuidanceState,
@@ -242,7 +242,7 @@ impl GuidanceKey {
 }
 
 /// What is needed besides guidance to write it down.
-pub struct Beside<'a> {
+pub struct GuidanceContext<'a> {
     /// Names of robots.
     pub names: Names<'a>,
     /// Where the worker faces, radians.
@@ -252,7 +252,7 @@ pub struct Beside<'a> {
 }
 
 /// Guidance as a headset gets it.
-pub fn guidance(told: Option<&Guidance>, beside: Beside<'_>) -> Value {
+pub fn guidance(told: Option<&Guidance>, beside: GuidanceContext<'_>) -> Value {
     let Some(g) = told else {
         return json!({
             "type": "guidance", "state": GuidanceState::Idle.word(), "reason": null, "version": 0, "path": [],
@@ -430,8 +430,8 @@ impl Names<'_> {
     }
 }
 
-impl From<&Carried> for SensesDto {
-    fn from(c: &Carried) -> SensesDto {
+impl From<&CarriedSenses> for SensesDto {
+    fn from(c: &CarriedSenses) -> SensesDto {
         let place = |p: [f64; 3]| p.map(round3);
         let gaze =
             c.senses.gaze.map(|g| GazeDto { kind: g.kind, origin: place(g.origin), dir: place(g.dir) });
@@ -470,8 +470,11 @@ mod tests {
             assignment: None,
             near: vec![near],
         };
-        let beside =
-            |heading| Beside { names: Names { map: &map, view: &view }, heading, now: Time(3_000_000) };
+        let beside = |heading| GuidanceContext {
+            names: Names { map: &map, view: &view },
+            heading,
+            now: Time(3_000_000),
+        };
         let text = guidance(Some(&told), beside(Some(3.0)));
         let expected = std::f64::consts::TAU - 6.0;
         assert_eq!(text["near"][0]["bearing"], json!(round3(expected)), "{text}");

@@ -1,14 +1,14 @@
 //! What the API needs from the program that runs it: durable lists to read, a queue for requests, alarms, a clock, and
 //! the fleet's picture.
 //!
-//! Main types: [`Records`], [`JobRow`], [`AssignmentRow`], [`EncounterRow`], [`Ask`], [`Question`],
-//! [`Alarms`], [`Moment`], [`Figures`], [`Now`]. Refuses: to know who answers.
+//! Main types: [`Records`], [`FleetRequest`], [`Question`],
+//! [`Alarms`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know who answers.
 
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
     Expected, Fleet, JobQuery, JobRequest, JobRow, NodeOccupancy, Reply, StationOrder, View, Waiting, Why,
 };
-use crate::history::{History, Times};
+use crate::history::{History, LoopTimes};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
@@ -38,7 +38,7 @@ pub trait Records: Send + Sync {
 
 /// A request to the fleet.
 #[derive(Debug)]
-pub struct Ask {
+pub struct FleetRequest {
     /// What is asked.
     pub what: What,
     /// Gets the answer once it is durable.
@@ -87,19 +87,19 @@ pub enum What {
 #[derive(Debug)]
 pub enum Question {
     /// Why a robot does not go on.
-    Robot(RobotId, oneshot::Sender<Waits>),
+    Robot(RobotId, oneshot::Sender<WaitChain>),
     /// Why a job does not go on.
-    Job(JobId, oneshot::Sender<Waits>),
+    Job(JobId, oneshot::Sender<WaitChain>),
     /// Who holds what in an area, for so long ahead.
-    Occupancy(Area, Span, oneshot::Sender<Seen<Result<Vec<NodeOccupancy>, usize>>>),
+    Occupancy(Area, Span, oneshot::Sender<AnswerAt<Result<Vec<NodeOccupancy>, usize>>>),
 }
 
 /// A chain of those who wait.
-pub type Waits = Seen<Vec<Waiting>>;
+pub type WaitChain = AnswerAt<Vec<Waiting>>;
 
 /// An answer, and when it was so.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Seen<T> {
+pub struct AnswerAt<T> {
     /// When.
     pub at: Time,
     /// What.
@@ -111,13 +111,13 @@ impl Question {
     pub fn answer(self, fleet: &Fleet, at: Time) {
         match self {
             Question::Robot(robot, reply) => {
-                let _ = reply.send(Seen { at, what: fleet.waits(robot, at) });
+                let _ = reply.send(AnswerAt { at, what: fleet.waits(robot, at) });
             }
             Question::Job(job, reply) => {
-                let _ = reply.send(Seen { at, what: fleet.job_waits(job, at) });
+                let _ = reply.send(AnswerAt { at, what: fleet.job_waits(job, at) });
             }
             Question::Occupancy(area, ahead, reply) => {
-                let _ = reply.send(Seen { at, what: fleet.occupancy(area, ahead, at) });
+                let _ = reply.send(AnswerAt { at, what: fleet.occupancy(area, ahead, at) });
             }
         }
     }
@@ -137,7 +137,7 @@ pub struct Moment {
     /// Seconds since the server started.
     pub time_s: f64,
     /// What the loop measured.
-    pub measured: Measured,
+    pub measured: LoopFigures,
     /// Where people may be in the coming seconds; nothing while nobody reads it.
     pub forecasts: Arc<Vec<Expected>>,
     /// The first of the jobs that wait, as they were a second ago at most; nothing where no past is kept.
@@ -146,7 +146,7 @@ pub struct Moment {
 
 /// Figures of the loop over the last minutes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct LoopFigures {
     /// Racks served per hour, over the last ten minutes.
     pub deliveries_per_hour: f64,
     /// Length of a search for a route, median, microseconds.
@@ -159,7 +159,7 @@ pub struct Measured {
 
 /// Figures over time, which one task keeps and others read.
 #[derive(Debug)]
-pub struct Figures {
+pub struct SharedHistory {
     /// When the clock of the live feed was zero.
     pub started: Time,
     /// How the fleet deals with people, in a word.
@@ -167,14 +167,14 @@ pub struct Figures {
     history: Mutex<History>,
 }
 
-impl Figures {
+impl SharedHistory {
     /// With what was kept of earlier runs.
-    pub fn new(started: Time, arm: &'static str, history: History) -> Figures {
-        Figures { started, arm, history: Mutex::new(history) }
+    pub fn new(started: Time, arm: &'static str, history: History) -> SharedHistory {
+        SharedHistory { started, arm, history: Mutex::new(history) }
     }
 
     /// Takes a picture in.
-    pub fn note(&self, view: &View, times: &Times) {
+    pub fn note(&self, view: &View, times: &LoopTimes) {
         self.history.lock().expect("nobody panics with this lock").note(view, times);
     }
 

@@ -3,7 +3,7 @@
 //! Main types: [`WhyDto`], [`LinkDto`]. Refuses: to add knowledge of its own.
 
 use super::dto::Names;
-use super::port::Waits;
+use super::port::WaitChain;
 use super::text::{closure_name, job_name, round3, time_text, worker_name};
 use crate::fleet::{Act, Because, JobWhy, Waiting, Who, Why};
 use crate::time::Time;
@@ -61,7 +61,7 @@ pub struct LinkDto {
 
 impl Names<'_> {
     /// A chain.
-    pub fn chain(&self, id: String, waits: &Waits) -> WhyDto {
+    pub fn chain(&self, id: String, waits: &WaitChain) -> WhyDto {
         let chain: Vec<LinkDto> = waits.what.iter().map(|w| self.link(w, waits.at)).collect();
         let waiting = waits.what.first().is_some_and(|w| w.because.is_waiting());
         let parts: Vec<String> = chain.iter().map(|l| format!("{} {}", l.who, l.text)).collect();

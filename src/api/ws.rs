@@ -5,8 +5,8 @@
 use super::Api;
 use super::error::Problem;
 use super::extract::Params;
-use super::feed::hub::Carried;
-use super::live::{LAGGING, Shape};
+use super::feed::hub::CarriedSenses;
+use super::live::{LAGGING, PatchFormat};
 use super::people::SensesDto;
 use super::text::worker_name;
 use crate::id::{Dense, WorkerId};
@@ -88,7 +88,7 @@ async fn serve(api: &Api, mut socket: WebSocket, p: &LiveParams) {
     let mut ping = interval(PING);
     ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let mut silent = 0;
-    let shape = if p.thin == Some(true) { Shape::Thin } else { Shape::Plain };
+    let shape = if p.thin == Some(true) { PatchFormat::Thin } else { PatchFormat::Plain };
     let (mut texts, mut version) = api.live.after(shape, p.since, api.live.kept());
     loop {
         let news = !texts.is_empty();
@@ -128,7 +128,7 @@ async fn serve(api: &Api, mut socket: WebSocket, p: &LiveParams) {
 /// What headsets say besides where they are.
 fn senses(api: &Api) -> Utf8Bytes {
     let carried = api.feeds.all_carried();
-    let worker = |(i, c): (usize, &Carried)| {
+    let worker = |(i, c): (usize, &CarriedSenses)| {
         let mut item = json!(SensesDto::from(c));
         item["id"] = worker_name(WorkerId::at(i)).into();
         item

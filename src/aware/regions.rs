@@ -6,7 +6,7 @@
 //! full speed would. A person is always taken to walk at 1.6 m/s (ISO 13855): predictions add caution and
 //! never take any away. Refuses: to be a safety function; robots' own scanners and brakes are.
 
-use super::safe_space::Times;
+use super::safe_space::StoppingTimes;
 use crate::human::WALK_MPS;
 use crate::route::Kinematics;
 
@@ -40,8 +40,8 @@ impl Regions {
     }
 
     /// How long a robot takes to stand.
-    pub fn times(&self, v: f64, loaded: bool) -> Times {
-        Times { react_s: self.reaction_s, stop_s: v / self.kinematics.accel_mps2(loaded) }
+    pub fn times(&self, v: f64, loaded: bool) -> StoppingTimes {
+        StoppingTimes { react_s: self.reaction_s, stop_s: v / self.kinematics.accel_mps2(loaded) }
     }
 
     /// Way from deciding to standing, metres.

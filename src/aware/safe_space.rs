@@ -1,6 +1,6 @@
 //! Safe spaces of workers and robots, and what a robot does where its plan and a worker's share a place.
 //!
-//! Main types: [`Times`] (how long a robot takes to react and to stop), [`Zone`] (a potential collision zone),
+//! Main types: [`StoppingTimes`] (how long a robot takes to react and to stop), [`Zone`] (a potential collision zone),
 //! [`Case`], [`Answer`]. Source: Ye, Guo, Guo and Luo 2024, "A construction robot path planning method based on safe
 //! space and worker trajectory prediction", equations 3 to 8 and the decision model of section 3.4. Read with its
 //! errata: 1.78 m is an arm span, so the radius of the circle is half of it; what cases 1 and 2 say is swapped (there
@@ -18,14 +18,14 @@ pub const APART_M: f64 = 0.5;
 
 /// How long a robot takes to stand, seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Times {
+pub struct StoppingTimes {
     /// From a worker being seen to the brakes: T_r.
     pub react_s: f64,
     /// From the brakes to standing: T_s.
     pub stop_s: f64,
 }
 
-impl Times {
+impl StoppingTimes {
     /// How far a worker walks meanwhile, metres (Ye et al., equation 4).
     pub fn walked_m(self) -> f64 {
         WALK_MPS * (self.react_s + self.stop_s)
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn safe_spaces_are_those_of_equations_4_7_and_8() {
-        let times = Times { react_s: 0.5, stop_s: 2.0 };
+        let times = StoppingTimes { react_s: 0.5, stop_s: 2.0 };
         assert!(near(times.walked_m(), 1.6 * 2.5), "equation 4");
         assert!(near(times.reacting_m(1.0), 0.5), "equation 7");
         assert!(near(times.stopping_m(1.0), 1.0), "equation 8");
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn equations_7_and_8_are_the_integrals_5_and_6_of_even_speed_and_even_braking() {
-        let (times, v, steps) = (Times { react_s: 0.3, stop_s: 1.5 }, 1.2, 100_000);
+        let (times, v, steps) = (StoppingTimes { react_s: 0.3, stop_s: 1.5 }, 1.2, 100_000);
         let dt = (times.react_s + times.stop_s) / f64::from(steps);
         let speed = |t: f64| v * (1.0 - ((t - times.react_s) / times.stop_s).max(0.0));
         let driven: f64 = (0..steps).map(|i| speed((f64::from(i) + 0.5) * dt) * dt).sum();

@@ -19,15 +19,15 @@ use std::time::Instant;
 #[derive(Subcommand)]
 pub enum Bench {
     /// Goals reached per step on a benchmark floor, by the product's own search.
-    Lifelong(Lifelong),
+    Lifelong(LifelongArgs),
     /// How long one route takes to plan while all other robots hold theirs.
-    Plan(Plan),
+    Plan(PlanArgs),
     /// How long distances to goals take to repair when one edge is cut or restored.
-    Distances(Distances),
+    Distances(DistancesArgs),
     /// What one step of the fleet costs where much exists and little changes.
-    Steps(super::bench_steps::Steps),
+    Steps(super::bench_steps::StepsArgs),
     /// Whether memory stays flat while days go by.
-    Memory(super::bench_memory::Memory),
+    Memory(super::bench_memory::MemoryArgs),
 }
 
 /// Pebble rules, with or without turns.
@@ -41,7 +41,7 @@ enum RulesArgument {
 
 /// Arguments of `bench lifelong`.
 #[derive(Args)]
-pub struct Lifelong {
+pub struct LifelongArgs {
     /// Floor: octile `.map` or kiva format.
     #[arg(long)]
     map: PathBuf,
@@ -70,7 +70,7 @@ pub struct Lifelong {
 
 /// Arguments of `bench plan`.
 #[derive(Args)]
-pub struct Plan {
+pub struct PlanArgs {
     /// Map.
     #[arg(long)]
     map: PathBuf,
@@ -96,7 +96,7 @@ pub struct Plan {
 
 /// Arguments of `bench distances`.
 #[derive(Args)]
-pub struct Distances {
+pub struct DistancesArgs {
     /// How many edges to cut and to restore, one after the other.
     #[arg(long, default_value_t = 2000)]
     changes: usize,
@@ -108,7 +108,7 @@ pub struct Distances {
     json: bool,
 }
 
-impl Distances {
+impl DistancesArgs {
     fn run(self) -> anyhow::Result<ExitCode> {
         anyhow::ensure!(self.changes > 0, "--changes must be at least 1");
         let map = thesis();
@@ -143,7 +143,7 @@ impl Distances {
     }
 }
 
-impl Plan {
+impl PlanArgs {
     fn run(self) -> anyhow::Result<ExitCode> {
         let warehouse = read_map(&self.map)?;
         room_for(&warehouse, self.robots).map_err(|e| anyhow::anyhow!("{}:\n{e}", self.map.display()))?;
@@ -223,7 +223,7 @@ impl Bench {
     }
 }
 
-impl Lifelong {
+impl LifelongArgs {
     fn run(self) -> anyhow::Result<ExitCode> {
         let named = |path: &PathBuf, e: String| anyhow::anyhow!("{}: {e}", path.display());
         let grid = Grid::parse(&read(&self.map)?).map_err(|e| named(&self.map, e))?;

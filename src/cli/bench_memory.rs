@@ -1,6 +1,6 @@
 //! `giveway bench memory`: whether memory stays flat while days go by.
 //!
-//! Main type: [`Memory`]. Refuses: to print a figure without the command that made it.
+//! Main type: [`MemoryArgs`]. Refuses: to print a figure without the command that made it.
 
 use super::{progress, read_map};
 use crate::experiment::month::{Day, run};
@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 /// Arguments of `bench memory`.
 #[derive(Args)]
-pub struct Memory {
+pub struct MemoryArgs {
     /// Map.
     #[arg(long, default_value = "maps/lab.json")]
     map: PathBuf,
@@ -42,7 +42,7 @@ const COLUMNS: [(&str, &str); 10] = [
     ("kept", "kept_closures"),
 ];
 
-impl Memory {
+impl MemoryArgs {
     /// Lets the days go by and prints a row for each.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let warehouse = Arc::new(read_map(&self.map)?);

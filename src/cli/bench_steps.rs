@@ -1,10 +1,10 @@
 //! `giveway bench steps`: what one step of the fleet costs, on this machine.
 //!
-//! Main type: [`Steps`]. Refuses: to print a figure without the command that made it.
+//! Main type: [`StepsArgs`]. Refuses: to print a figure without the command that made it.
 
 use super::sim::quantiles;
 use super::{progress, read_map, stopwatch};
-use crate::experiment::steps::{Case, StepSetup, run};
+use crate::experiment::steps::{StepSetup, StepsCase, run};
 use crate::warehouse::room_for;
 use clap::Args;
 use serde_json::{Value, json};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// Arguments of `bench steps`.
 #[derive(Args)]
-pub struct Steps {
+pub struct StepsArgs {
     /// Map.
     #[arg(long, default_value = "maps/kiva.json")]
     map: PathBuf,
@@ -44,7 +44,7 @@ pub struct Steps {
     json: bool,
 }
 
-impl Steps {
+impl StepsArgs {
     /// Measures every case and prints a row for each.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let warehouse = Arc::new(read_map(&self.map)?);
@@ -69,17 +69,17 @@ impl Steps {
     }
 
     /// What is measured: each crowded floor next to the same floor with little on it.
-    fn cases(&self) -> Vec<(&'static str, usize, Case)> {
+    fn cases(&self) -> Vec<(&'static str, usize, StepsCase)> {
         let (all, busy) = (self.robots, self.busy);
         vec![
-            ("idle", all, Case::Idle),
-            ("closures", all, Case::Closures(self.closures)),
-            ("waiting after another job", all, Case::WaitingAfter(self.jobs)),
-            ("waiting for one rack", all, Case::WaitingRack(self.jobs)),
-            ("busy, few jobs wait", busy, Case::Waiting(busy * 4)),
-            ("busy, many jobs wait", busy, Case::Waiting(self.jobs)),
-            ("few assignments", busy, Case::Assignments(10)),
-            ("many assignments", busy, Case::Assignments(self.assignments)),
+            ("idle", all, StepsCase::Idle),
+            ("closures", all, StepsCase::Closures(self.closures)),
+            ("waiting after another job", all, StepsCase::WaitingAfter(self.jobs)),
+            ("waiting for one rack", all, StepsCase::WaitingRack(self.jobs)),
+            ("busy, few jobs wait", busy, StepsCase::Waiting(busy * 4)),
+            ("busy, many jobs wait", busy, StepsCase::Waiting(self.jobs)),
+            ("few assignments", busy, StepsCase::Assignments(10)),
+            ("many assignments", busy, StepsCase::Assignments(self.assignments)),
         ]
     }
 

@@ -1,9 +1,9 @@
 //! `giveway database`: checks the server's database, copies it while the server runs, puts a copy back, carries it over
 //! to a changed map.
 //!
-//! Main type: [`Database`]. Exit codes: 0 all is well, 1 something is wrong or was refused. A copy is checked before it
-//! gets its name, a source before anything is moved. Refuses: to overwrite a file, and to touch a database that a
-//! server has.
+//! Main type: [`DatabaseArgs`]. Exit codes: 0 all is well, 1 something is wrong or was refused. A copy is checked
+//! before it gets its name, a source before anything is moved. Refuses: to overwrite a file, and to touch a database
+//! that a server has.
 
 use super::read_map;
 use super::sim::Setup;
@@ -21,9 +21,9 @@ use std::sync::Arc;
 
 /// Arguments of `database`.
 #[derive(Args)]
-pub struct Database {
+pub struct DatabaseArgs {
     #[command(subcommand)]
-    command: Command,
+    command: DatabaseCommand,
     /// The database, as for `giveway serve` [default: giveway.sqlite] [env: GIVEWAY_DATABASE]
     #[arg(long, value_name = "FILE", global = true)]
     database: Option<PathBuf>,
@@ -39,7 +39,7 @@ pub struct Database {
 }
 
 #[derive(Subcommand)]
-enum Command {
+enum DatabaseCommand {
     /// Look for damage, load the journal and fold it. Also while a server runs; nothing is changed. With another map
     /// than the database's own: list what a start would carry over to it, and what not.
     Check {
@@ -121,21 +121,21 @@ struct DatabaseReport {
 }
 
 /// The map to fold with.
-type Floor = Option<(Arc<Warehouse>, Settings)>;
+type FoldSettings = Option<(Arc<Warehouse>, Settings)>;
 
-impl Command {
+impl DatabaseCommand {
     fn map(&self) -> Option<&Path> {
         match self {
-            Command::Check { map } | Command::Carry { map, .. } => map.as_deref(),
-            Command::Backup { .. } | Command::Restore { .. } => None,
+            DatabaseCommand::Check { map } | DatabaseCommand::Carry { map, .. } => map.as_deref(),
+            DatabaseCommand::Backup { .. } | DatabaseCommand::Restore { .. } => None,
         }
     }
 }
 
-impl Database {
+impl DatabaseArgs {
     /// Runs the command.
     pub fn run(self) -> anyhow::Result<ExitCode> {
-        let Database { command, database, scenario, config, json } = self;
+        let DatabaseArgs { command, database, scenario, config, json } = self;
         let named = scenario.is_some() || command.map().is_some();
         let readable = scenario.is_some();
         let config = Config::read(&Flags { database, scenario, config, ..Flags::default() })?;
@@ -148,10 +148,10 @@ impl Database {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let report = runtime.block_on(async {
             match &command {
-                Command::Check { .. } => check(&config.database, floor, named).await,
-                Command::Carry { accept_losses, .. } => carry(&config, floor, *accept_losses).await,
-                Command::Backup { target } => backup(&config.database, target, floor, named).await,
-                Command::Restore { source } => restore(source, &config.database, floor, named).await,
+                DatabaseCommand::Check { .. } => check(&config.database, floor, named).await,
+                DatabaseCommand::Carry { accept_losses, .. } => carry(&config, floor, *accept_losses).await,
+                DatabaseCommand::Backup { target } => backup(&config.database, target, floor, named).await,
+                DatabaseCommand::Restore { source } => restore(source, &config.database, floor, named).await,
             }
         })?;
         if json {
@@ -169,14 +169,14 @@ async fn inspect(path: &Path) -> anyhow::Result<Store> {
     Ok(Store::inspect(path).await?)
 }
 
-async fn look(path: &Path, floor: Floor, named: bool) -> anyhow::Result<DatabaseReport> {
+async fn look(path: &Path, floor: FoldSettings, named: bool) -> anyhow::Result<DatabaseReport> {
     let store = inspect(path).await?;
     let report = examine(&store, floor, named).await;
     store.close().await;
     report
 }
 
-async fn check(path: &Path, floor: Floor, named: bool) -> anyhow::Result<DatabaseReport> {
+async fn check(path: &Path, floor: FoldSettings, named: bool) -> anyhow::Result<DatabaseReport> {
     let mut report = look(path, floor, named).await?;
     if let Some(changed) = &report.changed_map {
         let (obstacles, losses) = (changed.obstacles.len(), changed.losses.len());
@@ -191,7 +191,7 @@ async fn check(path: &Path, floor: Floor, named: bool) -> anyhow::Result<Databas
 }
 
 /// Carries a database over to the map; says what that means where it is refused.
-async fn carry(config: &Config, floor: Floor, accept_losses: bool) -> anyhow::Result<DatabaseReport> {
+async fn carry(config: &Config, floor: FoldSettings, accept_losses: bool) -> anyhow::Result<DatabaseReport> {
     let path = &config.database;
     ensure!(path.is_file(), "there is no database {}: name it with --database FILE", path.display());
     let (map, settings) = floor
@@ -218,7 +218,7 @@ async fn carry(config: &Config, floor: Floor, accept_losses: bool) -> anyhow::Re
 }
 
 /// Everything that can be said about a database without changing it.
-async fn examine(store: &Store, floor: Floor, named: bool) -> anyhow::Result<DatabaseReport> {
+async fn examine(store: &Store, floor: FoldSettings, named: bool) -> anyhow::Result<DatabaseReport> {
     let path = store.path();
     let bytes = std::fs::metadata(path).map_or(0, |m| m.len());
     let mut report = DatabaseReport {
@@ -245,7 +245,7 @@ async fn examine(store: &Store, floor: Floor, named: bool) -> anyhow::Result<Dat
 
 async fn look_inside(
     store: &Store,
-    floor: Floor,
+    floor: FoldSettings,
     named: bool,
     report: &mut DatabaseReport,
 ) -> anyhow::Result<()> {
@@ -301,7 +301,12 @@ async fn compare(
     Ok(())
 }
 
-async fn backup(path: &Path, target: &Path, floor: Floor, named: bool) -> anyhow::Result<DatabaseReport> {
+async fn backup(
+    path: &Path,
+    target: &Path,
+    floor: FoldSettings,
+    named: bool,
+) -> anyhow::Result<DatabaseReport> {
     ensure!(
         !target.exists(),
         "{} is there already: a backup never overwrites; name another",
@@ -328,7 +333,12 @@ async fn backup(path: &Path, target: &Path, floor: Floor, named: bool) -> anyhow
     Ok(report)
 }
 
-async fn restore(source: &Path, path: &Path, floor: Floor, named: bool) -> anyhow::Result<DatabaseReport> {
+async fn restore(
+    source: &Path,
+    path: &Path,
+    floor: FoldSettings,
+    named: bool,
+) -> anyhow::Result<DatabaseReport> {
     let store = inspect(source).await?;
     let mut report = examine(&store, floor, named).await?;
     if report.ok {
@@ -340,7 +350,7 @@ async fn restore(source: &Path, path: &Path, floor: Floor, named: bool) -> anyho
     Ok(report)
 }
 
-fn show(command: &Command, report: &DatabaseReport) {
+fn show(command: &DatabaseCommand, report: &DatabaseReport) {
     println!("database {} ({:.1} MB)", report.database.display(), report.bytes as f64 / 1e6);
     println!("map      {}", report.map.as_deref().unwrap_or("none"));
     let last = report.last.as_deref().map_or(String::new(), |t| format!(", the last of {t}"));
@@ -358,10 +368,10 @@ fn show(command: &Command, report: &DatabaseReport) {
     }
     report.problems.iter().for_each(|problem| println!("PROBLEM  {problem}"));
     let verb = match command {
-        Command::Check { .. } => "",
-        Command::Carry { .. } => "backup  ",
-        Command::Backup { .. } => "written ",
-        Command::Restore { .. } => "aside   ",
+        DatabaseCommand::Check { .. } => "",
+        DatabaseCommand::Carry { .. } => "backup  ",
+        DatabaseCommand::Backup { .. } => "written ",
+        DatabaseCommand::Restore { .. } => "aside   ",
     };
     report.files.iter().for_each(|file| println!("{verb} {}", file.display()));
     println!("{}", if report.ok { "ok" } else { "not ok: nothing was changed" });

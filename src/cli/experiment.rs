@@ -2,9 +2,9 @@
 //!
 //! Main type: [`Experiment`]. Refuses: to print a figure that depends on chance without its seed.
 
-use super::people::{Detection, Table};
-use super::recorded::{Encounters, Forecast, Purpose};
-use super::safe_space::SafeSpace;
+use super::people::{DetectionArgs, TableArgs};
+use super::recorded::{EncountersArgs, ForecastArgs, PurposeArgs};
+use super::safe_space::SafeSpaceArgs;
 use super::write;
 use crate::experiment::stories::{self, Tale};
 use crate::human::Method;
@@ -17,20 +17,20 @@ use std::process::ExitCode;
 #[derive(Subcommand)]
 pub enum Experiment {
     /// Guess where a person is going, in one of three stories.
-    Story(Story),
+    Story(StoryArgs),
     /// Robots and people together, by four ways of giving way (Petković 2021, table 4.1).
     #[command(name = "table-4-1")]
-    Table(Table),
+    Table(TableArgs),
     /// How soon and how surely the fleet notices that people leave their path.
-    Detection(Detection),
+    Detection(DetectionArgs),
     /// Where recorded people will be within five seconds: errors, regions, calibration.
-    Forecast(Forecast),
+    Forecast(ForecastArgs),
     /// Where recorded people are going: the right goal along the way, calibration.
-    Intention(Purpose),
+    Intention(PurposeArgs),
     /// Recorded people among robots that know nothing of them: who would have braked in time, who for nothing.
-    Meetings(Encounters),
+    Meetings(EncountersArgs),
     /// Safe spaces of workers and robots, and when a route is kept (Ye et al.), beside ours.
-    SafeSpace(SafeSpace),
+    SafeSpace(SafeSpaceArgs),
 }
 
 /// The stories.
@@ -57,7 +57,7 @@ enum MethodArgument {
 
 /// Arguments of `experiment story`.
 #[derive(Args)]
-pub struct Story {
+pub struct StoryArgs {
     /// Which story.
     #[arg(value_enum)]
     tale: TaleArgument,
@@ -90,7 +90,7 @@ impl Experiment {
     }
 }
 
-impl Story {
+impl StoryArgs {
     fn run(self) -> anyhow::Result<ExitCode> {
         let tale = match self.tale {
             TaleArgument::Grid => Tale::Grid,

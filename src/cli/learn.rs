@@ -1,10 +1,10 @@
 //! `giveway learn`: figures about people from recorded tracks.
 //!
-//! Main type: [`Learn`]. Refuses: to guess the format of a file that looks like none.
+//! Main type: [`LearnArgs`]. Refuses: to guess the format of a file that looks like none.
 
 use super::{read, write};
 use crate::experiment::learning::{Lesson, learn};
-use crate::experiment::recorded::{Format, Recording, goals};
+use crate::experiment::recorded::{Format, RecordedWalks, goals};
 use crate::geometry::Point;
 use crate::human::Model;
 use anyhow::Context;
@@ -35,13 +35,13 @@ impl FormatArgument {
 }
 
 /// Reads recorded tracks, in the format named or guessed from the first line.
-pub fn read_tracks(path: &Path, format: Option<FormatArgument>) -> anyhow::Result<Recording> {
+pub fn read_tracks(path: &Path, format: Option<FormatArgument>) -> anyhow::Result<RecordedWalks> {
     let text = read(path)?;
     let format = format.map(FormatArgument::format).or_else(|| Format::guess(&text));
     let format = format.with_context(|| {
         format!("cannot tell the format of {}: name it with --format eth, magni or thor", path.display())
     })?;
-    Recording::parse(&text, format).with_context(|| format!("{} is refused", path.display()))
+    RecordedWalks::parse(&text, format).with_context(|| format!("{} is refused", path.display()))
 }
 
 /// Reads goals: lines of name, x, y or of x, y.
@@ -62,7 +62,7 @@ pub fn read_model(path: Option<&Path>) -> anyhow::Result<Arc<Model>> {
 
 /// Arguments of `learn`.
 #[derive(Args)]
-pub struct Learn {
+pub struct LearnArgs {
     /// Files of recorded tracks.
     #[arg(required = true)]
     tracks: Vec<PathBuf>,
@@ -86,7 +86,7 @@ pub struct Learn {
     from: Option<PathBuf>,
 }
 
-impl Learn {
+impl LearnArgs {
     /// Learns and writes the model.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let start = read_model(self.from.as_deref())?;

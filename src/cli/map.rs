@@ -13,18 +13,18 @@ use std::process::ExitCode;
 #[derive(Subcommand)]
 pub enum Map {
     /// Read a map, list every problem with place and remedy, say what it holds.
-    Check(Check),
+    Check(CheckArgs),
     /// Draw a map as SVG.
-    Show(Show),
+    Show(ShowArgs),
     /// Make a map of rack blocks from parameters.
-    Generate(Generate),
+    Generate(GenerateArgs),
     /// Turn an octile grid (`.map`) or a warehouse grid with endpoints into a map.
-    Import(Import),
+    Import(ImportArgs),
 }
 
 /// Arguments of `map check`.
 #[derive(Args)]
-pub struct Check {
+pub struct CheckArgs {
     /// Map file.
     map: PathBuf,
     /// Also check that so many robots have a place to stay.
@@ -37,7 +37,7 @@ pub struct Check {
 
 /// Arguments of `map show`.
 #[derive(Args)]
-pub struct Show {
+pub struct ShowArgs {
     /// Map file.
     map: PathBuf,
     /// Where to write the drawing; standard output where absent.
@@ -47,7 +47,7 @@ pub struct Show {
 
 /// Arguments of `map generate`.
 #[derive(Args)]
-pub struct Generate {
+pub struct GenerateArgs {
     /// Name of the map.
     #[arg(long, default_value = "blocks")]
     name: String,
@@ -88,7 +88,7 @@ pub struct Generate {
 
 /// Arguments of `map import`.
 #[derive(Args)]
-pub struct Import {
+pub struct ImportArgs {
     /// Grid file.
     grid: PathBuf,
     /// Name of the map; the file's where absent.
@@ -118,7 +118,7 @@ impl Map {
     }
 }
 
-impl Check {
+impl CheckArgs {
     fn run(self) -> anyhow::Result<ExitCode> {
         let warehouse = read_map(&self.map)?;
         if let Some(robots) = self.robots {
@@ -134,7 +134,7 @@ impl Check {
     }
 }
 
-impl Generate {
+impl GenerateArgs {
     fn run(self) -> anyhow::Result<ExitCode> {
         let count = |n: usize, what: &str| {
             anyhow::ensure!((1..=500).contains(&n), "{what} must be from 1 to 500, not {n}");
@@ -167,7 +167,7 @@ impl Generate {
     }
 }
 
-impl Import {
+impl ImportArgs {
     fn run(self) -> anyhow::Result<ExitCode> {
         let stem = self.grid.file_stem().map(|s| s.to_string_lossy().into_owned());
         let name = self.name.or(stem).unwrap_or_else(|| "imported".into());

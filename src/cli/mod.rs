@@ -34,20 +34,20 @@ use std::process::ExitCode;
 #[command(name = "giveway", version, max_term_width = 100, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<CliCommand>,
     /// Without a command: serve.
     #[command(flatten)]
     serve: serve::Serve,
 }
 
 #[derive(Subcommand)]
-enum Command {
+enum CliCommand {
     /// Run the server (the default command).
     Serve(serve::Serve),
     /// Run a scenario without a server, far faster than real time, and print its figures.
-    Sim(sim::Sim),
+    Sim(sim::SimArgs),
     /// Show a recording again.
-    Replay(replay::Replay),
+    Replay(replay::ReplayArgs),
     /// Check, show, make and import maps.
     #[command(subcommand)]
     Map(map::Map),
@@ -55,9 +55,9 @@ enum Command {
     #[command(subcommand)]
     Bench(bench::Bench),
     /// Check, copy and put back the server's database.
-    Database(database::Database),
+    Database(database::DatabaseArgs),
     /// Learn about people from recorded tracks; the server and simulations use what was learned.
-    Learn(learn::Learn),
+    Learn(learn::LearnArgs),
     /// Run published experiments again.
     #[command(subcommand)]
     Experiment(experiment::Experiment),
@@ -67,14 +67,14 @@ enum Command {
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.command {
-        Some(Command::Sim(sim)) => sim.run(),
-        Some(Command::Map(map)) => map.run(),
-        Some(Command::Replay(replay)) => replay.run(),
-        Some(Command::Serve(serve)) => serve.run(),
-        Some(Command::Bench(bench)) => bench.run(),
-        Some(Command::Database(database)) => database.run(),
-        Some(Command::Learn(learn)) => learn.run(),
-        Some(Command::Experiment(experiment)) => experiment.run(),
+        Some(CliCommand::Sim(sim)) => sim.run(),
+        Some(CliCommand::Map(map)) => map.run(),
+        Some(CliCommand::Replay(replay)) => replay.run(),
+        Some(CliCommand::Serve(serve)) => serve.run(),
+        Some(CliCommand::Bench(bench)) => bench.run(),
+        Some(CliCommand::Database(database)) => database.run(),
+        Some(CliCommand::Learn(learn)) => learn.run(),
+        Some(CliCommand::Experiment(experiment)) => experiment.run(),
         None => arguments.serve.run(),
     };
     result.unwrap_or_else(|error| {

@@ -1,11 +1,11 @@
 //! `giveway experiment table-4-1` and `detection`: robots and people together, many seeds on all cores.
 //!
-//! Main types: [`Table`], [`Detection`]. Refuses: results that depend on the order in which runs end.
+//! Main types: [`TableArgs`], [`DetectionArgs`]. Refuses: results that depend on the order in which runs end.
 
 use super::{progress, read_map};
 use crate::aware::HumanAwarePolicy;
 use crate::experiment::statistics::{Paired, Summary};
-use crate::experiment::table::{Column, Row, TableSetup};
+use crate::experiment::table::{Column, RunRow, TableSetup};
 use crate::sim::detection::{Score, TO_GOAL_S};
 use crate::sim::{Sensor, Source};
 use crate::warehouse::{Warehouse, room_for, thesis};
@@ -77,7 +77,7 @@ struct Runs {
 
 /// Arguments of `experiment table-4-1`.
 #[derive(Args)]
-pub struct Table {
+pub struct TableArgs {
     #[command(flatten)]
     runs: Runs,
     /// Numbers of workers.
@@ -90,7 +90,7 @@ pub struct Table {
 
 /// Arguments of `experiment detection`.
 #[derive(Args)]
-pub struct Detection {
+pub struct DetectionArgs {
     #[command(flatten)]
     runs: Runs,
     /// How many workers.
@@ -112,9 +112,9 @@ impl Runs {
     }
 
     /// All runs of all cases: for each case the rows, seed by seed.
-    fn run(&self, cases: &[(TableSetup, HumanAwarePolicy)]) -> Vec<Vec<Row>> {
+    fn run(&self, cases: &[(TableSetup, HumanAwarePolicy)]) -> Vec<Vec<RunRow>> {
         let total = cases.len() * self.runs as usize;
-        let rows: Vec<Mutex<Option<Row>>> = (0..total).map(|_| Mutex::new(None)).collect();
+        let rows: Vec<Mutex<Option<RunRow>>> = (0..total).map(|_| Mutex::new(None)).collect();
         let next = AtomicUsize::new(0);
         let bar = progress(total as u64, "runs");
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -133,13 +133,13 @@ impl Runs {
         });
         bar.finish_and_clear();
         let rows = rows.into_iter().map(|r| r.into_inner().expect("all are done").expect("all were run"));
-        let rows: Vec<Row> = rows.collect();
-        rows.chunks(self.runs as usize).map(<[Row]>::to_vec).collect()
+        let rows: Vec<RunRow> = rows.collect();
+        rows.chunks(self.runs as usize).map(<[RunRow]>::to_vec).collect()
     }
 }
 
 /// Says which laws were broken; how many.
-fn violations<'a>(rows: impl Iterator<Item = &'a Row>) -> u64 {
+fn violations<'a>(rows: impl Iterator<Item = &'a RunRow>) -> u64 {
     rows.map(|row| {
         row.broken.iter().for_each(|b| eprintln!("broken law at {b}"));
         row.law_violations
@@ -151,7 +151,7 @@ fn exit(violations: u64) -> ExitCode {
     if violations == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-impl Table {
+impl TableArgs {
     /// Runs all and prints the table.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let warehouse = self.runs.hall()?;
@@ -186,7 +186,7 @@ impl Table {
 }
 
 /// One number of workers: all arms, and their differences.
-fn scenario(workers: usize, arms: &[HumanAwarePolicy], rows: &[Vec<Row>]) -> Value {
+fn scenario(workers: usize, arms: &[HumanAwarePolicy], rows: &[Vec<RunRow>]) -> Value {
     let mut by_arm = Map::new();
     for (arm, rows) in arms.iter().zip(rows) {
         let columns = Column::ALL.map(|c| (c.word().to_owned(), summary(c.summary(rows))));
@@ -211,13 +211,13 @@ fn interval(p: Paired) -> Value {
     json!({"mean": p.mean, "ci95": p.ci95.map(|(low, high)| [low, high])})
 }
 
-fn print_table(workers: usize, arms: &[HumanAwarePolicy], rows: &[Vec<Row>], runs: &Runs) {
+fn print_table(workers: usize, arms: &[HumanAwarePolicy], rows: &[Vec<RunRow>], runs: &Runs) {
     let Runs { runs, robots, seconds, .. } = runs;
     println!("{workers} workers, {robots} robots, {runs} runs of {seconds} s: mean (standard deviation)");
     let heads: String = arms.iter().map(|a| format!("{:>18}", a.word())).collect();
     println!("{:30}{heads}", "");
     for column in Column::ALL {
-        let cell = |rows: &Vec<Row>| {
+        let cell = |rows: &Vec<RunRow>| {
             let Summary { mean, sd } = column.summary(rows);
             format!("{:>10.2} ({:>5.2})", mean.unwrap_or(0.0), sd.unwrap_or(0.0))
         };
@@ -237,7 +237,7 @@ fn print_table(workers: usize, arms: &[HumanAwarePolicy], rows: &[Vec<Row>], run
     println!();
 }
 
-impl Detection {
+impl DetectionArgs {
     /// Runs all and prints the scores.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let warehouse = self.runs.hall()?;
@@ -284,7 +284,7 @@ fn score(s: &Score) -> Value {
     let at = |q: f64| s.delays_s.get((s.delays_s.len() as f64 * q) as usize);
     let share = |n: u64, of: u64| (of > 0).then(|| n as f64 / of as f64);
     let is_deviation =
-        |word: &str| crate::sim::walker::Cause::ALL.iter().any(|c| c.word() == word && c.is_deviation());
+        |word: &str| crate::sim::walker::WalkCause::ALL.iter().any(|c| c.word() == word && c.is_deviation());
     let (mut recall, mut false_alarms) = (Map::new(), Map::new());
     for (word, c) in &s.causes {
         if is_deviation(word) {

@@ -1,17 +1,17 @@
 //! `giveway experiment forecast`, `intention`, `meetings`: predictions of recorded people, scored.
 //!
-//! Main types: [`Forecast`], [`Purpose`]. Refuses: tracks that the model was learned from without saying so: the report
-//! names what the model was learned from.
+//! Main types: [`ForecastArgs`], [`PurposeArgs`]. Refuses: tracks that the model was learned from without saying so:
+//! the report names what the model was learned from.
 
 use super::learn::{FormatArgument, read_goals, read_model, read_tracks};
 use super::write;
 use crate::experiment::learning::RECORDED_M;
 use crate::experiment::plot::{LineChart, Series};
 use crate::experiment::recorded::forecasting::{self, ForecastScore, LEVELS, Predictor};
-use crate::experiment::recorded::meetings::{Judged, Meetings, Replay, StatedRisk, THRESHOLDS};
+use crate::experiment::recorded::meetings::{MeetingReplay, Meetings, RuleScore, StatedRisk, THRESHOLDS};
 use crate::experiment::recorded::purposes::{self, BEFORE_S, PARTS, PurposeScore, Recogniser};
 use crate::experiment::recorded::{
-    Degrade, PREDICTED, Recording, STEP_S, Seen, Stretch, Trip, scored, trips,
+    Degrade, PREDICTED, RecordedWalks, STEP_S, Stretch, TrackPoint, Trip, scored, trips,
 };
 use crate::geometry::Point;
 use crate::human::{Method, Model};
@@ -52,21 +52,21 @@ struct TrackSource {
 
 /// Arguments of `experiment forecast`.
 #[derive(Args)]
-pub struct Forecast {
+pub struct ForecastArgs {
     #[command(flatten)]
     source: TrackSource,
 }
 
 /// Arguments of `experiment intention`.
 #[derive(Args)]
-pub struct Purpose {
+pub struct PurposeArgs {
     #[command(flatten)]
     source: TrackSource,
 }
 
 /// Arguments of `experiment meetings`.
 #[derive(Args)]
-pub struct Encounters {
+pub struct EncountersArgs {
     #[command(flatten)]
     source: TrackSource,
     /// Robots beside each person.
@@ -74,13 +74,13 @@ pub struct Encounters {
     robots: usize,
 }
 
-impl Encounters {
+impl EncountersArgs {
     /// Replays people among robots and prints who would have braked.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let case = self.source.read()?;
         anyhow::ensure!((1..=1000).contains(&self.robots), "--robots must be from 1 to 1000");
         let mut report = case.header();
-        let outcomes = Replay::of_speeds(self.robots, case.seed)
+        let outcomes = MeetingReplay::of_speeds(self.robots, case.seed)
             .map(|replay| outcome(&replay, &replay.run(&case.recording, &case.goals, &case.model)));
         report["runs"] = outcomes.to_vec().into();
         println!("{}", serde_json::to_string_pretty(&report)?);
@@ -89,8 +89,8 @@ impl Encounters {
 }
 
 /// One speed's figures.
-fn outcome(replay: &Replay, found: &Meetings) -> Value {
-    let judged = |j: &Judged| {
+fn outcome(replay: &MeetingReplay, found: &Meetings) -> Value {
+    let score = |j: &RuleScore| {
         let share = |n: u64, of: u64| (of > 0).then(|| n as f64 / of as f64);
         json!({
             "missed": j.missed,
@@ -101,7 +101,7 @@ fn outcome(replay: &Replay, found: &Meetings) -> Value {
         })
     };
     let by_threshold = THRESHOLDS.iter().zip(&found.by_threshold);
-    let thresholds: Map<String, Value> = by_threshold.map(|(t, j)| (format!("{t}"), judged(j))).collect();
+    let thresholds: Map<String, Value> = by_threshold.map(|(t, j)| (format!("{t}"), score(j))).collect();
     let mean = |s: &StatedRisk| {
         let share = |sum: f64| (s.looks > 0).then(|| sum / s.looks as f64);
         json!({"looks": s.looks, "said": share(s.stated), "came": share(s.came as f64)})
@@ -113,14 +113,14 @@ fn outcome(replay: &Replay, found: &Meetings) -> Value {
         "meetings": found.meetings,
         "looks": found.looks,
         "thresholds": thresholds,
-        "distance": judged(&found.by_distance),
+        "distance": score(&found.by_distance),
         "said_and_came": said,
     })
 }
 
 /// Everything that was read.
 struct RecordedCase {
-    recording: Recording,
+    recording: RecordedWalks,
     stretches: Vec<Stretch>,
     goals: Vec<Point>,
     trips: Vec<Trip>,
@@ -129,7 +129,7 @@ struct RecordedCase {
 }
 
 /// What is seen of samples: all, or a worse view.
-type View = Option<Degrade>;
+type SampleView = Option<Degrade>;
 
 impl TrackSource {
     fn read(&self) -> anyhow::Result<RecordedCase> {
@@ -147,7 +147,7 @@ impl TrackSource {
     }
 
     /// The recording as it is, and worse views of it.
-    fn views(&self) -> Vec<View> {
+    fn views(&self) -> Vec<SampleView> {
         let worse = if self.no_degraded { &[] } else { &Degrade::ALL[..] };
         std::iter::once(None).chain(worse.iter().copied().map(Some)).collect()
     }
@@ -161,12 +161,12 @@ impl TrackSource {
 }
 
 impl RecordedCase {
-    fn sigma_m(view: View) -> f64 {
+    fn sigma_m(view: SampleView) -> f64 {
         view.map_or(RECORDED_M, |d| d.noise_m.max(RECORDED_M))
     }
 
     /// The next view of a stretch or trip; the same for every model.
-    fn seen(&self, view: View) -> impl FnMut(&[Seen]) -> Vec<Seen> {
+    fn seen(&self, view: SampleView) -> impl FnMut(&[TrackPoint]) -> Vec<TrackPoint> {
         let mut seed = self.seed;
         move |samples| {
             seed += 1;
@@ -174,7 +174,7 @@ impl RecordedCase {
         }
     }
 
-    fn forecast(&self, predictor: Predictor, view: View) -> ForecastScore {
+    fn forecast(&self, predictor: Predictor, view: SampleView) -> ForecastScore {
         let RecordedCase { recording, stretches, goals, model, .. } = self;
         forecasting::score(
             recording,
@@ -187,7 +187,7 @@ impl RecordedCase {
         )
     }
 
-    fn purpose(&self, recogniser: Recogniser, view: View) -> PurposeScore {
+    fn purpose(&self, recogniser: Recogniser, view: SampleView) -> PurposeScore {
         let RecordedCase { recording, trips, goals, model, .. } = self;
         purposes::score(
             recording,
@@ -212,7 +212,7 @@ impl RecordedCase {
 }
 
 /// Views that are compared: with what they see, for the report.
-fn view_words(view: View) -> Value {
+fn view_words(view: SampleView) -> Value {
     view.map_or(
         Value::Null,
         |d| json!({"rate_hz": d.rate_hz, "noise_m": d.noise_m, "loss": d.loss, "gap_s": d.gap_s}),
@@ -270,7 +270,7 @@ fn add(models: &mut Map<String, Value>, name: &str, fields: Map<String, Value>) 
     entry.as_object_mut().expect("entries are objects").extend(fields);
 }
 
-impl Forecast {
+impl ForecastArgs {
     /// Scores all predictors and prints the table.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let case = self.source.read()?;
@@ -305,7 +305,7 @@ impl Forecast {
     }
 }
 
-impl Purpose {
+impl PurposeArgs {
     /// Scores all recognisers and prints the table.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let case = self.source.read()?;
@@ -333,7 +333,7 @@ impl Purpose {
 }
 
 /// Adds scores of goals, where there are goals: of all recognisers as it is, of those that remember in worse views.
-fn goal_scores(case: &RecordedCase, view: View, models: &mut Map<String, Value>) {
+fn goal_scores(case: &RecordedCase, view: SampleView, models: &mut Map<String, Value>) {
     if case.trips.is_empty() {
         return;
     }

@@ -1,6 +1,6 @@
 //! Recording files, packed or not.
 //!
-//! Main types: [`Writer`], [`create`], [`open`]. Refuses: to leave half a file behind without saying so.
+//! Main types: [`RecordingWriter`], [`create`], [`open`]. Refuses: to leave half a file behind without saying so.
 
 use anyhow::Context;
 use flate2::Compression;
@@ -11,12 +11,12 @@ use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// A recording being written.
-pub struct Writer {
+pub struct RecordingWriter {
     path: PathBuf,
-    out: Out,
+    out: RecordingOut,
 }
 
-enum Out {
+enum RecordingOut {
     Plain(BufWriter<File>),
     Packed(GzEncoder<BufWriter<File>>),
 }
@@ -26,23 +26,23 @@ fn is_packed(path: &Path) -> bool {
 }
 
 /// Begins a recording.
-pub fn create(path: &Path) -> anyhow::Result<Writer> {
+pub fn create(path: &Path) -> anyhow::Result<RecordingWriter> {
     let file = File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
     let file = BufWriter::new(file);
     let out = if is_packed(path) {
-        Out::Packed(GzEncoder::new(file, Compression::fast()))
+        RecordingOut::Packed(GzEncoder::new(file, Compression::fast()))
     } else {
-        Out::Plain(file)
+        RecordingOut::Plain(file)
     };
-    Ok(Writer { path: path.to_path_buf(), out })
+    Ok(RecordingWriter { path: path.to_path_buf(), out })
 }
 
-impl Writer {
+impl RecordingWriter {
     /// Writes a line.
     pub fn write(&mut self, line: &str) -> anyhow::Result<()> {
         let written = match &mut self.out {
-            Out::Plain(f) => f.write_all(line.as_bytes()),
-            Out::Packed(f) => f.write_all(line.as_bytes()),
+            RecordingOut::Plain(f) => f.write_all(line.as_bytes()),
+            RecordingOut::Packed(f) => f.write_all(line.as_bytes()),
         };
         written.with_context(|| format!("cannot write to {}", self.path.display()))
     }
@@ -50,8 +50,8 @@ impl Writer {
     /// Makes sure that everything is on the disk.
     pub fn finish(self) -> anyhow::Result<()> {
         let done = match self.out {
-            Out::Plain(mut f) => f.flush(),
-            Out::Packed(f) => f.finish().and_then(|mut f| f.flush()),
+            RecordingOut::Plain(mut f) => f.flush(),
+            RecordingOut::Packed(f) => f.finish().and_then(|mut f| f.flush()),
         };
         done.with_context(|| format!("cannot write to {}", self.path.display()))
     }

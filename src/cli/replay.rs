@@ -1,6 +1,6 @@
 //! `giveway replay`: step through a recording again, or make a reel or a page of it.
 //!
-//! Main type: [`Replay`]. Refuses: to simulate; robots and customers say what they said then, and the digest tells
+//! Main type: [`ReplayArgs`]. Refuses: to simulate; robots and customers say what they said then, and the digest tells
 //! whether the core still makes the same of it.
 
 use super::frames::{FrameWriter, write_page};
@@ -18,7 +18,7 @@ use std::process::ExitCode;
 
 /// Arguments of `replay`.
 #[derive(Args)]
-pub struct Replay {
+pub struct ReplayArgs {
     /// Recording made with `giveway sim --record`; for a page also a reel.
     recording: PathBuf,
     /// Write its moving pictures to this file, which the page of any server opens.
@@ -41,7 +41,7 @@ pub struct Replay {
     json: bool,
 }
 
-impl Replay {
+impl ReplayArgs {
     /// Plays the recording.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         if is_reel(&self.recording) {

@@ -1,6 +1,6 @@
 //! `giveway experiment safe-space`: the published safe spaces and cases in figures.
 //!
-//! Main type: [`SafeSpace`]. Refuses: to compute anything itself.
+//! Main type: [`SafeSpaceArgs`]. Refuses: to compute anything itself.
 
 use crate::aware::safe_space::{APART_M, ARM_SPAN_M, Answer, Case};
 use crate::experiment::safe_space::{Answered, Space, answers, spaces};
@@ -13,7 +13,7 @@ use std::process::ExitCode;
 
 /// Arguments of `experiment safe-space`.
 #[derive(Args)]
-pub struct SafeSpace {
+pub struct SafeSpaceArgs {
     /// Width of a robot, metres.
     #[arg(long, default_value_t = 0.9)]
     footprint: f64,
@@ -28,7 +28,7 @@ pub struct SafeSpace {
     json: bool,
 }
 
-impl SafeSpace {
+impl SafeSpaceArgs {
     /// Prints both tables.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         anyhow::ensure!((0.1..=10.0).contains(&self.footprint), "--footprint must be from 0.1 to 10");

@@ -4,7 +4,7 @@
 //! Refuses: to end with 0 where anything was lost.
 
 use super::sim::Setup;
-use crate::server::{Config, Flags, Floor, Server};
+use crate::server::{Config, Flags, Server, SimulatedFloor};
 use anyhow::Context;
 use clap::Args;
 use std::io::IsTerminal;
@@ -30,7 +30,7 @@ impl Serve {
             .context("there is nothing to run: name a scenario with --scenario")?;
         setup.use_model(self.model.as_deref())?;
         let Setup { scenario, warehouse, lines, .. } = setup;
-        let floor = Floor { scenario, map: warehouse, lines };
+        let floor = SimulatedFloor { scenario, map: warehouse, lines };
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
         runtime.block_on(serve(&config, floor))?;
         Ok(ExitCode::SUCCESS)
@@ -52,7 +52,7 @@ macro_rules! say {
     ($($argument:tt)*) => { super::out::tell(format_args!($($argument)*)) };
 }
 
-async fn serve(config: &Config, floor: Floor) -> anyhow::Result<()> {
+async fn serve(config: &Config, floor: SimulatedFloor) -> anyhow::Result<()> {
     outlive_limits().context("cannot prepare for a limit on the size of files")?;
     let mut server = Server::start(config, floor).await?;
     let found = server.summary();

@@ -1,13 +1,13 @@
 //! `giveway sim`: a scenario without a server.
 //!
-//! Main type: [`Sim`]. Refuses: to exit with success where a law was broken.
+//! Main type: [`SimArgs`]. Refuses: to exit with success where a law was broken.
 
 use super::frames::FrameWriter;
 use super::learn::read_model;
 use super::{progress, read, read_map, stopwatch};
 use crate::human::Model;
 use crate::sim::recording::{Header, Recorder};
-use crate::sim::{Demand, OrderLine, Outcome, Scenario, Simulation, Tally};
+use crate::sim::{Demand, JobTally, OrderLine, Outcome, Scenario, Simulation};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use anyhow::Context;
@@ -20,7 +20,7 @@ use std::time::Instant;
 
 /// Arguments of `sim`.
 #[derive(Args)]
-pub struct Sim {
+pub struct SimArgs {
     /// Scenario file.
     scenario: PathBuf,
     /// Seed; the scenario's own where absent.
@@ -108,7 +108,7 @@ impl Setup {
     }
 }
 
-impl Sim {
+impl SimArgs {
     /// Runs the scenario and prints its figures.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let mut setup = Setup::read(&self.scenario, self.map.as_deref(), self.orders.as_deref())?;
@@ -183,7 +183,7 @@ fn simulate(
 }
 
 /// A recording is of the duration, as the digest of the report is; not of the time in which the floor drains.
-fn end_recording(mut file: super::recording::Writer, sim: &Simulation) -> anyhow::Result<()> {
+fn end_recording(mut file: super::recording::RecordingWriter, sim: &Simulation) -> anyhow::Result<()> {
     file.write(&Recorder::end(sim.trace_hash()))?;
     file.finish()
 }
@@ -221,7 +221,7 @@ fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) 
     })
 }
 
-fn tally(t: &Tally) -> Value {
+fn tally(t: &JobTally) -> Value {
     json!({
         "accepted": t.accepted,
         "done": t.done,

@@ -68,7 +68,7 @@ pub struct PlanningOutcome {
     pub weighted: Weighted,
 }
 
-struct Crowd {
+struct PlanningCrowd {
     timeline: Timeline,
     planner: Planner,
     starts: Vec<NodeId>,
@@ -86,7 +86,7 @@ pub fn run(
 ) -> PlanningOutcome {
     let PlanningSetup { robots, queries, budget, seed, weight } = *setup;
     let kinematics = Kinematics::default();
-    let mut crowd = Crowd {
+    let mut crowd = PlanningCrowd {
         timeline: Timeline::new(warehouse.clone(), kinematics.clearance),
         planner: Planner::new(warehouse.clone(), Rules::Drive(kinematics)),
         starts: starting_places(warehouse, robots, |_| BodyId(0)),
@@ -140,7 +140,7 @@ pub fn run(
     out
 }
 
-impl Crowd {
+impl PlanningCrowd {
     /// A small generator of its own (xorshift): the figures ask for variety, not for quality.
     fn below(&mut self, n: usize) -> usize {
         self.random ^= self.random << 13;

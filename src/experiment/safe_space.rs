@@ -4,7 +4,7 @@
 //! uses itself: this only puts numbers in. Refuses: the published tables of planning times and path lengths, which are
 //! about another search on another floor (and two of the three are pictures).
 
-use crate::aware::safe_space::{Answer, Case, Times, Zone};
+use crate::aware::safe_space::{Answer, Case, StoppingTimes, Zone};
 use crate::aware::{BODY_M, Regions};
 use crate::route::Kinematics;
 use crate::time::{Span, Time, Window};
@@ -22,7 +22,7 @@ pub struct Space {
     /// Whether it carries a rack.
     pub loaded: bool,
     /// T_r and T_s.
-    pub times: Times,
+    pub times: StoppingTimes,
     /// Equation 4.
     pub walked_m: f64,
     /// Equation 7.

@@ -1,7 +1,8 @@
 //! What one step of the fleet costs on floors where much exists and little changes.
 //!
-//! Main types: [`Case`] (what exists), [`Measured`]; main function: [`run`]. Robots, radios and batteries are those of
-//! the simulator; only [`Fleet::step`] is timed. Refuses: to look at a clock itself; the caller passes a stopwatch in.
+//! Main types: [`StepsCase`] (what exists), [`Measured`]; main function: [`run`]. Robots, radios and batteries are
+//! those of the simulator; only [`Fleet::step`] is timed. Refuses: to look at a clock itself; the caller passes a
+//! stopwatch in.
 
 use crate::fleet::{AssignmentRequest, Closure, Fleet, Input, JobKind, JobRequest};
 use crate::geometry::Spot;
@@ -21,7 +22,7 @@ const CLOSED_NODES: usize = 4;
 
 /// What exists on the floor while steps are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Case {
+pub enum StepsCase {
     /// Robots, and nothing to do.
     Idle,
     /// Announced areas, half of them over already, half of them hours ahead.
@@ -60,7 +61,12 @@ pub struct StepSetup {
 ///
 /// # Panics
 /// If the scenario that it is made of is refused, which would be a mistake in here.
-pub fn run(warehouse: &Arc<Warehouse>, case: Case, setup: &StepSetup, stopwatch: fn() -> u64) -> Measured {
+pub fn run(
+    warehouse: &Arc<Warehouse>,
+    case: StepsCase,
+    setup: &StepSetup,
+    stopwatch: fn() -> u64,
+) -> Measured {
     let text = format!(
         r#"{{"giveway_scenario": 1, "name": "steps", "map": "-", "robots": {}, "period_ms": 50}}"#,
         setup.robots
@@ -78,7 +84,7 @@ pub fn run(warehouse: &Arc<Warehouse>, case: Case, setup: &StepSetup, stopwatch:
         if step > 0 {
             inputs.extend(requests.by_ref().take(PER_STEP));
         }
-        if matches!(case, Case::Assignments(_)) && step > 0 {
+        if matches!(case, StepsCase::Assignments(_)) && step > 0 {
             inputs.extend((0..WORKERS).map(|w| sighting(warehouse, w, step as u64, now)));
         }
         let start = stopwatch();
@@ -98,7 +104,7 @@ pub fn run(warehouse: &Arc<Warehouse>, case: Case, setup: &StepSetup, stopwatch:
 }
 
 /// What is handed in before anything is measured.
-fn requests(warehouse: &Warehouse, case: Case, now: Time) -> Vec<Input> {
+fn requests(warehouse: &Warehouse, case: StepsCase, now: Time) -> Vec<Input> {
     let racks = warehouse.racks.len();
     let deliver = |i: usize, rack: usize| JobKind::Deliver {
         rack: RackId::at(rack),
@@ -106,11 +112,11 @@ fn requests(warehouse: &Warehouse, case: Case, now: Time) -> Vec<Input> {
         pick: None,
     };
     match case {
-        Case::Idle => Vec::new(),
-        Case::Closures(n) => (0..n).map(|i| close(warehouse, i, now)).collect(),
-        Case::Waiting(n) => (0..n).map(|i| submit(i, deliver(i, i * 7919 % racks), &[])).collect(),
-        Case::WaitingRack(n) => (0..n).map(|i| submit(i, deliver(0, racks / 2), &[])).collect(),
-        Case::WaitingAfter(n) => {
+        StepsCase::Idle => Vec::new(),
+        StepsCase::Closures(n) => (0..n).map(|i| close(warehouse, i, now)).collect(),
+        StepsCase::Waiting(n) => (0..n).map(|i| submit(i, deliver(i, i * 7919 % racks), &[])).collect(),
+        StepsCase::WaitingRack(n) => (0..n).map(|i| submit(i, deliver(0, racks / 2), &[])).collect(),
+        StepsCase::WaitingAfter(n) => {
             // A robot that is halted never gets there.
             let robot = RobotId(0);
             let node = warehouse.racks[RackId::at(racks / 2)].home;
@@ -119,7 +125,7 @@ fn requests(warehouse: &Warehouse, case: Case, now: Time) -> Vec<Input> {
             let rest = (1..n).map(|i| submit(i, deliver(i, i * 7919 % racks), &[JobId(1)]));
             [halt, first].into_iter().chain(rest).collect()
         }
-        Case::Assignments(n) => {
+        StepsCase::Assignments(n) => {
             let hired = (0..WORKERS).map(|w| Input::RegisterWorker { token: 0, name: format!("worker-{w}") });
             hired.chain((0..n).map(|i| assign(warehouse, i))).collect()
         }

@@ -1,6 +1,6 @@
 //! Robots and people together, by four ways of giving way: Table 4.1 of Petković 2021 with our own arm beside it.
 //!
-//! Main types: [`TableSetup`], [`Row`], [`Column`]. Every arm meets the same seeds, and what comes to people's minds
+//! Main types: [`TableSetup`], [`RunRow`], [`Column`]. Every arm meets the same seeds, and what comes to people's minds
 //! does not depend on the arm. Refuses: threads and files; whoever calls runs [`TableSetup::run`] as often, and on as
 //! many cores, as it likes.
 
@@ -38,7 +38,7 @@ pub struct TableSetup {
 
 /// What one run came to.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct RunRow {
     /// Racks served at stations.
     pub robot_deliveries: f64,
     /// Assignments that workers truly completed.
@@ -98,7 +98,7 @@ impl Column {
     }
 
     /// This column of a run.
-    pub fn of(self, row: &Row) -> f64 {
+    pub fn of(self, row: &RunRow) -> f64 {
         match self {
             Column::RobotDeliveries => row.robot_deliveries,
             Column::HumanDeliveries => row.human_deliveries,
@@ -110,13 +110,13 @@ impl Column {
     }
 
     /// This column of many runs.
-    pub fn summary(self, rows: &[Row]) -> Summary {
+    pub fn summary(self, rows: &[RunRow]) -> Summary {
         Summary::of(&rows.iter().map(|r| self.of(r)).collect::<Vec<_>>())
     }
 
     /// Differences of this column between two arms, seed by seed.
-    pub fn paired(self, ours: &[Row], theirs: &[Row]) -> Paired {
-        let all = |rows: &[Row]| rows.iter().map(|r| self.of(r)).collect::<Vec<_>>();
+    pub fn paired(self, ours: &[RunRow], theirs: &[RunRow]) -> Paired {
+        let all = |rows: &[RunRow]| rows.iter().map(|r| self.of(r)).collect::<Vec<_>>();
         Paired::of(&all(ours), &all(theirs))
     }
 }
@@ -153,22 +153,22 @@ impl TableSetup {
     }
 
     /// One run.
-    pub fn run(&self, arm: HumanAwarePolicy, seed: u64) -> Row {
+    pub fn run(&self, arm: HumanAwarePolicy, seed: u64) -> RunRow {
         let scenario = self.scenario(arm, seed);
         let mut sim = Simulation::new(self.warehouse.clone(), &scenario, &[], seed, false, || 0);
         while !sim.is_over() {
             sim.step();
         }
-        Row::of(&sim.outcome())
+        RunRow::of(&sim.outcome())
     }
 }
 
-impl Row {
-    fn of(outcome: &Outcome) -> Row {
+impl RunRow {
+    fn of(outcome: &Outcome) -> RunRow {
         let Outcome { counts, people, .. } = outcome;
         let minutes = people.figures.worker_time.as_secs_f64() / 60.0;
         let per = |n: u64, of: f64| if of > 0.0 { n as f64 / of } else { 0.0 };
-        Row {
+        RunRow {
             robot_deliveries: counts.robot_deliveries as f64,
             human_deliveries: people.completed as f64,
             encounters_per_worker_minute: per(people.figures.encounters, minutes),
@@ -208,7 +208,7 @@ mod tests {
                 sim.step();
             }
             let logs = sim.world.walkers().map(|(_, w)| w.log().segments().to_vec());
-            let scripted = logs.flatten().filter(|s| s.cause == crate::sim::walker::Cause::Scripted);
+            let scripted = logs.flatten().filter(|s| s.cause == crate::sim::walker::WalkCause::Scripted);
             scripted.map(|s| s.from).collect::<Vec<_>>()
         };
         assert_eq!(deviations(HumanAwarePolicy::Nhir), deviations(HumanAwarePolicy::Giveway));

@@ -23,7 +23,7 @@ pub use read::rows::{
 pub use read::view::{Counts, Doing, JobWhy, RobotState, RobotView, StationView, View, Why};
 pub use read::why::{Because, Waiting, Who};
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
-pub use state::fact::{Act, Booking, Fact, Kept, Moved, Purpose, Stop, Task};
+pub use state::fact::{Act, Booking, Fact, KeptRoute, Moved, Purpose, Stop, Task};
 pub use state::fault::Fault;
 pub use state::io::{Bounded, Command, Input, Refusal, Reply, StationOrder, Step, Telemetry, Waypoint};
 pub use state::job::{Job, JobFailure, JobKind, JobRequest, JobState};

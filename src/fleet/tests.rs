@@ -37,7 +37,7 @@ use crate::warehouse::NodeKind;
 use crate::warehouse::{lab, thesis};
 
 /// A fleet on a simulated floor, with everything that happened.
-struct Floor {
+struct TestFloor {
     fleet: Fleet,
     world: World,
     laws: Laws,
@@ -66,6 +66,22 @@ fn scenario(robots: usize) -> Scenario {
     }
 }
 
+/// A small generator of numbers that look random.
+struct TestDice(u64);
+
+impl TestDice {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as usize) % n
+    }
+
+    fn shuffle<T>(&mut self, items: &mut [T]) {
+        for i in (1..items.len()).rev() {
+            items.swap(i, self.below(i + 1));
+        }
+    }
+}
+
 fn deliver(rack: u32) -> JobKind {
     JobKind::Deliver { rack: RackId(rack), station: StationId(0), pick: None }
 }
@@ -74,24 +90,24 @@ fn request(kind: JobKind) -> JobRequest {
     JobRequest { kind, priority: 0, deadline: None, after: Vec::new(), key: None }
 }
 
-impl Floor {
-    fn new(warehouse: Warehouse, scenario: &Scenario) -> Floor {
+impl TestFloor {
+    fn new(warehouse: Warehouse, scenario: &Scenario) -> TestFloor {
         let warehouse = scenario.fit(&Arc::new(warehouse)).expect("the map is for these robots");
         let fleet = Fleet::new(warehouse.clone(), scenario.settings());
         let world = World::new(warehouse, scenario, &[], scenario.seed, &fleet, Time::ZERO);
         let laws = Laws::new(&fleet);
-        let mut floor = Floor { fleet, world, laws, now: Time::ZERO, facts: Vec::new() };
+        let mut floor = TestFloor { fleet, world, laws, now: Time::ZERO, facts: Vec::new() };
         floor.step(vec![]);
         assert_eq!(floor.fleet.ledger().robots.len(), scenario.robots, "all robots join in the first step");
         floor
     }
 
-    fn lab(robots: usize) -> Floor {
-        Floor::new(lab(), &scenario(robots))
+    fn lab(robots: usize) -> TestFloor {
+        TestFloor::new(lab(), &scenario(robots))
     }
 
-    fn thesis(robots: usize) -> Floor {
-        Floor::new(thesis(), &scenario(robots))
+    fn thesis(robots: usize) -> TestFloor {
+        TestFloor::new(thesis(), &scenario(robots))
     }
 
     /// One control period in which somebody also wants `extra`.
@@ -156,7 +172,7 @@ impl Floor {
     }
 
     /// Steps until it is so, for at most so many simulated seconds.
-    fn until(&mut self, seconds: i64, what: &str, so: impl Fn(&Floor) -> bool) {
+    fn until(&mut self, seconds: i64, what: &str, so: impl Fn(&TestFloor) -> bool) {
         let end = self.now + Span::from_secs(seconds);
         while !so(self) {
             let (jobs, robots) = (&self.fleet.ledger().jobs, &self.fleet.ledger().robots);

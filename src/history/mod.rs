@@ -31,7 +31,7 @@ const STANDS_MPS: f64 = 0.05;
 
 /// How long searches and steps took since the picture before.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Times {
+pub struct LoopTimes {
     /// Searches for routes, microseconds each.
     pub searches_us: Vec<u64>,
     /// The longest step, microseconds.
@@ -61,7 +61,7 @@ impl History {
     }
 
     /// Takes a picture in. Time that runs backwards, as when a recording is wound back, takes away what comes later.
-    pub fn note(&mut self, view: &View, times: &Times) {
+    pub fn note(&mut self, view: &View, times: &LoopTimes) {
         let now = view.now;
         let Some((then, before)) = self.last.replace((now, view.counts)) else { return };
         if now < then {

@@ -62,7 +62,7 @@ fn picture(s: i64) -> View {
 
 fn after(seconds: std::ops::RangeInclusive<i64>) -> History {
     let mut history = History::default();
-    let times = Times { searches_us: vec![100, 200], step_us: 900 };
+    let times = LoopTimes { searches_us: vec![100, 200], step_us: 900 };
     seconds.for_each(|s| history.note(&picture(s), &times));
     history
 }
@@ -100,7 +100,7 @@ fn memory_is_bounded_and_old_hours_are_in_minutes() {
     let mut history = History::default();
     // A picture in ten seconds: two days, with gaps all over.
     for s in (0..2 * 86_400).step_by(10) {
-        history.note(&picture(s), &Times::default());
+        history.note(&picture(s), &LoopTimes::default());
     }
     let lengths: Vec<usize> = history.tiers.iter().map(VecDeque::len).collect();
     assert_eq!(lengths, [360, 1440, 288]);
@@ -119,7 +119,7 @@ fn memory_is_bounded_and_old_hours_are_in_minutes() {
 #[test]
 fn a_gap_stays_a_gap() {
     let mut history = after(0..=20);
-    (100..=120).for_each(|s| history.note(&picture(s), &Times::default()));
+    (100..=120).for_each(|s| history.note(&picture(s), &LoopTimes::default()));
     let buckets = history.read(start(), start() + SECOND * 200, Span::from_secs(10));
     let starts: Vec<i64> = buckets.iter().map(|b| (b.start - start()).0 / 1_000_000).collect();
     assert_eq!(starts, [0, 10, 20, 100, 110, 120]);
@@ -136,8 +136,9 @@ fn what_was_written_down_goes_on_after_a_restart() {
     let mut first = after(0..=333);
     let heat = first.heat().since(Time(i64::MIN / 2));
     let mut second = History::restore(first.since(Time(i64::MIN / 2)), heat);
-    first.note(&picture(334), &Times::default());
-    (333..=700).for_each(|s| second.note(&picture(s), &Times { searches_us: vec![100, 200], step_us: 900 }));
+    first.note(&picture(334), &LoopTimes::default());
+    (333..=700)
+        .for_each(|s| second.note(&picture(s), &LoopTimes { searches_us: vec![100, 200], step_us: 900 }));
     for step in [10, 60, 600] {
         let read = |h: &History| h.read(start(), start() + SECOND * 700, Span::from_secs(step));
         assert_eq!(read(&second), read(&whole), "by {step} s");
@@ -153,8 +154,8 @@ fn what_was_written_down_goes_on_after_a_restart() {
 #[test]
 fn a_recording_that_is_wound_back_takes_away_what_comes_later() {
     let mut history = after(0..=300);
-    history.note(&picture(100), &Times::default());
-    (101..=120).for_each(|s| history.note(&picture(s), &Times::default()));
+    history.note(&picture(100), &LoopTimes::default());
+    (101..=120).for_each(|s| history.note(&picture(s), &LoopTimes::default()));
     let buckets = history.read(start(), start() + SECOND * 400, Span::from_secs(10));
     assert_eq!(buckets.last().map(|b| b.start), Some(start() + SECOND * 120));
     assert!(buckets.windows(2).all(|w| w[0].start < w[1].start));

@@ -49,7 +49,7 @@ pub struct HorizonCoverage {
 
 /// A forecast that is not due yet.
 #[derive(Clone, Debug)]
-struct Pending {
+struct PendingForecast {
     due: Time,
     horizon: usize,
     forecast: Mixture,
@@ -58,7 +58,7 @@ struct Pending {
 /// The record of all forecasts.
 #[derive(Clone, Debug)]
 pub struct Coverage {
-    pending: BTreeMap<WorkerId, VecDeque<Pending>>,
+    pending: BTreeMap<WorkerId, VecDeque<PendingForecast>>,
     made: BTreeMap<WorkerId, Time>,
     horizons: [HorizonCoverage; 3],
 }
@@ -108,12 +108,12 @@ impl Coverage {
         let queue = self.pending.entry(worker).or_default();
         for (horizon, forecast) in forecasts.into_iter().enumerate() {
             let due = seen + Span::from_secs_f64(WATCHED_S[horizon]);
-            queue.push_back(Pending { due, horizon, forecast });
+            queue.push_back(PendingForecast { due, horizon, forecast });
         }
     }
 
-    /// A person was seen: forecasts that are due are judged.
-    pub fn judge(&mut self, worker: WorkerId, seen: Time, at: Point) {
+    /// A person was seen: forecasts that are due are scored.
+    pub fn score(&mut self, worker: WorkerId, seen: Time, at: Point) {
         let Some(queue) = self.pending.get_mut(&worker) else { return };
         let horizons = &mut self.horizons;
         queue.retain(|p| {
@@ -169,7 +169,7 @@ mod tests {
             coverage.expect(W, t, t, forecasts);
             for h in WATCHED_S {
                 let seen = t + Span::from_secs_f64(h);
-                coverage.judge(W, seen, Point::new(error(k), 0.0));
+                coverage.score(W, seen, Point::new(error(k), 0.0));
             }
         }
     }
@@ -204,11 +204,11 @@ mod tests {
         let sure =
             || Mixture { parts: vec![Part { weight: 1.0, mean: Point::origin(), cov: Matrix2::identity() }] };
         coverage.expect(W, Time::ZERO, Time::ZERO, [sure(), sure(), sure()]);
-        coverage.judge(W, Time(20_000_000), Point::new(99.0, 0.0));
+        coverage.score(W, Time(20_000_000), Point::new(99.0, 0.0));
         assert!(coverage.forecast_coverage().iter().all(|f| f.forecasts == 0));
         coverage.expect(W, Time(30_000_000), Time(30_000_000), [sure(), sure(), sure()]);
         coverage.forget(W);
-        coverage.judge(W, Time(30_800_000), Point::new(99.0, 0.0));
+        coverage.score(W, Time(30_800_000), Point::new(99.0, 0.0));
         assert!(coverage.forecast_coverage().iter().all(|f| f.forecasts == 0));
     }
 }

@@ -84,19 +84,19 @@ impl Follower {
         }
         if self.current == last {
             let left = (at - self.goal()).norm() > 2.0 * r;
-            return self.judge(!left, Conduct::Arrived, sigma_m);
+            return self.debounce(!left, Conduct::Arrived, sigma_m);
         }
         let edges = self.current..last.min(self.current + AHEAD);
         match edges.clone().find(|&i| is_allowed(self.edge(i), at, r, sigma_m)) {
             Some(i) => {
                 self.current = i;
-                self.judge(true, Conduct::OnPath, sigma_m)
+                self.debounce(true, Conduct::OnPath, sigma_m)
             }
-            None => self.judge(false, Conduct::OnPath, sigma_m),
+            None => self.debounce(false, Conduct::OnPath, sigma_m),
         }
     }
 
-    fn judge(&mut self, inside: bool, conduct: Conduct, sigma_m: f64) -> Conduct {
+    fn debounce(&mut self, inside: bool, conduct: Conduct, sigma_m: f64) -> Conduct {
         if inside {
             self.outside = 0;
             return conduct;

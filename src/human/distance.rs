@@ -25,11 +25,11 @@ pub struct Distances {
     walkways: Option<Arc<Walkways>>,
     graph: Graph,
     cut: EdgeSet,
-    goals: BTreeMap<GoalId, Goal>,
+    goals: BTreeMap<GoalId, GoalCells>,
 }
 
 #[derive(Clone, Debug)]
-struct Goal {
+struct GoalCells {
     at: Point,
     field: Field,
 }
@@ -62,7 +62,7 @@ impl Distances {
     /// Adds a goal, or moves it.
     pub fn add_goal(&mut self, goal: GoalId, at: Point) {
         let field = Field::new(&self.graph, &self.seeds(at), |e| !self.cut.contains(WalkEdgeId::at(e)));
-        self.goals.insert(goal, Goal { at, field });
+        self.goals.insert(goal, GoalCells { at, field });
     }
 
     /// Forgets a goal.

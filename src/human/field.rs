@@ -18,12 +18,12 @@ const NONE: u32 = u32::MAX;
 pub struct Graph {
     /// Where the links of each node begin, and the end of the last.
     start: Vec<u32>,
-    links: Vec<Link>,
+    links: Vec<FieldEdge>,
     ends: Vec<(u32, u32)>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Link {
+struct FieldEdge {
     edge: u32,
     to: u32,
     length: u32,
@@ -46,10 +46,11 @@ impl Graph {
             start[n + 1] += start[n];
         }
         let mut next = start.clone();
-        let mut links = vec![Link { edge: 0, to: 0, length: 0 }; 2 * edges.len()];
+        let mut links = vec![FieldEdge { edge: 0, to: 0, length: 0 }; 2 * edges.len()];
         for (e, &(a, b, metres)) in edges.iter().enumerate() {
             for (from, to) in [(a, b), (b, a)] {
-                links[next[from] as usize] = Link { edge: e as u32, to: to as u32, length: units(metres) };
+                links[next[from] as usize] =
+                    FieldEdge { edge: e as u32, to: to as u32, length: units(metres) };
                 next[from] += 1;
             }
         }
@@ -66,7 +67,7 @@ impl Graph {
         self.ends.len()
     }
 
-    fn links(&self, n: usize) -> &[Link] {
+    fn links(&self, n: usize) -> &[FieldEdge] {
         &self.links[self.start[n] as usize..self.start[n + 1] as usize]
     }
 }

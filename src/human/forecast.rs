@@ -48,7 +48,7 @@ pub struct Kernel {
 /// The three kinds at one horizon.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Shape {
+pub struct HorizonShape {
     /// Going on as now.
     pub drive: Kernel,
     /// Following the way to a goal; the weight is shared by goals as they are believed in.
@@ -66,12 +66,12 @@ pub struct Shapes {
     /// In this time people change from going on as now to following the way to their goal, seconds.
     pub blend_s: f64,
     /// One list of [`HORIZONS`] for each class of speed.
-    pub classes: Vec<Vec<Shape>>,
+    pub classes: Vec<Vec<HorizonShape>>,
 }
 
-impl Shape {
+impl HorizonShape {
     /// Between two shapes: `share` of the second.
-    fn between(&self, other: &Shape, share: f64) -> Shape {
+    fn between(&self, other: &HorizonShape, share: f64) -> HorizonShape {
         let kernel = |a: &Kernel, b: &Kernel| {
             let mix = |x: f64, y: f64| x + (y - x) * share;
             let pair = |x: [f64; 2], y: [f64; 2]| [mix(x[0], y[0]), mix(x[1], y[1])];
@@ -83,7 +83,7 @@ impl Shape {
                 wide_share: mix(a.wide_share, b.wide_share),
             }
         };
-        Shape {
+        HorizonShape {
             drive: kernel(&self.drive, &other.drive),
             goal: kernel(&self.goal, &other.goal),
             stay: kernel(&self.stay, &other.stay),
@@ -92,7 +92,7 @@ impl Shape {
     }
 
     /// Of the first horizon, drawn together towards now: at no distance in time there is no error.
-    fn shrunk(mut self, share: f64) -> Shape {
+    fn shrunk(mut self, share: f64) -> HorizonShape {
         for k in [&mut self.drive, &mut self.goal, &mut self.stay] {
             k.shift_m *= share;
             for s in k.tight_m.iter_mut().chain(&mut k.wide_m) {
@@ -103,7 +103,7 @@ impl Shape {
     }
 
     /// Of the last horizon, growing on by `metres` in all directions.
-    fn grown(mut self, metres: f64) -> Shape {
+    fn grown(mut self, metres: f64) -> HorizonShape {
         for k in [&mut self.drive, &mut self.goal, &mut self.stay] {
             k.tight_m.iter_mut().chain(&mut k.wide_m).for_each(|s| *s += metres);
         }
@@ -116,7 +116,7 @@ const GROWTH_MPS: f64 = 0.4;
 
 impl Shapes {
     /// The figures for a class of speed at `ahead_s` seconds ahead.
-    pub fn at(&self, class: usize, ahead_s: f64) -> Shape {
+    pub fn at(&self, class: usize, ahead_s: f64) -> HorizonShape {
         let shapes = &self.classes[class];
         let position = ahead_s / HORIZON_S - 1.0;
         if position <= 0.0 {
@@ -246,7 +246,7 @@ fn walked(path: &[Point], metres: f64) -> (Point, f64) {
     (at, off.y.atan2(off.x))
 }
 
-impl Shape {
+impl HorizonShape {
     /// Adds the parts of a mixture with `share` of the whole.
     pub fn parts(&self, g: &Guesses, share: f64, parts: &mut Vec<Part>) {
         let goal = if g.goals.is_empty() { 0.0 } else { self.goal.weight };

@@ -29,5 +29,5 @@ pub use mixture::{Mixture, PLACES, Part};
 pub use model::{Model, ModelError};
 pub use passage::{Band, Hypothesis, Passage, passages};
 pub use sighting::{Quality, Sighting};
-pub use track::{FeedCounts, Presence, STALE, Taken, Track, WALK_MPS, Whereabouts};
+pub use track::{FeedCounts, Presence, STALE, SightingOutcome, Track, WALK_MPS, Whereabouts};
 pub use way::{common_prefix, straight_on, towards_goal};

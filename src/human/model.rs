@@ -99,7 +99,7 @@ impl PurposeModel {
             return Some("changes_per_s must be from 0 to 100, dwell_s at least 0.01");
         }
         let places = self.places.len();
-        let is_place = |p: &super::intention::Place| {
+        let is_place = |p: &super::intention::DetourPlace| {
             p.next.len() == places && p.next.iter().all(share) && p.x_m.is_finite() && p.y_m.is_finite()
         };
         (!self.places.iter().all(is_place)).then_some("places must have a share for every place")

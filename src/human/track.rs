@@ -1,6 +1,6 @@
 //! Where one worker is, from what sources say: the newest that can be true wins, and silence widens it.
 //!
-//! Main types: [`Track`], [`Taken`], [`Presence`], [`Whereabouts`]. Every kind of bad sighting has one
+//! Main types: [`Track`], [`SightingOutcome`], [`Presence`], [`Whereabouts`]. Every kind of bad sighting has one
 //! answer: late and repeated ones are ignored; jumps are ignored until several agree on the new place; what
 //! cannot be true is refused; silence grows the disc in which the worker may be. Refuses: to guess where
 //! anybody is going.
@@ -72,7 +72,7 @@ pub struct FeedCounts {
 
 /// What became of a sighting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Taken {
+pub enum SightingOutcome {
     /// The worker has moved.
     Moved,
     /// The worker is somewhere else, without having walked there: a new frame, or a jump that proved true.
@@ -127,33 +127,33 @@ impl Track {
     }
 
     /// Takes a sighting in. `is_on_map` says whether anybody can be at a place at all.
-    pub fn see(&mut self, s: &Sighting, now: Time, is_on_map: impl Fn(Point) -> bool) -> Taken {
+    pub fn see(&mut self, s: &Sighting, now: Time, is_on_map: impl Fn(Point) -> bool) -> SightingOutcome {
         let numbers = [s.at.x, s.at.y, s.accuracy_m, s.heading.unwrap_or(0.0)];
         if numbers.iter().any(|n| !n.is_finite()) || s.seen > now + AHEAD || !is_on_map(s.at) {
             self.counts.absurd += 1;
-            return Taken::Ignored;
+            return SightingOutcome::Ignored;
         }
-        let Some(last) = self.newest else { return self.accept(s, Taken::Relocated) };
+        let Some(last) = self.newest else { return self.accept(s, SightingOutcome::Relocated) };
         if (s.epoch, s.seq) <= (last.epoch, last.seq) || s.seen <= last.seen {
             self.counts.late += 1;
-            return Taken::Ignored;
+            return SightingOutcome::Ignored;
         }
         if s.quality == Quality::Lost {
             self.lost_since.get_or_insert(s.seen);
             self.counts.taken += 1;
-            return Taken::Ignored;
+            return SightingOutcome::Ignored;
         }
         if s.epoch != last.epoch {
-            return self.accept(s, Taken::Relocated);
+            return self.accept(s, SightingOutcome::Relocated);
         }
         if is_reachable(&last, s) {
-            return self.accept(s, Taken::Moved);
+            return self.accept(s, SightingOutcome::Moved);
         }
         self.doubt(s)
     }
 
-    fn accept(&mut self, s: &Sighting, taken: Taken) -> Taken {
-        if taken == Taken::Relocated {
+    fn accept(&mut self, s: &Sighting, taken: SightingOutcome) -> SightingOutcome {
+        if taken == SightingOutcome::Relocated {
             self.memory.clear();
         }
         self.counts.taken += 1;
@@ -173,16 +173,16 @@ impl Track {
 
     /// A place that cannot have been reached. If several sightings agree on it, it was the old one that was
     /// wrong.
-    fn doubt(&mut self, s: &Sighting) -> Taken {
+    fn doubt(&mut self, s: &Sighting) -> SightingOutcome {
         self.counts.jumps += 1;
         if self.doubted.last().is_some_and(|d| !is_reachable(d, s)) {
             self.doubted.clear();
         }
         self.doubted.push(*s);
         if self.doubted.len() < AGREE {
-            return Taken::Ignored;
+            return SightingOutcome::Ignored;
         }
-        self.accept(s, Taken::Relocated)
+        self.accept(s, SightingOutcome::Relocated)
     }
 
     /// Where the worker is now, as far as anybody knows.
@@ -267,7 +267,7 @@ mod tests {
         let (mut track, now) = walked();
         let before = track.whereabouts(now);
         for ms in [1000, 900, 20] {
-            assert_eq!(track.see(&sighting(ms, 9.0), now, |_| true), Taken::Ignored);
+            assert_eq!(track.see(&sighting(ms, 9.0), now, |_| true), SightingOutcome::Ignored);
         }
         assert_eq!(track.whereabouts(now), before);
         assert_eq!(track.counts().late, 3);
@@ -278,9 +278,9 @@ mod tests {
         let (mut track, _) = walked();
         let jump = |ms: i64| sighting(ms, 30.0);
         for ms in [1050, 1100, 1150, 1200] {
-            assert_eq!(track.see(&jump(ms), Time(ms * 1000), |_| true), Taken::Ignored);
+            assert_eq!(track.see(&jump(ms), Time(ms * 1000), |_| true), SightingOutcome::Ignored);
         }
-        assert_eq!(track.see(&jump(1250), Time(1_250_000), |_| true), Taken::Relocated);
+        assert_eq!(track.see(&jump(1250), Time(1_250_000), |_| true), SightingOutcome::Relocated);
         assert_eq!(track.counts().jumps, 5);
         assert_eq!(track.whereabouts(Time(1_250_000)).unwrap().velocity, Vector::zeros());
     }
@@ -290,7 +290,7 @@ mod tests {
         let (mut track, _) = walked();
         for i in 1..40 {
             let there = sighting(1000 + 50 * i, if i % 2 == 0 { 30.0 } else { -30.0 });
-            assert_eq!(track.see(&there, there.seen, |_| true), Taken::Ignored);
+            assert_eq!(track.see(&there, there.seen, |_| true), SightingOutcome::Ignored);
         }
     }
 
@@ -315,7 +315,7 @@ mod tests {
             sighting(1070, 999.0),
         ];
         for s in &absurd {
-            assert_eq!(track.see(s, now, |p| p.x < 100.0), Taken::Ignored);
+            assert_eq!(track.see(s, now, |p| p.x < 100.0), SightingOutcome::Ignored);
         }
         assert_eq!(track.counts().absurd, 4);
     }
@@ -324,7 +324,7 @@ mod tests {
     fn a_new_frame_moves_a_worker_without_a_walk() {
         let (mut track, now) = walked();
         let s = Sighting { epoch: 1, seq: 0, ..sighting(1050, 8.0) };
-        assert_eq!(track.see(&s, now, |_| true), Taken::Relocated);
+        assert_eq!(track.see(&s, now, |_| true), SightingOutcome::Relocated);
         assert_eq!(track.whereabouts(now).unwrap().velocity, Vector::zeros());
     }
 

@@ -97,7 +97,7 @@ impl Label {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Slot {
+struct LabelSlot {
     key: u64,
     head: u32,
     generation: u32,
@@ -107,14 +107,14 @@ struct Slot {
 #[derive(Debug)]
 pub(super) struct Labels {
     arena: Vec<Label>,
-    slots: Vec<Slot>,
+    slots: Vec<LabelSlot>,
     used: usize,
     generation: u32,
 }
 
 impl Default for Labels {
     fn default() -> Labels {
-        let empty = Slot { key: 0, head: NONE, generation: 0 };
+        let empty = LabelSlot { key: 0, head: NONE, generation: 0 };
         Labels { arena: Vec::new(), slots: vec![empty; 1 << 12], used: 0, generation: 1 }
     }
 }
@@ -173,7 +173,7 @@ impl Labels {
         }
         let index = self.arena.len() as u32;
         self.arena.push(Label { next: head, ..label });
-        self.slots[at] = Slot { key: label.key(), head: index, generation: self.generation };
+        self.slots[at] = LabelSlot { key: label.key(), head: index, generation: self.generation };
         self.used += usize::from(fresh);
         Some(index)
     }
@@ -189,7 +189,7 @@ impl Labels {
     }
 
     fn grow(&mut self) {
-        let empty = Slot { key: 0, head: NONE, generation: 0 };
+        let empty = LabelSlot { key: 0, head: NONE, generation: 0 };
         let old = std::mem::take(&mut self.slots);
         self.slots = vec![empty; old.len() * 2];
         for slot in old.into_iter().filter(|s| s.generation == self.generation) {

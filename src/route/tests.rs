@@ -83,11 +83,11 @@ struct Brute<'a> {
     timeline: &'a Timeline,
     goal: NodeId,
     best: i64,
-    walk: Vec<Step>,
+    walk: Vec<TestStep>,
 }
 
 #[derive(Clone, Copy)]
-struct Step {
+struct TestStep {
     arc: ArcId,
     free: FreeWindow,
     motion: MotionState,
@@ -108,7 +108,7 @@ impl Brute<'_> {
         for (arc, next) in hops {
             for free in self.timeline.free_windows(LineId(next.0), Time(0)).collect::<Vec<_>>() {
                 for motion in [MotionState::Standing, MotionState::Rolling] {
-                    self.walk.push(Step { arc, free, motion });
+                    self.walk.push(TestStep { arc, free, motion });
                     self.go(next, start_gap, steps - 1);
                     self.walk.pop();
                 }

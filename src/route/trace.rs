@@ -12,7 +12,7 @@ use crate::timeline::Visit;
 use crate::warehouse::Warehouse;
 
 /// A label with the time that came true.
-struct Moment {
+struct TracedLabel {
     label: Label,
     arrive: Time,
 }
@@ -53,9 +53,9 @@ pub(super) fn route(
 }
 
 /// Labels from start to goal with the times that came true.
-fn moments(labels: &Labels, goal: u32) -> Vec<Moment> {
+fn moments(labels: &Labels, goal: u32) -> Vec<TracedLabel> {
     let last = *labels.get(goal);
-    let mut moments = vec![Moment { label: last, arrive: Time(last.lo) }];
+    let mut moments = vec![TracedLabel { label: last, arrive: Time(last.lo) }];
     let mut index = last.parent;
     while index != NONE {
         let (parent, child) = (*labels.get(index), moments.last().expect("starts with the goal"));
@@ -63,7 +63,7 @@ fn moments(labels: &Labels, goal: u32) -> Vec<Moment> {
             (MotionState::Rolling, Some(_)) => child.arrive - Span(child.label.span),
             _ => Time(parent.lo),
         };
-        moments.push(Moment { label: parent, arrive });
+        moments.push(TracedLabel { label: parent, arrive });
         index = parent.parent;
     }
     moments.reverse();
@@ -74,7 +74,7 @@ fn moments(labels: &Labels, goal: u32) -> Vec<Moment> {
 /// without.
 fn drive(
     visits: &mut Vec<Visit>,
-    (from, to): (&Moment, &Moment),
+    (from, to): (&TracedLabel, &TracedLabel),
     arc: ArcId,
     [loaded, with_rack]: [bool; 2],
     (own_heading, pace): (f64, &Pace),

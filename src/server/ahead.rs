@@ -1,6 +1,6 @@
 //! Where people may be in the coming seconds, worked out for dashboards and for the past that is kept, twice a second.
 //!
-//! Main type: [`Ahead`]. Refuses: work for every picture.
+//! Main type: [`LastForecasts`]. Refuses: work for every picture.
 
 use crate::fleet::{Expected, Fleet};
 use crate::time::{Span, Time};
@@ -11,11 +11,11 @@ const EVERY: Span = Span::from_millis(480);
 
 /// The last forecasts.
 #[derive(Debug, Default)]
-pub struct Ahead {
+pub struct LastForecasts {
     last: Option<(Time, Arc<Vec<Expected>>)>,
 }
 
-impl Ahead {
+impl LastForecasts {
     /// The forecasts for a picture.
     pub fn of(&mut self, fleet: &Fleet, now: Time) -> Arc<Vec<Expected>> {
         if let Some((at, kept)) = &self.last

@@ -1,8 +1,9 @@
 //! What the server shows itself with over TLS: a certificate of one's own, or one that it makes for itself.
 //!
-//! Main types: [`Identity`], [`Place`]. The own key is made once and kept beside the database, readable by its owner
-//! only; the certificate is made anew with the same key when the host got a name or an address that it does not
-//! have, or when it is about to end. Refuses: to overwrite files that it did not make, and keys that do not fit.
+//! Main types: [`Identity`], [`CertificateLocation`]. The own key is made once and kept beside the database, readable
+//! by its owner only; the certificate is made anew with the same key when the host got a name or an address that it
+//! does not have, or when it is about to end. Refuses: to overwrite files that it did not make, and keys that do not
+//! fit.
 
 use anyhow::{Context, anyhow, bail};
 use jiff::ToSpan;
@@ -31,7 +32,7 @@ const UNTIL: &str = "Until: ";
 
 /// Where certificate and key are.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum CertificateLocation {
     /// Files of the operator.
     Given {
         /// The certificate, and those that it hangs on.
@@ -66,10 +67,10 @@ impl Identity {
     ///
     /// # Errors
     /// Where a file cannot be read or written, or certificate and key do not fit; the text names the file.
-    pub fn open(place: &Place, today: Date) -> anyhow::Result<Identity> {
+    pub fn open(place: &CertificateLocation, today: Date) -> anyhow::Result<Identity> {
         match place {
-            Place::Given { certificate, key } => Identity::read(certificate, key, Vec::new()),
-            Place::Own { database, names } => {
+            CertificateLocation::Given { certificate, key } => Identity::read(certificate, key, Vec::new()),
+            CertificateLocation::Own { database, names } => {
                 let (certificate, key) = own_files(database);
                 let names = make(&certificate, &key, names, today)?;
                 Identity::read(&certificate, &key, names)
@@ -233,22 +234,22 @@ mod tests {
     use super::*;
     use jiff::civil::date;
 
-    struct Folder(PathBuf);
+    struct CertificateFolder(PathBuf);
 
-    impl Folder {
-        fn new(name: &str) -> Folder {
+    impl CertificateFolder {
+        fn new(name: &str) -> CertificateFolder {
             let path = std::env::temp_dir().join(format!("giveway-tls-{name}-{}", std::process::id()));
             std::fs::create_dir_all(&path).unwrap();
-            Folder(path)
+            CertificateFolder(path)
         }
 
-        fn own(&self, names: &[&str]) -> Place {
+        fn own(&self, names: &[&str]) -> CertificateLocation {
             let names = names.iter().map(|n| (*n).to_owned()).collect();
-            Place::Own { database: self.0.join("floor.sqlite"), names }
+            CertificateLocation::Own { database: self.0.join("floor.sqlite"), names }
         }
     }
 
-    impl Drop for Folder {
+    impl Drop for CertificateFolder {
         fn drop(&mut self) {
             let _ = std::fs::remove_dir_all(&self.0);
         }
@@ -256,7 +257,7 @@ mod tests {
 
     #[test]
     fn an_own_certificate_is_made_once_and_kept_with_a_key_that_only_its_owner_reads() {
-        let folder = Folder::new("once");
+        let folder = CertificateFolder::new("once");
         let place = folder.own(&["localhost", "10.0.0.7"]);
         let first = Identity::open(&place, date(2026, 1, 1)).unwrap();
         let again = Identity::open(&place, date(2027, 1, 1)).unwrap();
@@ -272,7 +273,7 @@ mod tests {
 
     #[test]
     fn a_new_address_or_a_near_end_makes_a_new_certificate_with_the_same_key() {
-        let folder = Folder::new("anew");
+        let folder = CertificateFolder::new("anew");
         let (_, key) = own_files(&folder.0.join("floor.sqlite"));
         let first = Identity::open(&folder.own(&["localhost"]), date(2026, 1, 1)).unwrap();
         let secret = std::fs::read(&key).unwrap();
@@ -286,14 +287,14 @@ mod tests {
 
     #[test]
     fn what_is_wrong_with_files_is_said_with_their_names() {
-        let folder = Folder::new("wrong");
+        let folder = CertificateFolder::new("wrong");
         let at = |name: &str| folder.0.join(name);
-        let (one, two) = (folder.own(&["localhost"]), Folder::new("wrong-2"));
+        let (one, two) = (folder.own(&["localhost"]), CertificateFolder::new("wrong-2"));
         Identity::open(&one, date(2026, 1, 1)).unwrap();
         Identity::open(&two.own(&["localhost"]), date(2026, 1, 1)).unwrap();
         std::fs::write(at("text.pem"), "this is no certificate\n").unwrap();
         let says = |certificate: PathBuf, key: PathBuf| {
-            let place = Place::Given { certificate, key };
+            let place = CertificateLocation::Given { certificate, key };
             format!("{:#}", Identity::open(&place, date(2026, 1, 1)).unwrap_err())
         };
         let (good, key) = own_files(&at("floor.sqlite"));

@@ -4,7 +4,7 @@
 //! has the same names in capitals after `GIVEWAY_`. Refuses: to listen beyond this machine without a token,
 //! and settings that it does not know.
 
-use super::certificate::{self, Place};
+use super::certificate::{self, CertificateLocation};
 use crate::api::auth::Gate;
 use crate::api::massrobotics::Interop;
 use crate::api::recording::Limits;
@@ -253,10 +253,10 @@ impl Config {
     ///
     /// # Errors
     /// Where only one of certificate and key is named.
-    pub fn tls(&self, address: SocketAddr) -> anyhow::Result<Option<Place>> {
+    pub fn tls(&self, address: SocketAddr) -> anyhow::Result<Option<CertificateLocation>> {
         match (&self.tls_cert, &self.tls_key) {
             (Some(certificate), Some(key)) => {
-                Ok(Some(Place::Given { certificate: certificate.clone(), key: key.clone() }))
+                Ok(Some(CertificateLocation::Given { certificate: certificate.clone(), key: key.clone() }))
             }
             (Some(_), None) => bail!("there is a certificate without its key: name that with --tls-key FILE"),
             (None, Some(_)) => {
@@ -265,7 +265,7 @@ impl Config {
             (None, None) if self.tls => {
                 let mut names = certificate::host_names(address.ip());
                 names.extend(self.tls_names.iter().cloned());
-                Ok(Some(Place::Own { database: self.database.clone(), names }))
+                Ok(Some(CertificateLocation::Own { database: self.database.clone(), names }))
             }
             (None, None) => Ok(None),
         }
@@ -332,15 +332,17 @@ mod tests {
         let word = |text: &'static str| move |name: &str| (name == "GIVEWAY_TLS").then(|| text.into());
         let read = |flags: &Flags, text| Config::merge(flags, word(text)).and_then(|c| c.tls(at));
         assert_eq!(read(&Flags::default(), "false").unwrap(), None);
-        assert!(matches!(read(&Flags::default(), "true").unwrap(), Some(Place::Own { .. })));
+        assert!(matches!(read(&Flags::default(), "true").unwrap(), Some(CertificateLocation::Own { .. })));
         assert!(read(&Flags::default(), "maybe").unwrap_err().to_string().contains("maybe"));
         let named = Flags { tls: true, tls_names: vec!["floor.example".into()], ..Flags::default() };
-        let Some(Place::Own { names, .. }) = read(&named, "0").unwrap() else { panic!("the flag wins") };
+        let Some(CertificateLocation::Own { names, .. }) = read(&named, "0").unwrap() else {
+            panic!("the flag wins")
+        };
         assert!(names.contains("floor.example"), "{names:?}");
         let half = Flags { tls_cert: Some("a.pem".into()), ..Flags::default() };
         assert!(read(&half, "0").unwrap_err().to_string().contains("--tls-key"));
         let both = Flags { tls_key: Some("b.pem".into()), ..half };
-        assert!(matches!(read(&both, "0").unwrap(), Some(Place::Given { .. })));
+        assert!(matches!(read(&both, "0").unwrap(), Some(CertificateLocation::Given { .. })));
     }
 
     #[test]

@@ -1,14 +1,14 @@
 //! The loop: one thread owns the fleet and the floor, and turns twenty times a second.
 //!
-//! Main type: [`Drive`]. Missed ticks are skipped, not caught up. A pose that calls for a stop does not wait for the
-//! next tick: the loop turns at once, and rests after that for as long as it took. Stops, and what workers are told,
-//! leave in the turn that decided them. Orders and answers leave when the journal has the facts behind them; where it
-//! has none of them for so long that no more may wait, every robot is told to stand and the floor goes on.
+//! Main type: [`DriveLoop`]. Missed ticks are skipped, not caught up. A pose that calls for a stop does not wait for
+//! the next tick: the loop turns at once, and rests after that for as long as it took. Stops, and what workers are
+//! told, leave in the turn that decided them. Orders and answers leave when the journal has the facts behind them;
+//! where it has none of them for so long that no more may wait, every robot is told to stand and the floor goes on.
 //! Refuses: locks, waiting for the database, and decisions of its own.
 
-use super::ahead::Ahead;
+use super::ahead::LastForecasts;
 use super::clock::Clock;
-use super::historian::Notes;
+use super::historian::HistorianSender;
 use super::inbox::Inbox;
 use super::journal::Journal;
 use super::measure::Measure;
@@ -16,7 +16,7 @@ use super::outbox::Outbox;
 use super::recordings::Tap;
 use super::rescue::{Rescue, drivers};
 use super::watchdog::Watchdog;
-use crate::api::feed::hub::{Feeds, Heard};
+use crate::api::feed::hub::{Feeds, HeardSighting};
 use crate::api::metrics::Metrics;
 use crate::api::port::{Alarms, Moment, QUESTIONS_AT_ONCE, Question};
 use crate::fleet::{Command, Fleet, Guidance, Input};
@@ -37,7 +37,7 @@ const PUBLISH: Span = Span::from_millis(95);
 const ALARM: &str = "halt";
 
 /// Everything that the loop owns.
-pub struct Drive {
+pub struct DriveLoop {
     /// The core.
     pub fleet: Fleet,
     /// The simulated floor.
@@ -57,11 +57,11 @@ pub struct Drive {
     /// Figures.
     pub measure: Measure,
     /// Takes pictures for the figures over time.
-    pub notes: Notes,
+    pub notes: HistorianSender,
     /// Figures for Prometheus.
     pub metrics: Arc<Metrics>,
     /// Where people may be soon, for those who watch.
-    pub ahead: Ahead,
+    pub ahead: LastForecasts,
     /// Gets guidance.
     pub feeds: Arc<Feeds>,
     /// Gets what is worth a bookmark.
@@ -69,7 +69,7 @@ pub struct Drive {
     /// What stands.
     pub alarms: Arc<Alarms>,
     /// What lasts from one turn to the next.
-    pub pace: Pace,
+    pub pace: LoopPace,
     /// Whether the database is not where it was: then nothing is asked for and nothing leaves.
     pub displaced: watch::Receiver<bool>,
     /// What is remembered of steps that ended in a panic.
@@ -84,7 +84,7 @@ pub struct Drive {
 
 /// How the loop turns.
 #[derive(Debug, Default)]
-pub struct Pace {
+pub struct LoopPace {
     /// Whether all robots were told to stand, since nothing can be decided.
     halted: bool,
     /// When the pose came for which somebody has to stop, where one waits for the next turn.
@@ -93,7 +93,7 @@ pub struct Pace {
     rests: Time,
 }
 
-impl Drive {
+impl DriveLoop {
     /// Turns until `stop` says so.
     pub async fn run(mut self, mut stop: watch::Receiver<bool>) {
         let mut tick = interval(Duration::from_micros(self.period.0.unsigned_abs().max(1000)));
@@ -119,7 +119,7 @@ impl Drive {
     }
 
     /// Turns at once where a pose calls for a stop and the loop has rested.
-    fn listen(&mut self, heard: &Heard, published: &mut Time) {
+    fn listen(&mut self, heard: &HeardSighting, published: &mut Time) {
         let now = self.clock.now();
         if !self.rescue.is_broken()
             && self.pace.called.is_none()
@@ -274,7 +274,7 @@ impl Drive {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::port::{Ask, Figures, What};
+    use crate::api::port::{FleetRequest, SharedHistory, What};
     use crate::fleet::{Fact, JobKind, JobRequest, Reply};
     use crate::geometry::Point;
     use crate::human::{Quality, Sighting};
@@ -289,12 +289,14 @@ mod tests {
     const SCENARIO: &str = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 2, "jobs": "none"}"#;
 
     /// A loop whose journal is written only when the test lets the writer run.
-    async fn drive(folder: &std::path::Path) -> (Drive, journal::Writer, mpsc::Sender<Ask>) {
+    async fn drive(
+        folder: &std::path::Path,
+    ) -> (DriveLoop, journal::JournalSender, mpsc::Sender<FleetRequest>) {
         let (map, scenario) = (Arc::new(lab()), Scenario::parse(SCENARIO).unwrap());
         let store = Arc::new(Store::open(&folder.join("t.sqlite"), &map).await.unwrap());
         let (clock, alarms) = (Arc::new(Clock::start(None)), Arc::new(Alarms::default()));
         let metrics = Arc::new(Metrics::default());
-        let figures = Arc::new(Figures::new(Time::ZERO, "giveway", Default::default()));
+        let figures = Arc::new(SharedHistory::new(Time::ZERO, "giveway", Default::default()));
         let (notes, _) = historian(figures, store.clone());
         let fleet = Fleet::new(map.clone(), scenario.settings());
         let start = journal::Start { next: 1, ledger: fleet.ledger().clone(), behind: 0 };
@@ -305,7 +307,7 @@ mod tests {
         let (measure, outbox, feeds) = (Measure::default(), outbox::Outbox::default(), Arc::new(feeds));
         let (inbox, moments) = (inbox::Inbox::new(asks, heard), watch::Sender::new(Arc::default()));
         let (period, (_, questions)) = (scenario.period, mpsc::channel(1));
-        let drive = Drive {
+        let drive = DriveLoop {
             fleet,
             world,
             clock,
@@ -317,11 +319,11 @@ mod tests {
             measure,
             notes,
             metrics,
-            ahead: Ahead::default(),
+            ahead: LastForecasts::default(),
             feeds,
             tap: Tap::default(),
             alarms,
-            pace: Pace::default(),
+            pace: LoopPace::default(),
             displaced: watch::channel(false).1,
             rescue: Rescue::default(),
             watchdog: Watchdog::default(),
@@ -332,7 +334,7 @@ mod tests {
     }
 
     /// Turns until all robots have this limit.
-    async fn until(drive: &mut Drive, limit: Option<f64>) {
+    async fn until(drive: &mut DriveLoop, limit: Option<f64>) {
         let mut published = drive.clock.now();
         for _ in 0..100 {
             drive.turn(&mut published);
@@ -419,9 +421,9 @@ mod tests {
         let _ = std::fs::remove_dir_all(&folder);
     }
 
-    fn ask(queue: &mpsc::Sender<Ask>, what: What) -> oneshot::Receiver<Reply> {
+    fn ask(queue: &mpsc::Sender<FleetRequest>, what: What) -> oneshot::Receiver<Reply> {
         let (reply, answer) = oneshot::channel();
-        queue.try_send(Ask { what, reply }).unwrap();
+        queue.try_send(FleetRequest { what, reply }).unwrap();
         answer
     }
 
@@ -461,10 +463,10 @@ mod tests {
             accuracy_m: 0.05,
             quality: Quality::Tracked,
         };
-        let far = Heard { received: Time(1), sighting: sighting(1, from - ahead * 2.0) };
-        let near = Heard { received: Time(2), sighting: sighting(2, seen.pose.at + ahead) };
+        let far = HeardSighting { received: Time(1), sighting: sighting(1, from - ahead * 2.0) };
+        let near = HeardSighting { received: Time(2), sighting: sighting(2, seen.pose.at + ahead) };
         let stops =
-            |d: &Drive| d.metrics.text(&Moment::default()).contains("pose_to_robot_stop_seconds_count 1");
+            |d: &DriveLoop| d.metrics.text(&Moment::default()).contains("pose_to_robot_stop_seconds_count 1");
         let (feed, heard) = mpsc::channel(8);
         drive.inbox = inbox::Inbox::new(mpsc::channel(1).1, heard);
         for (pose, stops_now) in [(far, false), (near, true)] {

@@ -1,11 +1,11 @@
 //! Keeps figures over time: takes pictures from the loop in, and writes buckets down.
 //!
-//! Main types: [`Notes`] (the loop's end), [`Historian`] (the task). A crash costs the charts ten seconds, and the map
-//! of waiting a minute. Where the database refuses, figures go on in memory and are written later, as far back as they
-//! are kept. Refuses: to make the loop wait.
+//! Main types: [`HistorianSender`] (the loop's end), [`Historian`] (the task). A crash costs the charts ten seconds,
+//! and the map of waiting a minute. Where the database refuses, figures go on in memory and are written later, as far
+//! back as they are kept. Refuses: to make the loop wait.
 
-use crate::api::port::{Figures, Moment};
-use crate::history::{HEAT_STEP, TIERS, Times, floor};
+use crate::api::port::{Moment, SharedHistory};
+use crate::history::{HEAT_STEP, LoopTimes, TIERS, floor};
 use crate::store::Store;
 use crate::time::{Span, Time};
 use std::sync::Arc;
@@ -20,29 +20,29 @@ const HEAT_EVERY: Span = Span::from_secs(60);
 /// A picture, and how long searches and steps took since the one before.
 struct Note {
     moment: Arc<Moment>,
-    times: Times,
+    times: LoopTimes,
 }
 
 /// The loop's end.
-pub struct Notes {
+pub struct HistorianSender {
     sender: mpsc::Sender<Note>,
-    times: Times,
+    times: LoopTimes,
 }
 
 /// The task's end.
 pub struct Historian {
-    figures: Arc<Figures>,
+    figures: Arc<SharedHistory>,
     store: Arc<Store>,
     notes: mpsc::Receiver<Note>,
 }
 
 /// Both ends.
-pub fn historian(figures: Arc<Figures>, store: Arc<Store>) -> (Notes, Historian) {
+pub fn historian(figures: Arc<SharedHistory>, store: Arc<Store>) -> (HistorianSender, Historian) {
     let (sender, notes) = mpsc::channel(NOTES);
-    (Notes { sender, times: Times::default() }, Historian { figures, store, notes })
+    (HistorianSender { sender, times: LoopTimes::default() }, Historian { figures, store, notes })
 }
 
-impl Notes {
+impl HistorianSender {
     /// Notes how long a step and its searches took.
     pub fn measure(&mut self, step: Span, searches_ns: &[u64]) {
         self.times.searches_us.extend(searches_ns.iter().map(|ns| ns / 1000));

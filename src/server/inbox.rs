@@ -4,8 +4,8 @@
 //! floor, so that no reply to the one can answer the other. Refuses: requests while the journal takes no facts; but
 //! stops and releases by hand are kept in their order, however many simulated orders wait.
 
-use crate::api::feed::hub::Heard;
-use crate::api::port::{Ask, What};
+use crate::api::feed::hub::HeardSighting;
+use crate::api::port::{FleetRequest, What};
 use crate::fleet::{Input, Reply};
 use crate::human::Sighting;
 use crate::sim::FIRST_TOKEN;
@@ -25,8 +25,8 @@ const MOST_REQUESTS: usize = 10_000;
 /// Requests, and whom to answer.
 #[derive(Debug)]
 pub struct Inbox {
-    queue: mpsc::Receiver<Ask>,
-    heard: mpsc::Receiver<Heard>,
+    queue: mpsc::Receiver<FleetRequest>,
+    heard: mpsc::Receiver<HeardSighting>,
     waiting: BTreeMap<u64, oneshot::Sender<Reply>>,
     kept: Vec<Input>,
     /// Sightings that were taken out of the channel to look at them.
@@ -36,7 +36,7 @@ pub struct Inbox {
 
 impl Inbox {
     /// An inbox that is filled from a queue and from feeds.
-    pub fn new(queue: mpsc::Receiver<Ask>, heard: mpsc::Receiver<Heard>) -> Inbox {
+    pub fn new(queue: mpsc::Receiver<FleetRequest>, heard: mpsc::Receiver<HeardSighting>) -> Inbox {
         Inbox { queue, heard, waiting: BTreeMap::new(), kept: Vec::new(), early: Vec::new(), next: 0 }
     }
 
@@ -70,7 +70,7 @@ impl Inbox {
     }
 
     /// The next sighting, as soon as it is there. It waits for the next step, too.
-    pub async fn hear(&mut self) -> Heard {
+    pub async fn hear(&mut self) -> HeardSighting {
         let Some(heard) = self.heard.recv().await else { return std::future::pending().await };
         self.early.push(heard.sighting);
         heard
@@ -169,14 +169,14 @@ mod tests {
         r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "jobs": {"backlog": 3}}"#;
 
     /// An inbox with the ends that feed it.
-    fn inbox() -> (Inbox, mpsc::Sender<Ask>, mpsc::Sender<Heard>) {
+    fn inbox() -> (Inbox, mpsc::Sender<FleetRequest>, mpsc::Sender<HeardSighting>) {
         let ((queue, asks), (feed, heard)) = (mpsc::channel(QUEUE), mpsc::channel(1));
         (Inbox::new(asks, heard), queue, feed)
     }
 
-    fn ask(queue: &mpsc::Sender<Ask>, what: What) -> oneshot::Receiver<Reply> {
+    fn ask(queue: &mpsc::Sender<FleetRequest>, what: What) -> oneshot::Receiver<Reply> {
         let (reply, answer) = oneshot::channel();
-        queue.try_send(Ask { what, reply }).unwrap();
+        queue.try_send(FleetRequest { what, reply }).unwrap();
         answer
     }
 

@@ -1,6 +1,6 @@
 //! The journal's task: everything that waits becomes one transaction, tried until the database takes it.
 //!
-//! Main types: [`Journal`] (the loop's end: records, knows what is durable), [`Writer`] (the task). While the
+//! Main types: [`Journal`] (the loop's end: records, knows what is durable), [`JournalSender`] (the task). While the
 //! database refuses, steps wait in order and an alarm stands; nothing is dropped, and what is not durable is
 //! not acknowledged. The task folds what is durable into a ledger of its own and writes that down now and then, so that
 //! the loop pays nothing for it. Refuses: to try again what contradicts the journal; that ends the process.
@@ -10,7 +10,7 @@ use super::watchdog::Auditor;
 use crate::api::metrics::Metrics;
 use crate::api::port::Alarms;
 use crate::fleet::{Fact, Ledger};
-use crate::store::{Entry, SNAPSHOT_AFTER, Store, StoreError};
+use crate::store::{SNAPSHOT_AFTER, StepEntry, Store, StoreError};
 use crate::time::Time;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -38,7 +38,7 @@ const PAUSES: (Duration, Duration) = (Duration::from_millis(250), Duration::from
 /// The loop's end of the journal.
 #[derive(Debug)]
 pub struct Journal {
-    steps: mpsc::UnboundedSender<Entry>,
+    steps: mpsc::UnboundedSender<StepEntry>,
     recorded: u64,
     durable: watch::Receiver<u64>,
     failing: watch::Receiver<bool>,
@@ -46,8 +46,8 @@ pub struct Journal {
 }
 
 /// The task's end.
-pub struct Writer {
-    steps: mpsc::UnboundedReceiver<Entry>,
+pub struct JournalSender {
+    steps: mpsc::UnboundedReceiver<StepEntry>,
     durable: watch::Sender<u64>,
     failing: watch::Sender<bool>,
     /// Facts that are not durable.
@@ -84,7 +84,7 @@ pub fn journal(
     clock: Arc<Clock>,
     alarms: Arc<Alarms>,
     metrics: Arc<Metrics>,
-) -> (Journal, Writer) {
+) -> (Journal, JournalSender) {
     let (send, receive) = mpsc::unbounded_channel();
     let (durable, confirmed) = watch::channel(0);
     let (failing, fails) = watch::channel(false);
@@ -97,7 +97,19 @@ pub fn journal(
     let auditor = Auditor::default();
     (
         journal,
-        Writer { steps, durable, failing, pending, next, shadow, auditor, store, clock, alarms, metrics },
+        JournalSender {
+            steps,
+            durable,
+            failing,
+            pending,
+            next,
+            shadow,
+            auditor,
+            store,
+            clock,
+            alarms,
+            metrics,
+        },
     )
 }
 
@@ -107,7 +119,7 @@ impl Journal {
         if !facts.is_empty() {
             self.pending.fetch_add(facts.len() as u64, Ordering::Relaxed);
             // Fails only where the task has ended; the server ends then, too.
-            let _ = self.steps.send(Entry { at, facts });
+            let _ = self.steps.send(StepEntry { at, facts });
             self.recorded += 1;
         }
         self.recorded
@@ -141,7 +153,7 @@ impl Journal {
     }
 }
 
-impl Writer {
+impl JournalSender {
     /// Writes until the loop's end is dropped and everything is durable.
     ///
     /// # Errors
@@ -190,7 +202,7 @@ impl Writer {
     }
 
     /// Writes one batch, however long it takes.
-    async fn write(&self, batch: &[Entry]) -> Result<(), StoreError> {
+    async fn write(&self, batch: &[StepEntry]) -> Result<(), StoreError> {
         let (mut pause, longest) = PAUSES;
         loop {
             match self.attempt(batch).await {
@@ -215,7 +227,7 @@ impl Writer {
     }
 
     /// One try; raises the alarm where it takes long.
-    async fn attempt(&self, batch: &[Entry]) -> Result<(), StoreError> {
+    async fn attempt(&self, batch: &[StepEntry]) -> Result<(), StoreError> {
         // Never dropped half-way: a statement already sent would be carried out all the same.
         let append = self.store.append(self.next, batch);
         tokio::pin!(append);
@@ -239,7 +251,7 @@ impl Writer {
 }
 
 impl Shadow {
-    fn fold(&mut self, batch: &[Entry]) {
+    fn fold(&mut self, batch: &[StepEntry]) {
         for fact in batch.iter().flat_map(|step| &step.facts) {
             self.ledger.evolve(fact);
             self.behind += 1;

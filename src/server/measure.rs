@@ -3,7 +3,7 @@
 //! Main type: [`Measure`]. Keeps the last minute of steps and ten minutes of deliveries. Refuses: to
 //! influence anything.
 
-use crate::api::port::Measured;
+use crate::api::port::LoopFigures;
 use crate::time::{Span, Time};
 use std::collections::VecDeque;
 
@@ -32,7 +32,7 @@ impl Measure {
     }
 
     /// All figures, `deliveries` being the sum so far.
-    pub fn figures(&mut self, now: Time, deliveries: u64) -> Measured {
+    pub fn figures(&mut self, now: Time, deliveries: u64) -> LoopFigures {
         if self.deliveries.back().is_none_or(|(at, _)| now - *at >= NOTED) {
             self.deliveries.push_back((now, deliveries));
         }
@@ -42,7 +42,7 @@ impl Measure {
         let (since, before) = self.deliveries.front().copied().unwrap_or((now, deliveries));
         let hours = (now - since).as_secs_f64() / 3600.0;
         let per_hour = if hours > 0.0 { deliveries.saturating_sub(before) as f64 / hours } else { 0.0 };
-        Measured {
+        LoopFigures {
             deliveries_per_hour: per_hour,
             plan_us_p50: quantile(&self.plans, 50),
             plan_us_p99: quantile(&self.plans, 99),

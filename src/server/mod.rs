@@ -46,7 +46,7 @@ use anyhow::{Context, anyhow, ensure};
 use axum::Router;
 use axum::serve::ListenerExt;
 use entrance::Entrance;
-use start::{Built, Parts};
+use start::{Built, ServerParts};
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
@@ -65,7 +65,7 @@ const FLUSH: Duration = Duration::from_secs(10);
 const STUCK: Span = Span::from_secs(2);
 
 /// What the server runs: a simulated floor, until real robots come.
-pub struct Floor {
+pub struct SimulatedFloor {
     /// Fleet, customers, faults.
     pub scenario: Scenario,
     /// The building.
@@ -77,7 +77,7 @@ pub struct Floor {
 /// A server at work.
 pub struct Server {
     address: SocketAddr,
-    summary: Summary,
+    summary: StartSummary,
     identity: Option<Identity>,
     store: Arc<Store>,
     stop: watch::Sender<bool>,
@@ -86,7 +86,7 @@ pub struct Server {
 
 /// What was found at the start.
 #[derive(Clone, Debug)]
-pub struct Summary {
+pub struct StartSummary {
     /// Name of the map.
     pub map: String,
     /// Robots that the scenario has.
@@ -106,7 +106,7 @@ impl Server {
     ///
     /// # Errors
     /// Where anything is wrong; the text says what to do.
-    pub async fn start(config: &Config, floor: Floor) -> anyhow::Result<Server> {
+    pub async fn start(config: &Config, floor: SimulatedFloor) -> anyhow::Result<Server> {
         let gate = config.gate()?;
         let address = config.address(&gate).await?;
         let listener = TcpListener::bind(address).await.with_context(|| {
@@ -154,7 +154,7 @@ impl Server {
     }
 
     /// What was found at the start.
-    pub fn summary(&self) -> &Summary {
+    pub fn summary(&self) -> &StartSummary {
         &self.summary
     }
 
@@ -236,12 +236,13 @@ async fn explain(
 
 /// Wires the parts and runs them.
 async fn work(
-    parts: Parts,
+    parts: ServerParts,
     store: Arc<Store>,
     front: Front,
     stopping: watch::Receiver<bool>,
 ) -> anyhow::Result<()> {
-    let Parts { fleet, world, clock, period, start, interop, feeds, heard, live, past, charts, .. } = parts;
+    let ServerParts { fleet, world, clock, period, start, interop, feeds, heard, live, past, charts, .. } =
+        parts;
     let Front { entrance, http, gate, ready, closing, closes } = front;
     let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
     let (journal, writer) =
@@ -253,7 +254,7 @@ async fn work(
     let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
     let kinds = fleet.settings().kinds.clone().into();
     let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
-    let drive = drive::Drive {
+    let drive = drive::DriveLoop {
         fleet,
         world,
         clock: clock.clone(),
@@ -265,11 +266,11 @@ async fn work(
         measure: measure::Measure::default(),
         notes: charts.notes,
         metrics: metrics.clone(),
-        ahead: ahead::Ahead::default(),
+        ahead: ahead::LastForecasts::default(),
         feeds: feeds.clone(),
         tap: past.tap,
         alarms: alarms.clone(),
-        pace: drive::Pace::default(),
+        pace: drive::LoopPace::default(),
         displaced: gone.clone(),
         rescue: rescue::Rescue::default(),
         watchdog: watchdog::Watchdog::default(),
@@ -374,7 +375,10 @@ async fn drain(mut http: JoinHandle<std::io::Result<()>>, closing: &watch::Sende
 }
 
 /// Runs the loop on a thread of its own: steps are work, and nothing else may wait for them.
-fn spawn_loop(drive: drive::Drive, halted: watch::Receiver<bool>) -> anyhow::Result<oneshot::Receiver<()>> {
+fn spawn_loop(
+    drive: drive::DriveLoop,
+    halted: watch::Receiver<bool>,
+) -> anyhow::Result<oneshot::Receiver<()>> {
     let (ended, end) = oneshot::channel();
     let runtime = tokio::runtime::Handle::current();
     let body = move || {

@@ -1,6 +1,6 @@
 //! The lists of a recording: jobs, assignments and encounters of then, kept in memory.
 //!
-//! Main type: [`Past`]. Refuses: a database.
+//! Main type: [`PastLists`]. Refuses: a database.
 
 use crate::api::port::{Later, Records};
 use crate::fleet::{
@@ -20,9 +20,9 @@ struct Lists {
 
 /// What had happened up to the moment that is shown.
 #[derive(Default)]
-pub struct Past(Mutex<Lists>);
+pub struct PastLists(Mutex<Lists>);
 
-impl Past {
+impl PastLists {
     /// Takes the facts of a step in.
     pub fn add(&self, facts: &[Fact]) {
         let mut lists = self.lists();
@@ -74,7 +74,7 @@ impl Lists {
     }
 }
 
-impl Records for Past {
+impl Records for PastLists {
     fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRow>, String>> {
         let found = self.lists().jobs.get(&id).cloned();
         Box::pin(async move { Ok(found) })

@@ -1,7 +1,8 @@
 //! The jobs that wait, looked up once a second for the past that is kept.
 //!
-//! Main type: [`Queue`]. Recordings list them every ten seconds, with a whole picture; whoever writes recordings cannot
-//! ask the fleet, so that the pictures carry a list that is never old. Refuses: to look at them for every picture.
+//! Main type: [`LastBacklog`]. Recordings list them every ten seconds, with a whole picture; whoever writes recordings
+//! cannot ask the fleet, so that the pictures carry a list that is never old. Refuses: to look at them for every
+//! picture.
 
 use crate::fleet::{Backlog, Fleet};
 use crate::time::{Span, Time};
@@ -15,9 +16,9 @@ const MOST: usize = 200;
 
 /// The last list.
 #[derive(Debug, Default)]
-pub struct Queue(Option<Arc<Backlog>>);
+pub struct LastBacklog(Option<Arc<Backlog>>);
 
-impl Queue {
+impl LastBacklog {
     /// The list for a picture.
     pub fn of(&mut self, fleet: &Fleet, now: Time) -> Arc<Backlog> {
         if let Some(kept) = &self.0

@@ -2,9 +2,9 @@
 //!
 //! Main type: [`FrameRecorder`]. Refuses: to step the fleet itself.
 
-use super::ahead::Ahead;
+use super::ahead::LastForecasts;
 use super::measure::Measure;
-use super::queue::Queue;
+use super::queue::LastBacklog;
 use crate::api::live::Frame;
 use crate::api::port::{Alarms, Moment};
 use crate::api::recording::EVERY;
@@ -17,8 +17,8 @@ use std::sync::Arc;
 pub struct FrameRecorder {
     alarms: Alarms,
     measure: Measure,
-    ahead: Ahead,
-    queue: Queue,
+    ahead: LastForecasts,
+    queue: LastBacklog,
     due: Option<Time>,
 }
 

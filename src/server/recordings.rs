@@ -1,11 +1,11 @@
 //! Keeps the past: a thread of its own writes the pictures of the live feed to disk, five a second.
 //!
-//! Main types: [`Past`], [`Tap`] (the loop's end, which never waits). Where the disk takes no more, an alarm and the
-//! log say so, the fleet goes on, and the thread tries again. Refuses: to hold anybody up; a fact that comes too fast
-//! loses its bookmark, not its place in the journal.
+//! Main types: [`KeptPast`], [`Tap`] (the loop's end, which never waits). Where the disk takes no more, an alarm and
+//! the log say so, the fleet goes on, and the thread tries again. Refuses: to hold anybody up; a fact that comes too
+//! fast loses its bookmark, not its place in the journal.
 
 use super::clock::Clock;
-use super::queue::Queue;
+use super::queue::LastBacklog;
 use crate::api::live::Live;
 use crate::api::port::Alarms;
 use crate::api::recording::{EVERY, Folder, Limits, Rotation, is_notable};
@@ -31,7 +31,7 @@ const REST: Span = Span::from_secs(10);
 #[derive(Debug, Default)]
 pub struct Tap {
     facts: Option<SyncSender<Fact>>,
-    queue: Queue,
+    queue: LastBacklog,
 }
 
 impl Tap {
@@ -51,14 +51,14 @@ impl Tap {
 
 /// The past that is kept, or none.
 #[derive(Default)]
-pub struct Past {
+pub struct KeptPast {
     /// What there is of it.
     pub folder: Option<Arc<Folder>>,
     /// For the loop.
     pub tap: Tap,
 }
 
-impl Past {
+impl KeptPast {
     /// Begins to keep the past in a folder, if that is wanted; ends when the tap is dropped. Where it cannot be kept,
     /// the log says so, and that is all.
     pub fn keep(
@@ -67,9 +67,9 @@ impl Past {
         live: &Arc<Live>,
         clock: &Arc<Clock>,
         alarms: &Arc<Alarms>,
-    ) -> Past {
-        let Some((path, limits)) = wanted else { return Past::default() };
-        let begin = || -> io::Result<Past> {
+    ) -> KeptPast {
+        let Some((path, limits)) = wanted else { return KeptPast::default() };
+        let begin = || -> io::Result<KeptPast> {
             let folder = Folder::open(path.clone(), map.clone(), map.name.clone(), Some(clock.started()))?;
             let folder = Arc::new(folder);
             let (send, facts) = sync_channel(WAITING);
@@ -77,13 +77,16 @@ impl Past {
             let (live, clock, alarms) = (live.clone(), clock.clone(), alarms.clone());
             let keeper = Keeper { rotation, live, clock, alarms, rest: None };
             std::thread::Builder::new().name("past".into()).spawn(move || keeper.run(&facts))?;
-            Ok(Past { folder: Some(folder), tap: Tap { facts: Some(send), queue: Queue::default() } })
+            Ok(KeptPast {
+                folder: Some(folder),
+                tap: Tap { facts: Some(send), queue: LastBacklog::default() },
+            })
         };
         begin().unwrap_or_else(|e| {
             let text = format!("the past is not kept: {}: {e}. The fleet goes on.", path.display());
             tracing::error!("{text}");
             alarms.raise(ALARM, text, clock.now());
-            Past::default()
+            KeptPast::default()
         })
     }
 }

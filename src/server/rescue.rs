@@ -5,7 +5,7 @@
 //! often, or where the journal cannot be folded, all robots are told to stand, and the process stays up to say so.
 //! Refuses: to go on with a fleet that a panic left half-way, and to lose a stop given by hand in that step.
 
-use super::drive::Drive;
+use super::drive::DriveLoop;
 use super::start::panic_text;
 use crate::fleet::{Fleet, Input, Ledger, Step};
 use crate::id::RobotId;
@@ -92,8 +92,8 @@ impl Asked {
     }
 }
 
-impl Drive {
-    /// One step, unless it ends in a panic: then there is work for [`Drive::rebuild`].
+impl DriveLoop {
+    /// One step, unless it ends in a panic: then there is work for [`DriveLoop::rebuild`].
     pub(super) fn step(&mut self, now: Time, inputs: Vec<Input>) -> Option<Step> {
         let asked = Asked::of(&inputs);
         match catch_unwind(AssertUnwindSafe(|| self.fleet.step(now, inputs))) {

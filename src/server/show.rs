@@ -4,17 +4,19 @@
 //! and puts the pictures into a folder of its own, so that the page can go to any moment of them. Lists are kept in
 //! memory; requests are refused, since the past takes none. Refuses: a database.
 
-use super::{ahead::Ahead, clock::Clock, listen, measure::Measure, past::Past, recorder::FrameRecorder};
+use super::{
+    ahead::LastForecasts, clock::Clock, listen, measure::Measure, past::PastLists, recorder::FrameRecorder,
+};
 use crate::api::auth::Gate;
 use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, Figures, Moment, QUESTIONS, Question};
+use crate::api::port::{Alarms, Moment, QUESTIONS, Question, SharedHistory};
 use crate::api::recording::{Folder, Limits, Rotation};
 use crate::api::{Api, router};
 use crate::fleet::Fleet;
-use crate::history::{History, Times};
+use crate::history::{History, LoopTimes};
 use crate::sim::replay::{Player, Turn};
 use crate::time::{Span, Time};
 use anyhow::Context;
@@ -80,9 +82,9 @@ impl Show {
         // Poses of today change nothing in the past: nobody takes them.
         let (feeds, _) = Feeds::new();
         let feeds = Arc::new(feeds);
-        let past = Arc::new(Past::default());
+        let past = Arc::new(PastLists::default());
         let arm = player.fleet.settings().policy.word();
-        let figures = Arc::new(Figures::new(Time::ZERO, arm, History::default()));
+        let figures = Arc::new(SharedHistory::new(Time::ZERO, arm, History::default()));
         let (closing, closes) = watch::channel(false);
         let api = Api {
             map,
@@ -103,7 +105,7 @@ impl Show {
             closing: closes.clone(),
         };
         let http = tokio::spawn(listen((listener, None), router(api).0, closes));
-        let (measure, ahead) = (Measure::default(), Ahead::default());
+        let (measure, ahead) = (Measure::default(), LastForecasts::default());
         let screen = Screen { live, feeds, alarms, moments, past, figures, ahead, measure, speed, questions };
         let play = Some(tokio::spawn(screen.play(player)));
         Ok(Show { address, http, play, _closing: closing, _reels: recordings })
@@ -148,9 +150,9 @@ struct Screen {
     feeds: Arc<Feeds>,
     alarms: Arc<Alarms>,
     moments: watch::Sender<Arc<Moment>>,
-    past: Arc<Past>,
-    figures: Arc<Figures>,
-    ahead: Ahead,
+    past: Arc<PastLists>,
+    figures: Arc<SharedHistory>,
+    ahead: LastForecasts,
     measure: Measure,
     speed: f64,
     questions: mpsc::Receiver<Question>,
@@ -187,7 +189,7 @@ impl Screen {
     fn publish(&mut self, player: &Player, now: Time) {
         let view = player.fleet.view(now);
         // How long searches took when it was recorded is in no recording.
-        self.figures.note(&view, &Times::default());
+        self.figures.note(&view, &LoopTimes::default());
         self.feeds.know(&player.fleet.ledger().workers);
         self.feeds.refresh(&view);
         self.alarms.note(&view);

@@ -1,15 +1,15 @@
 //! From files to parts: opens the database, folds the journal, makes what the server consists of.
 //!
-//! Main types: [`Parts`], [`Built`]. The fold is work for a thread of its own, so that the port answers meanwhile.
-//! Refuses: to end the process where the journal contradicts itself; then the server stays up and says so.
+//! Main types: [`ServerParts`], [`Built`]. The fold is work for a thread of its own, so that the port answers
+//! meanwhile. Refuses: to end the process where the journal contradicts itself; then the server stays up and says so.
 
 use super::clock::{self, Clock};
-use super::recordings::Past;
-use super::{Config, Floor, Summary, historian, journal};
-use crate::api::feed::hub::{Feeds, Heard};
+use super::recordings::KeptPast;
+use super::{Config, SimulatedFloor, StartSummary, historian, journal};
+use crate::api::feed::hub::{Feeds, HeardSighting};
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
-use crate::api::port::{Alarms, Figures};
+use crate::api::port::{Alarms, SharedHistory};
 use crate::fleet::{Fleet, Ledger, Settings};
 use crate::history::History;
 use crate::sim::World;
@@ -22,7 +22,7 @@ use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 
 /// What the parts of the server are made of.
-pub struct Parts {
+pub struct ServerParts {
     pub fleet: Fleet,
     pub world: World,
     pub clock: Arc<Clock>,
@@ -30,30 +30,30 @@ pub struct Parts {
     pub start: journal::Start,
     pub interop: Interop,
     pub feeds: Arc<Feeds>,
-    pub heard: mpsc::Receiver<Heard>,
+    pub heard: mpsc::Receiver<HeardSighting>,
     pub live: Arc<Live>,
     pub alarms: Arc<Alarms>,
-    pub past: Past,
+    pub past: KeptPast,
     pub charts: Charts,
 }
 
 /// Figures over time, and what keeps them.
 pub struct Charts {
-    pub figures: Arc<Figures>,
-    pub notes: historian::Notes,
+    pub figures: Arc<SharedHistory>,
+    pub notes: historian::HistorianSender,
     pub historian: JoinHandle<()>,
 }
 
 /// What became of the files.
 pub enum Built {
     /// All parts.
-    Whole(Box<Parts>),
+    Whole(Box<ServerParts>),
     /// No fleet: the journal contradicts itself, as this says.
     Broken(String),
 }
 
 /// Opens the database.
-pub async fn open(config: &Config, floor: &Floor) -> anyhow::Result<Arc<Store>> {
+pub async fn open(config: &Config, floor: &SimulatedFloor) -> anyhow::Result<Arc<Store>> {
     let stamp = || {
         let now = jiff::Timestamp::from_microsecond(Clock::start(None).started().0)?;
         anyhow::Ok(now.strftime("%Y-%m-%dT%H%M%SZ").to_string())
@@ -80,16 +80,20 @@ fn check_kinds(fleet: &Fleet) -> anyhow::Result<()> {
 }
 
 /// Makes the parts from what the database has.
-pub async fn build(config: &Config, floor: Floor, store: &Arc<Store>) -> anyhow::Result<(Built, Summary)> {
-    let Floor { scenario, map, lines } = floor;
+pub async fn build(
+    config: &Config,
+    floor: SimulatedFloor,
+    store: &Arc<Store>,
+) -> anyhow::Result<(Built, StartSummary)> {
+    let SimulatedFloor { scenario, map, lines } = floor;
     let loaded = store.load(Ledger::new(map.clone(), scenario.settings().clearance(), false)).await?;
     let (next, facts, robots) = (loaded.next, loaded.facts(), scenario.robots);
-    let summary = Summary { map: map.name.clone(), robots, facts, jobs: 0, open_jobs: 0, trouble: None };
+    let summary = StartSummary { map: map.name.clone(), robots, facts, jobs: 0, open_jobs: 0, trouble: None };
     let clock = Arc::new(Clock::start(loaded.last));
     let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
     let (buckets, heat) = store.load_history().await?;
     let history = History::restore(buckets, heat);
-    let figures = Arc::new(Figures::new(clock.started(), settings.policy.word(), history));
+    let figures = Arc::new(SharedHistory::new(clock.started(), settings.policy.word(), history));
     let (now, floor) = (clock.now(), map.clone());
     let period = scenario.period;
     let fold = move || {
@@ -108,23 +112,23 @@ pub async fn build(config: &Config, floor: Floor, store: &Arc<Store>) -> anyhow:
                  granted and stand. Keep a copy of the file, then run `giveway database restore BACKUP`",
                 store.path().display()
             );
-            return Ok((Built::Broken(why.clone()), Summary { trouble: Some(why), ..summary }));
+            return Ok((Built::Broken(why.clone()), StartSummary { trouble: Some(why), ..summary }));
         }
     };
     let ledger = fleet.ledger();
     let (jobs, open_jobs) = (ledger.next_job - 1, ledger.jobs.len() as u64);
-    let summary = Summary { jobs, open_jobs, ..summary };
+    let summary = StartSummary { jobs, open_jobs, ..summary };
     let start = journal::Start { next, ledger: ledger.clone(), behind: facts };
     let (feeds, heard) = Feeds::new();
     feeds.know(&fleet.ledger().workers);
     let (interop, feeds) = (config.massrobotics.clone(), Arc::new(feeds));
     let live = Arc::new(Live::new(map, clock.started().0.unsigned_abs()));
     let alarms = Arc::new(Alarms::default());
-    let past = Past::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);
+    let past = KeptPast::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);
     let (notes, historian) = historian::historian(figures.clone(), store.clone());
     let charts = Charts { figures, notes, historian: tokio::spawn(historian.run()) };
     let parts =
-        Parts { fleet, world, clock, period, start, interop, feeds, heard, live, alarms, past, charts };
+        ServerParts { fleet, world, clock, period, start, interop, feeds, heard, live, alarms, past, charts };
     Ok((Built::Whole(Box::new(parts)), summary))
 }
 

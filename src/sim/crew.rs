@@ -9,7 +9,7 @@ use super::random::Stream;
 use super::scenario::{Assignments, Workers};
 use super::scenario::{Faults, Scenario};
 use super::sensor::Device;
-use super::walker::{Around, Desk, Job, RobotNear, Shown, Walker, ease};
+use super::walker::{Errand, RobotNear, Shown, Walker, WalkerSurroundings, WorkKnowledge, ease};
 use crate::fleet::{Assignment, AssignmentRequest, AssignmentState, Fleet, Guidance, GuidanceState, Input};
 use crate::geometry::{Point, Pose};
 use crate::id::{AssignmentId, NodeId, WorkerId};
@@ -53,7 +53,7 @@ struct Member {
     button: Link<AssignmentId>,
     pressed: Time,
     /// What it may do next, and places that everybody knows.
-    job: Option<Job>,
+    job: Option<Errand>,
     known: Vec<Point>,
 }
 
@@ -73,7 +73,7 @@ pub(super) struct Crew {
 
 /// A worker as it truly is.
 #[derive(Clone, Copy, Debug)]
-pub struct Presence {
+pub struct TrueWorker {
     /// Its number.
     pub worker: usize,
     /// Where, and where the head faces.
@@ -205,7 +205,7 @@ impl Crew {
     /// Everybody lives for `dt` seconds, up to `now`.
     pub fn tick(&mut self, now: Time, dt: f64, robots: &[RobotNear]) {
         let colleagues: Vec<Vec<Point>> = (0..self.members.len()).map(|i| self.colleagues(i, now)).collect();
-        let around = Around { walkways: &self.walkways, robots };
+        let around = WalkerSurroundings { walkways: &self.walkways, robots };
         for (i, member) in self.members.iter_mut().enumerate() {
             member.listen(now);
             if member.walker.is_none() {
@@ -229,8 +229,8 @@ impl Crew {
                 walker.send_home(door.expect("checked in `new`"));
             }
             let job = member.job.filter(|j| !member.done.contains(&j.id));
-            let desk = Desk { job, known: &member.known, colleagues: &colleagues[i] };
-            walker.tick(now, dt, &around, &desk);
+            let work = WorkKnowledge { job, known: &member.known, colleagues: &colleagues[i] };
+            walker.tick(now, dt, &around, &work);
             member.done.extend(walker.finished.drain(..));
             if let Some(device) = &mut member.device {
                 device.look(now, worker, walker.pose(now), walker.walked_m());
@@ -243,10 +243,10 @@ impl Crew {
     }
 
     /// Those on the floor, as they truly are.
-    pub fn present(&self, now: Time) -> impl Iterator<Item = Presence> {
+    pub fn present(&self, now: Time) -> impl Iterator<Item = TrueWorker> {
         let walkers = self.members.iter().enumerate().filter_map(|(i, m)| m.walker.as_ref().map(|w| (i, w)));
         let present = walkers.filter(|(_, w)| !w.is_gone());
-        present.map(move |(worker, w)| Presence { worker, pose: w.pose(now), speed_mps: w.speed_mps() })
+        present.map(move |(worker, w)| TrueWorker { worker, pose: w.pose(now), speed_mps: w.speed_mps() })
     }
 
     /// The truth about each worker that has been on the floor: its number in the fleet, and the walker.
@@ -315,7 +315,7 @@ impl Member {
     }
 
     /// What it is to do next: what the device shows, or else the first that is not done.
-    fn next_job(&self, fleet: &Fleet, walkways: &Walkways) -> Option<Job> {
+    fn next_job(&self, fleet: &Fleet, walkways: &Walkways) -> Option<Errand> {
         let worker = self.id?;
         let all = &fleet.ledger().assignments;
         let shown = self.told.as_ref().and_then(|(_, g)| g.assignment);
@@ -329,7 +329,7 @@ impl Member {
         let (id, assignment) = shown.or_else(first).or_else(any)?;
         let place = fleet.warehouse().nodes[assignment.request.place].at;
         let at = stand(place, walkways)?;
-        Some(Job { id: *id, at, stay: assignment.request.stay })
+        Some(Errand { id: *id, at, stay: assignment.request.stay })
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Main types: [`Watch`] (collects what the fleet says), [`Score`]. Refuses: to tell the fleet anything.
 
-use super::walker::{Cause, Log, Segment};
+use super::walker::{CauseStretch, Log, WalkCause};
 use crate::fleet::{Fact, Fleet, Guidance, GuidanceReason, GuidanceState};
 use crate::geometry::Point;
 use crate::id::WorkerId;
@@ -22,7 +22,7 @@ pub const TO_GOAL_S: [f64; 5] = [2.0, 4.0, 8.0, 16.0, f64::INFINITY];
 
 /// What the fleet says about one worker.
 #[derive(Clone, Debug, Default)]
-struct Said {
+struct WorkerSaid {
     /// When it began, and when it ceased, to hold that the worker is off the path.
     off_path: Vec<(Time, Time)>,
     alarms: Vec<Time>,
@@ -32,7 +32,7 @@ struct Said {
 /// Collects what the fleet says.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
-    said: BTreeMap<WorkerId, Said>,
+    said: BTreeMap<WorkerId, WorkerSaid>,
     next_look: Time,
 }
 
@@ -105,7 +105,7 @@ impl Watch {
     /// Scores what was said against the truth until `end`.
     pub fn score<'a>(&self, logs: impl Iterator<Item = (WorkerId, &'a Log)>, end: Time) -> Score {
         let mut score = Score::default();
-        let silent = Said::default();
+        let silent = WorkerSaid::default();
         for (worker, log) in logs {
             score.add(self.said.get(&worker).unwrap_or(&silent), log.segments(), end);
         }
@@ -115,7 +115,7 @@ impl Watch {
 }
 
 impl Score {
-    fn add(&mut self, said: &Said, segments: &[Segment], end: Time) {
+    fn add(&mut self, said: &WorkerSaid, segments: &[CauseStretch], end: Time) {
         for s in segments {
             let to = s.to.min(end);
             self.hours += (to - s.from).as_secs_f64() / 3600.0;
@@ -134,18 +134,19 @@ impl Score {
         }
         for alarm in &said.alarms {
             self.alarms += 1;
-            let about = |s: &&Segment| s.from <= *alarm && *alarm < s.to + GRACE && s.cause.is_deviation();
+            let about =
+                |s: &&CauseStretch| s.from <= *alarm && *alarm < s.to + GRACE && s.cause.is_deviation();
             if !segments.iter().any(|s| about(&s)) {
                 self.false_alarms += 1;
                 let during = segments.iter().find(|s| s.from <= *alarm && *alarm < s.to);
-                let word = during.map_or(Cause::OnPath, |s| s.cause).word();
+                let word = during.map_or(WalkCause::OnPath, |s| s.cause).word();
                 self.causes.entry(word).or_default().noticed += 1;
             }
         }
     }
 
     /// Stretches that were walked to their end tell how early the goal was known.
-    fn add_goals(&mut self, said: &Said, s: &Segment, to: Time, end: Time) {
+    fn add_goals(&mut self, said: &WorkerSaid, s: &CauseStretch, to: Time, end: Time) {
         let Some(goal) = s.goal.filter(|_| s.to < end) else { return };
         for (at, top) in said.goals.iter().filter(|(at, _)| s.from <= *at && *at < to) {
             let left = (to - *at).as_secs_f64();
@@ -162,7 +163,7 @@ impl Score {
 
     /// Deviations that came up.
     pub fn deviations(&self) -> u64 {
-        let is_deviation = |word: &str| Cause::ALL.iter().any(|c| c.word() == word && c.is_deviation());
+        let is_deviation = |word: &str| WalkCause::ALL.iter().any(|c| c.word() == word && c.is_deviation());
         self.causes.iter().filter(|(word, _)| is_deviation(word)).map(|(_, c)| c.times).sum()
     }
 
@@ -191,8 +192,8 @@ mod tests {
         Time::from_secs_f64(s)
     }
 
-    fn segment(from: f64, to: f64, cause: Cause, goal: Option<Point>) -> Segment {
-        Segment { from: at(from), to: at(to), cause, goal }
+    fn segment(from: f64, to: f64, cause: WalkCause, goal: Option<Point>) -> CauseStretch {
+        CauseStretch { from: at(from), to: at(to), cause, goal }
     }
 
     #[test]
@@ -200,13 +201,13 @@ mod tests {
         let there = Point::new(5.0, 5.0);
         let shop = Some(there);
         let log = [
-            segment(0.0, 10.0, Cause::OnPath, None),
-            segment(10.0, 20.0, Cause::Scripted, shop),
-            segment(20.0, 30.0, Cause::Pause, None),
-            segment(30.0, 30.5, Cause::Detour, shop),
-            segment(30.5, 60.0, Cause::UnknownGoal, shop),
+            segment(0.0, 10.0, WalkCause::OnPath, None),
+            segment(10.0, 20.0, WalkCause::Scripted, shop),
+            segment(20.0, 30.0, WalkCause::Pause, None),
+            segment(30.0, 30.5, WalkCause::Detour, shop),
+            segment(30.5, 60.0, WalkCause::UnknownGoal, shop),
         ];
-        let said = Said {
+        let said = WorkerSaid {
             off_path: vec![(at(12.5), at(21.0)), (at(25.0), at(26.0))],
             alarms: vec![at(12.5), at(25.0)],
             goals: vec![(at(11.0), Point::origin()), (at(17.0), Point::new(5.0, 6.0)), (at(19.0), there)],

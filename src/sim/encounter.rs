@@ -1,7 +1,7 @@
 //! Encounters of robots and people, measured where both truly are, and whether they touch.
 //!
-//! Main types: [`Meter`], [`Figures`]. What an encounter is, is said once, in [`aware::Meter`]. Refuses: what the fleet
-//! believes.
+//! Main types: [`EncounterMeter`], [`EncounterFigures`]. What an encounter is, is said once, in [`aware::Meter`].
+//! Refuses: what the fleet believes.
 
 use super::walker::RobotNear;
 use crate::aware::{self, Near};
@@ -15,7 +15,7 @@ const BEYOND_M: f64 = 1.0;
 
 /// What a run came to.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Figures {
+pub struct EncounterFigures {
     /// Moving robots that came into region 1 of a worker.
     pub encounters: u64,
     /// Least distance between the centres in any of them, metres.
@@ -28,7 +28,7 @@ pub struct Figures {
 
 /// Watches robots and workers.
 #[derive(Debug)]
-pub struct Meter {
+pub struct EncounterMeter {
     radius_m: f64,
     inner: aware::Meter,
     near: Vec<Near>,
@@ -36,12 +36,12 @@ pub struct Meter {
     /// Robots that drove on into a worker, with the worker: a broken law.
     pub run_over: Vec<(RobotId, usize)>,
     /// What was measured.
-    pub figures: Figures,
+    pub figures: EncounterFigures,
 }
 
 /// A worker as the meter sees it.
 #[derive(Clone, Copy, Debug)]
-pub struct Person {
+pub struct MeteredPerson {
     /// Its number.
     pub worker: usize,
     /// Where it is.
@@ -50,16 +50,16 @@ pub struct Person {
     pub speed_mps: f64,
 }
 
-impl Meter {
+impl EncounterMeter {
     /// A meter for meetings within this radius, metres.
-    pub fn new(radius_m: f64) -> Meter {
-        Meter {
+    pub fn new(radius_m: f64) -> EncounterMeter {
+        EncounterMeter {
             radius_m,
             inner: aware::Meter::default(),
             near: Vec::new(),
             touching: BTreeSet::new(),
             run_over: Vec::new(),
-            figures: Figures::default(),
+            figures: EncounterFigures::default(),
         }
     }
 
@@ -68,8 +68,8 @@ impl Meter {
         self.figures.worker_time += span * people as i64;
     }
 
-    /// Looks at a robot and a worker; [`Meter::settle`] counts when all pairs were looked at.
-    pub fn look(&mut self, robot: RobotId, seen: &RobotNear, person: &Person) {
+    /// Looks at a robot and a worker; [`EncounterMeter::count_pairs`] counts when all pairs were looked at.
+    pub fn look(&mut self, robot: RobotId, seen: &RobotNear, person: &MeteredPerson) {
         let distance_m = (person.at - seen.at).norm();
         if distance_m > self.radius_m + BEYOND_M {
             return;
@@ -86,7 +86,7 @@ impl Meter {
     }
 
     /// Counts what all pairs that were looked at mean.
-    pub fn settle(&mut self, now: Time) {
+    pub fn count_pairs(&mut self, now: Time) {
         let ended = self.inner.observe(now, &self.near);
         self.near.clear();
         let figures = &mut self.figures;
@@ -116,13 +116,13 @@ mod tests {
 
     #[test]
     fn one_pass_is_one_encounter_with_its_closest_distance() {
-        let mut meter = Meter::new(1.5);
+        let mut meter = EncounterMeter::new(1.5);
         for i in 0..500 {
             let at = Point::new(-5.0 + i as f64 / 50.0, 0.3);
             let robot = RobotNear { at, velocity: Vector::new(1.0, 0.0), half_m: 0.45 };
-            let person = Person { worker: 0, at: Point::origin(), speed_mps: 0.7 };
+            let person = MeteredPerson { worker: 0, at: Point::origin(), speed_mps: 0.7 };
             meter.look(RobotId(0), &robot, &person);
-            meter.settle(Time(i * 20_000));
+            meter.count_pairs(Time(i * 20_000));
         }
         assert_eq!(meter.figures.encounters, 1);
         assert!((meter.figures.closest_m.unwrap() - 0.3).abs() < 1e-9);
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn a_contact_is_counted_once_and_breaks_the_law_only_where_the_robot_drives_on() {
-        let mut meter = Meter::new(1.5);
+        let mut meter = EncounterMeter::new(1.5);
         meter.touch(RobotId(0), 0, true, 0.5, true);
         meter.touch(RobotId(0), 0, true, 0.5, false);
         assert_eq!((meter.figures.contacts, meter.run_over.len()), (1, 0));

@@ -30,7 +30,7 @@ mod world;
 pub use customers::{FIRST_TOKEN, OrderLine};
 pub use digest::Digest;
 pub use laws::Violation;
-pub use run::{Outcome, People, Simulation, Tally};
+pub use run::{JobTally, Outcome, People, Simulation};
 pub use scenario::{
     Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, KindShare, Personas, Rates, Scenario,
     ScenarioError, Sensor, Source, Workers,

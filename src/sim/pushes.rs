@@ -1,7 +1,7 @@
 //! Where people push robots: onto a node nearby, or to a place between nodes, where no robot is about to come.
 //!
-//! Main type: [`Around`]. Refuses: to put a robot before one that drives; people would see that, and the fleet hears of
-//! it only after a report and an order.
+//! Main type: [`PushSurroundings`]. Refuses: to put a robot before one that drives; people would see that, and the
+//! fleet hears of it only after a report and an order.
 
 use super::random::Stream;
 use crate::fleet::{OFF_ROUTE_M, RackAt};
@@ -22,7 +22,7 @@ const TRIES: usize = 20;
 const ROOM_M: f64 = 0.05;
 
 /// What is around a robot that is pushed.
-pub(super) struct Around<'a> {
+pub(super) struct PushSurroundings<'a> {
     pub warehouse: &'a Warehouse,
     pub racks: &'a IdVec<RackId, RackAt>,
     /// Where other robots are, and how fast.
@@ -32,7 +32,7 @@ pub(super) struct Around<'a> {
     pub blind_s: f64,
 }
 
-impl Around<'_> {
+impl PushSurroundings<'_> {
     /// A place near `at`, with the node nearest to it; nothing where none was found.
     pub fn place_near(
         &self,

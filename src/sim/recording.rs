@@ -75,11 +75,11 @@ impl From<Says> for StationOrder {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Line {
+struct RecordingLine {
     t: i64,
     /// Robots that say something new.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    r: Vec<Said>,
+    r: Vec<TelemetryRow>,
     /// Robots that say the same again, with the time they say it at where that is not `t`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     s: Vec<(u32, i64)>,
@@ -88,14 +88,15 @@ struct Line {
     c: BTreeMap<u32, u64>,
     /// Workers that were seen.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    w: Vec<Seen>,
+    w: Vec<SightingRow>,
     /// Everything else, in the order in which it came.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     i: Vec<Other>,
 }
 
 /// Robot, seen, x, y, heading, speed, reached, known, acted, rack, battery, what is wrong, limit.
-type Said = (u32, i64, f64, f64, f64, f64, u64, u64, Option<u64>, Option<u32>, f64, Wrong, Option<f64>);
+type TelemetryRow =
+    (u32, i64, f64, f64, f64, f64, u64, u64, Option<u64>, Option<u32>, f64, Wrong, Option<f64>);
 /// What is wrong with a robot: `false` for nothing, `true` where it is broken, else the word of the fault.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
@@ -104,7 +105,7 @@ enum Wrong {
     Other(String),
 }
 /// Worker, seen, epoch, number, x, y, heading, accuracy, quality (0 tracked, 1 emulated, 2 lost).
-type Seen = (u32, i64, u32, u64, f64, f64, Option<f64>, f64, u8);
+type SightingRow = (u32, i64, u32, u64, f64, f64, Option<f64>, f64, u8);
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -118,7 +119,7 @@ enum Other {
     Retire(u64, u32),
     Submit {
         token: u64,
-        kind: Kind,
+        kind: LineKind,
         priority: u8,
         deadline: Option<i64>,
         after: Vec<u64>,
@@ -157,7 +158,7 @@ enum Other {
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Kind {
+enum LineKind {
     Deliver(u32, u32, Option<i64>),
     Return(u32),
     Relocate(u32, u32),
@@ -168,7 +169,7 @@ enum Kind {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct End {
+struct RecordingEnd {
     trace_hash: String,
 }
 
@@ -186,7 +187,8 @@ impl Recorder {
 
     /// The line of one step.
     pub fn step(&mut self, now: Time, inputs: &[Input]) -> String {
-        let mut line = Line { t: now.0, r: vec![], s: vec![], c: BTreeMap::new(), w: vec![], i: vec![] };
+        let mut line =
+            RecordingLine { t: now.0, r: vec![], s: vec![], c: BTreeMap::new(), w: vec![], i: vec![] };
         for input in inputs {
             match input {
                 Input::Telemetry(t) => {
@@ -210,7 +212,7 @@ impl Recorder {
 
     /// The last line.
     pub fn end(trace_hash: u64) -> String {
-        to_line(&End { trace_hash: format!("{trace_hash:016x}") })
+        to_line(&RecordingEnd { trace_hash: format!("{trace_hash:016x}") })
     }
 }
 
@@ -220,7 +222,7 @@ fn to_line(value: &impl Serialize) -> String {
     text
 }
 
-fn said(t: &Telemetry) -> Said {
+fn said(t: &Telemetry) -> TelemetryRow {
     let (x, y) = (t.pose.at.x, t.pose.at.y);
     let rack = t.rack.map(|k| k.0);
     let seen = t.seen.0;
@@ -257,7 +259,7 @@ fn fault_of(wrong: &Wrong) -> Option<Fault> {
     }
 }
 
-fn sighted(s: &Sighting) -> Seen {
+fn sighted(s: &Sighting) -> SightingRow {
     let quality = match s.quality {
         Quality::Tracked => 0,
         Quality::Emulated => 1,
@@ -303,12 +305,12 @@ fn asked(input: &Input) -> Other {
 
 fn submit(token: u64, request: &JobRequest) -> Other {
     let kind = match request.kind {
-        JobKind::Deliver { rack, station, pick } => Kind::Deliver(rack.0, station.0, pick.map(|p| p.0)),
-        JobKind::Return { rack } => Kind::Return(rack.0),
-        JobKind::Relocate { rack, node } => Kind::Relocate(rack.0, node.0),
-        JobKind::Charge { robot } => Kind::Charge(robot.0),
-        JobKind::Park { robot } => Kind::Park(robot.0),
-        JobKind::Go { robot, node } => Kind::Go(robot.0, node.0),
+        JobKind::Deliver { rack, station, pick } => LineKind::Deliver(rack.0, station.0, pick.map(|p| p.0)),
+        JobKind::Return { rack } => LineKind::Return(rack.0),
+        JobKind::Relocate { rack, node } => LineKind::Relocate(rack.0, node.0),
+        JobKind::Charge { robot } => LineKind::Charge(robot.0),
+        JobKind::Park { robot } => LineKind::Park(robot.0),
+        JobKind::Go { robot, node } => LineKind::Go(robot.0, node.0),
     };
     Other::Submit {
         token,
@@ -358,11 +360,11 @@ impl Playback {
     pub fn read(&mut self, text: &str) -> Result<Played, Broken> {
         self.line += 1;
         let broken = |message: String| Broken { line: self.line, message };
-        if let Ok(end) = serde_json::from_str::<End>(text) {
+        if let Ok(end) = serde_json::from_str::<RecordingEnd>(text) {
             let hash = u64::from_str_radix(&end.trace_hash, 16).map_err(|e| broken(e.to_string()))?;
             return Ok(Played::End(hash));
         }
-        let line: Line = serde_json::from_str(text).map_err(|e| broken(e.to_string()))?;
+        let line: RecordingLine = serde_json::from_str(text).map_err(|e| broken(e.to_string()))?;
         let mut inputs: Vec<Input> = line.i.into_iter().map(other).collect();
         let before = |robot| self.last.get(&RobotId(robot)).map_or(0, |t| t.recalls);
         let recalls = |robot| line.c.get(&robot).copied().unwrap_or_else(|| before(robot));
@@ -380,7 +382,7 @@ impl Playback {
     }
 }
 
-fn heard(s: Said, recalls: u64) -> Telemetry {
+fn heard(s: TelemetryRow, recalls: u64) -> Telemetry {
     let (robot, seen, x, y, heading, speed_mps, reached, known, acted, rack, battery, fault, limit_mps) = s;
     Telemetry {
         robot: RobotId(robot),
@@ -398,7 +400,7 @@ fn heard(s: Said, recalls: u64) -> Telemetry {
     }
 }
 
-fn glimpsed(s: Seen) -> Sighting {
+fn glimpsed(s: SightingRow) -> Sighting {
     let (worker, seen, epoch, seq, x, y, heading, accuracy_m, quality) = s;
     let quality = match quality {
         0 => Quality::Tracked,
@@ -446,14 +448,16 @@ fn other(o: Other) -> Input {
         Other::Reopen(token, closure) => Input::Reopen { token, closure: ClosureId(closure) },
         Other::Submit { token, kind, priority, deadline, after, key } => {
             let kind = match kind {
-                Kind::Deliver(rack, station, pick) => {
+                LineKind::Deliver(rack, station, pick) => {
                     JobKind::Deliver { rack: RackId(rack), station: StationId(station), pick: pick.map(Span) }
                 }
-                Kind::Return(rack) => JobKind::Return { rack: RackId(rack) },
-                Kind::Relocate(rack, node) => JobKind::Relocate { rack: RackId(rack), node: NodeId(node) },
-                Kind::Charge(robot) => JobKind::Charge { robot: RobotId(robot) },
-                Kind::Park(robot) => JobKind::Park { robot: RobotId(robot) },
-                Kind::Go(robot, node) => JobKind::Go { robot: RobotId(robot), node: NodeId(node) },
+                LineKind::Return(rack) => JobKind::Return { rack: RackId(rack) },
+                LineKind::Relocate(rack, node) => {
+                    JobKind::Relocate { rack: RackId(rack), node: NodeId(node) }
+                }
+                LineKind::Charge(robot) => JobKind::Charge { robot: RobotId(robot) },
+                LineKind::Park(robot) => JobKind::Park { robot: RobotId(robot) },
+                LineKind::Go(robot, node) => JobKind::Go { robot: RobotId(robot), node: NodeId(node) },
             };
             let after = after.into_iter().map(JobId).collect();
             let request = JobRequest { kind, priority, deadline: deadline.map(Time), after, key };

@@ -6,12 +6,12 @@
 use super::customers::OrderLine;
 use super::detection::{Score, Watch};
 use super::digest::Digest;
-use super::encounter::Figures;
+use super::encounter::EncounterFigures;
 use super::laws::Laws;
 use super::laws::undrained;
 use super::scenario::Scenario;
+pub use super::tally::JobTally;
 use super::tally::Tallies;
-pub use super::tally::Tally;
 use super::world::World;
 use crate::fleet::{Counts, Fleet, Input, Settings, Step};
 use crate::time::{Span, Time};
@@ -60,7 +60,7 @@ pub struct Outcome {
     /// How long that took.
     pub drain: Span,
     /// What became of jobs of each kind, to the very end.
-    pub jobs: BTreeMap<&'static str, Tally>,
+    pub jobs: BTreeMap<&'static str, JobTally>,
     /// A digest of all facts of the duration: same build, same seed, same digest.
     pub trace_hash: u64,
     /// What became of people, measured where they truly were.
@@ -71,7 +71,7 @@ pub struct Outcome {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct People {
     /// Meetings with robots, contacts, time on the floor.
-    pub figures: Figures,
+    pub figures: EncounterFigures,
     /// Assignments that they truly completed.
     pub completed: u64,
     /// How well the fleet knew what they did.

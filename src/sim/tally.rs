@@ -1,6 +1,6 @@
 //! What became of jobs, by kind.
 //!
-//! Main types: [`Tally`], [`Tallies`]. Refuses: to look at anything but facts.
+//! Main types: [`JobTally`], [`Tallies`]. Refuses: to look at anything but facts.
 
 use crate::fleet::{Fact, Fleet, JobState};
 use crate::id::JobId;
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 /// What became of jobs of one kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
+pub struct JobTally {
     /// Accepted.
     pub accepted: u64,
     /// Done.
@@ -25,7 +25,7 @@ pub struct Tally {
 #[derive(Debug, Default)]
 pub(super) struct Tallies {
     open: BTreeMap<JobId, &'static str>,
-    kinds: BTreeMap<&'static str, Tally>,
+    kinds: BTreeMap<&'static str, JobTally>,
 }
 
 impl Tallies {
@@ -54,7 +54,7 @@ impl Tallies {
     }
 
     /// All of them, with what the ledger has open in the end.
-    pub fn all(&self, fleet: &Fleet) -> BTreeMap<&'static str, Tally> {
+    pub fn all(&self, fleet: &Fleet) -> BTreeMap<&'static str, JobTally> {
         let mut all = self.kinds.clone();
         for job in fleet.ledger().jobs.values() {
             all.entry(job.request.kind.word()).or_default().open_at_end += 1;

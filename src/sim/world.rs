@@ -3,12 +3,12 @@
 //! Main type: [`World`]. Refuses: to let the fleet see anything but telemetry and orders.
 
 use super::announce::announce;
-use super::crew::{Crew, Presence};
+use super::crew::{Crew, TrueWorker};
 use super::customers::{Customers, FIRST_TOKEN, OrderLine};
-use super::encounter::{Figures, Meter, Person};
+use super::encounter::{EncounterFigures, EncounterMeter, MeteredPerson};
 use super::leavers::{Leavers, may_be_taken};
 use super::link::Link;
-use super::pushes::{Around, NEARBY_M};
+use super::pushes::{NEARBY_M, PushSurroundings};
 use super::random::Stream;
 use super::robot::RobotBody;
 use super::scenario::{Faults, Scenario};
@@ -31,7 +31,7 @@ const TICK: Span = Span::from_millis(20);
 
 /// A robot with its radio.
 #[derive(Debug)]
-struct Robot {
+struct SimRobot {
     body: RobotBody,
     /// The rack that was on it when it was looked at last.
     had: Option<RackId>,
@@ -56,11 +56,11 @@ pub struct World {
     worst: Kinematics,
     faults: Faults,
     seed: u64,
-    robots: Vec<Robot>,
+    robots: Vec<SimRobot>,
     customers: Customers,
     leavers: Leavers,
     crew: Option<Crew>,
-    meter: Meter,
+    meter: EncounterMeter,
     joining: Vec<(String, String, NodeId)>,
     /// Where each rack truly is.
     racks: IdVec<RackId, RackAt>,
@@ -100,7 +100,7 @@ impl World {
         } else {
             Crew::new(&warehouse, scenario, seed, now)
         };
-        let meter = Meter::new(scenario.workers.encounter_m);
+        let meter = EncounterMeter::new(scenario.workers.encounter_m);
         let robots = vec![];
         let closing = scenario.areas(&warehouse, now).expect("whoever reads a scenario looks at its areas");
         let mut world = World {
@@ -196,7 +196,7 @@ impl World {
     /// Pushes a robot onto a node nearby or to a place between nodes, if there is one where it is in nobody's way.
     fn push(&mut self, i: usize, onto_node: bool, (from, to): (Time, Time)) {
         let others = self.robots.iter().enumerate().filter(|(j, r)| *j != i && !r.off);
-        let floor = Around {
+        let floor = PushSurroundings {
             warehouse: &self.warehouse,
             racks: &self.racks,
             others: others.map(|(_, r)| (r.body.pose.at, r.body.speed_mps)).collect(),
@@ -327,26 +327,26 @@ impl World {
     /// People walk, robots look out for them, and both are measured.
     fn people(&mut self, from: Time, to: Time) {
         let Some(crew) = &mut self.crew else { return };
-        let near = |r: &Robot| {
+        let near = |r: &SimRobot| {
             let half_m = r.body.footprint().half_m();
             RobotNear { at: r.body.pose.at, velocity: r.body.velocity(), half_m }
         };
         let robots: Vec<RobotNear> = self.robots.iter().filter(|r| !r.off).map(near).collect();
         crew.tick(to, (to - from).as_secs_f64(), &robots);
-        let people: Vec<Presence> = crew.present(to).collect();
+        let people: Vec<TrueWorker> = crew.present(to).collect();
         let places: Vec<Point> = people.iter().map(|p| p.pose.at).collect();
         self.meter.pass_time(people.len(), to - from);
         for (robot, near) in self.robots.iter_mut().filter(|r| !r.off).zip(&robots) {
             robot.body.scan(to, near.half_m, &places);
             let (id, speed, brakes) = (robot.body.id, robot.body.speed_mps, robot.body.is_guarded());
             for p in &people {
-                let person = Person { worker: p.worker, at: p.pose.at, speed_mps: p.speed_mps };
+                let person = MeteredPerson { worker: p.worker, at: p.pose.at, speed_mps: p.speed_mps };
                 self.meter.look(id, near, &person);
                 let touches = near.gap(p.pose.at) <= 0.0 && robot.body.touches(p.pose.at);
                 self.meter.touch(id, p.worker, touches, speed, brakes);
             }
         }
-        self.meter.settle(to);
+        self.meter.count_pairs(to);
     }
 
     /// Hands over guidance to workers.
@@ -357,7 +357,7 @@ impl World {
     }
 
     /// Meetings of robots and people so far, measured where both truly are.
-    pub fn figures(&self) -> &Figures {
+    pub fn figures(&self) -> &EncounterFigures {
         &self.meter.figures
     }
 
@@ -415,7 +415,7 @@ impl World {
     }
 
     /// A robot where the ledger has it, with its radio.
-    fn robot(&self, id: RobotId, fleet: &Fleet) -> Robot {
+    fn robot(&self, id: RobotId, fleet: &Fleet) -> SimRobot {
         let record = &fleet.ledger().robots[id];
         let node = fleet.ledger().node_of(id);
         let who = id.ix() as u64;
@@ -429,7 +429,7 @@ impl World {
         body.resume(reached, record.acted, record.recalls, rack);
         let delay = Span::from_millis(self.faults.message_delay_ms);
         let loss = self.faults.message_loss;
-        Robot {
+        SimRobot {
             had: body.rack,
             body,
             orders: Link::new(delay, loss, Stream::new(self.seed, 1, who)),
@@ -459,7 +459,7 @@ impl World {
     }
 }
 
-impl Robot {
+impl SimRobot {
     /// What goes wrong with it, and what is over. `charging` says whether it stands on a charger.
     fn meet_faults(&mut self, faults: &Faults, charging: bool, from: Time, to: Time) {
         if let Some((_, until)) = self.body.fault {

@@ -4,7 +4,7 @@
 //! committed when it began, also while a server writes. Refuses: to overwrite anything.
 
 use super::gone::Gone;
-use super::identity::{Place, beside};
+use super::identity::{OpenFiles, beside};
 use super::lock::Lock;
 use super::opening::set_aside;
 use super::{ABOUT, BUSY, Store, StoreError, last_step};
@@ -38,7 +38,7 @@ impl Store {
         let (last, gone) = (last_step(&pool).await?, Gone::read(&pool).await?);
         let lock = Arc::new(Lock::none(path));
         let (run, keep) = (String::new(), super::days(super::KEEP_DAYS));
-        let (writer, readers, place) = (pool.clone(), pool, Place::default());
+        let (writer, readers, place) = (pool.clone(), pool, OpenFiles::default());
         Ok(Store { writer, readers, place, last, run, keep, lock, gone, carried: None })
     }
 

@@ -1,7 +1,7 @@
 //! Which file a path names: a device and a number on it, whatever the file is called.
 //!
-//! Main types: [`Key`] (one file), [`Place`] (the files of an open database, where they must be). Refuses: to take a
-//! file of the same name for the same file.
+//! Main types: [`FileKey`] (one file), [`OpenFiles`] (the files of an open database, where they must be). Refuses: to
+//! take a file of the same name for the same file.
 
 use super::StoreError;
 use std::fs::Metadata;
@@ -10,27 +10,27 @@ use std::path::{Path, PathBuf};
 
 /// One file, by device and number: the same under every name, symbolic link and hard link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Key(u64, u64);
+pub(super) struct FileKey(u64, u64);
 
-impl Key {
+impl FileKey {
     /// The file that a path names.
-    pub fn of(path: &Path) -> io::Result<Key> {
-        Ok(Key::from(path, &std::fs::metadata(path)?))
+    pub fn of(path: &Path) -> io::Result<FileKey> {
+        Ok(FileKey::from(path, &std::fs::metadata(path)?))
     }
 
     #[cfg(unix)]
-    fn from(_: &Path, found: &Metadata) -> Key {
+    fn from(_: &Path, found: &Metadata) -> FileKey {
         use std::os::unix::fs::MetadataExt;
-        Key(found.dev(), found.ino())
+        FileKey(found.dev(), found.ino())
     }
 
     /// Without numbers of files, the path has to do; that a file is missing is noticed all the same.
     #[cfg(not(unix))]
-    fn from(path: &Path, _: &Metadata) -> Key {
+    fn from(path: &Path, _: &Metadata) -> FileKey {
         use std::hash::{DefaultHasher, Hash, Hasher};
         let mut hash = DefaultHasher::new();
         path.hash(&mut hash);
-        Key(0, hash.finish())
+        FileKey(0, hash.finish())
     }
 }
 
@@ -43,22 +43,22 @@ pub(super) fn beside(path: &Path, suffix: &str) -> PathBuf {
 
 /// The files that an open database writes to, as they were when it was opened.
 #[derive(Debug, Default)]
-pub(super) struct Place {
-    files: Vec<(PathBuf, Key)>,
+pub(super) struct OpenFiles {
+    files: Vec<(PathBuf, FileKey)>,
 }
 
-impl Place {
+impl OpenFiles {
     /// The main file and the write-ahead log of a database that is open.
-    pub fn of(path: &Path) -> io::Result<Place> {
-        let key = |path: PathBuf| Key::of(&path).map(|key| (path, key));
-        Ok(Place { files: vec![key(path.to_owned())?, key(beside(path, "-wal"))?] })
+    pub fn of(path: &Path) -> io::Result<OpenFiles> {
+        let key = |path: PathBuf| FileKey::of(&path).map(|key| (path, key));
+        Ok(OpenFiles { files: vec![key(path.to_owned())?, key(beside(path, "-wal"))?] })
     }
 
     /// Whether both are where they were: two calls of the system, some microseconds. SQLite keeps writing into files
     /// that no longer have a name, and all of that would be gone with the process.
     pub fn check(&self) -> Result<(), StoreError> {
         for (path, key) in &self.files {
-            let what = match Key::of(path) {
+            let what = match FileKey::of(path) {
                 Ok(found) if found == *key => continue,
                 Ok(_) => "was replaced by another file",
                 Err(e) if e.kind() == io::ErrorKind::NotFound => "was deleted or moved away",

@@ -75,7 +75,7 @@ struct RobotRecord {
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum RackRecord {
+enum RackPlaceRecord {
     Stored(u32),
     On(u32),
 }
@@ -116,7 +116,7 @@ struct LedgerRecord {
     next_job: u64,
     keys: KeysRecord,
     robots: Vec<RobotRecord>,
-    racks: Vec<RackRecord>,
+    racks: Vec<RackPlaceRecord>,
     chains: Vec<ChainRecord>,
     served: Vec<u64>,
     workers: Vec<String>,
@@ -281,20 +281,20 @@ impl From<RobotRecord> for Robot {
     }
 }
 
-impl From<RackAt> for RackRecord {
-    fn from(at: RackAt) -> RackRecord {
+impl From<RackAt> for RackPlaceRecord {
+    fn from(at: RackAt) -> RackPlaceRecord {
         match at {
-            RackAt::Stored(node) => RackRecord::Stored(node.0),
-            RackAt::On(robot) => RackRecord::On(robot.0),
+            RackAt::Stored(node) => RackPlaceRecord::Stored(node.0),
+            RackAt::On(robot) => RackPlaceRecord::On(robot.0),
         }
     }
 }
 
-impl From<RackRecord> for RackAt {
-    fn from(r: RackRecord) -> RackAt {
+impl From<RackPlaceRecord> for RackAt {
+    fn from(r: RackPlaceRecord) -> RackAt {
         match r {
-            RackRecord::Stored(node) => RackAt::Stored(NodeId(node)),
-            RackRecord::On(robot) => RackAt::On(RobotId(robot)),
+            RackPlaceRecord::Stored(node) => RackAt::Stored(NodeId(node)),
+            RackPlaceRecord::On(robot) => RackAt::On(RobotId(robot)),
         }
     }
 }

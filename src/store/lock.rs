@@ -1,14 +1,14 @@
 //! The lock: one Giveway at a time has a database, whatever name it was given; and what is known about the database
 //! beside it.
 //!
-//! Main types: [`Lock`], [`Record`] (the text in the lock file). Two files are locked: `FILE-lock`, which is there
+//! Main types: [`Lock`], [`LockRecord`] (the text in the lock file). Two files are locked: `FILE-lock`, which is there
 //! before the database is, and on Linux the main file itself, which has one identity under all its names. The record
 //! says how many facts were durable; it is written after each commit and before that is acknowledged, and never before
 //! the commit, so that a crash at any instant leaves a number that the database has reached. Refuses: a second holder,
 //! in this process or another.
 
 use super::StoreError;
-use super::identity::{Key, beside};
+use super::identity::{FileKey, beside};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::fs::{File, TryLockError};
@@ -19,7 +19,7 @@ use uuid::Uuid;
 
 /// Main files that this process has. A second look at one of them must not even open it: closing any handle of a file
 /// gives up all of the process's locks on it, those of SQLite, too (POSIX).
-static HELD: Mutex<BTreeSet<Key>> = Mutex::new(BTreeSet::new());
+static HELD: Mutex<BTreeSet<FileKey>> = Mutex::new(BTreeSet::new());
 
 /// The record has always this length, so that writing it again asks the disk for nothing.
 const RECORD_BYTES: usize = 256;
@@ -29,7 +29,7 @@ const MOST_LINKS: usize = 8;
 
 /// What the lock file says about the database beside it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Record {
+pub(super) struct LockRecord {
     /// The run that wrote this.
     pub run: String,
     /// The number of the last fact that is durable, or of one shortly before it.
@@ -40,19 +40,19 @@ pub(super) struct Record {
 
 /// What falls when the lock does.
 #[derive(Debug)]
-struct Held {
+struct LockHeld {
     side: File,
-    main: Option<(Key, File)>,
-    record: Record,
+    main: Option<(FileKey, File)>,
+    record: LockRecord,
 }
 
 /// The right to write to one database, until it is released, or the process ends.
 #[derive(Debug)]
 pub(super) struct Lock {
     path: PathBuf,
-    found: Option<Record>,
+    found: Option<LockRecord>,
     run: Uuid,
-    held: Mutex<Option<Held>>,
+    held: Mutex<Option<LockHeld>>,
 }
 
 impl Lock {
@@ -69,8 +69,8 @@ impl Lock {
         // Whatever is no record claims nothing: an older Giveway left the file empty.
         let found = side.read_to_string(&mut text).ok().and_then(|_| serde_json::from_str(&text).ok());
         let run = Uuid::new_v4();
-        let record = Record { run: run.to_string(), last: 0, closed: false };
-        let lock = Lock { path, found, run, held: Mutex::new(Some(Held { side, main: None, record })) };
+        let record = LockRecord { run: run.to_string(), last: 0, closed: false };
+        let lock = Lock { path, found, run, held: Mutex::new(Some(LockHeld { side, main: None, record })) };
         if lock.path.exists() {
             lock.hold_main()?;
         }
@@ -83,7 +83,7 @@ impl Lock {
         if self.held().as_ref().is_some_and(|h| h.main.is_some()) {
             return Ok(());
         }
-        if let Ok(key) = Key::of(&self.path)
+        if let Ok(key) = FileKey::of(&self.path)
             && held().contains(&key)
         {
             return Err(StoreError::InUse(self.path.clone()));
@@ -91,7 +91,7 @@ impl Lock {
         let mut options = File::options();
         let main =
             options.read(true).write(true).create(true).truncate(false).open(&self.path).map_err(fail)?;
-        let key = Key::of(&self.path).map_err(fail)?;
+        let key = FileKey::of(&self.path).map_err(fail)?;
         // Elsewhere such a lock and those of SQLite would keep each other out.
         if cfg!(target_os = "linux") {
             lock(&main, &self.path, &self.path)?;
@@ -121,7 +121,7 @@ impl Lock {
     }
 
     /// What the lock file said.
-    pub fn found(&self) -> Option<&Record> {
+    pub fn found(&self) -> Option<&LockRecord> {
         self.found.as_ref()
     }
 
@@ -155,12 +155,12 @@ impl Lock {
         let _ = held.side.unlock();
     }
 
-    fn held(&self) -> MutexGuard<'_, Option<Held>> {
+    fn held(&self) -> MutexGuard<'_, Option<LockHeld>> {
         self.held.lock().expect("nothing panics with this lock")
     }
 }
 
-impl Held {
+impl LockHeld {
     fn write(&mut self) {
         let mut text = serde_json::to_vec(&self.record).expect("a record is plain");
         text.resize(RECORD_BYTES, b'\n');
@@ -177,13 +177,13 @@ impl Held {
     }
 }
 
-impl Drop for Held {
+impl Drop for LockHeld {
     fn drop(&mut self) {
         self.let_main_go();
     }
 }
 
-fn held() -> MutexGuard<'static, BTreeSet<Key>> {
+fn held() -> MutexGuard<'static, BTreeSet<FileKey>> {
     HELD.lock().expect("nothing panics with this lock")
 }
 

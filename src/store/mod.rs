@@ -1,7 +1,7 @@
 //! The journal of steps, snapshots of what they led to, the lists of jobs, assignments and encounters, and figures
 //! over time, in SQLite.
 //!
-//! Main types: [`Store`] (open, load, append, snapshot, rows of lists), [`Entry`], [`Loaded`], [`StoreError`];
+//! Main types: [`Store`] (open, load, append, snapshot, rows of lists), [`StepEntry`], [`Loaded`], [`StoreError`];
 //! [`record`] is the wire form of facts, [`ledger_record`]
 //! that of snapshots. This module is the seam behind which PostgreSQL follows: statements are constants with `$1`,
 //! and nobody outside sees a row. What is guaranteed: an [`Store::append`] that returned `Ok` survives loss of
@@ -39,13 +39,13 @@ pub use error::StoreError;
 pub use opening::Opening;
 pub use seal::seal;
 pub use snapshot::SNAPSHOT_AFTER;
-pub use steps::{Entry, Loaded};
+pub use steps::{Loaded, StepEntry};
 
 use crate::time::Span;
 use crate::warehouse::Warehouse;
 use gone::Gone;
-use identity::Place;
-use lock::{Lock, Record};
+use identity::OpenFiles;
+use lock::{Lock, LockRecord};
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
@@ -81,7 +81,7 @@ pub const KEEP_DAYS: u32 = 400;
 pub struct Store {
     writer: SqlitePool,
     readers: SqlitePool,
-    place: Place,
+    place: OpenFiles,
     /// The number of the last step when it was opened.
     last: i64,
     /// Names this opening of the database: what others wrote since is noticed.
@@ -105,7 +105,7 @@ impl Store {
     /// Opens the database whose lock is held. It must have the facts that the lock file knows of.
     async fn connect(
         lock: &Arc<Lock>,
-        known: Option<&Record>,
+        known: Option<&LockRecord>,
         map: &Warehouse,
         opening: &Opening,
     ) -> Result<Store, StoreError> {
@@ -132,7 +132,7 @@ impl Store {
             return Err(StoreError::Lost { path: path.into(), found: last, known });
         }
         migrator().run(&writer).await.map_err(|why| StoreError::Migrate { path: path.into(), why })?;
-        let carried = match settle_map(&writer, path, map, opening).await {
+        let carried = match seal_or_carry(&writer, path, map, opening).await {
             Ok(carried) => carried,
             Err(e) => {
                 writer.close().await;
@@ -151,7 +151,7 @@ impl Store {
             .connect_with(options.read_only(true))
             .await
             .map_err(open)?;
-        let place = Place::of(path).map_err(|why| StoreError::Lock { path: path.into(), why })?;
+        let place = OpenFiles::of(path).map_err(|why| StoreError::Lock { path: path.into(), why })?;
         let gone = Gone::read(&readers).await?;
         lock.note(last);
         let (keep, lock) = (days(KEEP_DAYS), lock.clone());
@@ -248,7 +248,7 @@ fn migrator() -> Migrator {
 }
 
 /// Seals a new database with the map, and carries one that belongs to another map over to this one.
-async fn settle_map(
+async fn seal_or_carry(
     writer: &SqlitePool,
     path: &Path,
     map: &Warehouse,

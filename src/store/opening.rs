@@ -5,7 +5,7 @@
 
 use super::carry::CarryOver;
 use super::identity::beside;
-use super::lock::{Lock, Record};
+use super::lock::{Lock, LockRecord};
 use super::{Store, StoreError};
 use crate::warehouse::Warehouse;
 use std::path::{Path, PathBuf};
@@ -70,7 +70,7 @@ fn traces(lock: &Lock, folders: &[PathBuf]) -> Vec<String> {
     if size(lock.path()) > 0 {
         return found;
     }
-    if let Some(Record { last, .. }) = lock.found().filter(|r| r.last > 0) {
+    if let Some(LockRecord { last, .. }) = lock.found().filter(|r| r.last > 0) {
         found.push(format!("the lock file, which knows of {last} facts"));
     }
     let wal = beside(lock.path(), "-wal");

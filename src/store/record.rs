@@ -8,7 +8,7 @@ use super::people_record::{
     AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, ReactionRecord,
 };
 use super::route_record::{BookingRecord, KeptRecord, MovedRecord};
-use crate::fleet::{Booking, Fact, Kept, Moved, USUAL_KIND};
+use crate::fleet::{Booking, Fact, KeptRoute, Moved, USUAL_KIND};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
@@ -320,11 +320,11 @@ fn returned(robot: u32, kind: String, node: u32, at: i64) -> Fact {
     Fact::Returned { robot: RobotId(robot), kind, node: NodeId(node), at: Time(at) }
 }
 
-fn kept(records: Vec<KeptRecord>) -> Vec<Kept> {
-    records.into_iter().map(Kept::from).collect()
+fn kept(records: Vec<KeptRecord>) -> Vec<KeptRoute> {
+    records.into_iter().map(KeptRoute::from).collect()
 }
 
-fn kept_records(robots: &[Kept]) -> Vec<KeptRecord> {
+fn kept_records(robots: &[KeptRoute]) -> Vec<KeptRecord> {
     robots.iter().map(KeptRecord::from).collect()
 }
 
@@ -404,13 +404,13 @@ fn record_registered(robot: RobotId, (name, kind): (&str, &str), node: NodeId, a
     Record::Enlisted { robot: robot.0, name: name.into(), kind: kind.into(), node: node.0, at: at.0 }
 }
 
-fn record_placed(robot: RobotId, node: NodeId, serial: u64, cut: &[Kept], at: Time) -> Record {
+fn record_placed(robot: RobotId, node: NodeId, serial: u64, cut: &[KeptRoute], at: Time) -> Record {
     let cut = cut.iter().map(KeptRecord::from).collect();
     Record::Placed { robot: robot.0, node: node.0, serial, cut, at: at.0 }
 }
 
 fn placed(robot: u32, node: u32, serial: u64, cut: Vec<KeptRecord>, at: i64) -> Fact {
-    let cut = cut.into_iter().map(Kept::from).collect();
+    let cut = cut.into_iter().map(KeptRoute::from).collect();
     Fact::Placed { robot: RobotId(robot), node: NodeId(node), serial, cut, at: Time(at) }
 }
 

@@ -5,7 +5,7 @@
 //! alone; versions are `record`'s business.
 
 use super::act_record::ActRecord;
-use crate::fleet::{Booking, Kept, Moved, Stop};
+use crate::fleet::{Booking, KeptRoute, Moved, Stop};
 use crate::id::{NodeId, ResourceId, RobotId};
 use crate::time::{Span, Time};
 use crate::timeline::{Shift, Visit};
@@ -104,15 +104,15 @@ impl From<MovedRecord> for Moved {
     }
 }
 
-impl From<&Kept> for KeptRecord {
-    fn from(k: &Kept) -> KeptRecord {
+impl From<&KeptRoute> for KeptRecord {
+    fn from(k: &KeptRoute) -> KeptRecord {
         KeptRecord(k.robot.0, k.end, k.shifts.iter().map(ShiftRecord::from).collect())
     }
 }
 
-impl From<KeptRecord> for Kept {
-    fn from(KeptRecord(robot, end, shifts): KeptRecord) -> Kept {
-        Kept { robot: RobotId(robot), end, shifts: shifts.into_iter().map(Shift::from).collect() }
+impl From<KeptRecord> for KeptRoute {
+    fn from(KeptRecord(robot, end, shifts): KeptRecord) -> KeptRoute {
+        KeptRoute { robot: RobotId(robot), end, shifts: shifts.into_iter().map(Shift::from).collect() }
     }
 }
 

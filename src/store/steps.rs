@@ -1,7 +1,7 @@
 //! The journal: one row for each step that changed anything.
 //!
-//! Main types: [`Entry`], [`Loaded`]; [`Store::append`], [`Store::load`]. A row is written whole or not at all, so no
-//! start ever sees a part of a step. Refuses: rows that cannot be read, gaps, and rows of another process.
+//! Main types: [`StepEntry`], [`Loaded`]; [`Store::append`], [`Store::load`]. A row is written whole or not at all, so
+//! no start ever sees a part of a step. Refuses: rows that cannot be read, gaps, and rows of another process.
 
 use super::{ABOUT, BEGIN, COMMIT, ROLLBACK, Store, StoreError, jobs, people, record, retention, snapshot};
 use crate::fleet::{Fact, Ledger};
@@ -17,7 +17,7 @@ const APPEND: &str = "INSERT INTO steps (seq, at, wire, run, facts) VALUES ($1, 
 
 /// What one step of the fleet recorded.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
+pub struct StepEntry {
     /// When the step was.
     pub at: Time,
     /// What happened, in order.
@@ -30,7 +30,7 @@ pub struct Loaded {
     /// The ledger as the last snapshot has it; the one that was given where there is none.
     pub ledger: Ledger,
     /// The steps behind it.
-    pub steps: Vec<Entry>,
+    pub steps: Vec<StepEntry>,
     /// When the last step was.
     pub last: Option<Time>,
     /// The number that the next step gets.
@@ -79,7 +79,7 @@ impl Store {
     ///
     /// # Errors Where the database does not take them. Then nothing was written, and it may be tried again
     /// with the same steps unless [`StoreError::is_fatal`].
-    pub async fn append(&self, next: i64, steps: &[Entry]) -> Result<(), StoreError> {
+    pub async fn append(&self, next: i64, steps: &[StepEntry]) -> Result<(), StoreError> {
         self.place.check()?;
         let mut connection = self.writer.acquire().await?;
         let result = self.write(&mut connection, next, steps).await;
@@ -101,7 +101,7 @@ impl Store {
         &self,
         connection: &mut SqliteConnection,
         next: i64,
-        steps: &[Entry],
+        steps: &[StepEntry],
     ) -> Result<(), StoreError> {
         sqlx::query(BEGIN).execute(&mut *connection).await?;
         let last = self.last_of_this_run(connection).await?;
@@ -161,9 +161,9 @@ pub(super) async fn load(db: &SqlitePool, empty: Ledger) -> Result<Loaded, Store
     Ok(out)
 }
 
-fn decode(row: &SqliteRow) -> Result<(i64, Entry), StoreError> {
+fn decode(row: &SqliteRow) -> Result<(i64, StepEntry), StoreError> {
     let seq: i64 = row.try_get(0)?;
     let (at, text) = (Time(row.try_get(1)?), row.try_get(3)?);
     let facts = record::decode(row.try_get(2)?, text).map_err(|why| StoreError::Record { seq, why })?;
-    Ok((seq, Entry { at, facts }))
+    Ok((seq, StepEntry { at, facts }))
 }

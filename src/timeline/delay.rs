@@ -51,7 +51,7 @@ impl Timeline {
     /// Time: each moved visit once or a few times, in order of its new departure, and for each of them the
     /// entries behind it on its resources.
     pub fn delay(&self, holder: Holder, serial: u64, depart: Time) -> Slip {
-        let mut draft = Draft { timeline: self, moved: BTreeMap::new() };
+        let mut draft = DelayDraft { timeline: self, moved: BTreeMap::new() };
         let mut due = BinaryHeap::from([Reverse((depart, holder, serial))]);
         while let Some(Reverse((depart, h, s))) = due.pop() {
             for moved in draft.slide_chain(h, s, depart) {
@@ -129,12 +129,12 @@ impl Timeline {
 }
 
 /// A timeline with visits that are to move.
-struct Draft<'a> {
+struct DelayDraft<'a> {
     timeline: &'a Timeline,
     moved: BTreeMap<(Holder, u64), Visit>,
 }
 
-impl Draft<'_> {
+impl DelayDraft<'_> {
     /// A visit as it will be.
     fn visit(&self, h: Holder, s: u64) -> Option<&Visit> {
         self.moved.get(&(h, s)).or_else(|| self.timeline.chains.get(&h)?.get(s))

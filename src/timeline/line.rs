@@ -57,7 +57,7 @@ impl Line {
     pub fn insert(&mut self, hold: Hold) {
         let at = self.holds.partition_point(|h| h.start <= hold.start);
         self.holds.insert(at, hold);
-        self.settle_from(at);
+        self.rebuild_edges_from(at);
     }
 
     /// Removes the entries (physical and conflict) of one visit. Absent ones are none of our business: one
@@ -66,11 +66,11 @@ impl Line {
         let mine = |h: &Hold| h.holder == holder && h.serial == serial;
         if let Some(first) = self.holds.iter().position(mine) {
             self.holds.retain(|h| !mine(h));
-            self.settle_from(first);
+            self.rebuild_edges_from(first);
         }
     }
 
-    fn settle_from(&mut self, at: usize) {
+    fn rebuild_edges_from(&mut self, at: usize) {
         let mut reach = if at == 0 { BEGINNING } else { self.edges[at - 1].1 };
         self.edges.truncate(at);
         for h in &self.holds[at..] {
@@ -157,7 +157,7 @@ impl Line {
     /// Restores the order by start after sliding.
     pub fn sort(&mut self) {
         self.holds.sort_by_key(|h| h.start);
-        self.settle_from(0);
+        self.rebuild_edges_from(0);
     }
 
     /// Physical holders in their order.

@@ -23,7 +23,7 @@ pub use delay::{Shift, Slip};
 pub use held::Held;
 pub use line::{FreeWindow, Layer};
 pub use restore::{ChainParts, Flaw};
-pub use truncate::Kept;
+pub use truncate::KeptVisits;
 
 use crate::id::{BodyId, Dense, IdVec, LineId, NodeId, ResourceId, RobotId, WorkerId};
 use crate::time::{Span, Time, Window};

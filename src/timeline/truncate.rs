@@ -8,7 +8,7 @@ use super::{Chain, Holder, Shift, Timeline, Visit};
 use crate::time::Time;
 
 /// What a holder keeps: one past the last visit that stays, and the visits that have other times from now on.
-pub type Kept<'a> = (Holder, u64, &'a [Shift]);
+pub type KeptVisits<'a> = (Holder, u64, &'a [Shift]);
 
 impl Timeline {
     /// What stays if these holders lose what was not granted to them: they keep their last granted visit for ever, and
@@ -38,7 +38,7 @@ impl Timeline {
     /// # Panics
     /// If granted visits would be lost, the last visit would end, or another holder holds any of that later: whoever
     /// worked this out, or wrote it down, is broken (see [`Timeline::after`]).
-    pub fn keep(&mut self, kept: &[Kept<'_>]) {
+    pub fn keep(&mut self, kept: &[KeptVisits<'_>]) {
         for &(holder, end, _) in kept {
             let chain = self.chains.get(&holder).expect("only holders lose what they hold");
             let fits = chain.granted <= end && end <= chain.end() && chain.first < end;
@@ -64,7 +64,7 @@ impl Timeline {
     ///
     /// # Panics
     /// If the number is not later than all that the holder had, or the place is held by somebody after that.
-    pub fn place(&mut self, holder: Holder, serial: u64, visit: Visit, kept: &[Kept<'_>]) {
+    pub fn place(&mut self, holder: Holder, serial: u64, visit: Visit, kept: &[KeptVisits<'_>]) {
         let end = self.chains.get(&holder).expect("only holders stand elsewhere").end();
         assert!(end <= serial, "{holder:?} had the visit {serial} before");
         self.remove(holder);

@@ -5,7 +5,7 @@
 use super::body::Bodies;
 use super::check::{self, Findings};
 use super::conflict;
-use super::near::Near;
+use super::near::PointIndex;
 use super::{Arc, Lane, Node, NodeKind, Rack, Station, Users, Warehouse, Way};
 use crate::geometry::{Point, Segment, turn_between};
 use crate::id::{Dense, IdVec, NodeId, StationId};
@@ -185,7 +185,7 @@ impl Draft {
             conflicts: conflict::between(&nodes, &lanes, self.footprint_m),
             bodies: Bodies::one(self.footprint_m, nodes.len()),
             lines: IdVec::new(),
-            near: Near::new(nodes.iter().map(|n| n.at).collect()),
+            near: PointIndex::new(nodes.iter().map(|n| n.at).collect()),
             nodes,
             lanes,
             arcs: IdVec::new(),

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// Squares that touch do not overlap; this absorbs the rounding of decimal coordinates (metres).
 pub(super) const TOUCH: f64 = 1e-6;
 
-type Conflicts = IdVec<ResourceId, SmallVec<[ResourceId; 2]>>;
+type ResourceConflicts = IdVec<ResourceId, SmallVec<[ResourceId; 2]>>;
 
 /// All conflicts, symmetric, sorted, without pairs of which one is an end node of the other and without
 /// pairs of lanes that share an end: those exclude each other already by their nodes.
@@ -20,9 +20,9 @@ pub(super) fn between(
     nodes: &IdVec<NodeId, Node>,
     lanes: &IdVec<LaneId, Lane>,
     footprint_m: f64,
-) -> Conflicts {
+) -> ResourceConflicts {
     let reach = footprint_m - TOUCH;
-    let mut found = Conflicts::filled(SmallVec::new(), nodes.len() + lanes.len());
+    let mut found = ResourceConflicts::filled(SmallVec::new(), nodes.len() + lanes.len());
     let shapes: Vec<Segment> = (nodes.iter().map(|n| Segment { a: n.at, b: n.at }))
         .chain(lanes.iter().map(|l| Segment { a: nodes[l.a].at, b: nodes[l.b].at }))
         .collect();

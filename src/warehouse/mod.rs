@@ -23,7 +23,7 @@ pub use check::{Finding, Findings, room_for};
 pub use footprint::{Footprint, Hull};
 pub use generate::{Blocks, kiva, lab, mixed, thesis};
 pub use sketch::sketch;
-pub use summary::{Summary, summary};
+pub use summary::{MapSummary, summary};
 pub use svg::to_svg;
 
 use crate::geometry::Point;
@@ -222,7 +222,7 @@ pub struct Warehouse {
     conflicts: IdVec<ResourceId, SmallVec<[ResourceId; 2]>>,
     bodies: body::Bodies,
     lines: body::Conflicts,
-    near: near::Near,
+    near: near::PointIndex,
 }
 
 impl Warehouse {

@@ -1,6 +1,6 @@
 //! Points in square buckets: which of them are near a place.
 //!
-//! Main type: [`Near`]. Refuses: points that move; it is built once.
+//! Main type: [`PointIndex`]. Refuses: points that move; it is built once.
 
 use crate::geometry::Point;
 
@@ -9,7 +9,7 @@ const SIDE: f64 = 2.0;
 
 /// Numbered points, sorted into buckets.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Near {
+pub(super) struct PointIndex {
     low: Point,
     columns: usize,
     rows: usize,
@@ -20,14 +20,15 @@ pub(super) struct Near {
     points: Vec<Point>,
 }
 
-impl Near {
+impl PointIndex {
     /// Sorts the points, which are numbered as they come.
-    pub fn new(points: Vec<Point>) -> Near {
-        let Some(&first) = points.first() else { return Near::default() };
+    pub fn new(points: Vec<Point>) -> PointIndex {
+        let Some(&first) = points.first() else { return PointIndex::default() };
         let (low, high) = points.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
         let count = |extent: f64| (extent / SIDE).floor() as usize + 1;
         let (columns, rows) = (count(high.x - low.x), count(high.y - low.y));
-        let mut near = Near { low, columns, rows, start: vec![0; columns * rows + 1], ..Near::default() };
+        let mut near =
+            PointIndex { low, columns, rows, start: vec![0; columns * rows + 1], ..PointIndex::default() };
         let buckets: Vec<usize> = points.iter().map(|p| near.bucket(*p)).collect();
         buckets.iter().for_each(|b| near.start[b + 1] += 1);
         for b in 0..columns * rows {
@@ -97,7 +98,7 @@ mod tests {
         let points: Vec<Point> = (0..200)
             .map(|i| Point::new((i * 37 % 101) as f64 * 0.3 - 7.0, (i * 53 % 89) as f64 * 0.2))
             .collect();
-        let near = Near::new(points.clone());
+        let near = PointIndex::new(points.clone());
         for (x, y, radius) in [(0.0, 0.0, 3.0), (-7.0, 17.0, 5.5), (40.0, 3.0, 20.0), (-30.0, -30.0, 2.0)] {
             let at = Point::new(x, y);
             let all: Vec<usize> = (0..200).filter(|i| (points[*i] - at).norm() <= radius).collect();
@@ -106,7 +107,7 @@ mod tests {
             let least = points.iter().map(|p| (p - at).norm()).fold(f64::INFINITY, f64::min);
             assert_eq!(near.nearest(at).expect("some point").1, least);
         }
-        assert!(Near::new(Vec::new()).nearest(Point::origin()).is_none());
+        assert!(PointIndex::new(Vec::new()).nearest(Point::origin()).is_none());
     }
 
     #[test]

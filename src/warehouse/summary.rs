@@ -1,6 +1,6 @@
 //! What a map holds, in numbers.
 //!
-//! Main types: [`Summary`]. Refuses: judging the numbers; [`super::room_for`] does that.
+//! Main types: [`MapSummary`]. Refuses: judging the numbers; [`super::room_for`] does that.
 
 use super::{NodeKind, Warehouse};
 use crate::id::Dense;
@@ -10,7 +10,7 @@ use std::fmt;
 
 /// Counts of everything in a map.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Summary {
+pub struct MapSummary {
     /// Name of the map.
     pub name: String,
     /// Nodes of every kind.
@@ -46,11 +46,11 @@ pub struct Summary {
 }
 
 /// Counts everything in a map.
-pub fn summary(w: &Warehouse) -> Summary {
+pub fn summary(w: &Warehouse) -> MapSummary {
     let count = |keep: fn(NodeKind) -> bool| w.nodes_where(keep).len();
     let (low, high) = w.bounds();
     let one_sided = (0..w.resource_count()).map(|r| w.conflicts(ResourceId::at(r)).len()).sum::<usize>();
-    Summary {
+    MapSummary {
         name: w.name.clone(),
         nodes: w.nodes.len(),
         lanes: w.lanes.len(),
@@ -70,7 +70,7 @@ pub fn summary(w: &Warehouse) -> Summary {
     }
 }
 
-impl fmt::Display for Summary {
+impl fmt::Display for MapSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "map                 {}", self.name)?;
         writeln!(f, "extent              {:.1} × {:.1} m", self.width_m, self.height_m)?;

@@ -4,7 +4,7 @@
 //! Refuses: robots and people; a drawing shows the building only.
 
 use super::walkway::Walkways;
-use super::{Lane, Node, NodeKind, Summary, Users, Warehouse, summary};
+use super::{Lane, MapSummary, Node, NodeKind, Users, Warehouse, summary};
 use crate::geometry::Point;
 use crate::id::NodeId;
 use std::collections::BTreeSet;
@@ -133,7 +133,7 @@ fn symbols(out: &mut String, c: &Canvas) {
     out.push_str("</defs>\n");
 }
 
-fn title(out: &mut String, c: &Canvas, s: &Summary) {
+fn title(out: &mut String, c: &Canvas, s: &MapSummary) {
     let sub = format!("{:.1} × {:.1} m · {} nodes · {} lanes", s.width_m, s.height_m, s.nodes, s.lanes);
     put!(out, "<text class=\"title\" x=\"{MARGIN}\" y=\"{}\">{}</text>\n", MARGIN + 18.0, escape(&s.name));
     put!(out, "<text class=\"sub\" x=\"{MARGIN}\" y=\"{}\">{sub}</text>\n", MARGIN + 40.0);
@@ -282,49 +282,49 @@ fn name(out: &mut String, c: &Canvas, node: &Node, has_rack: bool) {
 }
 
 /// What a line of the legend shows: a symbol, or a lane of a class with or without an arrow.
-enum Mark {
+enum LegendMark {
     Symbol(&'static str),
     Lane(&'static str, bool),
 }
 
-fn legend_entries(w: &Warehouse, s: &Summary, walks: bool) -> Vec<(Mark, String)> {
+fn legend_entries(w: &Warehouse, s: &MapSummary, walks: bool) -> Vec<(LegendMark, String)> {
     let count = |fits: &dyn Fn(&Lane) -> bool| w.lanes.iter().filter(|l| fits(l)).count();
     let under = count(&|l| !l.users.loaded && l.users.unloaded);
     let foot = count(&|l| l.users == Users::PEOPLE);
     let entries = [
-        (Mark::Symbol("rack"), "racks", s.racks),
-        (Mark::Symbol("storage"), "free storage", s.storage - s.racks),
-        (Mark::Symbol("station"), "stations", s.stations),
-        (Mark::Symbol("queue"), "queue places", s.queue_places),
-        (Mark::Symbol("charger"), "chargers", s.chargers),
-        (Mark::Symbol("parking"), "parking places", s.parking),
-        (Mark::Symbol("exit"), "doors for people", s.exits),
-        (Mark::Lane("lane", true), "one-way lanes", s.one_way_lanes),
+        (LegendMark::Symbol("rack"), "racks", s.racks),
+        (LegendMark::Symbol("storage"), "free storage", s.storage - s.racks),
+        (LegendMark::Symbol("station"), "stations", s.stations),
+        (LegendMark::Symbol("queue"), "queue places", s.queue_places),
+        (LegendMark::Symbol("charger"), "chargers", s.chargers),
+        (LegendMark::Symbol("parking"), "parking places", s.parking),
+        (LegendMark::Symbol("exit"), "doors for people", s.exits),
+        (LegendMark::Lane("lane", true), "one-way lanes", s.one_way_lanes),
         (
-            Mark::Lane("lane", false),
+            LegendMark::Lane("lane", false),
             "lanes both ways",
             count(&|l| l.both) - count(&|l| l.both && !l.users.loaded),
         ),
-        (Mark::Lane("under", false), "unloaded only", under),
-        (Mark::Lane("foot", false), "people only", foot),
+        (LegendMark::Lane("under", false), "unloaded only", under),
+        (LegendMark::Lane("foot", false), "people only", foot),
     ];
     let shown = entries.into_iter().filter(|(_, _, count)| *count > 0);
     let counted = shown.map(|(mark, what, count)| (mark, format!("{what} · {count}")));
-    let walks = walks.then(|| (Mark::Lane("walk", false), "walkways".to_string()));
+    let walks = walks.then(|| (LegendMark::Lane("walk", false), "walkways".to_string()));
     counted.chain(walks).collect()
 }
 
-fn legend(out: &mut String, c: &Canvas, entries: &[(Mark, String)], columns: usize) {
+fn legend(out: &mut String, c: &Canvas, entries: &[(LegendMark, String)], columns: usize) {
     for (i, (mark, text)) in entries.iter().enumerate() {
         let x = MARGIN + (i % columns) as f64 * ENTRY.0;
         let y = c.legend_top() + ((i / columns) as f64 + 0.5) * ENTRY.1;
         match mark {
-            Mark::Symbol(id) => {
+            LegendMark::Symbol(id) => {
                 let shrink = 22.0 / c.scale;
                 let place = format!("translate({:.1} {y:.1}) scale({shrink:.3})", x + 12.0);
                 put!(out, "<use href=\"#{id}\" transform=\"{place}\"/>\n");
             }
-            Mark::Lane(class, arrow) => {
+            LegendMark::Lane(class, arrow) => {
                 put!(out, "<path class=\"{class}\" stroke-width=\"2\" d=\"M{x:.1} {y:.1}h24\"/>\n");
                 if *arrow {
                     let tip = format!("M{:.1} {:.1}l5 4l-5 4", x + 10.0, y - 4.0);

@@ -3,7 +3,7 @@
 use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, send, start};
 use giveway::fleet::{Fact, JobState, Task};
 use giveway::id::RobotId;
-use giveway::store::{Entry, Store};
+use giveway::store::{StepEntry, Store};
 use giveway::time::Time;
 use serde_json::json;
 use std::net::SocketAddr;
@@ -24,7 +24,8 @@ async fn count(at: SocketAddr, state: &str) -> usize {
     all_jobs(at, 500).await.iter().filter(|j| j["state"] == state).count()
 }
 
-/// The facts of a floor up to and with the one by which a robot lifts a rack, and that robot: the job does not know of it.
+/// The facts of a floor up to and with the one by which a robot lifts a rack, and that robot: the job does not know of
+/// it.
 async fn cut_after_a_lift() -> (Vec<Fact>, RobotId) {
     let folder = Folder::new();
     let server = start(&folder).await;
@@ -68,8 +69,8 @@ fn rack_of(facts: &[Fact], robot: RobotId) -> String {
 async fn database(facts: Vec<Fact>) -> Folder {
     let folder = Folder::new();
     let store = Store::open(&folder.database(), &map()).await.unwrap();
-    let entries: Vec<Entry> =
-        facts.into_iter().map(|fact| Entry { at: Time(1), facts: vec![fact] }).collect();
+    let entries: Vec<StepEntry> =
+        facts.into_iter().map(|fact| StepEntry { at: Time(1), facts: vec![fact] }).collect();
     store.append(1, &entries).await.unwrap();
     store.close().await;
     folder

@@ -3,15 +3,15 @@
 use crate::helper::{Folder, map};
 use giveway::fleet::Fact;
 use giveway::id::WorkerId;
-use giveway::store::{Entry, Opening, Store, StoreError};
+use giveway::store::{Opening, StepEntry, Store, StoreError};
 use giveway::time::Time;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// So many facts, of no consequence.
-fn facts(n: usize) -> Vec<Entry> {
+fn facts(n: usize) -> Vec<StepEntry> {
     let fact = Fact::Deviated { worker: WorkerId(0), at: Time(1) };
-    vec![Entry { at: Time(1), facts: vec![fact] }; n]
+    vec![StepEntry { at: Time(1), facts: vec![fact] }; n]
 }
 
 fn beside(path: &Path, suffix: &str) -> PathBuf {

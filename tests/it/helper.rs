@@ -1,6 +1,6 @@
 //! Folders, servers and a small HTTP client for the tests.
 
-use giveway::server::{Config, Floor, Server};
+use giveway::server::{Config, Server, SimulatedFloor};
 use giveway::sim::Scenario;
 use serde_json::Value;
 use std::net::SocketAddr;
@@ -56,9 +56,9 @@ pub async fn start(folder: &Folder) -> Server {
 }
 
 /// What servers in tests run.
-pub fn floor() -> Floor {
+pub fn floor() -> SimulatedFloor {
     let scenario = Scenario::parse(&std::fs::read_to_string(SCENARIO).unwrap()).unwrap();
-    Floor { scenario, map: Arc::new(map()), lines: Vec::new() }
+    SimulatedFloor { scenario, map: Arc::new(map()), lines: Vec::new() }
 }
 
 /// The map of the scenario.

@@ -4,7 +4,7 @@
 use crate::feed::{Headset, hire};
 use crate::helper::{Folder, config, get};
 use futures_util::StreamExt;
-use giveway::server::{Floor, Server};
+use giveway::server::{Server, SimulatedFloor};
 use giveway::sim::Scenario;
 use giveway::time::Span;
 use giveway::warehouse::formats;
@@ -176,7 +176,7 @@ async fn twenty_headsets_at_60_hz_beside_200_robots() {
     scenario.period = Span::from_millis(PERIOD_MS);
     let (low, high) = map.bounds();
     let folder = Folder::new();
-    let floor = Floor { scenario, map: Arc::new(map), lines: Vec::new() };
+    let floor = SimulatedFloor { scenario, map: Arc::new(map), lines: Vec::new() };
     let server = Server::start(&config(&folder), floor).await.unwrap();
     let at = server.address();
     let (mut walks, robots) = (Vec::new(), Robots::default());
@@ -287,7 +287,7 @@ async fn two_hundred_dashboards_beside_800_robots() {
     let (map, _) =
         formats::import(&read(&format!("scenarios/{}", scenario.map)), &Default::default()).unwrap();
     let folder = Folder::new();
-    let floor = Floor { scenario, map: Arc::new(map), lines: Vec::new() };
+    let floor = SimulatedFloor { scenario, map: Arc::new(map), lines: Vec::new() };
     let server = Server::start(&config(&folder), floor).await.unwrap();
     let at = server.address();
     tokio::time::sleep(Duration::from_secs(30)).await;

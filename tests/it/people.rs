@@ -255,7 +255,7 @@ async fn encounters_are_listed_filtered_and_exported() {
         use giveway::fleet::{Encounter, Fact, Reaction};
         use giveway::geometry::Spot;
         use giveway::id::{RobotId, WorkerId};
-        use giveway::store::{Entry, Store};
+        use giveway::store::{StepEntry, Store};
         use giveway::time::{Span, Time};
         let store = Store::open(&folder.database(), &map()).await.unwrap();
         let met = |i: i64| Encounter {
@@ -279,7 +279,7 @@ async fn encounters_are_listed_filtered_and_exported() {
         let facts = [worker(0, "anna"), worker(1, "ben")]
             .into_iter()
             .chain((0..5).map(|i| Fact::Encountered(met(i))));
-        let step = Entry { at: Time(1), facts: facts.collect() };
+        let step = StepEntry { at: Time(1), facts: facts.collect() };
         store.append(1, &[step]).await.unwrap();
         store.close().await;
     }

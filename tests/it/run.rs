@@ -3,7 +3,7 @@
 use giveway::fleet::{Fleet, Input, JobKind, JobRequest, Ledger, Step};
 use giveway::id::{RackId, StationId};
 use giveway::sim::{Scenario, World};
-use giveway::store::{Entry, SNAPSHOT_AFTER, Store};
+use giveway::store::{SNAPSHOT_AFTER, StepEntry, Store};
 use giveway::time::{Span, Time};
 use giveway::warehouse::Warehouse;
 use std::sync::Arc;
@@ -43,14 +43,14 @@ impl Run {
     }
 
     /// One control period in which somebody also wants `extra`. Gives what is to be written, and what came of it.
-    pub fn step(&mut self, extra: Vec<Input>) -> (Entry, Step) {
+    pub fn step(&mut self, extra: Vec<Input>) -> (StepEntry, Step) {
         let mut inputs = self.world.advance(self.now, &self.fleet);
         inputs.extend(extra);
         let step = self.fleet.step(self.now, inputs);
         self.world.command(self.now, step.urgent.clone());
         self.world.command(self.now, step.commands.clone());
         self.world.tell(self.now, step.guidance.clone());
-        let entry = Entry { at: self.now, facts: step.facts.clone() };
+        let entry = StepEntry { at: self.now, facts: step.facts.clone() };
         self.now += self.period;
         (entry, step)
     }
@@ -72,7 +72,7 @@ impl Keeper {
     }
 
     /// Appends steps; gives how many snapshots it made.
-    pub async fn append(&mut self, steps: &[Entry]) -> usize {
+    pub async fn append(&mut self, steps: &[StepEntry]) -> usize {
         self.store.append(self.next, steps).await.unwrap();
         self.next += steps.len() as i64;
         for fact in steps.iter().flat_map(|s| &s.facts) {

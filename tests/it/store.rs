@@ -3,11 +3,12 @@
 use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, start};
 use giveway::fleet::{
     Act, AssignmentQuery, AssignmentRequest, AssignmentState, Booking, Closure, Encounter, EncounterQuery,
-    Fact, JobFailure, JobKind, JobQuery, JobRequest, JobState, Kept, Moved, Purpose, Reaction, Stop, Task,
+    Fact, JobFailure, JobKind, JobQuery, JobRequest, JobState, KeptRoute, Moved, Purpose, Reaction, Stop,
+    Task,
 };
 use giveway::geometry::Spot;
 use giveway::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
-use giveway::store::{Entry, Store, StoreError, record};
+use giveway::store::{StepEntry, Store, StoreError, record};
 use giveway::time::{Span, Time, Window};
 use giveway::timeline::{Shift, Visit};
 use sqlx::Connection;
@@ -91,10 +92,10 @@ fn every_fact() -> Vec<Fact> {
             robot,
             node: NodeId(7),
             serial: 12,
-            cut: vec![Kept { robot, end: 9, shifts: shifts(at) }],
+            cut: vec![KeptRoute { robot, end: 9, shifts: shifts(at) }],
             at,
         },
-        Fact::Truncated { robots: vec![Kept { robot, end: 9, shifts: shifts(at) }] },
+        Fact::Truncated { robots: vec![KeptRoute { robot, end: 9, shifts: shifts(at) }] },
         Fact::KeysExpired { jobs: vec![job], assignments: vec![] },
         Fact::KeysExpired { jobs: vec![], assignments: vec![AssignmentId(3)] },
         Fact::Failed { robot, at },
@@ -214,8 +215,8 @@ async fn lists_about_people_follow_the_facts() {
 }
 
 /// Steps of three facts each.
-fn entries(facts: Vec<Fact>) -> Vec<Entry> {
-    let step = |(i, facts): (usize, &[Fact])| Entry { at: Time(1000 + i as i64), facts: facts.to_vec() };
+fn entries(facts: Vec<Fact>) -> Vec<StepEntry> {
+    let step = |(i, facts): (usize, &[Fact])| StepEntry { at: Time(1000 + i as i64), facts: facts.to_vec() };
     facts.chunks(3).enumerate().map(step).collect()
 }
 
@@ -285,7 +286,7 @@ async fn a_batch_that_is_appended_again_is_written_once_and_a_gap_is_refused() {
     let folder = Folder::new();
     let store = Store::open(&folder.database(), &map()).await.unwrap();
     let facts = vec![Fact::Accepted { job: JobId(1), request: deliver(), at: Time(5) }];
-    let batch = [Entry { at: Time(5), facts }];
+    let batch = [StepEntry { at: Time(5), facts }];
     store.append(1, &batch).await.unwrap();
     store.append(1, &batch).await.unwrap();
     assert_eq!(store.load(empty_ledger()).await.unwrap().facts(), 1);

@@ -4,6 +4,7 @@
 //! here, one of each kind, and must be found with file and line.
 
 mod circles;
+mod names;
 mod rooms;
 mod tokens;
 

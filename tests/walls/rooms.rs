@@ -1,7 +1,7 @@
 //! Rooms of the fleet: which may name and call which. What a room may know of another one is an argument.
 //!
-//! A call counts as one from room to room where the name of the function is declared in one room of the fleet and nowhere
-//! else in the sources: others may be of any type.
+//! A call counts as one from room to room where the name of the function is declared in one room of the fleet and
+//! nowhere else in the sources: others may be of any type.
 
 use crate::tokens::{Token, paths, tokens, without_tests};
 use crate::{Violation, all_sources, assert_none};

@@ -1,6 +1,6 @@
 //! Frame alignment: where a device's own frame lies in the map, from points that both know.
 //!
-//! Main types: [`Alignment`], [`Pair`], [`Misfit`]. A rotation about the vertical and a shift, no scale: the
+//! Main types: [`Alignment`], [`PointPair`], [`Misfit`]. A rotation about the vertical and a shift, no scale: the
 //! least-squares fit of Arun, Huang and Blostein 1987 ("Least-squares fitting of two 3-D point sets") in the plane,
 //! where the singular value decomposition is one arc tangent. Pure. Refuses: pairs that no rigid movement brings
 //! together, and to guess which of two stories is true.
@@ -32,7 +32,7 @@ pub const MOST_PAIRS: usize = 32;
 
 /// A point of the floor that device and map both know.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
+pub struct PointPair {
     /// In the device's floor plan, metres.
     pub device: Vector,
     /// On the map, metres.
@@ -147,13 +147,13 @@ impl Alignment {
     ///
     /// # Errors
     /// Where no such movement is good enough.
-    pub fn fit(pairs: &[Pair]) -> Result<Alignment, Misfit> {
+    pub fn fit(pairs: &[PointPair]) -> Result<Alignment, Misfit> {
         check(pairs)?;
         if let [only] = pairs {
             return single(only);
         }
         let mut kept: Vec<usize> = (0..pairs.len()).collect();
-        let misfit = match judge(pairs, &kept) {
+        let misfit = match fit_if_good(pairs, &kept) {
             Ok(fit) => return Ok(fit),
             Err(misfit) => misfit,
         };
@@ -164,7 +164,7 @@ impl Alignment {
             }
             let off = |some: &Vec<usize>| solve(pairs, some).rms_m;
             kept = fewer.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).expect("there are pairs");
-            if let Ok(fit) = judge(pairs, &kept) {
+            if let Ok(fit) = fit_if_good(pairs, &kept) {
                 return Ok(fit);
             }
         }
@@ -190,8 +190,8 @@ impl Alignment {
     }
 }
 
-fn check(pairs: &[Pair]) -> Result<(), Misfit> {
-    let sound = |p: &Pair| {
+fn check(pairs: &[PointPair]) -> Result<(), Misfit> {
+    let sound = |p: &PointPair| {
         let numbers = [p.device.x, p.device.y, p.map.x, p.map.y, p.turn.unwrap_or(0.0)];
         numbers.iter().all(|n| n.abs() <= super::FAR_M) && p.weight > 0.0 && p.weight <= 1000.0
     };
@@ -202,7 +202,7 @@ fn check(pairs: &[Pair]) -> Result<(), Misfit> {
     }
 }
 
-fn single(pair: &Pair) -> Result<Alignment, Misfit> {
+fn single(pair: &PointPair) -> Result<Alignment, Misfit> {
     let theta = wrap_angle(pair.turn.ok_or(Misfit::TooFew)?);
     Ok(Alignment {
         theta,
@@ -221,8 +221,8 @@ fn without(kept: &[usize], gone: usize) -> Vec<usize> {
 
 /// Any two marks whose distance is right fit perfectly. So one of three is left out only where the other choices
 /// are no story at all, or tell the same.
-fn one_of_three(pairs: &[Pair], fewer: &[Vec<usize>], misfit: Misfit) -> Result<Alignment, Misfit> {
-    let mut stories = fewer.iter().filter_map(|some| judge(pairs, some).ok());
+fn one_of_three(pairs: &[PointPair], fewer: &[Vec<usize>], misfit: Misfit) -> Result<Alignment, Misfit> {
+    let mut stories = fewer.iter().filter_map(|some| fit_if_good(pairs, some).ok());
     let Some(first) = stories.next() else { return Err(misfit) };
     let same = |other: &Alignment| {
         pairs.iter().all(|p| (first.point(p.device) - other.point(p.device)).norm() < RMS_MAX_M)
@@ -231,7 +231,7 @@ fn one_of_three(pairs: &[Pair], fewer: &[Vec<usize>], misfit: Misfit) -> Result<
 }
 
 /// The fit of some pairs, if it is good enough.
-fn judge(pairs: &[Pair], some: &[usize]) -> Result<Alignment, Misfit> {
+fn fit_if_good(pairs: &[PointPair], some: &[usize]) -> Result<Alignment, Misfit> {
     let distance = |i: usize, j: usize| (pairs[i].device - pairs[j].device).norm();
     let all = some.iter().flat_map(|i| some.iter().map(move |j| distance(*i, *j)));
     let baseline_m = all.fold(0.0, f64::max);
@@ -256,10 +256,10 @@ fn judge(pairs: &[Pair], some: &[usize]) -> Result<Alignment, Misfit> {
     })
 }
 
-fn solve(pairs: &[Pair], some: &[usize]) -> Fit {
+fn solve(pairs: &[PointPair], some: &[usize]) -> Fit {
     let chosen = || some.iter().map(|i| (*i, &pairs[*i]));
     let total: f64 = chosen().map(|(_, p)| p.weight).sum();
-    let mean = |of: &dyn Fn(&Pair) -> Vector| -> Vector {
+    let mean = |of: &dyn Fn(&PointPair) -> Vector| -> Vector {
         chosen().map(|(_, p)| of(p) * p.weight).sum::<Vector>() / total
     };
     let (a_mean, b_mean) = (mean(&|p| p.device), mean(&|p| p.map.coords));
@@ -274,7 +274,7 @@ fn solve(pairs: &[Pair], some: &[usize]) -> Fit {
     let theta = sine.atan2(cosine);
     let turn = Rotation2::new(theta);
     let shift = b_mean - turn * a_mean;
-    let off = |p: &Pair| (turn * p.device + shift - p.map.coords).norm_squared();
+    let off = |p: &PointPair| (turn * p.device + shift - p.map.coords).norm_squared();
     let mean_square = chosen().map(|(_, p)| p.weight * off(p)).sum::<f64>() / total;
     let n = some.len() as f64;
     let worst = chosen().max_by(|(_, p), (_, q)| off(p).total_cmp(&off(q))).map_or(0, |(i, _)| i);
@@ -297,11 +297,11 @@ mod tests {
     use proptest::prelude::*;
 
     /// Marks as a device sees them whose frame is turned and shifted.
-    fn seen(theta: f64, shift: Vector, marks: &[(f64, f64)]) -> Vec<Pair> {
+    fn seen(theta: f64, shift: Vector, marks: &[(f64, f64)]) -> Vec<PointPair> {
         let back = Rotation2::new(-theta);
         let pair = |m: &(f64, f64)| {
             let map = Point::new(m.0, m.1);
-            Pair { device: back * (map.coords - shift), map, weight: 1.0, turn: None }
+            PointPair { device: back * (map.coords - shift), map, weight: 1.0, turn: None }
         };
         marks.iter().map(pair).collect()
     }
@@ -397,7 +397,7 @@ mod tests {
         let mut short = seen(0.0, Vector::zeros(), &[(0.0, 0.0), (2.0, 0.0)]);
         short[1].device *= 1.05;
         assert!(matches!(Alignment::fit(&short), Err(Misfit::Scale(s)) if (s - 1.05).abs() < 1e-9));
-        let swapped = |mut pairs: Vec<Pair>| {
+        let swapped = |mut pairs: Vec<PointPair>| {
             (pairs[0].map, pairs[1].map) = (pairs[1].map, pairs[0].map);
             Alignment::fit(&pairs)
         };
@@ -415,7 +415,7 @@ mod tests {
     fn heavier_marks_pull_more() {
         let mut pairs = seen(0.0, Vector::zeros(), &[(0.0, 0.0), (10.0, 0.0), (0.0, 10.0)]);
         pairs[0].map.x += 0.1;
-        let off = |pairs: &[Pair]| {
+        let off = |pairs: &[PointPair]| {
             let fit = Alignment::fit(pairs).unwrap();
             (fit.point(pairs[0].device) - pairs[0].map).norm()
         };

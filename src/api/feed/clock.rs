@@ -182,12 +182,12 @@ mod tests {
 
     /// A device whose clock reads `offset_ms` less than the server's seconds, and runs fast by `ppm`.
     #[derive(Clone, Copy)]
-    struct Device {
+    struct TestDevice {
         offset_ms: f64,
         ppm: f64,
     }
 
-    impl Device {
+    impl TestDevice {
         fn reads(self, t: Time) -> f64 {
             let s = (t.0 - ZERO) as f64 / 1000.0;
             s * (1.0 + self.ppm * 1e-6) + self.offset_ms
@@ -209,7 +209,7 @@ mod tests {
             offset_ms in 0.0f64..1e9, ppm in -100.0f64..100.0,
             delays in prop::collection::vec((0.5f64..80.0, 0.5f64..80.0), 1..60),
         ) {
-            let device = Device { offset_ms, ppm };
+            let device = TestDevice { offset_ms, ppm };
             let mut sync = ClockSync::default();
             let mut last: Option<(Time, f64)> = None;
             for (i, (there, back)) in delays.iter().enumerate() {
@@ -231,7 +231,7 @@ mod tests {
 
     #[test]
     fn the_sample_with_the_least_delay_counts() {
-        let device = Device { offset_ms: 5000.0, ppm: 0.0 };
+        let device = TestDevice { offset_ms: 5000.0, ppm: 0.0 };
         let mut sync = ClockSync::default();
         assert_eq!(sync.take(device.exchange(0.0, 200.0, 2.0)), PingOutcome::First);
         assert_eq!(sync.error(device.exchange(0.0, 200.0, 2.0).heard), Some(Span::from_millis(101)));
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn a_clock_that_drifts_is_followed() {
-        let device = Device { offset_ms: 0.0, ppm: 80.0 };
+        let device = TestDevice { offset_ms: 0.0, ppm: 80.0 };
         let mut sync = ClockSync::default();
         for i in 0..360 {
             let e = device.exchange(f64::from(i) * 10.0, 5.0, 5.0);
@@ -259,9 +259,9 @@ mod tests {
     #[test]
     fn a_clock_that_jumps_is_believed_at_once() {
         let mut sync = ClockSync::default();
-        let before = Device { offset_ms: 0.0, ppm: 0.0 };
+        let before = TestDevice { offset_ms: 0.0, ppm: 0.0 };
         (0..8).for_each(|i| _ = sync.take(before.exchange(f64::from(i), 3.0, 3.0)));
-        let after = Device { offset_ms: -4000.0, ppm: 0.0 };
+        let after = TestDevice { offset_ms: -4000.0, ppm: 0.0 };
         let e = after.exchange(20.0, 3.0, 3.0);
         assert_eq!(sync.take(e), PingOutcome::Jumped);
         let told = sync.when(after.reads(e.heard), e.heard).unwrap();
@@ -272,12 +272,12 @@ mod tests {
     #[test]
     fn after_a_sleep_the_next_sample_counts_alone() {
         let mut sync = ClockSync::default();
-        let device = Device { offset_ms: 0.0, ppm: 0.0 };
+        let device = TestDevice { offset_ms: 0.0, ppm: 0.0 };
         sync.take(device.exchange(0.0, 3.0, 3.0));
         sync.resync();
         let still = Time(ZERO) + Span::from_secs(2);
         assert!(sync.when(device.reads(still), still).is_some(), "the old offset serves meanwhile");
-        let slept = Device { offset_ms: -30.0, ppm: 0.0 };
+        let slept = TestDevice { offset_ms: -30.0, ppm: 0.0 };
         let e = slept.exchange(60.0, 3.0, 3.0);
         assert_eq!(sync.take(e), PingOutcome::Taken);
         assert!((sync.when(slept.reads(e.heard), e.heard).unwrap() - e.heard).0.abs() < 100);
@@ -286,7 +286,7 @@ mod tests {
     #[test]
     fn what_cannot_be_is_not_taken() {
         let mut sync = ClockSync::default();
-        let good = Device { offset_ms: 0.0, ppm: 0.0 }.exchange(5.0, 3.0, 3.0);
+        let good = TestDevice { offset_ms: 0.0, ppm: 0.0 }.exchange(5.0, 3.0, 3.0);
         for bad in [
             Exchange { got_ms: f64::NAN, ..good },
             Exchange { got_ms: -1.0, ..good },

@@ -1,6 +1,6 @@
 //! Where poses of all sources and guidance for all workers meet.
 //!
-//! Main types: [`Feeds`], [`Connection`] (its place), [`Heard`], [`Told`]. A worker has one source at a time:
+//! Main types: [`Feeds`], [`Connection`] (its place), [`HeardSighting`], [`Told`]. A worker has one source at a time:
 //! a new connection takes the place of an old one, and reports of tags count while no headset talks. A change of
 //! source is a change of frame, so it begins an epoch. Guidance is the newest or none: nobody queues here. Refuses:
 //! to know what is right for a worker.
@@ -25,7 +25,7 @@ const HEADSET_SILENT: Span = Span::from_secs(3);
 
 /// A sighting, with the time at which it was received.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Heard {
+pub struct HeardSighting {
     /// When.
     pub received: Time,
     /// What.
@@ -45,7 +45,7 @@ pub struct Told {
 
 /// What is carried through of a worker, and how the feed is.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Carried {
+pub struct CarriedSenses {
     /// Gaze, hands, battery.
     pub senses: Senses,
     /// When a pose came last.
@@ -82,7 +82,7 @@ pub enum Untaken {
 
 /// Which source the last sighting came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Source {
+enum SightingSource {
     Nobody,
     /// A connection, in one of its epochs.
     Feed(u64, u32),
@@ -90,23 +90,23 @@ enum Source {
 }
 
 #[derive(Debug)]
-struct Slot {
+struct WorkerSlot {
     name: String,
-    source: Source,
+    source: SightingSource,
     epoch: u32,
     reports: u64,
     /// Reports that come too fast; the newest waits.
-    limiter: RateLimiter<Heard>,
+    limiter: RateLimiter<HeardSighting>,
     taken: watch::Sender<u64>,
     told: watch::Sender<Told>,
-    carried: Carried,
+    carried: CarriedSenses,
 }
 
 /// All feeds.
 #[derive(Debug)]
 pub struct Feeds {
-    inbox: mpsc::Sender<Heard>,
-    slots: Mutex<IdVec<WorkerId, Slot>>,
+    inbox: mpsc::Sender<HeardSighting>,
+    slots: Mutex<IdVec<WorkerId, WorkerSlot>>,
 }
 
 impl Feeds {
@@ -122,7 +122,7 @@ impl Feeds {
     }
 
     /// Feeds without workers, and the end from which sightings are taken.
-    pub fn new() -> (Feeds, mpsc::Receiver<Heard>) {
+    pub fn new() -> (Feeds, mpsc::Receiver<HeardSighting>) {
         let (inbox, heard) = mpsc::channel(WAITING);
         (Feeds { inbox, slots: Mutex::default() }, heard)
     }
@@ -132,9 +132,9 @@ impl Feeds {
         let mut slots = self.slots();
         for name in names.iter().skip(slots.len()) {
             let (taken, told) = (watch::Sender::new(0), watch::Sender::new(Told::default()));
-            let (name, carried) = (name.clone(), Carried::default());
-            let (source, limiter) = (Source::Nobody, RateLimiter::default());
-            slots.push(Slot { name, source, epoch: 0, reports: 0, limiter, taken, told, carried });
+            let (name, carried) = (name.clone(), CarriedSenses::default());
+            let (source, limiter) = (SightingSource::Nobody, RateLimiter::default());
+            slots.push(WorkerSlot { name, source, epoch: 0, reports: 0, limiter, taken, told, carried });
         }
     }
 
@@ -184,11 +184,11 @@ impl Feeds {
     ) -> bool {
         let mut slots = self.slots();
         let slot = &mut slots[sighting.worker];
-        slot.switch(Source::Feed(connection.number, sighting.epoch));
+        slot.switch(SightingSource::Feed(connection.number, sighting.epoch));
         sighting.epoch = slot.epoch;
         (slot.carried.senses, slot.carried.received) = (senses, Some(received));
         drop(slots);
-        self.inbox.try_send(Heard { received, sighting }).is_ok()
+        self.inbox.try_send(HeardSighting { received, sighting }).is_ok()
     }
 
     /// Takes a report of a tag, whose epoch and number are of no importance. What comes faster than sixty times a
@@ -203,14 +203,14 @@ impl Feeds {
         }
         let slot = &mut slots[sighting.worker];
         let lately = slot.carried.received.is_some_and(|t| received - t < HEADSET_SILENT);
-        if matches!(slot.source, Source::Feed(..)) && lately {
+        if matches!(slot.source, SightingSource::Feed(..)) && lately {
             return Err(Untaken::Headset);
         }
-        slot.switch(Source::Reports);
+        slot.switch(SightingSource::Reports);
         slot.reports += 1;
         (sighting.epoch, sighting.seq) = (slot.epoch, slot.reports);
         (slot.carried.senses, slot.carried.received) = (Senses::default(), Some(received));
-        let passes = slot.limiter.offer(Heard { received, sighting }, received);
+        let passes = slot.limiter.offer(HeardSighting { received, sighting }, received);
         drop(slots);
         passes.map_or(Ok(()), |heard| self.inbox.try_send(heard).map_err(|_| Untaken::Full))
     }
@@ -239,12 +239,12 @@ impl Feeds {
     }
 
     /// What is carried through of a worker.
-    pub fn carried(&self, worker: WorkerId) -> Option<Carried> {
+    pub fn carried(&self, worker: WorkerId) -> Option<CarriedSenses> {
         self.slots().get(worker).map(|s| s.carried.clone())
     }
 
     /// What is carried through of all workers, by number.
-    pub fn all_carried(&self) -> Vec<Carried> {
+    pub fn all_carried(&self) -> Vec<CarriedSenses> {
         self.slots().iter().map(|s| s.carried.clone()).collect()
     }
 
@@ -272,14 +272,14 @@ impl Feeds {
         }
     }
 
-    fn slots(&self) -> MutexGuard<'_, IdVec<WorkerId, Slot>> {
+    fn slots(&self) -> MutexGuard<'_, IdVec<WorkerId, WorkerSlot>> {
         self.slots.lock().expect("nobody panics with this lock")
     }
 }
 
-impl Slot {
+impl WorkerSlot {
     /// Begins an epoch where the source is another one than before.
-    fn switch(&mut self, source: Source) {
+    fn switch(&mut self, source: SightingSource) {
         if self.source != source {
             (self.source, self.epoch) = (source, self.epoch + 1);
             // What waits is of the old source.
@@ -309,13 +309,13 @@ mod tests {
         }
     }
 
-    fn feeds() -> (Feeds, mpsc::Receiver<Heard>) {
+    fn feeds() -> (Feeds, mpsc::Receiver<HeardSighting>) {
         let (feeds, heard) = Feeds::new();
         feeds.know(&IdVec::from(vec!["anna".to_owned()]));
         (feeds, heard)
     }
 
-    fn epochs(heard: &mut mpsc::Receiver<Heard>) -> Vec<u32> {
+    fn epochs(heard: &mut mpsc::Receiver<HeardSighting>) -> Vec<u32> {
         std::iter::from_fn(|| heard.try_recv().ok()).map(|h| h.sighting.epoch).collect()
     }
 
@@ -360,8 +360,9 @@ mod tests {
         }
         feeds.report(Sighting { worker: WorkerId(1), ..sighting(0, 0) }, Time(999_000)).unwrap();
         left_out += feeds.pass(Time(1_100_000));
-        let all: Vec<Heard> = std::iter::from_fn(|| heard.try_recv().ok()).collect();
-        let of = |w: u32| all.iter().filter(|h| h.sighting.worker == WorkerId(w)).collect::<Vec<&Heard>>();
+        let all: Vec<HeardSighting> = std::iter::from_fn(|| heard.try_recv().ok()).collect();
+        let of =
+            |w: u32| all.iter().filter(|h| h.sighting.worker == WorkerId(w)).collect::<Vec<&HeardSighting>>();
         let (annas, bens) = (of(0), of(1));
         assert_eq!(bens.len(), 1, "another worker's report passes at once");
         assert!((60..=72).contains(&annas.len()), "{}", annas.len());

@@ -1,14 +1,14 @@
 //! From a message to a sighting: frame, clock, numbers.
 //!
-//! Main types: [`Intake`] (what a connection knows), [`Taken`], [`Fault`]. Pure. What cannot be read into a place
-//! and a time stops here, with a reason; what can, goes on, late and repeated ones too: the core judges and counts
-//! those. Refuses: to decide whether somebody can be where a pose says.
+//! Main types: [`PoseIntake`] (what a connection knows), [`TakenPose`], [`PoseFault`]. Pure. What cannot be read into a
+//! place and a time stops here, with a reason; what can, goes on, late and repeated ones too: the core judges and
+//! counts those. Refuses: to decide whether somebody can be where a pose says.
 
 use super::FAR_M;
-use super::align::{Alignment, Misfit, Pair};
+use super::align::{Alignment, Misfit, PointPair};
 use super::clock::ClockSync;
 use super::pose::{self, Gaze, Hand, facing, plan, rotation};
-use super::wire::{AnchorSaid, Frame, PoseSaid, QualitySaid};
+use super::wire::{AnchorSaid, PoseFrame, PoseSaid, QualitySaid};
 use crate::geometry::{Point, Vector};
 use crate::human::{Quality, Sighting};
 use crate::id::WorkerId;
@@ -32,9 +32,9 @@ const MOST_JOINTS: usize = 32;
 
 /// What a connection knows.
 #[derive(Clone, Debug)]
-pub struct Intake {
+pub struct PoseIntake {
     worker: WorkerId,
-    frame: Frame,
+    frame: PoseFrame,
     /// The device's clock.
     pub clock: ClockSync,
     alignment: Option<Alignment>,
@@ -52,13 +52,13 @@ pub struct Intake {
 
 /// A pose that was understood.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Taken {
+pub struct TakenPose {
     /// What the core gets.
     pub sighting: Sighting,
     /// What is carried through.
     pub senses: Senses,
     /// What the client should know all the same.
-    pub fault: Option<Fault>,
+    pub fault: Option<PoseFault>,
 }
 
 /// What decides nothing and is carried through to those who ask.
@@ -74,7 +74,7 @@ pub struct Senses {
 
 /// What is wrong with a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Fault {
+pub enum PoseFault {
     /// The device's clock is not known yet.
     NoClock,
     /// The device's frame is not known yet.
@@ -99,52 +99,56 @@ pub enum Fault {
     Reordered,
 }
 
-impl Fault {
+impl PoseFault {
     /// The word for it on the wire.
     pub fn word(self) -> &'static str {
         match self {
-            Fault::NoClock => "no-clock",
-            Fault::NotAligned => "not-aligned",
-            Fault::OldEpoch => "old-epoch",
-            Fault::UnknownEpoch => "unknown-epoch",
-            Fault::NoPosition => "no-position",
-            Fault::Absurd => "absurd",
-            Fault::Quaternion => "quaternion",
-            Fault::Future => "future",
-            Fault::TooOld => "too-old",
-            Fault::Repeated => "repeated",
-            Fault::Reordered => "reordered",
+            PoseFault::NoClock => "no-clock",
+            PoseFault::NotAligned => "not-aligned",
+            PoseFault::OldEpoch => "old-epoch",
+            PoseFault::UnknownEpoch => "unknown-epoch",
+            PoseFault::NoPosition => "no-position",
+            PoseFault::Absurd => "absurd",
+            PoseFault::Quaternion => "quaternion",
+            PoseFault::Future => "future",
+            PoseFault::TooOld => "too-old",
+            PoseFault::Repeated => "repeated",
+            PoseFault::Reordered => "reordered",
         }
     }
 
     /// What happened and what to do.
     pub fn text(self) -> &'static str {
         match self {
-            Fault::NoClock => "poses are taken once the first ping is answered: answer pings with a pong",
-            Fault::NotAligned => "the frame of the device is not known: send anchors",
-            Fault::OldEpoch => "the pose belongs to an alignment of before: use the epoch of the last answer",
-            Fault::UnknownEpoch => "this epoch was never given out: use the epoch of the last answer",
-            Fault::NoPosition => {
+            PoseFault::NoClock => "poses are taken once the first ping is answered: answer pings with a pong",
+            PoseFault::NotAligned => "the frame of the device is not known: send anchors",
+            PoseFault::OldEpoch => {
+                "the pose belongs to an alignment of before: use the epoch of the last answer"
+            }
+            PoseFault::UnknownEpoch => "this epoch was never given out: use the epoch of the last answer",
+            PoseFault::NoPosition => {
                 "a pose needs pos, or at in the frame of the map; one that is lost needs one before it"
             }
-            Fault::Absurd => "numbers that cannot be: positions in metres, accuracy from 0 to 100 m",
-            Fault::Quaternion => "quat is x, y, z, w of length 1",
-            Fault::Future => "the pose lies in the future: t is the moment on the clock that answers pings",
-            Fault::TooOld => "the pose is more than ten seconds old: send the newest, drop what waited",
-            Fault::Repeated => "this seq came already: count up within an epoch",
-            Fault::Reordered => "a later seq came already: only the newest counts",
+            PoseFault::Absurd => "numbers that cannot be: positions in metres, accuracy from 0 to 100 m",
+            PoseFault::Quaternion => "quat is x, y, z, w of length 1",
+            PoseFault::Future => {
+                "the pose lies in the future: t is the moment on the clock that answers pings"
+            }
+            PoseFault::TooOld => "the pose is more than ten seconds old: send the newest, drop what waited",
+            PoseFault::Repeated => "this seq came already: count up within an epoch",
+            PoseFault::Reordered => "a later seq came already: only the newest counts",
         }
     }
 }
 
-impl Intake {
+impl PoseIntake {
     /// A new connection; poses in the frame of the map need no alignment.
-    pub fn new(worker: WorkerId, frame: Frame) -> Intake {
-        Intake {
+    pub fn new(worker: WorkerId, frame: PoseFrame) -> PoseIntake {
+        PoseIntake {
             worker,
             frame,
             clock: ClockSync::default(),
-            alignment: (frame == Frame::Map).then(Alignment::identity),
+            alignment: (frame == PoseFrame::Map).then(Alignment::identity),
             epoch: 1,
             last_seq: None,
             latest: None,
@@ -170,7 +174,7 @@ impl Intake {
     ///
     /// # Errors
     /// Why the marks do not fit.
-    pub fn align(&mut self, pairs: &[Pair]) -> Result<&Alignment, Misfit> {
+    pub fn align(&mut self, pairs: &[PointPair]) -> Result<&Alignment, Misfit> {
         let alignment = Alignment::fit(pairs)?;
         self.begin_epoch();
         Ok(self.alignment.insert(alignment))
@@ -178,7 +182,7 @@ impl Intake {
 
     /// The device's origin jumped.
     pub fn reset(&mut self) {
-        self.alignment = (self.frame == Frame::Map).then(Alignment::identity);
+        self.alignment = (self.frame == PoseFrame::Map).then(Alignment::identity);
         self.begin_epoch();
     }
 
@@ -193,26 +197,26 @@ impl Intake {
     ///
     /// # Errors
     /// Why it cannot be understood. It is not passed on then.
-    pub fn take(&mut self, said: &PoseSaid, now: Time) -> Result<Taken, Fault> {
+    pub fn take(&mut self, said: &PoseSaid, now: Time) -> Result<TakenPose, PoseFault> {
         match said.epoch.cmp(&self.epoch) {
-            std::cmp::Ordering::Less => return Err(Fault::OldEpoch),
-            std::cmp::Ordering::Greater => return Err(Fault::UnknownEpoch),
+            std::cmp::Ordering::Less => return Err(PoseFault::OldEpoch),
+            std::cmp::Ordering::Greater => return Err(PoseFault::UnknownEpoch),
             std::cmp::Ordering::Equal => {}
         }
         let accuracy_m = said.accuracy.unwrap_or(usual_accuracy_m(said.quality));
         if !(0.0..=100.0).contains(&accuracy_m) || !said.t.is_finite() {
-            return Err(Fault::Absurd);
+            return Err(PoseFault::Absurd);
         }
         let (device, faced) = self.place(said)?;
-        let alignment = self.alignment.as_ref().ok_or(Fault::NotAligned)?;
+        let alignment = self.alignment.as_ref().ok_or(PoseFault::NotAligned)?;
         let (at, heading) = (alignment.point(device), faced.map(|phi| alignment.heading(phi)));
-        let seen = self.clock.when(said.t, now).ok_or(Fault::NoClock)?;
+        let seen = self.clock.when(said.t, now).ok_or(PoseFault::NoClock)?;
         let error = self.clock.error(now).unwrap_or(Span::ZERO);
         if seen > now + AHEAD + error {
-            return Err(Fault::Future);
+            return Err(PoseFault::Future);
         }
         if now - seen > OLDEST {
-            return Err(Fault::TooOld);
+            return Err(PoseFault::TooOld);
         }
         let sigma_m = alignment.sigma_m(at, self.walked_m);
         let late_m = WALKING_MPS * error.as_secs_f64();
@@ -227,7 +231,7 @@ impl Intake {
         let quality = quality(said.quality);
         let (worker, epoch, seq) = (self.worker, self.epoch, said.seq);
         let sighting = Sighting { worker, seen, epoch, seq, at, heading, accuracy_m, quality };
-        Ok(Taken { sighting, senses, fault })
+        Ok(TakenPose { sighting, senses, fault })
     }
 
     /// What is later by the device's clock stays later, also where its offset is corrected in between: else the
@@ -244,30 +248,30 @@ impl Intake {
     }
 
     /// Where a pose is in the device's floor plan, and where the head faces.
-    fn place(&self, said: &PoseSaid) -> Result<(Vector, Option<f64>), Fault> {
+    fn place(&self, said: &PoseSaid) -> Result<(Vector, Option<f64>), PoseFault> {
         let (device, given) = match (said.pos, said.at, self.frame) {
             (Some(pos), _, _) => (plan(pos), None),
-            (None, Some([x, y]), Frame::Map) => (Vector::new(x, y), said.heading),
+            (None, Some([x, y]), PoseFrame::Map) => (Vector::new(x, y), said.heading),
             // Who is lost says so, and need not make a place up.
-            _ if said.quality == QualitySaid::Lost => (self.stood.ok_or(Fault::NoPosition)?, self.faced),
-            _ => return Err(Fault::NoPosition),
+            _ if said.quality == QualitySaid::Lost => (self.stood.ok_or(PoseFault::NoPosition)?, self.faced),
+            _ => return Err(PoseFault::NoPosition),
         };
         if !(device.x.abs() <= FAR_M && device.y.abs() <= FAR_M && given.unwrap_or(0.0).abs() <= 1e3) {
-            return Err(Fault::Absurd);
+            return Err(PoseFault::Absurd);
         }
         let faced = match said.quat {
             None => given,
             // Who looks straight up or down faces where they faced before.
-            Some(quat) => facing(rotation(quat).ok_or(Fault::Quaternion)?).or(self.faced),
+            Some(quat) => facing(rotation(quat).ok_or(PoseFault::Quaternion)?).or(self.faced),
         };
         Ok((device, faced))
     }
 
     /// Whether the number of a pose is new.
-    fn count(&mut self, seq: u64) -> Option<Fault> {
+    fn count(&mut self, seq: u64) -> Option<PoseFault> {
         let fault = match self.last_seq {
-            Some(last) if seq == last => Some(Fault::Repeated),
-            Some(last) if seq < last => Some(Fault::Reordered),
+            Some(last) if seq == last => Some(PoseFault::Repeated),
+            Some(last) if seq < last => Some(PoseFault::Reordered),
             _ => None,
         };
         self.last_seq = self.last_seq.max(Some(seq));
@@ -287,7 +291,7 @@ impl Intake {
 ///
 /// # Errors
 /// What is wrong, in words.
-pub fn pairs(said: &[AnchorSaid], map: &Warehouse) -> Result<Vec<Pair>, String> {
+pub fn pairs(said: &[AnchorSaid], map: &Warehouse) -> Result<Vec<PointPair>, String> {
     let pair = |(i, a): (usize, &AnchorSaid)| {
         let node = |name: &String| {
             let node = map.node_named(name).map(|n| map.nodes[n].at);
@@ -298,10 +302,10 @@ pub fn pairs(said: &[AnchorSaid], map: &Warehouse) -> Result<Vec<Pair>, String> 
             (None, Some(name)) => node(name)?,
             _ => return Err(format!("pairs[{i}]: give map [x, y], or mark, the name of a node")),
         };
-        let no_rotation = || format!("pairs[{i}]: {}", Fault::Quaternion.text());
+        let no_rotation = || format!("pairs[{i}]: {}", PoseFault::Quaternion.text());
         let turned = a.quat.map(|q| rotation(q).ok_or_else(no_rotation)).transpose()?;
         let turn = turned.and_then(facing).zip(a.heading).map(|(phi, heading)| heading - phi);
-        Ok(Pair { device: plan(a.device), map: at, weight: a.weight.unwrap_or(1.0), turn })
+        Ok(PointPair { device: plan(a.device), map: at, weight: a.weight.unwrap_or(1.0), turn })
     };
     said.iter().enumerate().map(pair).collect()
 }
@@ -353,8 +357,8 @@ mod tests {
     const NOW: Time = Time(1_800_000_000_000_000);
 
     /// A device whose clock reads 1000 ms at `NOW`.
-    fn intake(frame: Frame) -> Intake {
-        let mut intake = Intake::new(WorkerId(3), frame);
+    fn intake(frame: PoseFrame) -> PoseIntake {
+        let mut intake = PoseIntake::new(WorkerId(3), frame);
         let (asked, heard) = (NOW - Span::from_millis(4), NOW);
         let e = Exchange { asked, got_ms: 998.0, answered_ms: 998.0, heard };
         intake.clock.take(e);
@@ -380,7 +384,7 @@ mod tests {
 
     #[test]
     fn poses_stay_in_order_where_the_clock_is_corrected_in_between() {
-        let mut intake = intake(Frame::Map);
+        let mut intake = intake(PoseFrame::Map);
         let at = |seq: u64, t: f64| PoseSaid { t, ..pose(seq) };
         let first = intake.take(&at(1, 1000.0), NOW).unwrap().sighting.seen;
         // The answer was held up on its way there, not on its way back: the offset was too large by 15 ms.
@@ -399,13 +403,17 @@ mod tests {
 
     #[test]
     fn a_pose_becomes_a_sighting_on_the_map() {
-        let mut intake = intake(Frame::Device);
-        assert_eq!(intake.take(&pose(1), NOW), Err(Fault::NotAligned));
+        let mut intake = intake(PoseFrame::Device);
+        assert_eq!(intake.take(&pose(1), NOW), Err(PoseFault::NotAligned));
         let quarter = std::f64::consts::FRAC_PI_2;
-        let mark =
-            Pair { device: Vector::zeros(), map: Point::new(10.0, 5.0), weight: 1.0, turn: Some(quarter) };
+        let mark = PointPair {
+            device: Vector::zeros(),
+            map: Point::new(10.0, 5.0),
+            weight: 1.0,
+            turn: Some(quarter),
+        };
         intake.align(&[mark]).unwrap();
-        assert_eq!(intake.take(&pose(1), NOW), Err(Fault::OldEpoch));
+        assert_eq!(intake.take(&pose(1), NOW), Err(PoseFault::OldEpoch));
         let taken = intake.take(&PoseSaid { epoch: 2, ..pose(1) }, NOW).unwrap();
         let s = taken.sighting;
         assert!((s.at - Point::new(7.0, 7.0)).norm() < 1e-9, "{s:?}");
@@ -416,45 +424,45 @@ mod tests {
             s.accuracy_m > 0.12 && s.accuracy_m < 0.15,
             "3.6 m off a mark whose turn is known to 2 degrees"
         );
-        assert_eq!(intake.take(&PoseSaid { epoch: 3, ..pose(2) }, NOW), Err(Fault::UnknownEpoch));
+        assert_eq!(intake.take(&PoseSaid { epoch: 3, ..pose(2) }, NOW), Err(PoseFault::UnknownEpoch));
     }
 
     #[test]
     fn late_and_repeated_poses_go_on_and_are_told() {
-        let mut intake = intake(Frame::Map);
-        let fault = |intake: &mut Intake, seq| intake.take(&pose(seq), NOW).unwrap().fault;
+        let mut intake = intake(PoseFrame::Map);
+        let fault = |intake: &mut PoseIntake, seq| intake.take(&pose(seq), NOW).unwrap().fault;
         assert_eq!(fault(&mut intake, 5), None);
-        assert_eq!(fault(&mut intake, 5), Some(Fault::Repeated));
-        assert_eq!(fault(&mut intake, 4), Some(Fault::Reordered));
+        assert_eq!(fault(&mut intake, 5), Some(PoseFault::Repeated));
+        assert_eq!(fault(&mut intake, 4), Some(PoseFault::Reordered));
         assert_eq!(fault(&mut intake, 9), None, "gaps are no fault");
     }
 
     #[test]
     fn what_cannot_be_a_place_or_a_time_stops_here() {
-        let mut intake = intake(Frame::Map);
+        let mut intake = intake(PoseFrame::Map);
         let bad = [
-            (PoseSaid { pos: None, ..pose(1) }, Fault::NoPosition),
-            (PoseSaid { pos: Some([1e9, 0.0, 0.0]), ..pose(1) }, Fault::Absurd),
-            (PoseSaid { pos: Some([f64::NAN, 0.0, 0.0]), ..pose(1) }, Fault::Absurd),
-            (PoseSaid { accuracy: Some(-1.0), ..pose(1) }, Fault::Absurd),
-            (PoseSaid { accuracy: Some(f64::NAN), ..pose(1) }, Fault::Absurd),
-            (PoseSaid { t: f64::INFINITY, ..pose(1) }, Fault::Absurd),
-            (PoseSaid { quat: Some([0.0; 4]), ..pose(1) }, Fault::Quaternion),
-            (PoseSaid { t: 1150.0, ..pose(1) }, Fault::Future),
-            (PoseSaid { t: 1e300, ..pose(1) }, Fault::Future),
-            (PoseSaid { t: -10_000.0, ..pose(1) }, Fault::TooOld),
+            (PoseSaid { pos: None, ..pose(1) }, PoseFault::NoPosition),
+            (PoseSaid { pos: Some([1e9, 0.0, 0.0]), ..pose(1) }, PoseFault::Absurd),
+            (PoseSaid { pos: Some([f64::NAN, 0.0, 0.0]), ..pose(1) }, PoseFault::Absurd),
+            (PoseSaid { accuracy: Some(-1.0), ..pose(1) }, PoseFault::Absurd),
+            (PoseSaid { accuracy: Some(f64::NAN), ..pose(1) }, PoseFault::Absurd),
+            (PoseSaid { t: f64::INFINITY, ..pose(1) }, PoseFault::Absurd),
+            (PoseSaid { quat: Some([0.0; 4]), ..pose(1) }, PoseFault::Quaternion),
+            (PoseSaid { t: 1150.0, ..pose(1) }, PoseFault::Future),
+            (PoseSaid { t: 1e300, ..pose(1) }, PoseFault::Future),
+            (PoseSaid { t: -10_000.0, ..pose(1) }, PoseFault::TooOld),
         ];
         for (said, fault) in bad {
             assert_eq!(intake.take(&said, NOW), Err(fault), "{said:?}");
         }
         assert!(intake.take(&PoseSaid { t: 1050.0, ..pose(1) }, NOW).is_ok(), "headsets predict");
-        let deaf = &mut Intake::new(WorkerId(3), Frame::Map);
-        assert_eq!(deaf.take(&pose(1), NOW), Err(Fault::NoClock));
+        let deaf = &mut PoseIntake::new(WorkerId(3), PoseFrame::Map);
+        assert_eq!(deaf.take(&pose(1), NOW), Err(PoseFault::NoClock));
     }
 
     #[test]
     fn a_tag_in_the_frame_of_the_map_needs_neither_quaternion_nor_marks() {
-        let mut intake = intake(Frame::Map);
+        let mut intake = intake(PoseFrame::Map);
         let tag = PoseSaid { pos: None, quat: None, at: Some([4.0, 5.0]), ..pose(1) };
         let s = intake.take(&tag, NOW).unwrap().sighting;
         assert_eq!((s.at, s.heading), (Point::new(4.0, 5.0), None));
@@ -465,10 +473,10 @@ mod tests {
 
     #[test]
     fn who_is_lost_need_not_make_a_place_up() {
-        let mut intake = intake(Frame::Map);
+        let mut intake = intake(PoseFrame::Map);
         let lost =
             |seq| PoseSaid { pos: None, quat: None, quality: QualitySaid::Lost, accuracy: None, ..pose(seq) };
-        assert_eq!(intake.take(&lost(1), NOW), Err(Fault::NoPosition), "nobody has been anywhere yet");
+        assert_eq!(intake.take(&lost(1), NOW), Err(PoseFault::NoPosition), "nobody has been anywhere yet");
         let before = intake.take(&pose(2), NOW).unwrap().sighting;
         let s = intake.take(&lost(3), NOW).unwrap().sighting;
         assert_eq!((s.at, s.heading, s.quality), (before.at, before.heading, Quality::Lost));
@@ -476,7 +484,7 @@ mod tests {
 
     #[test]
     fn looking_at_the_floor_keeps_the_heading() {
-        let mut intake = intake(Frame::Map);
+        let mut intake = intake(PoseFrame::Map);
         let before = intake.take(&pose(1), NOW).unwrap().sighting.heading;
         let down = PoseSaid { quat: Some([-(0.5f64.sqrt()), 0.0, 0.0, 0.5f64.sqrt()]), ..pose(2) };
         assert_eq!(intake.take(&down, NOW).unwrap().sighting.heading, before);
@@ -485,9 +493,9 @@ mod tests {
 
     #[test]
     fn the_uncertainty_grows_with_the_way_and_not_with_sway() {
-        let mut intake = intake(Frame::Device);
+        let mut intake = intake(PoseFrame::Device);
         let marks = [(0.0, 0.0), (10.0, 0.0)];
-        let pair = |(x, y): (f64, f64)| Pair {
+        let pair = |(x, y): (f64, f64)| PointPair {
             device: Vector::new(x, y),
             map: Point::new(x, y),
             weight: 1.0,
@@ -495,7 +503,7 @@ mod tests {
         };
         intake.align(&marks.map(pair)).unwrap();
         let (mut seq, mut at) = (0, 0.0);
-        let mut stand = |intake: &mut Intake, x: f64| {
+        let mut stand = |intake: &mut PoseIntake, x: f64| {
             seq += 1;
             let said = PoseSaid { epoch: 2, pos: Some([x, 1.6, 0.0]), ..pose(seq) };
             at = intake.take(&said, NOW).unwrap().sighting.accuracy_m;

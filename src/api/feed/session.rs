@@ -5,13 +5,13 @@
 
 use super::clock::{Exchange, PingOutcome};
 use super::hub::{Connection, Told};
-use super::intake::{Intake, pairs};
+use super::intake::{PoseIntake, pairs};
 use super::thin::RateLimiter;
 use super::warn::Warnings;
-use super::wire::{AnchorSaid, HelloSaid, PoseSaid, Said, VERSIONS};
+use super::wire::{AnchorSaid, HeadsetMessage, HelloSaid, PoseSaid, VERSIONS};
 use crate::api::error::Problem;
-use crate::api::extract::Segment;
-use crate::api::people::{Beside, GuidanceKey, guidance};
+use crate::api::extract::PathPart;
+use crate::api::people::{GuidanceContext, GuidanceKey, guidance};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{assignment_name, parse_assignment, worker_name};
@@ -69,7 +69,7 @@ const RECENT: usize = 256;
      content_type = "application/problem+json")))]
 pub async fn feed(
     State(api): State<Api>,
-    Segment(id): Segment,
+    PathPart(id): PathPart,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Problem> {
     api.queue()?;
@@ -87,7 +87,7 @@ pub async fn feed(
 }
 
 /// Why a connection ends.
-enum End {
+enum SessionEnd {
     /// The client is gone, or does not take what it is sent.
     Gone,
     /// The server says goodbye, with a code and a reason.
@@ -100,7 +100,7 @@ struct Session<'a> {
     worker: WorkerId,
     socket: WebSocket,
     connection: Connection,
-    intake: Intake,
+    intake: PoseIntake,
     limiter: RateLimiter<(Time, Box<PoseSaid>)>,
     warnings: Warnings,
     pings: VecDeque<(u64, Time)>,
@@ -121,7 +121,7 @@ struct Session<'a> {
 async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
     let late = "no hello within ten seconds: the first message is hello, with versions";
     let greeted = timeout(GREETING, greeting(&mut socket)).await;
-    let end = match greeted.unwrap_or_else(|_| Err(End::Bye(close_code::POLICY, late.into()))) {
+    let end = match greeted.unwrap_or_else(|_| Err(SessionEnd::Bye(close_code::POLICY, late.into()))) {
         Ok(hello) => {
             let Some(connection) = api.feeds.sit(worker) else { return };
             let now = (api.now)();
@@ -131,7 +131,7 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
                 worker,
                 socket,
                 connection,
-                intake: Intake::new(worker, hello.frame),
+                intake: PoseIntake::new(worker, hello.frame),
                 limiter: RateLimiter::default(),
                 warnings: Warnings::default(),
                 pings: VecDeque::new(),
@@ -152,7 +152,7 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
         }
         Err(end) => Some(end),
     };
-    if let Some(End::Bye(code, reason)) = end {
+    if let Some(SessionEnd::Bye(code, reason)) = end {
         let text = json!({"type": "error", "text": reason}).to_string();
         _ = timeout(SEND, socket.send(Message::Text(text.into()))).await;
         let frame = CloseFrame { code, reason: short(&reason).into() };
@@ -167,19 +167,19 @@ fn short(reason: &str) -> &str {
 }
 
 /// The first message, in a version that both speak.
-async fn greeting(socket: &mut WebSocket) -> Result<HelloSaid, End> {
-    let policy = |reason: &str| End::Bye(close_code::POLICY, reason.into());
+async fn greeting(socket: &mut WebSocket) -> Result<HelloSaid, SessionEnd> {
+    let policy = |reason: &str| SessionEnd::Bye(close_code::POLICY, reason.into());
     let message = loop {
         match socket.recv().await {
             Some(Ok(Message::Text(text))) => break text,
             Some(Ok(Message::Ping(_) | Message::Pong(_))) => {}
             Some(Ok(Message::Binary(_))) => return Err(policy("messages are JSON texts")),
-            _ => return Err(End::Gone),
+            _ => return Err(SessionEnd::Gone),
         }
     };
-    match serde_json::from_str::<Said>(&message) {
-        Ok(Said::Hello(hello)) if hello.versions.iter().any(|v| VERSIONS.contains(v)) => Ok(hello),
-        Ok(Said::Hello(hello)) => Err(policy(&format!(
+    match serde_json::from_str::<HeadsetMessage>(&message) {
+        Ok(HeadsetMessage::Hello(hello)) if hello.versions.iter().any(|v| VERSIONS.contains(v)) => Ok(hello),
+        Ok(HeadsetMessage::Hello(hello)) => Err(policy(&format!(
             "this server speaks versions {VERSIONS:?} of the feed, the client only {:?}",
             &hello.versions[..hello.versions.len().min(8)]
         ))),
@@ -189,7 +189,7 @@ async fn greeting(socket: &mut WebSocket) -> Result<HelloSaid, End> {
 }
 
 impl Session<'_> {
-    async fn run(&mut self, hello: &HelloSaid) -> Result<(), End> {
+    async fn run(&mut self, hello: &HelloSaid) -> Result<(), SessionEnd> {
         let welcome = json!({
             "type": "welcome", "version": VERSIONS[0], "worker": worker_name(self.worker),
             "name": self.api.feeds.name(self.worker), "frame": hello.frame.word(),
@@ -203,18 +203,18 @@ impl Session<'_> {
             tokio::select! {
                 biased;
                 changed = self.connection.told.changed() => {
-                    changed.map_err(|_| End::Gone)?;
+                    changed.map_err(|_| SessionEnd::Gone)?;
                     self.guide(false).await?;
                 }
                 taken = self.connection.taken.changed() => {
-                    taken.map_err(|_| End::Gone)?;
+                    taken.map_err(|_| SessionEnd::Gone)?;
                     if *self.connection.taken.borrow() != self.connection.number {
                         let reason = "another connection took this worker's place";
-                        return Err(End::Bye(close_code::POLICY, reason.into()));
+                        return Err(SessionEnd::Bye(close_code::POLICY, reason.into()));
                     }
                 }
                 () = async { _ = closing.wait_for(|closing| *closing).await.is_ok() } => {
-                    return Err(End::Bye(close_code::AWAY, "the server goes down".into()));
+                    return Err(SessionEnd::Bye(close_code::AWAY, "the server goes down".into()));
                 }
                 Some(Ok((id, refused))) = self.reports.join_next() => self.reported(id, refused).await?,
                 () = tokio::time::sleep(wait) => self.tick().await?,
@@ -231,10 +231,10 @@ impl Session<'_> {
         Duration::from_micros((first - now).0.max(0).unsigned_abs())
     }
 
-    async fn tick(&mut self) -> Result<(), End> {
+    async fn tick(&mut self) -> Result<(), SessionEnd> {
         let now = (self.api.now)();
         if now - self.last_heard > SILENT {
-            return Err(End::Gone);
+            return Err(SessionEnd::Gone);
         }
         if let Some((received, pose)) = self.limiter.ready(now) {
             self.hand(&pose, received).await?;
@@ -242,47 +242,47 @@ impl Session<'_> {
         if now - self.sent_at >= REFRESH { self.guide(true).await } else { Ok(()) }
     }
 
-    async fn hear(&mut self, message: Option<Result<Message, axum::Error>>) -> Result<(), End> {
+    async fn hear(&mut self, message: Option<Result<Message, axum::Error>>) -> Result<(), SessionEnd> {
         let now = (self.api.now)();
         self.last_heard = now;
         let text = match message {
             Some(Ok(Message::Text(text))) => text,
             Some(Ok(Message::Ping(_) | Message::Pong(_))) => return Ok(()),
             Some(Ok(Message::Binary(_))) => return self.unreadable("messages are JSON texts").await,
-            Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(End::Gone),
+            Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(SessionEnd::Gone),
         };
-        let said = match serde_json::from_str::<Said>(&text) {
+        let said = match serde_json::from_str::<HeadsetMessage>(&text) {
             Ok(said) => said,
             Err(e) => return self.unreadable(&format!("not a message of this feed: {e}")).await,
         };
         self.unreadable = 0;
         match said {
-            Said::Pose(pose) => match self.limiter.offer((now, pose), now) {
+            HeadsetMessage::Pose(pose) => match self.limiter.offer((now, pose), now) {
                 Some((received, pose)) => self.hand(&pose, received).await,
                 None => Ok(()),
             },
-            Said::Pong { id, t1, t2 } => self.pong(id, t1, t2, now).await,
-            Said::Anchors { pairs } => self.align(&pairs).await,
-            Said::Reset => {
+            HeadsetMessage::Pong { id, t1, t2 } => self.pong(id, t1, t2, now).await,
+            HeadsetMessage::Anchors { pairs } => self.align(&pairs).await,
+            HeadsetMessage::Reset => {
                 self.intake.reset();
                 let aligned = self.intake.alignment().is_some();
                 self.send(json!({"type": "epoch", "epoch": self.intake.epoch(), "aligned": aligned})).await
             }
-            Said::Resync => {
+            HeadsetMessage::Resync => {
                 self.intake.clock.resync();
                 Ok(())
             }
-            Said::Done { assignment } => self.done(&assignment).await,
-            Said::Ack { version } => {
+            HeadsetMessage::Done { assignment } => self.done(&assignment).await,
+            HeadsetMessage::Ack { version } => {
                 self.api.feeds.acknowledge(self.worker, version);
                 Ok(())
             }
-            Said::Hello(_) => self.warn("hello", 1, "hello is the first message only").await,
+            HeadsetMessage::Hello(_) => self.warn("hello", 1, "hello is the first message only").await,
         }
     }
 
     /// Asks the fleet to note that the wearer is done. Poses do not wait for the journal, so the answer comes later.
-    async fn done(&mut self, said: &str) -> Result<(), End> {
+    async fn done(&mut self, said: &str) -> Result<(), SessionEnd> {
         let Some(id) = parse_assignment(said) else {
             return self.warn("done", 1, "name the assignment as guidance does, such as a3").await;
         };
@@ -302,12 +302,12 @@ impl Session<'_> {
         Ok(())
     }
 
-    async fn reported(&mut self, id: AssignmentId, refused: Option<String>) -> Result<(), End> {
+    async fn reported(&mut self, id: AssignmentId, refused: Option<String>) -> Result<(), SessionEnd> {
         self.send(json!({"type": "done", "assignment": assignment_name(id), "refused": refused})).await
     }
 
     /// Reads a pose and hands it on.
-    async fn hand(&mut self, said: &PoseSaid, received: Time) -> Result<(), End> {
+    async fn hand(&mut self, said: &PoseSaid, received: Time) -> Result<(), SessionEnd> {
         self.api.metrics.poses_received.inc();
         let fault = match self.intake.take(said, received) {
             Ok(taken) => {
@@ -332,17 +332,17 @@ impl Session<'_> {
         }
     }
 
-    async fn unreadable(&mut self, text: &str) -> Result<(), End> {
+    async fn unreadable(&mut self, text: &str) -> Result<(), SessionEnd> {
         self.unreadable += 1;
         if self.unreadable > MOST_UNREADABLE {
             let reason = format!("{MOST_UNREADABLE} messages in a row could not be read");
-            return Err(End::Bye(close_code::POLICY, reason));
+            return Err(SessionEnd::Bye(close_code::POLICY, reason));
         }
         self.api.metrics.refused("unreadable");
         self.warn("unreadable", 1, text).await
     }
 
-    async fn ping(&mut self) -> Result<(), End> {
+    async fn ping(&mut self) -> Result<(), SessionEnd> {
         let now = (self.api.now)();
         if self.intake.clock.due().is_some_and(|due| due > now) {
             return Ok(());
@@ -357,7 +357,7 @@ impl Session<'_> {
         self.send(json!({"type": "ping", "id": id})).await
     }
 
-    async fn pong(&mut self, id: u64, t1: f64, t2: f64, now: Time) -> Result<(), End> {
+    async fn pong(&mut self, id: u64, t1: f64, t2: f64, now: Time) -> Result<(), SessionEnd> {
         // Pings get one answer each; others are not ours.
         let Some(i) = self.pings.iter().position(|(asked, _)| *asked == id) else { return Ok(()) };
         let Some((_, asked)) = self.pings.remove(i) else { return Ok(()) };
@@ -378,7 +378,7 @@ impl Session<'_> {
         }
     }
 
-    async fn align(&mut self, said: &[AnchorSaid]) -> Result<(), End> {
+    async fn align(&mut self, said: &[AnchorSaid]) -> Result<(), SessionEnd> {
         let fit = pairs(said, &self.api.map).map_err(|text| (text, "correct the message"));
         let fit = fit.and_then(|pairs| match self.intake.align(&pairs) {
             Ok(alignment) => Ok(alignment.clone()),
@@ -398,7 +398,7 @@ impl Session<'_> {
     }
 
     /// Sends guidance: at once where it changed, else only where it is time.
-    async fn guide(&mut self, due: bool) -> Result<(), End> {
+    async fn guide(&mut self, due: bool) -> Result<(), SessionEnd> {
         let Told { at, guidance: told, counts } = self.connection.told.borrow_and_update().clone();
         let key = GuidanceKey::of(told.as_ref());
         self.api.metrics.poses_thinned.inc_by(std::mem::take(&mut self.limiter.thinned));
@@ -411,7 +411,7 @@ impl Session<'_> {
         let moment = self.api.moment();
         let names = Names { map: &self.api.map, view: &moment.view };
         let pose = considered.map(|(_, epoch, seq)| json!({"epoch": epoch, "seq": seq}));
-        let mut message = guidance(told.as_ref(), Beside { names, heading: self.heading, now });
+        let mut message = guidance(told.as_ref(), GuidanceContext { names, heading: self.heading, now });
         message["pose"] = pose.into();
         let stopped = key.state == GuidanceState::Stop;
         let began = self.sent.is_none_or(|sent| sent.state != GuidanceState::Stop);
@@ -435,7 +435,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    async fn warn(&mut self, code: &'static str, count: u64, text: &str) -> Result<(), End> {
+    async fn warn(&mut self, code: &'static str, count: u64, text: &str) -> Result<(), SessionEnd> {
         match self.warnings.note(code, count, (self.api.now)()) {
             Some(count) => {
                 self.send(json!({"type": "warning", "code": code, "count": count, "text": text})).await
@@ -444,11 +444,11 @@ impl Session<'_> {
         }
     }
 
-    async fn send(&mut self, message: Value) -> Result<(), End> {
+    async fn send(&mut self, message: Value) -> Result<(), SessionEnd> {
         let message = Message::Text(message.to_string().into());
         match timeout(SEND, self.socket.send(message)).await {
             Ok(Ok(())) => Ok(()),
-            _ => Err(End::Gone),
+            _ => Err(SessionEnd::Gone),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A connection over a real socket, with the fleet played by the test.
 
-use super::hub::{Feeds, Heard};
-use crate::api::port::{Alarms, Figures, Later, Moment, Records};
+use super::hub::{Feeds, HeardSighting};
+use crate::api::port::{Alarms, Later, Moment, Records, SharedHistory};
 use crate::api::{Api, auth::Gate, live::Live, massrobotics::Interop, metrics::Metrics, router};
 use crate::fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, Guidance, GuidanceReason, GuidanceState,
@@ -43,18 +43,18 @@ impl Records for Nothing {
 }
 
 /// A server without a fleet; its clock stands unless the test moves it.
-struct Stage {
+struct TestServer {
     at: SocketAddr,
     feeds: Arc<Feeds>,
-    heard: mpsc::Receiver<Heard>,
+    heard: mpsc::Receiver<HeardSighting>,
     clock: Arc<AtomicI64>,
     metrics: Arc<Metrics>,
     _moments: watch::Sender<Arc<Moment>>,
     _closing: watch::Sender<bool>,
 }
 
-impl Stage {
-    async fn new() -> Stage {
+impl TestServer {
+    async fn new() -> TestServer {
         let map = crate::warehouse::formats::json::parse(include_str!("../../../maps/lab.json")).unwrap();
         let map = Arc::new(map);
         let (feeds, heard) = Feeds::new();
@@ -69,7 +69,7 @@ impl Stage {
             kinds: Arc::new([]),
             moments: picture,
             records: Arc::new(Nothing),
-            figures: Arc::new(Figures::new(Time::ZERO, "giveway", Default::default())),
+            figures: Arc::new(SharedHistory::new(Time::ZERO, "giveway", Default::default())),
             queue: Some(mpsc::channel(1).0),
             questions: mpsc::channel(1).0,
             alarms: Arc::new(Alarms::default()),
@@ -85,7 +85,7 @@ impl Stage {
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let at = listener.local_addr().unwrap();
         tokio::spawn(async move { axum::serve(listener, router(api).0).await });
-        Stage { at, feeds, heard, clock, metrics, _moments: moments, _closing: closing }
+        TestServer { at, feeds, heard, clock, metrics, _moments: moments, _closing: closing }
     }
 
     fn now(&self) -> Time {
@@ -140,7 +140,7 @@ fn told(state: GuidanceState, version: u64) -> Guidance {
 
 #[tokio::test]
 async fn a_stop_leaves_at_once_and_says_which_pose_it_was_decided_with() {
-    let mut stage = Stage::new().await;
+    let mut stage = TestServer::new().await;
     let mut anna = stage.connect("map").await;
     anna.next("clock").await;
     anna.say(json!({"type": "pose", "epoch": 1, "seq": 7, "t": 5000.0, "at": [3.0, 4.0]})).await;
@@ -162,7 +162,7 @@ async fn a_stop_leaves_at_once_and_says_which_pose_it_was_decided_with() {
 
 #[tokio::test]
 async fn guidance_that_does_not_change_leaves_four_times_a_second_and_only_the_newest() {
-    let stage = Stage::new().await;
+    let stage = TestServer::new().await;
     let mut anna = stage.connect("map").await;
     assert_eq!(anna.next("guidance").await["state"], "idle", "nothing to say is said, too");
     for version in 1..=100 {
@@ -180,7 +180,7 @@ async fn guidance_that_does_not_change_leaves_four_times_a_second_and_only_the_n
 
 #[tokio::test]
 async fn an_acknowledgement_is_kept_for_those_who_ask() {
-    let stage = Stage::new().await;
+    let stage = TestServer::new().await;
     let mut anna = stage.connect("map").await;
     anna.next("welcome").await;
     anna.say(json!({"type": "ack", "version": 12})).await;

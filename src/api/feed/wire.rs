@@ -1,7 +1,7 @@
 //! What headsets say, as it travels: JSON texts with a `type`.
 //!
-//! Main types: [`Said`], [`PoseSaid`], [`AnchorSaid`]. Unknown keys are ignored, so that newer headsets can talk to
-//! older servers. Refuses: to judge numbers; [`super::intake`] does.
+//! Main types: [`HeadsetMessage`], [`PoseSaid`], [`AnchorSaid`]. Unknown keys are ignored, so that newer headsets can
+//! talk to older servers. Refuses: to judge numbers; [`super::intake`] does.
 
 use serde::Deserialize;
 
@@ -11,7 +11,7 @@ pub const VERSIONS: [u32; 1] = [1];
 /// A message of a headset.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
-pub enum Said {
+pub enum HeadsetMessage {
     /// The first message.
     Hello(HelloSaid),
     /// The answer to a `ping`.
@@ -53,13 +53,13 @@ pub struct HelloSaid {
     pub versions: Vec<u32>,
     /// Which frame its poses are in.
     #[serde(default)]
-    pub frame: Frame,
+    pub frame: PoseFrame,
 }
 
 /// The frame of poses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Frame {
+pub enum PoseFrame {
     /// The device's own, which must be aligned.
     #[default]
     Device,
@@ -67,12 +67,12 @@ pub enum Frame {
     Map,
 }
 
-impl Frame {
+impl PoseFrame {
     /// The word for it on the wire.
     pub fn word(self) -> &'static str {
         match self {
-            Frame::Device => "device",
-            Frame::Map => "map",
+            PoseFrame::Device => "device",
+            PoseFrame::Map => "map",
         }
     }
 }
@@ -187,9 +187,12 @@ mod tests {
     #[test]
     fn messages_are_read_as_docs_show_them_and_with_keys_of_tomorrow() {
         let text = r#"{"type":"pose","epoch":1,"seq":2,"t":3.5,"pos":[1,2,3],"colour":"red"}"#;
-        let Said::Pose(pose) = serde_json::from_str(text).unwrap() else { panic!("{text}") };
+        let HeadsetMessage::Pose(pose) = serde_json::from_str(text).unwrap() else { panic!("{text}") };
         assert_eq!((pose.quality, pose.quat, pose.pos), (QualitySaid::Tracked, None, Some([1.0, 2.0, 3.0])));
-        assert_eq!(serde_json::from_str::<Said>(r#"{"type":"reset"}"#).unwrap(), Said::Reset);
+        assert_eq!(
+            serde_json::from_str::<HeadsetMessage>(r#"{"type":"reset"}"#).unwrap(),
+            HeadsetMessage::Reset
+        );
         let texts = include_str!("../../../docs/headset.md").split("```json").skip(1);
         let texts = texts.filter_map(|rest| rest.split("```").next());
         let shown: Vec<serde_json::Value> = texts
@@ -198,10 +201,11 @@ mod tests {
             .collect();
         let ours = ["hello", "pong", "anchors", "pose", "done"];
         let said = shown.iter().filter(|m| ours.iter().any(|t| m["type"] == *t));
-        let read: Vec<Said> = said.map(|m| serde_json::from_value(m.clone()).expect("as shown")).collect();
+        let read: Vec<HeadsetMessage> =
+            said.map(|m| serde_json::from_value(m.clone()).expect("as shown")).collect();
         assert_eq!(read.len(), 5, "docs/headset.md shows each");
         for bad in [r#"{"type":"jump"}"#, "{}", r#"{"type":"pose","epoch":-1}"#] {
-            assert!(serde_json::from_str::<Said>(bad).is_err(), "{bad}");
+            assert!(serde_json::from_str::<HeadsetMessage>(bad).is_err(), "{bad}");
         }
     }
 }

@@ -7,7 +7,7 @@ use super::lists::checked_limit;
 use crate::api::Api;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Body, Key, Params, Segment};
+use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart};
 use crate::api::people::{ASSIGNMENT_STATES, AssignmentDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
@@ -66,7 +66,7 @@ pub struct AssignmentParams {
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn of_worker(
     State(api): State<Api>,
-    Segment(id): Segment,
+    PathPart(id): PathPart,
     Params(p): Params<AssignmentParams>,
 ) -> Result<Json<Page<AssignmentDto>>, Problem> {
     let worker = api.feeds.worker(&id)?;
@@ -91,7 +91,7 @@ pub async fn all(
     (status = 200, description = "The assignment", body = AssignmentDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<AssignmentDto>, Problem> {
+pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
     let record = read(&api, parse_id(&id)?).await?;
     Ok(Json(dto(&api, &record)))
 }
@@ -113,9 +113,9 @@ pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<As
      content_type = "application/problem+json")))]
 pub async fn assign(
     State(api): State<Api>,
-    Segment(id): Segment,
-    Key(key): Key,
-    Body(new): Body<NewAssignment>,
+    PathPart(id): PathPart,
+    IdempotencyKey(key): IdempotencyKey,
+    JsonBody(new): JsonBody<NewAssignment>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<AssignmentDto>), Problem> {
     let worker = api.feeds.worker(&id)?;
     let request = AssignmentRequest { key, ..new.read(&api)? };
@@ -147,7 +147,7 @@ pub async fn assign(
      content_type = "application/problem+json"),
     (status = 503, description = "Not now; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn cancel(State(api): State<Api>, Segment(id): Segment) -> Result<Json<AssignmentDto>, Problem> {
+pub async fn cancel(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
     end(&api, parse_id(&id)?, |_, id| What::Unassign(id)).await
 }
 
@@ -160,7 +160,7 @@ pub async fn cancel(State(api): State<Api>, Segment(id): Segment) -> Result<Json
      content_type = "application/problem+json"),
     (status = 503, description = "Not now; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn finish(State(api): State<Api>, Segment(id): Segment) -> Result<Json<AssignmentDto>, Problem> {
+pub async fn finish(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
     end(&api, parse_id(&id)?, What::Finish).await
 }
 

@@ -6,7 +6,7 @@ use super::lists::{Paging, page};
 use crate::api::Api;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Body, Params, Segment};
+use crate::api::extract::{JsonBody, Params, PathPart};
 use crate::api::feed::FAR_M;
 use crate::api::people::ClosureDto;
 use crate::api::port::What;
@@ -75,7 +75,7 @@ pub async fn list(
      content_type = "application/problem+json")))]
 pub async fn close(
     State(api): State<Api>,
-    Body(new): Body<NewClosure>,
+    JsonBody(new): JsonBody<NewClosure>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<ClosureDto>), Problem> {
     let area = new.read(&api)?;
     match api.ask(What::Close(area.clone())).await? {
@@ -95,7 +95,7 @@ pub async fn close(
     params(("id" = String, Path, example = "c2")), responses(
     (status = 200, description = "The area", body = ClosureDto),
     (status = 404, body = Problem, content_type = "application/problem+json")))]
-pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<ClosureDto>, Problem> {
+pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<ClosureDto>, Problem> {
     let id = parse_id(&id)?;
     let moment = api.moment();
     let found = moment.view.closures.iter().find(|c| c.id == id);
@@ -111,7 +111,7 @@ pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<Cl
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "Not now; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn reopen(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+pub async fn reopen(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     match api.ask(What::Reopen(parse_id(&id)?)).await? {
         Reply::Done { .. } => Ok(StatusCode::NO_CONTENT),
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),

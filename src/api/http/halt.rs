@@ -6,7 +6,7 @@ use super::why::parse_robot;
 use crate::api::Api;
 use crate::api::dto::Names;
 use crate::api::error::Problem;
-use crate::api::extract::Segment;
+use crate::api::extract::PathPart;
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::time_text;
@@ -67,7 +67,7 @@ pub async fn resume(State(api): State<Api>) -> Result<StatusCode, Problem> {
     (status = 204, description = "It was told to stand, and it is durable"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn pause(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+pub async fn pause(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let robot = parse_robot(&api, &id)?;
     done(&api, What::Halt(Some(robot))).await
 }
@@ -78,7 +78,7 @@ pub async fn pause(State(api): State<Api>, Segment(id): Segment) -> Result<Statu
     (status = 204, description = "It goes on, unless the whole fleet stands"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn go_on(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+pub async fn go_on(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let robot = parse_robot(&api, &id)?;
     done(&api, What::Release(Some(robot))).await
 }

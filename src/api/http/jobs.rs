@@ -8,7 +8,7 @@ use super::lists::checked_limit;
 use crate::api::Api;
 use crate::api::dto::{JOB_STATES, JobDto, Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Body, Key, Params, Segment};
+use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart};
 use crate::api::port::{Moment, What};
 use crate::api::refusal::refused;
 use crate::api::text::{job_name, parse_job_name, parse_time};
@@ -33,7 +33,7 @@ const MOST_PREDECESSORS: usize = 100;
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewJob {
-    kind: Kind,
+    kind: WantedKind,
     /// Name of a rack.
     #[schema(example = "K1")]
     rack: Option<String>,
@@ -61,7 +61,7 @@ pub struct NewJob {
 /// What is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-enum Kind {
+enum WantedKind {
     /// Bring a rack to a station, and put it back.
     Deliver,
     /// Put a rack onto the best free storage node.
@@ -133,7 +133,7 @@ pub async fn list(
     (status = 200, description = "The job", body = JobDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<JobDto>, Problem> {
+pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<JobDto>, Problem> {
     let row = read(&api, parse_id(&id)?).await?;
     Ok(Json(dto(&api, &row)))
 }
@@ -154,8 +154,8 @@ pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<Jo
      content_type = "application/problem+json")))]
 pub async fn submit(
     State(api): State<Api>,
-    Key(key): Key,
-    Body(new): Body<NewJob>,
+    IdempotencyKey(key): IdempotencyKey,
+    JsonBody(new): JsonBody<NewJob>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<JobDto>), Problem> {
     let request = JobRequest { key, ..new.read(&api.map, &api.moment())? };
     let reply = api.ask(What::Submit(request.clone())).await?;
@@ -198,8 +198,8 @@ pub struct JobChange {
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn prioritise(
     State(api): State<Api>,
-    Segment(id): Segment,
-    Body(change): Body<JobChange>,
+    PathPart(id): PathPart,
+    JsonBody(change): JsonBody<JobChange>,
 ) -> Result<Json<JobDto>, Problem> {
     let id = parse_id(&id)?;
     match api.ask(What::Prioritise(id, change.priority)).await? {
@@ -216,7 +216,7 @@ pub async fn prioritise(
     (status = 409, description = "It was over already, or is part of a recording", body = Problem,
      content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn cancel(State(api): State<Api>, Segment(id): Segment) -> Result<Json<JobDto>, Problem> {
+pub async fn cancel(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<JobDto>, Problem> {
     let id = parse_id(&id)?;
     match api.ask(What::Cancel(id)).await? {
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
@@ -242,7 +242,7 @@ fn dto(api: &Api, row: &JobRow) -> JobDto {
 struct Reader<'a> {
     map: &'a Warehouse,
     moment: &'a Moment,
-    kind: Kind,
+    kind: WantedKind,
     errors: Vec<FieldError>,
 }
 
@@ -289,23 +289,23 @@ impl Reader<'_> {
 
     fn word(&self) -> &'static str {
         match self.kind {
-            Kind::Deliver => "deliver",
-            Kind::Return => "return",
-            Kind::Relocate => "relocate",
-            Kind::Charge => "charge",
-            Kind::Park => "park",
-            Kind::Go => "go",
+            WantedKind::Deliver => "deliver",
+            WantedKind::Return => "return",
+            WantedKind::Relocate => "relocate",
+            WantedKind::Charge => "charge",
+            WantedKind::Park => "park",
+            WantedKind::Go => "go",
         }
     }
 
     /// Complains about fields that this kind of job does not have.
     fn superfluous(&mut self, new: &NewJob) {
         let fields: &[&str] = match self.kind {
-            Kind::Deliver => &["rack", "station", "pick_s"],
-            Kind::Return => &["rack"],
-            Kind::Relocate => &["rack", "node"],
-            Kind::Charge | Kind::Park => &["robot"],
-            Kind::Go => &["robot", "node"],
+            WantedKind::Deliver => &["rack", "station", "pick_s"],
+            WantedKind::Return => &["rack"],
+            WantedKind::Relocate => &["rack", "node"],
+            WantedKind::Charge | WantedKind::Park => &["robot"],
+            WantedKind::Go => &["robot", "node"],
         };
         let given = [
             ("rack", new.rack.is_some()),
@@ -321,19 +321,19 @@ impl Reader<'_> {
 
     fn kind(&mut self, new: &NewJob) -> Option<JobKind> {
         Some(match self.kind {
-            Kind::Deliver => {
+            WantedKind::Deliver => {
                 let (rack, station) = (self.rack(new), self.station(new));
                 let pick = new.pick_s.map(Span::from_secs_f64);
                 JobKind::Deliver { rack: rack?, station: station?, pick }
             }
-            Kind::Return => JobKind::Return { rack: self.rack(new)? },
-            Kind::Relocate => {
+            WantedKind::Return => JobKind::Return { rack: self.rack(new)? },
+            WantedKind::Relocate => {
                 let (rack, node) = (self.rack(new), self.node(new));
                 JobKind::Relocate { rack: rack?, node: node? }
             }
-            Kind::Charge => JobKind::Charge { robot: self.robot(new)? },
-            Kind::Park => JobKind::Park { robot: self.robot(new)? },
-            Kind::Go => {
+            WantedKind::Charge => JobKind::Charge { robot: self.robot(new)? },
+            WantedKind::Park => JobKind::Park { robot: self.robot(new)? },
+            WantedKind::Go => {
                 let (robot, node) = (self.robot(new), self.node(new));
                 JobKind::Go { robot: robot?, node: node? }
             }

@@ -5,7 +5,7 @@
 
 use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Body, Segment};
+use crate::api::extract::{JsonBody, PathPart};
 use crate::api::feed::FAR_M;
 use crate::api::feed::hub::Untaken;
 use crate::api::massrobotics::USUAL_ACCURACY_M;
@@ -85,8 +85,8 @@ pub struct TakenDto {
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn one(
     State(api): State<Api>,
-    Segment(id): Segment,
-    Body(new): Body<NewPosition>,
+    PathPart(id): PathPart,
+    JsonBody(new): JsonBody<NewPosition>,
 ) -> Result<StatusCode, Problem> {
     let worker = api.feeds.worker(&id)?;
     let now = (api.now)();
@@ -99,7 +99,10 @@ pub async fn one(
 #[utoipa::path(post, path = "/v1/positions", tag = "people", request_body = NewPositions, responses(
     (status = 200, description = "How many were taken in, and why others were not", body = TakenDto),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
-pub async fn many(State(api): State<Api>, Body(new): Body<NewPositions>) -> Result<Json<TakenDto>, Problem> {
+pub async fn many(
+    State(api): State<Api>,
+    JsonBody(new): JsonBody<NewPositions>,
+) -> Result<Json<TakenDto>, Problem> {
     if new.positions.len() > MOST {
         let detail = format!("{} positions; at most {MOST} at once", new.positions.len());
         return Err(Problem::invalid(vec![FieldError::new("positions", detail)]));

@@ -6,9 +6,9 @@
 use super::positions::{checked_time, report};
 use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::Body;
+use crate::api::extract::JsonBody;
 use crate::api::feed::warn::Warnings;
-use crate::api::massrobotics::{Report, Unfit};
+use crate::api::massrobotics::{InteropReport, Unfit};
 use axum::extract::State;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
@@ -28,7 +28,7 @@ const SEND: Duration = Duration::from_secs(2);
 
 /// Take an identityReport or a statusReport. Only uuids that are workers are taken: make the worker known with the uuid
 /// as its name, or name it in the settings.
-#[utoipa::path(post, path = "/v1/massrobotics", tag = "people", request_body = Report, responses(
+#[utoipa::path(post, path = "/v1/massrobotics", tag = "people", request_body = InteropReport, responses(
     (status = 202, description = "Taken in; the fleet judges it in its next step"),
     (status = 404, description = "No worker is known under this uuid", body = Problem,
      content_type = "application/problem+json"),
@@ -36,7 +36,10 @@ const SEND: Duration = Duration::from_secs(2);
      content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn post(State(api): State<Api>, Body(said): Body<Report>) -> Result<StatusCode, Problem> {
+pub async fn post(
+    State(api): State<Api>,
+    JsonBody(said): JsonBody<InteropReport>,
+) -> Result<StatusCode, Problem> {
     take(&api, &said)?;
     Ok(StatusCode::ACCEPTED)
 }
@@ -72,7 +75,7 @@ async fn serve(api: &Api, mut socket: WebSocket) {
             Ok(Some(Ok(Message::Ping(_) | Message::Pong(_) | Message::Binary(_)))) => continue,
             _ => return,
         };
-        let report = serde_json::from_str::<Report>(&text);
+        let report = serde_json::from_str::<InteropReport>(&text);
         let report = report.map_err(|e| Problem::malformed(format!("not a report: {e}")));
         let Err(problem) = report.and_then(|report| take(api, &report)) else { continue };
         let told = warnings.note(kind_of(problem.status), 1, (api.now)()).is_some();
@@ -93,7 +96,7 @@ fn kind_of(status: u16) -> &'static str {
     }
 }
 
-fn take(api: &Api, said: &Report) -> Result<(), Problem> {
+fn take(api: &Api, said: &InteropReport) -> Result<(), Problem> {
     let name = api.interop.worker(&said.uuid).unwrap_or(&said.uuid);
     let worker = api.feeds.named(name).or_else(|| api.feeds.named(&name.to_lowercase()));
     let worker = worker.ok_or_else(|| {

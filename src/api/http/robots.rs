@@ -7,7 +7,7 @@ use super::halt::done;
 use super::why::parse_robot;
 use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Body, Segment};
+use crate::api::extract::{JsonBody, PathPart};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::fleet::{Reply, USUAL_KIND};
@@ -61,7 +61,7 @@ fn usual_kind() -> String {
      content_type = "application/problem+json")))]
 pub async fn register(
     State(api): State<Api>,
-    Body(new): Body<NewRobot>,
+    JsonBody(new): JsonBody<NewRobot>,
 ) -> Result<(StatusCode, Json<JoinedDto>), Problem> {
     let name = new.name.trim().to_owned();
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
@@ -98,7 +98,7 @@ pub async fn register(
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 409, description = "It has left", body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn retire(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+pub async fn retire(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     done(&api, What::Retire(parse_robot(&api, &id)?)).await
 }
 
@@ -109,7 +109,7 @@ pub async fn retire(State(api): State<Api>, Segment(id): Segment) -> Result<Stat
     (status = 204, description = "It goes, and that is durable"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn maintain(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+pub async fn maintain(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     done(&api, What::Maintain(parse_robot(&api, &id)?, true)).await
 }
 
@@ -119,6 +119,6 @@ pub async fn maintain(State(api): State<Api>, Segment(id): Segment) -> Result<St
     (status = 204, description = "It works again"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn work_again(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+pub async fn work_again(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     done(&api, What::Maintain(parse_robot(&api, &id)?, false)).await
 }

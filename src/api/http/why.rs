@@ -5,7 +5,7 @@
 use crate::api::Api;
 use crate::api::dto::Names;
 use crate::api::error::Problem;
-use crate::api::extract::Segment;
+use crate::api::extract::PathPart;
 use crate::api::port::Question;
 use crate::api::text::{job_name, parse_job_name};
 use crate::api::waits::WhyDto;
@@ -20,7 +20,7 @@ use axum::extract::State;
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "Too many questions; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn robot(State(api): State<Api>, Segment(id): Segment) -> Result<Json<WhyDto>, Problem> {
+pub async fn robot(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<WhyDto>, Problem> {
     let robot = parse_robot(&api, &id)?;
     let waits = api.query(|reply| Question::Robot(robot, reply)).await?;
     Ok(Json(Names { map: &api.map, view: &api.moment().view }.chain(id, &waits)))
@@ -34,7 +34,7 @@ pub async fn robot(State(api): State<Api>, Segment(id): Segment) -> Result<Json<
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "Too many questions; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn job(State(api): State<Api>, Segment(id): Segment) -> Result<Json<WhyDto>, Problem> {
+pub async fn job(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<WhyDto>, Problem> {
     let job = parse_job_name(&id)
         .ok_or_else(|| Problem::unknown("job", format!("\"{id}\" is no job; jobs are like j17")))?;
     let known = api.records.job(job).await.map_err(|why| Problem::unavailable(why, 2))?;

@@ -6,7 +6,7 @@ use super::lists::{Paging, page};
 use crate::api::Api;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Body, Params, Segment};
+use crate::api::extract::{JsonBody, Params, PathPart};
 use crate::api::people::{SensesDto, WorkerDetailDto, WorkerDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
@@ -48,7 +48,7 @@ pub async fn list(
     params(("id" = String, Path, example = "w1")), responses(
     (status = 200, description = "The worker", body = WorkerDetailDto),
     (status = 404, body = Problem, content_type = "application/problem+json")))]
-pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<WorkerDetailDto>, Problem> {
+pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<WorkerDetailDto>, Problem> {
     let id = api.feeds.worker(&id)?;
     let carried = api.feeds.carried(id).unwrap_or_default();
     let name = api.feeds.name(id).unwrap_or_default();
@@ -76,7 +76,7 @@ pub async fn get(State(api): State<Api>, Segment(id): Segment) -> Result<Json<Wo
      content_type = "application/problem+json")))]
 pub async fn hire(
     State(api): State<Api>,
-    Body(new): Body<NewWorker>,
+    JsonBody(new): JsonBody<NewWorker>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<WorkerDto>), Problem> {
     let name = new.name.trim();
     let length = name.chars().count();
@@ -102,7 +102,7 @@ pub async fn hire(
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "Not now; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn clear(State(api): State<Api>, Segment(id): Segment) -> Result<StatusCode, Problem> {
+pub async fn clear(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let id = api.feeds.worker(&id)?;
     match api.ask(What::Clear(id)).await? {
         Reply::Done { .. } => Ok(StatusCode::NO_CONTENT),

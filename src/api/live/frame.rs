@@ -16,7 +16,7 @@ use serde_json::{Map, Value, json};
 use std::sync::Arc;
 
 /// One row, or what changed of it.
-pub type Item = Map<String, Value>;
+pub type FrameItem = Map<String, Value>;
 
 /// The picture as it travels.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -102,8 +102,8 @@ impl Frame {
     }
 
     /// What every patch begins with, to `new` from this frame, which has version `base`.
-    pub(super) fn head(&self, new: &Frame, base: u64) -> Item {
-        let mut out = Item::new();
+    pub(super) fn head(&self, new: &Frame, base: u64) -> FrameItem {
+        let mut out = FrameItem::new();
         out.insert("type".into(), "patch".into());
         out.insert("base".into(), base.into());
         out.insert("version".into(), (base + 1).into());
@@ -139,10 +139,10 @@ fn plain(item: impl Serialize) -> Value {
     serde_json::to_value(item).expect("wire types are plain")
 }
 
-fn item(row: impl Serialize) -> Item {
+fn item(row: impl Serialize) -> FrameItem {
     match plain(row) {
         Value::Object(map) => map,
-        _ => Item::new(),
+        _ => FrameItem::new(),
     }
 }
 

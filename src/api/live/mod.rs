@@ -1,9 +1,10 @@
 //! The live feed: a snapshot, then patches with base and version, made once for everybody.
 //!
-//! Main types: [`Live`], [`Shape`]. [`Live::publish`] compares the new picture with the last one and writes one patch
-//! for each shape that somebody reads; readers fetch what they miss by version, so that a slow reader costs nothing
-//! but its own fresh snapshot. Versions start above those of every earlier run, so that a reader who resumes after a
-//! restart gets a snapshot. Refuses: a queue per reader, an encoding per reader, and work for shapes nobody reads.
+//! Main types: [`Live`], [`PatchFormat`]. [`Live::publish`] compares the new picture with the last one and writes one
+//! patch for each shape that somebody reads; readers fetch what they miss by version, so that a slow reader costs
+//! nothing but its own fresh snapshot. Versions start above those of every earlier run, so that a reader who resumes
+//! after a restart gets a snapshot. Refuses: a queue per reader, an encoding per reader, and work for shapes nobody
+//! reads.
 
 mod forecast;
 mod frame;
@@ -26,7 +27,7 @@ pub const LAGGING: u64 = 50;
 
 /// How patches are written. Snapshots are the same in both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
+pub enum PatchFormat {
     /// Rows by name, for programs that want to begin at once.
     Plain,
     /// Numbers by row, for dashboards: about a tenth of the bytes.
@@ -35,7 +36,7 @@ pub enum Shape {
 
 /// The last patches of one shape.
 #[derive(Debug, Default)]
-struct Kept {
+struct RecentPatches {
     patches: VecDeque<Utf8Bytes>,
     /// The version at which somebody read last.
     read: Option<u64>,
@@ -46,8 +47,8 @@ struct LiveState {
     version: u64,
     frame: Arc<Frame>,
     snapshot: Option<Utf8Bytes>,
-    plain: Kept,
-    thin: Kept,
+    plain: RecentPatches,
+    thin: RecentPatches,
 }
 
 /// The feed.
@@ -65,8 +66,8 @@ impl Live {
             version: first,
             frame: Arc::default(),
             snapshot: None,
-            plain: Kept::default(),
-            thin: Kept::default(),
+            plain: RecentPatches::default(),
+            thin: RecentPatches::default(),
         };
         Live { map, state: Mutex::new(state), newest: watch::Sender::new(first) }
     }
@@ -81,7 +82,8 @@ impl Live {
         let new = Arc::new(Frame::of(&self.map, moment, alarms, started_s));
         let (old, base, plain, thin) = {
             let state = self.state();
-            let wanted = |kept: &Kept| kept.read.is_some_and(|read| read + KEPT as u64 > state.version);
+            let wanted =
+                |kept: &RecentPatches| kept.read.is_some_and(|read| read + KEPT as u64 > state.version);
             (state.frame.clone(), state.version, wanted(&state.plain), wanted(&state.thin))
         };
         let plain = plain.then(|| old.patch(&new, base).to_string().into());
@@ -98,13 +100,13 @@ impl Live {
 
     /// What a reader at version `since` misses, with the version it has then: patches if there are at most
     /// `most`, else a snapshot.
-    pub fn after(&self, shape: Shape, since: Option<u64>, most: u64) -> (Vec<Utf8Bytes>, u64) {
+    pub fn after(&self, shape: PatchFormat, since: Option<u64>, most: u64) -> (Vec<Utf8Bytes>, u64) {
         let mut state = self.state();
         let version = state.version;
         let missing = since.and_then(|s| version.checked_sub(s));
         let kept = match shape {
-            Shape::Plain => &mut state.plain,
-            Shape::Thin => &mut state.thin,
+            PatchFormat::Plain => &mut state.plain,
+            PatchFormat::Thin => &mut state.thin,
         };
         kept.read = Some(version);
         let most = most.min(kept.patches.len() as u64);
@@ -134,7 +136,7 @@ impl Live {
     }
 }
 
-impl Kept {
+impl RecentPatches {
     /// Without a patch nobody can go on from before it.
     fn push(&mut self, patch: Option<Utf8Bytes>) {
         let Some(patch) = patch else {

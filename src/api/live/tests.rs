@@ -195,13 +195,13 @@ fn live() -> Live {
 }
 
 fn fresh(live: &Live) -> Value {
-    let (texts, _) = live.after(Shape::Plain, None, LAGGING);
+    let (texts, _) = live.after(PatchFormat::Plain, None, LAGGING);
     serde_json::from_str(&texts[0]).unwrap()
 }
 
 #[test]
 fn a_reader_of_patches_sees_what_a_reader_of_snapshots_sees() {
-    for shape in [Shape::Plain, Shape::Thin] {
+    for shape in [PatchFormat::Plain, PatchFormat::Thin] {
         let live = live();
         live.publish(&picture(0), &[], 0.0);
         let (first, mut version) = live.after(shape, None, LAGGING);
@@ -229,7 +229,7 @@ fn a_reader_of_patches_sees_what_a_reader_of_snapshots_sees() {
 fn a_patch_names_only_what_changed() {
     let live = live();
     live.publish(&moment(vec![robot("a", 1.0), robot("b", 1.0)]), &[], 0.0);
-    for shape in [Shape::Plain, Shape::Thin] {
+    for shape in [PatchFormat::Plain, PatchFormat::Thin] {
         live.after(shape, None, LAGGING);
     }
     live.publish(&moment(vec![robot("a", 1.0), robot("b", 1.5)]), &[], 0.0);
@@ -238,11 +238,11 @@ fn a_patch_names_only_what_changed() {
         assert_eq!(version, 1002);
         serde_json::from_str(&texts[0]).unwrap()
     };
-    let plain = patch(Shape::Plain);
+    let plain = patch(PatchFormat::Plain);
     assert_eq!(plain["robots"], json!([{"id": "b", "x": 1.5}]));
     assert_eq!(plain["racks"], json!([]));
     assert!(plain["jobs"].is_null());
-    let thin = patch(Shape::Thin);
+    let thin = patch(PatchFormat::Thin);
     assert_eq!(
         thin,
         json!({"type": "patch", "base": 1001, "version": 1002, "time_s": 0.0, "moves": [1, 500, 0]})
@@ -282,11 +282,11 @@ fn eight_hundred_moving_robots_and_twenty_people_are_150_kilobytes_a_second() {
     };
     let live = live();
     live.publish(&moment(0), &[], 0.0);
-    let (_, first) = live.after(Shape::Thin, None, LAGGING);
+    let (_, first) = live.after(PatchFormat::Thin, None, LAGGING);
     for t in 1..=10 {
         live.publish(&moment(t), &[], 0.0);
     }
-    let (texts, _) = live.after(Shape::Thin, Some(first), LAGGING);
+    let (texts, _) = live.after(PatchFormat::Thin, Some(first), LAGGING);
     let bytes: usize = texts.iter().map(|t| t.len()).sum();
     assert_eq!(texts.len(), 10, "one second");
     assert!(bytes <= 150_000, "{bytes} bytes a second");
@@ -297,10 +297,10 @@ fn a_reader_too_far_behind_or_from_another_run_gets_a_snapshot() {
     let live = live();
     for i in 0..400 {
         live.publish(&moment(vec![robot("a", f64::from(i))]), &[], 0.0);
-        live.after(Shape::Plain, None, LAGGING);
+        live.after(PatchFormat::Plain, None, LAGGING);
     }
     let kind = |since, most| {
-        let (texts, _) = live.after(Shape::Plain, since, most);
+        let (texts, _) = live.after(PatchFormat::Plain, since, most);
         (texts.len(), texts.first().is_some_and(|t| t.contains("\"snapshot\"")))
     };
     assert_eq!(kind(Some(1400), 300), (0, false), "nothing is missing");
@@ -315,16 +315,16 @@ fn a_reader_too_far_behind_or_from_another_run_gets_a_snapshot() {
 fn patches_are_written_only_while_somebody_reads_them() {
     let live = live();
     live.publish(&moment(vec![robot("a", 0.0)]), &[], 0.0);
-    live.after(Shape::Thin, None, LAGGING);
+    live.after(PatchFormat::Thin, None, LAGGING);
     for i in 0..KEPT + 5 {
         live.publish(&moment(vec![robot("a", i as f64)]), &[], 0.0);
         assert!(live.state().plain.patches.is_empty());
     }
     let version = live.state().version;
     assert!(live.state().thin.patches.is_empty(), "nobody read for half a minute");
-    let (texts, _) = live.after(Shape::Thin, Some(version - 1), LAGGING);
+    let (texts, _) = live.after(PatchFormat::Thin, Some(version - 1), LAGGING);
     assert!(texts[0].contains("\"snapshot\""), "who comes back late begins anew");
     live.publish(&moment(vec![robot("a", 0.5)]), &[], 0.0);
-    let (texts, _) = live.after(Shape::Thin, Some(version), LAGGING);
+    let (texts, _) = live.after(PatchFormat::Thin, Some(version), LAGGING);
     assert!(texts[0].contains("\"patch\""));
 }

@@ -1,6 +1,6 @@
 //! What a recording has beside pictures, as readers see it: sums, jobs that waited, details of encounters.
 
-use super::tests::{Place, cut};
+use super::tests::{TestFolder, cut};
 use super::*;
 use crate::api::port::Moment;
 use crate::fleet::{
@@ -70,7 +70,7 @@ fn of<'a>(lines: &'a [Value], kind: &str) -> Vec<&'a Value> {
 
 #[test]
 fn each_whole_picture_comes_with_sums_and_with_the_jobs_that_waited() {
-    let place = Place::new("beside");
+    let place = TestFolder::new("beside");
     let folder = place.folder(1000);
     record(&folder, 0, 100).finish().unwrap();
     let lines = cut(&folder, 35.0, 52.0);
@@ -93,7 +93,7 @@ fn each_whole_picture_comes_with_sums_and_with_the_jobs_that_waited() {
 
 #[test]
 fn sums_are_there_after_a_restart_and_what_an_older_version_indexed_opens_without() {
-    let place = Place::new("sums");
+    let place = TestFolder::new("sums");
     record(&place.folder(1000), 0, 30).finish().unwrap();
     // Killed: without an index.
     std::mem::forget(record(&place.folder(1040), 0, 30));
@@ -129,7 +129,7 @@ fn pictures_that_are_far_apart_have_nothing_counted_between_them() {
 
 #[test]
 fn the_bookmark_of_an_encounter_has_its_details_in_the_seconds_of_whoever_asks() {
-    let place = Place::new("met");
+    let place = TestFolder::new("met");
     let folder = place.folder(1000);
     let mut rotation = record(&folder, 0, 10);
     let at = |s: i64| Time((1000 + s) * 1_000_000);

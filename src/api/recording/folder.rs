@@ -1,10 +1,10 @@
 //! A folder of recordings: what it has of which time, and cutting a span out of it.
 //!
-//! Main types: [`Folder`], [`Piece`] (one file), [`Past`] (what there is), [`Cut`]. Seconds count from the start of the
-//! run that asks; earlier runs lie before 0. Beside each file lies its index, which is made again where it is missing.
-//! Refuses: to keep pictures in memory.
+//! Main types: [`Folder`], [`Piece`] (one file), [`PastSpan`] (what there is), [`Cut`]. Seconds count from the start of
+//! the run that asks; earlier runs lie before 0. Beside each file lies its index, which is made again where it is
+//! missing. Refuses: to keep pictures in memory.
 
-use super::{Limits, Mark, Out, RecordedFrame, Sum, Tally, header, lines, split};
+use super::{Limits, Mark, Out, RecordedFrame, RunningTotals, Sum, header, lines, split};
 use crate::api::text::round3;
 use crate::time::Time;
 use crate::warehouse::Warehouse;
@@ -48,7 +48,7 @@ pub struct Piece {
 
 /// What there is of the past, in seconds from the start.
 #[derive(Debug, Default, PartialEq)]
-pub struct Past {
+pub struct PastSpan {
     /// From when to when there are pictures, in order.
     pub spans: Vec<(f64, f64)>,
     /// The bookmarks in them, in order.
@@ -81,8 +81,8 @@ impl Folder {
     }
 
     /// What there is from one time to another.
-    pub fn past(&self, from_s: f64, to_s: f64) -> Past {
-        let mut past = Past::default();
+    pub fn past(&self, from_s: f64, to_s: f64) -> PastSpan {
+        let mut past = PastSpan::default();
         for piece in self.pieces().iter() {
             let shift = self.shift(piece);
             let (from, to) = (round3(piece.from_s + shift), round3(piece.to_s + shift));
@@ -227,7 +227,9 @@ impl Piece {
             match rest.strip_suffix('}').and_then(|rest| rest.split_once(':')) {
                 Some(("\"mark\"", mark)) => marks.extend(serde_json::from_str::<Mark>(mark).ok()),
                 Some(("\"sum\"", sum)) => {
-                    sums.extend(serde_json::from_str::<Tally>(sum).ok().map(|tally| Sum { at_s: at, tally }));
+                    sums.extend(
+                        serde_json::from_str::<RunningTotals>(sum).ok().map(|tally| Sum { at_s: at, tally }),
+                    );
                 }
                 Some(("\"key\"" | "\"patch\"", _)) => (from_s, to_s) = (from_s.min(at), to_s.max(at)),
                 _ => {}

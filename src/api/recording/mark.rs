@@ -1,6 +1,6 @@
 //! Bookmarks: what somebody who looks back looks for.
 //!
-//! Main types: [`Mark`], [`Kind`], [`Met`] (the details of an encounter). Most follow from facts; alarms and lost
+//! Main types: [`Mark`], [`MarkKind`], [`Met`] (the details of an encounter). Most follow from facts; alarms and lost
 //! workers from two pictures that differ.
 //! Refuses: what happens all the time, such as robots that wait for one another.
 
@@ -18,7 +18,7 @@ pub struct Mark {
     /// When, seconds from the start.
     pub at_s: f64,
     /// What kind of thing happened.
-    pub kind: Kind,
+    pub kind: MarkKind,
     /// What happened, in words.
     #[schema(example = "w1 met robot-3, at the closest 0.62 m; the robot was stopped")]
     pub words: String,
@@ -71,7 +71,7 @@ impl Mark {
 /// What kind of thing happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum MarkKind {
     /// A worker left the path.
     Deviation,
     /// A moving robot came into region 1 of a worker.
@@ -123,28 +123,28 @@ pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
             let place = frame.workers.get(worker.ix()).and_then(|w| Some([w.x?, w.y?]));
             let words = format!("{} left the path", called(*worker, frame));
             let who = vec![worker_name(*worker)];
-            Some(Mark { at_s: seconds(at), kind: Kind::Deviation, words, who, place, encounter: None })
+            Some(Mark { at_s: seconds(at), kind: MarkKind::Deviation, words, who, place, encounter: None })
         }
         Fact::Encountered(e) => Some(met(e, seconds, robot(&e.robot)?.0, frame)),
-        Fact::Halted { robot: Some(r), at } => of_robot(Kind::Stop, at, r, "was paused by hand"),
-        Fact::Released { robot: Some(r), at } => of_robot(Kind::Stop, at, r, "goes on"),
+        Fact::Halted { robot: Some(r), at } => of_robot(MarkKind::Stop, at, r, "was paused by hand"),
+        Fact::Released { robot: Some(r), at } => of_robot(MarkKind::Stop, at, r, "goes on"),
         Fact::Halted { robot: None, at } => {
-            Some(of_all(Kind::Stop, seconds(at), "all robots were stopped by hand".into(), None))
+            Some(of_all(MarkKind::Stop, seconds(at), "all robots were stopped by hand".into(), None))
         }
         Fact::Released { robot: None, at } => {
-            Some(of_all(Kind::Stop, seconds(at), "all robots go on".into(), None))
+            Some(of_all(MarkKind::Stop, seconds(at), "all robots go on".into(), None))
         }
-        Fact::Failed { robot: r, at } => of_robot(Kind::Failure, at, r, "broke down"),
-        Fact::Repaired { robot: r, at } => of_robot(Kind::Failure, at, r, "works again"),
-        Fact::Fenced { robot: r, at } => of_robot(Kind::Failure, at, r, "was fenced off"),
+        Fact::Failed { robot: r, at } => of_robot(MarkKind::Failure, at, r, "broke down"),
+        Fact::Repaired { robot: r, at } => of_robot(MarkKind::Failure, at, r, "works again"),
+        Fact::Fenced { robot: r, at } => of_robot(MarkKind::Failure, at, r, "was fenced off"),
         Fact::Closed { closure, area } => {
             let words = format!("{} was closed: {}", closure_name(*closure), area.reason);
             let place = area.outline.first().map(|p| [p.x_mm as f64 / 1000.0, p.y_mm as f64 / 1000.0]);
-            Some(of_all(Kind::Closure, frame.time_s, words, place))
+            Some(of_all(MarkKind::Closure, frame.time_s, words, place))
         }
         Fact::Reopened { closure, at } => {
             let words = format!("{} was opened again", closure_name(*closure));
-            Some(of_all(Kind::Closure, seconds(at), words, None))
+            Some(of_all(MarkKind::Closure, seconds(at), words, None))
         }
         _ => None,
     }
@@ -183,7 +183,7 @@ fn met(e: &Encounter, seconds: impl Fn(&Time) -> f64, robot: String, frame: &Fra
         delay_s: e.delay.as_secs_f64(),
     };
     let (at_s, place, encounter) = (seconds(&e.began), Some([x, y]), Some(details));
-    Mark { at_s, kind: Kind::Encounter, words, who, place, encounter }
+    Mark { at_s, kind: MarkKind::Encounter, words, who, place, encounter }
 }
 
 /// What a picture says that the one before did not.
@@ -198,7 +198,7 @@ pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
             if let (false, Some(text)) = (by_fact, alarm["text"].as_str()) {
                 let (words, who) = (text.to_owned(), Vec::new());
                 let (place, encounter) = (None, None);
-                found.push(Mark { at_s: new.time_s, kind: Kind::Alarm, words, who, place, encounter });
+                found.push(Mark { at_s: new.time_s, kind: MarkKind::Alarm, words, who, place, encounter });
             }
         }
     }
@@ -207,7 +207,7 @@ pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
             let words = format!("{} is lost: nobody knows where, and robots stand all round", now.name);
             let place = now.x.zip(now.y).map(|(x, y)| [x, y]);
             let (who, encounter) = (vec![now.id.clone()], None);
-            found.push(Mark { at_s: new.time_s, kind: Kind::Alarm, words, who, place, encounter });
+            found.push(Mark { at_s: new.time_s, kind: MarkKind::Alarm, words, who, place, encounter });
         }
     }
     found

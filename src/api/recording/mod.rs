@@ -14,11 +14,11 @@ mod rotation;
 mod sum;
 
 pub use file::{Out, is_reel, lines};
-pub use folder::{Cut, Folder, Past, Piece};
-pub use mark::{Kind, Mark, Met, is_notable};
+pub use folder::{Cut, Folder, PastSpan, Piece};
+pub use mark::{Mark, MarkKind, Met, is_notable};
 pub use page::page;
 pub use rotation::{Limits, Rotation};
-pub use sum::{Sum, Tally, thinned};
+pub use sum::{RunningTotals, Sum, thinned};
 
 use super::building::map_text;
 use super::live::{Frame, thin};

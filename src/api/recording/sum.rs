@@ -1,8 +1,8 @@
 //! Running sums: what was counted since a recording was begun, for charts over any stretch of it.
 //!
-//! Main types: [`Tally`] (the sums), [`Sum`] (with their time), [`Counting`] (adds them up from picture to picture).
-//! Differences of sums make figures, and any of them may be left out ([`thinned`]). Counters are those of the fleet,
-//! which go on after a restart; seconds begin anew. Refuses: rates.
+//! Main types: [`RunningTotals`] (the sums), [`Sum`] (with their time), [`Counting`] (adds them up from picture to
+//! picture). Differences of sums make figures, and any of them may be left out ([`thinned`]). Counters are those of the
+//! fleet, which go on after a restart; seconds begin anew. Refuses: rates.
 
 use crate::api::live::Frame;
 use crate::api::text::round3;
@@ -17,7 +17,7 @@ const APART_S: f64 = 15.0;
 
 /// What was counted so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct Tally {
+pub struct RunningTotals {
     /// Seconds of which there are pictures.
     pub covered_s: f64,
     /// Racks served at stations.
@@ -49,7 +49,7 @@ pub struct Sum {
     pub at_s: f64,
     /// What was counted so far.
     #[serde(flatten)]
-    pub tally: Tally,
+    pub tally: RunningTotals,
 }
 
 /// Adds up what lies between pictures.
@@ -74,7 +74,7 @@ impl Counting {
     /// The sums at a picture.
     pub(super) fn sum(&self, frame: &Frame) -> Sum {
         let count = |name: &str| frame.counters[name].as_u64().unwrap_or(0);
-        let tally = Tally {
+        let tally = RunningTotals {
             covered_s: round3(self.covered_s),
             robot_deliveries: count("robot_deliveries"),
             human_deliveries: count("human_deliveries"),
@@ -111,7 +111,10 @@ mod tests {
 
     #[test]
     fn thinning_keeps_the_first_of_each_step_and_the_ends_of_gaps() {
-        let sum = |at_s: f64, covered_s: f64| Sum { at_s, tally: Tally { covered_s, ..Tally::default() } };
+        let sum = |at_s: f64, covered_s: f64| Sum {
+            at_s,
+            tally: RunningTotals { covered_s, ..RunningTotals::default() },
+        };
         let mut sums: Vec<Sum> = (0..12).map(|i| sum(10.0 * f64::from(i), 10.0 * f64::from(i))).collect();
         // A restart within seconds, then a gap.
         sums.extend([

@@ -11,11 +11,11 @@ use std::path::PathBuf;
 const NO_LIMITS: Limits = Limits { age_s: f64::INFINITY, bytes: u64::MAX };
 
 /// A folder that goes with the test.
-pub(super) struct Place(PathBuf);
+pub(super) struct TestFolder(PathBuf);
 
-impl Place {
-    pub(super) fn new(name: &str) -> Place {
-        Place(std::env::temp_dir().join(format!("giveway-reel-{name}-{}", std::process::id())))
+impl TestFolder {
+    pub(super) fn new(name: &str) -> TestFolder {
+        TestFolder(std::env::temp_dir().join(format!("giveway-reel-{name}-{}", std::process::id())))
     }
 
     pub(super) fn folder(&self, start_s: i64) -> Arc<Folder> {
@@ -31,7 +31,7 @@ impl Place {
     }
 }
 
-impl Drop for Place {
+impl Drop for TestFolder {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }
@@ -71,7 +71,7 @@ pub(super) fn cut(folder: &Folder, from_s: f64, to_s: f64) -> Vec<Value> {
 
 #[test]
 fn a_span_begins_with_the_last_whole_picture_before_it_and_has_its_bookmarks() {
-    let place = Place::new("span");
+    let place = TestFolder::new("span");
     let folder = place.folder(1000);
     record(&folder, 0, 100).finish().unwrap();
     let lines = cut(&folder, 35.0, 52.0);
@@ -92,7 +92,7 @@ fn a_span_begins_with_the_last_whole_picture_before_it_and_has_its_bookmarks() {
 
 #[test]
 fn files_follow_one_another_without_a_seam_and_old_ones_go() {
-    let place = Place::new("rotation");
+    let place = TestFolder::new("rotation");
     let folder = place.folder(0);
     record(&folder, 0, 1300).finish().unwrap();
     assert_eq!(place.recordings().len(), 3);
@@ -107,7 +107,7 @@ fn files_follow_one_another_without_a_seam_and_old_ones_go() {
 
 #[test]
 fn what_a_killed_server_wrote_is_there_after_the_restart_before_the_new_beginning() {
-    let place = Place::new("killed");
+    let place = TestFolder::new("killed");
     // Never finished: no index, and the file ends without its end.
     std::mem::forget(record(&place.folder(1000), 0, 60));
     let later = place.folder(1100);
@@ -124,7 +124,7 @@ fn what_a_killed_server_wrote_is_there_after_the_restart_before_the_new_beginnin
 
 #[test]
 fn a_file_cut_anywhere_gives_whole_lines_up_to_there() {
-    let place = Place::new("cut");
+    let place = TestFolder::new("cut");
     record(&place.folder(0), 0, 60).finish().unwrap();
     let path = place.recordings().remove(0);
     let whole: Vec<String> = lines(&path).unwrap().collect();
@@ -150,7 +150,7 @@ fn an_alarm_is_a_bookmark_once_and_a_stop_by_hand_is_not_two() {
     alarms.raise("stopped", "by hand".into(), Time::ZERO);
     let marks = take_frame(1.0, &alarms);
     assert_eq!(marks.len(), 1);
-    assert_eq!((marks[0].kind, marks[0].words.as_str()), (Kind::Alarm, "the journal is slow"));
+    assert_eq!((marks[0].kind, marks[0].words.as_str()), (MarkKind::Alarm, "the journal is slow"));
     alarms.raise("journal", "the journal is slower".into(), Time::ZERO);
     assert!(take_frame(2.0, &alarms).is_empty());
     assert!(recording.picture(&frame(2.0, &alarms)).is_none(), "the same picture is none");
@@ -158,7 +158,7 @@ fn an_alarm_is_a_bookmark_once_and_a_stop_by_hand_is_not_two() {
 
 #[test]
 fn where_the_disk_refuses_nothing_breaks_and_the_past_goes_on_later() {
-    let place = Place::new("refused");
+    let place = TestFolder::new("refused");
     let folder = place.folder(0);
     std::fs::remove_dir(&place.0).unwrap();
     std::fs::write(&place.0, "in the way").unwrap();
@@ -167,7 +167,7 @@ fn where_the_disk_refuses_nothing_breaks_and_the_past_goes_on_later() {
     for s in 0..5 {
         assert!(rotation.take(&frame(f64::from(s), &alarms)).is_err());
     }
-    assert_eq!(folder.past(0.0, 9.0), Past::default());
+    assert_eq!(folder.past(0.0, 9.0), PastSpan::default());
     std::fs::remove_file(&place.0).unwrap();
     for s in 5..30 {
         rotation.take(&frame(f64::from(s), &alarms)).unwrap();

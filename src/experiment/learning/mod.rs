@@ -6,7 +6,7 @@ mod motion;
 mod purpose;
 pub mod shapes;
 
-use crate::experiment::recorded::{Ground, OBSERVED, Recording, STEPS, Seen, Subject, all};
+use crate::experiment::recorded::{Ground, OBSERVED, RecordedWalks, STEPS, Subject, TrackPoint, all};
 use crate::geometry::Point;
 use crate::human::forecast::Shapes;
 use crate::human::motion::MotionModel;
@@ -29,7 +29,7 @@ pub struct Lesson {
     /// What it is called.
     pub name: String,
     /// The walks.
-    pub recording: Recording,
+    pub recording: RecordedWalks,
     /// Where people go, if that is known.
     pub goals: Vec<Point>,
 }
@@ -98,12 +98,18 @@ fn items(lessons: &[Lesson], model: &Model, blend_s: f64, with_goals: bool, at_m
 }
 
 /// The number of the first walk of the same person.
-fn person_of(recording: &Recording, walk: usize) -> usize {
+fn person_of(recording: &RecordedWalks, walk: usize) -> usize {
     let name = &recording.walks[walk].person;
     recording.walks.iter().position(|w| w.person == *name).unwrap_or(walk)
 }
 
-fn predict(items: &mut Vec<Item>, seen: &[Seen], person: usize, mut subject: Subject<'_>, blend_s: f64) {
+fn predict(
+    items: &mut Vec<Item>,
+    seen: &[TrackPoint],
+    person: usize,
+    mut subject: Subject<'_>,
+    blend_s: f64,
+) {
     let (observed, later) = seen.split_at(OBSERVED);
     observed.iter().for_each(|p| subject.see(p.t, p.at));
     subject.forecast(|forecast| {
@@ -119,7 +125,7 @@ mod tests {
     use super::*;
     use crate::experiment::dice::Dice;
     use crate::experiment::recorded::forecasting::{Predictor, score};
-    use crate::experiment::recorded::{Format, Walk, scored, trips};
+    use crate::experiment::recorded::{Format, RecordedWalk, scored, trips};
     use crate::time::Time;
 
     const GOALS: [(f64, f64); 4] = [(0.0, 0.0), (9.0, 0.0), (9.0, 7.0), (0.0, 7.0)];
@@ -129,7 +135,7 @@ mod tests {
     }
 
     /// People who walk from goal to goal at speeds of their own, slow down there, and sway a little.
-    fn people(n: usize, seed: u64) -> Recording {
+    fn people(n: usize, seed: u64) -> RecordedWalks {
         let mut dice = Dice::new(seed);
         let mut chance = move || dice.below(1000) as f64 / 1000.0;
         let walks = (0..n).map(|k| {
@@ -144,11 +150,11 @@ mod tests {
                 speed += 0.5 * (wanted - speed);
                 at += to / to.norm().max(1e-9) * speed * 0.4;
                 let sway = crate::geometry::Vector::new(chance() - 0.5, chance() - 0.5) * 0.06;
-                Seen { t: Time(i * 400_000), step: i, at: at + sway }
+                TrackPoint { t: Time(i * 400_000), step: i, at: at + sway }
             });
-            Walk { person: format!("{k}"), seen: seen.collect(), tracklets: Vec::new() }
+            RecordedWalk { person: format!("{k}"), seen: seen.collect(), tracklets: Vec::new() }
         });
-        Recording { format: Format::Thor, walks: walks.collect() }
+        RecordedWalks { format: Format::Thor, walks: walks.collect() }
     }
 
     #[test]
@@ -161,7 +167,7 @@ mod tests {
         let others = people(4, 2);
         assert!(trips(&others, &goals()).len() > 5);
         let stretches: Vec<_> = scored(&others).into_iter().step_by(6).collect();
-        let of = |p| score(&others, &stretches, &goals(), &model, p, RECORDED_M, <[Seen]>::to_vec);
+        let of = |p| score(&others, &stretches, &goals(), &model, p, RECORDED_M, <[TrackPoint]>::to_vec);
         let (ours, last_step) = (of(Predictor::Giveway), of(Predictor::Constant));
         assert!(ours.ade < 0.8 * last_step.ade, "{} and {}", ours.ade, last_step.ade);
         let covered = ours.covered[2].iter().sum::<f64>() / 12.0;

@@ -7,7 +7,7 @@
 //! do for people of whom there is no recording. Refuses: goals.
 
 use super::{Lesson, RECORDED_M};
-use crate::experiment::recorded::{OBSERVED, PREDICTED, Seen, all};
+use crate::experiment::recorded::{OBSERVED, PREDICTED, TrackPoint, all};
 use crate::human::motion::{Fix, Motion, MotionModel};
 use crate::human::{Mixture, Part};
 
@@ -77,7 +77,7 @@ fn likelihood(lesson: &Lesson, m: &MotionModel) -> f64 {
 }
 
 /// Calls `f` with the filter after each stretch's observed samples, those, and those that follow.
-fn each(lesson: &Lesson, m: &MotionModel, mut f: impl FnMut(&Motion, &[Seen], &[Seen])) {
+fn each(lesson: &Lesson, m: &MotionModel, mut f: impl FnMut(&Motion, &[TrackPoint], &[TrackPoint])) {
     let stretches = all(&lesson.recording);
     let every = stretches.len().div_ceil(STRETCHES).max(1);
     for s in stretches.iter().step_by(every) {

@@ -7,7 +7,7 @@
 use super::{Lesson, RECORDED_M};
 use crate::experiment::recorded::{Ground, Subject, Trip, trips, visits};
 use crate::geometry::Point;
-use crate::human::intention::{Place, PurposeModel};
+use crate::human::intention::{DetourPlace, PurposeModel};
 use crate::human::{Method, Model};
 use crate::id::GoalId;
 use std::sync::Arc;
@@ -103,7 +103,7 @@ fn surprise(purpose: &PurposeModel) -> f64 {
 }
 
 /// How long people stay at each goal and where they go next.
-fn places(lesson: &Lesson, trips: &[Trip]) -> Vec<Place> {
+fn places(lesson: &Lesson, trips: &[Trip]) -> Vec<DetourPlace> {
     let n = lesson.goals.len();
     let mut stays = vec![Vec::new(); n];
     for walk in &lesson.recording.walks {
@@ -117,7 +117,7 @@ fn places(lesson: &Lesson, trips: &[Trip]) -> Vec<Place> {
         let total: f64 = weights.iter().sum::<f64>().max(1e-9);
         let dwell_s = stays[i].iter().sum::<f64>() / stays[i].len().max(1) as f64;
         let next = weights.iter().map(|w| w / total).collect();
-        Place { x_m: at.x, y_m: at.y, dwell_s: dwell_s.max(0.5), next }
+        DetourPlace { x_m: at.x, y_m: at.y, dwell_s: dwell_s.max(0.5), next }
     };
     lesson.goals.iter().enumerate().map(place).collect()
 }

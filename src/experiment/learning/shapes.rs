@@ -6,7 +6,7 @@
 
 use crate::geometry::{Point, Vector};
 use crate::human::Mixture;
-use crate::human::forecast::{CLASSES, Guess, Guesses, HORIZONS, Kernel, Shape, Shapes};
+use crate::human::forecast::{CLASSES, Guess, Guesses, HORIZONS, HorizonShape, Kernel, Shapes};
 use nalgebra::Rotation2;
 
 /// One prediction and where the person was.
@@ -47,7 +47,7 @@ pub fn fit(items: &[Item], known: &Shapes, left_out: impl Fn(usize) -> bool) -> 
     let classes = (0..CLASSES).map(|c| {
         let shapes = (0..HORIZONS).map(|h| {
             let own = &sorted[c][h];
-            let first = Shape { scale: 1.0, ..known.classes[c][h] };
+            let first = HorizonShape { scale: 1.0, ..known.classes[c][h] };
             if own.len() >= ITEMS_MIN { fit_one(own, first) } else { fit_one(&pooled(h), first) }
         });
         smooth(&shapes.collect::<Vec<_>>())
@@ -56,7 +56,7 @@ pub fn fit(items: &[Item], known: &Shapes, left_out: impl Fn(usize) -> bool) -> 
 }
 
 /// Neighbouring horizons are alike.
-fn smooth(shapes: &[Shape]) -> Vec<Shape> {
+fn smooth(shapes: &[HorizonShape]) -> Vec<HorizonShape> {
     let at = |i: usize| (shapes[i.saturating_sub(1)], shapes[i], shapes[(i + 1).min(shapes.len() - 1)]);
     let kernel = |a: Kernel, b: Kernel, c: Kernel| {
         // Spreads grow with time, so neighbours are averaged as ratios.
@@ -77,7 +77,7 @@ fn smooth(shapes: &[Shape]) -> Vec<Shape> {
                 return shapes[i];
             }
             let (a, b, c) = at(i);
-            Shape {
+            HorizonShape {
                 drive: kernel(a.drive, b.drive, c.drive),
                 goal: kernel(a.goal, b.goal, c.goal),
                 stay: kernel(a.stay, b.stay, c.stay),
@@ -89,21 +89,21 @@ fn smooth(shapes: &[Shape]) -> Vec<Shape> {
 
 /// Sums of one kernel in one round.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct KernelSums {
     /// Of responsibilities: tight and wide.
     n: [f64; 2],
     along: f64,
     squares: [[f64; 2]; 2],
 }
 
-fn fit_one(items: &[&Item], mut shape: Shape) -> Shape {
+fn fit_one(items: &[&Item], mut shape: HorizonShape) -> HorizonShape {
     if items.is_empty() {
         return shape;
     }
     let first = shape;
     // Weights of kinds sum to one, so that imagined items of all kinds do, too.
     for _ in 0..ROUNDS {
-        let mut sums = [Sums::default(); 3];
+        let mut sums = [KernelSums::default(); 3];
         for item in items {
             weigh(item, &shape, &mut sums);
         }
@@ -118,7 +118,7 @@ fn fit_one(items: &[&Item], mut shape: Shape) -> Shape {
     shape
 }
 
-impl Sums {
+impl KernelSums {
     fn kernel(&self, old: &Kernel, first: &Kernel, total: f64) -> Kernel {
         let n = self.n[0] + self.n[1];
         let spread = |k: usize, first: [f64; 2]| {
@@ -138,7 +138,7 @@ impl Sums {
 }
 
 /// One item's part in the sums.
-fn weigh(item: &Item, shape: &Shape, sums: &mut [Sums; 3]) {
+fn weigh(item: &Item, shape: &HorizonShape, sums: &mut [KernelSums; 3]) {
     let g = &item.guesses;
     let one = |guess: &Guess, kernel: &Kernel| residual(guess, kernel, item.truth, g);
     let mut all: Vec<(usize, f64, Residual)> = vec![
@@ -182,7 +182,7 @@ fn residual(guess: &Guess, kernel: &Kernel, truth: Point, g: &Guesses) -> Residu
 }
 
 /// The mixture that a shape makes of an item's guesses.
-pub fn mixture(item: &Item, shape: &Shape) -> Mixture {
+pub fn mixture(item: &Item, shape: &HorizonShape) -> Mixture {
     let mut parts = Vec::new();
     shape.parts(&item.guesses, 1.0, &mut parts);
     parts.retain(|p| p.weight > 1e-4);
@@ -221,13 +221,13 @@ pub fn calibrate(shapes: &mut Shapes, items: &[Item], known: &Shapes, folds: usi
     }
 }
 
-fn scale<'a>(items: &[&Item], shape: impl Fn(&Item) -> &'a Shape) -> f64 {
+fn scale<'a>(items: &[&Item], shape: impl Fn(&Item) -> &'a HorizonShape) -> f64 {
     if items.len() < ITEMS_MIN / 2 {
         return 1.0;
     }
     let covered = |scale: f64| {
         let within = |i: &&&Item| {
-            let wider = Shape { scale, ..*shape(i) };
+            let wider = HorizonShape { scale, ..*shape(i) };
             mixture(i, &wider).level(i.truth) <= LEVEL
         };
         items.iter().filter(within).count() as f64

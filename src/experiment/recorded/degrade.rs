@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Degrade`]. Refuses: to change what is true; only what is seen of it.
 
-use super::tracks::Seen;
+use super::tracks::TrackPoint;
 use crate::experiment::dice::Dice;
 use crate::time::{Span, Time};
 use std::f64::consts::TAU;
@@ -35,7 +35,7 @@ impl Degrade {
     /// The worse view of some samples, always with the same chance for the same `seed`. Between samples people walk
     /// straight. The first and the last sample are always seen, so that it is the source that is judged and not the
     /// length of what was seen.
-    pub fn apply(&self, seen: &[Seen], seed: u64) -> Vec<Seen> {
+    pub fn apply(&self, seen: &[TrackPoint], seed: u64) -> Vec<TrackPoint> {
         let (Some(first), Some(last)) = (seen.first(), seen.last()) else { return Vec::new() };
         let mut dice = Dice::new(seed);
         let period = Span::from_secs_f64(1.0 / self.rate_hz);
@@ -65,7 +65,7 @@ impl Degrade {
             let whole = (b.t - a.t).as_secs_f64();
             let share = if whole > 0.0 { ((*t - a.t).as_secs_f64() / whole).clamp(0.0, 1.0) } else { 0.0 };
             let noise = crate::geometry::Vector::new(x, y) * self.noise_m;
-            found.push(Seen { t: *t, step: a.step, at: a.at + (b.at - a.at) * share + noise });
+            found.push(TrackPoint { t: *t, step: a.step, at: a.at + (b.at - a.at) * share + noise });
         }
         found
     }
@@ -92,8 +92,8 @@ mod tests {
 
     #[test]
     fn a_worse_source_sees_the_same_walk_with_noise_and_holes() {
-        let walk: Vec<Seen> = (0..200)
-            .map(|i| Seen { t: Time(i * 400_000), step: i, at: Point::new(0.5 * i as f64, 0.0) })
+        let walk: Vec<TrackPoint> = (0..200)
+            .map(|i| TrackPoint { t: Time(i * 400_000), step: i, at: Point::new(0.5 * i as f64, 0.0) })
             .collect();
         let d = Degrade { rate_hz: 60.0, noise_m: 0.3, loss: 0.05, gap_s: 0.6 };
         let seen = d.apply(&walk, 7);
@@ -101,7 +101,7 @@ mod tests {
         let full = 199.0 * 0.4 * 60.0;
         let kept = seen.len() as f64 / full;
         assert!((0.80..0.95).contains(&kept), "{kept}");
-        let error = |s: &Seen| s.at - Point::new(0.5 * s.t.0 as f64 / 4e5, 0.0);
+        let error = |s: &TrackPoint| s.at - Point::new(0.5 * s.t.0 as f64 / 4e5, 0.0);
         let spread = seen.iter().map(|s| error(s).norm_squared()).sum::<f64>() / (2 * seen.len()) as f64;
         assert!((spread.sqrt() - 0.3).abs() < 0.02, "{}", spread.sqrt());
         let longest = seen.windows(2).map(|p| (p[1].t - p[0].t).as_secs_f64()).fold(0.0, f64::max);
@@ -110,8 +110,8 @@ mod tests {
 
     #[test]
     fn a_perfect_source_changes_nothing() {
-        let walk: Vec<Seen> = (0..8)
-            .map(|i| Seen { t: Time(i * 400_000), step: i, at: Point::new(0.5 * i as f64, 0.0) })
+        let walk: Vec<TrackPoint> = (0..8)
+            .map(|i| TrackPoint { t: Time(i * 400_000), step: i, at: Point::new(0.5 * i as f64, 0.0) })
             .collect();
         let d = Degrade { rate_hz: 2.5, noise_m: 0.0, loss: 0.0, gap_s: 0.0 };
         let seen = d.apply(&walk, 1);

@@ -5,7 +5,7 @@
 
 use super::recipe;
 use super::subject::{Ground, Subject};
-use super::tracks::{Recording, Seen};
+use super::tracks::{RecordedWalks, TrackPoint};
 use super::windows::{OBSERVED, PREDICTED, STEPS, Stretch};
 use crate::geometry::{Point, Vector};
 use crate::human::{Method, Mixture, Model, Part};
@@ -99,13 +99,13 @@ struct Prediction {
 /// Scores a predictor. `observe` gives what the predictor sees before the stretch's last [`PREDICTED`] samples: the
 /// first samples as they are, or degraded; `sigma_m` is what the source says of them.
 pub fn score(
-    recording: &Recording,
+    recording: &RecordedWalks,
     stretches: &[Stretch],
     goals: &[Point],
     model: &Model,
     predictor: Predictor,
     sigma_m: f64,
-    mut observe: impl FnMut(&[Seen]) -> Vec<Seen>,
+    mut observe: impl FnMut(&[TrackPoint]) -> Vec<TrackPoint>,
 ) -> ForecastScore {
     let ground = Ground::new(if predictor == Predictor::Free { &[] } else { goals });
     let mut runs = Vec::with_capacity(stretches.len());
@@ -121,8 +121,8 @@ pub fn score(
 }
 
 fn predict(
-    seen: &[Seen],
-    later: &[Seen],
+    seen: &[TrackPoint],
+    later: &[TrackPoint],
     ground: &Ground,
     model: &Model,
     predictor: Predictor,
@@ -176,9 +176,9 @@ fn predict(
 }
 
 /// Predictors that say a point only get the round Gaussian that would have suited them best on these very people.
-fn spread_in_hindsight(runs: &mut [(Prediction, &[Seen])]) {
+fn spread_in_hindsight(runs: &mut [(Prediction, &[TrackPoint])]) {
     let variance: [f64; PREDICTED] = std::array::from_fn(|i| {
-        let square = |(p, later): &(Prediction, &[Seen])| (p.points[i] - later[i].at).norm_squared();
+        let square = |(p, later): &(Prediction, &[TrackPoint])| (p.points[i] - later[i].at).norm_squared();
         (runs.iter().map(square).sum::<f64>() / (2 * runs.len().max(1)) as f64).max(1e-4)
     });
     for (p, _) in runs {
@@ -187,7 +187,7 @@ fn spread_in_hindsight(runs: &mut [(Prediction, &[Seen])]) {
     }
 }
 
-fn tally(runs: &[(Prediction, &[Seen])]) -> ForecastScore {
+fn tally(runs: &[(Prediction, &[TrackPoint])]) -> ForecastScore {
     let n = runs.len().max(1) as f64;
     let mut score = ForecastScore {
         stretches: runs.len(),

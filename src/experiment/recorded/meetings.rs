@@ -1,11 +1,11 @@
 //! Recorded people among robots that know nothing of them: who would have braked in time, and who for nothing.
 //!
-//! Main types: [`Replay`], [`Judged`]. Robots drive timetabled ways of straight legs through the hall;
+//! Main types: [`MeetingReplay`], [`RuleScore`]. Robots drive timetabled ways of straight legs through the hall;
 //! whenever a footprint and a person overlap, it is asked what probability was stated when the robot would
 //! have had to brake. Refuses: people who step aside; those who were recorded saw no robot.
 
 use super::subject::{Ground, Subject};
-use super::tracks::{Recording, Seen, Walk};
+use super::tracks::{RecordedWalk, RecordedWalks, TrackPoint};
 use crate::aware::{BEYOND, BODY_M, Regions, SLOW_MPS, Swept, collision};
 use crate::experiment::dice::Dice;
 use crate::experiment::learning::RECORDED_M;
@@ -34,7 +34,7 @@ const LEG_M: f64 = 2.0;
 
 /// What is replayed.
 #[derive(Clone, Copy, Debug)]
-pub struct Replay {
+pub struct MeetingReplay {
     /// Robots beside each person.
     pub robots: usize,
     /// Their speed, metres per second.
@@ -52,7 +52,7 @@ pub struct Replay {
 
 /// What one rule would have done.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Judged {
+pub struct RuleScore {
     /// Meetings that it would not have braked for in time.
     pub missed: u64,
     /// Looks at which it would have braked.
@@ -69,9 +69,9 @@ pub struct Meetings {
     /// Looks at a robot and a person near one another.
     pub looks: u64,
     /// By threshold.
-    pub by_threshold: [Judged; 6],
+    pub by_threshold: [RuleScore; 6],
     /// By distance alone.
-    pub by_distance: Judged,
+    pub by_distance: RuleScore,
     /// What was said, and after how many looks they met, by class of what was said ([`CLASSES`]).
     pub said: [StatedRisk; CLASSES.len()],
 }
@@ -135,7 +135,7 @@ impl Timetable {
 }
 
 /// One look at a robot and a person.
-struct Look {
+struct PairLook {
     t: Time,
     /// The stated probability; nothing before the person was known.
     stated: Option<f64>,
@@ -143,21 +143,28 @@ struct Look {
     touches: bool,
 }
 
-impl Replay {
+impl MeetingReplay {
     /// Loaded robots at their top speed, at walking speed, and as slow as near people.
-    pub fn of_speeds(robots: usize, seed: u64) -> [Replay; 3] {
+    pub fn of_speeds(robots: usize, seed: u64) -> [MeetingReplay; 3] {
         let kinematics = Kinematics::default();
         let regions = Regions::new(kinematics, FOOTPRINT_M, PERIOD_S);
         [kinematics.top_mps(true), 1.0, SLOW_MPS].map(|speed_mps| {
             let times = regions.times(speed_mps, true);
             let half_m = FOOTPRINT_M / 2.0;
             let separation_m = BODY_M + half_m + regions.separation_m(speed_mps, true, RECORDED_M);
-            Replay { robots, speed_mps, half_m, lead_s: times.react_s + times.stop_s, separation_m, seed }
+            MeetingReplay {
+                robots,
+                speed_mps,
+                half_m,
+                lead_s: times.react_s + times.stop_s,
+                separation_m,
+                seed,
+            }
         })
     }
 
     /// Replays all walks.
-    pub fn run(&self, recording: &Recording, goals: &[Point], model: &Model) -> Meetings {
+    pub fn run(&self, recording: &RecordedWalks, goals: &[Point], model: &Model) -> Meetings {
         let ground = Ground::new(goals);
         let points = || recording.walks.iter().flat_map(|w| w.seen.iter().map(|s| s.at));
         let low =
@@ -178,7 +185,7 @@ impl Replay {
     }
 
     /// All looks at one robot beside one person.
-    fn looks(&self, walk: &Walk, way: &Timetable, ground: &Ground, model: &Model) -> Vec<Look> {
+    fn looks(&self, walk: &RecordedWalk, way: &Timetable, ground: &Ground, model: &Model) -> Vec<PairLook> {
         let (start, end) = (walk.seen[0].t, walk.seen[walk.seen.len() - 1].t);
         let mut subject = Subject::new(ground, model, Method::Detour, RECORDED_M);
         let (mut next, mut looks, mut t) = (0, Vec::new(), start);
@@ -197,7 +204,7 @@ impl Replay {
                 let time = Span::from_secs_f64(self.lead_s) + BEYOND;
                 subject.forecast(|o| collision(|t| o.at(t), &swept, t, time)).unwrap_or(1.0)
             });
-            looks.push(Look { t, stated, too_near: off.norm() < self.separation_m, touches });
+            looks.push(PairLook { t, stated, too_near: off.norm() < self.separation_m, touches });
             t += TICK;
         }
         looks
@@ -205,7 +212,7 @@ impl Replay {
 }
 
 impl Meetings {
-    fn count(&mut self, looks: &[Look], lead: Span) {
+    fn count(&mut self, looks: &[PairLook], lead: Span) {
         let mut touched: Option<Time> = None;
         for (i, look) in looks.iter().enumerate() {
             if look.touches {
@@ -216,8 +223,8 @@ impl Meetings {
                 if let Some(then) = then.filter(|l| begins && l.t - looks[0].t >= KNOWN) {
                     self.meetings += 1;
                     let stated = then.stated.unwrap_or(0.0);
-                    for (judged, threshold) in self.by_threshold.iter_mut().zip(THRESHOLDS) {
-                        judged.missed += u64::from(stated < threshold);
+                    for (score, threshold) in self.by_threshold.iter_mut().zip(THRESHOLDS) {
+                        score.missed += u64::from(stated < threshold);
                     }
                     self.by_distance.missed += u64::from(!then.too_near);
                 }
@@ -229,12 +236,12 @@ impl Meetings {
             let said = &mut self.said[class];
             (said.looks, said.stated, said.came) =
                 (said.looks + 1, said.stated + stated, said.came + u64::from(comes));
-            let alarm = |judged: &mut Judged, is: bool| {
-                judged.alarms += u64::from(is);
-                judged.false_alarms += u64::from(is && !comes);
+            let alarm = |score: &mut RuleScore, is: bool| {
+                score.alarms += u64::from(is);
+                score.false_alarms += u64::from(is && !comes);
             };
-            for (judged, threshold) in self.by_threshold.iter_mut().zip(THRESHOLDS) {
-                alarm(judged, stated >= threshold);
+            for (score, threshold) in self.by_threshold.iter_mut().zip(THRESHOLDS) {
+                alarm(score, stated >= threshold);
             }
             alarm(&mut self.by_distance, look.too_near);
         }
@@ -242,7 +249,7 @@ impl Meetings {
 }
 
 /// Where a person was, straight between samples.
-fn place(seen: &[Seen], t: Time) -> Point {
+fn place(seen: &[TrackPoint], t: Time) -> Point {
     let i = seen.partition_point(|s| s.t <= t).clamp(1, seen.len() - 1);
     let (a, b) = (seen[i - 1], seen[i]);
     let share = (t - a.t).as_secs_f64() / (b.t - a.t).as_secs_f64().max(1e-9);
@@ -255,22 +262,28 @@ mod tests {
     use super::*;
 
     /// People who walk to and fro in a hall of ten by six metres.
-    fn hall() -> Recording {
+    fn hall() -> RecordedWalks {
         let walk = |k: usize| {
             let at = |i: i64| {
                 let s = (i as f64 * 0.48 + k as f64 * 3.0) % 20.0;
                 Point::new(if s < 10.0 { s } else { 20.0 - s }, 1.5 * k as f64)
             };
-            let seen = (0..150).map(|i| Seen { t: Time(i * 400_000), step: i, at: at(i) });
-            Walk { person: format!("{k}"), seen: seen.collect(), tracklets: Vec::new() }
+            let seen = (0..150).map(|i| TrackPoint { t: Time(i * 400_000), step: i, at: at(i) });
+            RecordedWalk { person: format!("{k}"), seen: seen.collect(), tracklets: Vec::new() }
         };
-        Recording { format: Format::Thor, walks: (0..5).map(walk).collect() }
+        RecordedWalks { format: Format::Thor, walks: (0..5).map(walk).collect() }
     }
 
     #[test]
     fn most_meetings_are_foreseen_and_lower_thresholds_miss_fewer_and_alarm_more() {
-        let replay =
-            Replay { robots: 4, speed_mps: 1.5, half_m: 0.45, lead_s: 1.8, separation_m: 5.0, seed: 1 };
+        let replay = MeetingReplay {
+            robots: 4,
+            speed_mps: 1.5,
+            half_m: 0.45,
+            lead_s: 1.8,
+            separation_m: 5.0,
+            seed: 1,
+        };
         let found = replay.run(&hall(), &[], &Model::builtin());
         assert!(found.meetings >= 20, "{found:?}");
         let five = found.by_threshold[2];

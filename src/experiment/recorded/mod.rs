@@ -1,6 +1,6 @@
 //! Recorded people: what predictors are learned from and judged by.
 //!
-//! Main types: [`Recording`] (walks of a file), [`Stretch`] and [`Trip`] (what is scored). Refuses: to read files.
+//! Main types: [`RecordedWalks`] (walks of a file), [`Stretch`] and [`Trip`] (what is scored). Refuses: to read files.
 
 mod degrade;
 pub mod forecasting;
@@ -13,5 +13,5 @@ mod windows;
 
 pub use degrade::Degrade;
 pub use subject::{Ground, Subject};
-pub use tracks::{Format, Recording, STEP_S, Seen, TrackError, Walk, goals};
+pub use tracks::{Format, RecordedWalk, RecordedWalks, STEP_S, TrackError, TrackPoint, goals};
 pub use windows::{OBSERVED, PREDICTED, STEPS, Stretch, Trip, VISIT_M, all, scored, trips, visits};

@@ -5,7 +5,7 @@
 
 use super::recipe;
 use super::subject::{Ground, Subject};
-use super::tracks::{Recording, Seen};
+use super::tracks::{RecordedWalks, TrackPoint};
 use super::windows::Trip;
 use crate::geometry::{Point, turn_between};
 use crate::human::{Method, Model};
@@ -93,7 +93,7 @@ pub struct PurposeScore {
 }
 
 /// What a recogniser said at one sample of a trip.
-struct Look {
+struct Recognition {
     /// Share of the way.
     part: f64,
     /// Seconds before arrival.
@@ -106,13 +106,13 @@ struct Look {
 /// Scores a recogniser. `observe` gives what it sees of a trip: the samples as they are, or degraded; it is
 /// asked at the trip's own samples in any case.
 pub fn score(
-    recording: &Recording,
+    recording: &RecordedWalks,
     trips: &[Trip],
     goals: &[Point],
     model: &Model,
     recogniser: Recogniser,
     sigma_m: f64,
-    mut observe: impl FnMut(&[Seen]) -> Vec<Seen>,
+    mut observe: impl FnMut(&[TrackPoint]) -> Vec<TrackPoint>,
 ) -> PurposeScore {
     let ground = Ground::new(goals);
     let by_hand = recipe::by_hand(model);
@@ -135,7 +135,13 @@ pub fn score(
                 *s = if total > 0.0 { *s / total } else { even };
             }
             let before_s = (way[way.len() - 1].t - way[i].t).as_secs_f64();
-            looks.push(Look { part: walked[i] / whole, before_s, shares, truth: trip.goal, trip: number });
+            looks.push(Recognition {
+                part: walked[i] / whole,
+                before_s,
+                shares,
+                truth: trip.goal,
+                trip: number,
+            });
         }
     }
     tally(&looks, trips.len())
@@ -147,8 +153,8 @@ fn follow(
     model: &Model,
     recogniser: Recogniser,
     sigma_m: f64,
-    way: &[Seen],
-    seen: &[Seen],
+    way: &[TrackPoint],
+    seen: &[TrackPoint],
 ) -> Vec<Vec<f64>> {
     let mut said = Vec::with_capacity(way.len());
     let method = match recogniser {
@@ -171,7 +177,7 @@ fn follow(
     said
 }
 
-fn simple(recogniser: Recogniser, goals: &[Point], way: &[Seen]) -> Vec<f64> {
+fn simple(recogniser: Recogniser, goals: &[Point], way: &[TrackPoint]) -> Vec<f64> {
     let now = way[way.len() - 1].at;
     let from = way[way.len().saturating_sub(3)].at;
     let bearing = |from: Point, to: Point| (to.y - from.y).atan2(to.x - from.x);
@@ -183,13 +189,14 @@ fn simple(recogniser: Recogniser, goals: &[Point], way: &[Seen]) -> Vec<f64> {
     goals.iter().map(weigh).collect()
 }
 
-fn tally(looks: &[Look], trips: usize) -> PurposeScore {
+fn tally(looks: &[Recognition], trips: usize) -> PurposeScore {
     let n = looks.len().max(1) as f64;
-    let top =
-        |l: &Look| (0..l.shares.len()).max_by(|a, b| l.shares[*a].total_cmp(&l.shares[*b])).unwrap_or(0);
-    let right = |l: &Look| top(l) == l.truth;
-    let mean = |f: &dyn Fn(&Look) -> f64| looks.iter().map(f).sum::<f64>() / n;
-    let of_trips = |near: &dyn Fn(&Look) -> f64| {
+    let top = |l: &Recognition| {
+        (0..l.shares.len()).max_by(|a, b| l.shares[*a].total_cmp(&l.shares[*b])).unwrap_or(0)
+    };
+    let right = |l: &Recognition| top(l) == l.truth;
+    let mean = |f: &dyn Fn(&Recognition) -> f64| looks.iter().map(f).sum::<f64>() / n;
+    let of_trips = |near: &dyn Fn(&Recognition) -> f64| {
         let at = |trip: usize| {
             looks
                 .iter()
@@ -207,7 +214,7 @@ fn tally(looks: &[Look], trips: usize) -> PurposeScore {
     }
     let ece = bins.iter().map(|(_, p, hit)| (p - hit).abs()).sum::<f64>() / n;
     let reliability = bins.iter().filter(|b| b.0 > 0.0).map(|(k, p, hit)| (k / n, p / k, hit / k)).collect();
-    let brier = |l: &Look| {
+    let brier = |l: &Recognition| {
         let square = |(g, s): (usize, &f64)| (s - f64::from(g == l.truth)).powi(2);
         l.shares.iter().enumerate().map(square).sum::<f64>()
     };

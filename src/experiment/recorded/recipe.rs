@@ -4,7 +4,7 @@
 //! Main functions: [`by_hand`] (the figures), [`mean_ways`]. Refuses: to learn anything.
 
 use super::subject::Subject;
-use super::tracks::Seen;
+use super::tracks::TrackPoint;
 use super::windows::PREDICTED;
 use crate::geometry::{Point, Vector};
 use crate::human::Model;
@@ -32,8 +32,8 @@ pub fn by_hand(model: &Model) -> Model {
 pub fn mean_ways(
     subject: &Subject<'_>,
     goals: &[Point],
-    seen: &[Seen],
-    later: &[Seen],
+    seen: &[TrackPoint],
+    later: &[TrackPoint],
 ) -> [Point; PREDICTED] {
     let last = seen[seen.len() - 1];
     let velocity = |back: usize| {

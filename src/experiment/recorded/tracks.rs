@@ -1,7 +1,7 @@
 //! Recorded people: files of three public data sets as walks.
 //!
-//! Main types: [`Format`], [`Recording`], [`Walk`], [`TrackError`]. A walk is one person without a gap; where
-//! a file has gaps, a person has several walks. Refuses: to smooth, to fill gaps, and to read files itself.
+//! Main types: [`Format`], [`RecordedWalks`], [`RecordedWalk`], [`TrackError`]. A walk is one person without a gap;
+//! where a file has gaps, a person has several walks. Refuses: to smooth, to fill gaps, and to read files itself.
 
 use crate::geometry::Point;
 use crate::time::Time;
@@ -50,7 +50,7 @@ const JOIN_S: f64 = 0.05;
 
 /// Where somebody was.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct TrackPoint {
     /// When, since the start of the file or run.
     pub t: Time,
     /// Number of the step in the file; people with the same number were seen together.
@@ -61,22 +61,22 @@ pub struct Seen {
 
 /// One person without a gap.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Walk {
+pub struct RecordedWalk {
     /// Who, as the file calls it; where there are several runs, with the run.
     pub person: String,
     /// In the order of time.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<TrackPoint>,
     /// Where tracklets begin, as indices into `seen`; empty where a file has none.
     pub tracklets: Vec<usize>,
 }
 
 /// All walks of a file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Recording {
+pub struct RecordedWalks {
     /// How it was written: decides which windows count.
     pub format: Format,
     /// In the order of people, then time.
-    pub walks: Vec<Walk>,
+    pub walks: Vec<RecordedWalk>,
 }
 
 /// A file that cannot be read.
@@ -99,17 +99,17 @@ pub enum TrackError {
 }
 
 /// A row: person, tracklet if there is one, and what was seen.
-type Row = (String, Option<u64>, Seen);
+type TrackRow = (String, Option<u64>, TrackPoint);
 
-impl Recording {
+impl RecordedWalks {
     /// Reads a file's text.
-    pub fn parse(text: &str, format: Format) -> Result<Recording, TrackError> {
+    pub fn parse(text: &str, format: Format) -> Result<RecordedWalks, TrackError> {
         let rows = match format {
             Format::Eth => eth(text)?,
             Format::Magni => magni(text)?,
             Format::Thor => thor(text)?,
         };
-        let mut people: BTreeMap<String, Vec<(Option<u64>, Seen)>> = BTreeMap::new();
+        let mut people: BTreeMap<String, Vec<(Option<u64>, TrackPoint)>> = BTreeMap::new();
         for (person, tracklet, seen) in rows {
             people.entry(person).or_default().push((tracklet, seen));
         }
@@ -119,14 +119,14 @@ impl Recording {
             rows.dedup_by_key(|r| r.1.t);
             walks.extend(cut(&person, &rows, format));
         }
-        if walks.is_empty() { Err(TrackError::Empty) } else { Ok(Recording { format, walks }) }
+        if walks.is_empty() { Err(TrackError::Empty) } else { Ok(RecordedWalks { format, walks }) }
     }
 }
 
 /// One person's rows as walks without gaps.
-fn cut(person: &str, rows: &[(Option<u64>, Seen)], format: Format) -> Vec<Walk> {
-    let mut walks: Vec<Walk> = Vec::new();
-    let mut last: Option<(Option<u64>, Seen)> = None;
+fn cut(person: &str, rows: &[(Option<u64>, TrackPoint)], format: Format) -> Vec<RecordedWalk> {
+    let mut walks: Vec<RecordedWalk> = Vec::new();
+    let mut last: Option<(Option<u64>, TrackPoint)> = None;
     for (tracklet, seen) in rows {
         let follows = last.is_some_and(|(before, s)| {
             let gap = (seen.t - s.t).as_secs_f64();
@@ -137,7 +137,7 @@ fn cut(person: &str, rows: &[(Option<u64>, Seen)], format: Format) -> Vec<Walk> 
             }
         });
         if !follows {
-            walks.push(Walk { person: person.to_owned(), seen: Vec::new(), tracklets: Vec::new() });
+            walks.push(RecordedWalk { person: person.to_owned(), seen: Vec::new(), tracklets: Vec::new() });
         }
         let walk = walks.last_mut().expect("one was just begun");
         let is_first = last.is_none_or(|(before, _)| before != *tracklet) || !follows;
@@ -171,7 +171,7 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.lines().enumerate().map(|(i, l)| (i + 1, l)).filter(|(_, l)| !l.trim().is_empty())
 }
 
-fn eth(text: &str) -> Result<Vec<Row>, TrackError> {
+fn eth(text: &str) -> Result<Vec<TrackRow>, TrackError> {
     let mut raw = Vec::new();
     for (line, text) in lines(text) {
         let mut fields = text.split_whitespace();
@@ -187,12 +187,12 @@ fn eth(text: &str) -> Result<Vec<Row>, TrackError> {
     frames.dedup();
     let row = |(frame, person, at): (i64, f64, Point)| {
         let step = frames.binary_search(&frame).expect("it is one of them") as i64;
-        (person_name(person), None, Seen { t: Time(step * 400_000), step, at })
+        (person_name(person), None, TrackPoint { t: Time(step * 400_000), step, at })
     };
     Ok(raw.into_iter().map(row).collect())
 }
 
-fn magni(text: &str) -> Result<Vec<Row>, TrackError> {
+fn magni(text: &str) -> Result<Vec<TrackRow>, TrackError> {
     let mut lines = lines(text);
     let (_, header) = lines.next().ok_or(TrackError::Empty)?;
     let names: Vec<&str> = header.split(',').map(str::trim).collect();
@@ -208,12 +208,12 @@ fn magni(text: &str) -> Result<Vec<Row>, TrackError> {
         let who = fields.get(agent).copied().unwrap_or_default().trim();
         let who = format!("{who} in run {}", field(run, "run")?);
         let step = (t.0 as f64 / 4e5).round() as i64;
-        rows.push((who, Some(field(tracklet, "tracklet")? as u64), Seen { t, step, at }));
+        rows.push((who, Some(field(tracklet, "tracklet")? as u64), TrackPoint { t, step, at }));
     }
     Ok(rows)
 }
 
-fn thor(text: &str) -> Result<Vec<Row>, TrackError> {
+fn thor(text: &str) -> Result<Vec<TrackRow>, TrackError> {
     let mut rows = Vec::new();
     for (line, text) in lines(text) {
         let mut fields = text.split(',');
@@ -222,7 +222,7 @@ fn thor(text: &str) -> Result<Vec<Row>, TrackError> {
         let x = number(line, fields.next(), "x")?;
         let y = number(line, fields.next(), "y")?;
         let step = (t.0 as f64 / 4e5).round() as i64;
-        rows.push((person_name(person), None, Seen { t, step, at: Point::new(x, y) }));
+        rows.push((person_name(person), None, TrackPoint { t, step, at: Point::new(x, y) }));
     }
     Ok(rows)
 }
@@ -267,7 +267,7 @@ mod tests {
     #[test]
     fn a_person_who_is_missing_in_a_step_has_two_walks() {
         let text = "0\t1\t0\t0\n10\t1\t1\t0\n10\t2\t5\t5\n20\t2\t5\t6\n30\t1\t3\t0\n30\t2\t5\t7\n";
-        let r = Recording::parse(text, Format::Eth).unwrap();
+        let r = RecordedWalks::parse(text, Format::Eth).unwrap();
         let sizes: Vec<(&str, usize)> = r.walks.iter().map(|w| (w.person.as_str(), w.seen.len())).collect();
         assert_eq!(sizes, [("000001", 2), ("000001", 1), ("000002", 3)]);
         assert_eq!(r.walks[1].seen[0].t, Time(1_200_000));
@@ -280,7 +280,7 @@ mod tests {
             let tracklet = [0, 0, 1, 1, 2][i];
             text += &format!("1,{t},{i},Helmet_3,Visitors-Alone,{tracklet},{i},0.5,1.7,0.2\n");
         }
-        let r = Recording::parse(&text, Format::Magni).unwrap();
+        let r = RecordedWalks::parse(&text, Format::Magni).unwrap();
         assert_eq!(r.walks.iter().map(|w| w.seen.len()).collect::<Vec<_>>(), [4, 1]);
         assert_eq!(r.walks[0].tracklets, [0, 2]);
     }
@@ -299,13 +299,13 @@ mod tests {
     #[test]
     fn a_gap_ends_a_walk() {
         let text = "0.02,7,0,0,1,0\n0.43,7,0.4,0,1,0\n1.31,7,1,0,1,0\n";
-        let r = Recording::parse(text, Format::Thor).unwrap();
+        let r = RecordedWalks::parse(text, Format::Thor).unwrap();
         assert_eq!(r.walks.iter().map(|w| w.seen.len()).collect::<Vec<_>>(), [2, 1]);
     }
 
     #[test]
     fn errors_name_the_line_and_what_is_wrong() {
-        let error = |text, format| Recording::parse(text, format).unwrap_err().to_string();
+        let error = |text, format| RecordedWalks::parse(text, format).unwrap_err().to_string();
         assert_eq!(error("0 1 2 3\n10 1 x 3\n", Format::Eth), "line 2: x is `x`, not a number");
         assert_eq!(error("10 1 3\n", Format::Eth), "line 1: y is missing");
         assert_eq!(error("0.1,1,NaN,3\n", Format::Thor), "line 1: x is out of range: NaN");

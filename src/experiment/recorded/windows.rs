@@ -2,7 +2,7 @@
 //!
 //! Main types: [`Stretch`] (20 steps of one walk), [`Trip`] (from goal to goal). Refuses: stretches with gaps.
 
-use super::tracks::{Format, Recording, Walk};
+use super::tracks::{Format, RecordedWalk, RecordedWalks};
 use crate::geometry::Point;
 use std::collections::BTreeMap;
 
@@ -30,7 +30,7 @@ pub struct Stretch {
 
 /// The stretches that the benchmark scores. ETH and UCY: all, where at least two people have one that begins in the
 /// same step (the loader of Social-GAN). THÖR-MAGNI: the tracklets as given. THÖR: all.
-pub fn scored(recording: &Recording) -> Vec<Stretch> {
+pub fn scored(recording: &RecordedWalks) -> Vec<Stretch> {
     let sliding = all(recording);
     match recording.format {
         Format::Thor => sliding,
@@ -53,8 +53,8 @@ pub fn scored(recording: &Recording) -> Vec<Stretch> {
 }
 
 /// All stretches, sliding by one sample: for learning.
-pub fn all(recording: &Recording) -> Vec<Stretch> {
-    let of = |(walk, w): (usize, &Walk)| {
+pub fn all(recording: &RecordedWalks) -> Vec<Stretch> {
+    let of = |(walk, w): (usize, &RecordedWalk)| {
         (0..(w.seen.len() + 1).saturating_sub(STEPS))
             .map(move |first| Stretch { walk, first })
             .collect::<Vec<_>>()
@@ -78,7 +78,7 @@ pub struct Trip {
 }
 
 /// The trips in a recording: from the last sample of a visit to the first sample of the next visit of another goal.
-pub fn trips(recording: &Recording, goals: &[Point]) -> Vec<Trip> {
+pub fn trips(recording: &RecordedWalks, goals: &[Point]) -> Vec<Trip> {
     let mut found = Vec::new();
     for (walk, w) in recording.walks.iter().enumerate() {
         let visits = visits(w, goals);
@@ -94,7 +94,7 @@ pub fn trips(recording: &Recording, goals: &[Point]) -> Vec<Trip> {
 }
 
 /// Visits of a walk: goal, first and last sample.
-pub fn visits(w: &Walk, goals: &[Point]) -> Vec<(usize, usize, usize)> {
+pub fn visits(w: &RecordedWalk, goals: &[Point]) -> Vec<(usize, usize, usize)> {
     let nearest = |at: Point| {
         let away = goals.iter().map(|g| (g - at).norm()).enumerate();
         away.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, d)| *d <= VISIT_M).map(|(g, _)| g)
@@ -115,17 +115,17 @@ pub fn visits(w: &Walk, goals: &[Point]) -> Vec<(usize, usize, usize)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tracks::Seen;
+    use super::super::tracks::TrackPoint;
     use super::*;
     use crate::time::Time;
 
-    fn walk(points: impl Iterator<Item = (f64, f64)>) -> Walk {
-        let seen = points.enumerate().map(|(i, (x, y))| Seen {
+    fn walk(points: impl Iterator<Item = (f64, f64)>) -> RecordedWalk {
+        let seen = points.enumerate().map(|(i, (x, y))| TrackPoint {
             t: Time(i as i64 * 400_000),
             step: i as i64,
             at: Point::new(x, y),
         });
-        Walk { person: "1".into(), seen: seen.collect(), tracklets: vec![0] }
+        RecordedWalk { person: "1".into(), seen: seen.collect(), tracklets: vec![0] }
     }
 
     #[test]
@@ -135,14 +135,15 @@ mod tests {
         let back = (0..20).map(|i| (10.5 - i as f64 * 0.5, 0.0));
         let w = walk(there.chain(back));
         assert_eq!(visits(&w, &goals), [(0, 0, 2), (1, 18, 25), (0, 41, 41)]);
-        let r = Recording { format: Format::Magni, walks: vec![w] };
+        let r = RecordedWalks { format: Format::Magni, walks: vec![w] };
         let found = trips(&r, &goals);
         assert_eq!((found.len(), found[0]), (2, Trip { walk: 0, first: 2, last: 18, origin: 0, goal: 1 }));
     }
 
     #[test]
     fn on_the_street_only_stretches_with_company_count() {
-        let alone = Recording { format: Format::Eth, walks: vec![walk((0..21).map(|i| (i as f64, 0.0)))] };
+        let alone =
+            RecordedWalks { format: Format::Eth, walks: vec![walk((0..21).map(|i| (i as f64, 0.0)))] };
         assert_eq!((all(&alone).len(), scored(&alone).len()), (2, 0));
         let mut two = alone.clone();
         two.walks.push(walk((0..20).map(|i| (i as f64, 3.0))));

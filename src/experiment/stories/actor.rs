@@ -6,7 +6,7 @@ use crate::geometry::{Point, Pose, Segment};
 
 /// One thing to do.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Act {
+pub(super) enum StoryAct {
     /// Walk straight to a place at a speed in metres per second, facing it.
     Walk(f64, f64, f64),
     /// Stand for so many seconds.
@@ -24,21 +24,21 @@ pub(super) struct Actor {
 }
 
 impl Actor {
-    pub fn new(at: Point, heading: f64, acts: &[Act]) -> Actor {
+    pub fn new(at: Point, heading: f64, acts: &[StoryAct]) -> Actor {
         let first = Pose { at, heading };
         let (mut now, mut pose, mut parts) = (0.0, first, Vec::new());
         for act in acts {
             let (from, takes) = match *act {
-                Act::Walk(x, y, speed) => {
+                StoryAct::Walk(x, y, speed) => {
                     let leg = Segment { a: pose.at, b: Point::new(x, y) };
                     (Pose { heading: leg.heading(), ..pose }, leg.length() / speed)
                 }
-                Act::Stand(seconds) | Act::Turn(_, seconds) => (pose, seconds),
+                StoryAct::Stand(seconds) | StoryAct::Turn(_, seconds) => (pose, seconds),
             };
             let to = match *act {
-                Act::Walk(x, y, _) => Pose { at: Point::new(x, y), ..from },
-                Act::Stand(_) => from,
-                Act::Turn(by, _) => Pose { heading: from.heading + by, ..from },
+                StoryAct::Walk(x, y, _) => Pose { at: Point::new(x, y), ..from },
+                StoryAct::Stand(_) => from,
+                StoryAct::Turn(by, _) => Pose { heading: from.heading + by, ..from },
             };
             parts.push((now, now + takes, from, to));
             (now, pose) = (now + takes, to);

@@ -2,7 +2,7 @@
 //!
 //! Main function: [`tell`]. The drawing of the original floor is lost; this one has the same choices in the same order.
 
-use super::{Event, Story};
+use super::{Story, StoryEvent};
 use crate::human::intention::tiles::{Action, Stand, TileIntention, Tiles};
 
 /// North up. Goal 0 is the northern one (Goal 1 of the thesis), goal 1 the eastern one (Goal 2), goal 2 the southern
@@ -60,7 +60,7 @@ pub(super) fn tell() -> Story {
     let mut stand = Stand { x: 5, y: 5, eighth: 6 };
     let (mut beliefs, mut events) = (vec![(0.0, person.belief())], Vec::new());
     for (letters, what) in ACTS {
-        events.push(Event { at: beliefs.len() as f64 - 1.0, what: what.into() });
+        events.push(StoryEvent { at: beliefs.len() as f64 - 1.0, what: what.into() });
         for action in letters.chars().map(action) {
             person.observe(&tiles, stand, action);
             stand = tiles.after(stand, action).expect("the story keeps to free tiles");
@@ -86,7 +86,7 @@ pub(super) fn tell() -> Story {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::human::intention::State;
+    use crate::human::intention::IntentState;
     use crate::id::GoalId;
 
     #[test]
@@ -100,13 +100,13 @@ mod tests {
         // Goal 3 rises steeply; when it is left it falls at once, and undecided comes before goal 2.
         assert!(story.at(at("turns south") + 5.0).of(three) > 0.8);
         let left = story.at(at("leaves goal 3") + 1.0);
-        assert!(left.of(three) < 0.05 && left.top() == State::Undecided, "{left:?}");
+        assert!(left.of(three) < 0.05 && left.top() == IntentState::Undecided, "{left:?}");
         // Goal 2 comes to stand still at about 0.85: undecided is never impossible.
         let plateau = [16.0, 18.0, 20.0].map(|t| story.at(t).of(two));
         assert!(plateau.iter().all(|p| (0.8..0.92).contains(p)), "{plateau:?}");
         // Two goals fit: neither wins. The dead end fits none.
         let both = story.at(at("straight on"));
-        assert!(both.top() == State::Undecided && both.elsewhere < 0.01, "{both:?}");
+        assert!(both.top() == IntentState::Undecided && both.elsewhere < 0.01, "{both:?}");
         let end = story.at(at("stands there"));
         assert!(end.elsewhere > 0.9, "{end:?}");
         assert!(story.beliefs.iter().all(|(_, b)| (b.sum() - 1.0).abs() < 1e-9));

@@ -7,7 +7,7 @@
 //! the person.
 
 use super::super::dice::Dice;
-use super::{Event, Story, name};
+use super::{Story, StoryEvent, name};
 use crate::geometry::{Point, Pose, Segment};
 use crate::human::{Distances, Intention, Method, Model};
 use crate::id::{GoalId, NodeId};
@@ -149,7 +149,7 @@ pub(super) fn tell(method: Method, seed: u64) -> Story {
     }
     let mut crowd = Crowd::new(&w, seed);
     let mut person = StoryPerson { pose: Pose { at: Point::new(7.0, 5.0), heading: FRAC_PI_2 }, errand: 0 };
-    let mut events = vec![Event { at: 0.0, what: ERRANDS[0].2.into() }];
+    let mut events = vec![StoryEvent { at: 0.0, what: ERRANDS[0].2.into() }];
     let (mut beliefs, mut tick, mut stepped) = (Vec::new(), 0_u32, 0_u32);
     while person.errand < ERRANDS.len() && f64::from(tick) < LONGEST_S * RATE {
         let t = f64::from(tick) / RATE;
@@ -161,12 +161,12 @@ pub(super) fn tell(method: Method, seed: u64) -> Story {
         let added = events.iter().any(|e| e.what == ADDED);
         if !added && events.last().is_some_and(|e| e.what == ERRANDS[1].2 && t >= e.at + 1.0) {
             recogniser.add_goal(GoalId(BROWN), 1.0).expect("four goals");
-            events.push(Event { at: t, what: ADDED.into() });
+            events.push(StoryEvent { at: t, what: ADDED.into() });
         }
         recogniser.observe(Time::from_secs_f64(t), person.pose.at, Some(person.pose.heading), &all);
         beliefs.push((t, recogniser.belief()));
         if person.walk(&all) {
-            let next = ERRANDS.get(person.errand).map(|e| Event { at: t, what: e.2.into() });
+            let next = ERRANDS.get(person.errand).map(|e| StoryEvent { at: t, what: e.2.into() });
             events.extend(next);
         }
         tick += 1;

@@ -4,8 +4,8 @@
 //! robot starts at the charger beside R107, and robots are discs of 0.7 m radius instead of 1 m, because with 1 m the
 //! robot that stands at R15 would close the street behind it, too.
 
-use super::actor::{Act, Actor};
-use super::{Event, Story, name};
+use super::actor::{Actor, StoryAct};
+use super::{Story, StoryEvent, name};
 use crate::geometry::Point;
 use crate::human::{Distances, Intention, Method, Model};
 use crate::id::GoalId;
@@ -28,30 +28,30 @@ fn person() -> Actor {
         Point::new(6.0, 0.0),
         FRAC_PI_2,
         &[
-            Act::Walk(6.0, 2.4, 0.6),
-            Act::Stand(0.6),
-            Act::Turn(PI, 1.5),
-            Act::Walk(6.0, 0.0, pace),
-            Act::Walk(3.0, 0.0, pace),
-            Act::Walk(2.0, 0.0, pace),
-            Act::Walk(0.0, 0.0, pace),
-            Act::Walk(0.0, 1.5, pace),
-            Act::Stand(1.0),
-            Act::Turn(PI, 2.0),
-            Act::Walk(0.0, 0.0, pace),
-            Act::Walk(3.0, 0.0, pace),
-            Act::Walk(3.0, -1.2, 0.45),
-            Act::Stand(1.0),
+            StoryAct::Walk(6.0, 2.4, 0.6),
+            StoryAct::Stand(0.6),
+            StoryAct::Turn(PI, 1.5),
+            StoryAct::Walk(6.0, 0.0, pace),
+            StoryAct::Walk(3.0, 0.0, pace),
+            StoryAct::Walk(2.0, 0.0, pace),
+            StoryAct::Walk(0.0, 0.0, pace),
+            StoryAct::Walk(0.0, 1.5, pace),
+            StoryAct::Stand(1.0),
+            StoryAct::Turn(PI, 2.0),
+            StoryAct::Walk(0.0, 0.0, pace),
+            StoryAct::Walk(3.0, 0.0, pace),
+            StoryAct::Walk(3.0, -1.2, 0.45),
+            StoryAct::Stand(1.0),
         ],
     )
 }
 
 fn robot() -> Actor {
-    let drive = |x, y| Act::Walk(x, y, 0.8);
+    let drive = |x, y| StoryAct::Walk(x, y, 0.8);
     Actor::new(
         Point::new(5.0, 5.0),
         -FRAC_PI_2,
-        &[Act::Stand(1.2), drive(5.0, 4.0), drive(6.0, 4.0), drive(6.0, 3.0)],
+        &[StoryAct::Stand(1.2), drive(5.0, 4.0), drive(6.0, 4.0), drive(6.0, 3.0)],
     )
 }
 
@@ -102,7 +102,7 @@ pub(super) fn tell(method: Method) -> Story {
         unit: "seconds",
         goals: GOALS.to_vec(),
         beliefs,
-        events: events.into_iter().map(|(at, what)| Event { at, what: what.into() }).collect(),
+        events: events.into_iter().map(|(at, what)| StoryEvent { at, what: what.into() }).collect(),
     }
 }
 
@@ -110,7 +110,7 @@ pub(super) fn tell(method: Method) -> Story {
 mod tests {
     use super::*;
     use crate::human::Belief;
-    use crate::human::intention::State;
+    use crate::human::intention::IntentState;
 
     const R117: GoalId = GoalId(0);
     const R109: GoalId = GoalId(1);
@@ -120,10 +120,10 @@ mod tests {
     fn tells(method: Method, is_undecided: impl Fn(&Belief) -> bool) {
         let story = tell(method);
         let at = |words: &str, later: f64| story.at(story.when(words) + later);
-        assert_eq!(at("robot closes", -0.1).top(), State::Goal(R117), "{method:?}");
+        assert_eq!(at("robot closes", -0.1).top(), IntentState::Goal(R117), "{method:?}");
         assert_eq!(
             at("turns round", -0.3).top(),
-            State::Elsewhere,
+            IntentState::Elsewhere,
             "{method:?}: it walks on to a closed way"
         );
         let back = at("passes the turn to R17", -1.5);
@@ -140,15 +140,19 @@ mod tests {
             (passed.of(R117) - passed.of(R109)).abs() < apart,
             "{method:?}: R109 lies on the way to R117"
         );
-        assert_eq!(at("again", -1.0).top(), State::Goal(R17), "{method:?}: the only goal on the way back");
+        assert_eq!(
+            at("again", -1.0).top(),
+            IntentState::Goal(R17),
+            "{method:?}: the only goal on the way back"
+        );
         let bound_away = at("again", 2.4);
-        assert_eq!(bound_away.top(), State::Elsewhere, "{method:?}: {bound_away:?}");
+        assert_eq!(bound_away.top(), IntentState::Elsewhere, "{method:?}: {bound_away:?}");
         assert!(story.beliefs.iter().all(|(_, b)| (b.sum() - 1.0).abs() < 1e-9));
     }
 
     #[test]
     fn the_order_of_events_is_that_of_the_thesis_with_its_method() {
-        tells(Method::Chapter3, |b| b.top() == State::Undecided);
+        tells(Method::Chapter3, |b| b.top() == IntentState::Undecided);
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub enum Tale {
 
 /// Something that happens in a story.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Event {
+pub struct StoryEvent {
     /// When: steps or seconds.
     pub at: f64,
     /// What.
@@ -49,7 +49,7 @@ pub struct Story {
     /// Beliefs after each update or at each tick.
     pub beliefs: Vec<(f64, Belief)>,
     /// What happened, in order of time.
-    pub events: Vec<Event>,
+    pub events: Vec<StoryEvent>,
 }
 
 impl Tale {

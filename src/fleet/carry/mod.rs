@@ -10,7 +10,7 @@ mod places;
 mod report;
 
 pub use matching::Matching;
-pub use report::{Entry, Report};
+pub use report::{Report, ReportEntry};
 
 use crate::fleet::state::worker::{Assignment, Closure};
 use crate::fleet::{Job, JobKind, JobState, Ledger, Parts, Promises, Wishes};

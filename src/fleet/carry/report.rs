@@ -1,6 +1,6 @@
 //! What is said about carrying a ledger over: in words, each entry with what to do.
 //!
-//! Main types: [`Report`], [`Entry`]. Refuses: to leave an entry out; texts for people are cut, and say how much.
+//! Main types: [`Report`], [`ReportEntry`]. Refuses: to leave an entry out; texts for people are cut, and say how much.
 
 use std::fmt;
 
@@ -9,14 +9,14 @@ const SHOWN: usize = 20;
 
 /// Something that is in the way or would be lost.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Entry {
+pub struct ReportEntry {
     /// What, and where.
     pub what: String,
     /// What to do.
     pub remedy: String,
 }
 
-impl fmt::Display for Entry {
+impl fmt::Display for ReportEntry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.what, self.remedy)
     }
@@ -26,9 +26,9 @@ impl fmt::Display for Entry {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
     /// What has to be changed on the floor or on the map first: nothing is carried over.
-    pub obstacles: Vec<Entry>,
+    pub obstacles: Vec<ReportEntry>,
     /// What would be lost: carried over only if the operator accepts that.
-    pub losses: Vec<Entry>,
+    pub losses: Vec<ReportEntry>,
     /// What is different, and needs nothing.
     pub notes: Vec<String>,
 }
@@ -40,17 +40,17 @@ impl Report {
     }
 
     pub(super) fn refuse(&mut self, what: String, remedy: &str) {
-        self.obstacles.push(Entry { what, remedy: remedy.to_owned() });
+        self.obstacles.push(ReportEntry { what, remedy: remedy.to_owned() });
     }
 
     pub(super) fn lose(&mut self, what: String, remedy: &str) {
-        self.losses.push(Entry { what, remedy: remedy.to_owned() });
+        self.losses.push(ReportEntry { what, remedy: remedy.to_owned() });
     }
 }
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let texts = |entries: &[Entry]| entries.iter().map(ToString::to_string).collect::<Vec<_>>();
+        let texts = |entries: &[ReportEntry]| entries.iter().map(ToString::to_string).collect::<Vec<_>>();
         let lists = [
             ("obstacle", texts(&self.obstacles)),
             ("loss", texts(&self.losses)),

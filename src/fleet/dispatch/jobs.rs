@@ -9,7 +9,7 @@ use crate::fleet::dispatch::maintenance::send_to_maintenance;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Purpose, Task};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::index::Goal;
+use crate::fleet::state::index::RackGoal;
 use crate::fleet::state::job::{JobFailure, JobKind, JobState};
 use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::needs::Needs;
@@ -139,7 +139,7 @@ fn candidates(
     let queue = &floor.ledger.index().queue;
     let (oldest, wanted) = (queue.oldest(now), queue.racks_wanted());
     let enough = stations_with_enough(floor, needs, now);
-    let has_room = |goal| !matches!(goal, Goal::Station(s) if enough.contains(&s));
+    let has_room = |goal| !matches!(goal, RackGoal::Station(s) if enough.contains(&s));
     let mut seen: BTreeSet<RackId> = BTreeSet::new();
     let mut found = Vec::new();
     for id in queue.offers(now, has_room) {

@@ -5,13 +5,13 @@
 
 use crate::aware::{Effects, HumanAwarePolicy};
 use crate::fleet::people::routing::REDIRECT;
-use crate::fleet::people::state::{HumanState, Led, Mode, Person, STROLL_MPS};
+use crate::fleet::people::state::{HumanState, Led, Person, STROLL_MPS, WalkMode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::heard::WorkerInput;
 use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::Point;
-use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, Taken, Whereabouts};
+use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, SightingOutcome, Whereabouts};
 use crate::id::WorkerId;
 use crate::route::Conditions;
 use crate::time::{Span, Time};
@@ -38,9 +38,9 @@ impl HumanState {
         let person = self.person(s.worker);
         let taken = person.track.see(s, now, is_on_map);
         match taken {
-            Taken::Ignored => return,
-            Taken::Moved => person.fresh = true,
-            Taken::Relocated => (person.fresh, person.relocated) = (true, true),
+            SightingOutcome::Ignored => return,
+            SightingOutcome::Moved => person.fresh = true,
+            SightingOutcome::Relocated => (person.fresh, person.relocated) = (true, true),
         }
         self.follow_motion(&floor.settings.model, s, taken);
     }
@@ -87,23 +87,23 @@ impl HumanState {
         let works = stands && plan.assignment.is_some() && plan.is_there(place.at);
         match (conduct, person.mode) {
             (Conduct::OnPath, _) if works => self.at_the_end(core, worker, place.at, now),
-            (Conduct::Deviating, Mode::Deviating { .. }) => {
+            (Conduct::Deviating, WalkMode::Deviating { .. }) => {
                 self.show_the_way_back(core, worker, place.at, now)
             }
             // Told to stop off the path: the procedure tries again by itself.
-            (Conduct::Deviating, Mode::Stopped { .. })
+            (Conduct::Deviating, WalkMode::Stopped { .. })
                 if core.settings.policy != HumanAwarePolicy::Giveway => {}
             (Conduct::Deviating, _) => self.leaves_path(core, worker, place.at, now),
             (Conduct::Outside, _) => {}
-            (Conduct::OnPath, Mode::Deviating { .. }) => {
+            (Conduct::OnPath, WalkMode::Deviating { .. }) => {
                 let start = plan.follower.path()[0];
                 if (place.at - start).norm() > BACK_M {
-                    person.mode = Mode::Following;
+                    person.mode = WalkMode::Following;
                 }
             }
-            (Conduct::OnPath, Mode::Redirected) if plan.follower.progress() == 0 => {}
-            (Conduct::OnPath, Mode::Stopped { since }) if now - since < REDIRECT => {}
-            (Conduct::OnPath, _) => person.mode = Mode::Following,
+            (Conduct::OnPath, WalkMode::Redirected) if plan.follower.progress() == 0 => {}
+            (Conduct::OnPath, WalkMode::Stopped { since }) if now - since < REDIRECT => {}
+            (Conduct::OnPath, _) => person.mode = WalkMode::Following,
             (Conduct::Arrived, _) => self.at_the_end(core, worker, place.at, now),
         }
     }
@@ -155,7 +155,7 @@ impl HumanState {
             }
             Led::Stopped { by } => {
                 person.blocked_since = by.map(|r| (r, now));
-                person.mode = Mode::Stopped { since: now };
+                person.mode = WalkMode::Stopped { since: now };
             }
         }
     }

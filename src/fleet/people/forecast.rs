@@ -8,7 +8,7 @@ use crate::aware::HumanAwarePolicy;
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::floor::Floor;
 use crate::human::motion::{Fix, Motion};
-use crate::human::{Forecast, Mixture, Model, Presence, Quality, Sighting, Taken, WATCHED_S};
+use crate::human::{Forecast, Mixture, Model, Presence, Quality, Sighting, SightingOutcome, WATCHED_S};
 use crate::id::WorkerId;
 use crate::time::{Span, Time};
 
@@ -47,10 +47,10 @@ impl HumanState {
     }
 
     /// Takes a sighting that was believed into the filter of how the worker moves.
-    pub(in crate::fleet) fn follow_motion(&mut self, model: &Model, s: &Sighting, taken: Taken) {
+    pub(in crate::fleet) fn follow_motion(&mut self, model: &Model, s: &Sighting, taken: SightingOutcome) {
         let (model, worker) = (model.motion, s.worker);
         let person = self.person(worker);
-        if taken == Taken::Relocated || person.motion.is_none() {
+        if taken == SightingOutcome::Relocated || person.motion.is_none() {
             person.motion = Some(Motion::new(model));
             self.coverage.forget(worker);
         }
@@ -59,7 +59,7 @@ impl HumanState {
         }
         let fix = Fix { seen: s.seen, at: s.at, sigma_m: s.accuracy_m };
         self.person(worker).motion.get_or_insert_with(|| Motion::new(model)).see(fix);
-        self.coverage.judge(worker, s.seen, s.at);
+        self.coverage.score(worker, s.seen, s.at);
     }
 
     /// Notes where everybody may be going, and keeps a forecast of everybody from time to time to see whether it

@@ -3,7 +3,7 @@
 //!
 //! Refuses: to decide where anybody is to go.
 
-use crate::fleet::people::state::{HumanState, Mode, Person};
+use crate::fleet::people::state::{HumanState, Person, WalkMode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{Guidance, GuidanceReason, GuidanceState, NearRobot};
@@ -84,17 +84,17 @@ impl HumanState {
             return (GuidanceState::Stop, Some(GuidanceReason::RobotComes(robot)));
         }
         match person.mode {
-            Mode::Idle => (GuidanceState::Idle, None),
-            Mode::Following => (GuidanceState::Following, None),
-            Mode::Redirected => {
+            WalkMode::Idle => (GuidanceState::Idle, None),
+            WalkMode::Following => (GuidanceState::Following, None),
+            WalkMode::Redirected => {
                 let reason = person.blocked_since.map(|(r, _)| GuidanceReason::RobotInTheWay(r));
                 (GuidanceState::Redirected, reason)
             }
-            Mode::Deviating { since } if person.plan.as_ref().is_some_and(|p| p.made >= since) => {
+            WalkMode::Deviating { since } if person.plan.as_ref().is_some_and(|p| p.made >= since) => {
                 (GuidanceState::Redirected, Some(GuidanceReason::LeftPath))
             }
-            Mode::Deviating { .. } => (GuidanceState::Deviating, Some(GuidanceReason::LeftPath)),
-            Mode::Stopped { .. } => match person.blocked_since {
+            WalkMode::Deviating { .. } => (GuidanceState::Deviating, Some(GuidanceReason::LeftPath)),
+            WalkMode::Stopped { .. } => match person.blocked_since {
                 Some((robot, _)) => (GuidanceState::Stop, Some(GuidanceReason::RobotInTheWay(robot))),
                 None => (GuidanceState::Stop, Some(GuidanceReason::NoWay)),
             },

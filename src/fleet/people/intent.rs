@@ -7,7 +7,7 @@
 
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::people::intents::{PLACES, goal_of};
-use crate::fleet::people::state::{HumanState, Mode};
+use crate::fleet::people::state::{HumanState, WalkMode};
 use crate::fleet::state::floor::Floor;
 use crate::human::{
     Hypothesis, Intention, Method, Presence, Quality, Whereabouts, straight_on, towards_goal,
@@ -129,7 +129,7 @@ impl HumanState {
     /// Where a worker may be going, with paths from here.
     pub(in crate::fleet) fn hypotheses(&self, worker: WorkerId, place: &Whereabouts) -> Vec<Hypothesis> {
         let person = &self.people[worker];
-        if !matches!(person.mode, Mode::Deviating { .. }) {
+        if !matches!(person.mode, WalkMode::Deviating { .. }) {
             let path = person.rest_of_path(place.at).unwrap_or_else(|| vec![place.at]);
             let stay = person.plan.as_ref().map_or(Span::from_secs(1), |p| p.stay);
             return vec![Hypothesis { probability: 1.0, path, stay: Some(stay) }];

@@ -3,7 +3,7 @@
 //! Refuses: to move anybody; a worker is shown a path and may ignore it.
 
 use crate::aware::{BODY_M, HumanAwarePolicy};
-use crate::fleet::people::state::{HumanState, Mode};
+use crate::fleet::people::state::{HumanState, WalkMode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
@@ -45,7 +45,7 @@ impl HumanState {
             }
             None => {
                 let person = &mut self.people[worker];
-                (person.plan, person.mode) = (None, Mode::Idle);
+                (person.plan, person.mode) = (None, WalkMode::Idle);
             }
         }
     }
@@ -68,11 +68,11 @@ impl HumanState {
                     *way.points.last_mut().expect("a way has two ends") = g;
                 });
                 person.give(way.points, Some(id), stay, now);
-                if !matches!(person.mode, Mode::Deviating { .. }) {
-                    person.mode = Mode::Following;
+                if !matches!(person.mode, WalkMode::Deviating { .. }) {
+                    person.mode = WalkMode::Following;
                 }
             }
-            None => person.mode = Mode::Stopped { since: now },
+            None => person.mode = WalkMode::Stopped { since: now },
         }
     }
 
@@ -121,12 +121,12 @@ impl HumanState {
             (Some(points), _) => (points, assignment),
             (None, Some(points)) => (points, None),
             (None, None) => {
-                person.mode = Mode::Stopped { since: now };
+                person.mode = WalkMode::Stopped { since: now };
                 return;
             }
         };
         person.give(points, assignment, stay, now);
-        person.mode = Mode::Redirected;
+        person.mode = WalkMode::Redirected;
     }
 
     /// Where robots and a worker wait for one another and neither can pass: a way to the nearest place from
@@ -215,7 +215,7 @@ impl HumanState {
 
     pub(in crate::fleet) fn leaves_path(&mut self, core: &mut Core, worker: WorkerId, at: Point, now: Time) {
         core.record(Fact::Deviated { worker, at: now });
-        self.people[worker].mode = Mode::Deviating { since: now };
+        self.people[worker].mode = WalkMode::Deviating { since: now };
         if core.settings.policy == HumanAwarePolicy::Giveway {
             self.route_on(core, worker, at, now);
         }
@@ -242,13 +242,13 @@ impl HumanState {
         let (is_there, stay) = (plan.is_there(at), plan.stay);
         let Some(id) = plan.assignment else {
             // A path that only led out of the way.
-            person.mode = Mode::Following;
+            person.mode = WalkMode::Following;
             return self.route_on(core, worker, at, now);
         };
         if !is_there {
             return;
         }
-        person.mode = Mode::Following;
+        person.mode = WalkMode::Following;
         let before = person.was_there.filter(|(left, _)| *left == id).map_or(Span::ZERO, |(_, t)| t);
         let since = *person.there_since.get_or_insert(now - before);
         let state = if now - since >= stay { AssignmentState::Done } else { AssignmentState::Working };

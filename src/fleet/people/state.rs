@@ -1,6 +1,6 @@
 //! What the fleet believes and keeps in mind about people, from step to step. Lost at a restart and seen again.
 //!
-//! Main types: [`HumanState`], [`Person`], [`Mode`]. Refuses: to decide.
+//! Main types: [`HumanState`], [`Person`], [`WalkMode`]. Refuses: to decide.
 
 use crate::aware::Afoot;
 use crate::fleet::people::intents::Intents;
@@ -22,7 +22,7 @@ pub(in crate::fleet) const STROLL_MPS: f64 = 0.3;
 
 /// How a worker's walk stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub(in crate::fleet) enum Mode {
+pub(in crate::fleet) enum WalkMode {
     /// Nothing to do.
     #[default]
     Idle,
@@ -68,7 +68,7 @@ pub(in crate::fleet) struct Person {
     /// Whether the worker was put somewhere else without a walk.
     pub relocated: bool,
     pub plan: Option<Plan>,
-    pub mode: Mode,
+    pub mode: WalkMode,
     /// Counts up with every new path.
     pub version: u64,
     /// Since when the worker has been at the place of the assignment.
@@ -87,7 +87,7 @@ pub(in crate::fleet) struct Person {
 #[derive(Clone, Debug)]
 pub(in crate::fleet) enum Led {
     /// Along this path, which is the one expected or another.
-    Along(Vec<Point>, Mode),
+    Along(Vec<Point>, WalkMode),
     /// Nowhere: a robot is in the way.
     Stopped {
         /// Which, if it is one.

@@ -1,7 +1,7 @@
 //! What outsiders see: the view, why something waits, occupancy of an area, the jobs that wait, rows of lists.
 //!
-//! Main types: [`view::View`], `why::Waiting`, `occupancy::NodeOccupancy`, `backlog::Backlog`, `rows::JobRow`. Refuses: to be an input
-//! of any decision.
+//! Main types: [`view::View`], `why::Waiting`, `occupancy::NodeOccupancy`, `backlog::Backlog`, `rows::JobRow`. Refuses:
+//! to be an input of any decision.
 
 pub(in crate::fleet) mod backlog;
 pub(in crate::fleet) mod build;

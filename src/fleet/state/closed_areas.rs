@@ -25,7 +25,7 @@ const AHEAD: Span = Span::from_secs(24 * 3600);
 
 /// An area with its nodes.
 #[derive(Debug)]
-struct Area {
+struct ClosedArea {
     nodes: Vec<NodeId>,
     window: Window,
 }
@@ -33,7 +33,7 @@ struct Area {
 /// Closures that are in force or begin within a day.
 #[derive(Debug, Default)]
 pub(in crate::fleet) struct Areas {
-    open: BTreeMap<ClosureId, Area>,
+    open: BTreeMap<ClosureId, ClosedArea>,
     /// Nodes that are closed, or will be soon, with when that begins.
     closing: BTreeMap<NodeId, Time>,
     /// Storage nodes beside those whose racks have no other way out.
@@ -59,7 +59,7 @@ impl Areas {
             return;
         }
         self.changes = changes;
-        let over = |id: &ClosureId, a: &Area| a.window.end() <= now || !closures.contains_key(id);
+        let over = |id: &ClosureId, a: &ClosedArea| a.window.end() <= now || !closures.contains_key(id);
         for (id, area) in self.open.extract_if(.., |id, a| over(id, a)) {
             area.nodes.iter().for_each(|n| conditions.lift(*n, Cause::Closure(id)));
         }
@@ -70,7 +70,7 @@ impl Areas {
                 let nodes = nodes_of(closure, warehouse);
                 let condition = Condition { window, effect: Effect::Closed, cause: Cause::Closure(*id) };
                 nodes.iter().for_each(|n| conditions.announce(*n, condition));
-                Area { nodes, window }
+                ClosedArea { nodes, window }
             });
         }
         self.note_closing(warehouse, now);

@@ -100,7 +100,7 @@ pub enum Fact {
     /// These robots keep what they were granted, for ever for all we know, and nothing more.
     Truncated {
         /// Which, and what they keep.
-        robots: Vec<Kept>,
+        robots: Vec<KeptRoute>,
     },
     /// A robot does not work any more.
     Failed {
@@ -241,7 +241,7 @@ pub enum Fact {
         /// Serial number of this visit; later than any that it had.
         serial: u64,
         /// Robots that were promised this place, or would have had to pass those: what they keep.
-        cut: Vec<Kept>,
+        cut: Vec<KeptRoute>,
         /// When.
         at: Time,
     },
@@ -290,7 +290,7 @@ pub struct Moved {
 
 /// What a robot keeps of its route.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Kept {
+pub struct KeptRoute {
     /// Which robot.
     pub robot: RobotId,
     /// One past the serial number of the last visit that stays.

@@ -1,8 +1,8 @@
 //! The life of a job: one table of what may happen to it, and of what its robot does meanwhile.
 //!
-//! Main types: [`JobStage`], [`Work`], [`Event`]; main functions [`next`] (the table) and [`work`] (what the robot of a
-//! job in some stage does for it). `Ledger::evolve` asserts both for every fact in every build, so a job and the task
-//! of the robot that serves it can never disagree. Refuses: to decide that something happens.
+//! Main types: [`JobStage`], [`Work`], [`JobEvent`]; main functions [`next`] (the table) and [`work`] (what the robot
+//! of a job in some stage does for it). `Ledger::evolve` asserts both for every fact in every build, so a job and the
+//! task of the robot that serves it can never disagree. Refuses: to decide that something happens.
 
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::job::{JobKind, JobState};
@@ -43,7 +43,7 @@ pub enum Work {
 
 /// What happens to a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
+pub enum JobEvent {
     /// A robot gets it.
     Assigned,
     /// A robot gets it whose load is the rack that it asks for.
@@ -119,24 +119,24 @@ impl Work {
 }
 
 /// The table: the stage to which an event takes a job. Nothing where the event cannot happen then.
-pub fn next(kind: &JobKind, from: JobStage, event: Event) -> Option<JobStage> {
+pub fn next(kind: &JobKind, from: JobStage, event: JobEvent) -> Option<JobStage> {
     use Family::{Deliver, Put, Send};
     use JobStage::{Assigned, Cancelled, Carrying, Done, Failed, Picking, Waiting};
     let to = match (Family::of(kind), from, event) {
         (_, Done | Cancelled | Failed, _) => return None,
-        (_, _, Event::Cancelled) => Cancelled,
-        (_, _, Event::Failed) => Failed,
-        (_, Waiting, Event::Assigned) => Assigned,
-        (Deliver, Waiting, Event::Chained) => Carrying,
-        (Deliver | Put, Assigned, Event::Lifted) => Carrying,
-        (Deliver, Carrying, Event::AtStation) => Picking,
-        (Deliver, Picking, Event::PushedAway) => Carrying,
-        (Deliver, Picking, Event::Picked) => Done,
-        (Put, Carrying, Event::SetDown) => Done,
-        (Send, Assigned, Event::Arrived) => Done,
-        (_, Assigned, Event::GivenBack) => Waiting,
+        (_, _, JobEvent::Cancelled) => Cancelled,
+        (_, _, JobEvent::Failed) => Failed,
+        (_, Waiting, JobEvent::Assigned) => Assigned,
+        (Deliver, Waiting, JobEvent::Chained) => Carrying,
+        (Deliver | Put, Assigned, JobEvent::Lifted) => Carrying,
+        (Deliver, Carrying, JobEvent::AtStation) => Picking,
+        (Deliver, Picking, JobEvent::PushedAway) => Carrying,
+        (Deliver, Picking, JobEvent::Picked) => Done,
+        (Put, Carrying, JobEvent::SetDown) => Done,
+        (Send, Assigned, JobEvent::Arrived) => Done,
+        (_, Assigned, JobEvent::GivenBack) => Waiting,
         // Its robot was to go on to another station with the rack, but set it down before it found a way there.
-        (Deliver, Carrying, Event::GivenBack) => Waiting,
+        (Deliver, Carrying, JobEvent::GivenBack) => Waiting,
         _ => return None,
     };
     Some(to)
@@ -156,23 +156,23 @@ pub fn work(kind: &JobKind, stage: JobStage) -> Option<Work> {
 }
 
 /// The event that takes a job from one stage to another, if one does.
-pub fn event(kind: &JobKind, from: JobStage, to: JobStage) -> Option<Event> {
+pub fn event(kind: &JobKind, from: JobStage, to: JobStage) -> Option<JobEvent> {
     EVENTS.into_iter().find(|e| next(kind, from, *e) == Some(to))
 }
 
 /// Every event.
-pub const EVENTS: [Event; 11] = [
-    Event::Assigned,
-    Event::Chained,
-    Event::Lifted,
-    Event::AtStation,
-    Event::PushedAway,
-    Event::Picked,
-    Event::SetDown,
-    Event::Arrived,
-    Event::GivenBack,
-    Event::Cancelled,
-    Event::Failed,
+pub const EVENTS: [JobEvent; 11] = [
+    JobEvent::Assigned,
+    JobEvent::Chained,
+    JobEvent::Lifted,
+    JobEvent::AtStation,
+    JobEvent::PushedAway,
+    JobEvent::Picked,
+    JobEvent::SetDown,
+    JobEvent::Arrived,
+    JobEvent::GivenBack,
+    JobEvent::Cancelled,
+    JobEvent::Failed,
 ];
 
 #[cfg(test)]
@@ -216,8 +216,8 @@ mod tests {
         for kind in kinds() {
             for stage in [JobStage::Waiting, JobStage::Assigned, JobStage::Carrying, JobStage::Picking] {
                 let has = work(&kind, stage).is_some();
-                assert!(!has || next(&kind, stage, Event::Cancelled) == Some(JobStage::Cancelled));
-                assert!(!has || next(&kind, stage, Event::Failed) == Some(JobStage::Failed));
+                assert!(!has || next(&kind, stage, JobEvent::Cancelled) == Some(JobStage::Cancelled));
+                assert!(!has || next(&kind, stage, JobEvent::Failed) == Some(JobStage::Failed));
             }
         }
     }

@@ -1,6 +1,6 @@
 //! What is seen: the newest observation of each robot. Lost at a restart and seen again.
 //!
-//! Main types: [`Scene`], [`Seen`]. Refuses: older observations than it has, and to trust any for ever.
+//! Main types: [`Scene`], [`RobotSeen`]. Refuses: older observations than it has, and to trust any for ever.
 
 use crate::fleet::state::displaced::Displaced;
 use crate::fleet::state::fault::Fault;
@@ -14,7 +14,7 @@ pub const SILENCE: Span = Span::from_secs(3);
 
 /// One robot as it is seen.
 #[derive(Clone, Debug, Default)]
-pub struct Seen {
+pub struct RobotSeen {
     /// The newest observation.
     pub newest: Option<Telemetry>,
     /// When orders were sent to it last.
@@ -26,7 +26,7 @@ pub struct Seen {
 /// All robots as they are seen.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    robots: Vec<Seen>,
+    robots: Vec<RobotSeen>,
     /// Robots that say that something is wrong with them.
     faulty: BTreeSet<RobotId>,
     /// Robots that cannot go on from where they stand.
@@ -52,7 +52,7 @@ impl Scene {
 
     /// Forgets what was seen of a robot: it is another one, or stands elsewhere.
     pub fn forget(&mut self, robot: RobotId) {
-        *self.robot_mut(robot) = Seen::default();
+        *self.robot_mut(robot) = RobotSeen::default();
         self.faulty.remove(&robot);
         self.displaced.remove(&robot);
     }
@@ -122,9 +122,9 @@ impl Scene {
     }
 
     /// The record of a robot.
-    pub fn robot_mut(&mut self, robot: RobotId) -> &mut Seen {
+    pub fn robot_mut(&mut self, robot: RobotId) -> &mut RobotSeen {
         if self.robots.len() <= robot.ix() {
-            self.robots.resize_with(robot.ix() + 1, Seen::default);
+            self.robots.resize_with(robot.ix() + 1, RobotSeen::default);
         }
         &mut self.robots[robot.ix()]
     }

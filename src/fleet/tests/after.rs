@@ -7,7 +7,7 @@ fn after(jobs: &[JobId]) -> JobRequest {
     JobRequest { after: jobs.to_vec(), ..request(deliver(5)) }
 }
 
-fn submit_all(floor: &mut Floor, requests: Vec<JobRequest>) -> Vec<JobId> {
+fn submit_all(floor: &mut TestFloor, requests: Vec<JobRequest>) -> Vec<JobId> {
     let submit = |request| Input::Submit { token: 7, request };
     let step = floor.step(requests.into_iter().map(submit).collect());
     let job = |reply: &Reply| match reply {
@@ -21,7 +21,7 @@ fn failures(facts: &[Fact]) -> usize {
     facts.iter().filter(|f| matches!(f, Fact::Progressed { state: JobState::Failed(_), .. })).count()
 }
 
-fn assert_failed_once(floor: &Floor, jobs: &[JobId]) {
+fn assert_failed_once(floor: &TestFloor, jobs: &[JobId]) {
     for job in jobs {
         assert_eq!(floor.story(*job), ["failed"], "{job:?}");
     }
@@ -30,7 +30,7 @@ fn assert_failed_once(floor: &Floor, jobs: &[JobId]) {
 #[test]
 fn dependants_of_a_cancelled_job_fail_a_few_in_each_step_and_none_is_forgotten_over_a_restart() {
     let scenario = scenario(1);
-    let mut floor = Floor::new(lab(), &scenario);
+    let mut floor = TestFloor::new(lab(), &scenario);
     let first = floor.submit(request(deliver(3)));
     let direct = submit_all(&mut floor, vec![after(&[first]); 5 * ORPHANS_PER_STEP]);
     let indirect = submit_all(&mut floor, direct.iter().take(40).map(|j| after(&[*j])).collect());
@@ -51,7 +51,7 @@ fn dependants_of_a_cancelled_job_fail_a_few_in_each_step_and_none_is_forgotten_o
 
 #[test]
 fn dependants_of_a_job_that_fails_while_jobs_are_handed_out_fail_too() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     let robot = RobotId::at(0);
     floor.step(vec![Input::Halt { token: 6, robot: Some(robot) }]);
     let first = floor.submit(request(JobKind::Park { robot }));
@@ -72,7 +72,7 @@ fn dependants_of_a_job_that_fails_while_jobs_are_handed_out_fail_too() {
 
 #[test]
 fn a_job_after_one_that_has_ended_badly_already_fails_and_one_after_a_job_that_is_done_starts() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let done = floor.submit(request(deliver(3)));
     floor.until_over(300);
     let bad = floor.submit(request(deliver(4)));
@@ -85,7 +85,7 @@ fn a_job_after_one_that_has_ended_badly_already_fails_and_one_after_a_job_that_i
 
 #[test]
 fn a_job_with_several_before_it_starts_when_the_last_of_them_is_done() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     let before = [3, 4, 8].map(|rack| floor.submit(request(deliver(rack))));
     let last = floor.submit(after(&[before[0], before[1], before[0], before[2]]));
     assert_eq!(floor.fleet.view(floor.now).blocked[&last], before[0], "the view says what it waits for");

@@ -4,7 +4,7 @@ use super::*;
 
 #[track_caller]
 fn check(stage: &str, wait_s: i64, rack_moves: bool) {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let job = floor.submit(request(deliver(3)));
     floor.until(300, stage, |f| f.is(job, stage));
     floor.run(wait_s);
@@ -13,7 +13,7 @@ fn check(stage: &str, wait_s: i64, rack_moves: bool) {
     assert_eq!(floor.state(job), None, "it is over at once");
     assert_eq!(floor.story(job).last(), Some(&"cancelled"));
     assert_eq!(floor.cancel(job), Reply::Refused { token: 8, why: Refusal::JobIsOver(job) });
-    floor.until(300, "the robot has nothing to do", Floor::first_robot_is_idle);
+    floor.until(300, "the robot has nothing to do", TestFloor::first_robot_is_idle);
     floor.assert_stored(3);
     let stores = |f: &Fact| {
         matches!(
@@ -58,19 +58,19 @@ fn a_job_can_be_cancelled_while_somebody_picks() {
 
 #[test]
 fn a_job_can_be_cancelled_while_its_rack_is_being_lifted() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let job = floor.submit(request(deliver(3)));
-    let lifting = |f: &Floor| f.fleet.view(f.now).robots[0].doing == Doing::Lifting;
+    let lifting = |f: &TestFloor| f.fleet.view(f.now).robots[0].doing == Doing::Lifting;
     floor.until(300, "the robot lifts", lifting);
     floor.cancel(job);
     assert_eq!(floor.story(job), ["assigned", "cancelled"]);
-    floor.until(300, "the robot has nothing to do", Floor::first_robot_is_idle);
+    floor.until(300, "the robot has nothing to do", TestFloor::first_robot_is_idle);
     floor.assert_stored(3);
 }
 
 #[test]
 fn a_job_can_be_cancelled_while_it_waits() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let first = floor.submit(request(deliver(3)));
     floor.until(10, "a robot has the first", |f| f.is(first, "assigned"));
     let second = floor.submit(request(deliver(8)));
@@ -82,25 +82,25 @@ fn a_job_can_be_cancelled_while_it_waits() {
 
 #[test]
 fn a_relocation_can_be_cancelled_while_its_rack_is_carried() {
-    let mut floor = Floor::thesis(1);
+    let mut floor = TestFloor::thesis(1);
     let node = floor.free_storage();
     let job = floor.submit(request(JobKind::Relocate { rack: RackId(40), node }));
     floor.until(300, "it is carried", |f| f.is(job, "carrying"));
     floor.cancel(job);
-    floor.until(300, "the robot has nothing to do", Floor::first_robot_is_idle);
+    floor.until(300, "the robot has nothing to do", TestFloor::first_robot_is_idle);
     floor.assert_stored(40);
     assert_eq!(floor.story(job).last(), Some(&"cancelled"));
 }
 
 #[test]
 fn a_robot_sent_somewhere_goes_to_where_it_may_stay_when_that_is_cancelled() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let robot = RobotId::at(0);
     let node = floor.node("R117");
     let job = floor.submit(request(JobKind::Go { robot, node }));
     floor.run(2);
     floor.cancel(job);
-    floor.until(300, "the robot has nothing to do", Floor::first_robot_is_idle);
+    floor.until(300, "the robot has nothing to do", TestFloor::first_robot_is_idle);
     let stands = floor.fleet.warehouse().nodes[floor.fleet.ledger().node_of(robot)].kind;
     assert!(stands.is_lasting(), "it stands on {stands:?}");
     assert_eq!(floor.story(job), ["assigned", "cancelled"]);

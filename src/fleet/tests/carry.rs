@@ -43,13 +43,13 @@ fn remove_rack(draft: &mut Draft, name: &str) {
     draft.racks.retain(|rack| rack.name != name);
 }
 
-impl Floor {
+impl TestFloor {
     fn carried(&self, map: &Warehouse) -> Carried {
         carry(self.fleet.ledger(), map, self.now)
     }
 
     /// The floor under another map: robots stand where the ledger has them.
-    fn under(&self, map: Warehouse, scenario: &Scenario) -> Floor {
+    fn under(&self, map: Warehouse, scenario: &Scenario) -> TestFloor {
         let map = Arc::new(map);
         let parts = self.carried(&map).parts.expect("nothing is in the way");
         let clearance = scenario.settings().clearance();
@@ -57,7 +57,7 @@ impl Floor {
         ledger.assert_sound();
         let fleet = Fleet::resume(ledger, scenario.settings(), []);
         let world = World::new(map, scenario, &[], scenario.seed, &fleet, self.now);
-        Floor { laws: Laws::new(&fleet), fleet, world, now: self.now, facts: Vec::new() }
+        TestFloor { laws: Laws::new(&fleet), fleet, world, now: self.now, facts: Vec::new() }
     }
 
     fn name_of(&self, node: NodeId) -> String {
@@ -109,7 +109,7 @@ impl Floor {
 #[test]
 fn the_same_map_keeps_everything_and_robots_are_idle_or_bring_their_racks_away() {
     let scenario = busy(10, 3);
-    let mut floor = Floor::new(thesis(), &scenario);
+    let mut floor = TestFloor::new(thesis(), &scenario);
     floor.run(120);
     let before = floor.fleet.ledger().to_parts();
     let carried = floor.carried(&thesis());
@@ -139,7 +139,7 @@ fn the_same_map_keeps_everything_and_robots_are_idle_or_bring_their_racks_away()
 fn a_floor_whose_ids_all_change_in_the_middle_of_things_goes_on_and_drains() {
     for (seed, robots) in [(1, 4), (2, 8), (3, 12), (4, 12)] {
         let scenario = busy(robots, seed);
-        let mut floor = Floor::new(thesis(), &scenario);
+        let mut floor = TestFloor::new(thesis(), &scenario);
         let mut map = thesis();
         for pause_s in [37, 61, 23, 90] {
             floor.run(pause_s);
@@ -160,7 +160,7 @@ fn a_floor_whose_ids_all_change_in_the_middle_of_things_goes_on_and_drains() {
 
 #[test]
 fn a_robot_or_a_rack_on_a_node_that_is_gone_or_for_something_else_is_in_the_way() {
-    let mut floor = Floor::new(roomy(), &scenario(1));
+    let mut floor = TestFloor::new(roomy(), &scenario(1));
     floor.run(1);
     let robot = floor.places()[0].1.clone();
     let moved = |draft: &mut Draft, from: &str| {
@@ -204,7 +204,7 @@ fn a_robot_or_a_rack_on_a_node_that_is_gone_or_for_something_else_is_in_the_way(
 
 #[test]
 fn a_robot_that_has_left_stands_in_no_way_and_stays_away_under_a_changed_map() {
-    let mut floor = Floor::thesis(2);
+    let mut floor = TestFloor::thesis(2);
     let (gone, other) = (RobotId(0), RobotId(1));
     floor.answer_to(7, vec![Input::Retire { token: 7, robot: gone }]);
     floor.until(300, "it is gone", |f| f.fleet.ledger().robots[gone].is_gone());
@@ -223,7 +223,7 @@ fn a_robot_that_has_left_stands_in_no_way_and_stays_away_under_a_changed_map() {
 
 #[test]
 fn two_robots_that_have_no_room_beside_one_another_on_the_new_map_are_in_the_way() {
-    let floor = Floor::lab(2);
+    let floor = TestFloor::lab(2);
     let places = floor.places();
     let (a, b) = (&places[0].1, &places[1].1);
     // Where one stands is moved to within a robot's width of the other: no map that is well-formed has that in `lab`.
@@ -260,7 +260,7 @@ fn robots_whose_footprints_grow_until_they_overlap_are_in_the_way_and_other_foot
 
 #[test]
 fn a_rack_that_is_gone_is_a_loss_and_on_a_robot_it_is_in_the_way() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let job = floor.submit(JobRequest { key: Some("order 1".into()), ..request(deliver(3)) });
     let next = floor.submit(JobRequest { after: vec![job], ..request(deliver(4)) });
     let other = floor.submit(request(deliver(5)));
@@ -294,7 +294,7 @@ fn a_rack_that_is_gone_is_a_loss_and_on_a_robot_it_is_in_the_way() {
 
 #[test]
 fn jobs_for_what_is_gone_or_for_something_else_are_losses() {
-    let mut floor = Floor::new(roomy(), &scenario(1));
+    let mut floor = TestFloor::new(roomy(), &scenario(1));
     let free = floor.free_storage();
     let name = floor.name_of(free);
     let (rack, robot) = (RackId(2), RobotId(0));
@@ -320,7 +320,7 @@ fn jobs_for_what_is_gone_or_for_something_else_are_losses() {
 
 #[test]
 fn closures_and_assignments_keep_what_is_left_of_them() {
-    let mut floor = Floor::new(roomy(), &scenario(1));
+    let mut floor = TestFloor::new(roomy(), &scenario(1));
     let (gone, left) = (floor.free_storage(), floor.node("R16"));
     let corner = |x_mm, y_mm| Spot { x_mm, y_mm };
     let area = |outline: Vec<Spot>, nodes: Vec<NodeId>| {
@@ -368,7 +368,7 @@ fn closures_and_assignments_keep_what_is_left_of_them() {
 
 #[test]
 fn new_racks_stand_at_home_or_on_the_next_free_storage_node() {
-    let mut floor = Floor::new(roomy(), &scenario(1));
+    let mut floor = TestFloor::new(roomy(), &scenario(1));
     let free = floor.free_storage();
     let (home, kept) = (floor.name_of(free), floor.fleet.warehouse().racks[RackId(0)].clone());
     let map = changed(&roomy(), |draft| draft.racks.insert(0, DraftRack::plain("fresh", &home)));
@@ -397,7 +397,7 @@ fn new_racks_stand_at_home_or_on_the_next_free_storage_node() {
 
 #[test]
 fn notes_say_what_is_different() {
-    let floor = Floor::lab(1);
+    let floor = TestFloor::lab(1);
     let map = changed(&lab(), |draft| {
         for node in &mut draft.nodes {
             node.at.y += match node.name.as_str() {

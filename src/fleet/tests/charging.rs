@@ -23,7 +23,7 @@ fn few_chargers(robots: usize, chargers: usize) -> Scenario {
 
 #[test]
 fn with_one_charger_for_eight_robots_the_floor_delivers_for_hours() {
-    let mut floor = Floor::new(thesis(), &few_chargers(8, 1));
+    let mut floor = TestFloor::new(thesis(), &few_chargers(8, 1));
     let mut before = 0;
     for hour in 1..=3 {
         floor.run(3600);
@@ -38,7 +38,7 @@ fn with_one_charger_for_eight_robots_the_floor_delivers_for_hours() {
 
 #[test]
 fn a_robot_that_has_enough_leaves_its_charger_for_one_that_is_low() {
-    let mut floor = Floor::new(thesis(), &Scenario { demand: Demand::None, ..few_chargers(2, 1) });
+    let mut floor = TestFloor::new(thesis(), &Scenario { demand: Demand::None, ..few_chargers(2, 1) });
     floor.run(30);
     let charger = floor.node("C1-15");
     floor.until(2_000, "a robot is at the charger", |f| {
@@ -54,7 +54,7 @@ fn a_robot_that_has_enough_leaves_its_charger_for_one_that_is_low() {
 
 #[test]
 fn a_robot_with_a_flat_battery_has_failed_and_another_one_does_its_job() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     let job = floor.submit(request(deliver(3)));
     floor.until(60, "a robot has it", |f| f.is(job, "assigned"));
     let robot = floor.state(job).and_then(|s| s.robot()).expect("it is assigned");
@@ -69,7 +69,7 @@ fn a_robot_with_a_flat_battery_has_failed_and_another_one_does_its_job() {
 #[test]
 fn a_critical_robot_gives_its_job_back_and_goes_to_charge() {
     let critical = Charging { critical: 0.99, low: 0.99, enough: 0.995, full: 1.0, ..Charging::default() };
-    let mut floor = Floor::new(lab(), &Scenario { kinds: charging_so(critical), ..scenario(1) });
+    let mut floor = TestFloor::new(lab(), &Scenario { kinds: charging_so(critical), ..scenario(1) });
     let job = floor.submit(request(deliver(3)));
     floor.run(60);
     assert!(floor.is(job, "waiting"), "{:?}", floor.state(job));
@@ -82,7 +82,7 @@ fn a_critical_robot_gives_its_job_back_and_goes_to_charge() {
 fn a_robot_that_is_sent_to_charge_gets_a_charger_although_full_robots_stand_at_all_of_them() {
     let kinds = charging_so(Charging::default());
     let one = Scenario { demand: Demand::None, kinds, ..few_chargers(3, 1) };
-    let mut floor = Floor::new(thesis(), &one);
+    let mut floor = TestFloor::new(thesis(), &one);
     let charger = floor.node("C1-15");
     floor.until(4_000, "a robot is full at the charger", |f| {
         let full = |r: usize| f.fleet.view(f.now).robots[r].battery >= 0.9;

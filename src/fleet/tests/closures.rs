@@ -26,7 +26,7 @@ fn is_in(p: Point) -> bool {
     (p.x - 6.0).abs() < 0.5 && (0.5..6.5).contains(&p.y)
 }
 
-impl Floor {
+impl TestFloor {
     fn close(&mut self, area: Closure) -> crate::id::ClosureId {
         match self.step(vec![Input::Close { token: 5, area }]).replies.remove(0) {
             Reply::Closed { closure, .. } => closure,
@@ -64,7 +64,7 @@ impl Floor {
 
 #[test]
 fn an_aisle_is_used_before_and_after_its_hour_and_empty_meanwhile() {
-    let mut floor = Floor::thesis(10);
+    let mut floor = TestFloor::thesis(10);
     floor.close(aisle(400.0, 700.0));
     let before = floor.busy_until(seconds(400.0));
     // Whoever was granted a way through may be on it for some seconds more.
@@ -79,7 +79,7 @@ fn an_aisle_is_used_before_and_after_its_hour_and_empty_meanwhile() {
 
 #[test]
 fn nobody_is_sent_for_a_rack_that_cannot_leave_while_others_are_served() {
-    let mut floor = Floor::thesis(4);
+    let mut floor = TestFloor::thesis(4);
     floor.close(aisle(0.0, 600.0));
     let w = floor.fleet.warehouse().clone();
     let behind = w.racks.pairs().find(|(_, r)| w.nodes[r.home].at == Point::new(5.0, 5.0)).map(|(k, _)| k);
@@ -94,7 +94,7 @@ fn nobody_is_sent_for_a_rack_that_cannot_leave_while_others_are_served() {
 
 #[test]
 fn a_closure_that_is_announced_changes_routes_that_were_promised_before() {
-    let mut floor = Floor::thesis(10);
+    let mut floor = TestFloor::thesis(10);
     let mut changed = 0;
     while changed == 0 {
         floor.busy_until(floor.now + Span::from_secs(5));
@@ -102,7 +102,7 @@ fn a_closure_that_is_announced_changes_routes_that_were_promised_before() {
         // Somebody is to be in the aisle in twenty seconds or more.
         let soon = floor.now + Span::from_secs(20);
         let w = floor.fleet.warehouse().clone();
-        let meets = |f: &Floor, r: RobotId, window: Window| {
+        let meets = |f: &TestFloor, r: RobotId, window: Window| {
             let in_aisle = |n: NodeId| is_in(w.nodes[n].at);
             f.promised(r).iter().any(|(n, a, b)| in_aisle(*n) && Window::new(*a, *b).overlaps(window))
         };
@@ -125,7 +125,7 @@ fn a_closure_that_is_announced_changes_routes_that_were_promised_before() {
 
 #[test]
 fn robots_that_rest_inside_leave_before_it_begins() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     let robot = RobotId::at(0);
     let home = floor.fleet.ledger().node_of(robot);
     let at = floor.fleet.warehouse().nodes[home].at;
@@ -141,12 +141,12 @@ fn robots_that_rest_inside_leave_before_it_begins() {
 #[test]
 fn a_closure_survives_a_restart_and_is_forgotten_a_day_after_it_is_over() {
     let scenario = scenario(4);
-    let mut floor = Floor::new(thesis(), &scenario);
+    let mut floor = TestFloor::new(thesis(), &scenario);
     let closure = floor.close(aisle(60.0, 200.0));
     let warehouse = floor.fleet.warehouse().clone();
     floor.fleet = Fleet::restore(warehouse.clone(), scenario.settings(), floor.facts.clone());
     floor.world = World::new(warehouse, &scenario, &[], scenario.seed, &floor.fleet, floor.now);
-    let state = |f: &Floor| f.fleet.view(f.now).closures[0].closure.state(f.now);
+    let state = |f: &TestFloor| f.fleet.view(f.now).closures[0].closure.state(f.now);
     assert_eq!(state(&floor), ClosureState::Announced);
     floor.busy_until(seconds(60.0));
     assert_eq!(state(&floor), ClosureState::Closed);

@@ -6,7 +6,7 @@ use crate::sim::Simulation;
 
 const FIRST: RobotId = RobotId(0);
 
-impl Floor {
+impl TestFloor {
     fn at(&self, node: NodeId) -> Point {
         self.fleet.warehouse().nodes[node].at
     }
@@ -83,7 +83,7 @@ impl Floor {
 #[test]
 fn a_robot_pushed_onto_a_free_node_while_the_server_was_down_is_taken_up_there_and_its_job_is_done() {
     let scenario = scenario(2);
-    let mut floor = Floor::new(thesis(), &scenario);
+    let mut floor = TestFloor::new(thesis(), &scenario);
     let job = floor.submit(request(deliver(40)));
     floor.run(4);
     let robot = floor.serves(job);
@@ -100,7 +100,7 @@ fn a_robot_pushed_onto_a_free_node_while_the_server_was_down_is_taken_up_there_a
 
 #[test]
 fn a_robot_pushed_between_nodes_is_displaced_with_words_until_it_is_pushed_onto_a_node() {
-    let mut floor = Floor::thesis(3);
+    let mut floor = TestFloor::thesis(3);
     let job = floor.submit(request(deliver(40)));
     floor.run(4);
     let robot = floor.serves(job);
@@ -122,7 +122,7 @@ fn a_robot_pushed_between_nodes_is_displaced_with_words_until_it_is_pushed_onto_
     floor.push(robot, floor.at(node));
     floor.until(2, "it is taken up", |f| f.is_taken_up_on(robot, node));
     floor.until(2, "it works again", |f| !f.fleet.ledger().robots[robot].failed);
-    let others = |f: &Floor, n: NodeId| f.fleet.ledger().chain(robot).visits().any(|v| v.node == n);
+    let others = |f: &TestFloor, n: NodeId| f.fleet.ledger().chain(robot).visits().any(|v| v.node == n);
     assert!(held.iter().any(|n| !others(&floor, *n)), "it gave back what it held elsewhere");
     let go = floor.submit(request(JobKind::Go { robot, node: held[0] }));
     floor.until_over(600);
@@ -130,8 +130,8 @@ fn a_robot_pushed_between_nodes_is_displaced_with_words_until_it_is_pushed_onto_
 }
 
 /// A robot that stands for a moment with rack 40 on it, and the job for which it does.
-fn standing_with_its_rack() -> (Floor, JobId, RobotId) {
-    let mut floor = Floor::thesis(2);
+fn standing_with_its_rack() -> (TestFloor, JobId, RobotId) {
+    let mut floor = TestFloor::thesis(2);
     let job = floor.submit(request(deliver(40)));
     floor.until(300, "it is carried", |f| f.is(job, "carrying"));
     floor.run(1);
@@ -160,7 +160,7 @@ fn a_robot_pushed_back_onto_its_route_goes_on() {
 #[test]
 fn a_robot_pushed_elsewhere_with_its_rack_keeps_its_job() {
     let scenario = scenario(2);
-    let mut floor = Floor::new(thesis(), &scenario);
+    let mut floor = TestFloor::new(thesis(), &scenario);
     let job = floor.submit(request(deliver(40)));
     floor.until(300, "it is carried", |f| f.is(job, "carrying"));
     floor.run(3);
@@ -177,7 +177,7 @@ fn a_robot_pushed_elsewhere_with_its_rack_keeps_its_job() {
 
 #[test]
 fn a_robot_pushed_away_from_its_station_comes_back_for_the_pick() {
-    let mut floor = Floor::thesis(2);
+    let mut floor = TestFloor::thesis(2);
     let pick = Some(Span::from_secs(30));
     let job = floor.submit(request(JobKind::Deliver { rack: RackId(40), station: StationId(0), pick }));
     floor.until(300, "it is picked from", |f| f.is(job, "picking"));
@@ -202,17 +202,17 @@ fn a_robot_whose_rack_is_gone_is_displaced_until_it_is_back_on_it() {
 
 #[test]
 fn a_robot_that_drives_stops_before_one_that_was_pushed_onto_its_way_and_both_go_on() {
-    let mut floor = Floor::thesis(2);
+    let mut floor = TestFloor::thesis(2);
     let (way, still) = (FIRST, RobotId::at(1));
     floor.run(5);
     let far = floor.fleet.warehouse().racks[RackId(60)].home;
     let job = floor.submit(request(JobKind::Go { robot: way, node: far }));
     // Far enough ahead that it can stop when it hears of it.
-    let end = |f: &Floor| {
+    let end = |f: &TestFloor| {
         let chain = f.fleet.ledger().chain(way);
         chain.get(chain.granted() - 1).map(|v| f.at(v.node)).expect("it is held")
     };
-    let far_ahead = |f: &Floor| {
+    let far_ahead = |f: &TestFloor| {
         let v = f.world.truth().find(|(r, _)| *r == way).map_or(0.0, |(_, t)| t.speed_mps);
         v > 0.3 && (end(f) - f.true_place(way)).norm() > 0.35 * v + v * v / 2.0 + 1.1
     };
@@ -231,7 +231,7 @@ fn a_robot_that_drives_stops_before_one_that_was_pushed_onto_its_way_and_both_go
 #[test]
 fn nobody_is_told_to_drive_after_a_start_until_all_were_heard_of_or_a_while_is_over() {
     let scenario = scenario(2);
-    let mut floor = Floor::new(thesis(), &scenario);
+    let mut floor = TestFloor::new(thesis(), &scenario);
     floor.submit(request(deliver(40)));
     floor.submit(request(deliver(50)));
     floor.run(3);
@@ -253,16 +253,6 @@ fn nobody_is_told_to_drive_after_a_start_until_all_were_heard_of_or_a_while_is_o
     assert_eq!(first_order, Some(crate::fleet::state::scene::SILENCE), "the second one is silent");
 }
 
-/// A stream of numbers for tests that push at random.
-struct TestDice(u64);
-
-impl TestDice {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) as usize) % n
-    }
-}
-
 fn with_customers_of_every_kind(seed: u64, rate: f64) -> Scenario {
     let text = include_str!("../../../scenarios/all-jobs.json");
     let plain = Scenario::parse(text).expect("it is a scenario");
@@ -279,7 +269,7 @@ fn with_customers_of_every_kind(seed: u64, rate: f64) -> Scenario {
 
 /// Pushes some robots, or all, before anybody drives: onto free nodes, off nodes, onto nodes that others hold. Gives
 /// how many.
-fn push_some(floor: &mut Floor, dice: &mut TestDice) -> usize {
+fn push_some(floor: &mut TestFloor, dice: &mut TestDice) -> usize {
     let robots: Vec<RobotId> = floor.fleet.ledger().robots.ids().collect();
     let share = 1 + dice.below(3);
     let mut pushed = 0;
@@ -316,7 +306,7 @@ fn push_some(floor: &mut Floor, dice: &mut TestDice) -> usize {
 /// taken up and failed.
 fn pushed_at_restarts(seed: u64) -> (usize, usize, usize) {
     let scenario = with_customers_of_every_kind(seed, 1e-9);
-    let mut floor = Floor::new(thesis(), &scenario);
+    let mut floor = TestFloor::new(thesis(), &scenario);
     let (mut dice, mut pushed) = (TestDice(seed), 0);
     for round in 0..3 {
         floor.run(60 + dice.below(90) as i64);

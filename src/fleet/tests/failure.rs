@@ -6,7 +6,7 @@ const NEVER: Time = Time::MAX;
 
 /// A robot that drives among racks, at work as `wanted` says, and shuts nobody in: from most storage nodes a loaded
 /// robot has one way out.
-fn in_an_aisle(floor: &Floor, wanted: fn(&Task) -> bool) -> Option<RobotId> {
+fn in_an_aisle(floor: &TestFloor, wanted: fn(&Task) -> bool) -> Option<RobotId> {
     let (w, ledger) = (floor.fleet.warehouse(), floor.fleet.ledger());
     let near = |a: NodeId, b: NodeId| (w.nodes[a].at - w.nodes[b].at).norm() < 1.5 * w.footprint_m;
     let granted = |r: RobotId| {
@@ -34,7 +34,7 @@ fn in_an_aisle(floor: &Floor, wanted: fn(&Task) -> bool) -> Option<RobotId> {
 
 #[test]
 fn a_robot_that_fails_on_its_way_to_a_rack_gives_its_job_to_another() {
-    let mut floor = Floor::thesis(3);
+    let mut floor = TestFloor::thesis(3);
     let job = floor.submit(request(deliver(40)));
     floor.until(10, "a robot has the job", |f| f.is(job, "assigned"));
     let first = floor.state(job).and_then(|s| s.robot()).expect("assigned jobs have a robot");
@@ -48,7 +48,7 @@ fn a_robot_that_fails_on_its_way_to_a_rack_gives_its_job_to_another() {
 
 #[track_caller]
 fn check_others_go_on(wanted: fn(&Task) -> bool) {
-    let mut floor = Floor::thesis(6);
+    let mut floor = TestFloor::thesis(6);
     let jobs = floor.submit_batch(12);
     floor.until(300, "a robot is in an aisle", |f| in_an_aisle(f, wanted).is_some());
     let broken = in_an_aisle(&floor, wanted).expect("just seen");
@@ -77,7 +77,7 @@ fn a_robot_that_fails_in_an_aisle_with_a_rack_does_not_stop_the_others_and_finis
 
 #[test]
 fn a_robot_that_fails_with_a_rack_keeps_its_job_and_does_it_after_repair() {
-    let mut floor = Floor::thesis(2);
+    let mut floor = TestFloor::thesis(2);
     let job = floor.submit(request(deliver(40)));
     floor.until(300, "it is carried", |f| f.is(job, "carrying"));
     floor.run(3);
@@ -92,7 +92,7 @@ fn a_robot_that_fails_with_a_rack_keeps_its_job_and_does_it_after_repair() {
 #[test]
 fn a_batch_is_done_although_robots_fail_again_and_again() {
     let faults = Faults { failures_per_hour: 40.0, repair_s: 60.0, ..Faults::default() };
-    let mut floor = Floor::new(thesis(), &Scenario { faults, ..scenario(6) });
+    let mut floor = TestFloor::new(thesis(), &Scenario { faults, ..scenario(6) });
     let jobs = floor.submit_batch(24);
     floor.until_over(3600);
     floor.assert_done_once(&jobs);
@@ -102,7 +102,7 @@ fn a_batch_is_done_although_robots_fail_again_and_again() {
 
 #[test]
 fn a_robot_that_is_fenced_off_stands_whatever_it_says_and_others_take_over_until_it_is_released() {
-    let mut floor = Floor::thesis(3);
+    let mut floor = TestFloor::thesis(3);
     let job = floor.submit(request(deliver(40)));
     floor.until(10, "a robot has the job", |f| f.is(job, "assigned"));
     let fenced = floor.state(job).and_then(|s| s.robot()).expect("assigned jobs have a robot");
@@ -110,7 +110,7 @@ fn a_robot_that_is_fenced_off_stands_whatever_it_says_and_others_take_over_until
     floor.fleet.fence(fenced, floor.now);
     floor.fleet.fence(fenced, floor.now);
     floor.until(5, "another has it", |f| f.state(job).and_then(|s| s.robot()).is_some_and(|r| r != fenced));
-    let fences = |f: &Floor| f.facts.iter().filter(|f| matches!(f, Fact::Fenced { .. })).count();
+    let fences = |f: &TestFloor| f.facts.iter().filter(|f| matches!(f, Fact::Fenced { .. })).count();
     assert_eq!(fences(&floor), 1, "once, and in the facts of the next step");
     floor.until_over(600);
     let about = |fact: &&Fact| match fact {

@@ -6,10 +6,10 @@ use crate::sim::Simulation;
 const R0: RobotId = RobotId(0);
 
 /// Robot 0 drives with a rack, and this is wrong with it for so long.
-fn afflicted(robots: usize, fault: Fault, seconds: i64) -> (Floor, JobId) {
-    let mut floor = Floor::thesis(robots);
+fn afflicted(robots: usize, fault: Fault, seconds: i64) -> (TestFloor, JobId) {
+    let mut floor = TestFloor::thesis(robots);
     let job = floor.submit(request(deliver(3)));
-    let drives = |f: &Floor| {
+    let drives = |f: &TestFloor| {
         let robot = f.state(job).and_then(|s| s.robot());
         f.is(job, "carrying")
             && robot.is_some_and(|r| f.fleet.telemetry(r).is_some_and(|t| t.speed_mps > 0.5))
@@ -21,7 +21,7 @@ fn afflicted(robots: usize, fault: Fault, seconds: i64) -> (Floor, JobId) {
     (floor, job)
 }
 
-fn robot_of(floor: &Floor, job: JobId) -> RobotId {
+fn robot_of(floor: &TestFloor, job: JobId) -> RobotId {
     floor.state(job).and_then(|s| s.robot()).expect("it carries the rack")
 }
 
@@ -66,7 +66,7 @@ fn a_robot_that_is_driven_by_hand_is_taken_up_where_that_ends() {
 #[test]
 fn an_obstructed_robot_is_called_back_and_goes_round() {
     let (mut floor, job) = afflicted(1, Fault::Obstructed, 3600);
-    let view = |f: &Floor| f.fleet.why(R0, f.now);
+    let view = |f: &TestFloor| f.fleet.why(R0, f.now);
     floor.until(10, "it says so", |f| matches!(view(f), Some(Why::Obstructed(_))));
     let Some(Why::Obstructed(node)) = view(&floor) else { panic!("just seen") };
     floor.until(60, "it has come back", |f| !matches!(view(f), Some(Why::Obstructed(_))));
@@ -78,10 +78,10 @@ fn an_obstructed_robot_is_called_back_and_goes_round() {
 
 #[test]
 fn a_robot_without_current_leaves_its_charger_for_another_one() {
-    let mut floor = Floor::thesis(3);
+    let mut floor = TestFloor::thesis(3);
     floor.run(1);
-    let charges = |f: &Floor, r: RobotId| f.fleet.floor().at_charger(r) && f.is_idle(r);
-    let any = |f: &Floor| f.fleet.ledger().robots.ids().find(|r| charges(f, *r));
+    let charges = |f: &TestFloor, r: RobotId| f.fleet.floor().at_charger(r) && f.is_idle(r);
+    let any = |f: &TestFloor| f.fleet.ledger().robots.ids().find(|r| charges(f, *r));
     floor.until(300, "some robot charges", |f| any(f).is_some());
     let robot = any(&floor).expect("just seen");
     let charger = floor.fleet.ledger().node_of(robot);
@@ -89,7 +89,7 @@ fn a_robot_without_current_leaves_its_charger_for_another_one() {
     floor.run(1);
     assert_eq!(floor.fleet.why(robot, floor.now), Some(Why::Unplugged));
     floor.until(300, "it has left", |f| f.fleet.ledger().node_of(robot) != charger);
-    let away = |f: &Floor| f.fleet.ledger().robots.ids().all(|r| f.fleet.ledger().node_of(r) != charger);
+    let away = |f: &TestFloor| f.fleet.ledger().robots.ids().all(|r| f.fleet.ledger().node_of(r) != charger);
     floor.run(30);
     assert!(away(&floor), "and no robot goes there meanwhile");
 }
@@ -100,7 +100,8 @@ fn a_lost_load_is_said_and_the_robot_goes_on_when_it_has_it_again() {
     let rack = RackId(3);
     floor.run(2);
     floor.world.load(R0, None);
-    let lost = |f: &Floor| matches!(f.fleet.why(R0, f.now), Some(Why::Displaced(Displacement::Load { .. })));
+    let lost =
+        |f: &TestFloor| matches!(f.fleet.why(R0, f.now), Some(Why::Displaced(Displacement::Load { .. })));
     floor.until(60, "it is said", lost);
     floor.world.load(R0, Some(rack));
     floor.until_over(900);

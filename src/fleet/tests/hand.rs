@@ -2,7 +2,7 @@
 
 use super::*;
 
-impl Floor {
+impl TestFloor {
     fn hand(&mut self, input: Input) -> Reply {
         self.step(vec![input]).replies.remove(0)
     }
@@ -17,7 +17,7 @@ const R0: RobotId = RobotId(0);
 
 #[test]
 fn a_stopped_fleet_stands_over_a_restart_until_somebody_lets_it_go_on() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     let jobs = floor.submit_batch(2);
     floor.until(60, "a robot drives", |f| f.moves(R0));
     let step = floor.step(vec![Input::Halt { token: 4, robot: ALL }]);
@@ -44,7 +44,7 @@ fn a_stopped_fleet_stands_over_a_restart_until_somebody_lets_it_go_on() {
 
 #[test]
 fn a_paused_robot_stands_alone_and_gets_no_job() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     floor.hand(Input::Halt { token: 4, robot: Some(R0) });
     let jobs = floor.submit_batch(3);
     floor.until_over(900);
@@ -59,7 +59,7 @@ fn a_paused_robot_stands_alone_and_gets_no_job() {
 
 #[test]
 fn a_waiting_job_changes_its_priority_and_one_at_work_does_not() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let first = floor.submit(request(deliver(3)));
     floor.until(60, "a robot has it", |f| f.is(first, "assigned"));
     let (second, third) = (floor.submit(request(deliver(8))), floor.submit(request(deliver(5))));

@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn a_delivery_goes_through_its_states_once_and_the_rack_comes_back_to_storage() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let job = floor.submit(request(deliver(3)));
     floor.until_over(300);
     assert_eq!(floor.story(job), ["assigned", "carrying", "picking", "done"]);
@@ -19,7 +19,7 @@ fn a_delivery_goes_through_its_states_once_and_the_rack_comes_back_to_storage() 
 
 #[test]
 fn the_pick_takes_as_long_as_the_customer_said() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let kind = JobKind::Deliver { rack: RackId(0), station: StationId(0), pick: Some(Span::from_secs(40)) };
     let job = floor.submit(request(kind));
     floor.until_over(300);
@@ -29,7 +29,7 @@ fn the_pick_takes_as_long_as_the_customer_said() {
 
 #[test]
 fn the_same_key_makes_no_second_job_not_even_when_the_first_is_over() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let keyed = JobRequest { key: Some("order 1".into()), ..request(deliver(3)) };
     let job = floor.submit(keyed.clone());
     assert_eq!(floor.ask(keyed.clone()), Reply::Accepted { token: 7, job, new: false });
@@ -43,7 +43,7 @@ fn the_same_key_makes_no_second_job_not_even_when_the_first_is_over() {
 
 #[test]
 fn an_urgent_job_overtakes_those_that_waited_before() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let usual: Vec<JobId> = (0..4).map(|k| floor.submit(request(deliver(k)))).collect();
     let urgent = floor.submit(JobRequest { priority: 9, ..request(deliver(11)) });
     floor.until_over(2000);
@@ -56,7 +56,7 @@ fn an_urgent_job_overtakes_those_that_waited_before() {
 
 #[test]
 fn the_backlog_has_the_most_urgent_jobs_first_and_no_more_than_asked_for() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     floor.submit(JobRequest { priority: 9, ..request(deliver(0)) });
     floor.until(300, "the robot has the first one", |f| f.fleet.backlog(9, f.now).jobs.is_empty());
     let low: Vec<JobId> = (1..6).map(|rack| floor.submit(request(deliver(rack)))).collect();
@@ -71,15 +71,15 @@ fn the_backlog_has_the_most_urgent_jobs_first_and_no_more_than_asked_for() {
     assert_eq!(floor.fleet.backlog(100, floor.now).jobs.len(), 7);
     assert!(floor.fleet.backlog(0, floor.now).jobs.is_empty());
     // The robot takes them in this order.
-    let order = |f: &Floor, job| f.state(job).is_some_and(|s| s.robot().is_some());
+    let order = |f: &TestFloor, job| f.state(job).is_some_and(|s| s.robot().is_some());
     floor.until(600, "the next one is taken", |f| order(f, high) || order(f, low[0]));
     assert!(order(&floor, high));
 }
 
 /// One robot has `picks` long picks to do, of high priority, while three jobs wait; during the last pick comes a job
 /// that is due `due` seconds later.
-fn with_a_deadline(picks: u32, due: i64) -> (Floor, Vec<JobId>, JobId, Time) {
-    let mut floor = Floor::lab(1);
+fn with_a_deadline(picks: u32, due: i64) -> (TestFloor, Vec<JobId>, JobId, Time) {
+    let mut floor = TestFloor::lab(1);
     let long = |rack| {
         let pick = Some(Span::from_secs(500));
         let kind = JobKind::Deliver { rack: RackId(rack), station: StationId(0), pick };
@@ -87,7 +87,7 @@ fn with_a_deadline(picks: u32, due: i64) -> (Floor, Vec<JobId>, JobId, Time) {
     };
     let before: Vec<JobId> = (0..picks).map(|rack| floor.submit(long(rack))).collect();
     let old = [4, 5, 6].map(|rack| floor.submit(request(deliver(rack)))).to_vec();
-    let nearly = |f: &Floor| before.iter().all(|j| f.is(*j, "picking") || f.state(*j).is_none());
+    let nearly = |f: &TestFloor| before.iter().all(|j| f.is(*j, "picking") || f.state(*j).is_none());
     floor.until(2_000, "the last long pick", nearly);
     floor.run(450);
     let deadline = floor.now + Span::from_secs(due);
@@ -119,7 +119,7 @@ fn a_deadline_that_is_far_away_overtakes_nobody() {
 
 #[test]
 fn a_job_after_another_starts_only_when_that_is_over() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     let first = floor.submit(request(deliver(3)));
     let second = floor.submit(JobRequest { after: vec![first], ..request(deliver(8)) });
     floor.until_over(900);
@@ -129,7 +129,7 @@ fn a_job_after_another_starts_only_when_that_is_over() {
 
 #[test]
 fn without_after_two_robots_work_at_once() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     let first = floor.submit(request(deliver(3)));
     let second = floor.submit(request(deliver(8)));
     floor.until_over(900);
@@ -138,7 +138,7 @@ fn without_after_two_robots_work_at_once() {
 
 #[test]
 fn cancelling_a_job_fails_those_that_wait_for_it_and_those_that_wait_for_them() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let first = floor.submit(request(deliver(3)));
     let second = floor.submit(JobRequest { after: vec![first], ..request(deliver(8)) });
     let third = floor.submit(JobRequest { after: vec![second], ..request(deliver(9)) });
@@ -153,7 +153,7 @@ fn cancelling_a_job_fails_those_that_wait_for_it_and_those_that_wait_for_them() 
 
 #[test]
 fn a_relocated_rack_stands_where_it_was_to_stand() {
-    let mut floor = Floor::thesis(2);
+    let mut floor = TestFloor::thesis(2);
     let node = floor.free_storage();
     assert_ne!(floor.rack(40), RackAt::Stored(node));
     let job = floor.submit(request(JobKind::Relocate { rack: RackId(40), node }));
@@ -164,7 +164,7 @@ fn a_relocated_rack_stands_where_it_was_to_stand() {
 
 #[test]
 fn a_returned_rack_stands_on_storage() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let job = floor.submit(request(JobKind::Return { rack: RackId(5) }));
     floor.until_over(600);
     assert_eq!(floor.story(job), ["assigned", "carrying", "done"]);
@@ -173,7 +173,7 @@ fn a_returned_rack_stands_on_storage() {
 
 #[test]
 fn robots_go_where_they_are_sent_and_do_not_stay_where_they_must_not() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let (robot, street) = (RobotId::at(0), floor.node("R117"));
     let job = floor.submit(request(JobKind::Go { robot, node: street }));
     floor.until(300, "it is there", |f| f.fleet.ledger().node_of(robot) == street);
@@ -186,12 +186,12 @@ fn robots_go_where_they_are_sent_and_do_not_stay_where_they_must_not() {
 
 #[test]
 fn robots_park_and_charge_when_they_are_told_to() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let robot = RobotId::at(0);
     for (kind, wanted) in
         [(JobKind::Park { robot }, NodeKind::Parking), (JobKind::Charge { robot }, NodeKind::Charger)]
     {
-        floor.until(300, "it has nothing to do", Floor::first_robot_is_idle);
+        floor.until(300, "it has nothing to do", TestFloor::first_robot_is_idle);
         let job = floor.submit(request(kind));
         floor.until_over(300);
         assert_eq!(floor.story(job), ["assigned", "done"], "{kind:?}");
@@ -201,7 +201,7 @@ fn robots_park_and_charge_when_they_are_told_to() {
 }
 
 #[track_caller]
-fn check_refused(floor: &mut Floor, request: JobRequest, why: Refusal) {
+fn check_refused(floor: &mut TestFloor, request: JobRequest, why: Refusal) {
     let next = floor.fleet.ledger().next_job;
     assert_eq!(floor.ask(request), Reply::Refused { token: 7, why });
     assert_eq!(floor.fleet.ledger().next_job, next, "what is refused is no job");
@@ -209,7 +209,7 @@ fn check_refused(floor: &mut Floor, request: JobRequest, why: Refusal) {
 
 #[test]
 fn what_cannot_be_done_is_refused_with_a_reason() {
-    let mut floor = Floor::thesis(1);
+    let mut floor = TestFloor::thesis(1);
     let (rack, robot) = (RackId(0), RobotId::at(0));
     let racks = floor.fleet.warehouse().racks.len() as u32;
     let nodes = NodeId::at(floor.fleet.warehouse().nodes.len());
@@ -241,7 +241,7 @@ fn what_cannot_be_done_is_refused_with_a_reason() {
 fn a_job_that_one_robot_alone_can_do_is_not_lost_behind_a_hundred_others() {
     let kiva =
         crate::warehouse::formats::json::parse(include_str!("../../../maps/kiva.json")).expect("is a map");
-    let mut floor = Floor::new(kiva, &scenario(200));
+    let mut floor = TestFloor::new(kiva, &scenario(200));
     // Robots that begin beneath racks, with more idle robots before them than a step matches.
     let beneath = |r: usize| {
         let node = floor.fleet.ledger().node_of(RobotId::at(r));
@@ -257,7 +257,7 @@ fn a_job_that_one_robot_alone_can_do_is_not_lost_behind_a_hundred_others() {
 
 #[test]
 fn a_robot_that_rests_where_another_is_sent_makes_way() {
-    let mut floor = Floor::thesis(2);
+    let mut floor = TestFloor::thesis(2);
     let parking = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Parking)[0];
     let [a, b] = [0, 1].map(RobotId::at);
     let there = floor.submit(request(JobKind::Go { robot: a, node: parking }));

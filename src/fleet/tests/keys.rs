@@ -20,10 +20,10 @@ fn facts_of_expiry(facts: &[Fact]) -> Vec<(usize, usize)> {
 
 #[test]
 fn a_key_makes_no_second_job_for_a_week_and_a_new_one_after_eight_days() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let job = floor.submit(keyed("order"));
     floor.until_over(300);
-    floor.until(300, "the rack is put away", Floor::first_robot_is_idle);
+    floor.until(300, "the rack is put away", TestFloor::first_robot_is_idle);
     floor.now = Time::ZERO + DAY * 6;
     assert_eq!(floor.ask(keyed("order")), Reply::Accepted { token: 7, job, new: false });
     floor.now = Time::ZERO + DAY * 8;
@@ -35,7 +35,7 @@ fn a_key_makes_no_second_job_for_a_week_and_a_new_one_after_eight_days() {
 
 #[test]
 fn the_key_of_an_open_job_is_known_however_old_it_is_and_goes_when_the_job_is_over() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let first = floor.submit(request(deliver(1)));
     let waits = JobRequest { after: vec![first], ..keyed("waits") };
     assert!(matches!(
@@ -51,7 +51,7 @@ fn the_key_of_an_open_job_is_known_however_old_it_is_and_goes_when_the_job_is_ov
 
 #[test]
 fn keys_of_assignments_are_forgotten_too() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let place = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Aisle)[0];
     let what = AssignmentRequest { place, stay: Span::ZERO, what: "count".into(), key: Some("k".into()) };
     let assign = |request: &AssignmentRequest| Input::Assign {
@@ -70,7 +70,7 @@ fn keys_of_assignments_are_forgotten_too() {
 
 #[test]
 fn the_memory_of_keys_is_bounded_and_no_step_forgets_many() {
-    let mut floor = Floor::lab(0);
+    let mut floor = TestFloor::lab(0);
     let mut most = 0;
     for day in 0..40 {
         floor.now = Time::ZERO + DAY * day;

@@ -26,7 +26,7 @@ fn two_kinds(robots: usize, other: RobotKind) -> Scenario {
 }
 
 /// How long the way to another place of the same distance is planned to take, for the robot of each kind.
-fn planned(floor: &Floor, robot: usize) -> Span {
+fn planned(floor: &TestFloor, robot: usize) -> Span {
     let chain = floor.fleet.ledger().chain(RobotId::at(robot));
     let (first, last) = (chain.get(chain.first()), chain.last());
     last.expect("it stands somewhere").arrive - first.expect("it stands somewhere").depart
@@ -34,7 +34,7 @@ fn planned(floor: &Floor, robot: usize) -> Span {
 
 #[test]
 fn a_slow_robot_is_planned_as_slow_as_it_drives() {
-    let mut floor = Floor::new(thesis(), &two_kinds(2, slow()));
+    let mut floor = TestFloor::new(thesis(), &two_kinds(2, slow()));
     let goals = [floor.free_storage(), floor.free_storage()];
     for (robot, node) in goals.into_iter().enumerate() {
         // One after the other, each from where it began to the same place and back.
@@ -60,7 +60,7 @@ fn a_slow_robot_is_planned_as_slow_as_it_drives() {
 
 #[test]
 fn robots_of_two_kinds_deliver_on_one_floor_without_being_late_for_one_another() {
-    let mut floor = Floor::new(thesis(), &two_kinds(8, slow()));
+    let mut floor = TestFloor::new(thesis(), &two_kinds(8, slow()));
     let jobs = floor.submit_batch(16);
     floor.until_over(3_000);
     floor.assert_done_once(&jobs);
@@ -79,7 +79,7 @@ fn robots_of_two_kinds_deliver_on_one_floor_without_being_late_for_one_another()
 fn robots_charge_as_their_kind_does() {
     let thirsty = Charging { critical: 0.999, low: 0.999, enough: 0.9995, full: 1.0, ..Charging::default() };
     let other = RobotKind { name: "thirsty".into(), charging: thirsty, ..RobotKind::default() };
-    let mut floor = Floor::new(lab(), &two_kinds(2, other));
+    let mut floor = TestFloor::new(lab(), &two_kinds(2, other));
     let jobs: Vec<JobId> = (0..3).map(|rack| floor.submit(request(deliver(rack)))).collect();
     floor.until_over(2_000);
     let served = |r: usize| {
@@ -92,7 +92,7 @@ fn robots_charge_as_their_kind_does() {
 
 #[test]
 fn a_robot_of_an_unknown_kind_cannot_join_and_one_in_the_ledger_is_found() {
-    let mut floor = Floor::new(thesis(), &two_kinds(2, slow()));
+    let mut floor = TestFloor::new(thesis(), &two_kinds(2, slow()));
     let node = floor.free_storage();
     let join = |kind: &str| Input::Register { token: 7, name: "late".into(), kind: kind.into(), node };
     floor.step(vec![join("forklift")]);
@@ -118,7 +118,7 @@ fn shuttles_and_movers(robots: usize) -> Scenario {
 
 #[test]
 fn a_rack_is_fetched_by_robots_that_can_carry_it() {
-    let mut floor = Floor::new(mixed(), &shuttles_and_movers(4));
+    let mut floor = TestFloor::new(mixed(), &shuttles_and_movers(4));
     let jobs = floor.submit_batch(8);
     floor.until_over(3_000);
     floor.assert_done_once(&jobs);
@@ -144,14 +144,14 @@ fn a_rack_is_fetched_by_robots_that_can_carry_it() {
 fn a_job_that_no_robot_of_the_floor_can_do_says_so_and_one_that_no_kind_can_do_is_refused() {
     let mut few = shuttles_and_movers(1);
     let shelf = RackId(1);
-    let mut floor = Floor::new(mixed(), &few);
+    let mut floor = TestFloor::new(mixed(), &few);
     let job = floor.submit(request(JobKind::Deliver { rack: shelf, station: StationId(0), pick: None }));
     floor.run(5);
     let view = floor.fleet.view(floor.now);
     let why = view.why_job(floor.fleet.warehouse(), job, &floor.fleet.ledger().jobs[&job]);
     assert_eq!(why, Some(JobWhy::NoKind), "one shuttle, and a shelf");
     few.kinds.truncate(1);
-    let mut floor = Floor::new(mixed(), &few);
+    let mut floor = TestFloor::new(mixed(), &few);
     let Reply::Refused { why, .. } = floor.ask(request(JobKind::Return { rack: shelf })) else {
         panic!("no kind carries shelves")
     };
@@ -160,9 +160,10 @@ fn a_job_that_no_robot_of_the_floor_can_do_says_so_and_one_that_no_kind_can_do_i
 
 #[test]
 fn robots_of_a_kind_drive_over_lanes_that_are_for_it() {
-    let mut floor = Floor::new(mixed(), &shuttles_and_movers(2));
-    let named = |floor: &Floor, name: &str| floor.fleet.warehouse().node_named(name).expect("it is there");
-    let passed = |floor: &mut Floor, robot: usize| {
+    let mut floor = TestFloor::new(mixed(), &shuttles_and_movers(2));
+    let named =
+        |floor: &TestFloor, name: &str| floor.fleet.warehouse().node_named(name).expect("it is there");
+    let passed = |floor: &mut TestFloor, robot: usize| {
         let robot = RobotId::at(robot);
         for name in ["S1-1", "S1-6"] {
             let node = named(floor, name);
@@ -187,10 +188,10 @@ fn robots_of_a_kind_drive_over_lanes_that_are_for_it() {
 
 #[test]
 fn the_laws_and_the_regions_near_people_are_those_of_the_robot_at_hand() {
-    let mut floor = Floor::new(mixed(), &shuttles_and_movers(4));
+    let mut floor = TestFloor::new(mixed(), &shuttles_and_movers(4));
     floor.run(1);
     let [a, b] = ["G3-9", "G3-9~G3-10"].map(|n| floor.fleet.warehouse().node_named(n).expect("it is there"));
-    let at = |n: NodeId, floor: &Floor| floor.fleet.warehouse().nodes[n].at;
+    let at = |n: NodeId, floor: &TestFloor| floor.fleet.warehouse().nodes[n].at;
     let (here, there): (Point, Point) = (at(a, &floor), at(b, &floor));
     for (i, j, overlap) in [(0, 2, false), (1, 3, true), (0, 1, true)] {
         let [i, j] = [i, j].map(RobotId::at);
@@ -213,7 +214,7 @@ fn the_laws_and_the_regions_near_people_are_those_of_the_robot_at_hand() {
 fn a_robot_that_cannot_carry_the_rack_above_it_makes_way_for_one_that_can() {
     let mut two = shuttles_and_movers(2);
     two.kinds[0].kind.charging.opportunity = false;
-    let mut floor = Floor::new(mixed(), &two);
+    let mut floor = TestFloor::new(mixed(), &two);
     let shelf = RackId(1);
     let beneath = floor.fleet.warehouse().racks[shelf].home;
     let job = floor.submit(request(JobKind::Go { robot: RobotId::at(0), node: beneath }));

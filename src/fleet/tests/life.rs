@@ -3,8 +3,8 @@
 use super::*;
 
 /// Two robots with plenty to do, and jobs for the first one by name.
-fn busy_floor_with_named_jobs() -> (Floor, Vec<JobId>, JobId, JobId) {
-    let mut floor = Floor::lab(2);
+fn busy_floor_with_named_jobs() -> (TestFloor, Vec<JobId>, JobId, JobId) {
+    let mut floor = TestFloor::lab(2);
     let deliveries = (0..8).map(|k| floor.submit(request(deliver(k)))).collect();
     let robot = RobotId::at(0);
     let go = JobKind::Go { robot, node: floor.node("R117") };
@@ -23,7 +23,7 @@ fn jobs_for_a_named_robot_end_although_racks_wait_for_it_too() {
 
 #[test]
 fn a_named_job_does_not_wait_until_its_robot_runs_out_of_racks() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     // The same rack again and again: the robot could carry it from pick to pick for ever.
     let deliveries: Vec<JobId> = (0..6).map(|_| floor.submit(request(deliver(3)))).collect();
     floor.until(300, "the first is carried", |f| f.is(deliveries[0], "carrying"));
@@ -47,7 +47,7 @@ fn a_cancelled_job_leaves_the_job_that_its_robot_is_at_alone() {
 
 #[test]
 fn two_racks_are_not_promised_to_one_place() {
-    let mut floor = Floor::thesis(2);
+    let mut floor = TestFloor::thesis(2);
     let node = floor.free_storage();
     let first = floor.submit(request(JobKind::Relocate { rack: RackId(40), node }));
     let again = floor.ask(request(JobKind::Relocate { rack: RackId(50), node }));
@@ -59,7 +59,7 @@ fn two_racks_are_not_promised_to_one_place() {
 
 #[test]
 fn jobs_for_one_robot_are_done_by_priority() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let (robot, node) = (RobotId::at(0), floor.node("R117"));
     let busy = floor.submit(request(deliver(3)));
     floor.until(300, "it is carried", |f| f.is(busy, "carrying"));
@@ -71,7 +71,7 @@ fn jobs_for_one_robot_are_done_by_priority() {
 
 #[test]
 fn a_paused_robot_gets_no_job_by_name_until_it_goes_on() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let robot = RobotId::at(0);
     floor.step(vec![Input::Halt { token: 9, robot: Some(robot) }]);
     let park = floor.submit(request(JobKind::Park { robot }));
@@ -84,10 +84,10 @@ fn a_paused_robot_gets_no_job_by_name_until_it_goes_on() {
 
 /// Runs until a robot is this far, breaks it for two minutes, and lets everything end.
 #[track_caller]
-fn break_down(so: impl Fn(&Floor, RobotId) -> bool) {
-    let mut floor = Floor::lab(2);
+fn break_down(so: impl Fn(&TestFloor, RobotId) -> bool) {
+    let mut floor = TestFloor::lab(2);
     let jobs: Vec<JobId> = (0..4).map(|k| floor.submit(request(deliver(k)))).collect();
-    let found = |f: &Floor| (0..2).map(RobotId::at).find(|r| so(f, *r));
+    let found = |f: &TestFloor| (0..2).map(RobotId::at).find(|r| so(f, *r));
     floor.until(600, "a robot is there", |f| found(f).is_some());
     let (robot, until) = (found(&floor).expect("just seen"), floor.now + Span::from_secs(120));
     floor.world.fail(robot, until);

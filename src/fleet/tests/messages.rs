@@ -2,25 +2,9 @@
 
 use super::*;
 
-/// A small generator of numbers that look random.
-struct TestDice(u64);
-
-impl TestDice {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) as usize) % n
-    }
-
-    fn shuffle<T>(&mut self, items: &mut [T]) {
-        for i in (1..items.len()).rev() {
-            items.swap(i, self.below(i + 1));
-        }
-    }
-}
-
 #[test]
 fn repeated_late_and_shuffled_telemetry_changes_nothing() {
-    let mut floor = Floor::thesis(5);
+    let mut floor = TestFloor::thesis(5);
     let mut noisy =
         Fleet::restore(floor.fleet.warehouse().clone(), floor.fleet.settings().clone(), floor.facts.clone());
     let (mut dice, mut old, mut extra) = (TestDice(1), Vec::<Input>::new(), 0);
@@ -58,7 +42,7 @@ fn repeated_late_and_shuffled_telemetry_changes_nothing() {
 
 #[track_caller]
 fn check_batch(faults: Faults, seconds: i64) {
-    let mut floor = Floor::new(thesis(), &Scenario { faults, ..scenario(5) });
+    let mut floor = TestFloor::new(thesis(), &Scenario { faults, ..scenario(5) });
     let jobs = floor.submit_batch(20);
     floor.until_over(seconds);
     floor.assert_done_once(&jobs);

@@ -11,28 +11,28 @@ use proptest::prelude::*;
 
 /// What happens to jobs: one is accepted, one is taken out, one gets another priority.
 #[derive(Clone, Debug)]
-enum Event {
+enum OrderEvent {
     Accept { rack: u32, station: u32, priority: u8, due_s: Option<i64>, after: Option<u64> },
     End { job: u64, well: bool },
     Prioritise { job: u64, priority: u8 },
 }
 
-fn event() -> impl Strategy<Value = Event> {
+fn event() -> impl Strategy<Value = OrderEvent> {
     let due = proptest::option::of(-100..2_000i64);
     let accept = (0u32..6, 0u32..1, 0u8..10, due, proptest::option::of(1u64..40));
     prop_oneof![
         4 => accept.prop_map(|(rack, station, priority, due_s, after)| {
-            Event::Accept { rack, station, priority, due_s, after }
+            OrderEvent::Accept { rack, station, priority, due_s, after }
         }),
-        1 => (1u64..40, any::<bool>()).prop_map(|(job, well)| Event::End { job, well }),
-        1 => (1u64..40, 0u8..10).prop_map(|(job, priority)| Event::Prioritise { job, priority }),
+        1 => (1u64..40, any::<bool>()).prop_map(|(job, well)| OrderEvent::End { job, well }),
+        1 => (1u64..40, 0u8..10).prop_map(|(job, priority)| OrderEvent::Prioritise { job, priority }),
     ]
 }
 
-fn take_in(ledger: &mut Ledger, event: &Event, at: Time) {
+fn take_in(ledger: &mut Ledger, event: &OrderEvent, at: Time) {
     let live = |l: &Ledger, job: u64| l.jobs.contains_key(&JobId(job));
     match *event {
-        Event::Accept { rack, station, priority, due_s, after } => {
+        OrderEvent::Accept { rack, station, priority, due_s, after } => {
             let (robot, station) = (RobotId(0), StationId(station));
             // Jobs that a robot can begin and end at once, among deliveries, which wait.
             let kind = match rack {
@@ -44,11 +44,11 @@ fn take_in(ledger: &mut Ledger, event: &Event, at: Time) {
             let request = JobRequest { kind, priority, deadline, after, key: None };
             ledger.evolve(&Fact::Accepted { job: JobId(ledger.next_job), request, at });
         }
-        Event::End { job, well } if live(ledger, job) => end(ledger, JobId(job), well, at),
-        Event::Prioritise { job, priority } if live(ledger, job) => {
+        OrderEvent::End { job, well } if live(ledger, job) => end(ledger, JobId(job), well, at),
+        OrderEvent::Prioritise { job, priority } if live(ledger, job) => {
             ledger.evolve(&Fact::Prioritised { job: JobId(job), priority, at });
         }
-        Event::End { .. } | Event::Prioritise { .. } => {}
+        OrderEvent::End { .. } | OrderEvent::Prioritise { .. } => {}
     }
 }
 
@@ -117,7 +117,7 @@ proptest! {
     }
 }
 
-fn close(floor: &mut Floor, nodes: Vec<NodeId>, from_s: i64, until_s: i64) -> ClosureId {
+fn close(floor: &mut TestFloor, nodes: Vec<NodeId>, from_s: i64, until_s: i64) -> ClosureId {
     let at = |s: i64| floor.now + Span::from_secs(s);
     let spot = |x: f64| Spot::from(crate::geometry::Point::new(x, x * x));
     let (window, outline) = (Window::new(at(from_s), at(until_s)), vec![spot(0.0), spot(1.0), spot(2.0)]);
@@ -130,7 +130,7 @@ fn close(floor: &mut Floor, nodes: Vec<NodeId>, from_s: i64, until_s: i64) -> Cl
 
 #[test]
 fn closures_that_come_and_go_leave_the_conditions_that_the_list_says() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let nodes = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Aisle);
     let [a, b, c] = [nodes[2], nodes[3], nodes[4]];
     close(&mut floor, vec![a, b, a], 10, 60);

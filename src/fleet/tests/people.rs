@@ -40,7 +40,7 @@ impl Puppet {
         self.sighting(now)
     }
 
-    fn walk(&mut self, floor: &Floor) {
+    fn walk(&mut self, floor: &TestFloor) {
         let mut left = 1.2 * STEP_S;
         while let Some(next) = self.way.first().copied() {
             let to = next - self.at;
@@ -65,7 +65,7 @@ impl Puppet {
     }
 }
 
-impl Floor {
+impl TestFloor {
     pub(super) fn hire(&mut self, at: Point) -> Puppet {
         self.hire_as("Ana", at)
     }
@@ -114,7 +114,7 @@ impl Floor {
 
 #[test]
 fn a_worker_who_follows_the_path_does_the_assignment_and_never_deviates() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     let mut ana = floor.hire(floor.point("R32"));
     let place = floor.node("R116");
     floor.assign(&ana, place, 5);
@@ -127,7 +127,7 @@ fn a_worker_who_follows_the_path_does_the_assignment_and_never_deviates() {
 
 #[test]
 fn a_robot_beside_the_place_where_somebody_works_is_not_in_the_way() {
-    let mut floor = Floor::thesis(1);
+    let mut floor = TestFloor::thesis(1);
     let w = floor.fleet.warehouse().clone();
     let place = w.nodes_where(|k| k == NodeKind::Storage)[20];
     let request = JobRequest {
@@ -138,7 +138,7 @@ fn a_robot_beside_the_place_where_somebody_works_is_not_in_the_way() {
         key: None,
     };
     floor.step(vec![Input::Submit { token: 1, request }]);
-    let robot = |floor: &Floor| floor.world.truth().next().unwrap().1.pose.at;
+    let robot = |floor: &TestFloor| floor.world.truth().next().unwrap().1.pose.at;
     while (robot(&floor) - w.nodes[place].at).norm() > 0.01 {
         floor.step(vec![]);
     }
@@ -163,7 +163,7 @@ fn a_robot_beside_the_place_where_somebody_works_is_not_in_the_way() {
 
 #[test]
 fn robots_deliver_and_a_worker_works_and_then_stands_about_on_the_same_floor() {
-    let mut floor = Floor::thesis(8);
+    let mut floor = TestFloor::thesis(8);
     floor.submit_batch(60);
     let exits = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Aisle);
     let mut ana = floor.hire(floor.fleet.warehouse().nodes[exits[0]].at);
@@ -190,7 +190,7 @@ fn robots_deliver_and_a_worker_works_and_then_stands_about_on_the_same_floor() {
 
 #[test]
 fn whoever_leaves_the_path_is_found_out_within_a_second_and_shown_a_new_one() {
-    let mut floor = Floor::thesis(2);
+    let mut floor = TestFloor::thesis(2);
     let w = floor.fleet.warehouse().clone();
     let aisles = w.nodes_where(|k| k == NodeKind::Aisle);
     let start = aisles[0];
@@ -216,10 +216,10 @@ fn whoever_leaves_the_path_is_found_out_within_a_second_and_shown_a_new_one() {
 
 #[test]
 fn a_pose_calls_for_a_stop_while_nobody_was_told_and_only_if_it_can_be_true() {
-    let mut floor = Floor::thesis(6);
+    let mut floor = TestFloor::thesis(6);
     floor.submit_batch(20);
     floor.run(40);
-    let calls = |floor: &Floor, input: &Input| {
+    let calls = |floor: &TestFloor, input: &Input| {
         let Input::Sighted(s) = input else { panic!("{input:?}") };
         floor.fleet.calls_for_stop(s, floor.now)
     };
@@ -244,7 +244,7 @@ fn a_pose_calls_for_a_stop_while_nobody_was_told_and_only_if_it_can_be_true() {
 
 #[test]
 fn a_stop_leaves_in_the_step_in_which_the_pose_arrives() {
-    let mut floor = Floor::thesis(6);
+    let mut floor = TestFloor::thesis(6);
     floor.submit_batch(20);
     floor.run(40);
     let (robot, t) = floor.world.truth().find(|(_, t)| t.speed_mps > 1.0).expect("somebody drives");
@@ -262,7 +262,7 @@ fn a_stop_leaves_in_the_step_in_which_the_pose_arrives() {
 
 #[test]
 fn robots_keep_out_of_a_closed_area_until_it_is_open_again() {
-    let mut floor = Floor::thesis(4);
+    let mut floor = TestFloor::thesis(4);
     let w = floor.fleet.warehouse().clone();
     let (low, high) = w.bounds();
     let middle = (low.y + high.y) / 2.0;
@@ -291,7 +291,7 @@ fn robots_keep_out_of_a_closed_area_until_it_is_open_again() {
 
 #[test]
 fn a_worker_of_whom_nothing_is_heard_stops_robots_in_a_growing_disc_until_cleared() {
-    let mut floor = Floor::thesis(6);
+    let mut floor = TestFloor::thesis(6);
     floor.submit_batch(40);
     floor.run(20);
     let middle = floor.fleet.warehouse().nodes.iter().nth(100).unwrap().at;
@@ -310,7 +310,7 @@ fn a_worker_of_whom_nothing_is_heard_stops_robots_in_a_growing_disc_until_cleare
 
 #[test]
 fn a_limit_that_a_robot_has_but_the_fleet_did_not_set_is_lifted() {
-    let mut floor = Floor::thesis(2);
+    let mut floor = TestFloor::thesis(2);
     floor.run(1);
     // As after a restart of the fleet, or where the server let all robots stand.
     let robots: Vec<_> = floor.fleet.ledger().robots.ids().collect();
@@ -323,7 +323,7 @@ fn a_limit_that_a_robot_has_but_the_fleet_did_not_set_is_lifted() {
 
 #[test]
 fn of_an_area_of_nodes_exactly_these_are_closed() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let mut nodes = vec![floor.node("R30"), floor.node("R32")];
     nodes.sort_unstable();
     // Whatever is drawn around them.

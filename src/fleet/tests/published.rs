@@ -3,23 +3,23 @@
 use super::people::Puppet;
 use super::*;
 use crate::aware::HumanAwarePolicy;
-use crate::fleet::people::state::{Mode, Person};
+use crate::fleet::people::state::{Person, WalkMode};
 use crate::geometry::Point;
 use crate::warehouse::sketch;
 
 const NEVER: Time = Time::MAX;
 
-fn at(floor: &Floor, x: f64, y: f64) -> NodeId {
+fn at(floor: &TestFloor, x: f64, y: f64) -> NodeId {
     let w = floor.fleet.warehouse();
     w.nodes.pairs().find(|(_, n)| (n.at - Point::new(x, y)).norm() < 0.1).expect("the hall has it").0
 }
 
-fn hall(policy: HumanAwarePolicy, robots: usize) -> Floor {
-    Floor::new(thesis(), &Scenario { policy, ..scenario(robots) })
+fn hall(policy: HumanAwarePolicy, robots: usize) -> TestFloor {
+    TestFloor::new(thesis(), &Scenario { policy, ..scenario(robots) })
 }
 
 /// Sends a robot somewhere and breaks it there.
-fn break_at(floor: &mut Floor, robot: u32, x: f64, y: f64) {
+fn break_at(floor: &mut TestFloor, robot: u32, x: f64, y: f64) {
     let (robot, node) = (RobotId(robot), at(floor, x, y));
     floor.submit(request(JobKind::Go { robot, node }));
     for _ in 0..3000 {
@@ -35,14 +35,14 @@ fn break_at(floor: &mut Floor, robot: u32, x: f64, y: f64) {
 }
 
 /// Somebody on the way from the south of the second aisle to its north.
-fn worker(floor: &mut Floor) -> Puppet {
+fn worker(floor: &mut TestFloor) -> Puppet {
     let ana = floor.hire(Point::new(3.0, 0.2));
     let place = at(floor, 3.0, 12.0);
     floor.assign(&ana, place, 5);
     ana
 }
 
-fn told(floor: &mut Floor, puppet: &mut Puppet, steps: usize) -> Vec<GuidanceState> {
+fn told(floor: &mut TestFloor, puppet: &mut Puppet, steps: usize) -> Vec<GuidanceState> {
     let mut states = Vec::new();
     for _ in 0..steps {
         let step = floor.walk(puppet);
@@ -74,7 +74,7 @@ fn without_prediction_nobody_reacts_before_a_robot_is_near() {
     let mut ana = worker(&mut floor);
     told(&mut floor, &mut ana, 10);
     (ana.own, ana.way) = (true, vec![Point::new(3.0, 0.0), Point::new(12.0, 0.0)]);
-    let version = |f: &Floor| f.fleet.view(f.now).workers[0].guidance.version;
+    let version = |f: &TestFloor| f.fleet.view(f.now).workers[0].guidance.version;
     let before = version(&floor);
     told(&mut floor, &mut ana, 60);
     assert!(floor.deviations() > 0, "it is noticed");
@@ -112,7 +112,7 @@ fn who_is_shut_in_between_robots_that_cannot_move_is_told_to_stop() {
 
 /// [`break_at`] while somebody is on the floor, whom the robot must not be afraid of: she is cleared for the
 /// time.
-fn break_at_while(floor: &mut Floor, puppet: &mut Puppet, robot: u32, x: f64, y: f64) {
+fn break_at_while(floor: &mut TestFloor, puppet: &mut Puppet, robot: u32, x: f64, y: f64) {
     floor.step(vec![Input::ClearWorker { token: 9, worker: puppet.worker }]);
     break_at(floor, robot, x, y);
     let place = puppet.at;
@@ -122,18 +122,18 @@ fn break_at_while(floor: &mut Floor, puppet: &mut Puppet, robot: u32, x: f64, y:
 
 /// A corridor of 24 m that a robot fills, with bays so deep that whoever stands in one is in nobody's way. People
 /// walk in the corridor only.
-fn corridor(bays: &str, robots: usize) -> Floor {
+fn corridor(bays: &str, robots: usize) -> TestFloor {
     let stem = bays.replace('P', ".");
     let mut draft = sketch(&[bays, &stem, &stem, &stem, "X......................X"].join("\n"));
     let corner = |x: f64, y: f64| Point::new(x, y);
     draft.walkable = vec![vec![corner(-0.5, -0.5), corner(23.5, -0.5), corner(23.5, 0.5), corner(-0.5, 0.5)]];
     let scenario = Scenario { policy: HumanAwarePolicy::Shir, ..scenario(robots) };
-    Floor::new(draft.build().expect("well-formed"), &scenario)
+    TestFloor::new(draft.build().expect("well-formed"), &scenario)
 }
 
 /// Ana walks east, robots come behind her, and she turns back: they are on her only way. Steps until it is
 /// decided what she is told; `meanwhile` happens before the robots stand.
-fn turn_back(floor: &mut Floor, meanwhile: impl FnOnce(&mut Floor)) -> Puppet {
+fn turn_back(floor: &mut TestFloor, meanwhile: impl FnOnce(&mut TestFloor)) -> Puppet {
     let mut ana = floor.hire(Point::new(9.0, 0.0));
     let place = at(floor, 22.0, 0.0);
     floor.assign(&ana, place, 5);
@@ -149,7 +149,7 @@ fn turn_back(floor: &mut Floor, meanwhile: impl FnOnce(&mut Floor)) -> Puppet {
     meanwhile(floor);
     let version = floor.fleet.people.people[ana.worker].version;
     let is_decided =
-        |person: &Person| person.version > version || matches!(person.mode, Mode::Stopped { .. });
+        |person: &Person| person.version > version || matches!(person.mode, WalkMode::Stopped { .. });
     while !is_decided(&floor.fleet.people.people[ana.worker]) {
         floor.walk(&mut ana);
     }
@@ -157,7 +157,7 @@ fn turn_back(floor: &mut Floor, meanwhile: impl FnOnce(&mut Floor)) -> Puppet {
     ana
 }
 
-fn place(floor: &Floor, robot: usize) -> Point {
+fn place(floor: &TestFloor, robot: usize) -> Point {
     floor.world.truth().nth(robot).expect("it is there").1.pose.at
 }
 
@@ -194,7 +194,7 @@ fn where_one_of_two_robots_cannot_leave_the_only_way_neither_moves() {
     let ana = turn_back(&mut floor, |f| drop(f.step(vec![Input::Close { token: 3, area }])));
     assert!(place(&floor, 0).x < place(&floor, 1).x, "the one behind has a bay, the one in front has none");
     let mode = floor.fleet.people.people[ana.worker].mode;
-    assert!(matches!(mode, Mode::Stopped { .. }), "{mode:?}");
+    assert!(matches!(mode, WalkMode::Stopped { .. }), "{mode:?}");
     let since = floor.facts.iter().skip_while(|f| !matches!(f, Fact::Deviated { .. }));
     assert_eq!(since.filter(|f| matches!(f, Fact::Routed { .. })).count(), 0, "both keep their routes");
 }

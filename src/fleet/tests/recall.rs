@@ -5,10 +5,10 @@ use super::*;
 use crate::geometry::{Point, Vector};
 
 /// A robot on its way, and somebody who appears so far ahead of it and stands there.
-fn face_to_face(faults: Faults, ahead_m: f64) -> (Floor, Puppet) {
-    let mut floor = Floor::new(thesis(), &Scenario { faults, ..scenario(1) });
+fn face_to_face(faults: Faults, ahead_m: f64) -> (TestFloor, Puppet) {
+    let mut floor = TestFloor::new(thesis(), &Scenario { faults, ..scenario(1) });
     floor.submit(request(deliver(40)));
-    let drives = |f: &Floor| f.world.truth().next().is_some_and(|(_, t)| t.speed_mps > 1.2);
+    let drives = |f: &TestFloor| f.world.truth().next().is_some_and(|(_, t)| t.speed_mps > 1.2);
     floor.until(60, "it drives", drives);
     let at = floor.robot_at() + floor.ahead() * ahead_m;
     let mut ana = floor.hire(at);
@@ -16,7 +16,7 @@ fn face_to_face(faults: Faults, ahead_m: f64) -> (Floor, Puppet) {
     (floor, ana)
 }
 
-impl Floor {
+impl TestFloor {
     pub(super) fn robot_at(&self) -> Point {
         self.world.truth().next().expect("there is one").1.pose.at
     }
@@ -66,7 +66,7 @@ fn a_robot_that_stands_for_one_and_then_for_another_comes_back_as_for_one() {
     let places = floor.fleet.warehouse().nodes.iter().map(|n| n.at);
     let away = places.max_by(|a, b| far(a).total_cmp(&far(b))).expect("there are some");
     let mut ben = floor.hire_as("Ben", away);
-    let spend = |seconds: u32, floor: &mut Floor, both: [&mut Puppet; 2]| {
+    let spend = |seconds: u32, floor: &mut TestFloor, both: [&mut Puppet; 2]| {
         for _ in 0..seconds * 10 {
             let seen = [both[0].sighting(floor.now), both[1].sighting(floor.now)];
             floor.step(seen.into());
@@ -115,12 +115,12 @@ fn laws_hold_while_recalls_and_orders_are_late_and_lost() {
 
 #[test]
 fn who_waits_for_a_place_in_a_queue_does_not_overtake_by_stepping_aside() {
-    let mut floor = Floor::thesis(12);
+    let mut floor = TestFloor::thesis(12);
     let racks = floor.fleet.warehouse().racks.len() as u32;
     for i in 0..12 {
         floor.submit(request(deliver(i * 5 % racks)));
     }
-    let waiting = |f: &Floor| f.fleet.ledger().robots.ids().find(|r| f.fleet.floor().waits_for_room(*r));
+    let waiting = |f: &TestFloor| f.fleet.ledger().robots.ids().find(|r| f.fleet.floor().waits_for_room(*r));
     floor.until(120, "the queue is full", |f| waiting(f).is_some());
     let robot = waiting(&floor).expect("just seen");
     let here = floor.fleet.ledger().node_of(robot);
@@ -135,7 +135,7 @@ fn who_waits_for_a_place_in_a_queue_does_not_overtake_by_stepping_aside() {
 
 #[test]
 fn nobody_fetches_another_rack_for_a_station_for_which_enough_wait() {
-    let mut floor = Floor::thesis(20);
+    let mut floor = TestFloor::thesis(20);
     let racks = floor.fleet.warehouse().racks.len() as u32;
     for i in 0..40 {
         floor.submit(request(deliver(i % racks)));
@@ -154,7 +154,7 @@ fn nobody_fetches_another_rack_for_a_station_for_which_enough_wait() {
 
 #[test]
 fn a_robot_that_may_only_drive_slowly_is_granted_less() {
-    let mut floor = Floor::thesis(1);
+    let mut floor = TestFloor::thesis(1);
     floor.submit(request(deliver(40)));
     floor.run(2);
     let needed = |limit_mps| floor.fleet.floor().needed_ahead_m(RobotId(0), limit_mps);
@@ -165,12 +165,12 @@ fn a_robot_that_may_only_drive_slowly_is_granted_less() {
 
 #[test]
 fn whoever_comes_back_to_work_goes_on_with_it() {
-    let mut floor = Floor::thesis(1);
+    let mut floor = TestFloor::thesis(1);
     let (work, aside) = (floor.node("G3-7"), floor.place("G3-9"));
     let mut ana = floor.hire(floor.place("G3-7"));
     floor.assign(&ana, work, 20);
-    let done = |floor: &Floor| floor.fleet.ledger().counts.human_deliveries;
-    let spend = |seconds: usize, floor: &mut Floor, ana: &mut Puppet| {
+    let done = |floor: &TestFloor| floor.fleet.ledger().counts.human_deliveries;
+    let spend = |seconds: usize, floor: &mut TestFloor, ana: &mut Puppet| {
         (0..seconds * 10).for_each(|_| drop(floor.walk(ana)));
     };
     spend(12, &mut floor, &mut ana);
@@ -185,7 +185,7 @@ fn whoever_comes_back_to_work_goes_on_with_it() {
 
 #[test]
 fn who_stands_for_long_after_the_work_should_be_done_is_not_about_to_set_off() {
-    let mut floor = Floor::thesis(1);
+    let mut floor = TestFloor::thesis(1);
     let mut ana = floor.hire(floor.place("G3-7"));
     floor.assign(&ana, floor.node("G3-7"), 20);
     for _ in 0..100 {

@@ -2,7 +2,7 @@
 
 use super::*;
 
-impl Floor {
+impl TestFloor {
     /// Everything is gone but the facts and the floor: robots stand where the ledger has them.
     pub(super) fn restart(&mut self, scenario: &Scenario) {
         let warehouse = self.fleet.warehouse().clone();
@@ -22,7 +22,8 @@ impl Floor {
 #[test]
 fn the_ledger_is_the_fold_of_its_facts_at_any_step_of_a_busy_run() {
     let faults = Faults { failures_per_hour: 40.0, repair_s: 30.0, message_loss: 0.1, ..Faults::default() };
-    let mut floor = Floor::new(thesis(), &Scenario { faults, demand: Demand::Backlog(12), ..scenario(8) });
+    let mut floor =
+        TestFloor::new(thesis(), &Scenario { faults, demand: Demand::Backlog(12), ..scenario(8) });
     let mut pause = 1;
     while floor.now < Time::from_secs_f64(300.0) {
         for _ in 0..pause {
@@ -38,7 +39,7 @@ fn the_ledger_is_the_fold_of_its_facts_at_any_step_of_a_busy_run() {
 #[test]
 fn a_restarted_fleet_does_every_job_once_however_often_it_is_restarted() {
     let scenario = scenario(6);
-    let mut floor = Floor::new(thesis(), &scenario);
+    let mut floor = TestFloor::new(thesis(), &scenario);
     let jobs = floor.submit_batch(20);
     let mut restarts = 0;
     for pause_s in [3, 9, 14, 23, 11, 37, 5, 41, 19, 60] {
@@ -57,19 +58,19 @@ fn a_restarted_fleet_does_every_job_once_however_often_it_is_restarted() {
 #[test]
 fn a_restarted_fleet_knows_the_keys_of_jobs_that_are_over() {
     let scenario = scenario(1);
-    let mut floor = Floor::new(lab(), &scenario);
+    let mut floor = TestFloor::new(lab(), &scenario);
     let keyed = JobRequest { key: Some("order 1".into()), ..request(deliver(3)) };
     let job = floor.submit(keyed.clone());
     floor.until_over(300);
     floor.restart(&scenario);
     assert_eq!(floor.ask(keyed), Reply::Accepted { token: 7, job, new: false });
-    floor.until(300, "the rack is put away", Floor::first_robot_is_idle);
+    floor.until(300, "the rack is put away", TestFloor::first_robot_is_idle);
     floor.assert_stored(3);
 }
 
 #[test]
 fn a_restarted_fleet_that_hears_nothing_commands_nothing() {
-    let mut floor = Floor::thesis(4);
+    let mut floor = TestFloor::thesis(4);
     floor.submit_batch(8);
     floor.run(20);
     let (warehouse, settings) = (floor.fleet.warehouse().clone(), floor.fleet.settings().clone());

@@ -7,10 +7,10 @@ use crate::aware::Near;
 /// A robot between the racks that somebody lets go on when a person behind it, on the way past it, is so near; what
 /// both do for ten seconds from then on.
 fn walked_up_to(apart_m: f64) -> Vec<(Near, Option<f64>)> {
-    let mut floor = Floor::new(thesis(), &scenario(1));
+    let mut floor = TestFloor::new(thesis(), &scenario(1));
     let robot = RobotId(0);
     floor.submit(request(deliver(40)));
-    let drives = |f: &Floor| f.world.truth().next().is_some_and(|(_, t)| t.speed_mps > 1.2);
+    let drives = |f: &TestFloor| f.world.truth().next().is_some_and(|(_, t)| t.speed_mps > 1.2);
     floor.until(60, "it drives", drives);
     floor.step(vec![Input::Halt { token: 4, robot: Some(robot) }]);
     floor.run(4);

@@ -2,14 +2,14 @@
 
 use super::*;
 
-impl Floor {
+impl TestFloor {
     fn tell_station(&mut self, order: StationOrder) -> Reply {
         self.answer_to(5, vec![Input::Station { token: 5, station: StationId(0), order }])
     }
 
     /// A delivery whose simulated picker takes very long, with the rack at the station.
-    fn long_pick(robots: usize) -> (Floor, JobId) {
-        let mut floor = Floor::lab(robots);
+    fn long_pick(robots: usize) -> (TestFloor, JobId) {
+        let mut floor = TestFloor::lab(robots);
         let pick = Some(Span::from_secs(900));
         let job = floor.submit(request(JobKind::Deliver { rack: RackId(3), station: StationId(0), pick }));
         floor.until(300, "the rack is picked from", |f| f.is(job, "picking"));
@@ -19,41 +19,41 @@ impl Floor {
 
 #[test]
 fn a_pick_that_is_done_early_lets_its_robot_leave_at_once() {
-    let (mut floor, job) = Floor::long_pick(1);
+    let (mut floor, job) = TestFloor::long_pick(1);
     floor.run(5);
     assert_eq!(floor.tell_station(StationOrder::Done), Reply::Done { token: 5 });
     assert_eq!(floor.story(job).last(), Some(&"done"));
     let node = floor.fleet.warehouse().stations[StationId(0)].node;
     let robot = RobotId::at(0);
     floor.until(5, "the robot has left", |f| f.fleet.ledger().node_of(robot) != node);
-    floor.until(300, "it has nothing to do", Floor::first_robot_is_idle);
+    floor.until(300, "it has nothing to do", TestFloor::first_robot_is_idle);
     floor.assert_stored(3);
 }
 
 #[test]
 fn a_pick_with_missing_goods_fails_its_job_with_the_reason_and_the_rack_goes_back() {
-    let (mut floor, job) = Floor::long_pick(1);
+    let (mut floor, job) = TestFloor::long_pick(1);
     floor.tell_station(StationOrder::Short);
     let last = floor.progress(job).last().expect("it ended").0;
     assert_eq!(last, JobState::Failed(JobFailure::Short));
-    floor.until(300, "it has nothing to do", Floor::first_robot_is_idle);
+    floor.until(300, "it has nothing to do", TestFloor::first_robot_is_idle);
     floor.assert_stored(3);
     assert_eq!(floor.fleet.ledger().counts.robot_deliveries, 0, "nothing was served");
 }
 
 #[test]
 fn a_cancelled_pick_lets_its_robot_leave_at_once() {
-    let (mut floor, job) = Floor::long_pick(1);
+    let (mut floor, job) = TestFloor::long_pick(1);
     floor.cancel(job);
     let node = floor.fleet.warehouse().stations[StationId(0)].node;
     floor.until(5, "the robot has left", |f| f.fleet.ledger().node_of(RobotId::at(0)) != node);
-    floor.until(300, "it has nothing to do", Floor::first_robot_is_idle);
+    floor.until(300, "it has nothing to do", TestFloor::first_robot_is_idle);
     floor.assert_stored(3);
 }
 
 #[test]
 fn where_nothing_is_picked_no_pick_can_end() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let why = Refusal::NothingToPick(StationId(0));
     for order in [StationOrder::Done, StationOrder::Short] {
         assert_eq!(floor.tell_station(order), Reply::Refused { token: 5, why });
@@ -62,7 +62,7 @@ fn where_nothing_is_picked_no_pick_can_end() {
 
 #[test]
 fn a_paused_station_gets_no_racks_until_it_goes_on() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     floor.tell_station(StationOrder::Pause);
     floor.tell_station(StationOrder::Pause);
     let job = floor.submit(request(deliver(3)));
@@ -78,7 +78,7 @@ fn a_paused_station_gets_no_racks_until_it_goes_on() {
 
 #[test]
 fn a_slow_picker_delays_and_nothing_else_breaks() {
-    let mut floor = Floor::lab(4);
+    let mut floor = TestFloor::lab(4);
     let slow = JobKind::Deliver { rack: RackId(2), station: StationId(0), pick: Some(Span::from_secs(400)) };
     let first = floor.submit(request(slow));
     let others: Vec<JobId> = (3..7).map(|k| floor.submit(request(deliver(k)))).collect();

@@ -5,7 +5,7 @@ use crate::geometry::Point;
 use crate::time::Window;
 use crate::timeline::Holder;
 
-impl Floor {
+impl TestFloor {
     fn why(&self, job: JobId) -> Option<JobWhy> {
         self.fleet.view(self.now).why_job(self.fleet.warehouse(), job, &self.fleet.ledger().jobs[&job])
     }
@@ -44,7 +44,7 @@ impl Floor {
 
 #[test]
 fn a_waiting_job_says_what_it_waits_for() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     let first = floor.submit(request(deliver(3)));
     floor.until(60, "a robot has it", |f| f.is(first, "assigned"));
     let robot = floor.state(first).and_then(|s| s.robot()).expect("it is assigned");
@@ -65,9 +65,9 @@ fn a_waiting_job_says_what_it_waits_for() {
 
 #[test]
 fn a_job_at_work_gives_the_reason_of_its_robot() {
-    let mut floor = Floor::lab(4);
+    let mut floor = TestFloor::lab(4);
     let jobs = floor.submit_long(2..6);
-    let full = |f: &Floor, job: &JobId| {
+    let full = |f: &TestFloor, job: &JobId| {
         let robot = f.state(*job).and_then(|s| s.robot());
         robot.is_some_and(|r| f.why(*job) == Some(JobWhy::Robot(r, Why::QueueFull(StationId(0)))))
     };
@@ -76,7 +76,7 @@ fn a_job_at_work_gives_the_reason_of_its_robot() {
 
 #[test]
 fn a_robot_in_a_queue_waits_for_one_that_finishes_its_stop_at_a_known_time() {
-    let mut floor = Floor::lab(4);
+    let mut floor = TestFloor::lab(4);
     let jobs = floor.submit_long(2..6);
     let picked = |c: &[Waiting]| {
         let waits = |w: &Waiting| matches!(w.because, Because::Robot(Why::WaitsFor(..)));
@@ -104,12 +104,12 @@ fn a_robot_in_a_queue_waits_for_one_that_finishes_its_stop_at_a_known_time() {
 
 #[test]
 fn the_root_of_waiting_is_the_closed_place() {
-    let mut floor = Floor::lab(3);
+    let mut floor = TestFloor::lab(3);
     floor.submit_long(2..4);
     let node = floor.fleet.warehouse().stations[StationId(0)].node;
     let window = Window::new(floor.now, Time::MAX);
     let area = floor.around(node, window);
-    let both = |f: &Floor| f.fleet.ledger().jobs.values().all(|j| j.state.word() == "carrying");
+    let both = |f: &TestFloor| f.fleet.ledger().jobs.values().all(|j| j.state.word() == "carrying");
     floor.until(300, "racks are carried", both);
     floor.step(vec![Input::Close { token: 5, area }]);
     let closed = |c: &[Waiting]| matches!(c.last().map(|w| w.because), Some(Because::Robot(Why::Closed(_))));
@@ -119,7 +119,7 @@ fn the_root_of_waiting_is_the_closed_place() {
 
 #[test]
 fn the_root_of_waiting_is_the_person_in_the_way() {
-    let mut floor = Floor::lab(3);
+    let mut floor = TestFloor::lab(3);
     floor.submit_long(2..4);
     let node = floor.fleet.warehouse().stations[StationId(0)].node;
     let at: Point = floor.fleet.warehouse().nodes[node].at;
@@ -139,7 +139,7 @@ fn the_root_of_waiting_is_the_person_in_the_way() {
 
 #[test]
 fn jobs_wait_for_jobs_and_these_for_robots() {
-    let mut floor = Floor::lab(1);
+    let mut floor = TestFloor::lab(1);
     let first = floor.submit(request(deliver(3)));
     floor.until(60, "a robot has it", |f| f.is(first, "assigned"));
     let second = floor.submit(request(deliver(3)));
@@ -153,7 +153,7 @@ fn jobs_wait_for_jobs_and_these_for_robots() {
 
 #[test]
 fn strips_say_who_holds_the_nodes_of_an_area_and_what_is_closed_there() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     let robot = RobotId(0);
     let node = floor.fleet.ledger().node_of(robot);
     let window = Window::new(floor.now + Span::from_secs(30), floor.now + Span::from_secs(60));
@@ -162,7 +162,7 @@ fn strips_say_who_holds_the_nodes_of_an_area_and_what_is_closed_there() {
     floor.step(vec![]);
     let at = floor.fleet.warehouse().nodes[node].at;
     let d = nalgebra::Vector2::new(0.1, 0.1);
-    let strips = |f: &Floor, ahead| {
+    let strips = |f: &TestFloor, ahead| {
         f.fleet.occupancy(Area { low: at - d, high: at + d }, Span::from_secs(ahead), f.now)
     };
     let found = strips(&floor, 60).unwrap();
@@ -179,7 +179,7 @@ fn strips_say_who_holds_the_nodes_of_an_area_and_what_is_closed_there() {
 
 #[test]
 fn the_root_of_waiting_is_the_robot_that_somebody_paused() {
-    let mut floor = Floor::lab(4);
+    let mut floor = TestFloor::lab(4);
     floor.submit_long(2..6);
     let picked = |c: &[Waiting]| c.len() == 2 && matches!(c[1].because, Because::AtStop(Act::Pick(_)));
     let chain = floor.chain_to(300, picked);

@@ -10,7 +10,7 @@ use super::truncate;
 use crate::fleet::state::closed_areas::storage_behind;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
-use crate::fleet::state::fact::{Act, Fact, Kept, Task};
+use crate::fleet::state::fact::{Act, Fact, KeptRoute, Task};
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Telemetry;
@@ -290,7 +290,7 @@ impl Floor<'_> {
     }
 
     /// What others keep that were promised a node on which a robot stands now, and those behind them in turn.
-    fn truncated_for_place(&self, robot: RobotId, node: NodeId) -> Vec<Kept> {
+    fn truncated_for_place(&self, robot: RobotId, node: NodeId) -> Vec<KeptRoute> {
         let promised = self.holders_of(robot, node).into_iter().map(|(r, _)| r).collect();
         self.kept_by(self.all_behind(promised, Some(robot)))
     }

@@ -31,7 +31,7 @@ pub(in crate::fleet) enum Withheld {
 /// How often routes were searched for. Nobody is promised anything by it, so it is no fact and starts at zero with the
 /// process.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::fleet) struct Tally {
+pub(in crate::fleet) struct SearchCounts {
     pub plans: u64,
     pub failures: u64,
     pub replans: u64,
@@ -42,7 +42,7 @@ pub(in crate::fleet) struct Tally {
 pub(in crate::fleet) struct Traffic {
     pub planners: Planners,
     pub needs: Needs,
-    pub tally: Tally,
+    pub tally: SearchCounts,
     /// How long searches took, nanoseconds by the stopwatch of the settings.
     pub plan_times: Vec<u64>,
     /// Robots of which the ledger knew at the start and that have not been heard of since.
@@ -65,7 +65,7 @@ impl Traffic {
         Traffic {
             planners: Planners::new(warehouse, kinds),
             needs: Needs::default(),
-            tally: Tally::default(),
+            tally: SearchCounts::default(),
             plan_times: Vec::new(),
             unheard,
             started: None,

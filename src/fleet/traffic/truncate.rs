@@ -3,7 +3,7 @@
 //! Refuses: to move anything; it takes promises back, the planning phase makes new ones.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Fact, Kept};
+use crate::fleet::state::fact::{Fact, KeptRoute};
 use crate::fleet::state::floor::Floor;
 use crate::id::RobotId;
 use crate::timeline::Holder;
@@ -41,11 +41,11 @@ impl Floor<'_> {
     }
 
     /// What robots keep that lose all that was not granted to them.
-    pub(super) fn kept_by(&self, robots: BTreeSet<RobotId>) -> Vec<Kept> {
+    pub(super) fn kept_by(&self, robots: BTreeSet<RobotId>) -> Vec<KeptRoute> {
         let stuck = |r| (Holder::Robot(r), self.ledger.robots[r].failed);
         let holders: Vec<(Holder, bool)> = robots.into_iter().map(stuck).collect();
         let kept = self.ledger.timeline().truncation(&holders);
-        kept.into_iter().map(|(h, end, shifts)| Kept { robot: robot_of(h), end, shifts }).collect()
+        kept.into_iter().map(|(h, end, shifts)| KeptRoute { robot: robot_of(h), end, shifts }).collect()
     }
 
     /// Robots that were promised something which `robot` will now keep: its last granted visit, or all of them where

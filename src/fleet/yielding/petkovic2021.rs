@@ -9,7 +9,7 @@
 
 use crate::aware::{BODY_M, Effects, HumanAwarePolicy};
 use crate::fleet::people::intents::goal_of;
-use crate::fleet::people::state::{HumanState, Led, Mode};
+use crate::fleet::people::state::{HumanState, Led, WalkMode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
@@ -90,8 +90,8 @@ impl Yielding {
             return false;
         }
         match person.mode {
-            Mode::Stopped { since } => now - since >= AGAIN,
-            Mode::Deviating { .. } if floor.settings.policy == HumanAwarePolicy::Nhir => {
+            WalkMode::Stopped { since } => now - since >= AGAIN,
+            WalkMode::Deviating { .. } if floor.settings.policy == HumanAwarePolicy::Nhir => {
                 // Without a prediction the fleet does not react before a robot had to.
                 floor.ledger.present().any(|r| {
                     let loaded = floor.ledger.rack_on(r).is_some();
@@ -99,8 +99,8 @@ impl Yielding {
                     (floor.place_of(r) - place.at).norm() < radius
                 })
             }
-            Mode::Deviating { since } => since == now,
-            Mode::Idle | Mode::Following | Mode::Redirected => false,
+            WalkMode::Deviating { since } => since == now,
+            WalkMode::Idle | WalkMode::Following | WalkMode::Redirected => false,
         }
     }
 
@@ -129,7 +129,7 @@ impl Yielding {
         let end = segment.last().copied()?;
         let in_the_way = core.floor().robots_on(&segment);
         if in_the_way.is_empty() {
-            return Some(Led::Along(segment, Mode::Following));
+            return Some(Led::Along(segment, WalkMode::Following));
         }
         let mut cut = people.walkways.no_edges();
         for robot in core.ledger.present() {
@@ -140,7 +140,7 @@ impl Yielding {
         }
         let other = people.walkways.path(place.at, end, &cut).map(|w| w.points);
         if let Some(path) = other.filter(|p| core.floor().robots_on(p).is_empty()) {
-            return Some(Led::Along(path, Mode::Redirected));
+            return Some(Led::Along(path, WalkMode::Redirected));
         }
         let mut conditions = core.restrictions.conditions.clone();
         let way = Hypothesis { probability: 1.0, path: segment.clone(), stay: None };
@@ -149,7 +149,7 @@ impl Yielding {
             effects.plan(conditions, worker, &way, Band::ANY);
         }
         if self.all_leave(core, traffic, conditions, worker, &in_the_way, now) {
-            return Some(Led::Along(segment, Mode::Following));
+            return Some(Led::Along(segment, WalkMode::Following));
         }
         Some(Led::Stopped { by: in_the_way.first().copied() })
     }

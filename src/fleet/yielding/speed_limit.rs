@@ -6,7 +6,7 @@
 use crate::aware::{
     BEYOND, Drive, HumanAwarePolicy, SLOW_MPS, Swept, THRESHOLD, Walk, collision, moves_within,
 };
-use crate::fleet::people::state::{HumanState, Mode, STROLL_MPS};
+use crate::fleet::people::state::{HumanState, STROLL_MPS, WalkMode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
@@ -272,7 +272,7 @@ impl SpeedLimits<'_> {
             let waits_s = (since + plan.stay - now).max(Span::ZERO).as_secs_f64();
             return Walk { way: vec![w.at, at], speed_mps: GAIT_MPS, waits_s };
         }
-        let follows = matches!(person.mode, Mode::Following | Mode::Redirected);
+        let follows = matches!(person.mode, WalkMode::Following | WalkMode::Redirected);
         let path = person.rest_of_path(w.at).filter(|p| follows && p.len() > 1);
         // Whoever has stopped on the way may set off again, unless it is to let the robot leave; whoever has stood for
         // long waits for something, maybe for the robot to go on.

@@ -10,7 +10,7 @@ use crate::fleet::state::worker::GuidanceState;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::yielding::state::Yielding;
 use crate::geometry::Vector;
-use crate::human::{Sighting, Taken, Whereabouts};
+use crate::human::{Sighting, SightingOutcome, Whereabouts};
 use crate::id::Dense;
 use crate::time::{Span, Time};
 
@@ -38,7 +38,7 @@ impl Yielding {
             return s.worker.ix() < floor.ledger.workers.len();
         };
         let mut track = person.track.clone();
-        if track.see(s, now, floor.is_on_map()) == Taken::Ignored {
+        if track.see(s, now, floor.is_on_map()) == SightingOutcome::Ignored {
             return false;
         }
         let Some(place) = track.whereabouts(now) else { return false };

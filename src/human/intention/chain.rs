@@ -1,8 +1,8 @@
 //! Hidden Markov models over goals.
 //!
-//! Main types: [`Chain`] (forward filter and most probable sequence side by side), [`State`]. The published text calls
-//! the scores of Viterbi's algorithm probabilities; they are none (the maximum keeps one past per state), so
-//! posteriors come from sums here and the sequence from maxima. Refuses: to know what is observed.
+//! Main types: [`IntentBelief`] (forward filter and most probable sequence side by side), [`IntentState`]. The
+//! published text calls the scores of Viterbi's algorithm probabilities; they are none (the maximum keeps one past per
+//! state), so posteriors come from sums here and the sequence from maxima. Refuses: to know what is observed.
 
 use super::Belief;
 use crate::id::GoalId;
@@ -15,7 +15,7 @@ const MEMORY: usize = 512;
 
 /// What a person may be up to (Petković 2021, table 3.1). In the order of the chain's rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum State {
+pub enum IntentState {
     /// On the way to this goal.
     Goal(GoalId),
     /// On the way to one of several; written G? there.
@@ -26,36 +26,36 @@ pub enum State {
 
 /// The chain's present state of belief.
 #[derive(Clone, Debug)]
-pub(super) struct Chain {
-    states: Vec<State>,
+pub(super) struct IntentBelief {
+    states: Vec<IntentState>,
     probability: Vec<f64>,
     /// Log-probability of the best sequence that ends in each state.
     best: Vec<f64>,
     /// For each update each state with the best state before it.
-    past: VecDeque<Vec<(State, State)>>,
+    past: VecDeque<Vec<(IntentState, IntentState)>>,
 }
 
-impl Chain {
+impl IntentBelief {
     /// The chain with these states (sorted) and probabilities.
-    pub fn new(states: Vec<State>, probability: Vec<f64>) -> Chain {
+    pub fn new(states: Vec<IntentState>, probability: Vec<f64>) -> IntentBelief {
         let best = probability.iter().map(|p| p.max(FLOOR).ln()).collect();
-        Chain { states, probability, best, past: VecDeque::new() }
+        IntentBelief { states, probability, best, past: VecDeque::new() }
     }
 
-    pub fn states(&self) -> &[State] {
+    pub fn states(&self) -> &[IntentState] {
         &self.states
     }
 
     pub fn goals(&self) -> impl Iterator<Item = GoalId> {
-        self.states.iter().filter_map(|s| if let State::Goal(g) = s { Some(*g) } else { None })
+        self.states.iter().filter_map(|s| if let IntentState::Goal(g) = s { Some(*g) } else { None })
     }
 
-    fn index(&self, state: State) -> Option<usize> {
+    fn index(&self, state: IntentState) -> Option<usize> {
         self.states.binary_search(&state).ok()
     }
 
     /// One update: `transition(from, to)` and one emission per state. Both need not sum to one.
-    pub fn update(&mut self, transition: impl Fn(State, State) -> f64, emission: &[f64]) {
+    pub fn update(&mut self, transition: impl Fn(IntentState, IntentState) -> f64, emission: &[f64]) {
         let n = self.states.len();
         let total: f64 = emission.iter().map(|e| e.max(0.0)).sum();
         let emit = |i: usize| (emission[i].max(0.0) / total.max(FLOOR)).max(FLOOR);
@@ -83,9 +83,10 @@ impl Chain {
 
     /// Adds a goal with a share of the probability: the smallest that any goal has, but not less than 0.1.
     pub fn add_goal(&mut self, goal: GoalId) {
-        let state = State::Goal(goal);
+        let state = IntentState::Goal(goal);
         let Err(at) = self.states.binary_search(&state) else { return };
-        let least = self.goals().filter_map(|g| self.index(State::Goal(g))).map(|i| self.probability[i]);
+        let least =
+            self.goals().filter_map(|g| self.index(IntentState::Goal(g))).map(|i| self.probability[i]);
         let share = least.fold(f64::INFINITY, f64::min);
         let share = if share.is_finite() { share.max(0.1) } else { 0.1 };
         self.states.insert(at, state);
@@ -95,8 +96,8 @@ impl Chain {
     }
 
     /// Takes a goal out; its probability goes to `heir`, or to all others where that is no state.
-    pub fn remove_goal(&mut self, goal: GoalId, heir: State) {
-        let Some(at) = self.index(State::Goal(goal)) else { return };
+    pub fn remove_goal(&mut self, goal: GoalId, heir: IntentState) {
+        let Some(at) = self.index(IntentState::Goal(goal)) else { return };
         self.states.remove(at);
         self.best.remove(at);
         let share = self.probability.remove(at);
@@ -107,23 +108,23 @@ impl Chain {
     }
 
     pub fn belief(&self) -> Belief {
-        let of = |state: State| self.index(state).map_or(0.0, |i| self.probability[i]);
+        let of = |state: IntentState| self.index(state).map_or(0.0, |i| self.probability[i]);
         Belief {
-            goals: self.goals().map(|g| (g, of(State::Goal(g)))).collect(),
-            undecided: of(State::Undecided),
-            elsewhere: of(State::Elsewhere),
+            goals: self.goals().map(|g| (g, of(IntentState::Goal(g)))).collect(),
+            undecided: of(IntentState::Undecided),
+            elsewhere: of(IntentState::Elsewhere),
         }
     }
 
     /// The most probable sequence of states (Viterbi), the oldest first, one per update and the start.
-    pub fn sequence(&self) -> Vec<State> {
+    pub fn sequence(&self) -> Vec<IntentState> {
         let last = (0..self.states.len()).max_by(|a, b| self.best[*a].total_cmp(&self.best[*b]));
         let Some(mut state) = last.map(|i| self.states[i]) else { return Vec::new() };
         let mut out = vec![state];
         for before in self.past.iter().rev() {
             // A goal that came later was not known then.
             let known = before.iter().find(|(to, _)| *to == state);
-            state = known.map_or(State::Undecided, |(_, from)| *from);
+            state = known.map_or(IntentState::Undecided, |(_, from)| *from);
             out.push(state);
         }
         out.reverse();
@@ -141,21 +142,21 @@ fn normalise(p: &mut [f64]) {
 mod tests {
     use super::*;
 
-    const A: State = State::Goal(GoalId(1));
-    const B: State = State::Goal(GoalId(2));
+    const A: IntentState = IntentState::Goal(GoalId(1));
+    const B: IntentState = IntentState::Goal(GoalId(2));
 
     #[test]
     fn the_filter_and_the_sequence_are_those_of_the_textbook() {
         // Fever or healthy, in the well-known example: two states, three observations.
-        let mut chain = Chain::new(vec![A, B], vec![0.6, 0.4]);
-        let hold = |from: State, to: State| match (from, to) {
+        let mut chain = IntentBelief::new(vec![A, B], vec![0.6, 0.4]);
+        let hold = |from: IntentState, to: IntentState| match (from, to) {
             (A, A) => 0.7,
             (A, _) => 0.3,
             (B, A) => 0.4,
             _ => 0.6,
         };
         // The first observation acts on the prior itself.
-        let still = |from: State, to: State| if from == to { 1.0 } else { 0.0 };
+        let still = |from: IntentState, to: IntentState| if from == to { 1.0 } else { 0.0 };
         chain.update(still, &[0.5, 0.1]);
         chain.update(hold, &[0.4, 0.3]);
         chain.update(hold, &[0.1, 0.6]);
@@ -167,14 +168,15 @@ mod tests {
 
     #[test]
     fn goals_come_with_a_tenth_and_leave_theirs_behind() {
-        let mut chain = Chain::new(vec![A, State::Undecided, State::Elsewhere], vec![0.5, 0.4, 0.1]);
+        let mut chain =
+            IntentBelief::new(vec![A, IntentState::Undecided, IntentState::Elsewhere], vec![0.5, 0.4, 0.1]);
         chain.add_goal(GoalId(2));
         let belief = chain.belief();
         assert!(
             (belief.goals[1].1 - 0.5 / 1.5).abs() < 1e-12,
             "the least of the goals has more than a tenth"
         );
-        chain.remove_goal(GoalId(1), State::Undecided);
+        chain.remove_goal(GoalId(1), IntentState::Undecided);
         let belief = chain.belief();
         assert_eq!(belief.goals.len(), 1);
         assert!((belief.undecided - 0.9 / 1.5).abs() < 1e-12);

@@ -52,13 +52,13 @@ pub struct PurposeModel {
     /// How long people stay at a goal, seconds.
     pub dwell_s: f64,
     /// Places of which more is known.
-    pub places: Vec<Place>,
+    pub places: Vec<DetourPlace>,
 }
 
 /// What is known of people at one place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Place {
+pub struct DetourPlace {
     /// Where, metres.
     pub x_m: f64,
     /// Where, metres.
@@ -221,7 +221,7 @@ impl Detour {
     fn next_from(&self, from: GoalId, distances: &Distances) -> Option<BTreeMap<GoalId, f64>> {
         let place_of = |g: GoalId| {
             let at = distances.place(g)?;
-            let off = |p: &Place| (Point::new(p.x_m, p.y_m) - at).norm();
+            let off = |p: &DetourPlace| (Point::new(p.x_m, p.y_m) - at).norm();
             self.model.places.iter().position(|p| off(p) <= PLACE_M)
         };
         let shares = &self.model.places[place_of(from)?].next;
@@ -355,7 +355,8 @@ mod tests {
 
     #[test]
     fn where_people_go_next_does_not_outweigh_the_workers_own_task_for_good() {
-        let place = |x_m: f64, next: [f64; 3]| Place { x_m, y_m: 0.0, dwell_s: 1.0, next: next.to_vec() };
+        let place =
+            |x_m: f64, next: [f64; 3]| DetourPlace { x_m, y_m: 0.0, dwell_s: 1.0, next: next.to_vec() };
         let places =
             vec![place(0.0, [0.0, 0.5, 0.5]), place(9.0, [0.5, 0.0, 0.5]), place(-9.0, [0.5, 0.5, 0.0])];
         let model = Arc::new(PurposeModel { places, ..PurposeModel::default() });

@@ -14,8 +14,8 @@ pub mod tiles;
 #[cfg(test)]
 mod tests;
 
-pub use chain::State;
-pub use detour::{Place, PurposeModel};
+pub use chain::IntentState;
+pub use detour::{DetourPlace, PurposeModel};
 pub use report::{Credible, reported_goals};
 
 use super::{Distances, Model};
@@ -140,7 +140,7 @@ impl Intention {
     }
 
     /// The most probable sequence of states up to now, the oldest first; only the published methods keep one.
-    pub fn sequence(&self) -> Vec<State> {
+    pub fn sequence(&self) -> Vec<IntentState> {
         match &self.inner {
             Inner::Published(p) => p.sequence(),
             Inner::Detour(_) => Vec::new(),

@@ -4,7 +4,7 @@
 //! `motion.rs`, `chain.rs`). Updates come with displacement, not with messages, so that a fast stream of poses does
 //! not shorten the memory. Refuses: prior knowledge of the worker's task, which these methods have no place for.
 
-use super::chain::{Chain, State};
+use super::chain::{IntentBelief, IntentState};
 use super::{Belief, TooManyGoals, motion};
 use crate::geometry::{Point, turn_between};
 use crate::human::Distances;
@@ -46,7 +46,7 @@ pub(super) enum Chapter {
 #[derive(Clone, Debug)]
 pub(super) struct Published {
     chapter: Chapter,
-    chain: Chain,
+    chain: IntentBelief,
     /// Position, heading and time of the last update.
     last: Option<(Point, Option<f64>, Time)>,
     smooth: BTreeMap<GoalId, f64>,
@@ -57,8 +57,10 @@ impl Published {
     pub fn new(chapter: Chapter) -> Published {
         let chain = match chapter {
             // Eq. 3.19.
-            Chapter::Three => Chain::new(vec![State::Undecided, State::Elsewhere], vec![1.0, 0.0]),
-            Chapter::Four => Chain::new(Vec::new(), Vec::new()),
+            Chapter::Three => {
+                IntentBelief::new(vec![IntentState::Undecided, IntentState::Elsewhere], vec![1.0, 0.0])
+            }
+            Chapter::Four => IntentBelief::new(Vec::new(), Vec::new()),
         };
         Published { chapter, chain, last: None, smooth: BTreeMap::new(), evidence: Evidence::new(PATIENCE) }
     }
@@ -71,19 +73,20 @@ impl Published {
         match (self.chapter, self.last) {
             // Before anything was seen all goals are alike; the print's 1/g is meant to be 1/(g + 1) for g + 1 states.
             (Chapter::Four, None) => {
-                let mut states: Vec<State> = self.chain.goals().chain([goal]).map(State::Goal).collect();
+                let mut states: Vec<IntentState> =
+                    self.chain.goals().chain([goal]).map(IntentState::Goal).collect();
                 states.sort_unstable();
                 states.dedup();
                 let share = 1.0 / states.len() as f64;
-                self.chain = Chain::new(states.clone(), vec![share; states.len()]);
+                self.chain = IntentBelief::new(states.clone(), vec![share; states.len()]);
             }
             (Chapter::Three, None) => {
-                let mut states: Vec<State> = self.chain.states().to_vec();
-                states.extend([State::Goal(goal)]);
+                let mut states: Vec<IntentState> = self.chain.states().to_vec();
+                states.extend([IntentState::Goal(goal)]);
                 states.sort_unstable();
                 states.dedup();
-                let start = |s: &State| if *s == State::Undecided { 1.0 } else { 0.0 };
-                self.chain = Chain::new(states.clone(), states.iter().map(start).collect());
+                let start = |s: &IntentState| if *s == IntentState::Undecided { 1.0 } else { 0.0 };
+                self.chain = IntentBelief::new(states.clone(), states.iter().map(start).collect());
             }
             _ => self.chain.add_goal(goal),
         }
@@ -91,7 +94,7 @@ impl Published {
     }
 
     pub fn remove_goal(&mut self, goal: GoalId) {
-        self.chain.remove_goal(goal, State::Undecided);
+        self.chain.remove_goal(goal, IntentState::Undecided);
         self.smooth.remove(&goal);
     }
 
@@ -103,7 +106,7 @@ impl Published {
         self.chain.belief()
     }
 
-    pub fn sequence(&self) -> Vec<State> {
+    pub fn sequence(&self) -> Vec<IntentState> {
         self.chain.sequence()
     }
 
@@ -136,7 +139,9 @@ impl Published {
             }
             Chapter::Four => {
                 let others = (self.chain.states().len() - 1).max(1) as f64;
-                let step = |from: State, to: State| if from == to { STAY } else { (1.0 - STAY) / others };
+                let step = |from: IntentState, to: IntentState| {
+                    if from == to { STAY } else { (1.0 - STAY) / others }
+                };
                 let emission: Vec<f64> = smooth.iter().map(|v| v.tanh()).collect();
                 self.chain.update(step, &emission);
             }
@@ -146,16 +151,16 @@ impl Published {
 
 /// One update of the chain of chapter 3 (eq. 3.16 to 3.18). `goes_nowhere` is the best average of late, where that
 /// is too little for any goal.
-pub(super) fn weigh_chapter_three(chain: &mut Chain, v: &[f64], goes_nowhere: Option<f64>) {
+pub(super) fn weigh_chapter_three(chain: &mut IntentBelief, v: &[f64], goes_nowhere: Option<f64>) {
     let goals = v.len() as f64;
-    let step = move |from: State, to: State| match (from, to) {
-        (State::Goal(a), State::Goal(b)) => f64::from(a == b) * (1.0 - ALPHA),
-        (State::Goal(_), State::Undecided) => ALPHA,
-        (State::Undecided, State::Goal(_)) => BETA,
-        (State::Undecided, State::Undecided) => 1.0 - goals * BETA - GAMMA,
-        (State::Undecided, State::Elsewhere) => GAMMA,
-        (State::Elsewhere, State::Undecided) => DELTA,
-        (State::Elsewhere, State::Elsewhere) => 1.0 - DELTA,
+    let step = move |from: IntentState, to: IntentState| match (from, to) {
+        (IntentState::Goal(a), IntentState::Goal(b)) => f64::from(a == b) * (1.0 - ALPHA),
+        (IntentState::Goal(_), IntentState::Undecided) => ALPHA,
+        (IntentState::Undecided, IntentState::Goal(_)) => BETA,
+        (IntentState::Undecided, IntentState::Undecided) => 1.0 - goals * BETA - GAMMA,
+        (IntentState::Undecided, IntentState::Elsewhere) => GAMMA,
+        (IntentState::Elsewhere, IntentState::Undecided) => DELTA,
+        (IntentState::Elsewhere, IntentState::Elsewhere) => 1.0 - DELTA,
         _ => 0.0,
     };
     let emission: Vec<f64> = match goes_nowhere {

@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Credible`]; main function: [`reported_goals`]. Refuses: thresholds that say less the more is known.
 
-use super::{Belief, State};
+use super::{Belief, IntentState};
 use crate::id::GoalId;
 
 /// The smallest set of hypotheses that holds a given probability.
@@ -26,9 +26,9 @@ impl Belief {
     }
 
     /// The most probable hypothesis, the first of equals.
-    pub fn top(&self) -> State {
+    pub fn top(&self) -> IntentState {
         let all = self.all();
-        all.into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a }).map_or(State::Elsewhere, |s| s.0)
+        all.into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a }).map_or(IntentState::Elsewhere, |s| s.0)
     }
 
     /// How undecided it is, 0 (sure) to 1 (all hypotheses alike).
@@ -38,9 +38,11 @@ impl Belief {
         nats / (all.len().max(2) as f64).ln()
     }
 
-    fn all(&self) -> Vec<(State, f64)> {
-        let goals = self.goals.iter().map(|g| (State::Goal(g.0), g.1));
-        goals.chain([(State::Undecided, self.undecided), (State::Elsewhere, self.elsewhere)]).collect()
+    fn all(&self) -> Vec<(IntentState, f64)> {
+        let goals = self.goals.iter().map(|g| (IntentState::Goal(g.0), g.1));
+        goals
+            .chain([(IntentState::Undecided, self.undecided), (IntentState::Elsewhere, self.elsewhere)])
+            .collect()
     }
 
     /// The smallest set of hypotheses with so much probability together.
@@ -54,8 +56,8 @@ impl Belief {
             }
             sum += p;
             match state {
-                State::Goal(g) => set.goals.push(g),
-                State::Undecided | State::Elsewhere => set.open = true,
+                IntentState::Goal(g) => set.goals.push(g),
+                IntentState::Undecided | IntentState::Elsewhere => set.open = true,
             }
         }
         set
@@ -90,7 +92,10 @@ mod tests {
         assert_eq!(b.credible(0.95), Credible { goals: vec![GoalId(1), GoalId(2), GoalId(0)], open: false });
         assert_eq!(b.credible(0.5), Credible { goals: vec![GoalId(1)], open: false });
         assert!(b.credible(0.99).open);
-        assert_eq!((b.top(), belief(&[0.3], 0.7).top()), (State::Goal(GoalId(1)), State::Elsewhere));
+        assert_eq!(
+            (b.top(), belief(&[0.3], 0.7).top()),
+            (IntentState::Goal(GoalId(1)), IntentState::Elsewhere)
+        );
         assert!(belief(&[1.0], 0.0).entropy() < 1e-12 && b.entropy() > 0.5);
     }
 

@@ -112,7 +112,7 @@ fn beliefs_sum_to_one_and_the_goal_that_is_walked_to_wins() {
             }
             let (first, last) = (&beliefs[0], person.belief());
             let id = GoalId(i as u64);
-            assert_eq!(last.top(), State::Goal(id), "{method:?} to {goal}: {last:?}");
+            assert_eq!(last.top(), IntentState::Goal(id), "{method:?} to {goal}: {last:?}");
             assert!(last.of(id) > 0.6 && last.of(id) > first.of(id), "{method:?} to {goal}: {last:?}");
         }
     }
@@ -172,7 +172,7 @@ fn goals_come_and_go_while_a_person_walks() {
         let fresh = person.belief();
         assert!((fresh.sum() - 1.0).abs() < 1e-9 && fresh.of(GoalId(9)) > 0.02, "{method:?} {fresh:?}");
         walk(&mut person, &[p(3.0, 7.0), p(3.0, 1.0)], Span::from_millis(100), &all);
-        assert_eq!(person.belief().top(), State::Goal(GoalId(9)), "{method:?} {:?}", person.belief());
+        assert_eq!(person.belief().top(), IntentState::Goal(GoalId(9)), "{method:?} {:?}", person.belief());
         person.remove_goal(GoalId(9));
         all.remove_goal(GoalId(9));
         let left = person.belief();

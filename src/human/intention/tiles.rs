@@ -6,7 +6,7 @@
 //! where no tile of the path is seen the reward is −(ε + π); eq. 3.9 discounts by 0.9. Refuses: floors that change,
 //! and more than a few thousand tiles.
 
-use super::chain::{Chain, State};
+use super::chain::{IntentBelief, IntentState};
 use super::published::{Evidence, weigh_chapter_three};
 use super::{Belief, TooManyGoals};
 use crate::geometry::turn_between;
@@ -282,7 +282,7 @@ impl Tiles {
 /// The recogniser for actions on tiles. Goal `i` of the drawing is `GoalId(i)`.
 #[derive(Clone, Debug)]
 pub struct TileIntention {
-    chain: Chain,
+    chain: IntentBelief,
     evidence: Evidence,
     steps: i64,
 }
@@ -293,11 +293,12 @@ impl TileIntention {
         if tiles.goals() > 9 {
             return Err(TooManyGoals { at_most: 9 });
         }
-        let goals = (0..tiles.goals()).map(|g| State::Goal(GoalId(g as u64)));
-        let states: Vec<State> = goals.chain([State::Undecided, State::Elsewhere]).collect();
-        let start = states.iter().map(|s| if *s == State::Undecided { 1.0 } else { 0.0 }).collect();
+        let goals = (0..tiles.goals()).map(|g| IntentState::Goal(GoalId(g as u64)));
+        let states: Vec<IntentState> =
+            goals.chain([IntentState::Undecided, IntentState::Elsewhere]).collect();
+        let start = states.iter().map(|s| if *s == IntentState::Undecided { 1.0 } else { 0.0 }).collect();
         let evidence = Evidence::new(Span::from_secs(PATIENCE));
-        Ok(TileIntention { chain: Chain::new(states, start), evidence, steps: 0 })
+        Ok(TileIntention { chain: IntentBelief::new(states, start), evidence, steps: 0 })
     }
 
     /// Takes in an action.
@@ -315,7 +316,7 @@ impl TileIntention {
     }
 
     /// The most probable sequence of states, the oldest first.
-    pub fn sequence(&self) -> Vec<State> {
+    pub fn sequence(&self) -> Vec<IntentState> {
         self.chain.sequence()
     }
 }

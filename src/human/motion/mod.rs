@@ -8,7 +8,7 @@ mod mode;
 
 use crate::geometry::{Point, Vector};
 use crate::time::{Span, Time};
-use mode::{Mat5, Mode, State, Vec5};
+use mode::{KinematicState, Mat5, MotionMode, Vec5};
 use nalgebra::{Matrix2, Matrix5x2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{LN_2, TAU};
@@ -124,7 +124,7 @@ const GAP_S: f64 = 30.0;
 pub struct Motion {
     model: MotionModel,
     seen: Option<Time>,
-    states: [State; 3],
+    states: [KinematicState; 3],
     chances: [f64; 3],
     doubts: u32,
     /// Sum of the logarithms of how likely each fix was (density per m²), and how many fixes.
@@ -134,7 +134,7 @@ pub struct Motion {
 impl Motion {
     /// Nothing was seen yet.
     pub fn new(model: MotionModel) -> Motion {
-        let nothing = State { mean: Vec5::zeros(), cov: Mat5::identity() };
+        let nothing = KinematicState { mean: Vec5::zeros(), cov: Mat5::identity() };
         let (states, chances) = ([nothing; 3], model.shares);
         Motion { model, seen: None, states, chances, doubts: 0, likelihood: (0.0, 0) }
     }
@@ -164,8 +164,9 @@ impl Motion {
             return Use::Restarted;
         }
         let (states, prior) = self.mixed(dt);
-        let predicted: Vec<State> =
-            (Mode::ALL.iter().zip(&states)).map(|(mode, s)| mode.predict(&self.model, s, dt, true)).collect();
+        let predicted: Vec<KinematicState> = (MotionMode::ALL.iter().zip(&states))
+            .map(|(mode, s)| mode.predict(&self.model, s, dt, true))
+            .collect();
         let variance = fix.sigma_m * fix.sigma_m + self.model.sway_m * self.model.sway_m;
         let surprises: Vec<Surprise> = predicted.iter().map(|s| Surprise::of(s, fix.at, variance)).collect();
         if surprises.iter().all(|s| s.mahalanobis2 > GATE) {
@@ -195,13 +196,13 @@ impl Motion {
         let speed = SPEED_MPS * SPEED_MPS;
         let spread = Vec5::new(place, place, speed, speed, self.model.turn_variance());
         let mean = Vec5::new(fix.at.x, fix.at.y, 0.0, 0.0, 0.0);
-        self.states = [State { mean, cov: Mat5::from_diagonal(&spread) }; 3];
+        self.states = [KinematicState { mean, cov: Mat5::from_diagonal(&spread) }; 3];
         (self.chances, self.doubts, self.seen) = (self.model.shares, 0, Some(fix.seen));
     }
 
     /// The states with which each mode starts a step of `dt` seconds, and how probable the modes are then. A
     /// change leads to any mode, so two steps are one of twice the length.
-    fn mixed(&self, dt: f64) -> ([State; 3], [f64; 3]) {
+    fn mixed(&self, dt: f64) -> ([KinematicState; 3], [f64; 3]) {
         let kept = (-self.model.changes_per_s * dt).exp();
         let mut prior = [0.0; 3];
         let states = std::array::from_fn(|to| {
@@ -216,14 +217,14 @@ impl Motion {
 
     /// Where the person is expected at some moment, `noisy` or as if nobody changed anything after the newest
     /// fix.
-    fn at(&self, t: Time, noisy: bool) -> Option<(State, [f64; 3])> {
+    fn at(&self, t: Time, noisy: bool) -> Option<(KinematicState, [f64; 3])> {
         let seen = self.seen?;
         let dt = (t - seen).max(Span::ZERO).as_secs_f64();
         if dt == 0.0 {
             return Some((blend(&self.states, &self.chances), self.chances));
         }
-        let moved: [State; 3] =
-            std::array::from_fn(|i| Mode::ALL[i].predict(&self.model, &self.states[i], dt, noisy));
+        let moved: [KinematicState; 3] =
+            std::array::from_fn(|i| MotionMode::ALL[i].predict(&self.model, &self.states[i], dt, noisy));
         Some((blend(&moved, &self.chances), self.chances))
     }
 
@@ -239,7 +240,7 @@ impl Motion {
     }
 }
 
-fn ahead(s: &State, modes: [f64; 3]) -> Ahead {
+fn ahead(s: &KinematicState, modes: [f64; 3]) -> Ahead {
     Ahead {
         at: Point::new(s.mean[0], s.mean[1]),
         cov: s.cov.fixed_view::<2, 2>(0, 0).into_owned(),
@@ -249,7 +250,7 @@ fn ahead(s: &State, modes: [f64; 3]) -> Ahead {
 }
 
 /// One Gaussian with the mean and covariance of several.
-fn blend(states: &[State; 3], weights: &[f64; 3]) -> State {
+fn blend(states: &[KinematicState; 3], weights: &[f64; 3]) -> KinematicState {
     let mut mean = Vec5::zeros();
     states.iter().zip(weights).for_each(|(s, w)| mean += s.mean * *w);
     let mut cov = Mat5::zeros();
@@ -257,7 +258,7 @@ fn blend(states: &[State; 3], weights: &[f64; 3]) -> State {
         let off = s.mean - mean;
         cov += (s.cov + off * off.transpose()) * *w;
     }
-    State { mean, cov }
+    KinematicState { mean, cov }
 }
 
 /// A fix against what was predicted.
@@ -270,7 +271,7 @@ struct Surprise {
 }
 
 impl Surprise {
-    fn of(s: &State, at: Point, variance: f64) -> Surprise {
+    fn of(s: &KinematicState, at: Point, variance: f64) -> Surprise {
         let spread = s.cov.fixed_view::<2, 2>(0, 0).into_owned() + Matrix2::identity() * variance;
         let inverse = spread.try_inverse().expect("a covariance with a fix's own variance has an inverse");
         let innovation = Vector::new(at.x - s.mean[0], at.y - s.mean[1]);
@@ -280,8 +281,8 @@ impl Surprise {
         Surprise { gain, spread, innovation, mahalanobis2, log_density }
     }
 
-    fn update(&self, s: &State) -> State {
+    fn update(&self, s: &KinematicState) -> KinematicState {
         let cov = s.cov - self.gain * self.spread * self.gain.transpose();
-        State { mean: s.mean + self.gain * self.innovation, cov: (cov + cov.transpose()) / 2.0 }
+        KinematicState { mean: s.mean + self.gain * self.innovation, cov: (cov + cov.transpose()) / 2.0 }
     }
 }

@@ -1,7 +1,7 @@
 //! The ways in which people move, and how a state moves on in each.
 //!
-//! Main types: [`State`] (a Gaussian over place, velocity and turn rate), [`Mode`]. The prediction is that of a
-//! cubature Kalman filter (Arasaratnam and Haykin 2009). Refuses: measurements.
+//! Main types: [`KinematicState`] (a Gaussian over place, velocity and turn rate), [`MotionMode`]. The prediction is
+//! that of a cubature Kalman filter (Arasaratnam and Haykin 2009). Refuses: measurements.
 
 use super::MotionModel;
 use nalgebra::{SMatrix, SVector};
@@ -13,14 +13,14 @@ pub(super) type Mat5 = SMatrix<f64, N, N>;
 
 /// A Gaussian: metres, metres per second, radians per second.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct State {
+pub(super) struct KinematicState {
     pub mean: Vec5,
     pub cov: Mat5,
 }
 
 /// A way of moving.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Mode {
+pub(super) enum MotionMode {
     /// Coming to rest, or at rest.
     Standing,
     /// At a nearly constant velocity.
@@ -29,20 +29,20 @@ pub(super) enum Mode {
     Turning,
 }
 
-impl Mode {
-    pub const ALL: [Mode; 3] = [Mode::Standing, Mode::Straight, Mode::Turning];
+impl MotionMode {
+    pub const ALL: [MotionMode; 3] = [MotionMode::Standing, MotionMode::Straight, MotionMode::Turning];
 
     /// Where `x` is after `dt` seconds.
     fn move_on(self, m: &MotionModel, x: &Vec5, dt: f64) -> Vec5 {
         let (vx, vy) = (x[2], x[3]);
         match self {
-            Mode::Standing => {
+            MotionMode::Standing => {
                 let kept = (-dt / m.halt_s).exp();
                 let run = m.halt_s * (1.0 - kept);
                 Vec5::new(x[0] + vx * run, x[1] + vy * run, vx * kept, vy * kept, 0.0)
             }
-            Mode::Straight => Vec5::new(x[0] + vx * dt, x[1] + vy * dt, vx, vy, 0.0),
-            Mode::Turning => {
+            MotionMode::Straight => Vec5::new(x[0] + vx * dt, x[1] + vy * dt, vx, vy, 0.0),
+            MotionMode::Turning => {
                 let decay = m.straighten_per_s();
                 let kept = (-decay * dt).exp();
                 let turned = x[4] * (1.0 - kept) / decay;
@@ -69,7 +69,7 @@ impl Mode {
         let q = m.accel_psd[self as usize];
         let (pp, pv, vv) = match self {
             // A velocity that is pushed about and comes to rest (Ornstein and Uhlenbeck).
-            Mode::Standing => {
+            MotionMode::Standing => {
                 let (t, e) = (m.halt_s, (-dt / m.halt_s).exp());
                 let settled = t / 2.0 * (1.0 - e * e);
                 (
@@ -78,13 +78,13 @@ impl Mode {
                     q * settled,
                 )
             }
-            Mode::Straight | Mode::Turning => (q * dt.powi(3) / 3.0, q * dt * dt / 2.0, q * dt),
+            MotionMode::Straight | MotionMode::Turning => (q * dt.powi(3) / 3.0, q * dt * dt / 2.0, q * dt),
         };
         let turn = m.turn_variance();
         let ww = match self {
-            Mode::Turning => turn * (1.0 - (-2.0 * m.straighten_per_s() * dt).exp()),
+            MotionMode::Turning => turn * (1.0 - (-2.0 * m.straighten_per_s() * dt).exp()),
             // Whoever begins to turn does it at any rate.
-            Mode::Standing | Mode::Straight => turn,
+            MotionMode::Standing | MotionMode::Straight => turn,
         };
         let mut noise = Mat5::zeros();
         for i in 0..2 {
@@ -99,7 +99,7 @@ impl Mode {
 
     /// The state after `dt` seconds; `noisy` says whether what people do in between counts, or only what is not
     /// known now.
-    pub fn predict(self, m: &MotionModel, s: &State, dt: f64, noisy: bool) -> State {
+    pub fn predict(self, m: &MotionModel, s: &KinematicState, dt: f64, noisy: bool) -> KinematicState {
         let root = root_of(&s.cov) * (N as f64).sqrt();
         let mut points = [Vec5::zeros(); 2 * N];
         let mut mean = Vec5::zeros();
@@ -119,7 +119,7 @@ impl Mode {
         if noisy {
             cov += self.noise(m, dt);
         }
-        State { mean, cov: (cov + cov.transpose()) / 2.0 }
+        KinematicState { mean, cov: (cov + cov.transpose()) / 2.0 }
     }
 }
 
@@ -148,19 +148,19 @@ mod tests {
         // x += v/w (sin(θ + w dt) − sin θ), y += v/w (cos θ − cos(θ + w dt)), with turns that hardly decay.
         let m = MotionModel { straighten_s: 1e9, ..model() };
         let (v, w, dt) = (1.3, 0.8, 0.5);
-        let x = Mode::Turning.move_on(&m, &Vec5::new(2.0, 1.0, v, 0.0, w), dt);
+        let x = MotionMode::Turning.move_on(&m, &Vec5::new(2.0, 1.0, v, 0.0, w), dt);
         assert!((x[0] - (2.0 + v / w * (w * dt).sin())).abs() < 1e-6, "{x}");
         assert!((x[1] - (1.0 + v / w * (1.0 - (w * dt).cos()))).abs() < 1e-6, "{x}");
-        let straight = Mode::Turning.move_on(&m, &Vec5::new(2.0, 1.0, v, 0.0, 0.0), dt);
-        assert_eq!(straight, Mode::Straight.move_on(&m, &Vec5::new(2.0, 1.0, v, 0.0, 0.0), dt));
+        let straight = MotionMode::Turning.move_on(&m, &Vec5::new(2.0, 1.0, v, 0.0, 0.0), dt);
+        assert_eq!(straight, MotionMode::Straight.move_on(&m, &Vec5::new(2.0, 1.0, v, 0.0, 0.0), dt));
     }
 
     #[test]
     fn two_steps_are_one_step_twice_as_long() {
         let m = model();
         let cov = Mat5::from_diagonal(&Vec5::new(0.01, 0.02, 0.2, 0.1, 1e-12));
-        let s = State { mean: Vec5::new(1.0, 2.0, 1.0, -0.5, 0.0), cov };
-        for mode in [Mode::Standing, Mode::Straight] {
+        let s = KinematicState { mean: Vec5::new(1.0, 2.0, 1.0, -0.5, 0.0), cov };
+        for mode in [MotionMode::Standing, MotionMode::Straight] {
             let one = mode.predict(&m, &s, 0.8, true);
             let two = mode.predict(&m, &mode.predict(&m, &s, 0.4, true), 0.4, true);
             assert!((one.mean - two.mean).norm() < 1e-9, "{mode:?}");
@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn who_comes_to_rest_stays_within_the_run_out() {
         let m = model();
-        let x = Mode::Standing.move_on(&m, &Vec5::new(0.0, 0.0, 1.2, 0.0, 0.0), 60.0);
+        let x = MotionMode::Standing.move_on(&m, &Vec5::new(0.0, 0.0, 1.2, 0.0, 0.0), 60.0);
         assert!((x[0] - 1.2 * m.halt_s).abs() < 1e-9 && x[2].abs() < 1e-9);
     }
 }

@@ -1,6 +1,6 @@
 //! Kinds of robots in scenario files: one for all (`fleet`), or several with their shares (`kinds`).
 //!
-//! Main types: [`KindShare`], and the file's own [`Figures`] and [`KindFile`]. Refuses: kinds of one name.
+//! Main types: [`KindShare`], and the file's own [`KindFigures`] and [`KindFile`]. Refuses: kinds of one name.
 
 use super::check::{ScenarioError, check};
 use crate::fleet::{Charging, RobotKind, USUAL_KIND};
@@ -34,7 +34,7 @@ impl KindShare {
 /// The figures of a kind as files give them; what is left out is as usual.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct Figures {
+pub(super) struct KindFigures {
     speed_mps: Option<f64>,
     speed_loaded_mps: Option<f64>,
     accel_unloaded_mps2: Option<f64>,
@@ -77,7 +77,7 @@ pub(super) struct KindFile {
     #[serde(default = "one")]
     share: usize,
     #[serde(default)]
-    fleet: Figures,
+    fleet: KindFigures,
 }
 
 /// [`Charging`] as files name it.
@@ -104,7 +104,10 @@ fn one() -> usize {
 }
 
 /// The kinds of a file: `fleet` for all robots, or `kinds`.
-pub(super) fn read(fleet: Option<Figures>, kinds: Vec<KindFile>) -> Result<Vec<KindShare>, ScenarioError> {
+pub(super) fn read(
+    fleet: Option<KindFigures>,
+    kinds: Vec<KindFile>,
+) -> Result<Vec<KindShare>, ScenarioError> {
     if kinds.is_empty() {
         let figures = fleet.unwrap_or_default();
         return Ok(KindShare::only(figures.kind(USUAL_KIND.to_owned(), "fleet")?));
@@ -171,7 +174,7 @@ impl Battery {
     }
 }
 
-impl Figures {
+impl KindFigures {
     fn kind(self, name: String, of: &str) -> Result<RobotKind, ScenarioError> {
         let kinematics = self.kinematics(of)?;
         let charging = self.battery.charging(&format!("{of}.battery"))?;

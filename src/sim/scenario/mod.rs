@@ -21,7 +21,7 @@ use crate::human::Model;
 use crate::time::{Span, Time};
 use crate::warehouse::{Findings, Warehouse};
 use check::check;
-use kinds::{Figures, KindFile};
+use kinds::{KindFigures, KindFile};
 use serde::Deserialize;
 use std::sync::Arc;
 
@@ -145,7 +145,7 @@ struct File {
     #[serde(default)]
     faults: Faults,
     #[serde(default)]
-    fleet: Option<Figures>,
+    fleet: Option<KindFigures>,
     #[serde(default)]
     kinds: Vec<KindFile>,
     #[serde(default)]

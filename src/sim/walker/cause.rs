@@ -1,6 +1,6 @@
 //! Why a walker does what it does: the truth against which detection is scored. The fleet never sees it.
 //!
-//! Main types: [`Cause`], [`Segment`], [`Log`]. Refuses: to be known to anybody but the scorer.
+//! Main types: [`WalkCause`], [`CauseStretch`], [`Log`]. Refuses: to be known to anybody but the scorer.
 
 use super::persona::Persona;
 use crate::geometry::Point;
@@ -8,7 +8,7 @@ use crate::time::Time;
 
 /// Why a walker moves, or stands, as it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Cause {
+pub enum WalkCause {
     /// It follows its path, works, or waits for work.
     OnPath,
     /// It stands for a moment, the phone perhaps.
@@ -33,54 +33,54 @@ pub enum Cause {
     Scripted,
 }
 
-impl Cause {
+impl WalkCause {
     /// All of them; one of the reactions stands for all.
-    pub const ALL: [Cause; 11] = [
-        Cause::OnPath,
-        Cause::Pause,
-        Cause::LookAround,
-        Cause::Detour,
-        Cause::ChangeOfMind,
-        Cause::UnknownGoal,
-        Cause::Wander,
-        Cause::Help,
-        Cause::IgnoresGuidance,
-        Cause::Reaction(Persona::Yields),
-        Cause::Scripted,
+    pub const ALL: [WalkCause; 11] = [
+        WalkCause::OnPath,
+        WalkCause::Pause,
+        WalkCause::LookAround,
+        WalkCause::Detour,
+        WalkCause::ChangeOfMind,
+        WalkCause::UnknownGoal,
+        WalkCause::Wander,
+        WalkCause::Help,
+        WalkCause::IgnoresGuidance,
+        WalkCause::Reaction(Persona::Yields),
+        WalkCause::Scripted,
     ];
 
     /// Whether the walker leaves its path for it.
     pub fn is_deviation(self) -> bool {
-        !matches!(self, Cause::OnPath | Cause::Pause | Cause::LookAround | Cause::Reaction(_))
+        !matches!(self, WalkCause::OnPath | WalkCause::Pause | WalkCause::LookAround | WalkCause::Reaction(_))
     }
 
     /// The word for it in reports.
     pub fn word(self) -> &'static str {
         match self {
-            Cause::OnPath => "on_path",
-            Cause::Pause => "pause",
-            Cause::LookAround => "look_around",
-            Cause::Detour => "detour",
-            Cause::ChangeOfMind => "change_of_mind",
-            Cause::UnknownGoal => "unknown_goal",
-            Cause::Wander => "wander",
-            Cause::Help => "help",
-            Cause::IgnoresGuidance => "ignores_guidance",
-            Cause::Reaction(_) => "robot_reaction",
-            Cause::Scripted => "scripted",
+            WalkCause::OnPath => "on_path",
+            WalkCause::Pause => "pause",
+            WalkCause::LookAround => "look_around",
+            WalkCause::Detour => "detour",
+            WalkCause::ChangeOfMind => "change_of_mind",
+            WalkCause::UnknownGoal => "unknown_goal",
+            WalkCause::Wander => "wander",
+            WalkCause::Help => "help",
+            WalkCause::IgnoresGuidance => "ignores_guidance",
+            WalkCause::Reaction(_) => "robot_reaction",
+            WalkCause::Scripted => "scripted",
         }
     }
 }
 
 /// A stretch of time with one cause.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Segment {
+pub struct CauseStretch {
     /// When it began.
     pub from: Time,
     /// When the next one began; for ever while it lasts.
     pub to: Time,
     /// Why.
-    pub cause: Cause,
+    pub cause: WalkCause,
     /// Where to, where it goes anywhere.
     pub goal: Option<Point>,
 }
@@ -88,12 +88,12 @@ pub struct Segment {
 /// All segments of one walker, in order, without gaps.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
-    segments: Vec<Segment>,
+    segments: Vec<CauseStretch>,
 }
 
 impl Log {
     /// Notes what is so from `now` on; nothing where it is as before.
-    pub(super) fn note(&mut self, now: Time, cause: Cause, goal: Option<Point>) {
+    pub(super) fn note(&mut self, now: Time, cause: WalkCause, goal: Option<Point>) {
         if let Some(last) = self.segments.last_mut() {
             let same = last.cause == cause && last.goal == goal;
             if same {
@@ -101,7 +101,7 @@ impl Log {
             }
             last.to = now;
         }
-        self.segments.push(Segment { from: now, to: Time::MAX, cause, goal });
+        self.segments.push(CauseStretch { from: now, to: Time::MAX, cause, goal });
     }
 
     /// Closes the log: the walker is gone.
@@ -112,7 +112,7 @@ impl Log {
     }
 
     /// What was so, in order.
-    pub fn segments(&self) -> &[Segment] {
+    pub fn segments(&self) -> &[CauseStretch] {
         &self.segments
     }
 }

@@ -54,7 +54,7 @@ impl ImpulseKind {
 }
 
 #[derive(Debug)]
-struct Clock {
+struct ImpulseClock {
     kind: ImpulseKind,
     mean_s: f64,
     next: Time,
@@ -64,7 +64,7 @@ struct Clock {
 /// All that comes to one walker's mind, in time.
 #[derive(Debug)]
 pub struct Impulses {
-    clocks: Vec<Clock>,
+    clocks: Vec<ImpulseClock>,
     scripted: Vec<Time>,
     random: Stream,
 }
@@ -88,7 +88,7 @@ impl Impulses {
             let mean_s = 3600.0 / per_hour;
             let mut random = Stream::new(seed, PURPOSE + 1 + i as u64, who);
             let next = start + Span::from_secs_f64(random.exponential(mean_s));
-            Clock { kind, mean_s, next, random }
+            ImpulseClock { kind, mean_s, next, random }
         };
         let clocks = kinds.into_iter().enumerate().filter(|(_, (_, rate))| *rate > 0.0).map(clock).collect();
         let after = |s: &f64| start + Span::from_secs_f64(*s);

@@ -1,6 +1,6 @@
 //! How a walker gets along a route: gait, corners, and what it cannot walk through.
 //!
-//! Main types: [`Legs`], [`Around`], [`RobotNear`]. Walls are never walked through; a robot is stopped
+//! Main types: [`Legs`], [`WalkerSurroundings`], [`RobotNear`]. Walls are never walked through; a robot is stopped
 //! before, and nobody steps in front of a moving one that it minds. Refuses: to know where the route comes
 //! from.
 
@@ -47,7 +47,7 @@ pub struct RobotNear {
 
 /// What is around a walker.
 #[derive(Clone, Copy, Debug)]
-pub struct Around<'a> {
+pub struct WalkerSurroundings<'a> {
     /// The floor.
     pub walkways: &'a Walkways,
     /// Robots, wherever they are.
@@ -95,7 +95,7 @@ fn roomy(a: Point, b: Point, walkways: &Walkways) -> bool {
 
 /// What keeps a walker from a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Taken {
+enum InTheWay {
     Wall,
     Robot,
 }
@@ -140,7 +140,7 @@ impl Legs {
 
     /// Walks for `dt` seconds at up to `wanted` metres per second, minding robots for `foresight` seconds
     /// ahead.
-    pub fn walk(&mut self, dt: f64, wanted: f64, foresight: f64, around: &Around<'_>) {
+    pub fn walk(&mut self, dt: f64, wanted: f64, foresight: f64, around: &WalkerSurroundings<'_>) {
         self.blocked = false;
         self.pass_corners(around.walkways);
         let Some(&aim) = self.route.front() else {
@@ -167,8 +167,8 @@ impl Legs {
                     return;
                 }
                 Some(what) => {
-                    robot |= what == Taken::Robot;
-                    self.blocked |= turn == 0.0 && what == Taken::Robot;
+                    robot |= what == InTheWay::Robot;
+                    self.blocked |= turn == 0.0 && what == InTheWay::Robot;
                 }
             }
         }
@@ -207,11 +207,11 @@ impl Legs {
         }
     }
 
-    fn taken(&self, to: Point, foresight: f64, around: &Around<'_>) -> Option<Taken> {
-        let Around { walkways, robots } = *around;
+    fn taken(&self, to: Point, foresight: f64, around: &WalkerSurroundings<'_>) -> Option<InTheWay> {
+        let WalkerSurroundings { walkways, robots } = *around;
         let room = walkways.clearance_m(to);
         if !walkways.is_free(to) || (room < WALL_M && room < walkways.clearance_m(self.at)) {
-            return Some(Taken::Wall);
+            return Some(InTheWay::Wall);
         }
         let taken = robots.iter().any(|r| {
             let gap = r.gap(to);
@@ -221,6 +221,6 @@ impl Legs {
             let steps_in = || r.sweeps(to, foresight) && !r.sweeps(self.at, foresight);
             nearer || steps_in()
         });
-        taken.then_some(Taken::Robot)
+        taken.then_some(InTheWay::Robot)
     }
 }

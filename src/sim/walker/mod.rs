@@ -1,21 +1,21 @@
 //! A simulated worker: walks where the device shows, works, and now and then does something else.
 //!
-//! Main types: [`Walker`], [`Shown`] (what the device shows), [`Desk`] (what it knows of its work), [`Cause`]
-//! and [`Segment`] (the truth about it). Legs, character and impulses are files of their own; this one joins
-//! them. Refuses: to walk through racks, through holes that lifted racks leave, or through robots; to tell
+//! Main types: [`Walker`], [`Shown`] (what the device shows), [`WorkKnowledge`] (what it knows of its work),
+//! [`WalkCause`] and [`CauseStretch`] (the truth about it). Legs, character and impulses are files of their own; this
+//! one joins them. Refuses: to walk through racks, through holes that lifted racks leave, or through robots; to tell
 //! the fleet why.
 
 mod cause;
+mod decide;
 mod impulse;
 mod legs;
-mod mind;
 mod persona;
 
 #[cfg(test)]
 mod tests;
 
-pub use cause::{Cause, Log, Segment};
-pub use legs::{Around, BODY_M, RobotNear, ease};
+pub use cause::{CauseStretch, Log, WalkCause};
+pub use legs::{BODY_M, RobotNear, WalkerSurroundings, ease};
 pub use persona::{Persona, Traits};
 
 use super::random::Stream;
@@ -29,7 +29,7 @@ use std::collections::VecDeque;
 
 /// Something to do at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Job {
+pub struct Errand {
     /// Its number.
     pub id: AssignmentId,
     /// Where one stands for it.
@@ -53,9 +53,9 @@ pub struct Shown {
 
 /// What a walker knows of its work and of the hall.
 #[derive(Clone, Debug)]
-pub struct Desk<'a> {
+pub struct WorkKnowledge<'a> {
     /// What is to be done next.
-    pub job: Option<Job>,
+    pub job: Option<Errand>,
     /// Places that everybody knows, the fleet too.
     pub known: &'a [Point],
     /// Where colleagues are.
@@ -64,13 +64,13 @@ pub struct Desk<'a> {
 
 /// What a walker is at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Doing {
+enum WalkerDoing {
     /// Follows what is shown, or its own way to work; or waits for either.
     Duty,
     /// Works until then.
     Work(AssignmentId, Time),
     /// Goes somewhere else, and stays there.
-    Errand { cause: Cause, goal: Point, stay: Span, until: Option<Time> },
+    Job { cause: WalkCause, goal: Point, stay: Span, until: Option<Time> },
     /// Walks about until then.
     Wander(Time),
     /// Goes to a door for good.
@@ -95,7 +95,7 @@ pub struct Walker {
     /// Jobs that it has finished, in order; whoever reads takes them.
     pub finished: Vec<AssignmentId>,
     legs: Legs,
-    doing: Doing,
+    doing: WalkerDoing,
     impulses: Impulses,
     heeds: Stream,
     strolls: Stream,
@@ -127,7 +127,7 @@ impl Walker {
         Walker {
             finished: Vec::new(),
             legs: Legs::new(at, traits.cut_m, traits.phase),
-            doing: Doing::Duty,
+            doing: WalkerDoing::Duty,
             impulses,
             heeds: Stream::new(seed, 31, who),
             strolls: Stream::new(seed, 32, who),
@@ -156,25 +156,25 @@ impl Walker {
 
     /// Sends it to a door for good.
     pub fn send_home(&mut self, door: Point) {
-        if !matches!(self.doing, Doing::Leave(_) | Doing::Gone) {
-            self.doing = Doing::Leave(door);
+        if !matches!(self.doing, WalkerDoing::Leave(_) | WalkerDoing::Gone) {
+            self.doing = WalkerDoing::Leave(door);
             self.legs.route.clear();
         }
     }
 
     /// Whether it is off the floor.
     pub fn is_gone(&self) -> bool {
-        self.doing == Doing::Gone
+        self.doing == WalkerDoing::Gone
     }
 
     /// Lives for `dt` seconds, up to `now`.
-    pub fn tick(&mut self, now: Time, dt: f64, around: &Around<'_>, desk: &Desk<'_>) {
-        self.notice(now, around, desk);
-        self.decide(now, around, desk);
+    pub fn tick(&mut self, now: Time, dt: f64, around: &WalkerSurroundings<'_>, work: &WorkKnowledge<'_>) {
+        self.notice(now, around, work);
+        self.decide(now, around, work);
         let foresight = self.traits.foresight_s();
         self.legs.walk(dt, self.wanted_mps(now), foresight, around);
-        self.give_up_waiting(now, around, desk);
-        let (cause, goal) = self.cause(now, desk);
+        self.give_up_waiting(now, around, work);
+        let (cause, goal) = self.cause(now, work);
         self.log.note(now, cause, goal);
         if self.is_gone() {
             self.log.close(now);
@@ -212,20 +212,20 @@ impl Walker {
         }
     }
 
-    fn cause(&self, now: Time, desk: &Desk<'_>) -> (Cause, Option<Point>) {
-        let duty = desk.job.map(|j| j.at);
-        let on_way = if self.detour || self.aside.is_some() { Some(Cause::Detour) } else { None };
+    fn cause(&self, now: Time, work: &WorkKnowledge<'_>) -> (WalkCause, Option<Point>) {
+        let duty = work.job.map(|j| j.at);
+        let on_way = if self.detour || self.aside.is_some() { Some(WalkCause::Detour) } else { None };
         match self.doing {
-            Doing::Errand { cause, goal, .. } => (cause, Some(goal)),
-            Doing::Wander(_) => (Cause::Wander, None),
-            Doing::Leave(door) => (on_way.unwrap_or(Cause::OnPath), Some(door)),
-            Doing::Gone | Doing::Work(..) => (Cause::OnPath, duty),
-            Doing::Duty if on_way.is_some() => (Cause::Detour, duty),
-            Doing::Duty if self.ignored.is_some() => (Cause::IgnoresGuidance, duty),
-            Doing::Duty if now < self.reacts_until => (Cause::Reaction(self.traits.persona), duty),
-            Doing::Duty if now < self.pause_until => (Cause::Pause, duty),
-            Doing::Duty if now < self.look_until => (Cause::LookAround, duty),
-            Doing::Duty => (Cause::OnPath, duty),
+            WalkerDoing::Job { cause, goal, .. } => (cause, Some(goal)),
+            WalkerDoing::Wander(_) => (WalkCause::Wander, None),
+            WalkerDoing::Leave(door) => (on_way.unwrap_or(WalkCause::OnPath), Some(door)),
+            WalkerDoing::Gone | WalkerDoing::Work(..) => (WalkCause::OnPath, duty),
+            WalkerDoing::Duty if on_way.is_some() => (WalkCause::Detour, duty),
+            WalkerDoing::Duty if self.ignored.is_some() => (WalkCause::IgnoresGuidance, duty),
+            WalkerDoing::Duty if now < self.reacts_until => (WalkCause::Reaction(self.traits.persona), duty),
+            WalkerDoing::Duty if now < self.pause_until => (WalkCause::Pause, duty),
+            WalkerDoing::Duty if now < self.look_until => (WalkCause::LookAround, duty),
+            WalkerDoing::Duty => (WalkCause::OnPath, duty),
         }
     }
 }

@@ -11,19 +11,19 @@ use crate::warehouse::{NodeKind, Warehouse, thesis};
 
 const DT: f64 = 0.02;
 
-struct Hall {
+struct TestHall {
     warehouse: Warehouse,
     walkways: Walkways,
     robots: Vec<RobotNear>,
     now: Time,
-    job: Option<Job>,
+    job: Option<Errand>,
 }
 
-impl Hall {
-    fn new() -> Hall {
+impl TestHall {
+    fn new() -> TestHall {
         let warehouse = thesis();
         let walkways = Walkways::of(&warehouse);
-        Hall { warehouse, walkways, robots: vec![], now: Time::ZERO, job: None }
+        TestHall { warehouse, walkways, robots: vec![], now: Time::ZERO, job: None }
     }
 
     fn place(&self, name: &str) -> Point {
@@ -32,17 +32,17 @@ impl Hall {
 
     fn work_at(&mut self, name: &str) {
         let at = ease(self.walkways.on_floor(self.place(name)).expect("on the floor"), &self.walkways);
-        self.job = Some(Job { id: AssignmentId(1), at, stay: Span::from_secs(5) });
+        self.job = Some(Errand { id: AssignmentId(1), at, stay: Span::from_secs(5) });
     }
 
     /// Lets a walker live; `each` looks at it after every tick.
-    fn live(&mut self, walker: &mut Walker, seconds: f64, mut each: impl FnMut(&Hall, &Walker)) {
+    fn live(&mut self, walker: &mut Walker, seconds: f64, mut each: impl FnMut(&TestHall, &Walker)) {
         let known: Vec<Point> = ["G0-14", "G12-13"].map(|n| self.place(n)).to_vec();
         for _ in 0..(seconds / DT) as i64 {
             self.now += Span::from_secs_f64(DT);
-            let around = Around { walkways: &self.walkways, robots: &self.robots };
-            let desk = Desk { job: self.job, known: &known, colleagues: &[] };
-            walker.tick(self.now, DT, &around, &desk);
+            let around = WalkerSurroundings { walkways: &self.walkways, robots: &self.robots };
+            let work = WorkKnowledge { job: self.job, known: &known, colleagues: &[] };
+            walker.tick(self.now, DT, &around, &work);
             if walker.finished.pop().is_some() {
                 self.job = None;
             }
@@ -63,19 +63,19 @@ fn workers(causes: Causes, at_s: &[f64], persona: Persona) -> Workers {
     Workers { count: 1, deviations, personas, ..Workers::default() }
 }
 
-fn walker(hall: &Hall, workers: &Workers, at: &str) -> Walker {
+fn walker(hall: &TestHall, workers: &Workers, at: &str) -> Walker {
     Walker::new(workers, 3, 0, hall.place(at), Time::ZERO, Time::ZERO)
 }
 
 #[test]
 fn a_walker_without_guidance_finds_its_way_to_work_and_does_it() {
-    let mut hall = Hall::new();
+    let mut hall = TestHall::new();
     hall.work_at("S7-4");
     let mut w = walker(&hall, &workers(Causes::None, &[], Persona::CutsThrough), "G0-14");
     let goal = hall.job.unwrap().at;
     let mut worked = 0.0;
     hall.live(&mut w, 60.0, |hall, w| {
-        if matches!(w.doing, Doing::Work(..)) {
+        if matches!(w.doing, WalkerDoing::Work(..)) {
             assert!((w.legs.at - goal).norm() < 0.6);
             worked += DT;
         }
@@ -86,7 +86,7 @@ fn a_walker_without_guidance_finds_its_way_to_work_and_does_it() {
 
 #[test]
 fn gait_speed_and_sway_keep_their_bounds() {
-    let mut hall = Hall::new();
+    let mut hall = TestHall::new();
     hall.work_at("S10-1");
     let mut w = walker(&hall, &workers(Causes::None, &[], Persona::CutsThrough), "G0-14");
     let mut before: Option<Point> = None;
@@ -112,7 +112,7 @@ fn usual_speeds_are_those_of_people() {
 
 #[test]
 fn a_walker_never_enters_a_rack_or_a_pillar_whatever_comes_to_its_mind() {
-    let mut hall = Hall::new();
+    let mut hall = TestHall::new();
     let often = Rates {
         pause_per_hour: 60.0,
         look_per_hour: 120.0,
@@ -139,28 +139,29 @@ fn a_walker_never_enters_a_rack_or_a_pillar_whatever_comes_to_its_mind() {
                 assert!(racks.iter().all(|r| axis_distance(*r, at) > 0.5));
             });
         }
-        let causes: std::collections::BTreeSet<Cause> = w.log().segments().iter().map(|s| s.cause).collect();
+        let causes: std::collections::BTreeSet<WalkCause> =
+            w.log().segments().iter().map(|s| s.cause).collect();
         assert!(causes.len() >= 6, "{causes:?}");
     }
 }
 
 #[test]
 fn a_walker_stops_before_a_robot_and_takes_another_way_after_a_while() {
-    let mut hall = Hall::new();
+    let mut hall = TestHall::new();
     hall.work_at("S1-1");
     let mut w = walker(&hall, &workers(Causes::None, &[], Persona::Yields), "G0-14");
     hall.robots = vec![RobotNear { at: hall.place("G0-9"), velocity: Vector::zeros(), half_m: 0.45 }];
     let mut detour = false;
     hall.live(&mut w, 80.0, |hall, w| {
         assert!(hall.robots[0].gap(w.legs.at) >= 0.0);
-        detour |= matches!(w.log().segments().last(), Some(s) if s.cause == Cause::Detour);
+        detour |= matches!(w.log().segments().last(), Some(s) if s.cause == WalkCause::Detour);
     });
     assert!(detour && hall.job.is_none(), "it did not get to work");
 }
 
 #[test]
 fn nobody_who_minds_robots_steps_in_front_of_one_that_moves() {
-    let mut hall = Hall::new();
+    let mut hall = TestHall::new();
     hall.work_at("S4-10");
     let mut w = walker(&hall, &workers(Causes::None, &[], Persona::Hurries), "G0-10");
     // A robot that drives to and fro on the cross street before it.
@@ -181,12 +182,12 @@ fn nobody_who_minds_robots_steps_in_front_of_one_that_moves() {
 
 #[test]
 fn a_scripted_deviation_leads_to_a_place_that_nobody_knows_and_back_to_work() {
-    let mut hall = Hall::new();
+    let mut hall = TestHall::new();
     hall.work_at("S10-4");
     let mut w = walker(&hall, &workers(Causes::None, &[3.0], Persona::CutsThrough), "G0-14");
     hall.live(&mut w, 120.0, |_, _| {});
     let log = w.log().segments();
-    let scripted = log.iter().find(|s| s.cause == Cause::Scripted).expect("it deviates");
+    let scripted = log.iter().find(|s| s.cause == WalkCause::Scripted).expect("it deviates");
     assert!((scripted.from.as_secs_f64() - 3.0).abs() < 0.1);
     let goal = scripted.goal.expect("to a place");
     assert!(["G0-14", "G12-13"].iter().all(|n| (hall.place(n) - goal).norm() > 1.5));
@@ -200,7 +201,7 @@ fn show(version: u64, path: Vec<Point>) -> Shown {
 
 #[test]
 fn a_walker_follows_the_path_that_is_shown_not_the_shortest() {
-    let mut hall = Hall::new();
+    let mut hall = TestHall::new();
     hall.work_at("S1-1");
     let mut w = walker(&hall, &workers(Causes::None, &[], Persona::CutsThrough), "G0-14");
     let path = ["G0-14", "G3-14", "G3-7", "G3-1"].map(|n| hall.place(n)).to_vec();
@@ -213,7 +214,7 @@ fn a_walker_follows_the_path_that_is_shown_not_the_shortest() {
 
 #[test]
 fn a_walker_that_is_told_to_stop_stands_after_its_reaction_time_until_told_otherwise() {
-    let mut hall = Hall::new();
+    let mut hall = TestHall::new();
     hall.work_at("S1-1");
     let mut w = walker(&hall, &workers(Causes::None, &[], Persona::CutsThrough), "G0-14");
     hall.live(&mut w, 4.0, |_, w| assert!(w.speed_mps() >= 0.0));
@@ -230,8 +231,8 @@ fn a_walker_that_is_told_to_stop_stands_after_its_reaction_time_until_told_other
 
 #[test]
 fn who_ignores_a_redirection_keeps_the_old_path_and_the_log_says_so() {
-    for (ignore, cause) in [(1.0, Cause::IgnoresGuidance), (0.0, Cause::OnPath)] {
-        let mut hall = Hall::new();
+    for (ignore, cause) in [(1.0, WalkCause::IgnoresGuidance), (0.0, WalkCause::OnPath)] {
+        let mut hall = TestHall::new();
         hall.work_at("S1-1");
         let rates = Rates { ignore, ..Rates::default() };
         let mut w = walker(&hall, &workers(Causes::Rates(rates), &[], Persona::CutsThrough), "G0-14");
@@ -247,8 +248,8 @@ fn who_ignores_a_redirection_keeps_the_old_path_and_the_log_says_so() {
 
 #[test]
 fn nobody_is_caught_at_the_corner_of_a_rack_on_the_way_to_a_place_in_sight() {
-    let hall = Hall::new();
-    let around = Around { walkways: &hall.walkways, robots: &[] };
+    let hall = TestHall::new();
+    let around = WalkerSurroundings { walkways: &hall.walkways, robots: &[] };
     let fronts = hall.warehouse.nodes_where(|k| k == NodeKind::Storage);
     let goal = |n: &NodeId| hall.walkways.on_floor(hall.warehouse.nodes[*n].at);
     let goals: Vec<Point> = fronts.iter().filter_map(goal).map(|p| ease(p, &hall.walkways)).collect();

@@ -1,6 +1,6 @@
 //! Grids of cells: what the benchmark formats have in common.
 //!
-//! Main type: [`Grid`]. Cell names count rows from the top, as the formats do; positions have y up. Refuses:
+//! Main type: [`LetterGrid`]. Cell names count rows from the top, as the formats do; positions have y up. Refuses:
 //! to know what a letter means.
 
 use super::{MapError, Options};
@@ -8,20 +8,20 @@ use crate::geometry::Point;
 use crate::warehouse::{Draft, DraftLane, DraftNode, Users};
 
 /// A rectangle of letters.
-pub(super) struct Grid {
+pub(super) struct LetterGrid {
     pub width: usize,
     pub height: usize,
     pub cells: Vec<u8>,
 }
 
-impl Grid {
+impl LetterGrid {
     /// Takes `height` rows of `width` letters out of `known`; `first_line` is the number of the first row.
     pub fn read<'a>(
         rows: impl Iterator<Item = &'a str>,
         (width, height): (usize, usize),
         first_line: usize,
         known: &str,
-    ) -> Result<Grid, MapError> {
+    ) -> Result<LetterGrid, MapError> {
         let mut cells = Vec::new();
         let mut count = 0;
         for (line, row) in (first_line..).zip(rows.map(str::trim_end)).take(height) {
@@ -39,7 +39,7 @@ impl Grid {
             let message = format!("{count} rows, the header says {height}");
             return Err(MapError::syntax(first_line + count, 0, message));
         }
-        Ok(Grid { width, height, cells })
+        Ok(LetterGrid { width, height, cells })
     }
 
     /// The cell right of, above, left of and below `c`, where there is one.
@@ -170,7 +170,7 @@ impl Grid {
         places
     }
 
-    /// Goes on where [`Grid::take_places`] stopped for caution: takes every further cell whose free neighbours
+    /// Goes on where [`LetterGrid::take_places`] stopped for caution: takes every further cell whose free neighbours
     /// are joined to each other by any way around it, however long.
     pub fn take_more_places(&self, floor: &mut [bool], may: &[bool], places: &mut [bool]) {
         for c in 0..floor.len() {
@@ -228,9 +228,9 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn grid(text: &str) -> Grid {
+    fn grid(text: &str) -> LetterGrid {
         let rows: Vec<&str> = text.split_whitespace().collect();
-        Grid::read(rows.iter().copied(), (rows[0].len(), rows.len()), 1, ".@").expect("a rectangle")
+        LetterGrid::read(rows.iter().copied(), (rows[0].len(), rows.len()), 1, ".@").expect("a rectangle")
     }
 
     #[test]
@@ -255,7 +255,7 @@ mod tests {
 
     #[test]
     fn bad_rows_are_refused_with_their_line() {
-        let read = |rows: &[&str]| Grid::read(rows.iter().copied(), (2, 2), 5, ".@").err();
+        let read = |rows: &[&str]| LetterGrid::read(rows.iter().copied(), (2, 2), 5, ".@").err();
         assert_eq!(read(&["..", ".x"]), Some(MapError::syntax(6, 2, "cells are one of \".@\"")));
         assert_eq!(read(&["..", "..."]), Some(MapError::syntax(6, 0, "3 cells in a row, the header says 2")));
         assert_eq!(read(&[".."]), Some(MapError::syntax(6, 0, "1 rows, the header says 2")));
@@ -269,7 +269,7 @@ mod tests {
             more: bool,
         ) {
             let cells = cells.into_iter().map(|free| if free { b'.' } else { b'@' }).collect();
-            let g = Grid { width: 12, height: 9, cells };
+            let g = LetterGrid { width: 12, height: 9, cells };
             let mut floor = g.which(".");
             g.keep_largest_part(&mut floor);
             let mut places = g.take_places(&mut floor, &g.which("."), most);

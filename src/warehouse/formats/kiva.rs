@@ -5,8 +5,8 @@
 //! endpoints, chargers in place of some homes, station bays beyond the left and right end of the floor.
 //! Refuses: to give robots a home that can only be reached through another home; such cells stay floor.
 
-use super::grid::Grid;
-use super::{MapError, Notes, Options};
+use super::grid::LetterGrid;
+use super::{ImportNotes, MapError, Options};
 use crate::time::Span;
 use crate::warehouse::bay::Bay;
 use crate::warehouse::{Draft, DraftRack, Users};
@@ -18,9 +18,9 @@ const LETTERS: &str = "@er.";
 ///
 /// # Errors
 /// [`MapError::Syntax`] where header or rows do not follow the format.
-pub fn parse(text: &str, options: &Options) -> Result<(Draft, Notes), MapError> {
+pub fn parse(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapError> {
     let grid = read(text)?;
-    let mut notes = Notes::default();
+    let mut notes = ImportNotes::default();
     let mut floor = grid.which("er.");
     let dropped = grid.keep_largest_part(&mut floor);
     if dropped > 0 {
@@ -66,7 +66,7 @@ impl Cells {
     }
 }
 
-fn read(text: &str) -> Result<Grid, MapError> {
+fn read(text: &str) -> Result<LetterGrid, MapError> {
     let mut lines = text.lines();
     let mut numbers = |line: usize, many: usize, what: &str| {
         let read: Option<Vec<usize>> =
@@ -82,16 +82,16 @@ fn read(text: &str) -> Result<Grid, MapError> {
     if !(1..=4096).contains(&height) || !(1..=4096).contains(&width) {
         return Err(MapError::syntax(1, 0, "rows and columns must be from 1 to 4096"));
     }
-    Grid::read(lines, (width, height), 5, LETTERS)
+    LetterGrid::read(lines, (width, height), 5, LETTERS)
 }
 
 /// Shelf cells that touch an endpoint on the floor.
-fn storage(grid: &Grid, floor: &[bool]) -> Vec<bool> {
+fn storage(grid: &LetterGrid, floor: &[bool]) -> Vec<bool> {
     let touches = |c: usize| grid.around(c).any(|n| floor[n] && grid.cells[n] == b'e');
     (0..grid.cells.len()).map(|c| grid.cells[c] == b'@' && touches(c)).collect()
 }
 
-fn nodes(grid: &Grid, cells: &Cells, options: &Options, draft: &mut Draft, notes: &mut Notes) {
+fn nodes(grid: &LetterGrid, cells: &Cells, options: &Options, draft: &mut Draft, notes: &mut ImportNotes) {
     let share = options.charger_share.clamp(0.0, 1.0);
     let mut homes = 0.0;
     for c in 0..grid.cells.len() {
@@ -119,7 +119,13 @@ fn nodes(grid: &Grid, cells: &Cells, options: &Options, draft: &mut Draft, notes
 
 /// Adds station bays beyond the first and the last column with floor, evenly spaced, in by one row and out
 /// by the next.
-fn stations(grid: &Grid, floor: &[bool], options: &Options, draft: &mut Draft, notes: &mut Notes) {
+fn stations(
+    grid: &LetterGrid,
+    floor: &[bool],
+    options: &Options,
+    draft: &mut Draft,
+    notes: &mut ImportNotes,
+) {
     let has_floor = |column: &usize| (0..grid.height).any(|row| floor[row * grid.width + column]);
     let (Some(first), Some(last)) = ((0..grid.width).find(has_floor), (0..grid.width).rfind(has_floor))
     else {
@@ -148,7 +154,7 @@ fn stations(grid: &Grid, floor: &[bool], options: &Options, draft: &mut Draft, n
 }
 
 /// Up to `wanted` rows, each free at the border together with the next one, no two of the pairs overlapping.
-fn pairs_of_rows(grid: &Grid, floor: &[bool], column: usize, wanted: usize) -> Vec<usize> {
+fn pairs_of_rows(grid: &LetterGrid, floor: &[bool], column: usize, wanted: usize) -> Vec<usize> {
     let free = |row: usize| floor[row * grid.width + column];
     let mut left: Vec<usize> =
         (1..grid.height).map(|row| row - 1).filter(|&r| free(r) && free(r + 1)).collect();

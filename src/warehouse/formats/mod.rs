@@ -1,6 +1,6 @@
 //! Maps as text: the project's own JSON, and benchmark grids to import.
 //!
-//! Main types: [`MapError`], [`Options`], [`Notes`]; [`import`] finds out which format a text is in.
+//! Main types: [`MapError`], [`Options`], [`ImportNotes`]; [`import`] finds out which format a text is in.
 //! Refuses: reading files, and maps that are not well-formed.
 
 mod grid;
@@ -70,9 +70,9 @@ impl Default for Options {
 
 /// What an import left out, changed or added, for people to read.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
-pub struct Notes(pub Vec<String>);
+pub struct ImportNotes(pub Vec<String>);
 
-impl fmt::Display for Notes {
+impl fmt::Display for ImportNotes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0.join("\n"))
     }
@@ -83,11 +83,11 @@ impl fmt::Display for Notes {
 /// # Errors
 /// [`MapError::Syntax`] where the text follows no known format, [`MapError::Findings`] where the building
 /// is not fit to plan on.
-pub fn import(text: &str, options: &Options) -> Result<(Warehouse, Notes), MapError> {
+pub fn import(text: &str, options: &Options) -> Result<(Warehouse, ImportNotes), MapError> {
     let text = text.trim_start_matches('\u{feff}');
     let first = text.lines().next().unwrap_or_default().trim();
     let (draft, notes) = if text.trim_start().starts_with('{') {
-        (json::parse_draft(text)?, Notes::default())
+        (json::parse_draft(text)?, ImportNotes::default())
     } else if first.starts_with("type") {
         octile::parse(text, options)?
     } else if first.split(',').count() == 2 && first.split(',').all(|n| n.trim().parse::<usize>().is_ok()) {

@@ -3,8 +3,8 @@
 //! Main function: [`parse`]. The format knows neither racks nor stations, so neither does the map: robots
 //! can drive on it from place to place. Refuses: diagonal moves, which cut corners between robots.
 
-use super::grid::Grid;
-use super::{MapError, Notes, Options};
+use super::grid::LetterGrid;
+use super::{ImportNotes, MapError, Options};
 use crate::warehouse::{Draft, Users};
 
 /// Every letter of the format, and `E` of the League of Robot Runners, whose `S` is floor like the format's own swamp;
@@ -16,7 +16,7 @@ const FREE: &str = ".GSE";
 ///
 /// # Errors
 /// [`MapError::Syntax`] where header or rows do not follow the format.
-pub fn parse(text: &str, options: &Options) -> Result<(Draft, Notes), MapError> {
+pub fn parse(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapError> {
     let grid = read(text)?;
     let mut floor = grid.which(FREE);
     let dropped = grid.keep_largest_part(&mut floor);
@@ -39,7 +39,7 @@ pub fn parse(text: &str, options: &Options) -> Result<(Draft, Notes), MapError> 
         _ => None,
     });
     grid.add_outlines(&mut draft, &nodes, options);
-    let mut notes = Notes::default();
+    let mut notes = ImportNotes::default();
     if dropped > 0 {
         notes.0.push(format!("{dropped} free cells left out: no way joins them to the largest part"));
     }
@@ -47,7 +47,7 @@ pub fn parse(text: &str, options: &Options) -> Result<(Draft, Notes), MapError> 
     Ok((draft, notes))
 }
 
-fn read(text: &str) -> Result<Grid, MapError> {
+fn read(text: &str) -> Result<LetterGrid, MapError> {
     let mut lines = text.lines();
     let (mut width, mut height) = (None, None);
     for number in 1..=4 {
@@ -74,7 +74,7 @@ fn read(text: &str) -> Result<Grid, MapError> {
     let (Some(width), Some(height)) = (width, height) else {
         return Err(MapError::syntax(2, 0, "the header must give height and width once each"));
     };
-    Grid::read(lines, (width, height), 5, LETTERS)
+    LetterGrid::read(lines, (width, height), 5, LETTERS)
 }
 
 #[cfg(test)]

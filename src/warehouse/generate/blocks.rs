@@ -93,7 +93,7 @@ impl Streets {
 }
 
 /// A hall under way.
-pub(super) struct Hall {
+pub(super) struct HallDraft {
     pub pen: Pen,
     /// Streets along y, by x.
     pub along_y: Streets,
@@ -109,7 +109,7 @@ impl Blocks {
     /// The pitch is 1 m. Storage places open to the aisle along their row and, at the ends of a block, to the
     /// aisle there; unloaded robots also drive beneath the racks of a block.
     pub fn draft(&self) -> Draft {
-        let mut hall = Hall {
+        let mut hall = HallDraft {
             pen: Pen::new(&self.name),
             along_y: Streets::new(self.groups.0, self.blocks.0, self.block_length, false),
             along_x: Streets::new(self.groups.1, self.blocks.1, 2, true),
@@ -130,7 +130,7 @@ impl Blocks {
     }
 
     /// Chargers between the stations; the others and the parking places north and south, mixed evenly.
-    fn places(&self, hall: &mut Hall, sides: &[Side; 2]) {
+    fn places(&self, hall: &mut HallDraft, sides: &[Side; 2]) {
         let between = sides.iter().flat_map(|side| side.places()).take(self.chargers);
         let between: Vec<(Cell, Cell)> = between.collect();
         let (w, h) = (hall.along_y.extent, hall.along_x.extent);
@@ -154,7 +154,7 @@ impl Blocks {
     }
 }
 
-impl Hall {
+impl HallDraft {
     pub fn is_street(&self, (x, y): Cell) -> bool {
         self.along_y.at(x).is_some() || self.along_x.at(y).is_some()
     }

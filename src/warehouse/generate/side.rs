@@ -5,7 +5,7 @@
 //! row before it comes out again, so that those who come out never meet those who turn in. Refuses: bays at
 //! the ends of roads between groups, which carry the through traffic.
 
-use super::blocks::Hall;
+use super::blocks::HallDraft;
 use super::pen::{Cell, outline, point};
 use crate::time::Span;
 use crate::warehouse::Users;
@@ -26,7 +26,7 @@ pub(super) struct Side {
 
 impl Side {
     /// Finds room for up to `stations` bays; `turned` means the east side.
-    pub fn new(hall: &Hall, turned: bool, stations: usize) -> Side {
+    pub fn new(hall: &HallDraft, turned: bool, stations: usize) -> Side {
         let (width, height) = (hall.along_y.extent, hall.along_x.extent);
         let row = |y: i64| if turned { height - 1 - y } else { y };
         // Whether the street in a row runs towards this side.
@@ -64,7 +64,7 @@ impl Side {
     }
 
     /// Adds the bays, and lanes across the two lanes of the road before them.
-    pub fn stations(&self, hall: &mut Hall, queue: usize, pick: Span) {
+    pub fn stations(&self, hall: &mut HallDraft, queue: usize, pick: Span) {
         let letter = if self.turned { "E" } else { "W" };
         for (i, &y) in self.bays.iter().enumerate() {
             let (entry, exit) = (self.cell((0, y)), self.cell((0, y - 1)));
@@ -94,7 +94,7 @@ impl Side {
     }
 
     /// Adds doors for people.
-    pub fn doors(&self, hall: &mut Hall) {
+    pub fn doors(&self, hall: &mut HallDraft) {
         for &y in &self.doors {
             let (door, floor) = (self.cell((-1, y)), self.cell((0, y)));
             let name = hall.pen.node(door, format!("D{}", hall.pen.draft.exits.len() + 1));

@@ -17,7 +17,7 @@ mod tests;
 
 pub use path::WalkPath;
 
-use super::near::Near;
+use super::near::PointIndex;
 use super::{NodeKind, Warehouse};
 use crate::geometry::{Point, Segment};
 use crate::id::{Dense, IdVec, NodeId, WalkEdgeId, WalkNodeId};
@@ -69,8 +69,8 @@ pub struct Walkways {
     /// Where the links of each node begin in `links`, and the end of the last.
     start: Vec<u32>,
     links: Vec<(WalkEdgeId, WalkNodeId)>,
-    near_nodes: Near,
-    near_edges: Near,
+    near_nodes: PointIndex,
+    near_edges: PointIndex,
 }
 
 impl Walkways {
@@ -97,9 +97,9 @@ impl Walkways {
         for n in 0..nodes.len() {
             start[n + 1] += start[n];
         }
-        let near_nodes = Near::new(nodes.iter().map(|n| n.at).collect());
+        let near_nodes = PointIndex::new(nodes.iter().map(|n| n.at).collect());
         let middle = |e: &WalkEdge| nalgebra::center(&nodes[e.a].at, &nodes[e.b].at);
-        let near_edges = Near::new(edges.iter().map(middle).collect());
+        let near_edges = PointIndex::new(edges.iter().map(middle).collect());
         let links = links.into_iter().map(|(_, e, to)| (e, to)).collect();
         Walkways { floor, nodes, edges, start, links, near_nodes, near_edges }
     }

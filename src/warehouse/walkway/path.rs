@@ -24,18 +24,18 @@ pub struct WalkPath {
 
 /// A node with the length of the way to it; the nearest first, then the lowest id.
 #[derive(PartialEq)]
-struct Label(f64, WalkNodeId);
+struct PathLabel(f64, WalkNodeId);
 
-impl Eq for Label {}
+impl Eq for PathLabel {}
 
-impl PartialOrd for Label {
-    fn partial_cmp(&self, other: &Label) -> Option<Ordering> {
+impl PartialOrd for PathLabel {
+    fn partial_cmp(&self, other: &PathLabel) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Label {
-    fn cmp(&self, other: &Label) -> Ordering {
+impl Ord for PathLabel {
+    fn cmp(&self, other: &PathLabel) -> Ordering {
         other.0.total_cmp(&self.0).then(other.1.cmp(&self.1))
     }
 }
@@ -68,10 +68,10 @@ impl Walkways {
         let mut queue = BinaryHeap::new();
         for (n, distance) in self.doorsteps(from, cut) {
             length[n.ix()] = distance;
-            queue.push(Label(distance, n));
+            queue.push(PathLabel(distance, n));
         }
-        let mut best: Option<Label> = None;
-        while let Some(Label(so_far, n)) = queue.pop() {
+        let mut best: Option<PathLabel> = None;
+        while let Some(PathLabel(so_far, n)) = queue.pop() {
             if best.as_ref().is_some_and(|b| b.0 <= so_far) {
                 break;
             }
@@ -79,18 +79,18 @@ impl Walkways {
                 continue;
             }
             if let Ok(k) = last.binary_search_by_key(&n, |(n, _)| *n) {
-                let whole = Label(so_far + last[k].1, n);
+                let whole = PathLabel(so_far + last[k].1, n);
                 best = best.into_iter().chain([whole]).max();
             }
             for &(e, next) in self.links(n).iter().filter(|(e, _)| !cut.contains(*e)) {
                 let there = so_far + self.edges[e].length_m;
                 if there < length[next.ix()] {
                     (length[next.ix()], before[next.ix()]) = (there, Some(n));
-                    queue.push(Label(there, next));
+                    queue.push(PathLabel(there, next));
                 }
             }
         }
-        let Label(length_m, end) = best?;
+        let PathLabel(length_m, end) = best?;
         let mut nodes: Vec<WalkNodeId> = std::iter::successors(Some(end), |n| before[n.ix()]).collect();
         nodes.reverse();
         let middle = nodes.iter().map(|n| self.nodes[*n].at);

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Crossings nearer to each other than this are one, metres.
 const SAME_CROSSING_M: f64 = 0.35;
 /// Middle lines between two cells, both included.
-type Chain = Vec<usize>;
+type CellLines = Vec<usize>;
 
 /// The graph of a skeleton; cells in `keep` become nodes.
 pub(super) fn graph(
@@ -22,7 +22,7 @@ pub(super) fn graph(
 ) -> (IdVec<WalkNodeId, WalkNode>, IdVec<WalkEdgeId, WalkEdge>) {
     let chains = chains(floor, skeleton, keep);
     let heads = crossings(floor, &chains, keep);
-    let mut out = Graph { floor, nodes: IdVec::new(), edges: IdVec::new(), known: BTreeMap::new() };
+    let mut out = MiddleGraph { floor, nodes: IdVec::new(), edges: IdVec::new(), known: BTreeMap::new() };
     for i in (0..skeleton.len()).filter(|i| skeleton[*i]) {
         if neighbours(floor, skeleton, i).is_empty() {
             out.node(i);
@@ -50,7 +50,7 @@ fn neighbours(floor: &Raster, skeleton: &[bool], i: usize) -> Vec<usize> {
 }
 
 /// The lines between crossings, ends and kept cells, each once, in the order of its first cell.
-fn chains(floor: &Raster, skeleton: &[bool], keep: &BTreeSet<usize>) -> Vec<Chain> {
+fn chains(floor: &Raster, skeleton: &[bool], keep: &BTreeSet<usize>) -> Vec<CellLines> {
     let lines: BTreeMap<usize, Vec<usize>> =
         (0..skeleton.len()).filter(|i| skeleton[*i]).map(|i| (i, neighbours(floor, skeleton, i))).collect();
     let mut ends: BTreeSet<usize> =
@@ -83,7 +83,12 @@ fn chains(floor: &Raster, skeleton: &[bool], keep: &BTreeSet<usize>) -> Vec<Chai
     found
 }
 
-fn follow(lines: &BTreeMap<usize, Vec<usize>>, ends: &BTreeSet<usize>, start: usize, step: usize) -> Chain {
+fn follow(
+    lines: &BTreeMap<usize, Vec<usize>>,
+    ends: &BTreeSet<usize>,
+    start: usize,
+    step: usize,
+) -> CellLines {
     let mut chain = vec![start, step];
     while !ends.contains(&chain[chain.len() - 1]) {
         let (before, here) = (chain[chain.len() - 2], chain[chain.len() - 1]);
@@ -99,7 +104,7 @@ fn length(floor: &Raster, chain: &[usize]) -> f64 {
 
 /// For each end of a chain the cell that stands for it: crossings close together are one, at the kept cell or
 /// else where there is most room.
-fn crossings(floor: &Raster, chains: &[Chain], keep: &BTreeSet<usize>) -> BTreeMap<usize, usize> {
+fn crossings(floor: &Raster, chains: &[CellLines], keep: &BTreeSet<usize>) -> BTreeMap<usize, usize> {
     let mut head: BTreeMap<usize, usize> =
         chains.iter().flat_map(|c| [c[0], c[c.len() - 1]]).map(|end| (end, end)).collect();
     let find = |head: &BTreeMap<usize, usize>, mut i: usize| {
@@ -117,7 +122,7 @@ fn crossings(floor: &Raster, chains: &[Chain], keep: &BTreeSet<usize>) -> BTreeM
     head.keys().map(|&end| (end, find(&head, end))).collect()
 }
 
-struct Graph<'a> {
+struct MiddleGraph<'a> {
     floor: &'a Raster,
     nodes: IdVec<WalkNodeId, WalkNode>,
     edges: IdVec<WalkEdgeId, WalkEdge>,
@@ -125,7 +130,7 @@ struct Graph<'a> {
     known: BTreeMap<usize, WalkNodeId>,
 }
 
-impl Graph<'_> {
+impl MiddleGraph<'_> {
     fn node(&mut self, cell: usize) -> WalkNodeId {
         if let Some(&known) = self.known.get(&cell) {
             return known;

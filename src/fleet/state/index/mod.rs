@@ -8,8 +8,8 @@ mod queue;
 mod waits;
 
 pub use places::Places;
-pub use queue::{DeadlineStage, Goal, Line, Queue, Rank, urgency_ms};
-pub use waits::Waits;
+pub use queue::{DeadlineStage, Queue, QueueLine, RackGoal, Rank, urgency_ms};
+pub use waits::SuccessorIndex;
 
 use crate::fleet::state::job::{JobKind, JobState};
 use crate::id::{AssignmentId, JobId, RobotId, WorkerId};
@@ -31,7 +31,7 @@ pub struct Index {
     /// Waiting jobs in order.
     pub queue: Queue,
     /// Jobs by the jobs that they come after.
-    pub waits: Waits,
+    pub waits: SuccessorIndex,
     /// Waiting jobs for a robot that the customer named, by robot.
     named: BTreeMap<RobotId, BTreeSet<JobId>>,
     /// Robots on the floor, by number. Shared, so that the ledger can change while a loop goes over them.
@@ -54,7 +54,7 @@ impl Index {
         Index {
             places: Places::new(warehouse),
             queue: Queue::new(warehouse.racks.len()),
-            waits: Waits::default(),
+            waits: SuccessorIndex::default(),
             named: BTreeMap::new(),
             present: Arc::new([]),
             assignments: BTreeMap::new(),

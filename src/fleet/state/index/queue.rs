@@ -1,8 +1,9 @@
 //! Waiting jobs in the order in which robots are matched with them, kept so that nothing has to be sorted.
 //!
-//! Main type: [`Queue`]. Within one priority and one [`DeadlineStage`] of the deadline the order never changes, so each such
-//! [`Line`] is a sorted set, and the few lines are merged by urgency when somebody looks. For each free rack only the
-//! first job of each line is offered. Refuses: to say whether a station has room; whoever looks leaves lines out.
+//! Main type: [`Queue`]. Within one priority and one [`DeadlineStage`] of the deadline the order never changes, so each
+//! such [`QueueLine`] is a sorted set, and the few lines are merged by urgency when somebody looks. For each free rack
+//! only the first job of each line is offered. Refuses: to say whether a station has room; whoever looks leaves lines
+//! out.
 
 use crate::fleet::state::job::{Job, JobKind};
 use crate::id::{IdVec, JobId, RackId, StationId};
@@ -20,7 +21,7 @@ const AGE_SHARE: i64 = 4;
 
 /// Where a job's rack is to go, as far as it matters for whether the job may start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Goal {
+pub enum RackGoal {
     /// To a station.
     Station(StationId),
     /// To storage.
@@ -42,7 +43,7 @@ pub enum DeadlineStage {
 
 /// Jobs whose order never changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Line {
+pub struct QueueLine {
     priority: u8,
     stage: DeadlineStage,
 }
@@ -51,28 +52,28 @@ pub struct Line {
 pub type Rank = (i64, JobId);
 
 /// Ready jobs for one rack.
-type RackQueue = BTreeMap<(Goal, Line), BTreeSet<Rank>>;
+type RackQueue = BTreeMap<(RackGoal, QueueLine), BTreeSet<Rank>>;
 
 #[derive(Clone, Debug, PartialEq)]
-struct Entry {
-    line: Line,
+struct QueueEntry {
+    line: QueueLine,
     rank: Rank,
     accepted: Time,
     deadline: Option<Time>,
     is_blocked: bool,
-    rack: Option<(RackId, Goal)>,
+    rack: Option<(RackId, RackGoal)>,
 }
 
 /// All waiting jobs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Queue {
-    entries: BTreeMap<JobId, Entry>,
-    lines: BTreeMap<Line, BTreeSet<Rank>>,
+    entries: BTreeMap<JobId, QueueEntry>,
+    lines: BTreeMap<QueueLine, BTreeSet<Rank>>,
     /// Jobs that come after no other that is not over, by priority and age.
     ready: BTreeMap<u8, BTreeSet<JobId>>,
     racks: BTreeMap<RackId, RackQueue>,
     /// The first ones of each line for racks that are free.
-    heads: BTreeMap<(Goal, Line), BTreeMap<Rank, RackId>>,
+    heads: BTreeMap<(RackGoal, QueueLine), BTreeMap<Rank, RackId>>,
     free: IdVec<RackId, bool>,
     /// Jobs per rack, ready or not.
     wanted: BTreeMap<RackId, BTreeSet<JobId>>,
@@ -148,7 +149,7 @@ impl Queue {
     pub fn offers<'a>(
         &'a self,
         now: Time,
-        is_open: impl Fn(Goal) -> bool + 'a,
+        is_open: impl Fn(RackGoal) -> bool + 'a,
     ) -> impl Iterator<Item = JobId> + 'a {
         let oldest = self.oldest(now);
         let heads = self.heads.iter().filter(move |((goal, _), _)| is_open(*goal));
@@ -165,8 +166,8 @@ impl Queue {
 
     /// The delivery of a rack with the highest priority, the oldest of several.
     pub fn next_delivery(&self, rack: RackId) -> Option<JobId> {
-        let lines = self.racks.get(&rack)?.iter().filter(|((goal, _), _)| *goal != Goal::Storage);
-        let oldest = |line: &Line, jobs: &BTreeSet<Rank>| match line.stage {
+        let lines = self.racks.get(&rack)?.iter().filter(|((goal, _), _)| *goal != RackGoal::Storage);
+        let oldest = |line: &QueueLine, jobs: &BTreeSet<Rank>| match line.stage {
             DeadlineStage::Plain | DeadlineStage::Overdue => jobs.first().map(|(_, id)| *id),
             DeadlineStage::Near | DeadlineStage::Late => jobs.iter().map(|(_, id)| *id).min(),
         };
@@ -194,13 +195,13 @@ impl Queue {
     pub(in crate::fleet) fn insert(&mut self, id: JobId, job: &Job, is_blocked: bool) {
         let kind = &job.request.kind;
         let goal = match *kind {
-            JobKind::Deliver { station, .. } => Goal::Station(station),
-            _ => Goal::Storage,
+            JobKind::Deliver { station, .. } => RackGoal::Station(station),
+            _ => RackGoal::Storage,
         };
-        let line = Line { priority: job.request.priority, stage: DeadlineStage::Plain };
+        let line = QueueLine { priority: job.request.priority, stage: DeadlineStage::Plain };
         let (accepted, deadline) = (job.accepted, job.request.deadline);
         let rack = kind.rack().map(|rack| (rack, goal));
-        let mut entry = Entry { line, rank: (0, id), accepted, deadline, is_blocked, rack };
+        let mut entry = QueueEntry { line, rank: (0, id), accepted, deadline, is_blocked, rack };
         self.place(id, &mut entry);
         self.put(id, entry);
     }
@@ -229,7 +230,7 @@ impl Queue {
     }
 
     /// Finds the line of a job and its place there; notes when that changes.
-    fn place(&mut self, id: JobId, entry: &mut Entry) {
+    fn place(&mut self, id: JobId, entry: &mut QueueEntry) {
         let Some(deadline) = entry.deadline else { return };
         let (stage, change) = stage(deadline, self.as_of);
         entry.line.stage = stage;
@@ -241,7 +242,7 @@ impl Queue {
         self.changes.extend(change.map(|at| (at, id)));
     }
 
-    fn put(&mut self, id: JobId, entry: Entry) {
+    fn put(&mut self, id: JobId, entry: QueueEntry) {
         self.lines.entry(entry.line).or_default().insert(entry.rank);
         if let Some((rack, _)) = entry.rack {
             self.wanted.entry(rack).or_default().insert(id);
@@ -262,7 +263,7 @@ impl Queue {
         self.entries.insert(id, entry);
     }
 
-    fn take(&mut self, id: JobId) -> Option<Entry> {
+    fn take(&mut self, id: JobId) -> Option<QueueEntry> {
         let entry = self.entries.remove(&id)?;
         drop_from(&mut self.lines, entry.line, &entry.rank);
         if let Some((rack, _)) = entry.rack {
@@ -298,8 +299,8 @@ fn drop_from<K: Ord + Copy, T: Ord>(sets: &mut BTreeMap<K, BTreeSet<T>>, key: K,
 }
 
 fn replace_head(
-    heads: &mut BTreeMap<(Goal, Line), BTreeMap<Rank, RackId>>,
-    line: (Goal, Line),
+    heads: &mut BTreeMap<(RackGoal, QueueLine), BTreeMap<Rank, RackId>>,
+    line: (RackGoal, QueueLine),
     rack: RackId,
     before: Option<Rank>,
     after: Option<Rank>,

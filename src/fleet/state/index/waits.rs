@@ -1,6 +1,6 @@
 //! Which jobs come after which, and which of them will never start because one before them ended badly.
 //!
-//! Main type: [`Waits`]. Refuses: to know anything else about jobs.
+//! Main type: [`SuccessorIndex`]. Refuses: to know anything else about jobs.
 
 use super::{BAD_END_KNOWN, BAD_ENDS_MAX};
 use crate::id::JobId;
@@ -13,7 +13,7 @@ const LOOKED_AT: usize = 64;
 
 /// Jobs by the jobs that they come after.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Waits {
+pub struct SuccessorIndex {
     /// For each job that is not over, or ended badly: the waiting jobs that come after it.
     dependants: BTreeMap<JobId, BTreeSet<JobId>>,
     /// For each waiting job: those that keep it from starting, in the order of the request.
@@ -24,7 +24,7 @@ pub struct Waits {
     bad_ends: BTreeSet<(Time, JobId)>,
 }
 
-impl Waits {
+impl SuccessorIndex {
     /// Whether something keeps a waiting job from starting: a job before it is not over, or ended badly.
     pub fn is_blocked(&self, id: JobId) -> bool {
         self.pending.contains_key(&id)

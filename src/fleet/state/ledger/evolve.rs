@@ -4,7 +4,7 @@
 //! does not load. Refuses: to decide anything.
 
 use super::{Ledger, RackAt, Robot, Service, stand};
-use crate::fleet::state::fact::{Act, Booking, Fact, Kept, Task};
+use crate::fleet::state::fact::{Act, Booking, Fact, KeptRoute, Task};
 use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState};
 use crate::fleet::state::life::{self, JobStage, Work};
 use crate::fleet::state::worker::{Assignment, AssignmentRequest, AssignmentState};
@@ -303,13 +303,13 @@ impl Ledger {
         }
     }
 
-    fn truncate(&mut self, robots: &[Kept]) {
+    fn truncate(&mut self, robots: &[KeptRoute]) {
         self.timeline.keep(&kept(robots));
         self.interrupt(robots);
     }
 
     /// A robot stands elsewhere: it holds that place alone, and others lose what they were promised there.
-    fn place(&mut self, robot: RobotId, node: NodeId, serial: u64, cut: &[Kept], at: Time) {
+    fn place(&mut self, robot: RobotId, node: NodeId, serial: u64, cut: &[KeptRoute], at: Time) {
         let visit = Visit { loaded: self.rack_on(robot).is_some(), ..stand(node, at) };
         self.timeline.place(Holder::Robot(robot), serial, visit, &kept(cut));
         let record = &mut self.promises.robots[robot];
@@ -318,7 +318,7 @@ impl Ledger {
         self.interrupt(cut);
     }
 
-    fn interrupt(&mut self, robots: &[Kept]) {
+    fn interrupt(&mut self, robots: &[KeptRoute]) {
         for k in robots {
             self.promises.robots[k.robot].stops.retain(|s| s.serial < k.end);
             self.promises.robots[k.robot].interrupted = true;
@@ -344,7 +344,7 @@ impl Ledger {
     }
 }
 
-fn kept(robots: &[Kept]) -> Vec<timeline::Kept<'_>> {
+fn kept(robots: &[KeptRoute]) -> Vec<timeline::KeptVisits<'_>> {
     robots.iter().map(|k| (Holder::Robot(k.robot), k.end, k.shifts.as_slice())).collect()
 }
 

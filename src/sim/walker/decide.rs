@@ -2,11 +2,11 @@
 //!
 //! Refuses: to move anybody; it sets the route and the wanted speed, the legs do the rest.
 
-use super::cause::Cause;
+use super::cause::WalkCause;
 use super::impulse::{Impulse, ImpulseKind};
-use super::legs::{Around, BODY_M, RobotNear};
+use super::legs::{BODY_M, RobotNear, WalkerSurroundings};
 use super::persona::Persona;
-use super::{Aside, Desk, Doing, Job, Shown, Walker};
+use super::{Aside, Errand, Shown, Walker, WalkerDoing, WorkKnowledge};
 use crate::geometry::{Point, Segment};
 use crate::id::{Dense, WalkNodeId};
 use crate::time::{Span, Time};
@@ -36,12 +36,12 @@ const UNKNOWN_M: f64 = 1.5;
 
 impl Walker {
     /// What the device shows, what comes to mind, what robots do.
-    pub(super) fn notice(&mut self, now: Time, around: &Around<'_>, desk: &Desk<'_>) {
+    pub(super) fn notice(&mut self, now: Time, around: &WalkerSurroundings<'_>, work: &WorkKnowledge<'_>) {
         while let Some((_, shown)) = self.news.pop_front_if(|(due, _)| *due <= now) {
             self.heed(shown, around.walkways);
         }
         while let Some(impulse) = self.impulses.due(now) {
-            self.follow(impulse, now, around, desk);
+            self.follow(impulse, now, around, work);
         }
         self.mind_robots(now, around);
     }
@@ -54,10 +54,10 @@ impl Walker {
             let ignores = self.heeds.happens_of(self.ignore);
             self.ignored = ignores.then_some(shown.version);
             match self.doing {
-                Doing::Errand { goal, until: None, .. } if !ignores && leads_to(&shown, goal) => {
+                WalkerDoing::Job { goal, until: None, .. } if !ignores && leads_to(&shown, goal) => {
                     self.legs.set_off(join(self.legs.at, &shown.path, walkways), walkways);
                 }
-                Doing::Wander(_) if !ignores => self.doing = Doing::Duty,
+                WalkerDoing::Wander(_) if !ignores => self.doing = WalkerDoing::Duty,
                 _ => {}
             }
         } else if new {
@@ -67,16 +67,22 @@ impl Walker {
     }
 
     /// Only who walks to work has time for ideas; what the scenario says is always done.
-    fn follow(&mut self, impulse: Impulse, now: Time, around: &Around<'_>, desk: &Desk<'_>) {
+    fn follow(
+        &mut self,
+        impulse: Impulse,
+        now: Time,
+        around: &WalkerSurroundings<'_>,
+        work: &WorkKnowledge<'_>,
+    ) {
         let Impulse { kind, pick, stay } = impulse;
-        let walks = self.doing == Doing::Duty && !self.legs.route.is_empty();
-        let leaves = matches!(self.doing, Doing::Leave(_) | Doing::Gone);
+        let walks = self.doing == WalkerDoing::Duty && !self.legs.route.is_empty();
+        let leaves = matches!(self.doing, WalkerDoing::Leave(_) | WalkerDoing::Gone);
         if leaves || !(walks || kind == ImpulseKind::Scripted) {
             return;
         }
-        let errand = |cause, goal| Doing::Errand { cause, goal, stay, until: None };
-        let known = || desk.known.get((pick * desk.known.len() as f64) as usize).copied();
-        let unknown = || somewhere(around.walkways, desk.known, pick);
+        let errand = |cause, goal| WalkerDoing::Job { cause, goal, stay, until: None };
+        let known = || work.known.get((pick * work.known.len() as f64) as usize).copied();
+        let unknown = || somewhere(around.walkways, work.known, pick);
         let doing = match kind {
             ImpulseKind::Pause => {
                 self.pause_until = now + stay;
@@ -86,14 +92,14 @@ impl Walker {
                 self.look_until = now + stay;
                 return;
             }
-            ImpulseKind::Mind => known().map(|goal| errand(Cause::ChangeOfMind, goal)),
-            ImpulseKind::Unknown => unknown().map(|goal| errand(Cause::UnknownGoal, goal)),
+            ImpulseKind::Mind => known().map(|goal| errand(WalkCause::ChangeOfMind, goal)),
+            ImpulseKind::Unknown => unknown().map(|goal| errand(WalkCause::UnknownGoal, goal)),
             ImpulseKind::Help => {
-                let colleague = desk.colleagues.get((pick * desk.colleagues.len() as f64) as usize).copied();
-                colleague.or_else(unknown).map(|goal| errand(Cause::Help, goal))
+                let colleague = work.colleagues.get((pick * work.colleagues.len() as f64) as usize).copied();
+                colleague.or_else(unknown).map(|goal| errand(WalkCause::Help, goal))
             }
-            ImpulseKind::Scripted => unknown().map(|goal| errand(Cause::Scripted, goal)),
-            ImpulseKind::Wander => Some(Doing::Wander(now + stay)),
+            ImpulseKind::Scripted => unknown().map(|goal| errand(WalkCause::Scripted, goal)),
+            ImpulseKind::Wander => Some(WalkerDoing::Wander(now + stay)),
         };
         if let Some(doing) = doing {
             (self.doing, self.detour, self.aside) = (doing, false, None);
@@ -102,7 +108,7 @@ impl Walker {
     }
 
     /// A robot that comes nearer is taken as the persona does, once in a while.
-    fn mind_robots(&mut self, now: Time, around: &Around<'_>) {
+    fn mind_robots(&mut self, now: Time, around: &WalkerSurroundings<'_>) {
         let here = self.legs.at;
         let comes = |r: &&RobotNear| {
             let d = here - r.at;
@@ -114,7 +120,7 @@ impl Walker {
             }
             return;
         };
-        if now < self.calm_until || matches!(self.doing, Doing::Work(..) | Doing::Gone) {
+        if now < self.calm_until || matches!(self.doing, WalkerDoing::Work(..) | WalkerDoing::Gone) {
             return;
         }
         self.calm_until = now + CALM;
@@ -147,53 +153,53 @@ impl Walker {
             return 0.0;
         }
         match self.doing {
-            Doing::Errand { cause: Cause::Help, .. } => 1.5 * usual,
+            WalkerDoing::Job { cause: WalkCause::Help, .. } => 1.5 * usual,
             _ if reacts && self.traits.persona == Persona::Hurries => 1.3 * usual,
             _ => usual,
         }
     }
 
     /// Sets the route where there is none, and goes on to what comes next.
-    pub(super) fn decide(&mut self, now: Time, around: &Around<'_>, desk: &Desk<'_>) {
+    pub(super) fn decide(&mut self, now: Time, around: &WalkerSurroundings<'_>, work: &WorkKnowledge<'_>) {
         if let Some(aside) = self.aside {
             return self.step_aside(aside, now, around);
         }
         let arrived = self.legs.route.is_empty();
         self.detour &= !arrived;
         match self.doing {
-            Doing::Duty => self.do_duty(now, around, desk),
-            Doing::Work(id, until) if until <= now => {
+            WalkerDoing::Duty => self.do_duty(now, around, work),
+            WalkerDoing::Work(id, until) if until <= now => {
                 self.finished.push(id);
-                self.doing = Doing::Duty;
+                self.doing = WalkerDoing::Duty;
                 self.idle_since = now;
             }
-            Doing::Work(..) | Doing::Gone => {}
-            Doing::Errand { until: Some(until), .. } if until <= now => self.back_to_duty(now),
-            Doing::Errand { until: Some(_), .. } => {}
-            Doing::Errand { cause, goal, stay, until: None } => {
+            WalkerDoing::Work(..) | WalkerDoing::Gone => {}
+            WalkerDoing::Job { until: Some(until), .. } if until <= now => self.back_to_duty(now),
+            WalkerDoing::Job { until: Some(_), .. } => {}
+            WalkerDoing::Job { cause, goal, stay, until: None } => {
                 if arrived && !self.go(goal, around, None) {
                     self.back_to_duty(now);
                 } else if self.legs.route.is_empty() {
-                    self.doing = Doing::Errand { cause, goal, stay, until: Some(now + stay) };
+                    self.doing = WalkerDoing::Job { cause, goal, stay, until: Some(now + stay) };
                 }
             }
-            Doing::Wander(until) if until <= now => self.back_to_duty(now),
-            Doing::Wander(_) if arrived => self.stroll(around.walkways),
-            Doing::Wander(_) => {}
-            Doing::Leave(door) => {
+            WalkerDoing::Wander(until) if until <= now => self.back_to_duty(now),
+            WalkerDoing::Wander(_) if arrived => self.stroll(around.walkways),
+            WalkerDoing::Wander(_) => {}
+            WalkerDoing::Leave(door) => {
                 if arrived && !self.go(door, around, None) || (self.legs.at - door).norm() < 0.3 {
-                    self.doing = Doing::Gone;
+                    self.doing = WalkerDoing::Gone;
                 }
             }
         }
     }
 
     fn back_to_duty(&mut self, now: Time) {
-        (self.doing, self.followed, self.idle_since) = (Doing::Duty, None, now);
+        (self.doing, self.followed, self.idle_since) = (WalkerDoing::Duty, None, now);
         self.legs.route.clear();
     }
 
-    fn do_duty(&mut self, now: Time, around: &Around<'_>, desk: &Desk<'_>) {
+    fn do_duty(&mut self, now: Time, around: &WalkerSurroundings<'_>, work: &WorkKnowledge<'_>) {
         let shown = self.shown.as_ref().filter(|s| !s.path.is_empty());
         let version = shown.map(|s| s.version);
         let fresh = version.is_some() && version != self.followed && version != self.ignored;
@@ -207,23 +213,23 @@ impl Walker {
             return;
         }
         self.ignored = self.ignored.filter(|_| self.followed.is_none());
-        let Some(job) = desk.job else { return };
+        let Some(job) = work.job else { return };
         let end = shown.filter(|_| version == self.followed).and_then(|s| s.path.last());
         let at_end =
             end.is_some_and(|e| (e - job.at).norm() < PATH_ENDS_M && (e - self.legs.at).norm() < AT_WORK_M);
         if at_end || (job.at - self.legs.at).norm() < AT_WORK_M {
-            self.doing = Doing::Work(job.id, now + job.stay);
+            self.doing = WalkerDoing::Work(job.id, now + job.stay);
         } else if self.shown.is_none() || now - self.idle_since > OWN_WAY {
             self.go_to_work(job, around);
         }
     }
 
-    fn go_to_work(&mut self, job: Job, around: &Around<'_>) {
+    fn go_to_work(&mut self, job: Errand, around: &WalkerSurroundings<'_>) {
         self.go(job.at, around, None);
     }
 
     /// Sets the route to a place, around what is cut; whether there is one.
-    fn go(&mut self, goal: Point, around: &Around<'_>, cut: Option<&EdgeSet>) -> bool {
+    fn go(&mut self, goal: Point, around: &WalkerSurroundings<'_>, cut: Option<&EdgeSet>) -> bool {
         if (goal - self.legs.at).norm() < 0.1 {
             self.legs.route.clear();
             return true;
@@ -246,7 +252,7 @@ impl Walker {
         self.legs.route.extend([walkways.nodes()[here].at, walkways.nodes()[*next].at]);
     }
 
-    fn step_aside(&mut self, aside: Aside, now: Time, around: &Around<'_>) {
+    fn step_aside(&mut self, aside: Aside, now: Time, around: &WalkerSurroundings<'_>) {
         let over = match aside.until {
             Some(until) => until <= now,
             None if (aside.goal - self.legs.at).norm() < 0.15 || !self.legs.route.is_empty() => false,
@@ -263,7 +269,12 @@ impl Walker {
     }
 
     /// A robot in the way: after some time the walker takes another way, or goes back and tries again.
-    pub(super) fn give_up_waiting(&mut self, now: Time, around: &Around<'_>, desk: &Desk<'_>) {
+    pub(super) fn give_up_waiting(
+        &mut self,
+        now: Time,
+        around: &WalkerSurroundings<'_>,
+        work: &WorkKnowledge<'_>,
+    ) {
         let here = self.legs.at;
         // Whoever shuffles to and fro before a robot has not got away from it.
         self.blocked_since = self.blocked_since.filter(|(_, at)| (here - at).norm() < GOT_AWAY_M);
@@ -277,9 +288,9 @@ impl Walker {
         self.blocked_since = None;
         let cut = cut_by_robots(self.legs.at, around);
         let target = match self.doing {
-            Doing::Errand { goal, .. } => Some(goal),
-            Doing::Leave(door) => Some(door),
-            _ => self.legs.route.back().copied().or(desk.job.map(|j| j.at)),
+            WalkerDoing::Job { goal, .. } => Some(goal),
+            WalkerDoing::Leave(door) => Some(door),
+            _ => self.legs.route.back().copied().or(work.job.map(|j| j.at)),
         };
         if self.aside.is_none()
             && target.is_some_and(|goal| self.go(goal, around, Some(&cut)))
@@ -323,7 +334,7 @@ fn join(at: Point, path: &[Point], walkways: &Walkways) -> Vec<Point> {
 
 /// Walkways that robots nearby stand or drive on, but not the one on which the walker stands: it may go back
 /// on that.
-fn cut_by_robots(at: Point, around: &Around<'_>) -> EdgeSet {
+fn cut_by_robots(at: Point, around: &WalkerSurroundings<'_>) -> EdgeSet {
     let mut cut = around.walkways.no_edges();
     for r in around.robots.iter().filter(|r| (r.at - at).norm() < IN_SIGHT_M) {
         for e in around.walkways.edges_within(r.at, r.half_m + BODY_M) {
@@ -336,7 +347,7 @@ fn cut_by_robots(at: Point, around: &Around<'_>) -> EdgeSet {
 }
 
 /// Whether no robot is in the way of the next steps.
-fn is_clear(at: Point, route: impl Iterator<Item = Point>, around: &Around<'_>) -> bool {
+fn is_clear(at: Point, route: impl Iterator<Item = Point>, around: &WalkerSurroundings<'_>) -> bool {
     let mut from = at;
     let mut far = 0.0;
     for to in route {
@@ -361,7 +372,7 @@ fn is_clear(at: Point, route: impl Iterator<Item = Point>, around: &Around<'_>) 
 }
 
 /// The place farthest from all robots nearby that can be walked to, with the way there.
-fn back_off(at: Point, around: &Around<'_>, cut: &EdgeSet) -> Option<(Point, Vec<Point>)> {
+fn back_off(at: Point, around: &WalkerSurroundings<'_>, cut: &EdgeSet) -> Option<(Point, Vec<Point>)> {
     let walkways = around.walkways;
     let robots = around.robots.iter().filter(|r| (r.at - at).norm() < IN_SIGHT_M);
     let robots: Vec<&RobotNear> = robots.collect();
@@ -379,7 +390,7 @@ fn back_off(at: Point, around: &Around<'_>, cut: &EdgeSet) -> Option<(Point, Vec
 }
 
 /// A place nearby that is out of a robot's way.
-fn beside(at: Point, robot: &RobotNear, around: &Around<'_>) -> Option<Point> {
+fn beside(at: Point, robot: &RobotNear, around: &WalkerSurroundings<'_>) -> Option<Point> {
     let clear = |p: Point| !robot.sweeps(p, 10.0) && robot.gap(p) > 0.2;
     let near =
         around.walkways.near(at, 2.5).into_iter().filter(|(n, _)| clear(around.walkways.nodes()[*n].at));
