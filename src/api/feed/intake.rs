@@ -120,17 +120,17 @@ impl Fault {
     /// What happened and what to do.
     pub fn text(self) -> &'static str {
         match self {
-            Fault::NoClock => "poses are taken once the first ping is answered: answer pings with a pong",
+            Fault::NoClock => "poses are accepted once the first ping is answered: answer pings with a pong",
             Fault::NotAligned => "the frame of the device is not known: send anchors",
-            Fault::OldEpoch => "the pose belongs to an alignment of before: use the epoch of the last answer",
+            Fault::OldEpoch => "the pose belongs to an earlier alignment: use the epoch of the last answer",
             Fault::UnknownEpoch => "this epoch was never given out: use the epoch of the last answer",
             Fault::NoPosition => {
                 "a pose needs pos, or at in the frame of the map; one that is lost needs one before it"
             }
-            Fault::Absurd => "numbers that cannot be: positions in metres, accuracy from 0 to 100 m",
-            Fault::Quaternion => "quat is x, y, z, w of length 1",
+            Fault::Absurd => "impossible numbers: give positions in metres, accuracy from 0 to 100 m",
+            Fault::Quaternion => "quat must be x, y, z, w of length 1",
             Fault::Future => "the pose lies in the future: t is the moment on the clock that answers pings",
-            Fault::TooOld => "the pose is more than ten seconds old: send the newest, drop what waited",
+            Fault::TooOld => "the pose is more than ten seconds old: send the newest and drop queued ones",
             Fault::Repeated => "this seq came already: count up within an epoch",
             Fault::Reordered => "a later seq came already: only the newest counts",
         }
