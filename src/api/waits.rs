@@ -120,7 +120,7 @@ impl Names<'_> {
                 link(cause, by, active(&self.why_job(why)))
             }
             Because::AtStop(act) => link("stop", None, at_stop(act).into()),
-            Because::Drives => link("drives", None, "drives on and leaves it free".into()),
+            Because::Drives => link("drives", None, "drives on and then frees it".into()),
             Because::Later => link("later", None, "goes on as planned".into()),
             Because::Stays => link("stays", None, "stands where it may stay".into()),
         }
