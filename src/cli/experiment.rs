@@ -27,7 +27,7 @@ pub enum Experiment {
     Forecast(Forecast),
     /// Where recorded people are going: the right goal along the way, calibration.
     Intention(Purpose),
-    /// Recorded people among robots that know nothing of them: who would have braked in time, who for nothing.
+    /// Recorded people among robots that know nothing of them: which robots brake in time, and which for nothing.
     Meetings(Encounters),
     /// Safe spaces of workers and robots, and when a route is kept (Ye et al.), beside ours.
     SafeSpace(SafeSpace),
