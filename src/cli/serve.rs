@@ -61,7 +61,7 @@ async fn serve(config: &Config, floor: Floor) -> anyhow::Result<()> {
     if let Some(identity) = server.identity() {
         say!("tls      {}, SHA-256 {}", identity.certificate.display(), identity.fingerprint);
         if !identity.names.is_empty() {
-            say!("         signed by itself, for {}", identity.names.join(", "));
+            say!("         self-signed, for {}", identity.names.join(", "));
         }
     }
     say!("map      {}, {} robots (simulated)", found.map, found.robots);

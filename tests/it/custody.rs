@@ -203,8 +203,5 @@ async fn robots_of_a_kind_that_the_scenario_no_longer_has_are_refused_in_words()
     assert!(get(at, "/v1/robots").await.text.contains("\"kind\":\"mover\""));
     server.stop().await.unwrap();
     let refused = Server::start(&config(&folder), floor()).await.err().expect("it is refused").to_string();
-    assert!(
-        refused.contains("is of the kind \"mover\"") && refused.contains("scenario has robot"),
-        "{refused}"
-    );
+    assert!(refused.contains("is of kind \"mover\"") && refused.contains("scenario has robot"), "{refused}");
 }

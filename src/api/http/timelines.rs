@@ -123,7 +123,7 @@ pub async fn timelines(
     let (area, ahead) = p.read()?;
     let seen = api.query(|reply| Question::Occupancy(area, ahead, reply)).await?;
     let strips = seen.what.map_err(|count| {
-        let detail = format!("the area has {count} nodes, more than {MOST_NODES}: choose a smaller one");
+        let detail = format!("the area has {count} nodes, more than {MOST_NODES}: choose a smaller area");
         Problem::invalid(vec![FieldError::new("area", detail)])
     })?;
     let moment = api.moment();

@@ -306,7 +306,7 @@ fn jobs_for_what_is_gone_or_for_something_else_are_losses() {
     let aisle = changed(&roomy(), |draft| draft.storage.retain(|n| *n != name));
     let report = floor.carried(&aisle).report;
     assert_eq!(report.losses.len(), 1, "{report}");
-    assert!(report.to_string().contains("no storage node any more"), "{report}");
+    assert!(report.to_string().contains("no longer a storage node"), "{report}");
     let mut draft = json::parse_draft(&json::write(&roomy())).unwrap();
     draft.storage.retain(|n| *n != name);
     draft.lanes.retain(|l| l.from != name && l.to != name);
@@ -355,7 +355,7 @@ fn closures_and_assignments_keep_what_is_left_of_them() {
     let carried = floor.carried(&map);
     let said = carried.report.to_string();
     assert_eq!(carried.report.losses.len(), 2, "{said}");
-    assert!(said.contains("closure c3 (\"wet\") is of nodes that are all gone"), "{said}");
+    assert!(said.contains("closure c3 (\"wet\") closes only nodes that are gone"), "{said}");
     assert!(said.contains("assignment a1 of worker anna is at node"), "{said}");
     assert_eq!(carried.cancelled, [AssignmentId(1)]);
     let parts = carried.parts.expect("nothing is in the way");
