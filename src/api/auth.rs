@@ -39,7 +39,7 @@ impl Gate {
         if !self.is_closed() || token_of(headers).is_some_and(|t| self.knows(t)) {
             return Ok(());
         }
-        let detail = "this server wants a token: send `Authorization: Bearer TOKEN`, or offer the WebSocket \
+        let detail = "this server needs a token: send `Authorization: Bearer TOKEN`, or offer the WebSocket \
                       protocols `giveway` and `bearer.TOKEN`";
         Err(Problem::new(StatusCode::UNAUTHORIZED, "unauthorized", "A token is needed", detail))
     }
@@ -55,9 +55,9 @@ impl Gate {
         let text = |name| headers.get(name).map(|v| v.to_str().unwrap_or("?"));
         let host = text(header::HOST).unwrap_or("");
         let forbid =
-            |detail: String| Problem::new(StatusCode::FORBIDDEN, "foreign", "Not from this page", detail);
+            |detail: String| Problem::new(StatusCode::FORBIDDEN, "foreign", "Origin not allowed", detail);
         if !self.is_closed() && !is_loopback(host) {
-            let detail = format!("without tokens this server answers to localhost only, not to \"{host}\"");
+            let detail = format!("without tokens this server answers at localhost only, not at \"{host}\"");
             return Err(forbid(detail));
         }
         let Some(origin) = text(header::ORIGIN) else { return Ok(()) };

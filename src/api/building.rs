@@ -21,7 +21,7 @@ pub struct MapDto {
     lanes: Vec<LaneDto>,
     stations: Vec<StationPlaceDto>,
     racks: Vec<RackHomeDto>,
-    /// Outlines of what stands in the way.
+    /// Outlines of obstacles.
     obstacles: Vec<Vec<[f64; 2]>>,
     /// Outlines of the floor on which people may walk.
     walkable: Vec<Vec<[f64; 2]>>,

@@ -12,7 +12,7 @@ use crate::warehouse::Warehouse;
 pub fn words(map: &Warehouse, robot: impl Fn(RobotId) -> String, displacement: Displacement) -> String {
     let node = |n: NodeId| map.nodes.get(n).map_or_else(|| format!("{n:?}"), |n| n.name.clone());
     let rack = |r: RackId| map.racks.get(r).map_or_else(|| format!("{r:?}"), |r| r.name.clone());
-    let elsewhere = "push or drive it onto a free node; it is taken up there by itself";
+    let elsewhere = "push or drive it onto a free node; it rejoins the fleet there by itself";
     match displacement {
         Displacement::OffNode { at, nearest, off_mm } => {
             let (at, off_m) = (Point::from(at), off_mm as f64 / 1000.0);
@@ -23,12 +23,12 @@ pub fn words(map: &Warehouse, robot: impl Fn(RobotId) -> String, displacement: D
             )
         }
         Displacement::KnowsWaypoints(n) => format!(
-            "stands on {}, which it does not hold, and still has its old route: let it forget that (switch it off \
-             and on); it is taken up there by itself",
+            "stands on {}, which it does not hold, and still has its old route: clear that (switch it off \
+             and on); it rejoins the fleet there by itself",
             node(n)
         ),
         Displacement::GrantedTo(n, other) => format!(
-            "stands on {}, to which {} may drive already: {elsewhere}, or where it is as soon as {} has gone back",
+            "stands on {}, to which {} may drive already: {elsewhere}, or where it is once {} has backed off",
             node(n),
             robot(other),
             robot(other)
@@ -37,10 +37,10 @@ pub fn words(map: &Warehouse, robot: impl Fn(RobotId) -> String, displacement: D
             format!("stands with its rack on {}, where rack {} is stored: {elsewhere}", node(n), rack(k))
         }
         Displacement::NoWayOut(n) => {
-            format!("stands on {}, from where no lane leads on for it: {elsewhere}", node(n))
+            format!("stands on {}, from which it has no lane to drive on: {elsewhere}", node(n))
         }
         Displacement::ByHand => {
-            "is driven by hand: leave it on a free node and end that; it is taken up there by itself"
+            "is driven by hand: leave it on a free node; once that ends, it rejoins the fleet by itself"
                 .to_owned()
         }
         Displacement::Load { carries: None, expected: Some(k) } => {

@@ -39,17 +39,17 @@ pub struct RobotDto {
     pub speed: f64,
     /// idle, busy, free, interrupted or failed; gone in the live feed, where robots go by number.
     pub state: &'static str,
-    /// What it is at.
+    /// What it is doing.
     #[schema(example = "carrying")]
     pub doing: &'static str,
-    /// The kind of robots that it is of.
+    /// Its robot kind.
     #[schema(example = "robot")]
     pub kind: String,
     /// Whether it is in maintenance, or will be when it has finished what it has begun.
     pub maintenance: bool,
     /// Whether it is to leave the floor, and has not left yet.
     pub leaving: bool,
-    /// What it says is wrong with it: broken, emergency_stop, manual, obstructed, unplugged; null for nothing.
+    /// The fault that it reports: broken, emergency_stop, manual, obstructed or unplugged; null if none.
     #[schema(example = "emergency_stop")]
     pub fault: Option<&'static str>,
     /// The rack on it.
@@ -59,11 +59,11 @@ pub struct RobotDto {
     pub job: Option<String>,
     /// Charge, 0 to 1.
     pub battery: f64,
-    /// Indices of the nodes that it may drive to now, in order.
+    /// Indices of the nodes granted to it, in order: it may drive to them now.
     pub granted: Vec<usize>,
-    /// Indices of the nodes that it holds beyond, in order.
+    /// Indices of the nodes reserved for it beyond these, in order.
     pub held: Vec<usize>,
-    /// Why it does not go on, if it does not.
+    /// Why it does not go on; null if nothing holds it up.
     #[schema(example = "waiting for A12, held by robot-7")]
     pub why: Option<String>,
 }
@@ -92,16 +92,16 @@ pub struct StationDto {
     pub served: u64,
     /// Whether a rack stands there to be picked from: POST /v1/stations/{id}/done ends the pick.
     pub picking: bool,
-    /// Since when nobody picks, by hand, RFC 3339; null where somebody does.
+    /// Since when picking has been paused by hand, RFC 3339; null if it is not paused.
     pub paused: Option<String>,
 }
 
 /// How many jobs are in which state.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct JobCountsDto {
-    /// Nobody has them yet.
+    /// No robot has them yet.
     pub waiting: u64,
-    /// At work.
+    /// A robot works on them.
     pub active: u64,
     /// Done.
     pub done: u64,
@@ -125,7 +125,7 @@ pub struct JobDto {
     pub station: Option<String>,
     /// The node to bring it, or the robot, to.
     pub node: Option<String>,
-    /// The robot at work on it, the last one that was, or the one that was named.
+    /// The robot that works on it, the last one that did, or the one that the job names.
     pub robot: Option<String>,
     /// How long the pick takes, seconds, where the job says so.
     pub pick_s: Option<f64>,
@@ -284,18 +284,18 @@ impl Names<'_> {
                 format!("waiting for {}, which is on its way somewhere", self.robot(r))
             }
             JobWhy::NoRobot => "no robot is free".into(),
-            JobWhy::NoKind => "no robot of a kind that can do it has joined".into(),
+            JobWhy::NoKind => "no robot of a kind that can do this job has joined".into(),
             JobWhy::StationFull(s) => {
-                format!("waiting for room at {}: enough racks wait for it already", station(s))
+                format!("waiting for room at {}: enough racks are bound for it already", station(s))
             }
-            JobWhy::StationPaused(s) => format!("waiting for {} to go on: it is paused", station(s)),
-            JobWhy::ClosedOff => "waiting for the way to its rack, or to where that goes, to be open".into(),
+            JobWhy::StationPaused(s) => format!("waiting for {} to resume: it is paused", station(s)),
+            JobWhy::ClosedOff => "waiting for a closure on the way to its rack or destination to end".into(),
             JobWhy::RackBlocked(k, r) => {
-                format!("waiting for rack {}, beneath which {} stands", rack(k), self.robot(r))
+                format!("waiting for rack {}: {} stands beneath it", rack(k), self.robot(r))
             }
             JobWhy::NoPlace(NodeKind::Charger) => "waiting for a charger to be free".into(),
             JobWhy::NoPlace(_) => "waiting for a parking place to be free".into(),
-            JobWhy::RobotLow(r) => format!("waiting for {} to have charged", self.robot(r)),
+            JobWhy::RobotLow(r) => format!("waiting for {} to charge", self.robot(r)),
             JobWhy::Robot(r, why) => format!("{}: {}", self.robot(r), self.why(why)),
         }
     }
@@ -318,22 +318,22 @@ impl Names<'_> {
             Why::NoRoute => "no route found yet; trying again".into(),
             Why::Failed => "cannot drive".into(),
             Why::EmergencyStop => {
-                "stands: its emergency stop is pressed; release it when the way is clear".into()
+                "stopped: its emergency stop is pressed; release it when the way is clear".into()
             }
-            Why::Manual => "driven by hand: it goes on by itself when that ends on a free node".into(),
+            Why::Manual => "driven by hand: it goes on by itself once it is left on a free node".into(),
             Why::Obstructed(n) => {
                 let node = self.map.nodes.get(n).map_or("the next node", |n| n.name.as_str());
                 format!(
-                    "cannot pass: something stands on its way to {node}; clear it, it looks for another way"
+                    "cannot pass: something stands on its way to {node}; clear the way; the robot looks for another"
                 )
             }
-            Why::Unplugged => "gets no current from its charger: look at plug and charger".into(),
+            Why::Unplugged => "gets no current from its charger: check the plug and the charger".into(),
             Why::Displaced(displacement) => displaced::words(self.map, |r| self.robot(r), displacement),
             Why::BlockedBy(r) => format!("waiting for {} to be moved out of its way", self.robot(r)),
-            Why::Silent => "not heard of".into(),
+            Why::Silent => "no telemetry".into(),
             Why::Paused => PAUSED.into(),
             Why::Maintenance => "in maintenance".into(),
-            Why::Leaving => "leaves the floor: switch it off when it is to be taken away".into(),
+            Why::Leaving => "leaves the floor: switch it off before you take it away".into(),
             Why::Gone => "has left the floor".into(),
             Why::Stopped => "stopped with the whole fleet".into(),
         }
@@ -397,13 +397,13 @@ fn why_failed(why: JobFailure, node_name: impl Fn(NodeId) -> String) -> String {
         JobFailure::Predecessor(job) => {
             format!("{}, which had to be over first, was cancelled or failed", job_name(job))
         }
-        JobFailure::Unreachable => "no way leads there, even on an empty floor".into(),
-        JobFailure::Short => "the station said that goods were missing".into(),
+        JobFailure::Unreachable => "no route leads there, even on an empty floor".into(),
+        JobFailure::Short => "the station reported that goods were missing".into(),
         JobFailure::RobotGone => "the robot that it names has left the floor".into(),
         JobFailure::MapChanged => "the map was changed and no longer has what this job names".into(),
         JobFailure::StorageTaken(node) => {
             let node = node_name(node);
-            format!("{node} has another rack, or is promised to one: the rack was put elsewhere")
+            format!("{node} has another rack, or is reserved for one: the rack was put elsewhere")
         }
     }
 }

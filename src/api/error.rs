@@ -21,14 +21,14 @@ pub struct Problem {
     pub status: u16,
     /// What happened here, and what to do.
     pub detail: String,
-    /// The path that was asked for.
+    /// The path of the request.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>)]
     pub instance: Option<Box<str>>,
-    /// The fields that are wrong, where fields are.
+    /// The fields that are wrong; left out if no field is.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub errors: Vec<FieldError>,
-    /// Seconds after which a new try makes sense.
+    /// Seconds after which a retry makes sense.
     #[serde(skip)]
     pub retry_after: Option<u32>,
 }
@@ -70,7 +70,7 @@ impl Problem {
 
     /// 404: no such thing.
     pub fn unknown(what: &str, detail: impl Into<String>) -> Problem {
-        Problem::new(StatusCode::NOT_FOUND, &format!("unknown-{what}"), "There is no such thing", detail)
+        Problem::new(StatusCode::NOT_FOUND, &format!("unknown-{what}"), "Not found", detail)
     }
 
     /// 409: not in this state.
@@ -87,7 +87,7 @@ impl Problem {
 
     /// 429: there are as many as the server takes.
     pub fn too_many(detail: impl Into<String>, retry_after: u32) -> Problem {
-        let problem = Problem::new(StatusCode::TOO_MANY_REQUESTS, "too-many", "There are too many", detail);
+        let problem = Problem::new(StatusCode::TOO_MANY_REQUESTS, "too-many", "A limit is reached", detail);
         Problem { retry_after: Some(retry_after), ..problem }
     }
 
@@ -100,8 +100,8 @@ impl Problem {
 
     /// 500: our mistake.
     pub fn internal() -> Problem {
-        let detail = "An error in the server, recorded in its log. Nothing that was acknowledged is lost.";
-        Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "An error in the server", detail)
+        let detail = "The server hit an internal error and logged it. Nothing that was acknowledged is lost.";
+        Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "Internal server error", detail)
     }
 
     /// The same at this path.

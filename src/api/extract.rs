@@ -24,7 +24,7 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for JsonBody<T> {
         if !media.eq_ignore_ascii_case("application/json") {
             let status = StatusCode::UNSUPPORTED_MEDIA_TYPE;
             let detail = format!("the body is \"{media}\": send JSON with `Content-Type: application/json`");
-            return Err(Problem::new(status, "media-type", "The body is no JSON", detail));
+            return Err(Problem::new(status, "media-type", "The body is not JSON", detail));
         }
         let bytes = axum::body::to_bytes(request.into_body(), BODY_LIMIT).await.map_err(|_| {
             let detail = format!("the body is cut off or longer than {BODY_LIMIT} bytes");
@@ -35,7 +35,7 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for JsonBody<T> {
                 let status = StatusCode::UNPROCESSABLE_ENTITY;
                 Problem::new(status, "invalid", "Some fields are wrong", e.to_string())
             }
-            _ => Problem::malformed(format!("the body is no JSON: {e}")),
+            _ => Problem::malformed(format!("the body is not JSON: {e}")),
         })
     }
 }
@@ -76,7 +76,7 @@ impl<S: Send + Sync> FromRequestParts<S> for IdempotencyKey {
         let text = value.to_str().unwrap_or("").trim();
         if text.is_empty() || text.len() > 255 {
             let detail =
-                "Idempotency-Key: 1 to 255 printable ASCII characters, the same ones for the same job only";
+                "Idempotency-Key must be 1 to 255 printable ASCII characters, one key per job or assignment";
             return Err(Problem::malformed(detail));
         }
         Ok(IdempotencyKey(Some(text.into())))

@@ -41,7 +41,7 @@ pub struct Datum {
     pub heading_deg: f64,
 }
 
-/// An identityReport or a statusReport; keys that say nothing about where somebody is are ignored.
+/// An identityReport or a statusReport; keys that do not concern a position are ignored.
 #[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct InteropReport {
     /// Who.
@@ -91,10 +91,10 @@ pub enum Unfit {
     )]
     UnknownUuid(String),
     /// The frame is not set up.
-    #[error("planarDatum {0} is not set up: name its place under [massrobotics.datums] of the settings file")]
+    #[error("planarDatum {0} is not set up: give its place under [massrobotics.datums] in the settings file")]
     UnknownDatum(String),
     /// No time.
-    #[error("timestamp \"{0}\" is no time like 2027-01-31T12:00:00Z")]
+    #[error("timestamp \"{0}\" is not a time such as 2027-01-31T12:00:00Z")]
     Time(String),
     /// Neither of the two reports.
     #[error(
@@ -102,7 +102,7 @@ pub enum Unfit {
     )]
     Neither,
     /// Numbers that cannot be.
-    #[error("location has numbers that cannot be: metres, and a quaternion of length 1")]
+    #[error("location has impossible numbers: give metres, and a quaternion of length 1")]
     Absurd,
 }
 

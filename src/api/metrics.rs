@@ -148,7 +148,7 @@ impl Metrics {
         let lag = "From a step to its facts being durable";
         r.register_with_unit("journal_lag", lag, Unit::Seconds, self.journal_lag.clone());
         r.register("journal_pending_facts", "Facts not durable yet", self.journal_pending.clone());
-        r.register("journal_errors", "Times the database refused", self.journal_errors.clone());
+        r.register("journal_errors", "Times the database refused a write", self.journal_errors.clone());
         r.register("live_clients", "Open live feeds", self.live_clients.clone());
         r.register("http_requests", "HTTP requests by route and status", self.http.clone());
         r.register("jobs", "Jobs by state", self.jobs.clone());
@@ -167,16 +167,16 @@ impl Metrics {
         let stopped = "Robots that had to stop or change their route because of a worker";
         r.register("interruptions", stopped, self.interruptions.clone());
         r.register("replans", "Routes planned anew because of workers", self.replans.clone());
-        r.register("feed_clients", "Open feeds of headsets", self.feeds.clone());
+        r.register("feed_clients", "Open headset feeds", self.feeds.clone());
         r.register("workers", "Workers by presence", self.workers.clone());
-        r.register("poses", "Poses by what the fleet made of them", self.poses.clone());
-        r.register("poses_received", "Poses that came over feeds", self.poses_received.clone());
-        let thinned = "Poses left out since they came faster than 60 a second";
+        r.register("poses", "Poses by outcome", self.poses.clone());
+        r.register("poses_received", "Poses received over feeds", self.poses_received.clone());
+        let thinned = "Poses dropped because they came faster than 60 a second";
         r.register("poses_thinned", thinned, self.poses_thinned.clone());
         r.register("poses_refused", "Poses refused before the fleet saw them", self.poses_refused.clone());
-        let to_worker = "From the newest pose taken into account, received, to the stop sent to the worker";
+        let to_worker = "From receiving the newest pose considered to sending the stop to the worker";
         r.register_with_unit("pose_to_stop", to_worker, Unit::Seconds, self.pose_to_stop.clone());
-        let to_robot = "From the first pose for which a robot has to stop, received, to the stop sent to it";
+        let to_robot = "From receiving the first pose that makes a robot stop to sending the stop to it";
         r.register_with_unit("pose_to_robot_stop", to_robot, Unit::Seconds, self.pose_to_robot_stop.clone());
     }
 
@@ -187,7 +187,7 @@ impl Metrics {
         r.register("forecast_covered", covered, self.forecast_covered.clone());
         let scale = "Factor of standard deviations by which regions have grown";
         r.register("forecast_scale", scale, self.forecast_scale.clone());
-        let trusted = "1 where forecasts hold, 0 where robots keep out of all that workers can reach instead";
+        let trusted = "1 if forecasts hold, 0 if robots keep out of all that workers can reach instead";
         r.register("forecast_trusted", trusted, self.forecast_trusted.clone());
     }
 

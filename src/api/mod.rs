@@ -113,8 +113,8 @@ impl Api {
         match tokio::time::timeout(PATIENCE, answer).await {
             Ok(Ok(reply)) => Ok(reply),
             Ok(Err(_)) => {
-                let detail = "nothing was accepted: the journal does not take facts, or the server goes \
-                              down. Try again soon.";
+                let detail = "nothing was accepted: the journal accepts no facts, or the server is \
+                              shutting down. Try again soon.";
                 Err(Problem::unavailable(detail, 2))
             }
             Err(_) => {

@@ -24,11 +24,11 @@ pub struct WorkerDto {
     /// Its number.
     #[schema(example = "w1")]
     pub id: String,
-    /// The name under which the worker was made known.
+    /// The name under which the worker was registered.
     pub name: String,
     /// absent, tracked, stale or lost.
     pub presence: &'static str,
-    /// Metres; null where nobody has seen the worker.
+    /// Metres; null if the worker has not been seen.
     pub x: Option<f64>,
     /// Metres.
     pub y: Option<f64>,
@@ -38,9 +38,9 @@ pub struct WorkerDto {
     pub seen: Option<String>,
     /// Metres per second.
     pub speed: f64,
-    /// One standard deviation of the position, metres, grown with silence.
+    /// One standard deviation of the position, metres; it grows while no pose comes.
     pub accuracy: f64,
-    /// Radii around the worker, metres: robots stop, keep out, go slowly.
+    /// Radii of the stop, keep-out and slow zones around the worker, metres.
     pub regions: [f64; 3],
     /// What the worker is told: idle, following, deviating, redirected or stop.
     pub state: &'static str,
@@ -58,7 +58,7 @@ pub struct WorkerDto {
     pub assignment: Option<String>,
     /// Where the worker may be going, most probable first.
     pub goals: Vec<GoalDto>,
-    /// Probability that nothing can be said yet.
+    /// Probability that the goal cannot be told yet.
     pub undecided: f64,
     /// Probability of going somewhere else.
     pub elsewhere: f64,
@@ -80,7 +80,7 @@ pub struct GoalDto {
 /// What became of a worker's poses.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct FeedDto {
-    /// Taken in.
+    /// Accepted.
     pub taken: u64,
     /// Older than the newest, or seen already.
     pub late: u64,
@@ -93,14 +93,14 @@ pub struct FeedDto {
 /// One worker, with what the headset says besides.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct WorkerDetailDto {
-    /// As everybody sees it.
+    /// As in the list of workers.
     #[serde(flatten)]
     pub worker: WorkerDto,
     /// Whether a headset is connected.
     pub connected: bool,
     /// The version of the guidance that the headset showed last.
     pub acknowledged: Option<u64>,
-    /// How wrong the time of the headset's poses may be, milliseconds; null where it has said nothing of its clock.
+    /// How wrong the times of the headset's poses may be, milliseconds; null if its clock is not known.
     pub clock_error_ms: Option<f64>,
     /// How long ago the newest pose was seen, seconds.
     pub age_s: Option<f64>,
@@ -109,7 +109,7 @@ pub struct WorkerDetailDto {
     pub senses: SensesDto,
 }
 
-/// What a headset says besides where it is. Nothing is decided by it.
+/// What a headset reports besides its pose. No decision of the fleet depends on it.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct SensesDto {
     /// Charge of the headset, 0 to 1.
@@ -146,7 +146,7 @@ pub struct AssignmentDto {
     /// Its number.
     #[schema(example = "a3")]
     pub id: String,
-    /// Who.
+    /// The worker.
     #[schema(example = "w1")]
     pub worker: String,
     /// The node to go to.
@@ -173,9 +173,9 @@ pub struct ClosureDto {
     pub outline: Vec<[f64; 2]>,
     /// Nodes inside, by name.
     pub nodes: Vec<String>,
-    /// From when on, RFC 3339.
+    /// From when, RFC 3339.
     pub from: String,
-    /// Until when; null until somebody opens it.
+    /// Until when, RFC 3339; null if it stays closed until somebody opens it.
     pub until: Option<String>,
     /// announced, closed or over.
     pub state: &'static str,
@@ -188,7 +188,7 @@ pub struct ClosureDto {
 pub struct EncounterDto {
     /// Its number, growing.
     pub id: i64,
-    /// Who.
+    /// The worker.
     #[schema(example = "w1")]
     pub worker: String,
     /// Name of the robot.
@@ -278,11 +278,11 @@ pub fn guidance(told: Option<&Guidance>, beside: GuidanceContext<'_>) -> Value {
 fn reason(reason: GuidanceReason, names: Names<'_>) -> String {
     match reason {
         GuidanceReason::LeftPath => "you left the path".into(),
-        GuidanceReason::RobotComes(r) => format!("{} comes near: stand still", names.robot(r)),
+        GuidanceReason::RobotComes(r) => format!("{} is coming close: stand still", names.robot(r)),
         GuidanceReason::RobotInTheWay(r) => {
-            format!("{} stands on the path and cannot leave", names.robot(r))
+            format!("{} blocks the path and cannot move away", names.robot(r))
         }
-        GuidanceReason::NoWay => "no way to the place is free".into(),
+        GuidanceReason::NoWay => "no path to the place is free".into(),
         GuidanceReason::NotTracked => "the headset does not know where it is".into(),
     }
 }

@@ -16,11 +16,11 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         Refusal::UnknownJob(job) => Problem::unknown("job", format!("{} does not exist", job_name(job))),
         Refusal::JobIsOver(job) => {
             let detail =
-                format!("{} was over already; GET /v1/jobs/{} says how", job_name(job), job_name(job));
+                format!("{} is over already; GET /v1/jobs/{} says how", job_name(job), job_name(job));
             Problem::conflict("job-is-over", "The job is over", detail)
         }
         Refusal::JobHasBegun(job) => {
-            let detail = format!("a robot works on {} already: its priority changes nothing", job_name(job));
+            let detail = format!("a robot works on {} already: a new priority has no effect", job_name(job));
             Problem::conflict("job-has-begun", "The job has begun", detail)
         }
         Refusal::UnknownPredecessor(job) => field("after", format!("{} does not exist", job_name(job))),
@@ -28,10 +28,10 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             Problem::invalid(vec![FieldError::new("kind", "no such rack, station, node or robot")])
         }
         Refusal::NotStorage(n) => {
-            field("node", format!("{} is no storage node; racks go onto those only", node(n)))
+            field("node", format!("{} is not a storage node; racks go onto those only", node(n)))
         }
         Refusal::StorageTaken(n) => {
-            let detail = format!("{} has a rack, or is promised to one: choose another node", node(n));
+            let detail = format!("{} has a rack, or is reserved for one: choose another node", node(n));
             Problem::conflict("storage-taken", "The storage node is taken", detail)
         }
         Refusal::NoSuchPlace(kind) => {
@@ -45,14 +45,14 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         }
         Refusal::Priority(p) => field("priority", format!("{p} is not between 0 and 9")),
         Refusal::TooMany(kind, n) => too_many(kind, n),
-        Refusal::TooManyBefore(most) => field("after", format!("a job comes after at most {most} others")),
+        Refusal::TooManyBefore(most) => field("after", format!("a job can wait for at most {most} others")),
         Refusal::TooManyCorners(most) => field("outline", format!("an area has at most {most} corners")),
         Refusal::UnknownWorker(worker) => {
             let name = worker_name(worker);
             Problem::unknown("worker", format!("{name} does not exist; GET /v1/workers lists all"))
         }
         Refusal::UnknownAssignment(id) => {
-            let detail = format!("{} is over already, or was never made", assignment_name(id));
+            let detail = format!("{} is over already, or never existed", assignment_name(id));
             Problem::conflict("assignment-is-over", "The assignment is over", detail)
         }
         Refusal::UnknownClosure(id) => {
@@ -67,14 +67,14 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             field("place", detail)
         }
         Refusal::UnknownKind => {
-            field("kind", "there is no such kind of robots; GET /v1/kinds lists them".into())
+            field("kind", "there is no such robot kind; GET /v1/kinds lists all kinds".into())
         }
         Refusal::RobotIsGone(_) => robot_is_gone(),
         Refusal::NoKindFor(rack) => field("kind", no_kind_for(map, rack)),
         Refusal::NotForKind(n) => field("place", not_for_kind(&node(n))),
         Refusal::PlaceTaken(n) => place_taken(&node(n)),
         Refusal::EmptyArea => {
-            field("outline", "an area needs three corners and an end after its beginning".into())
+            field("outline", "an area needs at least three corners, and `until` must be after `from`".into())
         }
     }
 }
@@ -87,12 +87,12 @@ fn robot_is_gone() -> Problem {
 fn no_kind_for(map: &Warehouse, rack: RackId) -> String {
     let name = map.racks.get(rack).map_or_else(|| format!("{rack:?}"), |r| r.name.clone());
     format!(
-        "no kind of robots can carry {name} and drive to it and to where it is wanted; GET /v1/kinds lists them"
+        "no robot kind can carry {name}, drive to it and reach its destination; GET /v1/kinds lists the kinds"
     )
 }
 
 fn not_for_kind(node: &str) -> String {
-    format!("no lanes for this kind of robots lead to {node} and from it: choose another node")
+    format!("no lanes for this robot kind lead to {node} and away from it: choose another node")
 }
 
 fn place_taken(node: &str) -> Problem {
@@ -105,9 +105,9 @@ fn too_many(kind: Bounded, n: usize) -> Problem {
     let (what, remedy) = match kind {
         Bounded::Jobs => ("jobs are open", "try again when some are over"),
         Bounded::Assignments => ("assignments are open", "try again when some are done or cancelled"),
-        Bounded::Robots => ("robots have joined", "use the name of one that has joined already"),
-        Bounded::Workers => ("workers are known", "use the name of one who is known already"),
-        Bounded::Closures => ("areas are closed or announced", "take back some that are not needed"),
+        Bounded::Robots => ("robots have joined", "use the name of a robot that has joined already"),
+        Bounded::Workers => ("workers are known", "use the name of a worker who is known already"),
+        Bounded::Closures => ("areas are closed or announced", "open some that are no longer needed"),
     };
     Problem::too_many(format!("{n} {what}, which is the limit: {remedy}"), 10)
 }

@@ -11,10 +11,10 @@ use crate::timeline::Holder;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// Why somebody does not go on.
+/// Why a robot or a job does not go on.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct WhyDto {
-    /// Who: a robot or a job.
+    /// The robot or the job.
     #[schema(example = "robot-1")]
     pub id: String,
     /// Whether it waits at all.
@@ -24,36 +24,36 @@ pub struct WhyDto {
     /// The whole chain in one sentence.
     #[schema(example = "robot-1 waits for R33, held by robot-2; robot-2 is being picked from.")]
     pub text: String,
-    /// From the one who waits to the root. The last one says what everything depends on.
+    /// From the robot or job that waits to the root cause: all other links depend on the last one.
     pub chain: Vec<LinkDto>,
 }
 
 /// One link of the chain.
 #[derive(Debug, PartialEq, Serialize, ToSchema)]
 pub struct LinkDto {
-    /// Who.
+    /// The robot or the job.
     #[schema(example = "robot-1")]
     pub who: String,
     /// robot or job.
     pub kind: &'static str,
     /// What the link is about: resource, queue, person, closure, route, failed, emergency_stop, manual, obstructed,
     /// unplugged, displaced, silent, job, rack, robot, no_robot, station, closed, blocked, place, battery;
-    /// or, for somebody who waits for nobody, stop, drives, later, stays.
+    /// or, for a robot that waits for nothing, stop, drives, later, stays.
     pub cause: &'static str,
-    /// In words, without the name of who it is.
+    /// In words, without the name of the robot or job.
     #[schema(example = "waits for R33, held by robot-2")]
     pub text: String,
     /// Node or lane that is waited for.
     #[schema(example = "R33")]
     pub resource: Option<String>,
-    /// Who holds it, or whom it is about: a robot, worker, job, closure or station.
+    /// What holds it, or what the link is about: a robot, worker, job, closure or station.
     #[schema(example = "robot-2")]
     pub by: Option<String>,
     /// robot, worker, job, closure or station.
     pub by_kind: Option<&'static str>,
-    /// How many pass before.
+    /// How many others pass first.
     pub ahead: usize,
-    /// Until when, as things stand, RFC 3339; null where nobody can know.
+    /// Until when, as things stand, RFC 3339; null if that cannot be known.
     pub until: Option<String>,
     /// The same in seconds from `at`.
     pub until_s: Option<f64>,
@@ -120,7 +120,7 @@ impl Names<'_> {
                 link(cause, by, active(&self.why_job(why)))
             }
             Because::AtStop(act) => link("stop", None, at_stop(act).into()),
-            Because::Drives => link("drives", None, "drives on and leaves it free".into()),
+            Because::Drives => link("drives", None, "drives on and then frees it".into()),
             Because::Later => link("later", None, "goes on as planned".into()),
             Because::Stays => link("stays", None, "stands where it may stay".into()),
         }
@@ -167,7 +167,10 @@ fn active(text: &str) -> String {
         ("giving way to ", "gives way to "),
         ("no robot is free", "waits for a robot: none is free"),
         ("no route found yet; trying again", "has found no route yet and tries again"),
-        ("not heard of", "is not heard of"),
+        ("no telemetry", "sends no telemetry"),
+        ("driven by hand", "is driven by hand"),
+        ("in maintenance", "is in maintenance"),
+        ("no robot of a kind", "waits for a robot: none of a kind"),
         ("paused", "is paused"),
         ("stopped", "is stopped"),
         ("the way leads into ", "stands before "),

@@ -48,8 +48,8 @@ pub struct LiveParams {
 }
 
 /// The live feed: JSON texts, first `{"type": "snapshot", "version", …}`, then `{"type": "patch", "base",
-/// "version", …}` ten times a second. A patch names only items and keys that changed; one whose base is not
-/// the reader's version means: connect again. With `thin=true` patches carry numbers by row (docs/api.md, "Watch").
+/// "version", …}` ten times a second. A patch names only items and keys that changed; if its base is not
+/// the reader's version, connect again. With `thin=true` patches carry numbers by row (docs/api.md, "Watch").
 /// With `senses=true` there are messages `{"type": "senses", "workers": [{"id", "gaze", "hands", "battery"}]}`
 /// besides. Offer the protocol `giveway`, and `bearer.TOKEN` where a token is needed.
 #[utoipa::path(get, path = "/v1/live", tag = "floor", params(LiveParams), responses(
@@ -117,7 +117,7 @@ async fn serve(api: &Api, mut socket: WebSocket, p: &LiveParams) {
                 }
             }
             () = async { _ = closing.wait_for(|closing| *closing).await.is_ok() } => {
-                let frame = CloseFrame { code: close_code::AWAY, reason: "the server goes down".into() };
+                let frame = CloseFrame { code: close_code::AWAY, reason: "server shutting down".into() };
                 send(&mut socket, Message::Close(Some(frame))).await;
                 return;
             }

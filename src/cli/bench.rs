@@ -24,7 +24,7 @@ pub enum Bench {
     Plan(PlanArgs),
     /// How long distances to goals take to repair when one edge is cut or restored.
     Distances(DistancesArgs),
-    /// What one step of the fleet costs where much exists and little changes.
+    /// What one step of the fleet costs if much exists and little changes.
     Steps(super::bench_steps::StepsArgs),
     /// Whether memory stays flat while days go by.
     Memory(super::bench_memory::MemoryArgs),
@@ -57,7 +57,7 @@ pub struct LifelongArgs {
     /// What a step is.
     #[arg(long, value_enum, default_value = "pebble")]
     rules: RulesArgument,
-    /// Plan all robots again every so many steps; 0 for never.
+    /// Plan all robots again every this many steps; 0 for never.
     #[arg(long, default_value_t = 5)]
     improve_every: usize,
     /// Labels that one search may expand.

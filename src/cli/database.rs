@@ -27,7 +27,7 @@ pub struct DatabaseArgs {
     /// The database, as for `giveway serve` [default: giveway.sqlite] [env: GIVEWAY_DATABASE]
     #[arg(long, value_name = "FILE", global = true)]
     database: Option<PathBuf>,
-    /// The scenario with whose map the journal is folded, as for `giveway serve` [env: GIVEWAY_SCENARIO]
+    /// The scenario whose map the journal is folded with, as for `giveway serve` [env: GIVEWAY_SCENARIO]
     #[arg(long, value_name = "FILE", global = true)]
     scenario: Option<PathBuf>,
     /// Settings file of the server [env: GIVEWAY_CONFIG]
@@ -40,28 +40,28 @@ pub struct DatabaseArgs {
 
 #[derive(Subcommand)]
 enum DatabaseCommand {
-    /// Look for damage, load the journal and fold it. Also while a server runs; nothing is changed. With another map
-    /// than the database's own: list what a start would carry over to it, and what not.
+    /// Look for damage, load the journal and fold it. Works while a server runs and changes nothing. With a map other
+    /// than the database's own, list what a start would carry over to it and what it would not.
     Check {
-        /// Another map than the scenario's.
+        /// A map other than the scenario's.
         #[arg(long, value_name = "FILE")]
         map: Option<PathBuf>,
     },
     /// Carry the database over to a changed map, as a start does, after a backup.
     Carry {
-        /// The changed map; the scenario's where absent.
+        /// The changed map; the scenario's if absent.
         #[arg(long, value_name = "FILE")]
         map: Option<PathBuf>,
-        /// Also where something is lost: jobs fail, assignments are cancelled, closures end, as the list says.
+        /// Carry it over even if something is lost: jobs fail, assignments are cancelled, closures end, as listed.
         #[arg(long)]
         accept_losses: bool,
     },
-    /// Write all that is committed into a new file, and check that. Also while a server runs.
+    /// Write everything committed into a new file and check that file. Works while a server runs.
     Backup {
         /// The new file.
         target: PathBuf,
     },
-    /// Put a backup in the place of the database, after checking it. What is there is moved aside.
+    /// Check a backup and put it in the place of the database, which is moved aside.
     Restore {
         /// The backup.
         source: PathBuf,
@@ -249,8 +249,8 @@ async fn look_inside(
     named: bool,
     report: &mut DatabaseReport,
 ) -> anyhow::Result<()> {
-    let about = store.belongs().await.context("this is no database of Giveway")?;
-    let about = about.context("this database of Giveway belongs to no map: it was never used")?;
+    let about = store.belongs().await.context("this is not a Giveway database")?;
+    let about = about.context("this Giveway database belongs to no map: it was never used")?;
     report.map = Some(about.map.clone());
     let (facts, last) = store.scan().await?;
     (report.jobs, report.open_jobs) = store.count_jobs().await?;
@@ -309,7 +309,7 @@ async fn backup(
 ) -> anyhow::Result<DatabaseReport> {
     ensure!(
         !target.exists(),
-        "{} is there already: a backup never overwrites; name another",
+        "{} exists already: a backup never overwrites a file; name another",
         target.display()
     );
     let mut partial = target.as_os_str().to_owned();

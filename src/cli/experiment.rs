@@ -27,7 +27,7 @@ pub enum Experiment {
     Forecast(ForecastArgs),
     /// Where recorded people are going: the right goal along the way, calibration.
     Intention(PurposeArgs),
-    /// Recorded people among robots that know nothing of them: who would have braked in time, who for nothing.
+    /// Recorded people among robots that know nothing of them: which robots brake in time, and which for nothing.
     Meetings(EncountersArgs),
     /// Safe spaces of workers and robots, and when a route is kept (Ye et al.), beside ours.
     SafeSpace(SafeSpaceArgs),

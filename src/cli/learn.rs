@@ -39,7 +39,7 @@ pub fn read_tracks(path: &Path, format: Option<FormatArgument>) -> anyhow::Resul
     let text = read(path)?;
     let format = format.map(FormatArgument::format).or_else(|| Format::guess(&text));
     let format = format.with_context(|| {
-        format!("cannot tell the format of {}: name it with --format eth, magni or thor", path.display())
+        format!("cannot tell the format of {}: give it with --format eth, magni or thor", path.display())
     })?;
     RecordedWalks::parse(&text, format).with_context(|| format!("{} is refused", path.display()))
 }
@@ -66,22 +66,22 @@ pub struct LearnArgs {
     /// Files of recorded tracks.
     #[arg(required = true)]
     tracks: Vec<PathBuf>,
-    /// How the files are written; told by their first lines where absent.
+    /// Format of the files; told by their first lines if absent.
     #[arg(long, value_enum)]
     format: Option<FormatArgument>,
     /// Places where people go (CSV of name, x, y in metres), in the recordings named by --goals-of.
     #[arg(long)]
     goals: Option<PathBuf>,
-    /// Which of the recordings have those goals; all of them where absent.
+    /// Which of the recordings have those goals; all of them if absent.
     #[arg(long, value_name = "TRACKS")]
     goals_of: Vec<PathBuf>,
-    /// Leave out what holds in one building only: where people go next from each place.
+    /// Leave out what applies to one building only: where people go next from each place.
     #[arg(long)]
     general: bool,
     /// Where to write what was learned.
     #[arg(long)]
     out: PathBuf,
-    /// A model to start from; the built-in one where absent.
+    /// A model to start from; the built-in one if absent.
     #[arg(long)]
     from: Option<PathBuf>,
 }
@@ -93,7 +93,7 @@ impl LearnArgs {
         let places: Vec<Point> = read_goals(self.goals.as_deref())?.into_iter().map(|g| g.1).collect();
         for named in &self.goals_of {
             let is_known = self.tracks.contains(named);
-            anyhow::ensure!(is_known, "--goals-of {} is none of the tracks", named.display());
+            anyhow::ensure!(is_known, "--goals-of {} is not one of the tracks", named.display());
         }
         let lessons = self.tracks.iter().map(|path| {
             let has_goals = self.goals_of.is_empty() || self.goals_of.contains(path);

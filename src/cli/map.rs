@@ -12,7 +12,7 @@ use std::process::ExitCode;
 /// What to do with maps.
 #[derive(Subcommand)]
 pub enum Map {
-    /// Read a map, list every problem with place and remedy, say what it holds.
+    /// Read a map, list every problem with its place and remedy, and summarise what the map holds.
     Check(CheckArgs),
     /// Draw a map as SVG.
     Show(ShowArgs),
@@ -27,7 +27,7 @@ pub enum Map {
 pub struct CheckArgs {
     /// Map file.
     map: PathBuf,
-    /// Also check that so many robots have a place to stay.
+    /// Also check that this many robots have a place to stay.
     #[arg(long)]
     robots: Option<usize>,
     /// Print JSON.
@@ -40,7 +40,7 @@ pub struct CheckArgs {
 pub struct ShowArgs {
     /// Map file.
     map: PathBuf,
-    /// Where to write the drawing; standard output where absent.
+    /// Where to write the drawing; standard output if absent.
     #[arg(long, short)]
     output: Option<PathBuf>,
 }
@@ -81,7 +81,7 @@ pub struct GenerateArgs {
     /// Share of the storage nodes with a rack.
     #[arg(long, default_value_t = 0.85)]
     fill: f64,
-    /// Where to write the map; standard output where absent.
+    /// Where to write the map; standard output if absent.
     #[arg(long, short)]
     output: Option<PathBuf>,
 }
@@ -91,13 +91,13 @@ pub struct GenerateArgs {
 pub struct ImportArgs {
     /// Grid file.
     grid: PathBuf,
-    /// Name of the map; the file's where absent.
+    /// Name of the map; the file's if absent.
     #[arg(long)]
     name: Option<String>,
     /// Stations to add beside a warehouse grid.
     #[arg(long, default_value_t = 8)]
     stations: usize,
-    /// Where to write the map; standard output where absent.
+    /// Where to write the map; standard output if absent.
     #[arg(long, short)]
     output: Option<PathBuf>,
 }

@@ -29,7 +29,7 @@ use std::process::ExitCode;
 
 /// A warehouse fleet manager in which robots give way to people.
 ///
-/// Giveway is an efficiency layer and no safety function: detection, braking and emergency stop are the robots' own.
+/// Giveway is an efficiency layer, not a safety function: detection, braking and emergency stop are the robots' own.
 #[derive(Parser)]
 #[command(name = "giveway", version, max_term_width = 100, args_conflicts_with_subcommands = true)]
 struct Arguments {
@@ -46,7 +46,7 @@ enum CliCommand {
     Serve(serve::Serve),
     /// Run a scenario without a server, far faster than real time, and print its figures.
     Sim(sim::SimArgs),
-    /// Show a recording again.
+    /// Replay a recording.
     Replay(replay::ReplayArgs),
     /// Check, show, make and import maps.
     #[command(subcommand)]
@@ -54,11 +54,11 @@ enum CliCommand {
     /// Measure planning on this machine.
     #[command(subcommand)]
     Bench(bench::Bench),
-    /// Check, copy and put back the server's database.
+    /// Check, back up and restore the server's database.
     Database(database::DatabaseArgs),
     /// Learn about people from recorded tracks; the server and simulations use what was learned.
     Learn(learn::LearnArgs),
-    /// Run published experiments again.
+    /// Rerun published experiments.
     #[command(subcommand)]
     Experiment(experiment::Experiment),
 }

@@ -64,10 +64,10 @@ struct Runs {
     /// How many robots.
     #[arg(long, default_value_t = 20)]
     robots: usize,
-    /// The hall; the one of the thesis where absent.
+    /// The hall; the one of the thesis if absent.
     #[arg(long)]
     map: Option<PathBuf>,
-    /// Runs at a time; as many as there are cores where absent.
+    /// Runs at a time; as many as there are cores if absent.
     #[arg(long)]
     jobs: Option<usize>,
     /// Print JSON.

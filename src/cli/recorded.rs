@@ -27,13 +27,13 @@ struct TrackSource {
     /// Recorded tracks.
     #[arg(long)]
     tracks: PathBuf,
-    /// How they are written; told by the first line where absent.
+    /// Their format; told by the first line if absent.
     #[arg(long, value_enum)]
     format: Option<FormatArgument>,
     /// Places where people go: CSV of name, x, y.
     #[arg(long)]
     goals: Option<PathBuf>,
-    /// What was learned about people; the built-in figures where absent.
+    /// What was learned about people; the built-in figures if absent.
     #[arg(long)]
     model: Option<PathBuf>,
     /// Seed of the noise in worse views.
@@ -42,7 +42,7 @@ struct TrackSource {
     /// Leave out the worse views (other rates, noise, losses, gaps).
     #[arg(long)]
     no_degraded: bool,
-    /// Draw charts into files that begin so.
+    /// Draw charts into files whose names begin with this.
     #[arg(long, value_name = "PREFIX")]
     svg: Option<PathBuf>,
     /// Print JSON.

@@ -21,19 +21,19 @@ use std::process::ExitCode;
 pub struct ReplayArgs {
     /// Recording made with `giveway sim --record`; for a page also a reel.
     recording: PathBuf,
-    /// Write its moving pictures to this file, which the page of any server opens.
+    /// Write a reel to this file, which the dashboard of any server opens.
     #[arg(long, value_name = "FILE")]
     reel: Option<PathBuf>,
-    /// Write one page with the moving pictures in it, which opens in a browser without any server.
+    /// Write one page with the reel in it, which opens in a browser without any server.
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
-    /// Only step through it, as fast as it goes, and say whether the core still decides the same.
+    /// Only step through it, as fast as possible, and say whether the core still decides the same.
     #[arg(long)]
     check: bool,
-    /// Where to show it.
+    /// Address and port of the page that shows it.
     #[arg(long, default_value = "127.0.0.1:8081")]
     listen: std::net::SocketAddr,
-    /// So many times as fast as it was.
+    /// Playback speed, as a multiple of real time.
     #[arg(long, default_value_t = 1.0)]
     speed: f64,
     /// Print JSON.

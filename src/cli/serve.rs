@@ -16,7 +16,7 @@ use tracing_subscriber::EnvFilter;
 pub struct Serve {
     #[command(flatten)]
     flags: Flags,
-    /// What was learned about people (`giveway learn`); the scenario's own, or the built-in figures, where absent.
+    /// What was learned about people (`giveway learn`); the scenario's own, or the built-in figures, if absent.
     #[arg(long)]
     model: Option<std::path::PathBuf>,
 }
@@ -61,7 +61,7 @@ async fn serve(config: &Config, floor: SimulatedFloor) -> anyhow::Result<()> {
     if let Some(identity) = server.identity() {
         say!("tls      {}, SHA-256 {}", identity.certificate.display(), identity.fingerprint);
         if !identity.names.is_empty() {
-            say!("         signed by itself, for {}", identity.names.join(", "));
+            say!("         self-signed, for {}", identity.names.join(", "));
         }
     }
     say!("map      {}, {} robots (simulated)", found.map, found.robots);
@@ -70,7 +70,7 @@ async fn serve(config: &Config, floor: SimulatedFloor) -> anyhow::Result<()> {
     if let Some(trouble) = &found.trouble {
         say!("BROKEN   {trouble}");
     }
-    say!("Giveway is an efficiency layer and no safety function.");
+    say!("Giveway is an efficiency layer, not a safety function.");
     tokio::select! {
         ended = server.ended() => return ended,
         signal = asked_to_stop() => signal?,

@@ -23,31 +23,31 @@ use std::time::Instant;
 pub struct SimArgs {
     /// Scenario file.
     scenario: PathBuf,
-    /// Seed; the scenario's own where absent.
+    /// Seed; the scenario's own if absent.
     #[arg(long)]
     seed: Option<u64>,
-    /// Another map than the scenario's, in any format that `map import` knows.
+    /// A map other than the scenario's, in any format that `map import` knows.
     #[arg(long)]
     map: Option<PathBuf>,
-    /// Another number of robots.
+    /// Number of robots, instead of the scenario's.
     #[arg(long)]
     robots: Option<usize>,
-    /// Another duration, seconds.
+    /// Duration, seconds, instead of the scenario's.
     #[arg(long)]
     duration: Option<f64>,
     /// Jobs from this file of order lines (CSV with `OrderNumber` and `AlleyCell`, `Location` or `SKU`).
     #[arg(long)]
     orders: Option<PathBuf>,
-    /// What was learned about people (`giveway learn`); the scenario's own, or the built-in figures, where absent.
+    /// What was learned about people (`giveway learn`); the scenario's own, or the built-in figures, if absent.
     #[arg(long)]
     model: Option<PathBuf>,
     /// Leave out the second run that measures the bound on throughput.
     #[arg(long)]
     no_bound: bool,
-    /// Write a recording that `giveway replay` shows again; packed where the name ends with `.gz`.
+    /// Write a recording for `giveway replay`; packed if the name ends with `.gz`.
     #[arg(long)]
     record: Option<PathBuf>,
-    /// Write moving pictures of the run to this file, which the page of any server opens.
+    /// Write a reel of the run to this file, which the dashboard of any server opens.
     #[arg(long, value_name = "FILE")]
     reel: Option<PathBuf>,
     /// Print JSON.

@@ -35,7 +35,7 @@ pub struct Model {
 #[derive(Debug, thiserror::Error)]
 pub enum ModelError {
     /// It cannot be read.
-    #[error("this is no model of people: {0}")]
+    #[error("this is not a model of people: {0}")]
     Unreadable(#[from] serde_json::Error),
     /// It is of another version.
     #[error("the model has version {0}; this program reads version {VERSION}: learn it again")]

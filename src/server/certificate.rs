@@ -119,7 +119,7 @@ fn make(
 ) -> anyhow::Result<Vec<String>> {
     let pair = if key.exists() {
         let text = std::fs::read_to_string(key).with_context(|| format!("cannot read {}", key.display()))?;
-        let remedy = "if it can go, remove it and start again";
+        let remedy = "if it is not needed, remove it and start again";
         KeyPair::from_pem(&text).with_context(|| format!("{} holds no key: {remedy}", key.display()))?
     } else {
         let pair = KeyPair::generate().context("cannot make a key")?;
@@ -146,7 +146,7 @@ fn make(
 fn sign(names: &BTreeSet<String>, from: Date, until: Date, pair: &KeyPair) -> anyhow::Result<String> {
     let day = |d: Date| date_time_ymd(d.year().into(), d.month().unsigned_abs(), d.day().unsigned_abs());
     let mut params = CertificateParams::new(names.iter().cloned().collect::<Vec<_>>())
-        .context("a name or address is none that a certificate can have: look at --tls-name")?;
+        .context("a name or address cannot be put into a certificate: check --tls-name")?;
     params.distinguished_name = DistinguishedName::new();
     params.distinguished_name.push(DnType::CommonName, "Giveway, signed by itself");
     params.extended_key_usages = vec![ExtendedKeyUsagePurpose::ServerAuth];

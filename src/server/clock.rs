@@ -27,7 +27,7 @@ impl Clock {
         let start = last.map_or(wall, |last| wall.max(last.0 + 1));
         if start - wall > TOLERANCE.0 {
             let ahead_s = (start - wall) / 1_000_000;
-            tracing::warn!(ahead_s, "the journal is ahead of the system's clock: was that set back?");
+            tracing::warn!(ahead_s, "the journal is ahead of the system clock: was the clock set back?");
         }
         Clock { origin: Instant::now(), start, last: AtomicI64::new(start) }
     }

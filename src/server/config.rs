@@ -51,26 +51,26 @@ pub struct Flags {
     #[arg(long, value_name = "HOST:PORT")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub listen: Option<String>,
-    /// The database, as FILE or sqlite:FILE; made where there never was one [default: giveway.sqlite]
+    /// The database, as FILE or sqlite:FILE; created if there never was one [default: giveway.sqlite]
     /// [env: GIVEWAY_DATABASE]
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub database: Option<PathBuf>,
-    /// Start with an empty database though there are traces of another one, which are moved aside; a whole database is
-    /// never replaced
+    /// Start with an empty database even if there are traces of an old one, which are moved aside; an intact database
+    /// is never replaced
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub new: bool,
-    /// So much of the past can be looked at again, from a folder beside the database; 0 keeps none [default: 24]
+    /// How much of the past can be replayed, from a folder beside the database; 0 keeps none [default: 24]
     /// [env: GIVEWAY_PAST_HOURS]
     #[arg(long, value_name = "HOURS")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub past_hours: Option<u32>,
-    /// But not more than this of the disk [default: 1000] [env: GIVEWAY_PAST_MB]
+    /// Most disk space that the kept past may use [default: 1000] [env: GIVEWAY_PAST_MB]
     #[arg(long, value_name = "MEGABYTES")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub past_mb: Option<u32>,
-    /// Jobs, assignments and encounters that are over stay in the lists for so long [default: 400]
+    /// How long jobs, assignments and encounters that are over stay in the lists [default: 400]
     /// [env: GIVEWAY_KEEP_DAYS]
     #[arg(long, value_name = "DAYS")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -83,7 +83,7 @@ pub struct Flags {
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub tls: bool,
-    /// Speak HTTPS with this certificate (PEM, with those that it hangs on) [env: GIVEWAY_TLS_CERT]
+    /// Speak HTTPS with this certificate (PEM, with its chain) [env: GIVEWAY_TLS_CERT]
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tls_cert: Option<PathBuf>,
@@ -91,7 +91,7 @@ pub struct Flags {
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tls_key: Option<PathBuf>,
-    /// Another name or address that the certificate made with --tls is to have; may be given several times
+    /// Another name or address for the certificate made with --tls; may be given several times
     #[arg(long = "tls-name", value_name = "NAME")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tls_names: Vec<String>,
@@ -177,9 +177,10 @@ impl Config {
                 figment = match (key, value.as_str()) {
                     ("tls", "true" | "1") => figment.merge(Serialized::default(key, true)),
                     ("tls", "false" | "0") => figment.merge(Serialized::default(key, false)),
-                    ("tls", other) => bail!("GIVEWAY_TLS is true or false, not \"{other}\""),
+                    ("tls", other) => bail!("GIVEWAY_TLS takes true or false, not \"{other}\""),
                     ("past_hours" | "past_mb" | "keep_days", number) => {
-                        let wrong = format!("GIVEWAY_{} is a number, not \"{number}\"", key.to_uppercase());
+                        let wrong =
+                            format!("GIVEWAY_{} takes a number, not \"{number}\"", key.to_uppercase());
                         let number = number.parse::<u32>().context(wrong)?;
                         figment.merge(Serialized::default(key, number))
                     }
@@ -204,11 +205,11 @@ impl Config {
             let lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
             let before = tokens.len();
             tokens.extend(lines.map(str::to_owned));
-            ensure!(tokens.len() > before, "{} has no token: write one into each line", path.display());
+            ensure!(tokens.len() > before, "{} has no tokens: write one on each line", path.display());
         }
         for token in &tokens {
             let plain = token.bytes().all(|b| b.is_ascii_alphanumeric() || b"-._~+/=".contains(&b));
-            ensure!(plain, "a token has characters other than letters, digits and -._~+/=");
+            ensure!(plain, "a token must consist of letters, digits and -._~+/= only");
             ensure!(
                 token.len() >= SHORTEST_TOKEN,
                 "a token is shorter than {SHORTEST_TOKEN} characters: take a random one, as from \
@@ -227,10 +228,10 @@ impl Config {
         let mut all = resolved.with_context(|| {
             format!("cannot listen on \"{}\": --listen takes HOST:PORT, such as 127.0.0.1:8080", self.listen)
         })?;
-        let Some(address) = all.next() else { bail!("\"{}\" is the name of no address", self.listen) };
+        let Some(address) = all.next() else { bail!("\"{}\" resolves to no address", self.listen) };
         ensure!(
             address.ip().is_loopback() || gate.is_closed(),
-            "{address} can be reached from other machines, and there is no token that they must know: set \
+            "{address} can be reached from other machines, but no token protects it: set \
              GIVEWAY_TOKEN or --tokens FILE, or listen on 127.0.0.1 only"
         );
         Ok(address)
@@ -258,9 +259,9 @@ impl Config {
             (Some(certificate), Some(key)) => {
                 Ok(Some(CertificateLocation::Given { certificate: certificate.clone(), key: key.clone() }))
             }
-            (Some(_), None) => bail!("there is a certificate without its key: name that with --tls-key FILE"),
+            (Some(_), None) => bail!("the certificate has no key: name its key with --tls-key FILE"),
             (None, Some(_)) => {
-                bail!("there is a key without its certificate: name that with --tls-cert FILE")
+                bail!("the key has no certificate: name its certificate with --tls-cert FILE")
             }
             (None, None) if self.tls => {
                 let mut names = certificate::host_names(address.ip());
@@ -279,8 +280,8 @@ fn database_file(given: &Path) -> anyhow::Result<PathBuf> {
     if let Some(rest) = text.strip_prefix("sqlite:") {
         let file = rest.strip_prefix("//").unwrap_or(rest);
         ensure!(!file.is_empty(), "\"{text}\" names no file: {REMEDY}");
-        ensure!(file != ":memory:", "\"{text}\" would be gone with the process: {REMEDY}");
-        ensure!(!file.contains('?'), "\"{text}\" has parameters, and none are known: {REMEDY}");
+        ensure!(file != ":memory:", "\"{text}\" would be lost when the server stops: {REMEDY}");
+        ensure!(!file.contains('?'), "\"{text}\" has parameters, which are not supported: {REMEDY}");
         return Ok(file.into());
     }
     let scheme = text.split_once("://").map(|(scheme, _)| scheme);

@@ -36,7 +36,7 @@ pub async fn watch_over(
             }
             Err(e) => {
                 displaced.send_replace(true);
-                let text = format!("{e}. Robots finish what they were granted and stand.");
+                let text = format!("{e}. Robots drive to the end of their grants and stop.");
                 if alarms.raise(ALARM, text.clone(), clock.now()) {
                     tracing::error!("{text}");
                 }

@@ -188,7 +188,7 @@ impl DriveLoop {
             drivers(inputs).collect()
         } else {
             let text =
-                "the journal is full: all robots were told to stand until the database takes facts again.";
+                "the journal is full: all robots were told to stop until the database takes facts again.";
             self.alarms.raise(ALARM, text.into(), now);
             tracing::error!("{text}");
             self.pace.halted = true;
@@ -207,7 +207,7 @@ impl DriveLoop {
     fn resume(&mut self) {
         if std::mem::take(&mut self.pace.halted) {
             self.alarms.clear(ALARM);
-            tracing::info!("the journal has room again: robots go on");
+            tracing::info!("the journal has room again: robots drive on");
         }
     }
 

@@ -94,7 +94,7 @@ impl Historian {
                 saved.failed = false;
             }
             Err(e) if !saved.failed => {
-                tracing::warn!("figures over time are not written down, and kept in memory: {e}");
+                tracing::warn!("figures over time cannot be saved and are kept in memory: {e}");
                 saved.failed = true;
             }
             Err(_) => {}

@@ -194,7 +194,7 @@ impl JournalSender {
             Err(e) if e.is_fatal() => return Err(e),
             Err(e) => {
                 self.metrics.journal_errors.inc();
-                tracing::warn!("the ledger could not be written down, so the next start takes longer: {e}");
+                tracing::warn!("the snapshot could not be saved, so the next start takes longer: {e}");
                 self.shadow.behind = SNAPSHOT_AFTER - SNAPSHOT_AGAIN;
             }
         }

@@ -115,7 +115,7 @@ impl Server {
         })?;
         let address = listener.local_addr()?;
         let kept =
-            "keep_days is at least 8, since keys of jobs are known for 7 days, and so must the jobs be";
+            "keep_days must be at least 8: keys of jobs are kept for 7 days, and the jobs must outlive them";
         ensure!(config.keep_days >= 8, "{kept}");
         let identity = identity(config, address)?;
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
@@ -326,10 +326,10 @@ impl Tasks {
         let Tasks { mut http, mut writer, mut thread, mut feed, custody, historian } = self;
         let ended: anyhow::Result<()> = tokio::select! {
             _ = stopping.wait_for(|stop| *stop) => Ok(()),
-            _ = &mut thread => Err(anyhow!("the control loop broke, as said above; nothing is lost")),
+            _ = &mut thread => Err(anyhow!("the control loop failed, as logged above; nothing is lost")),
             out = &mut writer => Err(written(out)),
-            out = &mut http => Err(anyhow!("the HTTP server ended: {out:?}")),
-            out = &mut feed => Err(anyhow!("the live feed broke: {out:?}")),
+            out = &mut http => Err(anyhow!("the HTTP server stopped: {out:?}")),
+            out = &mut feed => Err(anyhow!("the live feed failed: {out:?}")),
         };
         drain(http, closing).await;
         halt.send_replace(true);
@@ -360,7 +360,7 @@ async fn flush(
     let lost = "the journal did not take the last facts. None of them was acknowledged";
     timeout(patience, writer).await.context(lost)?.context(lost)?.context(lost)?;
     if timeout(patience, historian).await.is_err() {
-        tracing::warn!("the last figures over time were not written down");
+        tracing::warn!("the last figures over time were not saved");
     }
     Ok(())
 }
@@ -431,7 +431,7 @@ async fn feed(
 fn written(out: Result<Result<(), StoreError>, tokio::task::JoinError>) -> anyhow::Error {
     match out {
         Ok(Err(e)) => anyhow::Error::new(e).context("the journal contradicts the fleet"),
-        Ok(Ok(())) => anyhow!("the journal ended, since the control loop broke; what it said is above"),
-        Err(e) => anyhow::Error::new(e).context("the journal's task broke"),
+        Ok(Ok(())) => anyhow!("the journal ended because the control loop failed; see its error above"),
+        Err(e) => anyhow::Error::new(e).context("the journal's task failed"),
     }
 }

@@ -100,7 +100,7 @@ impl DriveLoop {
             Ok(step) => Some(step),
             Err(panic) => {
                 let (robot, said) = (self.fleet.at_hand(), panic_text(&*panic));
-                tracing::error!(?robot, "a step ended in a panic, nothing of it happened: {said}");
+                tracing::error!(?robot, "a step panicked and was discarded: {said}");
                 self.inbox.forget(&asked.tokens);
                 self.inbox.keep(asked.by_hand);
                 self.rescue.open = Some(Panicked { robot, said });
@@ -147,7 +147,7 @@ impl DriveLoop {
             Ok(fleet) => {
                 tracing::error!(
                     ?robot,
-                    "the fleet was made anew from the journal, and the robot is fenced off"
+                    "the fleet was rebuilt from the journal, and the robot is fenced off"
                 );
                 self.fleet = fleet;
                 self.outbox.forget_orders(robot);
@@ -159,7 +159,7 @@ impl DriveLoop {
     /// Nothing is decided any more; what is left is to tell the robots to stand, and to say so.
     fn give_up(&mut self, said: &str, why: &str) {
         let text = format!(
-            "the fleet contradicts itself ({said}), and {why}: all robots were told to stand, nothing is accepted. \
+            "the fleet contradicts itself ({said}), and {why}: all robots were told to stop, nothing is accepted. \
              Keep a copy of the database, restart Giveway, and restore a backup if that does not help."
         );
         tracing::error!("{text}");
@@ -186,7 +186,7 @@ impl DriveLoop {
             None => _ = self.alarms.clear(FENCED),
             Some(first) => {
                 let text = format!(
-                    "what is known about {} contradicts itself: fenced off, and others go round. See where the robot \
+                    "what is known about {} contradicts itself: fenced off; others go round. Check where the robot \
                      and its rack are, then POST /v1/robots/{first}/resume.",
                     names.join(", ")
                 );

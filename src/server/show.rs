@@ -122,9 +122,9 @@ impl Show {
     /// If the recording cannot be read to its end.
     pub async fn ended(&mut self) -> anyhow::Result<()> {
         if let Some(play) = self.play.take() {
-            play.await.context("the replay broke")??;
+            play.await.context("the replay failed")??;
         }
-        (&mut self.http).await.context("the HTTP server broke")??;
+        (&mut self.http).await.context("the HTTP server failed")??;
         Ok(())
     }
 }
@@ -136,11 +136,11 @@ fn run_ahead(mut player: Player, mut rotation: Rotation) {
     while let Ok(Turn::Step(now, step)) = player.turn() {
         step.facts.iter().for_each(|fact| rotation.note(fact));
         if let Some(Err(e)) = record.take_frame(&player.fleet, now).map(|frame| rotation.take(&frame)) {
-            return tracing::error!("the rest of the recording cannot be gone to: {e}");
+            return tracing::error!("cannot seek in the rest of the recording: {e}");
         }
     }
     if let Err(e) = rotation.finish() {
-        tracing::error!("the end of the recording cannot be gone to: {e}");
+        tracing::error!("cannot seek to the end of the recording: {e}");
     }
 }
 

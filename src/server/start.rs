@@ -72,8 +72,8 @@ fn check_kinds(fleet: &Fleet) -> anyhow::Result<()> {
     let Some((robot, kind)) = unknown.first() else { return Ok(()) };
     let kinds: Vec<&str> = fleet.settings().kinds.iter().map(|k| k.name.as_str()).collect();
     anyhow::bail!(
-        "{robot} is of the kind {kind:?} in this database ({} robots are of kinds like that), but the scenario has {}. \
-         Give the scenario that kind, or another database",
+        "{robot} is of kind {kind:?} in this database ({} robots are of missing kinds), but the scenario has {}. \
+         Add that kind to the scenario, or use another database",
         unknown.len(),
         kinds.join(", ")
     )
@@ -108,8 +108,8 @@ pub async fn build(
         Err(e) => {
             let said = e.try_into_panic().map(|p| panic_text(&*p)).context("the fold was given up")?;
             let why = format!(
-                "the journal of {} contradicts itself: {said}. Nothing was changed. Robots finish what they were \
-                 granted and stand. Keep a copy of the file, then run `giveway database restore BACKUP`",
+                "the journal of {} contradicts itself: {said}. Nothing was changed. Robots drive to the end of \
+                 their grants and stop. Keep a copy of the file, then run `giveway database restore BACKUP`",
                 store.path().display()
             );
             return Ok((Built::Broken(why.clone()), StartSummary { trouble: Some(why), ..summary }));

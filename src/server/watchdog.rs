@@ -57,7 +57,7 @@ impl Watchdog {
         set(alarms, FAULTS, now, &faults, |names| format!("a person is needed: {names}."));
         let beyond = beyond_grant(fleet);
         set(alarms, BEYOND, now, &beyond, |names| {
-            format!("beyond what was granted, as they say: {names}. Stop them and see where they are.")
+            format!("robots report more than they were granted: {names}. Stop them and check where they are.")
         });
     }
 
@@ -112,7 +112,7 @@ fn faults(fleet: &Fleet) -> Vec<String> {
 fn back(fleet: &Fleet, robot: RobotId) -> Option<&'static str> {
     let heard = fleet.telemetry(robot).is_some();
     (fleet.ledger().robots[robot].is_gone() && heard)
-        .then_some("has left the floor and reports: register it again")
+        .then_some("has left the floor but still reports: register it again")
 }
 
 /// Robots that say that they reached, or know of, more than they were granted.
@@ -156,7 +156,7 @@ impl Auditor {
             Err(panic) => {
                 let said = panic_text(&*panic);
                 let text = format!(
-                    "what was promised contradicts itself: {said}. Keep a copy of the database and restart Giveway."
+                    "the ledger contradicts itself: {said}. Keep a copy of the database and restart Giveway."
                 );
                 if alarms.raise(UNSOUND, text.clone(), now) {
                     tracing::error!("{text}");

@@ -168,7 +168,7 @@ fn set_pictures_aside(folders: &[PathBuf], stamp: &str) -> Result<(), StoreError
         let aside = free_name(folder, &format!("before-map-change-{stamp}"));
         std::fs::rename(folder, &aside).map_err(|why| StoreError::Aside { path: folder.clone(), why })?;
         let _ = sync_folder(folder);
-        tracing::warn!("pictures of the past are of the old map; they are kept in {}", aside.display());
+        tracing::warn!("pictures of the past show the old map; they are kept in {}", aside.display());
     }
     Ok(())
 }

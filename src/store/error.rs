@@ -61,7 +61,7 @@ pub enum StoreError {
     },
     /// A new database is wanted where there is a whole one.
     #[error(
-        "--new starts an empty database only where none is, and {path} has {facts} facts: start without --new, \
+        "--new starts an empty database only if there is none, but {path} has {facts} facts: start without --new, \
          or choose another file with --database"
     )]
     NotNew {
@@ -82,9 +82,7 @@ pub enum StoreError {
         what: &'static str,
     },
     /// A copy cannot be written.
-    #[error(
-        "cannot write {path}: {why}: name a file that is not there yet, in a folder that can be written to"
-    )]
+    #[error("cannot write {path}: {why}: name a file that does not exist yet, in a writable folder")]
     Target {
         /// Which file.
         path: PathBuf,
@@ -166,7 +164,7 @@ pub enum StoreError {
     },
     /// It is from before the first release.
     #[error(
-        "the database {0} was made by a Giveway from before the first release, which this one cannot read: take \
+        "the database {0} was made by a Giveway from before the first release, which this one cannot read: use \
          another --database; that Giveway still reads this one"
     )]
     Earlier(PathBuf),
@@ -264,7 +262,7 @@ fn remedy_of(report: &Report) -> &'static str {
             "To accept these losses, run `giveway database carry --map MAP --accept-losses`, then start again; a \
              backup is made first"
         }
-        false => "See to the obstacles first; `giveway database check --map MAP` lists what is left of them",
+        false => "Remove the obstacles first; `giveway database check --map MAP` lists what is left of them",
     }
 }
 
@@ -291,7 +289,7 @@ fn remedy(e: &sqlx::Error) -> &'static str {
         Some(11) => ": the file is damaged; restore a backup",
         Some(13) => ": the disk is full; make room",
         Some(14) => ": does its folder exist, and may this user write there? --database names another file",
-        Some(26) => ": this file is no database; --database names another file",
+        Some(26) => ": this file is not a database; name another file with --database",
         _ => "",
     }
 }

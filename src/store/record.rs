@@ -32,7 +32,7 @@ pub enum RecordError {
     )]
     Newer(i64),
     /// It was written by a program from before the first release.
-    #[error("it is in wire version {0}, this Giveway reads from {OLDEST} on: take another --database")]
+    #[error("it is in wire version {0}, this Giveway reads {OLDEST} and later: use another --database")]
     Older(i64),
     /// It is damaged.
     #[error("it is damaged ({0}): restore the database from a backup")]

@@ -84,7 +84,7 @@ impl Warehouse {
         let mut found = Findings::default();
         if bodies.is_empty() || bodies.len() > MOST_BODIES {
             let problem = format!("there are {}", bodies.len());
-            found.add("kinds of robots", problem, format!("give from one to {MOST_BODIES}"));
+            found.add("robot kinds", problem, format!("give from one to {MOST_BODIES}"));
             return Err(found);
         }
         let square = Footprint::Square { side_m: self.footprint_m };
@@ -290,8 +290,8 @@ fn check_footprints(body: &Body, square: &Footprint, found: &mut Findings) {
         }
     }
     if !unloaded.is_within(loaded) {
-        let problem = "without a rack it takes floor that it does not take with one";
-        let remedy = "give `footprint_loaded` an outline with the robot in it";
+        let problem = "without a rack it covers floor that it does not cover with one";
+        let remedy = "give `footprint_loaded` an outline that contains the robot";
         found.add(format!("footprints of kind {kind:?}"), problem, remedy);
     }
 }

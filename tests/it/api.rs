@@ -210,7 +210,7 @@ async fn every_route_is_described() {
     ] {
         assert!(paths.iter().any(|p| p == path), "{path} is not among {paths:?}");
     }
-    assert!(document["info"]["description"].as_str().unwrap().contains("no safety function"));
+    assert!(document["info"]["description"].as_str().unwrap().contains("not a safety function"));
     for path in &paths {
         let answer = get(server.address(), &path.replace("{id}", "j1")).await;
         assert!(!answer.text.contains("unknown-page"), "{path} is described but not there");

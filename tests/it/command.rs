@@ -108,6 +108,6 @@ fn map_check_lists_wrong_names_and_a_wrong_floor_at_once() {
     assert_eq!(checked.status.code(), Some(1), "{said}");
     let findings: Vec<&str> = said.lines().skip(1).collect();
     assert_eq!(findings.len(), 2, "{said}");
-    assert!(findings[0].ends_with("there is no node nowhere; add the node or mend the name"), "{said}");
+    assert!(findings[0].ends_with("there is no node nowhere; add the node or correct the name"), "{said}");
     assert_eq!(findings[1], "nodes island: no lane touches them; add lanes or remove them");
 }

@@ -174,7 +174,7 @@ async fn a_server_starts_empty_only_where_it_is_told_to_and_never_over_a_whole_d
     server.stop().await.unwrap();
     let new = Config { new: true, ..config(&folder) };
     let refused = Server::start(&new, floor()).await.err().unwrap().to_string();
-    assert!(refused.contains("only where none is"), "{refused}");
+    assert!(refused.contains("only if there is none"), "{refused}");
     fs::remove_file(folder.database()).unwrap();
     let refused = Server::start(&config(&folder), floor()).await.err().unwrap().to_string();
     assert!(refused.contains("--new"), "{refused}");
@@ -203,8 +203,5 @@ async fn robots_of_a_kind_that_the_scenario_no_longer_has_are_refused_in_words()
     assert!(get(at, "/v1/robots").await.text.contains("\"kind\":\"mover\""));
     server.stop().await.unwrap();
     let refused = Server::start(&config(&folder), floor()).await.err().expect("it is refused").to_string();
-    assert!(
-        refused.contains("is of the kind \"mover\"") && refused.contains("scenario has robot"),
-        "{refused}"
-    );
+    assert!(refused.contains("is of kind \"mover\"") && refused.contains("scenario has robot"), "{refused}");
 }

@@ -285,7 +285,7 @@ async fn a_database_from_before_the_first_release_is_refused_with_what_to_do() {
     old.close().await.unwrap();
     let error = Store::open(&folder.database(), &map()).await.unwrap_err().to_string();
     assert!(
-        error.contains("before the first release") && error.contains("take another --database"),
+        error.contains("before the first release") && error.contains("use another --database"),
         "{error}"
     );
     assert_eq!(number(&folder.database(), "SELECT count(*) FROM journal").await, 1, "nothing was changed");

@@ -59,7 +59,7 @@ async fn a_paused_station_gets_no_racks_and_stays_paused_over_a_restart() {
     until("it is paused", at, "/v1/stations", |s| s["items"][0]["paused"].is_string()).await;
     let made = post(at, None, &delivery(0)).await.unwrap().json();
     let path = format!("/v1/jobs/{}", made["id"].as_str().unwrap());
-    let why = format!("waiting for {station} to go on: it is paused");
+    let why = format!("waiting for {station} to resume: it is paused");
     until("the job says why it waits", at, &path, |j| j["why"] == *why).await;
     assert_eq!(say(at, &station, "resume").await.status, 204);
     until("a robot has it", at, &path, |j| j["state"] != "waiting").await;

@@ -366,11 +366,11 @@ describe('a wearer', () => {
   });
   test('when another device took the place, it does not fight for it', () => {
     world.welcome();
-    world.hear({ type: 'error', text: "another connection took this worker's place" });
+    world.hear({ type: 'error', text: "another connection of this worker replaced this one" });
     world.line.events.closed(1008, '');
     world.pass(120_000);
     expect(world.lines.length).toBe(1);
-    expect(world.wearer.feed).toEqual({ kind: 'ended', text: "another connection took this worker's place" });
+    expect(world.wearer.feed).toEqual({ kind: 'ended', text: "another connection of this worker replaced this one" });
     world.wearer.retryNow();
     expect(world.lines.length).toBe(2);
   });

@@ -66,13 +66,13 @@ pub struct Alignment {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Misfit {
     /// Nothing to go by.
-    #[error("there is one mark and no direction, or none at all")]
+    #[error("there are no marks, or only one without a direction")]
     TooFew,
     /// More than anybody touches.
     #[error("{0} marks are too many")]
     TooMany(usize),
     /// A number that cannot be.
-    #[error("mark {0} has numbers that cannot be")]
+    #[error("mark {0} has impossible numbers")]
     Absurd(usize),
     /// Marks too close to tell a direction.
     #[error("the marks are only {0:.2} m apart")]
@@ -89,7 +89,7 @@ pub enum Misfit {
         worst: usize,
     },
     /// One of three is wrong, and it is not certain which.
-    #[error("one of the marks is wrong, and the others do not say which")]
+    #[error("one of the marks is wrong, and the others do not show which")]
     Ambiguous,
 }
 

@@ -120,21 +120,25 @@ impl PoseFault {
     /// What happened and what to do.
     pub fn text(self) -> &'static str {
         match self {
-            PoseFault::NoClock => "poses are taken once the first ping is answered: answer pings with a pong",
+            PoseFault::NoClock => {
+                "poses are accepted once the first ping is answered: answer pings with a pong"
+            }
             PoseFault::NotAligned => "the frame of the device is not known: send anchors",
             PoseFault::OldEpoch => {
-                "the pose belongs to an alignment of before: use the epoch of the last answer"
+                "the pose belongs to an earlier alignment: use the epoch of the last answer"
             }
             PoseFault::UnknownEpoch => "this epoch was never given out: use the epoch of the last answer",
             PoseFault::NoPosition => {
                 "a pose needs pos, or at in the frame of the map; one that is lost needs one before it"
             }
-            PoseFault::Absurd => "numbers that cannot be: positions in metres, accuracy from 0 to 100 m",
-            PoseFault::Quaternion => "quat is x, y, z, w of length 1",
+            PoseFault::Absurd => "impossible numbers: give positions in metres, accuracy from 0 to 100 m",
+            PoseFault::Quaternion => "quat must be x, y, z, w of length 1",
             PoseFault::Future => {
                 "the pose lies in the future: t is the moment on the clock that answers pings"
             }
-            PoseFault::TooOld => "the pose is more than ten seconds old: send the newest, drop what waited",
+            PoseFault::TooOld => {
+                "the pose is more than ten seconds old: send the newest and drop queued ones"
+            }
             PoseFault::Repeated => "this seq came already: count up within an epoch",
             PoseFault::Reordered => "a later seq came already: only the newest counts",
         }

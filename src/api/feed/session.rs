@@ -184,7 +184,7 @@ async fn greeting(socket: &mut WebSocket) -> Result<HelloSaid, SessionEnd> {
             &hello.versions[..hello.versions.len().min(8)]
         ))),
         Ok(_) => Err(policy("the first message is hello, with the versions that you speak")),
-        Err(e) => Err(policy(&format!("the first message is no hello: {e}"))),
+        Err(e) => Err(policy(&format!("the first message is not a hello: {e}"))),
     }
 }
 
@@ -209,12 +209,12 @@ impl Session<'_> {
                 taken = self.connection.taken.changed() => {
                     taken.map_err(|_| SessionEnd::Gone)?;
                     if *self.connection.taken.borrow() != self.connection.number {
-                        let reason = "another connection took this worker's place";
+                        let reason = "another connection of this worker replaced this one";
                         return Err(SessionEnd::Bye(close_code::POLICY, reason.into()));
                     }
                 }
                 () = async { _ = closing.wait_for(|closing| *closing).await.is_ok() } => {
-                    return Err(SessionEnd::Bye(close_code::AWAY, "the server goes down".into()));
+                    return Err(SessionEnd::Bye(close_code::AWAY, "server shutting down".into()));
                 }
                 Some(Ok((id, refused))) = self.reports.join_next() => self.reported(id, refused).await?,
                 () = tokio::time::sleep(wait) => self.tick().await?,
@@ -425,11 +425,11 @@ impl Session<'_> {
         let absurd = absurd - self.counted.1.min(absurd);
         self.counted = (counts.jumps, counts.absurd);
         if jumps > 0 {
-            let text = "the pose is further away than anybody walks: send reset where the origin moved";
+            let text = "the pose is farther away than anybody walks: if the origin moved, send reset";
             self.warn("jump", jumps, text).await?;
         }
         if absurd > 0 {
-            let text = "nobody can be there: check frame, marks and clock";
+            let text = "nobody can be there: check the frame, the marks and the clock";
             self.warn("impossible", absurd, text).await?;
         }
         Ok(())

@@ -154,7 +154,7 @@ async fn a_stop_leaves_at_once_and_says_which_pose_it_was_decided_with() {
             break message;
         }
     };
-    assert_eq!(stop["reason"], "no way to the place is free");
+    assert_eq!(stop["reason"], "no path to the place is free");
     assert_eq!(stop["pose"], json!({"epoch": 1, "seq": 7}));
     let text = stage.metrics.text(&Moment::default());
     assert!(text.contains("giveway_pose_to_stop_seconds_count 1"), "{text}");

@@ -37,7 +37,7 @@ pub struct NewAssignment {
     /// Name of the node to go to; at a storage node, the nearest place from which its rack can be reached.
     #[schema(example = "A12")]
     place: String,
-    /// How long it takes there, seconds; 30 where absent.
+    /// How long it takes there, seconds; 30 if absent.
     #[schema(minimum = 0, maximum = 28800)]
     stay_s: Option<f64>,
     /// What, in your words, up to 500 characters.
@@ -49,11 +49,11 @@ pub struct NewAssignment {
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct AssignmentParams {
-    /// How many at most, 1 to 500; 50 where absent.
+    /// How many at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
     /// Only those in this state: waiting, walking, working, done or cancelled.
     state: Option<String>,
-    /// `next` of the page before.
+    /// `next` of the previous page.
     cursor: Option<String>,
 }
 
@@ -96,20 +96,20 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
     Ok(Json(dto(&api, &record)))
 }
 
-/// Give a worker something to do. It is durable when this answers. With an `Idempotency-Key`, trying again never
-/// makes a second assignment.
+/// Give a worker something to do. When this call returns, the assignment is durable. With an `Idempotency-Key`, a
+/// retry never makes a second assignment.
 #[utoipa::path(post, path = "/v1/workers/{id}/assignments", tag = "people", request_body = NewAssignment,
     params(("id" = String, Path, example = "w1"),
     ("Idempotency-Key" = Option<String>, Header, description = "Your own key, up to 255 characters")),
     responses(
     (status = 201, description = "Accepted and durable", body = AssignmentDto, headers(("Location" = String))),
-    (status = 200, description = "Was accepted before under this key", body = AssignmentDto),
+    (status = 200, description = "Accepted earlier under this key", body = AssignmentDto),
     (status = 400, body = Problem, content_type = "application/problem+json"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "There are as many as the server takes; see Retry-After", body = Problem,
+    (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
      content_type = "application/problem+json"),
-    (status = 503, description = "Not now; see Retry-After", body = Problem,
+    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn assign(
     State(api): State<Api>,
@@ -127,7 +127,7 @@ pub async fn assign(
     let record = read(&api, id).await?;
     if record.assignment.request != request || record.assignment.worker != worker {
         let detail = format!(
-            "the Idempotency-Key was used for {}, which is another assignment: take a new key for a new one",
+            "the Idempotency-Key was used for {}, which is another assignment: use a new key for a new one",
             assignment_name(id)
         );
         let status = StatusCode::UNPROCESSABLE_ENTITY;
@@ -143,22 +143,22 @@ pub async fn assign(
     params(("id" = String, Path, example = "a3")), responses(
     (status = 200, description = "It is cancelled", body = AssignmentDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "It was over already", body = Problem,
+    (status = 409, description = "It is over already", body = Problem,
      content_type = "application/problem+json"),
-    (status = 503, description = "Not now; see Retry-After", body = Problem,
+    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn cancel(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
     end(&api, parse_id(&id)?, |_, id| What::Unassign(id)).await
 }
 
-/// Say that the worker is done with an assignment, wherever devices saw the worker. Headsets say it over the feed.
+/// Report that the worker has finished an assignment, wherever the worker was seen. Headsets report it over the feed.
 #[utoipa::path(post, path = "/v1/assignments/{id}/done", tag = "people",
     params(("id" = String, Path, example = "a3")), responses(
     (status = 200, description = "It is done", body = AssignmentDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "It was over already", body = Problem,
+    (status = 409, description = "It is over already", body = Problem,
      content_type = "application/problem+json"),
-    (status = 503, description = "Not now; see Retry-After", body = Problem,
+    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn finish(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
     end(&api, parse_id(&id)?, What::Finish).await
@@ -189,14 +189,14 @@ async fn list(
         let known = ASSIGNMENT_STATES.map(|s| s.word()).into_iter().find(|w| *w == word);
         if known.is_none() {
             let words = ASSIGNMENT_STATES.map(|s| s.word()).join(", ");
-            errors.push(FieldError::new("state", format!("\"{word}\" is none of {words}")));
+            errors.push(FieldError::new("state", format!("\"{word}\" is not one of {words}")));
         }
         known
     });
     let before = p.cursor.as_deref().and_then(|cursor| {
         let id = parse_assignment(cursor);
         if id.is_none() {
-            errors.push(FieldError::new("cursor", "take it from `next` of the page before"));
+            errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));
         }
         id
     });
@@ -212,7 +212,7 @@ async fn list(
 }
 
 fn parse_id(text: &str) -> Result<AssignmentId, Problem> {
-    let detail = || format!("\"{text}\" is no assignment; assignments are like a3");
+    let detail = || format!("\"{text}\" is not an assignment id; ids look like a3");
     parse_assignment(text).ok_or_else(|| Problem::unknown("assignment", detail()))
 }
 
@@ -235,11 +235,11 @@ impl NewAssignment {
         }
         let stay_s = self.stay_s.unwrap_or(USUAL_STAY_S);
         if !(0.0..=LONGEST_STAY_S).contains(&stay_s) {
-            errors.push(FieldError::new("stay_s", format!("seconds, 0 to {LONGEST_STAY_S}")));
+            errors.push(FieldError::new("stay_s", format!("must be 0 to {LONGEST_STAY_S} seconds")));
         }
         let what = self.what.clone().unwrap_or_default();
         if what.chars().count() > LONGEST_TEXT {
-            errors.push(FieldError::new("what", format!("up to {LONGEST_TEXT} characters")));
+            errors.push(FieldError::new("what", format!("must have at most {LONGEST_TEXT} characters")));
         }
         match place {
             Some(place) if errors.is_empty() => {

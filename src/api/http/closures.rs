@@ -40,21 +40,21 @@ const SMALLEST_M2: f64 = 0.01;
 pub struct NewClosure {
     /// Its corners, metres, 3 to 100.
     outline: Option<Vec<[f64; 2]>>,
-    /// Or names of nodes, 1 to 100: these are closed and no others. The outline of the answer goes around all of them.
+    /// Or the names of 1 to 100 nodes: only these are closed. The outline in the answer goes around all of them.
     nodes: Option<Vec<String>>,
-    /// From when on, RFC 3339; at once where absent.
+    /// From when, RFC 3339; at once if absent.
     from: Option<String>,
-    /// Until when; until somebody opens it where absent.
+    /// Until when, RFC 3339; if absent, until somebody opens it.
     #[schema(example = "2027-01-31T12:00:00Z")]
     until: Option<String>,
-    /// Why, for those who see it.
+    /// Why, for people who see it.
     #[schema(example = "oil on the floor")]
     reason: String,
 }
 
-/// All closed areas, those that are announced, and those that are over since less than a day.
+/// All areas that are closed or announced, and those whose closure ended less than a day ago.
 #[utoipa::path(get, path = "/v1/closures", tag = "people", params(Paging), responses(
-    (status = 200, description = "Areas in order of marking", body = Page<ClosureDto>),
+    (status = 200, description = "Areas in the order in which they were requested", body = Page<ClosureDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn list(
     State(api): State<Api>,
@@ -64,14 +64,15 @@ pub async fn list(
     page(Names { map: &api.map, view: &moment.view }.all_closures((api.now)()), &p)
 }
 
-/// Close an area, now or later. It is durable when this answers; before it begins, robots get routes around it and
-/// those that rest inside leave; robots inside drive out, others stay out. At its end it opens by itself.
+/// Close an area, now or later. When this call returns, the closure is durable. Before it begins, robots are routed
+/// around it and robots parked inside leave; once it has begun, robots inside drive out and others stay out. At its
+/// end the area opens by itself.
 #[utoipa::path(post, path = "/v1/closures", tag = "people", request_body = NewClosure, responses(
     (status = 201, description = "Closed and durable", body = ClosureDto, headers(("Location" = String))),
     (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "There are as many as the server takes; see Retry-After", body = Problem,
+    (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
      content_type = "application/problem+json"),
-    (status = 503, description = "Not now; see Retry-After", body = Problem,
+    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn close(
     State(api): State<Api>,
@@ -109,7 +110,7 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
     params(("id" = String, Path, example = "c2")), responses(
     (status = 204, description = "Open again"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "Not now; see Retry-After", body = Problem,
+    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn reopen(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     match api.ask(What::Reopen(parse_id(&id)?)).await? {
@@ -120,7 +121,7 @@ pub async fn reopen(State(api): State<Api>, PathPart(id): PathPart) -> Result<St
 }
 
 fn parse_id(text: &str) -> Result<ClosureId, Problem> {
-    let detail = || format!("\"{text}\" is no closed area; areas are like c2");
+    let detail = || format!("\"{text}\" is not a closure id; ids look like c2");
     parse_closure(text).ok_or_else(|| Problem::unknown("closure", detail()))
 }
 
@@ -144,7 +145,7 @@ impl NewClosure {
             let text = text.as_deref()?;
             let time = parse_time(text);
             if time.is_none() {
-                let detail = format!("\"{text}\" is no time like 2027-01-31T12:00:00Z");
+                let detail = format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z");
                 errors.push(FieldError::new(field, detail));
             }
             Some(time.unwrap_or(usual))
@@ -152,11 +153,11 @@ impl NewClosure {
         let from = time("from", &self.from, now).unwrap_or(now);
         let until = time("until", &self.until, Time::MAX).unwrap_or(Time::MAX);
         if until <= from.max(now) {
-            errors.push(FieldError::new("until", "lies before the beginning, or is over already"));
+            errors.push(FieldError::new("until", "must be after `from` and in the future"));
         }
         let reason = self.reason.trim();
         if reason.is_empty() || reason.chars().count() > LONGEST_REASON {
-            let detail = format!("1 to {LONGEST_REASON} characters: those who see the area want to know why");
+            let detail = format!("say in 1 to {LONGEST_REASON} characters why the area is closed");
             errors.push(FieldError::new("reason", detail));
         }
         if !errors.is_empty() {
@@ -172,7 +173,7 @@ fn checked_outline(corners: &[[f64; 2]], errors: &mut Vec<FieldError>) -> Vec<Po
     let sound = outline.iter().all(|p| p.x.abs() <= FAR_M && p.y.abs() <= FAR_M);
     let number = (3..=MOST_CORNERS).contains(&outline.len());
     if !number || !sound || area_m2(&outline) < SMALLEST_M2 {
-        let detail = format!("3 to {MOST_CORNERS} corners [x, y] in metres, with some area between them");
+        let detail = format!("must be 3 to {MOST_CORNERS} corners [x, y] in metres that enclose an area");
         errors.push(FieldError::new("outline", detail));
     }
     outline
@@ -181,7 +182,7 @@ fn checked_outline(corners: &[[f64; 2]], errors: &mut Vec<FieldError>) -> Vec<Po
 /// The nodes of these names.
 fn named(api: &Api, names: &[String], errors: &mut Vec<FieldError>) -> Vec<NodeId> {
     if names.is_empty() || names.len() > MOST_CORNERS {
-        errors.push(FieldError::new("nodes", format!("1 to {MOST_CORNERS} names of nodes")));
+        errors.push(FieldError::new("nodes", format!("must be the names of 1 to {MOST_CORNERS} nodes")));
         return Vec::new();
     }
     let mut nodes = Vec::new();

@@ -37,9 +37,9 @@ pub struct EncounterParams {
     worker: Option<String>,
     /// Only those of this robot.
     robot: Option<String>,
-    /// How many at most: of a list 1 to 500, 50 where absent; of a table up to 100000, which is usual there.
+    /// How many at most: for a list 1 to 500, 50 if absent; for a table 1 to 100000, 100000 if absent.
     limit: Option<u32>,
-    /// `next` of the page before; of a table, from its `Link` header.
+    /// `next` of the previous page; for a table, from its `Link` header.
     cursor: Option<String>,
     /// `csv` for a table; so does `Accept: text/csv`.
     format: Option<String>,
@@ -101,7 +101,7 @@ fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterQuery, Problem> {
         let text = text.as_deref()?;
         let time = parse_time(text);
         if time.is_none() {
-            let detail = format!("\"{text}\" is no time like 2027-01-31T12:00:00Z");
+            let detail = format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z");
             errors.push(FieldError::new(field, detail));
         }
         time
@@ -122,7 +122,7 @@ fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterQuery, Problem> {
     let before = p.cursor.as_deref().and_then(|cursor| {
         let seq = cursor.parse::<i64>().ok();
         if seq.is_none() {
-            errors.push(FieldError::new("cursor", "take it from `next` of the page before"));
+            errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));
         }
         seq
     });

@@ -18,18 +18,18 @@ use axum::http::StatusCode;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// What stands by hand.
+/// What is stopped or paused by hand.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct FleetDto {
-    /// Since when the whole fleet stands, RFC 3339; null where it goes on.
+    /// Since when the whole fleet has been stopped, RFC 3339; null if it is not stopped.
     pub stopped: Option<String>,
-    /// Robots that are paused by themselves.
+    /// Robots that are paused individually.
     pub paused: Vec<String>,
     /// How many robots could take a job now.
     pub free: usize,
 }
 
-/// What stands by hand.
+/// What is stopped or paused by hand.
 #[utoipa::path(get, path = "/v1/fleet", tag = "floor", responses((status = 200, body = FleetDto)))]
 pub async fn fleet(State(api): State<Api>) -> Json<FleetDto> {
     let moment = api.moment();
@@ -43,17 +43,17 @@ pub async fn fleet(State(api): State<Api>) -> Json<FleetDto> {
     })
 }
 
-/// Stop all robots. They are told at once and stand until the fleet is resumed, over a restart, too. No emergency
-/// stop: robots that cannot be reached drive on to the end of what they were granted.
+/// Stop all robots. They are told at once and stand still until the fleet is resumed, even across a restart. This is
+/// not an emergency stop: a robot that cannot be reached drives on to the end of its grant.
 #[utoipa::path(post, path = "/v1/fleet/stop", tag = "floor", responses(
-    (status = 204, description = "All robots were told to stand, and it is durable"),
-    (status = 503, description = "They were told, but it is not durable yet", body = Problem,
+    (status = 204, description = "All robots were told to stop, and that is durable"),
+    (status = 503, description = "They were told, but that is not durable yet", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn stop(State(api): State<Api>) -> Result<StatusCode, Problem> {
     done(&api, What::Halt(None)).await
 }
 
-/// Let the fleet go on. Robots that are paused by themselves stay so.
+/// Resume the fleet. Robots that were paused individually stay paused.
 #[utoipa::path(post, path = "/v1/fleet/resume", tag = "floor", responses(
     (status = 204, description = "Robots go on"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
@@ -61,10 +61,10 @@ pub async fn resume(State(api): State<Api>) -> Result<StatusCode, Problem> {
     done(&api, What::Release(None)).await
 }
 
-/// Pause one robot. It stands where it is, keeps what it holds, and gets no job; those behind it wait.
+/// Pause one robot. It stands where it is, keeps what it holds, and gets no job; robots behind it wait.
 #[utoipa::path(post, path = "/v1/robots/{id}/pause", tag = "floor",
     params(("id" = String, Path, example = "robot-1")), responses(
-    (status = 204, description = "It was told to stand, and it is durable"),
+    (status = 204, description = "It was told to stop, and that is durable"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn pause(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
@@ -72,10 +72,10 @@ pub async fn pause(State(api): State<Api>, PathPart(id): PathPart) -> Result<Sta
     done(&api, What::Halt(Some(robot))).await
 }
 
-/// Let a robot go on that is paused, or fenced off since what is known about it contradicted itself.
+/// Resume a robot that is paused, or that was fenced off because the facts about it contradicted one another.
 #[utoipa::path(post, path = "/v1/robots/{id}/resume", tag = "floor",
     params(("id" = String, Path, example = "robot-1")), responses(
-    (status = 204, description = "It goes on, unless the whole fleet stands"),
+    (status = 204, description = "It goes on, unless the whole fleet is stopped"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn go_on(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {

@@ -12,7 +12,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// How the server is.
+/// The server's health.
 #[derive(Serialize, ToSchema)]
 pub struct Health {
     /// Always "ok": anything else is a problem with status 503.
@@ -28,10 +28,10 @@ pub struct Health {
     time_s: f64,
 }
 
-/// Whether the server does its work: 200, or 503 with every alarm that stands. Needs no token.
+/// Whether the server works as it should: 200, or 503 with every active alarm. Needs no token.
 #[utoipa::path(get, path = "/v1/health", tag = "server", responses(
     (status = 200, description = "All is well", body = Health),
-    (status = 503, description = "An alarm stands, or the server is starting", body = Problem,
+    (status = 503, description = "An alarm is active, or the server is starting", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn health(State(api): State<Api>) -> Result<Json<Health>, Problem> {
     let alarms = api.alarms.list();
@@ -50,7 +50,7 @@ pub async fn health(State(api): State<Api>) -> Result<Json<Health>, Problem> {
     }))
 }
 
-/// That the process lives.
+/// The process is alive.
 #[derive(Serialize, ToSchema)]
 pub struct Alive {
     /// Always "alive".
@@ -60,17 +60,17 @@ pub struct Alive {
     version: &'static str,
 }
 
-/// Whether the process lives: 200 from the moment at which it listens, also while it starts and while an alarm stands.
-/// A watchdog may restart a process that does not answer this; 503 from `/v1/health` is no reason to. Needs no token.
+/// Whether the process is alive: 200 from the moment it listens, even while it starts and while an alarm is active. A
+/// watchdog may restart a process that does not answer this; 503 from `/v1/health` is no reason to. Needs no token.
 #[utoipa::path(get, path = "/v1/health/live", tag = "server", responses(
-    (status = 200, description = "The process lives", body = Alive)))]
+    (status = 200, description = "The process is alive", body = Alive)))]
 pub async fn alive() -> Json<Alive> {
     Json(Alive { status: "alive", version: env!("CARGO_PKG_VERSION") })
 }
 
-/// Figures for Prometheus, as OpenMetrics text.
+/// Metrics for Prometheus, as OpenMetrics text.
 #[utoipa::path(get, path = "/metrics", tag = "server", responses(
-    (status = 200, description = "Figures", body = String,
+    (status = 200, description = "Metrics", body = String,
      content_type = "application/openmetrics-text; version=1.0.0; charset=utf-8")))]
 pub async fn metrics(State(api): State<Api>) -> Response {
     let media = "application/openmetrics-text; version=1.0.0; charset=utf-8";

@@ -30,7 +30,7 @@ const ENCOUNTERS: u32 = 100_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum HeatKind {
-    /// Seconds that robots stood although they would have driven on.
+    /// Seconds that robots stood still although they had to drive on.
     Waiting,
     /// Robots that came into region 1 of a worker.
     Encounters,
@@ -43,10 +43,10 @@ pub enum HeatKind {
 pub struct HeatParams {
     /// waiting or encounters.
     kind: HeatKind,
-    /// From when on, RFC 3339; an hour before the end where absent. Waiting is kept for a day.
+    /// From when, RFC 3339; an hour before the end if absent. Waiting is kept for a day.
     #[param(example = "2027-01-31T06:00:00Z")]
     from: Option<String>,
-    /// Until when; now where absent.
+    /// Until when, RFC 3339; now if absent.
     to: Option<String>,
 }
 
@@ -55,9 +55,9 @@ pub struct HeatParams {
 pub struct HeatDto {
     /// waiting or encounters.
     pub kind: HeatKind,
-    /// From when on it is added up, RFC 3339: waiting is kept in steps of five minutes.
+    /// Start of the sum, RFC 3339: waiting is kept in steps of five minutes.
     pub from: String,
-    /// The end.
+    /// End of the sum.
     pub to: String,
     /// What `amount` counts: seconds or encounters.
     pub unit: &'static str,
@@ -74,7 +74,7 @@ pub struct CellDto {
     pub x: f64,
     /// Metres.
     pub y: f64,
-    /// The node, where it is one.
+    /// The node, if the place is one.
     pub node: Option<String>,
     /// How much.
     pub amount: f64,

@@ -31,12 +31,12 @@ const HOUR: Span = Span::from_secs(3600);
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct HistoryParams {
-    /// From when on, RFC 3339; an hour before the end where absent.
+    /// From when, RFC 3339; an hour before the end if absent.
     #[param(example = "2027-01-31T06:00:00Z")]
     from: Option<String>,
-    /// Until when; now where absent.
+    /// Until when, RFC 3339; now if absent.
     to: Option<String>,
-    /// Length of a bucket, seconds: a multiple of 10 up to 86400. Where absent, one that makes at most 400 buckets.
+    /// Length of a bucket, seconds: a multiple of 10 up to 86400. If absent, one that makes at most 400 buckets.
     #[param(example = 60)]
     step: Option<i64>,
 }
@@ -54,7 +54,7 @@ pub struct HistoryDto {
     pub started: String,
     /// How the fleet deals with people: nhir, shir, phir or giveway.
     pub arm: &'static str,
-    /// In order of time. One of which nothing is known is left out: the server did not run.
+    /// In order of time. A bucket without data is left out: the server was not running.
     pub buckets: Vec<BucketDto>,
 }
 
@@ -63,7 +63,7 @@ pub struct HistoryDto {
 pub struct BucketDto {
     /// When it began, RFC 3339.
     pub at: String,
-    /// How much of it was seen, seconds: all of it, but for the last one and those at a restart.
+    /// How many of its seconds were recorded: all, except in the last bucket and at a restart.
     pub covered_s: f64,
     /// Racks served at stations.
     pub robot_deliveries: u64,
@@ -79,13 +79,13 @@ pub struct BucketDto {
     pub replans: u64,
     /// Routes planned.
     pub plans: u64,
-    /// Searches that found none.
+    /// Searches that found no route.
     pub plan_failures: u64,
-    /// Seconds of workers on the floor, all together.
+    /// Seconds that workers spent on the floor, all workers together.
     pub worker_s: f64,
-    /// Seconds that robots stood although they would have driven on, all together.
+    /// Seconds that robots stood still although they had to drive on, all robots together.
     pub waiting_s: f64,
-    /// Length of a search, median, microseconds, to a tenth; null where nothing was searched.
+    /// Length of a search, median, microseconds, to a tenth; null if there was no search.
     pub plan_us_p50: Option<u64>,
     /// The same, 95th percentile.
     pub plan_us_p95: Option<u64>,
@@ -95,8 +95,8 @@ pub struct BucketDto {
     pub step_us_max: Option<u64>,
 }
 
-/// Deliveries, encounters, interruptions, planning and waiting over time. Kept are an hour in steps of ten seconds, a
-/// day in minutes, and 31 days in ten minutes; over a restart, too.
+/// Deliveries, encounters, interruptions, planning and waiting over time. One hour is kept in steps of ten seconds, one
+/// day in steps of a minute, and 31 days in steps of ten minutes, even across a restart.
 #[utoipa::path(get, path = "/v1/history", tag = "floor", params(HistoryParams), responses(
     (status = 200, description = "Figures over time", body = HistoryDto),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
@@ -126,7 +126,8 @@ pub fn stretch(api: &Api, from: Option<&str>, to: Option<&str>) -> Result<(Time,
     let mut time = |field: &str, text: Option<&str>| -> Option<Time> {
         let time = parse_time(text?);
         if time.is_none() {
-            let detail = format!("\"{}\" is no time like 2027-01-31T12:00:00Z", text.unwrap_or_default());
+            let detail =
+                format!("\"{}\" is not a time such as 2027-01-31T12:00:00Z", text.unwrap_or_default());
             errors.push(FieldError::new(field, detail));
         }
         time
@@ -145,13 +146,13 @@ fn checked_step(s: i64, stretch: Span) -> Result<Span, Problem> {
     let refused = |detail: String| Problem::invalid(vec![FieldError::new("step", detail)]);
     let finest_s = TIERS[0].0.0 / 1_000_000;
     if !(finest_s..=86_400).contains(&s) || s % finest_s != 0 {
-        return Err(refused(format!("a multiple of {finest_s} up to 86400, in seconds")));
+        return Err(refused(format!("must be a multiple of {finest_s} up to 86400, in seconds")));
     }
     let step = Span::from_secs(s);
     let buckets = stretch.0 / step.0;
     if buckets > MOST {
         return Err(refused(format!(
-            "{buckets} buckets are more than {MOST}: take longer ones, or less time"
+            "{buckets} buckets are more than {MOST}: choose a longer step or a shorter time"
         )));
     }
     Ok(step)

@@ -28,7 +28,7 @@ const LONGEST_PICK_S: f64 = 3600.0;
 /// How many jobs one may come after.
 const MOST_PREDECESSORS: usize = 100;
 
-/// A job as a customer hands it in. Which fields go with it depends on its kind: `deliver` rack, station,
+/// A job as a customer submits it. Which fields it has depends on its kind: `deliver` rack, station,
 /// pick_s?; `return` rack; `relocate` rack, node; `charge` and `park` robot; `go` robot, node.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -44,10 +44,10 @@ pub struct NewJob {
     node: Option<String>,
     /// Name of a robot.
     robot: Option<String>,
-    /// How long the pick takes, seconds; the station's usual time where absent.
+    /// How long the pick takes, seconds; the station's usual time if absent.
     #[schema(minimum = 0, maximum = 3600)]
     pick_s: Option<f64>,
-    /// 0 (whenever) to 9 (before all others); 0 where absent.
+    /// 0 (whenever) to 9 (before all others); 0 if absent.
     #[schema(minimum = 0, maximum = 9)]
     priority: Option<i64>,
     /// When it should be done, RFC 3339.
@@ -81,11 +81,11 @@ enum WantedKind {
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct JobParams {
-    /// How many at most, 1 to 500; 50 where absent.
+    /// How many at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
     /// Only jobs in this state: waiting, assigned, carrying, picking, done, cancelled or failed.
     state: Option<String>,
-    /// `next` of the page before.
+    /// `next` of the previous page.
     cursor: Option<String>,
 }
 
@@ -103,14 +103,17 @@ pub async fn list(
     let state = p.state.as_deref().and_then(|word| {
         let known = JOB_STATES.into_iter().find(|s| *s == word);
         if known.is_none() {
-            errors.push(FieldError::new("state", format!("\"{word}\" is none of {}", JOB_STATES.join(", "))));
+            errors.push(FieldError::new(
+                "state",
+                format!("\"{word}\" is not one of {}", JOB_STATES.join(", ")),
+            ));
         }
         known
     });
     let before = p.cursor.as_deref().and_then(|cursor| {
         let id = parse_job_name(cursor);
         if id.is_none() {
-            errors.push(FieldError::new("cursor", "take it from `next` of the page before"));
+            errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));
         }
         id
     });
@@ -138,19 +141,19 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
     Ok(Json(dto(&api, &row)))
 }
 
-/// Hand in a job. It is durable when this answers. With an `Idempotency-Key`, trying again never makes a
+/// Submit a job. When this call returns, the job is durable. With an `Idempotency-Key`, a retry never makes a
 /// second job.
 #[utoipa::path(post, path = "/v1/jobs", tag = "jobs", request_body = NewJob,
     params(("Idempotency-Key" = Option<String>, Header, description = "Your own key, up to 255 characters")),
     responses(
     (status = 201, description = "Accepted and durable", body = JobDto, headers(("Location" = String))),
-    (status = 200, description = "Was accepted before under this key", body = JobDto),
+    (status = 200, description = "Accepted earlier under this key", body = JobDto),
     (status = 400, body = Problem, content_type = "application/problem+json"),
     (status = 409, body = Problem, content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "There are as many as the server takes; see Retry-After", body = Problem,
+    (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
      content_type = "application/problem+json"),
-    (status = 503, description = "Not now; see Retry-After", body = Problem,
+    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn submit(
     State(api): State<Api>,
@@ -168,7 +171,7 @@ pub async fn submit(
     // Somebody may have changed its priority since.
     if row.job.request != (JobRequest { priority: row.job.request.priority, ..request }) {
         let detail = format!(
-            "the Idempotency-Key was used for {}, which is another job: take a new key for a new job",
+            "the Idempotency-Key was used for {}, which is another job: use a new key for a new job",
             job_name(job)
         );
         let status = StatusCode::UNPROCESSABLE_ENTITY;
@@ -192,7 +195,7 @@ pub struct JobChange {
     params(("id" = String, Path, example = "j17")), responses(
     (status = 200, description = "The job as it is now", body = JobDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "A robot works on it already, or it is over", body = Problem,
+    (status = 409, description = "A robot already works on it, or it is over", body = Problem,
      content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
@@ -213,7 +216,7 @@ pub async fn prioritise(
     responses(
     (status = 200, description = "It is cancelled, or will be as soon as its rack is back", body = JobDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "It was over already, or is part of a recording", body = Problem,
+    (status = 409, description = "It is over already, or is part of a recording", body = Problem,
      content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn cancel(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<JobDto>, Problem> {
@@ -226,7 +229,7 @@ pub async fn cancel(State(api): State<Api>, PathPart(id): PathPart) -> Result<Js
 
 fn parse_id(text: &str) -> Result<JobId, Problem> {
     parse_job_name(text)
-        .ok_or_else(|| Problem::unknown("job", format!("\"{text}\" is no job; jobs are like j17")))
+        .ok_or_else(|| Problem::unknown("job", format!("\"{text}\" is not a job id; ids look like j17")))
 }
 
 async fn read(api: &Api, id: JobId) -> Result<JobRow, Problem> {
@@ -259,7 +262,7 @@ impl Reader<'_> {
         find: impl Fn(&Self, &str) -> Option<T>,
     ) -> Option<T> {
         let Some(text) = text else {
-            self.wrong(field, format!("needed for {}", self.word()));
+            self.wrong(field, format!("required for {}", self.word()));
             return None;
         };
         let found = find(self, text);
@@ -315,7 +318,7 @@ impl Reader<'_> {
             ("pick_s", new.pick_s.is_some()),
         ];
         for (field, _) in given.into_iter().filter(|(f, given)| *given && !fields.contains(f)) {
-            self.wrong(field, format!("{} has no such field; it has {}", self.word(), fields.join(", ")));
+            self.wrong(field, format!("no such field; a {} job has {}", self.word(), fields.join(", ")));
         }
     }
 
@@ -346,7 +349,7 @@ impl NewJob {
         let mut r = Reader { map, moment, kind: self.kind, errors: Vec::new() };
         r.superfluous(self);
         if self.pick_s.is_some_and(|s| !(0.0..=LONGEST_PICK_S).contains(&s)) {
-            r.wrong("pick_s", format!("seconds, 0 to {LONGEST_PICK_S}"));
+            r.wrong("pick_s", format!("must be 0 to {LONGEST_PICK_S} seconds"));
         }
         let priority = self.priority.unwrap_or(0);
         if !(0..=9).contains(&priority) {
@@ -355,19 +358,21 @@ impl NewJob {
         let deadline = self.deadline.as_deref().and_then(|text| {
             let time = parse_time(text);
             if time.is_none() {
-                r.wrong("deadline", format!("\"{text}\" is no time like 2027-01-31T12:00:00Z"));
+                r.wrong("deadline", format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z"));
             }
             time
         });
         let names = self.after.as_deref().unwrap_or(&[]);
         if names.len() > MOST_PREDECESSORS {
-            r.wrong("after", format!("{} jobs; at most {MOST_PREDECESSORS}", names.len()));
+            r.wrong("after", format!("{} jobs; at most {MOST_PREDECESSORS} are allowed", names.len()));
         }
         let mut after = Vec::new();
         for (i, name) in names.iter().take(MOST_PREDECESSORS).enumerate() {
             match parse_job_name(name) {
                 Some(id) => after.push(id),
-                None => r.wrong(&format!("after[{i}]"), format!("\"{name}\" is no job; jobs are like j17")),
+                None => {
+                    r.wrong(&format!("after[{i}]"), format!("\"{name}\" is not a job id; ids look like j17"))
+                }
             }
         }
         match (r.kind(self), r.errors.is_empty()) {

@@ -10,17 +10,17 @@ use axum::extract::State;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// A kind of robots. Lengths are metres, times seconds.
+/// A robot kind. Lengths are in metres, times in seconds.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct KindDto {
     /// Its name: `kind` of POST /v1/robots.
     #[schema(example = "shuttle")]
     pub name: String,
-    /// Its outline without a rack; null for the square of the map.
+    /// Its outline without a rack; null if it is the square that the map gives.
     pub footprint: Option<FootprintDto>,
-    /// Its outline with a rack; null for the square of the map.
+    /// Its outline with a rack; null if it is the square that the map gives.
     pub footprint_loaded: Option<FootprintDto>,
-    /// Whether it turns to where it drives.
+    /// Whether it turns to face the direction in which it drives.
     pub turns: bool,
     /// The types of racks that it carries; null for all.
     pub carries: Option<Vec<String>>,
@@ -34,7 +34,7 @@ pub struct KindDto {
     pub accel_unloaded_mps2: f64,
     /// Acceleration and braking with a rack.
     pub accel_loaded_mps2: f64,
-    /// Lifting a rack, or setting it down.
+    /// How long it takes to lift a rack, or to set it down.
     pub lift_s: f64,
     /// Below this charge, 0 to 1, it takes no job.
     pub critical: f64,
@@ -54,7 +54,7 @@ pub enum FootprintDto {
     PolygonM(Vec<[f64; 2]>),
 }
 
-/// The kinds of robots that may join. They are in the scenario with which the server was started.
+/// The robot kinds that may join. They come from the scenario with which the server was started.
 #[utoipa::path(get, path = "/v1/kinds", tag = "floor", responses(
     (status = 200, description = "All kinds", body = Vec<KindDto>)))]
 pub async fn kinds(State(api): State<Api>) -> Json<Vec<KindDto>> {

@@ -19,9 +19,9 @@ pub const LONGEST_PAGE: u32 = 500;
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct Paging {
-    /// How many items at most, 1 to 500; 100 where absent.
+    /// How many items at most, 1 to 500; 100 if absent.
     limit: Option<u32>,
-    /// `next` of the page before.
+    /// `next` of the previous page.
     cursor: Option<String>,
 }
 
@@ -77,7 +77,7 @@ pub fn page<T>(all: Vec<T>, p: &Paging) -> Result<Json<Page<T>>, Problem> {
         None => 0,
         Some(Ok(start)) => start,
         Some(Err(_)) => {
-            let detail = "take it from `next` of the page before";
+            let detail = "use the value of `next` in the previous page";
             return Err(Problem::invalid(vec![FieldError::new("cursor", detail)]));
         }
     };

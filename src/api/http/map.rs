@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 /// The building.
 #[utoipa::path(get, path = "/v1/map", tag = "floor", responses(
     (status = 200, description = "The building", body = MapDto),
-    (status = 304, description = "Still the one with the ETag in If-None-Match")))]
+    (status = 304, description = "Unchanged: its ETag is the one in If-None-Match")))]
 pub async fn map(State(api): State<Api>, headers: HeaderMap) -> Response {
     let text = map_text(&api.map);
     let digest = Sha256::digest(&text);

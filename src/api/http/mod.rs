@@ -47,7 +47,7 @@ use utoipa_axum::routes;
 #[openapi(info(
     title = "Giveway",
     description = "A warehouse fleet manager in which robots give way to people. Giveway is an \
-    efficiency layer and no safety function: detection, braking and emergency stop are the robots' own. \
+    efficiency layer, not a safety function: detection, braking and emergency stop are the robots' own. \
     Ids are the names of the map; jobs are \"j17\", workers \"w1\", \
     assignments \"a3\", closed areas \"c2\". Errors are application/problem+json (RFC 9457) and say \
     what to do. A job is acknowledged only when it is durable: an answer 201 survives loss of power. The live \
@@ -160,6 +160,6 @@ fn method_word(method: &Method) -> &'static str {
 }
 
 async fn wrong_method(request: Request) -> Problem {
-    let detail = format!("{} does not work here: /openapi.json lists what does", request.method());
-    Problem::new(StatusCode::METHOD_NOT_ALLOWED, "method", "Not this method", detail)
+    let detail = format!("{} is not allowed here: /openapi.json lists what is", request.method());
+    Problem::new(StatusCode::METHOD_NOT_ALLOWED, "method", "Method not allowed", detail)
 }

@@ -17,7 +17,7 @@ const POLICY: &str = "default-src 'self'; img-src 'self' data: blob:; style-src 
 pub async fn page(method: Method, uri: Uri, headers: HeaderMap) -> Response {
     let path = uri.path().trim_start_matches('/');
     let unknown = || {
-        let detail = format!("nothing is at /{path}: /openapi.json lists what there is");
+        let detail = format!("there is nothing at /{path}: /openapi.json lists the paths of the API");
         Problem::unknown("page", detail).into_response()
     };
     if path == "v1" || path.starts_with("v1/") || !matches!(method, Method::GET | Method::HEAD) {

@@ -39,10 +39,10 @@ const MOST: usize = 2000;
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct SpanParams {
-    /// The beginning; of all that is kept, where absent.
+    /// The beginning; if absent, that of everything kept.
     #[param(example = "2027-01-31T14:05:00Z")]
     from: Option<String>,
-    /// The end; of a recording five minutes after the beginning, else of all that is kept, where absent.
+    /// The end; if absent, five minutes after the beginning for a recording, else the end of everything kept.
     #[param(example = "2027-01-31T14:10:00Z")]
     to: Option<String>,
     /// `false` leaves the map out of a recording.
@@ -56,11 +56,11 @@ pub struct PastDto {
     start: Option<String>,
     /// Now, in those seconds.
     now_s: f64,
-    /// Whether a recording is shown here, and no fleet.
+    /// Whether this server shows a recording and runs no fleet.
     recording: bool,
-    /// From when to when there are pictures, in order.
+    /// The spans of time with pictures, in order.
     spans: Vec<SpanDto>,
-    /// What happened meanwhile, in order: the 2000 last ones.
+    /// What happened meanwhile, in order: the last 2000 bookmarks.
     bookmarks: Vec<Mark>,
 }
 
@@ -104,13 +104,13 @@ pub async fn past(State(api): State<Api>, Params(p): Params<SpanParams>) -> Resu
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct FigureParams {
-    /// The beginning; of all that is kept, where absent.
+    /// The beginning; if absent, that of everything kept.
     #[param(example = "2027-01-31T14:05:00Z")]
     from: Option<String>,
-    /// The end; of all that is kept, where absent.
+    /// The end; if absent, that of everything kept.
     #[param(example = "2027-01-31T14:10:00Z")]
     to: Option<String>,
-    /// One sum for so many seconds is enough, 1 to 86400; all of them, where absent.
+    /// Return one sum per so many seconds, 1 to 86400; if absent, all of them.
     #[param(example = 60)]
     step: Option<f64>,
 }
@@ -120,7 +120,7 @@ pub struct FigureParams {
 pub struct FiguresDto {
     /// The time of day from which seconds count, RFC 3339; null in a recorded simulation.
     start: Option<String>,
-    /// Running sums, in order, with the last one before the span and the first one after it: the 2000 last ones.
+    /// Running sums, in order, with the last one before the span and the first one after it: at most the last 2000.
     sums: Vec<Sum>,
 }
 
@@ -139,7 +139,7 @@ pub async fn figures(
     let (from, to) = span(folder, &p.from, &p.to)?;
     let step = p.step.unwrap_or(1.0);
     if !(1.0..=86_400.0).contains(&step) {
-        return Err(Problem::invalid(vec![FieldError::new("step", "1 to 86400, in seconds")]));
+        return Err(Problem::invalid(vec![FieldError::new("step", "must be 1 to 86400, in seconds")]));
     }
     let sums = folder.sums(from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY));
     let sums = thinned(&sums, step);
@@ -161,7 +161,7 @@ pub async fn recording(State(api): State<Api>, Params(p): Params<SpanParams>) ->
     let from = from.or_else(|| Some(folder.past(0.0, 0.0).spans.first()?.0)).unwrap_or(0.0);
     let to = to.unwrap_or(from + USUAL_S);
     if to < from || to - from > LONGEST_S {
-        let detail = format!("a reel is from 0 to {LONGEST_S} seconds long: ask for several");
+        let detail = format!("a reel covers 0 to {LONGEST_S} seconds: ask for several");
         return Err(Problem::invalid(vec![FieldError::new("to", detail)]));
     }
     let cut = folder.cut(from, to, p.map != Some(false)).ok_or_else(|| {
@@ -196,7 +196,7 @@ fn span(
         let zero = folder.start.unwrap_or(Time::ZERO);
         let found = seconds.or_else(|| Some((parse_time(text)? - zero).as_secs_f64()));
         if found.is_none() {
-            let detail = format!("\"{text}\" is neither seconds nor a time like 2027-01-31T14:05:00Z");
+            let detail = format!("\"{text}\" is neither seconds nor a time such as 2027-01-31T14:05:00Z");
             errors.push(FieldError::new(field, detail));
         }
         found

@@ -37,12 +37,12 @@ pub struct NewPosition {
     x: f64,
     /// Metres.
     y: f64,
-    /// When, RFC 3339; now where absent.
+    /// When, RFC 3339; now if absent.
     at: Option<String>,
-    /// One standard deviation, metres; 0.3 where absent.
+    /// One standard deviation, metres; 0.3 if absent.
     #[schema(minimum = 0, maximum = 100)]
     accuracy_m: Option<f64>,
-    /// Where the worker faces, radians, counter-clockwise from the x axis; leave out where the tag does not know.
+    /// Where the worker faces, radians, counter-clockwise from the x axis; leave it out if the tag does not know.
     heading: Option<f64>,
 }
 
@@ -57,7 +57,7 @@ pub struct NewPositions {
 /// Where one of many workers is.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 pub struct WorkerPosition {
-    /// Who.
+    /// The worker.
     #[schema(example = "w1")]
     worker: String,
     /// Where.
@@ -68,18 +68,18 @@ pub struct WorkerPosition {
 /// What became of many positions.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct TakenDto {
-    /// How many were taken in.
+    /// How many were accepted.
     taken: usize,
     /// Those that were not, and why.
     refused: Vec<FieldError>,
 }
 
-/// Say where a worker is.
+/// Report where a worker is.
 #[utoipa::path(post, path = "/v1/workers/{id}/position", tag = "people", request_body = NewPosition,
     params(("id" = String, Path, example = "w1")), responses(
-    (status = 202, description = "Taken in; the fleet judges it in its next step"),
+    (status = 202, description = "Accepted; the fleet evaluates it in its next step"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "A headset says where the worker is", body = Problem,
+    (status = 409, description = "A headset reports where the worker is", body = Problem,
      content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
@@ -95,16 +95,16 @@ pub async fn one(
     Ok(StatusCode::ACCEPTED)
 }
 
-/// Say where many workers are. What is wrong with one position does not keep the others out.
+/// Report where many workers are. If one position is wrong, the others are accepted all the same.
 #[utoipa::path(post, path = "/v1/positions", tag = "people", request_body = NewPositions, responses(
-    (status = 200, description = "How many were taken in, and why others were not", body = TakenDto),
+    (status = 200, description = "How many were accepted, and why others were not", body = TakenDto),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn many(
     State(api): State<Api>,
     JsonBody(new): JsonBody<NewPositions>,
 ) -> Result<Json<TakenDto>, Problem> {
     if new.positions.len() > MOST {
-        let detail = format!("{} positions; at most {MOST} at once", new.positions.len());
+        let detail = format!("{} positions are too many; at most {MOST} at once", new.positions.len());
         return Err(Problem::invalid(vec![FieldError::new("positions", detail)]));
     }
     let now = (api.now)();
@@ -127,12 +127,13 @@ pub fn report(api: &Api, sighting: Sighting, now: Time) -> Result<(), Problem> {
     api.feeds.report(sighting, now).map_err(|why| match why {
         Untaken::Unknown => Problem::unknown("worker", format!("{worker} does not exist")),
         Untaken::Headset => {
-            let detail = format!("{worker}'s headset says where the worker is; tags count when it is silent");
-            Problem::conflict("headset", "A headset knows better", detail)
+            let detail =
+                format!("{worker}'s headset says where the worker is; tags count only while it is silent");
+            Problem::conflict("headset", "A headset reports this worker", detail)
         }
         Untaken::Full => {
             api.metrics.refused("full");
-            Problem::unavailable("too many positions are waiting: send fewer, each newest one only", 1)
+            Problem::unavailable("too many positions are waiting: send only the newest of each worker", 1)
         }
     })
 }
@@ -154,19 +155,19 @@ impl NewPosition {
     fn read(&self, worker: WorkerId, now: Time) -> Result<Sighting, FieldError> {
         let wrong = |field: &str, detail: String| Err(FieldError::new(field, detail));
         if !(self.x.abs() <= FAR_M && self.y.abs() <= FAR_M) {
-            return wrong("x", format!("x and y are metres on the map, up to {FAR_M}"));
+            return wrong("x", format!("x and y must be metres on the map, up to {FAR_M}"));
         }
         let accuracy_m = self.accuracy_m.unwrap_or(USUAL_ACCURACY_M);
         if !(0.0..=100.0).contains(&accuracy_m) {
-            return wrong("accuracy_m", "metres, 0 to 100".into());
+            return wrong("accuracy_m", "must be 0 to 100 metres".into());
         }
         if self.heading.is_some_and(|h| h.abs() > 100.0) {
-            return wrong("heading", "radians".into());
+            return wrong("heading", "must be in radians".into());
         }
         let seen = match self.at.as_deref() {
             None => now,
             Some(text) => match parse_time(text).map(|t| checked_time(t, now)) {
-                None => return wrong("at", format!("\"{text}\" is no time like 2027-01-31T12:00:00Z")),
+                None => return wrong("at", format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z")),
                 Some(Err(detail)) => return wrong("at", detail),
                 Some(Ok(seen)) => seen,
             },

@@ -26,13 +26,13 @@ const SILENT: Duration = Duration::from_secs(120);
 /// How long an answer may take to leave.
 const SEND: Duration = Duration::from_secs(2);
 
-/// Take an identityReport or a statusReport. Only uuids that are workers are taken: make the worker known with the uuid
+/// Send an identityReport or a statusReport. Only the uuids of workers are accepted: register the worker with the uuid
 /// as its name, or name it in the settings.
 #[utoipa::path(post, path = "/v1/massrobotics", tag = "people", request_body = InteropReport, responses(
-    (status = 202, description = "Taken in; the fleet judges it in its next step"),
+    (status = 202, description = "Accepted; the fleet evaluates it in its next step"),
     (status = 404, description = "No worker is known under this uuid", body = Problem,
      content_type = "application/problem+json"),
-    (status = 409, description = "A headset says where the worker is", body = Problem,
+    (status = 409, description = "A headset reports where the worker is", body = Problem,
      content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
@@ -44,10 +44,10 @@ pub async fn post(
     Ok(StatusCode::ACCEPTED)
 }
 
-/// The same reports as texts of a WebSocket, one after the other. What is refused is answered with the problem, each
+/// The same reports as texts of a WebSocket, one after the other. A refused report is answered with the problem, each
 /// kind at most every two seconds.
 #[utoipa::path(get, path = "/v1/massrobotics", tag = "people", responses(
-    (status = 101, description = "Reports may come"),
+    (status = 101, description = "Reports may be sent"),
     (status = 426, description = "Not a WebSocket", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn stream(
@@ -55,7 +55,7 @@ pub async fn stream(
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Problem> {
     let upgrade = upgrade.map_err(|e| {
-        let detail = format!("this is a WebSocket, or POST a report ({})", e.body_text());
+        let detail = format!("this is a WebSocket: connect, or POST a report ({})", e.body_text());
         Problem::new(StatusCode::UPGRADE_REQUIRED, "websocket", "A WebSocket is needed", detail)
     })?;
     let upgrade = upgrade.protocols(["giveway"]).max_message_size(MESSAGE);

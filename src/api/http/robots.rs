@@ -27,7 +27,7 @@ pub struct NewRobot {
     /// Its name: letters, digits, `-`, `_` and `.`, 1 to 64 of them.
     #[schema(example = "robot-51")]
     name: String,
-    /// The kind of robots that it is of; \"robot\" where the scenario tells none apart.
+    /// Its robot kind; \"robot\" if the scenario defines no kinds.
     #[serde(default = "usual_kind")]
     #[schema(example = "robot")]
     kind: String,
@@ -48,16 +48,16 @@ fn usual_kind() -> String {
     USUAL_KIND.to_owned()
 }
 
-/// Let a robot join, standing on a node that no other robot holds. The same name is the same robot.
+/// Register a robot that stands on a node that no other robot holds. The same name is the same robot.
 #[utoipa::path(post, path = "/v1/robots", tag = "floor", request_body = NewRobot, responses(
     (status = 201, description = "It has joined, and that is durable; GET /v1/robots shows it", body = JoinedDto),
     (status = 200, description = "It had joined before, wherever it is by now", body = JoinedDto),
     (status = 409, description = "Another robot holds the node", body = Problem,
      content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "There are as many as the server takes; see Retry-After", body = Problem,
+    (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
      content_type = "application/problem+json"),
-    (status = 503, description = "Not now; see Retry-After", body = Problem,
+    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn register(
     State(api): State<Api>,
@@ -90,30 +90,30 @@ pub async fn register(
 
 /// Take a robot off the floor for good. It finishes what it has begun, gives back what it has not, and goes to a
 /// parking place. Switch it off there: once it has been silent for ten seconds it is gone and nothing is kept free for
-/// it. A broken one is gone then wherever it stands, if it has no rack on it. Jobs that name it fail. Registered again
-/// under its name, it comes back.
+/// it. A broken one is gone then wherever it stands, if it has no rack on it. Jobs that name it fail. To bring it back,
+/// register it again under its name.
 #[utoipa::path(delete, path = "/v1/robots/{id}", tag = "floor",
     params(("id" = String, Path, example = "robot-1")), responses(
-    (status = 204, description = "It is to leave, and that is durable"),
+    (status = 204, description = "It will leave, and that is durable"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "It has left", body = Problem, content_type = "application/problem+json"),
+    (status = 409, description = "It has left already", body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn retire(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     done(&api, What::Retire(parse_robot(&api, &id)?)).await
 }
 
 /// Send a robot to maintenance. It finishes what it has begun, gives back what it has not, goes to a parking place and
-/// gets no jobs until `DELETE` lets it work again; a restart forgets none of that.
+/// gets no jobs until `DELETE` lets it work again, even across a restart.
 #[utoipa::path(put, path = "/v1/robots/{id}/maintenance", tag = "floor",
     params(("id" = String, Path, example = "robot-1")), responses(
-    (status = 204, description = "It goes, and that is durable"),
+    (status = 204, description = "It goes to maintenance, and that is durable"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn maintain(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     done(&api, What::Maintain(parse_robot(&api, &id)?, true)).await
 }
 
-/// Let a robot work again after maintenance, or stay that was to leave.
+/// End a robot's maintenance, or let a robot stay that was to leave.
 #[utoipa::path(delete, path = "/v1/robots/{id}/maintenance", tag = "floor",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It works again"),

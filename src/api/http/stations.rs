@@ -12,11 +12,11 @@ use crate::id::StationId;
 use axum::extract::State;
 use axum::http::StatusCode;
 
-/// The pick is done: the job ends as done, and the robot takes its rack away. A pick lasts until this is said; `pick_s`
-/// of a job is only how long it is planned to take.
+/// End a pick: the job ends as done, and the robot takes its rack away. A pick lasts until this call; `pick_s` of a job
+/// is only how long it is planned to take.
 #[utoipa::path(post, path = "/v1/stations/{id}/done", tag = "floor",
     params(("id" = String, Path, example = "W")), responses(
-    (status = 204, description = "The pick has ended, and it is durable"),
+    (status = 204, description = "The pick has ended, and that is durable"),
     (status = 404, description = "There is no such station", body = Problem,
      content_type = "application/problem+json"),
     (status = 409, description = "No rack stands there", body = Problem, content_type = "application/problem+json"),
@@ -26,10 +26,10 @@ pub async fn done(State(api): State<Api>, PathPart(id): PathPart) -> Result<Stat
     say(&api, &id, StationOrder::Done).await
 }
 
-/// The pick has ended, but goods were missing: the job ends as failed, with that reason, and the rack is taken away.
+/// End a pick because goods were missing: the job ends as failed, with that reason, and the rack is taken away.
 #[utoipa::path(post, path = "/v1/stations/{id}/short", tag = "floor",
     params(("id" = String, Path, example = "W")), responses(
-    (status = 204, description = "The pick has ended, and it is durable"),
+    (status = 204, description = "The pick has ended, and that is durable"),
     (status = 404, description = "There is no such station", body = Problem,
      content_type = "application/problem+json"),
     (status = 409, description = "No rack stands there", body = Problem, content_type = "application/problem+json"),
@@ -39,10 +39,10 @@ pub async fn short(State(api): State<Api>, PathPart(id): PathPart) -> Result<Sta
     say(&api, &id, StationOrder::Short).await
 }
 
-/// Nobody picks here until further notice: no more racks are fetched for the station; those in its queue wait.
+/// Pause picking at a station: no more racks are fetched for it; those in its queue wait.
 #[utoipa::path(post, path = "/v1/stations/{id}/pause", tag = "floor",
     params(("id" = String, Path, example = "W")), responses(
-    (status = 204, description = "It is paused, and that is durable"),
+    (status = 204, description = "Picking is paused, and that is durable"),
     (status = 404, description = "There is no such station", body = Problem,
      content_type = "application/problem+json"),
     (status = 503, description = "It cannot be made durable now", body = Problem,
@@ -51,10 +51,10 @@ pub async fn pause(State(api): State<Api>, PathPart(id): PathPart) -> Result<Sta
     say(&api, &id, StationOrder::Pause).await
 }
 
-/// Picking goes on.
+/// Resume picking at a station.
 #[utoipa::path(post, path = "/v1/stations/{id}/resume", tag = "floor",
     params(("id" = String, Path, example = "W")), responses(
-    (status = 204, description = "It goes on, and that is durable"),
+    (status = 204, description = "Picking goes on, and that is durable"),
     (status = 404, description = "There is no such station", body = Problem,
      content_type = "application/problem+json"),
     (status = 503, description = "It cannot be made durable now", body = Problem,
@@ -74,6 +74,6 @@ async fn say(api: &Api, name: &str, order: StationOrder) -> Result<StatusCode, P
 fn parse_station(api: &Api, name: &str) -> Result<StationId, Problem> {
     let found = api.map.stations.pairs().find(|(_, s)| s.name == name).map(|(id, _)| id);
     found.ok_or_else(|| {
-        Problem::unknown("station", format!("\"{name}\" is no station; GET /v1/stations lists all"))
+        Problem::unknown("station", format!("there is no station \"{name}\"; GET /v1/stations lists all"))
     })
 }

@@ -39,7 +39,7 @@ pub struct AreaParams {
     x1: f64,
     /// The corner opposite, metres.
     y1: f64,
-    /// How far ahead, seconds, 1 to 120; 60 where absent.
+    /// How far ahead, seconds, 1 to 120; 60 if absent.
     ahead_s: Option<f64>,
 }
 
@@ -64,9 +64,9 @@ pub struct StripDto {
     pub x: f64,
     /// Metres.
     pub y: f64,
-    /// Who holds it when, in order.
+    /// Which robots and workers hold it and when, in order.
     pub holds: Vec<HoldDto>,
-    /// What people and closures mean there.
+    /// What people and closures impose there.
     pub conditions: Vec<ConditionDto>,
 }
 
@@ -78,30 +78,30 @@ pub struct HoldDto {
     pub by: String,
     /// robot or worker.
     pub kind: &'static str,
-    /// Seconds from `at`; below 0 where it has begun.
+    /// Seconds from `at`; below 0 if it has begun.
     pub from_s: f64,
-    /// Seconds from `at`; null for ever.
+    /// Seconds from `at`; null if it has no end.
     pub to_s: Option<f64>,
-    /// Whether the holder may be there already, rather than only being promised it.
+    /// Whether the hold is granted, not only reserved: the holder may be there already.
     pub granted: bool,
-    /// Whether only something in conflict with the node is held.
+    /// Whether not the node itself is held, but a resource in conflict with it.
     pub conflict: bool,
 }
 
 /// One condition.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ConditionDto {
-    /// The worker, the closure, or the robot that stands there and is booked elsewhere.
+    /// The worker, the closure, or the robot that stands there but has its reservations elsewhere.
     #[schema(example = "w1")]
     pub by: String,
     /// worker, closure or robot.
     pub kind: &'static str,
-    /// Seconds from `at`; below 0 where it has begun.
+    /// Seconds from `at`; below 0 if it has begun.
     pub from_s: f64,
-    /// Seconds from `at`; null for ever.
+    /// Seconds from `at`; null if it has no end.
     pub to_s: Option<f64>,
-    /// closed: no robot may be there. still: none may come or go. slow: only at `limit_mps`. price: the search takes
-    /// being there for as bad as being `price_s` later, which grows with the probability that somebody is there.
+    /// closed: no robot may be there. still: none may come or go. slow: only at `limit_mps`. price: being
+    /// there costs the search as much as being `price_s` later; it grows with the probability that a worker is there.
     pub effect: &'static str,
     /// Metres per second, without and with a rack.
     pub limit_mps: Option<[f64; 2]>,
@@ -109,7 +109,8 @@ pub struct ConditionDto {
     pub price_s: Option<f64>,
 }
 
-/// Who holds the nodes of an area when, and what people and closed areas mean there, for up to two minutes ahead.
+/// Which robots and workers hold the nodes of an area and when, and what people and closed areas impose there, for up
+/// to two minutes ahead.
 #[utoipa::path(get, path = "/v1/timelines", tag = "floor", params(AreaParams), responses(
     (status = 200, description = "Up to 200 nodes, from the top left on", body = TimelinesDto),
     (status = 422, body = Problem, content_type = "application/problem+json"),
@@ -122,7 +123,7 @@ pub async fn timelines(
     let (area, ahead) = p.read()?;
     let seen = api.query(|reply| Question::Occupancy(area, ahead, reply)).await?;
     let strips = seen.what.map_err(|count| {
-        let detail = format!("{count} nodes lie there; at most {MOST_NODES} at once: choose a smaller area");
+        let detail = format!("the area has {count} nodes, more than {MOST_NODES}: choose a smaller area");
         Problem::invalid(vec![FieldError::new("area", detail)])
     })?;
     let moment = api.moment();
@@ -136,7 +137,7 @@ impl AreaParams {
         let mut errors = Vec::new();
         for (field, value) in [("x0", self.x0), ("y0", self.y0), ("x1", self.x1), ("y1", self.y1)] {
             if value.is_nan() || value.abs() > FAR_M {
-                errors.push(FieldError::new(field, format!("metres on the map, up to {FAR_M}")));
+                errors.push(FieldError::new(field, format!("must be metres on the map, up to {FAR_M}")));
             }
         }
         let ahead_s = self.ahead_s.unwrap_or(USUAL_S);

@@ -13,10 +13,10 @@ use crate::id::{Dense, RobotId};
 use axum::Json;
 use axum::extract::State;
 
-/// Why a robot waits: the resource, who holds it, until when, and what that one waits for, down to the root.
+/// Why a robot waits: the resource, what holds it, until when, and what that holder waits for, down to the root cause.
 #[utoipa::path(get, path = "/v1/robots/{id}/why", tag = "floor",
     params(("id" = String, Path, example = "robot-1")), responses(
-    (status = 200, description = "The chain; a robot that does not wait says what it does", body = WhyDto),
+    (status = 200, description = "The chain; for a robot that does not wait, what it is doing", body = WhyDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "Too many questions; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
@@ -26,7 +26,7 @@ pub async fn robot(State(api): State<Api>, PathPart(id): PathPart) -> Result<Jso
     Ok(Json(Names { map: &api.map, view: &api.moment().view }.chain(id, &waits)))
 }
 
-/// Why a job waits: for another job, for its rack, for a robot, or for what its robot waits for, down to the root.
+/// Why a job waits: for another job, its rack, a robot, or for what its robot waits for, down to the root cause.
 #[utoipa::path(get, path = "/v1/jobs/{id}/why", tag = "jobs", params(("id" = String, Path, example = "j17")),
     responses(
     (status = 200, description = "The chain; empty for a job that is over, or that a robot is about to take",
@@ -36,7 +36,7 @@ pub async fn robot(State(api): State<Api>, PathPart(id): PathPart) -> Result<Jso
      content_type = "application/problem+json")))]
 pub async fn job(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<WhyDto>, Problem> {
     let job = parse_job_name(&id)
-        .ok_or_else(|| Problem::unknown("job", format!("\"{id}\" is no job; jobs are like j17")))?;
+        .ok_or_else(|| Problem::unknown("job", format!("\"{id}\" is not a job id; ids look like j17")))?;
     let known = api.records.job(job).await.map_err(|why| Problem::unavailable(why, 2))?;
     known.ok_or_else(|| Problem::unknown("job", format!("{} does not exist", job_name(job))))?;
     let waits = api.query(|reply| Question::Job(job, reply)).await?;
@@ -46,6 +46,7 @@ pub async fn job(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
 /// A robot that is known.
 pub fn parse_robot(api: &Api, name: &str) -> Result<RobotId, Problem> {
     let found = api.moment().view.robots.iter().position(|r| r.name == name);
-    let unknown = || Problem::unknown("robot", format!("\"{name}\" is no robot; GET /v1/robots lists all"));
+    let unknown =
+        || Problem::unknown("robot", format!("there is no robot \"{name}\"; GET /v1/robots lists all"));
     found.map(RobotId::at).ok_or_else(unknown)
 }

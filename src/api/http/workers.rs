@@ -22,11 +22,11 @@ use utoipa::ToSchema;
 /// The longest name of a worker.
 const LONGEST_NAME: usize = 64;
 
-/// A worker to be known.
+/// A worker to register.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewWorker {
-    /// A name of your choice, 1 to 64 characters; better a pseudonym. For MassRobotics reports, the uuid.
+    /// A name of your choice, 1 to 64 characters; preferably a pseudonym. For MassRobotics reports, the uuid.
     #[schema(example = "picker-7")]
     name: String,
 }
@@ -43,7 +43,7 @@ pub async fn list(
     page(names.map(|(i, name)| worker(&api, WorkerId::at(i), name)).collect(), &p)
 }
 
-/// One worker, with gaze, hands and charge where a headset says them.
+/// One worker, with gaze, hands and charge if a headset reports them.
 #[utoipa::path(get, path = "/v1/workers/{id}", tag = "people",
     params(("id" = String, Path, example = "w1")), responses(
     (status = 200, description = "The worker", body = WorkerDetailDto),
@@ -64,15 +64,15 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
     }))
 }
 
-/// Make a worker known. The same name is the same worker.
+/// Register a worker. The same name is the same worker.
 #[utoipa::path(post, path = "/v1/workers", tag = "people", request_body = NewWorker, responses(
-    (status = 201, description = "Known from now on, and durable", body = WorkerDto,
+    (status = 201, description = "Registered, and that is durable", body = WorkerDto,
      headers(("Location" = String))),
-    (status = 200, description = "Was known before", body = WorkerDto),
+    (status = 200, description = "Registered before", body = WorkerDto),
     (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "There are as many as the server takes; see Retry-After", body = Problem,
+    (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
      content_type = "application/problem+json"),
-    (status = 503, description = "Not now; see Retry-After", body = Problem,
+    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn hire(
     State(api): State<Api>,
@@ -81,7 +81,7 @@ pub async fn hire(
     let name = new.name.trim();
     let length = name.chars().count();
     if !(1..=LONGEST_NAME).contains(&length) || name.chars().any(char::is_control) {
-        let detail = format!("1 to {LONGEST_NAME} characters without line breaks");
+        let detail = format!("must have 1 to {LONGEST_NAME} characters and no line breaks");
         return Err(Problem::invalid(vec![FieldError::new("name", detail)]));
     }
     match api.ask(What::Hire(name.into())).await? {
@@ -95,12 +95,12 @@ pub async fn hire(
     }
 }
 
-/// Vouch that a worker has left the floor, or that nobody is where one was lost. Robots drive there again.
+/// Confirm that a worker has left the floor, or that nobody is where a worker was lost. Robots drive there again.
 #[utoipa::path(post, path = "/v1/workers/{id}/clear", tag = "people",
     params(("id" = String, Path, example = "w1")), responses(
     (status = 204, description = "Cleared"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "Not now; see Retry-After", body = Problem,
+    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn clear(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let id = api.feeds.worker(&id)?;

@@ -20,7 +20,7 @@ pub struct Mark {
     /// What kind of thing happened.
     pub kind: MarkKind,
     /// What happened, in words.
-    #[schema(example = "w1 met robot-3, at the closest 0.62 m; the robot was stopped")]
+    #[schema(example = "w1 met robot-3 (closest 0.62 m); the robot was stopped")]
     pub words: String,
     /// Robots and workers that it happened to.
     pub who: Vec<String>,
@@ -165,7 +165,7 @@ fn met(e: &Encounter, seconds: impl Fn(&Time) -> f64, robot: String, frame: &Fra
         Reaction::Rerouted => "went another way",
         Reaction::Stopped => "was stopped",
     };
-    let words = format!("{name} met {robot}, at the closest {:.2} m; the robot {then}", metres(e.closest_mm));
+    let words = format!("{name} met {robot} (closest {:.2} m); the robot {then}", metres(e.closest_mm));
     let [x, y] = [e.at.x_mm, e.at.y_mm].map(metres);
     let worker = worker_name(e.worker);
     let who = vec![worker.clone(), robot.clone()];
@@ -204,7 +204,7 @@ pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
     }
     for (before, now) in old.workers.iter().zip(&new.workers) {
         if now.presence == "lost" && before.presence != "lost" {
-            let words = format!("{} is lost: nobody knows where, and robots stand all round", now.name);
+            let words = format!("{} is lost: robots stop around the last known position", now.name);
             let place = now.x.zip(now.y).map(|(x, y)| [x, y]);
             let (who, encounter) = (vec![now.id.clone()], None);
             found.push(Mark { at_s: new.time_s, kind: MarkKind::Alarm, words, who, place, encounter });

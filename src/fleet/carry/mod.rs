@@ -77,7 +77,7 @@ pub fn carry(ledger: &Ledger, new: &Warehouse, at: Time) -> Carried {
         }
     }
     if !waiting.is_empty() {
-        m.report.notes.push(format!("jobs that robots were at and that wait again: {}", waiting.len()));
+        m.report.notes.push(format!("jobs that robots worked on and that wait again: {}", waiting.len()));
     }
     let parts = m.report.obstacles.is_empty().then_some(Parts { promises, chains: placed.chains });
     Carried { report: m.report, parts, waiting, failed, cancelled, ids: m.ids }
@@ -130,7 +130,7 @@ impl Move<'_> {
             JobKind::Relocate { rack, node } => {
                 let (rack, node) = (self.rack(rack)?, self.node(node)?);
                 if self.new.nodes[node].kind != NodeKind::Storage {
-                    return Err(format!("{}, which is no storage node any more", self.new.nodes[node].name));
+                    return Err(format!("{}, which is no longer a storage node", self.new.nodes[node].name));
                 }
                 JobKind::Relocate { rack, node }
             }
@@ -187,8 +187,8 @@ impl Move<'_> {
             let nodes: Vec<NodeId> = area.nodes.iter().filter_map(|n| self.ids.nodes[*n]).collect();
             let gone = area.nodes.len() - nodes.len();
             if gone > 0 && nodes.is_empty() {
-                let what = format!("closure c{} (\"{}\") is of nodes that are all gone", id.0, area.reason);
-                self.report.lose(what, "close the area anew on the new map, and accept that this one ends");
+                let what = format!("closure c{} (\"{}\") closes only nodes that are gone", id.0, area.reason);
+                self.report.lose(what, "close the area again on the new map, and accept that this one ends");
                 continue;
             }
             if gone > 0 {

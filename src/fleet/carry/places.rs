@@ -73,7 +73,7 @@ impl Move<'_> {
                 let place = |r: RobotId| &self.old.nodes[ledger.node_of(r)].name;
                 let other_name = &ledger.robots[other].name;
                 let what = format!(
-                    "{} on {} and {other_name} on {} have no room beside one another on the new map",
+                    "{} on {} and {other_name} on {} are too close to one another on the new map",
                     record.name,
                     place(robot),
                     place(other)
@@ -134,7 +134,7 @@ impl Move<'_> {
         let why = match self.ids.nodes[node] {
             None => "which the new map does not have",
             Some(new) if self.new.nodes[new].kind != NodeKind::Storage => {
-                "which is no storage node on the new map"
+                "which is not a storage node on the new map"
             }
             Some(new) => return Some(RackAt::Stored(new)),
         };

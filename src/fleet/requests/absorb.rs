@@ -31,7 +31,7 @@ impl Intake<'_> {
         for input in inputs {
             match input {
                 Input::Telemetry(t) if t.robot.ix() < self.core.ledger.robots.len() => self.core.scene.see(t),
-                Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry of an unknown robot"),
+                Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry from an unknown robot"),
                 Input::Submit { token, request } => {
                     let reply = match self.submit(request, now) {
                         Ok((job, new)) => Reply::Accepted { token, job, new },

@@ -199,7 +199,7 @@ fn a_robot_or_a_rack_on_a_node_that_is_gone_or_for_something_else_is_in_the_way(
         draft.racks.push(DraftRack::plain(&rack.name, free.expect("some storage is free")));
     });
     let said = floor.carried(&aisle).report.to_string();
-    assert!(said.contains("which is no storage node on the new map"), "{said}");
+    assert!(said.contains("which is not a storage node on the new map"), "{said}");
 }
 
 #[test]
@@ -233,7 +233,7 @@ fn two_robots_that_have_no_room_beside_one_another_on_the_new_map_are_in_the_way
     node.at = at + crate::geometry::Vector::new(0.3, 0.0);
     let carried = floor.carried(&draft.build_unchecked());
     let said = carried.report.to_string();
-    assert!(carried.parts.is_none() && said.contains("have no room beside one another"), "{said}");
+    assert!(carried.parts.is_none() && said.contains("are too close to one another"), "{said}");
     assert!(said.contains("robot-1") && said.contains("robot-2"), "{said}");
 }
 
@@ -255,7 +255,7 @@ fn robots_whose_footprints_grow_until_they_overlap_are_in_the_way_and_other_foot
     assert!(carried.report.is_clean() && carried.parts.is_some(), "{}", carried.report);
     let carried = carry(&ledger, &large, Time::ZERO);
     let said = carried.report.to_string();
-    assert!(carried.parts.is_none() && said.contains("have no room beside one another"), "{said}");
+    assert!(carried.parts.is_none() && said.contains("are too close to one another"), "{said}");
 }
 
 #[test]
@@ -306,7 +306,7 @@ fn jobs_for_what_is_gone_or_for_something_else_are_losses() {
     let aisle = changed(&roomy(), |draft| draft.storage.retain(|n| *n != name));
     let report = floor.carried(&aisle).report;
     assert_eq!(report.losses.len(), 1, "{report}");
-    assert!(report.to_string().contains("no storage node any more"), "{report}");
+    assert!(report.to_string().contains("no longer a storage node"), "{report}");
     let mut draft = json::parse_draft(&json::write(&roomy())).unwrap();
     draft.storage.retain(|n| *n != name);
     draft.lanes.retain(|l| l.from != name && l.to != name);
@@ -355,7 +355,7 @@ fn closures_and_assignments_keep_what_is_left_of_them() {
     let carried = floor.carried(&map);
     let said = carried.report.to_string();
     assert_eq!(carried.report.losses.len(), 2, "{said}");
-    assert!(said.contains("closure c3 (\"wet\") is of nodes that are all gone"), "{said}");
+    assert!(said.contains("closure c3 (\"wet\") closes only nodes that are gone"), "{said}");
     assert!(said.contains("assignment a1 of worker anna is at node"), "{said}");
     assert_eq!(carried.cancelled, [AssignmentId(1)]);
     let parts = carried.parts.expect("nothing is in the way");

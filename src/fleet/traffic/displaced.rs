@@ -197,7 +197,7 @@ fn displace(core: &mut Core, seen: &Telemetry, why: Displacement, now: Time) {
         _ => Vec::new(),
     };
     if before.is_none_or(|b| b.why != why) {
-        tracing::warn!(robot = core.ledger.robots[robot].name, ?why, "a robot is not where it is booked");
+        tracing::warn!(robot = core.ledger.robots[robot].name, ?why, "a robot is not at its reservation");
     }
     core.scene.displace(robot, Displaced { why, at, is_off, nodes });
     close_around(core, robot, now);

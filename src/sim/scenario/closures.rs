@@ -47,7 +47,7 @@ impl Closing {
             (0, 1..) => Ok(()),
             (3.., 0) => Ok(()),
             (n, 0) => check("closures.outline", n as f64, 3.0..=1e9, "three corners or more, or `nodes`"),
-            (n, _) => check("closures.outline", n as f64, 0.0..=0.0, "left out where `nodes` are given"),
+            (n, _) => check("closures.outline", n as f64, 0.0..=0.0, "left out if `nodes` are given"),
         }
     }
 

@@ -114,7 +114,7 @@ pub(super) fn read(
     }
     let wrong = |message: String| Err(ScenarioError::Wrong { key: "kinds", message });
     if fleet.is_some() {
-        return wrong("leave `fleet` out where there are kinds: each has a `fleet` of its own".into());
+        return wrong("leave `fleet` out if there are kinds: each has a `fleet` of its own".into());
     }
     for (i, kind) in kinds.iter().enumerate() {
         let at = |what: &str| format!("kinds[{i}].{what}");

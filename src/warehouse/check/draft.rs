@@ -95,7 +95,7 @@ fn lanes(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findings) {
     }
     for (name, count) in arrivals.into_iter().filter(|(_, count)| *count > ARRIVALS_MAX) {
         let problem = format!("{count} lanes end here");
-        found.add(format!("node {name}"), problem, format!("keep to {ARRIVALS_MAX}"));
+        found.add(format!("node {name}"), problem, format!("keep to at most {ARRIVALS_MAX}"));
     }
 }
 
@@ -116,7 +116,7 @@ fn one_lane<'a>(
         (a, b) => {
             let unknown = [(a, &lane.from), (b, &lane.to)];
             for (_, name) in unknown.iter().filter(|(node, _)| node.is_none()) {
-                found.add(&place, format!("there is no node {name}"), "add the node or mend the name");
+                found.add(&place, format!("there is no node {name}"), "add the node or correct the name");
             }
         }
     }
@@ -133,10 +133,10 @@ fn one_lane<'a>(
 fn lane_numbers(lane: &DraftLane, place: &str, found: &mut Findings) {
     let u = lane.users;
     if !(u.loaded || u.unloaded || u.people) {
-        found.add(place, "nobody may use it", "name loaded, unloaded or people, or remove it");
+        found.add(place, "nothing may use it", "name loaded, unloaded or people, or remove it");
     }
     if lane.kinds.as_ref().is_some_and(Vec::is_empty) {
-        found.add(place, "no kind of robots may use it", "name kinds, or leave `kinds` out");
+        found.add(place, "no robot kind may use it", "name kinds, or leave `kinds` out");
     }
     if let Some(v) = lane.speed_limit_mps
         && !(v > 0.0 && v <= SPEED_MAX_MPS)
@@ -152,7 +152,7 @@ fn lane_length(lane: &DraftLane, place: &str, straight: f64, found: &mut Finding
         found.add(place, format!("its length is {length} m"), "move its ends apart or merge them");
     } else if length > LANE_MAX_M || straight > LANE_MAX_M {
         let problem = format!("it is {:.0} m long", length.max(straight));
-        found.add(place, problem, format!("put nodes between, one lane reaches at most {LANE_MAX_M} m"));
+        found.add(place, problem, format!("put nodes in between; a lane is at most {LANE_MAX_M} m long"));
     } else if length < straight * SHORTCUT {
         let problem = format!("{length} m is shorter than the straight distance of {straight:.3} m");
         found.add(place, problem, "give the driven length or leave it out");
@@ -211,7 +211,7 @@ fn roles(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findings) {
     let mut known: BTreeMap<&str, String> = BTreeMap::new();
     for (role, name) in plain.chain(stands).chain(queues) {
         if !at.contains_key(name.as_str()) {
-            found.add(&role, format!("there is no node {name}"), "add the node or mend the name");
+            found.add(&role, format!("there is no node {name}"), "add the node or correct the name");
         } else if let Some(other) = known.get(name.as_str()) {
             let problem = if *other == role {
                 format!("listed twice in {role}")
@@ -234,7 +234,7 @@ fn outlines(draft: &Draft, found: &mut Findings) {
             }
             if outline.iter().any(|&p| is_far(p)) {
                 let remedy = format!("give metres within ±{FAR_M} of the map's zero");
-                found.add(&place, "a corner is absurdly far away or no number", remedy);
+                found.add(&place, "a corner is absurdly far away or not a number", remedy);
             }
         }
     }

@@ -33,7 +33,7 @@ type Blocked = IdVec<LaneId, Option<NodeId>>;
 pub(in crate::warehouse) fn well_formed(w: &Warehouse, doubts: &Doubts) -> Result<(), Findings> {
     let mut found = Findings::default();
     if !w.nodes.iter().any(|n| n.kind.is_lasting()) && !doubts.stays {
-        let problem = "no storage, charging or parking place where a robot could stay for ever";
+        let problem = "no storage, charging or parking place where a robot could stay indefinitely";
         found.add(format!("map {}", w.name), problem, "add parking places beside the lanes");
     }
     let doubtful: Set = w.nodes.iter().map(|n| doubts.places.contains(&n.name)).collect();
@@ -82,7 +82,7 @@ fn standing(w: &Warehouse, doubtful: &Set, found: &mut Findings) -> Blocked {
             let place = format!("nodes {name} and {other}");
             let remedy = format!("move them apart by the footprint of {} m or more", w.footprint_m);
             if is_open(w.nodes[o].kind) {
-                found.add(place, format!("whoever stands at {name} blocks {other}"), remedy);
+                found.add(place, format!("a robot at {name} blocks {other}"), remedy);
             } else if n < o {
                 found.add(place, "robots standing at both would overlap", remedy);
             }
@@ -214,7 +214,7 @@ impl<'a> OpenFloor<'a> {
             None => String::new(),
             Some((l, _, by)) => {
                 let lane = self.w.resource_name(self.w.lane_resource(l));
-                format!(" (whoever stands at {} blocks lane {lane})", self.w.nodes[by].name)
+                format!(" (a robot at {} blocks lane {lane})", self.w.nodes[by].name)
             }
         }
     }

@@ -321,7 +321,7 @@ fn places_that_overlap_are_refused() {
     draft.parking.push("close".into());
     refused(draft.clone(), &["nodes 3,2 and close: robots standing at both would overlap"]);
     draft.nodes.last_mut().expect("just added").at = Point::new(3.8, 1.0);
-    refused(draft, &["nodes close and 3,1: whoever stands at close blocks 3,1"]);
+    refused(draft, &["nodes close and 3,1: a robot at close blocks 3,1"]);
 }
 
 #[test]
@@ -330,7 +330,7 @@ fn a_lane_past_a_parked_robot_is_of_no_use() {
     draft.lanes.retain(|l| l.from == "0,0" || l.from == "3,0");
     draft.lanes.push(DraftLane::both_ways("1,0", "3,0", Users::ALL));
     draft.lanes.push(DraftLane::both_ways("1,0", "2,0", Users::ALL));
-    refused(draft, &["to the main floor", "whoever stands at 2,0 blocks lane 1,0–3,0"]);
+    refused(draft, &["to the main floor", "a robot at 2,0 blocks lane 1,0–3,0"]);
 }
 
 #[test]

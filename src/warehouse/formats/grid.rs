@@ -26,7 +26,7 @@ impl LetterGrid {
         let mut count = 0;
         for (line, row) in (first_line..).zip(rows.map(str::trim_end)).take(height) {
             if let Some(i) = row.chars().position(|c| !known.contains(c)) {
-                return Err(MapError::syntax(line, i + 1, format!("cells are one of \"{known}\"")));
+                return Err(MapError::syntax(line, i + 1, format!("cells must be one of \"{known}\"")));
             }
             if row.len() != width {
                 let message = format!("{} cells in a row, the header says {width}", row.len());
@@ -256,7 +256,7 @@ mod tests {
     #[test]
     fn bad_rows_are_refused_with_their_line() {
         let read = |rows: &[&str]| LetterGrid::read(rows.iter().copied(), (2, 2), 5, ".@").err();
-        assert_eq!(read(&["..", ".x"]), Some(MapError::syntax(6, 2, "cells are one of \".@\"")));
+        assert_eq!(read(&["..", ".x"]), Some(MapError::syntax(6, 2, "cells must be one of \".@\"")));
         assert_eq!(read(&["..", "..."]), Some(MapError::syntax(6, 0, "3 cells in a row, the header says 2")));
         assert_eq!(read(&[".."]), Some(MapError::syntax(6, 0, "1 rows, the header says 2")));
     }

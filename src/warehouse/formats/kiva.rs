@@ -24,7 +24,7 @@ pub fn parse(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapE
     let mut floor = grid.which("er.");
     let dropped = grid.keep_largest_part(&mut floor);
     if dropped > 0 {
-        notes.0.push(format!("{dropped} cells left out: no way joins them to the largest part"));
+        notes.0.push(format!("{dropped} cells left out: no path joins them to the largest part"));
     }
     let homes = grid.which("r");
     let driven = floor.clone();

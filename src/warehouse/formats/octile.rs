@@ -41,7 +41,7 @@ pub fn parse(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapE
     grid.add_outlines(&mut draft, &nodes, options);
     let mut notes = ImportNotes::default();
     if dropped > 0 {
-        notes.0.push(format!("{dropped} free cells left out: no way joins them to the largest part"));
+        notes.0.push(format!("{dropped} free cells left out: no path joins them to the largest part"));
     }
     notes.0.push(format!("{} of {free} free cells became parking places", draft.parking.len()));
     Ok((draft, notes))

@@ -45,7 +45,7 @@ export class LiveEncounters implements EncountersShown {
 
   again(e: Encounter): Again {
     const replay = this.#started === null ? null : replayOf(e, this.#started);
-    return replay ? { kind: 'link', href: replay.href } : { kind: 'never', why: 'This encounter was before the server started.' };
+    return replay ? { kind: 'link', href: replay.href } : { kind: 'never', why: 'This encounter happened before the server started.' };
   }
 
   keep(): () => void {

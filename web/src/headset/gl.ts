@@ -100,12 +100,12 @@ function program(gl: WebGLRenderingContext, vertex: string, fragment: string): W
   const made = gl.createProgram();
   for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]] as const) {
     const shader = gl.createShader(kind);
-    if (!shader || !made) throw new Error('WebGL makes no shader');
+    if (!shader || !made) throw new Error('WebGL could not create a shader');
     gl.shaderSource(shader, text);
     gl.compileShader(shader);
     gl.attachShader(made, shader);
   }
   gl.linkProgram(made);
-  if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(made) ?? 'WebGL does not link');
+  if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(made) ?? 'WebGL could not link the shader program');
   return made;
 }

@@ -76,7 +76,7 @@ async function signIn(ended = ''): Promise<void> {
       : [make('p', { className: 'dim', textContent: `${why}A phone shows the same guidance on a map.` })]),
     error, make('div', { className: 'row wrap' }, flat, ...(canSee ? [room] : [])),
     make('p', { className: 'dim small', textContent: 'This page uses and sends no camera images. The server receives positions and keeps those of encounters with robots.' }),
-    make('p', { className: 'small' }, make('a', { href: '/', textContent: 'To the floor' })));
+    make('p', { className: 'small' }, make('a', { href: '/', textContent: 'To the dashboard' })));
   const begin = async (view: 'room' | 'phone'): Promise<void> => {
     const chosen = marks.map((m) => m.value).filter((m) => m !== '');
     if (!form.reportValidity()) return;
@@ -103,7 +103,7 @@ async function signIn(ended = ''): Promise<void> {
 }
 
 const words = (answer: { kind: 'locked' } | { kind: 'refused'; text: string } | { kind: 'unreachable' }): string =>
-  answer.kind === 'refused' ? answer.text : answer.kind === 'locked' ? 'The server requires another token: reload this page.' : 'The server cannot be reached.';
+  answer.kind === 'refused' ? answer.text : answer.kind === 'locked' ? 'The server requires a different token: reload this page.' : 'The server cannot be reached.';
 
 /** Asks for the token, or to try again. */
 function locked(wantsToken: boolean, text: string): HTMLElement {
@@ -224,7 +224,7 @@ function phone(map: FloorMap, id: string, name: string): void {
     self = wearer.placed ? { at: wearer.placed.at, heading: null } : seen;
     const for_s = wearer.placed ? Math.ceil((PLACED_MS - (clock.now() - wearer.placed.since)) / 1000) : 0;
     write(where, wearer.placed ? `You said that you stand here. This is valid for ${for_s} s: tap again after you move.`
-      : seen ? 'Your place comes from a tag or another device.' : 'The server does not know where you are. Tap the map where you stand.');
+      : seen ? 'Your position comes from a tag or another device.' : 'The server does not know where you are. Tap the map where you stand.');
     const lines = shown.near.map((r) => `${r.id}: ${r.distance.toFixed(1)} m${r.closest_s === null ? '' : ', coming closer'}`);
     if (near.dataset['lines'] !== lines.join()) {
       near.dataset['lines'] = lines.join();

@@ -99,7 +99,7 @@ function readLine(row: { line: number; cells: string[] }, names: readonly string
   if (pick !== '') {
     const seconds = Number(pick);
     if (kind !== 'deliver') errors.push(`A ${kind} job has no pick_s.`);
-    else if (!(seconds >= 0 && seconds <= LONGEST_PICK_S)) errors.push(`pick_s is seconds, 0 to ${LONGEST_PICK_S}.`);
+    else if (!(seconds >= 0 && seconds <= LONGEST_PICK_S)) errors.push(`pick_s must be 0 to ${LONGEST_PICK_S} seconds.`);
     else if (job) job.pick_s = seconds;
   }
   return { ...at, job: errors.length === 0 ? job : null, errors };

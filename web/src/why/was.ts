@@ -15,7 +15,7 @@ export function chainOf(mirror: Mirror, id: string): Link[] {
   for (let robot = row(mirror.robots, id); robot && !met.has(robot.id); robot = namedIn(robot.why, mirror)) {
     met.add(robot.id);
     if (chain.length === 0 && robot.why === null) return [];
-    chain.push({ who: robot.id, text: robot.why ?? (robot.speed > 0.01 ? 'drives on and leaves it free' : doing(robot.doing)) });
+    chain.push({ who: robot.id, text: robot.why ?? (robot.speed > 0.01 ? 'drives on and then frees it' : doing(robot.doing)) });
   }
   return chain;
 }

@@ -183,11 +183,11 @@ function program<Name extends string>(gl: GL, vertex: string, fragment: string, 
     if (!shader) throw new Error('the WebGL context is lost');
     gl.shaderSource(shader, text);
     gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader) ?? 'a shader is refused');
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader) ?? 'a shader was refused');
     gl.attachShader(is, shader);
   }
   gl.linkProgram(is);
-  if (!gl.getProgramParameter(is, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(is) ?? 'a program is refused');
+  if (!gl.getProgramParameter(is, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(is) ?? 'a shader program was refused');
   const at = Object.fromEntries(names.map((name) => [name, gl.getUniformLocation(is, name)]));
   return { is, at: at as Program<Name>['at'] };
 }
