@@ -49,7 +49,7 @@ pub struct LiveParams {
 
 /// The live feed: JSON texts, first `{"type": "snapshot", "version", …}`, then `{"type": "patch", "base",
 /// "version", …}` ten times a second. A patch names only items and keys that changed; if its base is not
-/// the reader's version, connect again. With `thin=true` patches carry numbers by row (docs/api.md, "Watch").
+/// the reader's version, connect again. With `thin=true` patches carry numbers by row (docs/api.md, "Live feed").
 /// With `senses=true` there are messages `{"type": "senses", "workers": [{"id", "gaze", "hands", "battery"}]}`
 /// besides. Offer the protocol `giveway`, and `bearer.TOKEN` where a token is needed.
 #[utoipa::path(get, path = "/v1/live", tag = "floor", params(LiveParams), responses(

@@ -53,7 +53,7 @@ impl Watchdog {
         });
         let displaced = displaced(fleet);
         set(alarms, DISPLACED, now, &displaced, str::to_owned);
-        let faults = faults(fleet);
+        let faults = faults(fleet, now);
         set(alarms, FAULTS, now, &faults, |names| format!("a person is needed: {names}."));
         let beyond = beyond_grant(fleet);
         set(alarms, BEYOND, now, &beyond, |names| {
@@ -96,7 +96,7 @@ fn displaced(fleet: &Fleet) -> Vec<String> {
 
 /// Robots that a person has to look after, each with why. A robot that is broken counts as failed and is listed as
 /// that; one that is driven by hand has a person with it; an obstructed one looks for another way.
-fn faults(fleet: &Fleet) -> Vec<String> {
+fn faults(fleet: &Fleet, now: Time) -> Vec<String> {
     let words = |robot: RobotId| match fleet.telemetry(robot)?.fault? {
         Fault::EmergencyStop => Some("emergency stop pressed"),
         Fault::Unplugged => Some("no current from its charger"),
@@ -104,13 +104,15 @@ fn faults(fleet: &Fleet) -> Vec<String> {
     };
     let robots = fleet.ledger().robots.pairs();
     robots
-        .filter_map(|(r, record)| Some(format!("{} ({})", record.name, words(r).or_else(|| back(fleet, r))?)))
+        .filter_map(|(r, record)| {
+            Some(format!("{} ({})", record.name, back(fleet, r, now).or_else(|| words(r))?))
+        })
         .collect()
 }
 
 /// A robot that has left and can be heard: other robots do not make way for it.
-fn back(fleet: &Fleet, robot: RobotId) -> Option<&'static str> {
-    let heard = fleet.telemetry(robot).is_some();
+fn back(fleet: &Fleet, robot: RobotId, now: Time) -> Option<&'static str> {
+    let heard = fleet.telemetry(robot).is_some_and(|t| now - t.seen <= LOOKS + LOOKS);
     (fleet.ledger().robots[robot].is_gone() && heard)
         .then_some("has left the floor but still reports: register it again")
 }
@@ -215,31 +217,56 @@ mod tests {
         assert!(alarms.list().is_empty());
     }
 
+    /// A fleet of one robot that rests at a charger, after these facts about it.
+    fn resting(facts: impl IntoIterator<Item = Fact>) -> Fleet {
+        let map = Arc::new(lab());
+        let (name, kind) = ("robot-1".into(), "robot".into());
+        let node = map.node_named("R118").expect("a charger of the laboratory");
+        let joins = Fact::Registered { robot: RobotId(0), name, kind, node, at: Time(1) };
+        Fleet::restore(map, Settings::default(), [joins].into_iter().chain(facts))
+    }
+
+    /// What the robot of such a fleet reports where it rests.
+    fn report(fleet: &Fleet, seen: Time, fault: Option<Fault>) -> Telemetry {
+        let at = fleet.warehouse().nodes[fleet.ledger().node_of(RobotId(0))].at;
+        Telemetry {
+            robot: RobotId(0),
+            seen,
+            pose: crate::geometry::Pose { at, heading: 0.0 },
+            speed_mps: 0.0,
+            reached: 0,
+            known: 0,
+            acted: None,
+            rack: None,
+            battery: 1.0,
+            fault,
+            limit_mps: None,
+            recalls: 0,
+        }
+    }
+
+    #[test]
+    fn a_robot_that_left_is_an_alarm_while_it_reports() {
+        let (robot, at) = (RobotId(0), Time(1));
+        let mut fleet = resting([Fact::Retired { robot, at }, Fact::Left { robot, at }]);
+        let (alarms, mut watchdog) = (Alarms::default(), Watchdog::default());
+        let mut look = |s: i64, reports: bool| {
+            let now = Time(s * 1_000_000);
+            let said = reports.then(|| Input::Telemetry(report(&fleet, now, None)));
+            fleet.step(now, said.into_iter().collect());
+            watchdog.look(&fleet, now, &alarms);
+            alarms.list().len()
+        };
+        assert_eq!((look(10, false), look(20, true), look(40, false)), (0, 1, 0));
+    }
+
     #[test]
     fn an_emergency_stop_is_an_alarm_until_it_is_released() {
-        let map = Arc::new(lab());
-        let node = map.node_named("R118").expect("a charger of the laboratory");
-        let (name, kind) = ("robot-1".into(), "robot".into());
-        let joins = Fact::Registered { robot: RobotId(0), name, kind, node, at: Time(1) };
-        let mut fleet = Fleet::restore(map, Settings::default(), [joins]);
+        let mut fleet = resting([]);
         let (alarms, mut watchdog) = (Alarms::default(), Watchdog::default());
         let mut says = |s: i64, fault: Option<Fault>| {
             let seen = Time(s * 1_000_000);
-            let pose = crate::geometry::Pose { at: fleet.warehouse().nodes[node].at, heading: 0.0 };
-            let said = Telemetry {
-                robot: RobotId(0),
-                seen,
-                pose,
-                speed_mps: 0.0,
-                reached: 0,
-                known: 0,
-                acted: None,
-                rack: None,
-                battery: 1.0,
-                fault,
-                limit_mps: None,
-                recalls: 0,
-            };
+            let said = report(&fleet, seen, fault);
             fleet.step(seen, vec![Input::Telemetry(said)]);
             watchdog.look(&fleet, seen, &alarms);
             alarms.list().iter().map(|a| a.text.clone()).collect::<Vec<_>>()

@@ -32,6 +32,8 @@ pub(in crate::fleet) fn let_leave(core: &mut Core, now: Time) {
         }
         tracing::info!(robot = core.ledger.robots[robot].name, "a robot has left the floor");
         core.record(Fact::Left { robot, at: now });
+        // Whatever is heard of it from now on is news.
+        core.scene.forget(robot);
     }
 }
 

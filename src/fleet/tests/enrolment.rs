@@ -13,7 +13,7 @@ fn maintain(robot: RobotId, begins: bool) -> Input {
 }
 
 /// A parking place that no robot holds.
-fn free_parking(floor: &Floor) -> NodeId {
+fn free_parking(floor: &TestFloor) -> NodeId {
     let held = |n: &NodeId| floor.fleet.ledger().resident(*n).is_some();
     let all = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Parking);
     all.into_iter().find(|n| !held(n)).expect("some parking place is free")
@@ -21,7 +21,7 @@ fn free_parking(floor: &Floor) -> NodeId {
 
 #[test]
 fn a_robot_that_joins_later_works_like_the_others() {
-    let mut floor = Floor::thesis(2);
+    let mut floor = TestFloor::thesis(2);
     let node = floor.free_storage();
     let reply = floor.answer_to(7, vec![join("late", node)]);
     assert_eq!(reply, Reply::Registered { token: 7, robot: RobotId(2), new: true });
@@ -37,7 +37,7 @@ fn a_robot_that_joins_later_works_like_the_others() {
 
 #[test]
 fn no_robot_joins_where_another_one_is_or_is_to_be_or_beyond_the_limit() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     let taken = floor.fleet.ledger().node_of(R0);
     let why = |reply: Reply| match reply {
         Reply::Refused { why, .. } => Some(why),
@@ -58,14 +58,14 @@ fn no_robot_joins_where_another_one_is_or_is_to_be_or_beyond_the_limit() {
 
 #[test]
 fn a_robot_in_maintenance_finishes_what_it_carries_and_rests_until_it_may_work_again() {
-    let mut floor = Floor::thesis(1);
+    let mut floor = TestFloor::thesis(1);
     let first = floor.submit(request(deliver(3)));
     floor.until(300, "it carries", |f| f.is(first, "carrying"));
     let second = floor.submit(request(deliver(5)));
     floor.step(vec![maintain(R0, true)]);
     floor.until(600, "it has finished", |f| f.state(first).is_none());
     assert_eq!(floor.story(first).last(), Some(&"done"));
-    let parked = |f: &Floor| f.fleet.warehouse().kind(f.fleet.ledger().node_of(R0)) == NodeKind::Parking;
+    let parked = |f: &TestFloor| f.fleet.warehouse().kind(f.fleet.ledger().node_of(R0)) == NodeKind::Parking;
     floor.until(600, "it rests at a parking place", |f| f.is_idle(R0) && parked(f));
     assert_eq!(floor.fleet.why(R0, floor.now), Some(Why::Maintenance));
     floor.run(120);
@@ -82,7 +82,7 @@ fn a_robot_in_maintenance_finishes_what_it_carries_and_rests_until_it_may_work_a
 
 #[test]
 fn a_robot_on_its_way_to_a_rack_gives_the_job_to_another_one_when_it_goes_to_maintenance() {
-    let mut floor = Floor::thesis(2);
+    let mut floor = TestFloor::thesis(2);
     let job = floor.submit(request(deliver(3)));
     floor.until(60, "a robot has it", |f| f.is(job, "assigned"));
     let robot = floor.state(job).and_then(|s| s.robot()).expect("it is assigned");
@@ -95,7 +95,7 @@ fn a_robot_on_its_way_to_a_rack_gives_the_job_to_another_one_when_it_goes_to_mai
 
 #[test]
 fn maintenance_survives_a_restart() {
-    let mut floor = Floor::thesis(1);
+    let mut floor = TestFloor::thesis(1);
     floor.step(vec![maintain(R0, true)]);
     let facts = floor.facts.clone();
     let settings = floor.fleet.settings().clone();
@@ -107,7 +107,7 @@ fn maintenance_survives_a_restart() {
     assert!(matches!(reply, Reply::Registered { new: true, .. }), "{reply:?}");
 }
 
-impl Floor {
+impl TestFloor {
     fn retire(&mut self, robot: RobotId) -> Reply {
         self.answer_to(7, vec![Input::Retire { token: 7, robot }])
     }
@@ -119,7 +119,7 @@ impl Floor {
 
 #[test]
 fn a_robot_that_is_to_leave_finishes_its_job_and_is_gone_when_it_was_switched_off() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     let job = floor.submit(request(deliver(0)));
     floor.until(60, "a robot is at it", |f| f.is(job, "carrying"));
     let robot = floor.fleet.ledger().jobs[&job].state.robot().expect("it carries");
@@ -130,6 +130,7 @@ fn a_robot_that_is_to_leave_finishes_its_job_and_is_gone_when_it_was_switched_of
     floor.until(300, "it is gone", |f| f.is_gone(robot));
     let holder = crate::timeline::Holder::Robot(robot);
     assert!(floor.fleet.ledger().timeline().chain(holder).is_some_and(|c| c.is_absent()));
+    assert_eq!(floor.fleet.telemetry(robot), None, "what it said before it left is forgotten");
     assert_eq!(floor.story(named), ["failed"], "what names it cannot be done any more");
     let view = floor.fleet.view(floor.now);
     assert_eq!((view.robots[robot.ix()].state, view.kinds.len()), (RobotState::Gone, 1));
@@ -142,7 +143,7 @@ fn a_robot_that_is_to_leave_finishes_its_job_and_is_gone_when_it_was_switched_of
 
 #[test]
 fn the_place_of_a_robot_that_has_left_is_free_and_it_comes_back_elsewhere() {
-    let mut floor = Floor::thesis(2);
+    let mut floor = TestFloor::thesis(2);
     floor.retire(R0);
     floor.until(300, "it is gone", |f| f.is_gone(R0));
     let place = floor.fleet.ledger().node_of(R0);
@@ -166,7 +167,7 @@ fn the_place_of_a_robot_that_has_left_is_free_and_it_comes_back_elsewhere() {
 
 #[test]
 fn a_broken_robot_leaves_where_it_stands_and_its_job_goes_to_another() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     let job = floor.submit(request(deliver(0)));
     floor.until(60, "a robot drives to the rack", |f| f.is(job, "assigned"));
     let robot = floor.fleet.ledger().jobs[&job].state.robot().expect("it drives");
@@ -181,7 +182,7 @@ fn a_broken_robot_leaves_where_it_stands_and_its_job_goes_to_another() {
 
 #[test]
 fn a_robot_that_is_to_leave_can_stay_and_a_restart_forgets_neither() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     floor.retire(R0);
     floor.restart(&scenario(2));
     assert!(matches!(floor.fleet.ledger().robots[R0].service, Service::Leaving { .. }));
@@ -202,7 +203,7 @@ fn a_robot_that_is_to_leave_can_stay_and_a_restart_forgets_neither() {
 
 #[test]
 fn a_silent_robot_that_rests_is_not_gone_before_ten_seconds_and_none_that_was_not_to_leave() {
-    let mut floor = Floor::lab(2);
+    let mut floor = TestFloor::lab(2);
     floor.run(2);
     let at = floor.now;
     floor.retire(R0);
