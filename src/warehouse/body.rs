@@ -346,7 +346,7 @@ mod tests {
         assert!(wide[0].contains("0.9 m wide") && wide[0].contains("footprint_m"), "{wide:?}");
         let outlines = [0.4, 0.3].map(|radius_m| Some(Footprint::Circle { radius_m }));
         let shrinks = problems(&thesis(), Body { footprints: outlines, ..Body::usual("odd") });
-        assert!(shrinks[0].contains("does not take with one"), "{shrinks:?}");
+        assert!(shrinks[0].contains("does not cover with one"), "{shrinks:?}");
         assert!(thesis().for_bodies(vec![]).is_err());
     }
 

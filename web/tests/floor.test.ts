@@ -54,6 +54,18 @@ describe('the camera', () => {
 });
 
 describe('the scene', () => {
+  test('a robot is drawn as wide as robots of its kind are', () => {
+    const kinds = [
+      { name: 'shuttle', footprint: { circle_m: 0.22 }, footprint_loaded: null },
+      { name: 'mover', footprint: { polygon_m: [[0.38, 0.22], [0.38, -0.22], [-0.32, -0.22], [-0.32, 0.22]] }, footprint_loaded: null },
+      { name: 'box', footprint: { square_m: 0.5 }, footprint_loaded: null },
+      { name: 'usual', footprint: null, footprint_loaded: null },
+    ] satisfies FloorMap['kinds'];
+    const stage = new Stage({ ...MAP, kinds });
+    stage.take(mirror([...kinds.map((k) => k.name), 'unknown'].map((kind) => ({ ...robot(kind), kind }))), 0, 'jump');
+    expect([...stage.scene.reach].map((reach) => reach.toFixed(2))).toEqual(['0.22', '0.38', '0.25', '0.38', '0.38']);
+  });
+
   test('a robot glides to where a patch puts it', () => {
     const stage = new Stage(MAP);
     const one = mirror([robot('r1')]);

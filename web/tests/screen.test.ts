@@ -1,10 +1,10 @@
 // Which of present and past is on the screen.
 import { expect, test } from 'vitest';
-import { Live } from '../src/page/live.svelte';
+import { Live, type LiveApi } from '../src/page/live.svelte';
 import { Screen } from '../src/page/screen.svelte';
 import { FileFilm } from '../src/replay/film';
 import { readReel } from '../src/replay/reel';
-import { EMPTY, type Api, type FloorMap, type Mirror } from '../src/wire';
+import { EMPTY, type FloorMap, type Mirror } from '../src/wire';
 import { robot, snapshot } from './samples';
 
 const map: FloorMap = { name: 'then', bounds: [0, 0, 9, 9], footprint_m: 1, nodes: [], lanes: [], stations: [], racks: [], obstacles: [], walkable: [] };
@@ -13,7 +13,7 @@ const film = (): FileFilm => new FileFilm(readReel([
   `{"at":0,"key":${JSON.stringify(snapshot({ robots: [robot('r1')] }))}}`,
 ]));
 /** A server that never answers. */
-const silent = { map: () => new Promise(() => {}), openLive: () => ({ close: () => {} }) } as unknown as Pick<Api, 'map' | 'openLive'>;
+const silent = { map: () => new Promise(() => {}), kinds: () => new Promise(() => {}), openLive: () => ({ close: () => {} }) } as unknown as LiveApi;
 const at = (time_s: number): Mirror => ({ ...EMPTY, version: time_s, time_s });
 
 test('the floor sees one of present and past, and the present again from where it is by then', () => {

@@ -179,7 +179,7 @@ fn lanes_with_bad_numbers_are_refused() {
     bad(|l| l.length_m = Some(5_000.0), "5000 m long");
     bad(|l| l.speed_limit_mps = Some(0.0), "speed limit is 0");
     bad(|l| l.speed_limit_mps = Some(f64::NAN), "speed limit is NaN");
-    bad(|l| l.users = Users { loaded: false, unloaded: false, people: false }, "nobody");
+    bad(|l| l.users = Users { loaded: false, unloaded: false, people: false }, "nothing may use it");
 }
 
 #[test]

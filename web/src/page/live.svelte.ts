@@ -4,6 +4,8 @@ import { Link, type Api, type FloorMap, type LinkState, type Mirror } from '../w
 
 const MAP_RETRY_MS = 3_000;
 
+export type LiveApi = Pick<Api, 'map' | 'kinds' | 'openLive'>;
+
 export class Live {
   map = $state.raw<Loaded<FloorMap>>({ kind: 'loading' });
   link = $state.raw<LinkState>({ kind: 'connecting' });
@@ -11,7 +13,7 @@ export class Live {
   age = $state.raw<number | null>(null);
   /** Every mirror as it comes. */
   onMirror: (mirror: Mirror, how: 'glide' | 'jump') => void = () => {};
-  #api: Pick<Api, 'map' | 'openLive'>;
+  #api: LiveApi;
   #retry: ReturnType<typeof setTimeout> | undefined;
   #link = new Link({
     open: (since, events) => this.#api.openLive(since, events),
@@ -25,7 +27,7 @@ export class Live {
     onMirror: (mirror, kind) => this.onMirror(mirror, kind === 'snapshot' ? 'jump' : 'glide'),
   });
 
-  constructor(api: Pick<Api, 'map' | 'openLive'>) {
+  constructor(api: LiveApi) {
     this.#api = api;
   }
 
@@ -62,9 +64,10 @@ export class Live {
 
   async #loadMap(): Promise<void> {
     clearTimeout(this.#retry);
-    const answer = await this.#api.map();
+    const [answer, kinds] = await Promise.all([this.#api.map(), this.#api.kinds()]);
     if (answer.kind === 'ok') {
-      this.map = { kind: 'ready', value: answer.value };
+      // Without the kinds, all robots are drawn in one size.
+      this.map = { kind: 'ready', value: { ...answer.value, kinds: kinds.kind === 'ok' ? kinds.value : [] } };
       return;
     }
     const locked = answer.kind === 'refused' && answer.problem.status === 401;

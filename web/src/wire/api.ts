@@ -4,7 +4,7 @@ import type { Socket, SocketEvents } from './link';
 import type { Past, Sum } from './past';
 import type {
   Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobPage, JobState, NewClosure, NewJob,
-  Problem, Timelines, Why, WorkerDetail,
+  Problem, RobotKind, Timelines, Why, WorkerDetail,
 } from './types';
 
 export type Answer<T> =
@@ -23,6 +23,7 @@ export class Api {
   shows: 'present' | 'past' = 'present';
 
   map = () => this.#ask<FloorMap>('GET', '/v1/map');
+  kinds = () => this.#ask<RobotKind[]>('GET', '/v1/kinds');
   job = (id: string) => this.#ask<Job>('GET', `/v1/jobs/${encodeURIComponent(id)}`);
   cancel = (id: string) => this.#ask<Job>('DELETE', `/v1/jobs/${encodeURIComponent(id)}`);
 

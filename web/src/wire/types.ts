@@ -16,6 +16,16 @@ export interface FloorMap {
   racks: { id: string; node: number }[];
   obstacles: Point[][];
   walkable: Point[][];
+  /** The kinds of robots that may join; empty where a file does not say. */
+  kinds?: readonly RobotKind[];
+}
+/** An outline around the point on which a robot turns, metres. */
+export type Footprint = { square_m: number } | { circle_m: number } | { polygon_m: Point[] };
+export interface RobotKind {
+  name: string;
+  /** Null for the square that the map gives. */
+  footprint: Footprint | null;
+  footprint_loaded: Footprint | null;
 }
 export interface MapNode {
   id: string;

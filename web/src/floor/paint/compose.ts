@@ -33,10 +33,10 @@ export function announced(closures: readonly Closure[]): Note[] {
   });
 }
 
-/** Sizes in metres. */
+/** Sizes in metres; gauge and ring go around a robot's mark. */
 export const SIZE = {
-  robot: 0.38, tick: 0.36, rack: 0.42, carried: 0.46, gauge: 0.5, chosen: 0.66, place: 0.72,
-  granted: 0.12, held: 0.07, person: 0.4, ahead: 0.1,
+  rack: 0.42, carried: 0.46, gauge: 0.12, ring: 0.28, person: 0.4, place: 0.72,
+  granted: 0.12, held: 0.07, ahead: 0.1,
 } as const;
 /** Pixels per metre from which on names and gauges appear, where neighbours no longer write over each other. */
 const NAMES_FROM = 76;
@@ -180,7 +180,7 @@ export class Composer {
       sheet.put(KIND.frame, ...chosen.place, around, around, ink.chosen, 0, Math.max(0.09, 2 * hair));
     }
     if (chosen.robot >= 0) {
-      const around = 2 * Math.max(SIZE.chosen, 8 * hair);
+      const around = 2 * Math.max(scene.reach[chosen.robot]! + SIZE.ring, 8 * hair);
       sheet.put(KIND.ring, scene.x[chosen.robot]!, scene.y[chosen.robot]!, around, around, ink.chosen, 0, Math.max(0.09, 2 * hair));
     }
     // Like after like, so that a painter can draw a run of them at once.
@@ -203,7 +203,7 @@ export class Composer {
     const sheet = this.sheets.robots;
     const look = scene.look[i]!;
     const [x, y] = [scene.x[i]!, scene.y[i]!];
-    const r = Math.max(SIZE.robot, LEAST[LOOKS[look]!] / scale);
+    const r = Math.max(scene.reach[i]!, LEAST[LOOKS[look]!] / scale);
     const d = 2 * r;
     const colour = ink.looks[look]!;
     switch (LOOKS[look]!) {
@@ -241,8 +241,9 @@ export class Composer {
     const hollow = word === 'idle' || word === 'free';
     const [x, y, turn] = [scene.x[i]!, scene.y[i]!, scene.heading[i]!];
     const [dx, dy] = [Math.cos(turn), Math.sin(turn)];
-    const from = hollow ? 0.7 * SIZE.robot : 0.06;
-    const to = hollow ? 1.3 * SIZE.robot : SIZE.tick;
+    const reach = scene.reach[i]!;
+    const from = (hollow ? 0.7 : 0.16) * reach;
+    const to = (hollow ? 1.3 : 0.95) * reach;
     this.sheets.robots.line(KIND.box, x + dx * from, y + dy * from, x + dx * to, y + dy * to,
       Math.max(0.1, hair), hollow ? ink.looks[look]! : ink.tick);
   }
@@ -253,8 +254,9 @@ export class Composer {
     const [x, y, left] = [scene.x[i]!, scene.y[i]!, scene.battery[i]!];
     const low = left < LOW_BATTERY;
     if (scale >= GAUGES_FROM) {
-      sheet.put(KIND.arc, x, y, 2 * SIZE.gauge, 2 * SIZE.gauge, ink.track, 0, 1);
-      sheet.put(KIND.arc, x, y, 2 * SIZE.gauge, 2 * SIZE.gauge, low ? ink.low : ink.gauge, 0, left);
+      const around = 2 * (scene.reach[i]! + SIZE.gauge);
+      sheet.put(KIND.arc, x, y, around, around, ink.track, 0, 1);
+      sheet.put(KIND.arc, x, y, around, around, low ? ink.low : ink.gauge, 0, left);
     } else if (low) {
       sheet.put(KIND.box, x + 0.35, y + 0.38, 0.34 + 2 / scale, 0.2 + 2 / scale, ink.halo);
       sheet.put(KIND.box, x + 0.35, y + 0.38, 0.34, 0.2, ink.low);
@@ -269,7 +271,7 @@ export class Composer {
     sheet.begin();
     for (let i = 0; i < people.length; i++) {
       const { x, y, heading, presence, state } = people[i]!;
-      const ring = 2 * Math.max(SIZE.chosen, 12 * hair);
+      const ring = 2 * Math.max(SIZE.person + SIZE.ring, 12 * hair);
       if (i === chosen) sheet.put(KIND.ring, x, y, ring, ring, ink.chosen, 0, 2 * hair);
       sheet.put(KIND.person, x, y, 1.25 * size, 1.25 * size, ink.halo, heading);
       if (presence !== 'lost') sheet.put(KIND.person, x, y, size, size, presence === 'tracked' ? ink.person : ink.pale, heading);

@@ -1,6 +1,6 @@
 // Everything that moves, as typed arrays that a painter can draw without asking anyone. `take` turns a
 // mirror into arrays (about ten times a second); `at` moves them between two patches (every frame).
-import { type FloorMap, type MapNode, type Mirror, type Robot, ROBOT_STATES, row } from '../../wire';
+import { type FloorMap, type Footprint, type MapNode, type Mirror, type Robot, ROBOT_STATES, row } from '../../wire';
 import { People, type Person } from './people';
 import { shortTurn } from './turn';
 
@@ -22,6 +22,8 @@ export interface Scene {
   look: Uint8Array;
   /** 0 to 1. */
   battery: Float32Array;
+  /** Half the width of its mark, metres. */
+  reach: Float32Array;
   ids: string[];
   racks: number;
   /** Counts the times that a rack was lifted, set down or moved. */
@@ -40,6 +42,8 @@ export interface Scene {
 }
 
 export const LOW_BATTERY = 0.2;
+/** Half the width of a robot's mark where its kind has no footprint of its own, metres. */
+const USUAL_REACH_M = 0.38;
 /** Further than any robot drives between two patches: it was put there, so it is not slid there. */
 const JUMP_M = 3;
 /** A replay at a quarter of the speed has a picture every 800 ms. */
@@ -49,6 +53,7 @@ export class Stage {
   scene: Scene = blank();
   #map: FloorMap;
   #joined: Set<number>;
+  #reach: ReadonlyMap<string, number>;
   #from = new Float32Array(0);
   #to = new Float32Array(0);
   #tookAt = -Infinity;
@@ -64,6 +69,7 @@ export class Stage {
 
   constructor(map: FloorMap) {
     this.#map = map;
+    this.#reach = new Map((map.kinds ?? []).map((kind) => [kind.name, reach(kind.footprint)]));
     this.#joined = new Set(map.lanes.flatMap((l) => [pair(l.from, l.to), pair(l.to, l.from)]));
   }
 
@@ -89,6 +95,7 @@ export class Stage {
       this.#to[k + 2] = r.heading;
       s.look[i] = Math.max(0, (LOOKS as readonly string[]).indexOf(r.doing === 'charging' ? 'charging' : r.state));
       s.battery[i] = r.battery;
+      s.reach[i] = this.#reach.get(r.kind) ?? USUAL_REACH_M;
       s.ids[i] = r.id;
     }
     // Glide for about as long as patches take to come, so that motion neither stutters nor runs ahead.
@@ -198,10 +205,17 @@ export class Stage {
     this.scene = {
       ...scene, robots,
       x: new Float32Array(robots), y: new Float32Array(robots), heading: new Float32Array(robots),
-      look: new Uint8Array(robots), battery: new Float32Array(robots), ids: new Array<string>(robots).fill(''),
+      look: new Uint8Array(robots), battery: new Float32Array(robots), reach: new Float32Array(robots), ids: new Array<string>(robots).fill(''),
     };
     this.#racks = null;
   }
+}
+
+/** How far a robot of such an outline reaches from its middle along its axes, metres. */
+function reach(footprint: Footprint | null): number {
+  if (footprint === null) return USUAL_REACH_M;
+  if ('square_m' in footprint) return footprint.square_m / 2;
+  return 'circle_m' in footprint ? footprint.circle_m : Math.max(...footprint.polygon_m.flat().map(Math.abs));
 }
 
 /** The robot nearest to a point, or -1 when none is within reach. */
@@ -245,7 +259,7 @@ function blank(): Scene {
   const none = (): Paths => ({ at: new Float32Array(0), from: new Uint32Array(1) });
   return {
     robots: 0, x: new Float32Array(0), y: new Float32Array(0), heading: new Float32Array(0),
-    look: new Uint8Array(0), battery: new Float32Array(0), ids: [],
+    look: new Uint8Array(0), battery: new Float32Array(0), reach: new Float32Array(0), ids: [],
     racks: 0, rackTurn: 0, rackIds: [], rackX: new Float32Array(0), rackY: new Float32Array(0), rackOn: new Int32Array(0),
     wayTurn: 0, granted: none(), held: none(), stations: [], people: [],
   };
