@@ -1,8 +1,8 @@
 //! The jobs that wait, looked up once a second for the past that is kept.
 //!
-//! Main type: [`LastBacklog`]. Recordings list them every ten seconds, with a key frame. The thread that writes them cannot
-//! ask the fleet, so every frame carries a list that is at most a second old. Refuses: to look them up for every
-//! frame.
+//! Main type: [`LastBacklog`]. Recordings list them every ten seconds, with a key frame. The thread that writes them
+//! cannot ask the fleet, so every frame carries a list that is at most a second old. Refuses: to look them up for
+//! every frame.
 
 use crate::fleet::{Backlog, Fleet};
 use crate::time::{Span, Time};
