@@ -33,8 +33,7 @@ pub struct Space {
     pub worker_m: f64,
     /// Construction robot safe space, radius.
     pub robot_m: f64,
-    /// Ours, between the centres: where a robot of this speed must begin to brake not to touch a person who
-    /// stands.
+    /// Ours, between the centres: where a robot of this speed must begin to brake for a person who stands.
     pub stop_m: f64,
     /// Ours, between the centres: where it must begin to brake if the person walks on towards it.
     pub separation_m: f64,

@@ -1,5 +1,4 @@
-//! Recorded people among robots that know nothing of them: which would have braked in time, and which for
-//! nothing.
+//! Recorded people among robots that know nothing of them: which would brake in time, and which for nothing.
 //!
 //! Main types: [`MeetingReplay`], [`RuleScore`]. Robots drive timetabled ways of straight legs through the hall;
 //! whenever a footprint and a person overlap, it is asked what probability was stated when the robot would
