@@ -1,4 +1,4 @@
-//! Lanes that cross without a common node: whoever has left one must not keep another from driving over it.
+//! Lanes that cross without a common node: a robot that has left one must not block another there.
 use giveway::id::*;
 use giveway::time::*;
 use giveway::timeline::*;

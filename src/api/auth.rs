@@ -1,4 +1,4 @@
-//! Who may ask: bearer tokens, and on an open loopback server only pages that it served itself.
+//! Authorisation: bearer tokens, and on an open loopback server only pages that it served itself.
 //!
 //! Main type: [`Gate`]. Tokens are kept as SHA-256 and compared in constant time. Without tokens the server
 //! listens on the loopback only; there, requests under a foreign host name or from a foreign page are
@@ -20,7 +20,7 @@ pub struct Gate {
 }
 
 impl Gate {
-    /// A gate that opens to these tokens; to everyone at this machine where there are none.
+    /// A gate that opens to these tokens; if there are none, to every client on this machine.
     pub fn new<'a>(tokens: impl IntoIterator<Item = &'a str>) -> Gate {
         Gate { tokens: tokens.into_iter().map(|t| Sha256::digest(t).into()).collect() }
     }

@@ -46,7 +46,7 @@ struct LaneDto {
     to: usize,
     /// Whether it may be driven both ways.
     both: bool,
-    /// Who may use it: loaded, unloaded, people.
+    /// What may use it: loaded robots, unloaded robots, people.
     #[serde(rename = "for")]
     users: Vec<&'static str>,
 }

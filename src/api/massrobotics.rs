@@ -44,7 +44,7 @@ pub struct Datum {
 /// An identityReport or a statusReport; keys that do not concern a position are ignored.
 #[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct InteropReport {
-    /// Who.
+    /// The uuid of the worker's device.
     pub uuid: String,
     /// When, RFC 3339.
     pub timestamp: String,
@@ -84,7 +84,7 @@ pub struct Angle {
 /// Why a report is no sighting.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unfit {
-    /// Nobody is known under the uuid.
+    /// No worker is known under the uuid.
     #[error(
         "no worker is known as {0}: POST /v1/workers with this uuid as the name, or name the worker under \
          [massrobotics.workers] of the settings file"

@@ -1,9 +1,9 @@
 //! The server's face: HTTP under `/v1`, the live feed, the feeds of headsets, metrics, the API's own description, the
 //! page.
 //!
-//! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from whoever runs it; [`live`] is the
-//! feed of the floor, [`recording`] keeps its pictures on file, [`feed`] those of people. Reads look at the latest
-//! published picture or at durable lists; writes put a request into the queue and answer when its facts are durable.
+//! Main types: [`Api`] (what handlers see), [`router`]; [`port`] is what it needs from the program that runs it;
+//! [`live`] is the feed of the floor, [`feed`] those of people, [`recording`] keeps frames on file. Reads look at the
+//! latest view or at durable lists; writes put a request into the queue and answer when its facts are durable.
 //! Refuses: to decide anything about robots, and to know store or server.
 
 mod assets;
@@ -46,7 +46,7 @@ pub struct Api {
     pub map: Arc<Warehouse>,
     /// The kinds of robots that may join.
     pub kinds: Arc<[RobotKind]>,
-    /// The latest picture.
+    /// The latest view.
     pub moments: watch::Receiver<Arc<Moment>>,
     /// Durable jobs.
     pub records: Arc<dyn Records>,
@@ -58,7 +58,7 @@ pub struct Api {
     pub questions: mpsc::Sender<Question>,
     /// What stands.
     pub alarms: Arc<Alarms>,
-    /// Pictures of the past, where they are kept.
+    /// Frames of the past, if they are kept.
     pub past: Option<Arc<recording::Folder>>,
     /// The live feed.
     pub live: Arc<live::Live>,
@@ -70,14 +70,14 @@ pub struct Api {
     pub now: Now,
     /// Figures.
     pub metrics: Arc<metrics::Metrics>,
-    /// Who may ask.
+    /// Decides which requests are authorised.
     pub gate: Arc<auth::Gate>,
-    /// Turns true when the server goes down.
+    /// Turns true when the server shuts down.
     pub closing: watch::Receiver<bool>,
 }
 
 impl Api {
-    /// The latest picture.
+    /// The latest view.
     fn moment(&self) -> Arc<Moment> {
         self.moments.borrow().clone()
     }
@@ -90,7 +90,7 @@ impl Api {
         })
     }
 
-    /// Asks what the picture does not say.
+    /// Asks what the view does not say.
     async fn query<T>(&self, question: impl FnOnce(oneshot::Sender<T>) -> Question) -> Result<T, Problem> {
         let (reply, answer) = oneshot::channel();
         let busy = || Problem::unavailable("too many questions are waiting: ask again in a second", 1);

@@ -1,8 +1,8 @@
 //! What the API needs from the program that runs it: durable lists to read, a queue for requests, alarms, a clock, and
-//! the fleet's picture.
+//! the fleet's view.
 //!
 //! Main types: [`Records`], [`FleetRequest`], [`Question`],
-//! [`Alarms`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know who answers.
+//! [`Alarms`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know what answers.
 
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
@@ -19,7 +19,7 @@ use tokio::sync::oneshot;
 /// An answer that comes later.
 pub type Later<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
 
-/// Reads the clock of whoever runs the API.
+/// Reads the clock of the program that runs the API.
 pub type Now = Arc<dyn Fn() -> Time + Send + Sync>;
 
 /// Durable lists. Errors are texts for people: what happened and what to do.
@@ -82,19 +82,19 @@ pub enum What {
     Prioritise(JobId, u8),
 }
 
-/// What is too much to be in every picture: worked out by whoever owns the fleet when somebody wants to know, from the
-/// fleet as it is then. Questions change nothing, and a recording answers them, too.
+/// What is too much to be in every view: the thread that owns the fleet works it out on request, from the fleet as it
+/// is then. Questions change nothing, and a replay answers them, too.
 #[derive(Debug)]
 pub enum Question {
     /// Why a robot does not go on.
     Robot(RobotId, oneshot::Sender<WaitChain>),
     /// Why a job does not go on.
     Job(JobId, oneshot::Sender<WaitChain>),
-    /// Who holds what in an area, for so long ahead.
+    /// What holds the nodes of an area, for so long ahead.
     Occupancy(Area, Span, oneshot::Sender<AnswerAt<Result<Vec<NodeOccupancy>, usize>>>),
 }
 
-/// A chain of those who wait.
+/// A wait chain, link by link.
 pub type WaitChain = AnswerAt<Vec<Waiting>>;
 
 /// An answer, and when it was so.
@@ -107,7 +107,7 @@ pub struct AnswerAt<T> {
 }
 
 impl Question {
-    /// Answers it. Whoever has left meanwhile does not mind.
+    /// Answers it; a receiver that is gone is no error.
     pub fn answer(self, fleet: &Fleet, at: Time) {
         match self {
             Question::Robot(robot, reply) => {
@@ -132,13 +132,13 @@ pub const QUESTIONS_AT_ONCE: usize = 4;
 /// The fleet at one moment, with what the loop measured.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Moment {
-    /// The picture.
+    /// The view.
     pub view: View,
     /// Seconds since the server started.
     pub time_s: f64,
     /// What the loop measured.
     pub measured: LoopFigures,
-    /// Where people may be in the coming seconds; nothing while nobody reads it.
+    /// Where people may be in the coming seconds, as it was half a second ago at most.
     pub forecasts: Arc<Vec<Expected>>,
     /// The first of the jobs that wait, as they were a second ago at most; nothing where no past is kept.
     pub backlog: Arc<Backlog>,
@@ -173,7 +173,7 @@ impl SharedHistory {
         SharedHistory { started, arm, history: Mutex::new(history) }
     }
 
-    /// Takes a picture in.
+    /// Takes a view in.
     pub fn note(&self, view: &View, times: &LoopTimes) {
         self.history.lock().expect("nobody panics with this lock").note(view, times);
     }
@@ -221,7 +221,7 @@ impl Alarms {
         self.standing.lock().expect("nobody panics with this lock").remove(id).is_some()
     }
 
-    /// What a picture says that a person must know: what stands by hand.
+    /// Raises or ends the alarms about what a person stopped, by a view.
     pub fn note(&self, view: &View) {
         match view.stopped {
             Some(since) => {

@@ -1,6 +1,6 @@
 //! What the fleet's refusals mean on the wire.
 //!
-//! Main function: [`refused`]. Refuses: to leave anybody without a word of what to do.
+//! Main function: [`refused`]. Refuses: to refuse without a word of what to do.
 
 use super::error::{FieldError, Problem};
 use super::text::{assignment_name, closure_name, job_name, worker_name};

@@ -1,4 +1,4 @@
-//! Who waits for whom, in names and words.
+//! What waits for what, in names and words.
 //!
 //! Main types: [`WhyDto`], [`LinkDto`]. Refuses: to add knowledge of its own.
 

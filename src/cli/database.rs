@@ -324,7 +324,7 @@ async fn backup(
     copied?;
     let mut report = look(&partial, floor, named).await?;
     if report.ok {
-        // Whoever makes the name owns it: a file that came meanwhile is not overwritten.
+        // The program that creates the name owns it: a file that came meanwhile is not overwritten.
         let claim = std::fs::File::create_new(target).and_then(|_| std::fs::rename(&partial, target));
         claim.with_context(|| format!("cannot write {}", target.display()))?;
         report.database = target.into();

@@ -1,7 +1,7 @@
 //! Standard output that may be closed by its reader, as by `head`.
 //!
 //! Main functions: [`line()`], [`text()`], behind `println!` and `print!` of all commands; [`tell`] for the server. A
-//! command whose reader has left ends quietly with [`CLOSED_PIPE`]. Refuses: to panic over it.
+//! command that lost its reader ends quietly with [`CLOSED_PIPE`]. Refuses: to panic over it.
 
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
@@ -36,7 +36,7 @@ pub fn bytes(bytes: &[u8]) {
     checked(out.write_all(bytes).and_then(|()| out.flush()));
 }
 
-/// Prints a line for whoever reads it; a server goes on without a reader.
+/// Prints a line for its reader; a server goes on without one.
 pub fn tell(line: Arguments<'_>) {
     let _ = io::stdout().lock().write_fmt(format_args!("{line}\n"));
 }

@@ -75,7 +75,7 @@ pub struct EncountersArgs {
 }
 
 impl EncountersArgs {
-    /// Replays people among robots and prints who would have braked.
+    /// Replays people among robots and prints which robots would have braked.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let case = self.source.read()?;
         anyhow::ensure!((1..=1000).contains(&self.robots), "--robots must be from 1 to 1000");

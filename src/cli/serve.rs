@@ -47,7 +47,7 @@ pub(super) fn trace_to_stderr() {
         .init();
 }
 
-/// A line for whoever reads it: a server goes on though its output was closed.
+/// Prints a line for its reader; a server goes on if its output was closed.
 macro_rules! say {
     ($($argument:tt)*) => { super::out::tell(format_args!($($argument)*)) };
 }

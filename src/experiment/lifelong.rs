@@ -145,7 +145,7 @@ impl Run<'_> {
         }
     }
 
-    /// Advances everybody to `step`, then plans for those without a goal.
+    /// Advances all robots to `step`, then plans for those without a route to their goal.
     fn step(&mut self, step: i64) {
         let now = Time(step * STEP.0);
         for i in 0..self.robots.len() {

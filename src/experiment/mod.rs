@@ -4,7 +4,7 @@
 //! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions
 //! recognised), [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four ways
 //! of giving way), [`steps`] (what a step costs), [`month`] (what it keeps), [`statistics`].
-//! Refuses: to read files or clocks; whoever calls passes texts in and takes figures out.
+//! Refuses: to read files or clocks; the caller passes texts in and takes figures out.
 
 mod dice;
 pub mod distances;

@@ -1,4 +1,4 @@
-//! How long one route takes to plan while everybody else holds theirs.
+//! How long one route takes to plan while all other robots hold theirs.
 //!
 //! Main function: [`run`]. A crowd of robots holds routes as in operation: as many racks are bound for each station as
 //! it has places, as many robots again bring a rack to storage, all others go to a rack; departures are spread over a
@@ -118,7 +118,7 @@ pub fn run(
         for stage in &errand {
             crowd.planner.estimates().table(stage.goal, stage.loaded);
         }
-        // Whoever is second finds the memory warm: they take turns.
+        // The second search finds the memory warm: they take turns.
         let weighted_first = query % 2 == 1;
         let early = (weight > 0.0 && weighted_first).then(|| crowd.timed(i, &errand, weight, stopwatch));
         let (found, ns) = crowd.timed(i, &errand, 0.0, stopwatch);

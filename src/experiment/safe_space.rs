@@ -33,7 +33,7 @@ pub struct Space {
     pub worker_m: f64,
     /// Construction robot safe space, radius.
     pub robot_m: f64,
-    /// Ours, between the centres: where a robot of this speed must begin to brake so as not to touch who stands.
+    /// Ours, between the centres: where a robot of this speed must begin to brake for a person who stands.
     pub stop_m: f64,
     /// Ours, between the centres: where it must begin to brake if the person walks on towards it.
     pub separation_m: f64,
@@ -65,7 +65,7 @@ pub fn spaces(kinematics: Kinematics, footprint_m: f64, period_s: f64) -> Vec<Sp
 /// A zone with what is done about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answered {
-    /// Who is there when.
+    /// When the robot is there, and when the worker.
     pub zone: Zone,
     /// Which case that is.
     pub case: Case,

@@ -1,7 +1,7 @@
 //! Robots and people together, by four ways of giving way: Table 4.1 of Petković 2021 with our own arm beside it.
 //!
 //! Main types: [`TableSetup`], [`RunRow`], [`Column`]. Every arm meets the same seeds, and what comes to people's minds
-//! does not depend on the arm. Refuses: threads and files; whoever calls runs [`TableSetup::run`] as often, and on as
+//! does not depend on the arm. Refuses: threads and files; the caller runs [`TableSetup::run`] as often, and on as
 //! many cores, as it likes.
 
 use super::statistics::{Paired, Summary};

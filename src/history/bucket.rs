@@ -1,6 +1,6 @@
 //! What happened in one stretch of time.
 //!
-//! Main type: [`Bucket`]. Refuses: rates, which whoever reads makes of sums and of the time that is covered.
+//! Main type: [`Bucket`]. Refuses: rates, which readers make of sums and of the time that is covered.
 
 use super::Lengths;
 use crate::fleet::Counts;

@@ -1,7 +1,7 @@
 //! Where robots waited, and for how long: seconds per place, in buckets of five minutes, for a day.
 //!
 //! Main types: [`Heat`], [`HeatBucket`]. In each bucket at most 2000 places are kept, those with the most waiting.
-//! Refuses: to know who waited, or why.
+//! Refuses: to know which robots waited, or why.
 
 use super::floor;
 use crate::id::NodeId;

@@ -1,8 +1,8 @@
 //! What happened over time, as figures in buckets: deliveries, encounters, interruptions, planning, waiting.
 //!
 //! Main types: [`History`] (the last hour in steps of ten seconds, the last day in minutes, the last 31 days in ten
-//! minutes), [`Bucket`], [`Lengths`] (how long searches took), [`Heat`] (where robots waited). Pure: whoever drives
-//! the fleet hands in pictures of it, live or from a recording. Refuses: to grow beyond the stated bounds (about 4 MB
+//! minutes), [`Bucket`], [`Lengths`] (how long searches took), [`Heat`] (where robots waited). Pure: the driver of
+//! the fleet hands in views of it, live or from a recording. Refuses: to grow beyond the stated bounds (about 4 MB
 //! of buckets and 10 MB of places in the worst case), to be an input of any decision.
 
 mod bucket;
@@ -22,14 +22,14 @@ use std::collections::{BTreeMap, VecDeque};
 pub const TIERS: [(Span, usize); 3] =
     [(Span::from_secs(10), 360), (Span::from_secs(60), 1440), (Span::from_secs(600), 4464)];
 
-/// Pictures farther apart have a gap between them, and what happened in it is in no bucket. A recording that is shown
-/// many times as fast has pictures that are seconds apart.
+/// Views farther apart have a gap between them, and what happened in it is in no bucket. A recording that is shown
+/// many times as fast has views that are seconds apart.
 const GAP: Span = Span::from_secs(60);
 
 /// Slower than this is standing, metres per second.
 const STANDS_MPS: f64 = 0.05;
 
-/// How long searches and steps took since the picture before.
+/// How long searches and steps took since the view before.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoopTimes {
     /// Searches for routes, microseconds each.
@@ -60,7 +60,7 @@ impl History {
         out
     }
 
-    /// Takes a picture in. Time that runs backwards, as when a recording is wound back, takes away what comes later.
+    /// Takes a view in. Time that runs backwards, as when a recording is wound back, takes away what comes later.
     pub fn note(&mut self, view: &View, times: &LoopTimes) {
         let now = view.now;
         let Some((then, before)) = self.last.replace((now, view.counts)) else { return };

@@ -1,4 +1,4 @@
-//! Figures over time, from pictures that are made up.
+//! Figures over time, from views that are made up.
 
 use super::*;
 use crate::fleet::WorkerView;
@@ -98,7 +98,7 @@ fn coarser_steps_hold_the_same_sums() {
 #[test]
 fn memory_is_bounded_and_old_hours_are_in_minutes() {
     let mut history = History::default();
-    // A picture in ten seconds: two days, with gaps all over.
+    // A view every ten seconds: two days, with gaps all over.
     for s in (0..2 * 86_400).step_by(10) {
         history.note(&picture(s), &LoopTimes::default());
     }

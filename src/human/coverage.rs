@@ -4,7 +4,7 @@
 //! made is kept until it is due and compared with where the person was. Regions grow with every miss and
 //! shrink with every hit, so that they hold what they say in the long run, whatever people do (adaptive
 //! conformal inference: Gibbs and Candès 2021). Where they still do not, forecasts are not trusted, and
-//! whoever asks falls back on what people can reach. Refuses: people who were not seen when a forecast was
+//! the caller falls back on what people can reach. Refuses: people who were not seen when a forecast was
 //! due.
 
 use super::mixture::Mixture;

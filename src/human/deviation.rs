@@ -12,7 +12,7 @@ use crate::geometry::{Point, Segment};
 pub const NODE_M: f64 = 0.25;
 /// The half-width of a one-metre edge's ellipse; longer edges are allowed no more, metres.
 const HALF_WIDTH_M: f64 = 0.56;
-/// Control cycles outside before anybody calls it a deviation.
+/// Control cycles outside before it counts as a deviation.
 const CYCLES: u32 = 4;
 /// So many edges ahead may be entered directly: people cut corners.
 const AHEAD: usize = 3;

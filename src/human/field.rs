@@ -127,8 +127,8 @@ impl Field {
         touched.len() + lost.len() + settled
     }
 
-    /// Takes the distance from all nodes that have it from nobody any more. Nearest first: who a node has its
-    /// distance from is nearer than itself, and so already looked at.
+    /// Takes the distance from all nodes that no neighbour supports any more. Nearest first: a node that supports
+    /// another is nearer than it, and so already looked at.
     fn lose(&mut self, graph: &Graph, touched: &[u32], open: &impl Fn(usize) -> bool) -> Vec<u32> {
         let mut queue: BinaryHeap<Reverse<(u32, u32)>> =
             touched.iter().map(|n| Reverse((self.distance[*n as usize], *n))).collect();

@@ -142,7 +142,7 @@ impl Mixture {
         })
     }
 
-    /// About the same in at most `most` parts, for who looks at it: small shares are left out, and of the rest those
+    /// About the same in at most `most` parts, to be shown: small shares are left out, and of the rest those
     /// are taken together that lose least by it (Runnalls 2007, eq. 16), keeping mean and covariance (eqs. 2 to 4).
     #[must_use]
     pub fn merged(mut self, most: usize) -> Mixture {

@@ -3,7 +3,7 @@
 //! Main types: [`Sighting`] (what a source says), [`Track`] (where a worker is), [`Follower`] (progress along the
 //! assigned path), [`Distances`] (from anywhere to each goal, repaired as robots block the way), [`Intention`] (where a
 //! person is going, with what probability), [`Hypothesis`] and [`Passage`] (where a person will be, and when).
-//! Refuses: to know robots' routes, and to decide anything; those who know both people and routes are in `aware`.
+//! Refuses: to know robots' routes, and to decide anything; modules that know both people and routes are in `aware`.
 
 mod coverage;
 mod deviation;

@@ -1,7 +1,7 @@
 //! One observed pose of a worker, in the map's frame and in the server's time.
 //!
-//! Main types: [`Sighting`], [`Quality`]. Refuses: frames of devices and their clocks; whoever receives poses
-//! aligns them first.
+//! Main types: [`Sighting`], [`Quality`]. Refuses: frames of devices and their clocks; the program that receives
+//! poses aligns them first.
 
 use crate::geometry::Point;
 use crate::id::WorkerId;

@@ -1,12 +1,12 @@
 //! Where people may be in the coming seconds, worked out for dashboards and for the past that is kept, twice a second.
 //!
-//! Main type: [`LastForecasts`]. Refuses: work for every picture.
+//! Main type: [`LastForecasts`]. Refuses: to forecast for every frame.
 
 use crate::fleet::{Expected, Fleet};
 use crate::time::{Span, Time};
 use std::sync::Arc;
 
-/// How often, a little less than half a second, so that a picture does not just miss it.
+/// How often, a little less than half a second, so that a frame does not just miss it.
 const EVERY: Span = Span::from_millis(480);
 
 /// The last forecasts.
@@ -16,7 +16,7 @@ pub struct LastForecasts {
 }
 
 impl LastForecasts {
-    /// The forecasts for a picture.
+    /// The forecasts for a frame.
     pub fn of(&mut self, fleet: &Fleet, now: Time) -> Arc<Vec<Expected>> {
         if let Some((at, kept)) = &self.last
             && (Span::ZERO..EVERY).contains(&(now - *at))

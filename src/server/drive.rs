@@ -29,8 +29,7 @@ use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 use tokio::time::{MissedTickBehavior, interval, sleep};
 
-/// How often the picture is published; a little less than a tenth of a second, so that a tick does not just
-/// miss it.
+/// How often the view is published; a little less than a tenth of a second, so that a tick does not just miss it.
 const PUBLISH: Span = Span::from_millis(95);
 
 /// The alarm that stands while all robots have to.
@@ -48,7 +47,7 @@ pub struct DriveLoop {
     pub period: Span,
     /// Requests.
     pub inbox: Inbox,
-    /// What somebody wants to know.
+    /// Questions about the fleet as it is.
     pub questions: mpsc::Receiver<Question>,
     /// Orders and answers.
     pub outbox: Outbox,
@@ -56,11 +55,11 @@ pub struct DriveLoop {
     pub journal: Journal,
     /// Figures.
     pub measure: Measure,
-    /// Takes pictures for the figures over time.
+    /// Takes views for the figures over time.
     pub notes: HistorianSender,
     /// Figures for Prometheus.
     pub metrics: Arc<Metrics>,
-    /// Where people may be soon, for those who watch.
+    /// Where people may be soon, for dashboards and recordings.
     pub ahead: LastForecasts,
     /// Gets guidance.
     pub feeds: Arc<Feeds>,
@@ -78,7 +77,7 @@ pub struct DriveLoop {
     pub watchdog: Watchdog,
     /// The journal, to make the fleet anew from.
     pub store: Arc<Store>,
-    /// Gets the picture.
+    /// Gets the view.
     pub moments: watch::Sender<Arc<Moment>>,
 }
 
@@ -87,7 +86,7 @@ pub struct DriveLoop {
 pub struct LoopPace {
     /// Whether all robots were told to stand, since nothing can be decided.
     halted: bool,
-    /// When the pose came for which somebody has to stop, where one waits for the next turn.
+    /// When the pose was received that calls for a stop, if one waits for the next turn.
     called: Option<Time>,
     /// Until when the loop turns by its tick only.
     rests: Time,
@@ -175,7 +174,7 @@ impl DriveLoop {
         }
     }
 
-    /// Whether those who ask now are told that nothing is accepted.
+    /// Whether new requests are refused at present.
     fn refuses(&self) -> bool {
         let facts_stay = self.journal.is_failing() || self.journal.is_full();
         facts_stay || *self.displaced.borrow()
@@ -288,7 +287,7 @@ mod tests {
 
     const SCENARIO: &str = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 2, "jobs": "none"}"#;
 
-    /// A loop whose journal is written only when the test lets the writer run.
+    /// A loop with a journal that is written only when the test lets the writer run.
     async fn drive(
         folder: &std::path::Path,
     ) -> (DriveLoop, journal::JournalSender, mpsc::Sender<FleetRequest>) {

@@ -1,7 +1,7 @@
 //! The door while the server starts: it answers at once, and leads inside as soon as there is an inside.
 //!
 //! Main type: [`Entrance`]. Until then every request gets 503 with the reason, but the one that asks whether the
-//! process lives. Refuses: to keep anyone waiting for a journal.
+//! process lives. Refuses: to keep a client waiting for the journal.
 
 use crate::api::alive;
 use crate::api::error::Problem;

@@ -1,4 +1,4 @@
-//! Keeps figures over time: takes pictures from the loop in, and writes buckets down.
+//! Keeps figures over time: takes views from the loop in, and writes buckets down.
 //!
 //! Main types: [`HistorianSender`] (the loop's end), [`Historian`] (the task). A crash costs the charts ten seconds,
 //! and the map of waiting a minute. Where the database refuses, figures go on in memory and are written later, as far
@@ -11,13 +11,13 @@ use crate::time::{Span, Time};
 use std::sync::Arc;
 use tokio::sync::mpsc;
 
-/// So many pictures may wait: those of half a minute.
+/// So many views may wait: those of half a minute.
 const NOTES: usize = 320;
 
 /// How often the map of waiting is written down.
 const HEAT_EVERY: Span = Span::from_secs(60);
 
-/// A picture, and how long searches and steps took since the one before.
+/// A view, and how long searches and steps took since the one before.
 struct Note {
     moment: Arc<Moment>,
     times: LoopTimes,
@@ -49,7 +49,7 @@ impl HistorianSender {
         self.times.step_us = self.times.step_us.max(step.0.unsigned_abs());
     }
 
-    /// Hands a picture on. Where the historian is behind, what was measured goes with the next one.
+    /// Hands a view on. If the historian is behind, what was measured goes with the next one.
     pub fn send(&mut self, moment: &Arc<Moment>) {
         if let Ok(place) = self.sender.try_reserve() {
             place.send(Note { moment: moment.clone(), times: std::mem::take(&mut self.times) });
@@ -65,7 +65,7 @@ struct Saved {
 }
 
 impl Historian {
-    /// Takes pictures in until the loop ends, then writes the last of it down.
+    /// Takes views in until the loop ends, then writes the last figures down.
     pub async fn run(mut self) {
         let mut last = None;
         let mut saved = Saved { buckets: self.figures.started, heat: self.figures.started, failed: false };

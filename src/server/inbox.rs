@@ -1,4 +1,4 @@
-//! Requests and sightings on their way into a step, and whom to answer.
+//! Requests and sightings on their way into a step, and where the answers go.
 //!
 //! Main type: [`Inbox`]. Tokens below [`FIRST_TOKEN`] belong to requests from outside, the others to the simulated
 //! floor, so that no reply to the one can answer the other. Refuses: requests while the journal takes no facts; but
@@ -22,7 +22,7 @@ const MOST_ORDERS: usize = 10_000;
 /// more than it holds.
 const MOST_REQUESTS: usize = 10_000;
 
-/// Requests, and whom to answer.
+/// Requests, and where their answers go.
 #[derive(Debug)]
 pub struct Inbox {
     queue: mpsc::Receiver<FleetRequest>,
@@ -40,7 +40,7 @@ impl Inbox {
         Inbox { queue, heard, waiting: BTreeMap::new(), kept: Vec::new(), early: Vec::new(), next: 0 }
     }
 
-    /// Everything that waits. While `refusing`, those who ask now are told so instead.
+    /// Everything that waits. While `refusing`, new requests are refused instead, but for stops and releases by hand.
     pub fn drain(&mut self, refusing: bool) -> Vec<Input> {
         let mut inputs = std::mem::take(&mut self.kept);
         let mut room = MOST_REQUESTS.saturating_sub(inputs.iter().filter(|i| !is_simulated(i)).count());
@@ -50,7 +50,7 @@ impl Inbox {
             // What is done by hand is neither refused nor overtaken: a release that was refused while the stop before
             // it waits would leave the floor standing.
             let by_hand = matches!(ask.what, What::Halt(_) | What::Release(_));
-            // Dropping the reply tells the handler; no one waits for those who have left.
+            // Dropping the reply tells the handler. A request that no handler waits for any more is not carried out.
             if !by_hand && (refusing || ask.reply.is_closed()) {
                 continue;
             }
@@ -107,17 +107,17 @@ impl Inbox {
         }
     }
 
-    /// Tells those who asked that nothing came of it.
+    /// Tells the handlers of these requests that nothing came of them.
     pub fn forget(&mut self, tokens: &[u64]) {
         for token in tokens {
             self.waiting.remove(token);
         }
     }
 
-    /// Answers the one who asked; simulated customers want no answer.
+    /// Answers a request; simulated customers want no answer.
     pub fn answer(&mut self, reply: Reply) {
         if let Some(waiting) = self.waiting.remove(&reply.token()) {
-            // Those who have left meanwhile find the job in the list.
+            // A client that has left meanwhile finds the job in the list.
             let _ = waiting.send(reply);
         }
     }

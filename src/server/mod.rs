@@ -61,7 +61,7 @@ const DRAIN: Duration = Duration::from_secs(12);
 /// How long the journal may take for the last facts.
 const FLUSH: Duration = Duration::from_secs(10);
 
-/// The loop is stuck when its picture is older.
+/// The loop is stuck when its view is older.
 const STUCK: Span = Span::from_secs(2);
 
 /// What the server runs: a simulated floor, until real robots come.
@@ -404,7 +404,7 @@ async fn listen(door: Door, router: Router, mut closes: watch::Receiver<bool>) -
     axum::serve(listener, router).with_graceful_shutdown(closed).await
 }
 
-/// Publishes every new picture, and says so where there is none.
+/// Publishes every new view in the live feed; if none comes, raises an alarm.
 async fn feed(
     live: Arc<Live>,
     mut picture: watch::Receiver<Arc<Moment>>,

@@ -1,4 +1,4 @@
-//! Filming a fleet that is stepped without a server: a simulation, or a recording.
+//! Takes frames of a fleet that is stepped without a server: a simulation, or a recording.
 //!
 //! Main type: [`FrameRecorder`]. Refuses: to step the fleet itself.
 
@@ -12,7 +12,7 @@ use crate::fleet::Fleet;
 use crate::time::Time;
 use std::sync::Arc;
 
-/// Takes pictures of a fleet, as often as recordings have them.
+/// Takes frames of a fleet, as often as recordings have them.
 #[derive(Debug, Default)]
 pub struct FrameRecorder {
     alarms: Alarms,
@@ -23,7 +23,7 @@ pub struct FrameRecorder {
 }
 
 impl FrameRecorder {
-    /// The picture after a step, where it is time for one.
+    /// The frame after a step, if one is due.
     pub fn take_frame(&mut self, fleet: &Fleet, now: Time) -> Option<Arc<Frame>> {
         if self.due.is_some_and(|due| now < due) {
             return None;

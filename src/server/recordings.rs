@@ -1,7 +1,7 @@
-//! Keeps the past: a thread of its own writes the pictures of the live feed to disk, five a second.
+//! Keeps the past: a thread of its own writes frames of the live feed to disk, five a second.
 //!
 //! Main types: [`KeptPast`], [`Tap`] (the loop's end, which never waits). Where the disk takes no more, an alarm and
-//! the log say so, the fleet goes on, and the thread tries again. Refuses: to hold anybody up; a fact that comes too
+//! the log say so, the fleet goes on, and the thread tries again. Refuses: to hold the loop up; a fact that comes too
 //! fast loses its bookmark, not its place in the journal.
 
 use super::clock::Clock;
@@ -21,7 +21,7 @@ use std::time::Duration;
 /// So many facts may wait for their bookmarks.
 const WAITING: usize = 1024;
 
-/// The alarm that pictures are lost.
+/// The alarm that frames are lost.
 const ALARM: &str = "past";
 
 /// How long it rests after the disk refused something.
@@ -43,7 +43,7 @@ impl Tap {
         }
     }
 
-    /// The jobs that wait, for the next picture; none where no past is kept.
+    /// The jobs that wait, for the next frame; none if no past is kept.
     pub fn backlog(&mut self, fleet: &Fleet, now: Time) -> Arc<Backlog> {
         self.facts.as_ref().map_or_else(Arc::default, |_| self.queue.of(fleet, now))
     }

@@ -33,7 +33,7 @@ impl Records for Shelf {
     }
 }
 
-/// Logs the failure here, once; whoever asked learns that it is the database.
+/// Logs the failure, once; the client only learns that it is the database.
 fn told(e: StoreError) -> String {
     tracing::error!("a list cannot be read: {e}");
     "the database does not answer; the server's log says why".into()

@@ -169,7 +169,7 @@ impl DriveLoop {
         self.rescue.broken = true;
     }
 
-    /// What is left of a turn when nothing is decided: those who ask are told so, robots that drive are told to stand.
+    /// What is left of a turn when nothing is decided: requests are refused, robots that drive are told to stand.
     pub(super) fn turn_broken(&mut self, now: Time) {
         let asked = self.inbox.drain(true);
         self.inbox.forget(&Asked::of(&asked).all());

@@ -1,7 +1,7 @@
 //! A recording on the screen: the same pages and feeds, with the fleet of then.
 //!
 //! Main type: [`Show`]. One player goes at the pace of then and answers questions; another runs ahead as fast as it can
-//! and puts the pictures into a folder of its own, so that the page can go to any moment of them. Lists are kept in
+//! and writes its frames into a folder of its own, so that the page can seek to any moment. Lists are kept in
 //! memory; requests are refused, since the past takes none. Refuses: a database.
 
 use super::{
@@ -28,7 +28,7 @@ use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 
-/// How often the picture is published, in recorded time at normal speed.
+/// How often the view is published, in recorded time at normal speed.
 const PUBLISH: Span = Span::from_millis(95);
 
 /// A recording that is being shown.
@@ -40,7 +40,7 @@ pub struct Show {
     _reels: Recordings,
 }
 
-/// The folder of the pictures, which goes with the show.
+/// The folder of the frames, which is deleted with the show.
 struct Recordings(PathBuf);
 
 impl Drop for Recordings {
@@ -56,7 +56,7 @@ impl Show {
     /// Begins to show a recording. `ahead` plays the same one.
     ///
     /// # Errors
-    /// If the address is taken, or there is no room for pictures.
+    /// If the address is taken, or the folder of frames cannot be made.
     pub async fn start(
         player: Player,
         ahead: Player,
@@ -79,7 +79,7 @@ impl Show {
         let (ask, questions) = mpsc::channel(QUESTIONS);
         let clock = Clock::start(None);
         let live = Arc::new(Live::new(map.clone(), clock.now().0.unsigned_abs()));
-        // Poses of today change nothing in the past: nobody takes them.
+        // Poses of today change nothing in the past: they are dropped.
         let (feeds, _) = Feeds::new();
         let feeds = Arc::new(feeds);
         let past = Arc::new(PastLists::default());
@@ -116,7 +116,7 @@ impl Show {
         self.address
     }
 
-    /// Plays to the end and stays on the last picture; returns only where something breaks.
+    /// Plays to the end and stays on the last frame; returns only if something breaks.
     ///
     /// # Errors
     /// If the recording cannot be read to its end.
@@ -201,7 +201,7 @@ impl Screen {
         self.moments.send_replace(moment);
     }
 
-    /// The last picture stands; the feed goes on, so that nobody takes the link for lost.
+    /// The last frame stays; the feed goes on, so that no page takes the connection for lost.
     async fn stay(&mut self, fleet: &Fleet, same: bool, now: Time) -> anyhow::Result<()> {
         let told = if same { "" } else { " This build decides differently from the one that recorded it." };
         self.alarms.raise("end", format!("The recording has ended.{told}"), Time::ZERO);

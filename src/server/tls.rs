@@ -1,8 +1,8 @@
 //! Connections over TLS, as axum takes them.
 //!
-//! Main type: [`TlsListener`]. Handshakes run beside each other, so that a client which says nothing keeps nobody out.
-//! Who speaks plain HTTP is told so in words. Refuses: handshakes that take longer than ten seconds, and too many at
-//! once.
+//! Main type: [`TlsListener`]. Handshakes run in parallel, so that a client which says nothing keeps no other one out.
+//! A client that speaks plain HTTP is told so in words. Refuses: handshakes that take longer than ten seconds, and too
+//! many at once.
 
 use axum::serve::Listener;
 use rustls::ServerConfig;
@@ -26,11 +26,11 @@ const MOST_HANDSHAKES: usize = 256;
 /// The first byte of every TLS connection: a handshake record (RFC 8446, section 5.1).
 const HANDSHAKE_RECORD: u8 = 22;
 
-/// What those hear who speak plain HTTP here.
+/// The answer to a client that speaks plain HTTP here.
 const PLAIN: &str = "HTTP/1.1 400 Bad Request\r\ncontent-type: text/plain; charset=utf-8\r\nconnection: close\r\n\r\n\
     This port speaks HTTPS: write https:// before the address.\n";
 
-/// Connections whose handshake is done.
+/// Connections after their handshake.
 pub struct TlsListener {
     ready: mpsc::Receiver<(TlsStream<TcpStream>, SocketAddr)>,
     address: SocketAddr,
@@ -67,7 +67,7 @@ impl Listener for TlsListener {
 
 type Done = mpsc::Sender<(TlsStream<TcpStream>, SocketAddr)>;
 
-/// Accepts until nobody takes connections any more.
+/// Accepts until the listener is dropped.
 async fn accept(listener: TcpListener, acceptor: TlsAcceptor, done: Done) {
     let room = Arc::new(Semaphore::new(MOST_HANDSHAKES));
     loop {
@@ -98,7 +98,7 @@ async fn accept(listener: TcpListener, acceptor: TlsAcceptor, done: Done) {
     }
 }
 
-/// A connection whose handshake is done; none for those who speak plain HTTP.
+/// A connection after its handshake; none if the client speaks plain HTTP.
 async fn shake(mut stream: TcpStream, acceptor: &TlsAcceptor) -> io::Result<Option<TlsStream<TcpStream>>> {
     stream.set_nodelay(true)?;
     let mut first = [0];

@@ -1,7 +1,7 @@
 //! All simulated workers: they join, get their assignments, come in by a door, are seen, are told, and leave.
 //!
-//! Main type: [`Crew`]. Refuses: to show the fleet anything but what their devices measure and what anybody
-//! may ask for over the API.
+//! Main type: [`Crew`]. Refuses: to show the fleet anything but what their devices measure and what any client
+//! may read over the API.
 
 use super::customers::FIRST_TOKEN;
 use super::link::Link;
@@ -27,7 +27,7 @@ const AHEAD: u64 = 2;
 const APART: Span = Span::from_secs(3);
 /// A robot nearer to a door than this keeps a worker from coming in, metres.
 const DOOR_M: f64 = 1.5;
-/// One that drives does so from as many seconds farther away: nobody steps out in front of a robot that could not stop.
+/// A moving robot does so from this many seconds of travel farther away: nobody steps out where it could not stop.
 const DOOR_S: f64 = 2.5;
 /// What has not come through, either way, is sent again after this.
 const AGAIN: Span = Span::from_millis(300);

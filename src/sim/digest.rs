@@ -1,6 +1,6 @@
 //! A digest of facts that is the same on every run, unlike the standard hasher's.
 //!
-//! Main type: [`Digest`] (FNV-1a, 64 bits). Refuses: to protect against anybody; it finds differences, not forgers.
+//! Main type: [`Digest`] (FNV-1a, 64 bits). Refuses: to protect against attackers; it finds differences, not forgeries.
 
 use crate::fleet::Fact;
 use std::hash::{Hash, Hasher};

@@ -1,6 +1,6 @@
 //! Radio between server and robots: it delays and loses.
 //!
-//! Main type: [`Link`]. Refuses: to repeat what was lost; whoever sends must.
+//! Main type: [`Link`]. Refuses: to repeat what was lost; the sender must.
 
 use super::random::Stream;
 use crate::time::{Span, Time};

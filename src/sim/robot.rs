@@ -273,7 +273,7 @@ impl RobotBody {
         }
     }
 
-    /// Its scanner looks for people: someone before it stops it, whatever the fleet says.
+    /// Its scanner looks for people: a person in front of it stops it, whatever the fleet says.
     pub fn scan(&mut self, now: Time, half_m: f64, people: &[Point]) {
         let ahead = self.path.front().map(|t| t.at - self.pose.at).and_then(|d| d.try_normalize(THERE_M));
         self.guard.look(now, self.pose.at, ahead, self.speed_mps, self.accel(), half_m, people);

@@ -1,7 +1,7 @@
 //! The driver without a server: world, step, laws, and the figures at the end.
 //!
 //! Main types: [`Simulation`], [`Outcome`]. Refuses: clocks; step times are measured with a stopwatch that
-//! whoever runs it passes in, and decide nothing.
+//! the caller passes in, and decide nothing.
 
 use super::customers::OrderLine;
 use super::detection::{Score, Watch};

@@ -193,7 +193,7 @@ impl World {
         }
     }
 
-    /// Pushes a robot onto a node nearby or to a place between nodes, if there is one where it is in nobody's way.
+    /// Pushes a robot onto a node nearby or to a place between nodes, if there is one where it blocks no robot.
     fn push(&mut self, i: usize, onto_node: bool, (from, to): (Time, Time)) {
         let others = self.robots.iter().enumerate().filter(|(j, r)| *j != i && !r.off);
         let floor = PushSurroundings {
@@ -277,7 +277,8 @@ impl World {
         }
     }
 
-    /// What pickers say who have all that was wanted. They say it until their screen shows that it was heard.
+    /// What pickers report when they have all that was wanted; they repeat it until their screen shows that it was
+    /// heard.
     fn picks(&mut self, fleet: &Fleet) -> Vec<Input> {
         let mut said = Vec::new();
         for robot in &self.robots {

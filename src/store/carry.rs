@@ -162,7 +162,7 @@ async fn compare(
     Ok(Compared { carried, last, at })
 }
 
-/// Pictures of the past name places by the old map's positions, so they are no longer shown, but kept.
+/// Recordings of the past name places by the old map's positions, so they are no longer shown, but kept.
 fn set_pictures_aside(folders: &[PathBuf], stamp: &str) -> Result<(), StoreError> {
     for folder in folders.iter().filter(|folder| folder.exists()) {
         let aside = free_name(folder, &format!("before-map-change-{stamp}"));

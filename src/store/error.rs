@@ -219,7 +219,7 @@ pub enum StoreError {
         /// What is wrong.
         why: String,
     },
-    /// Somebody else wrote into the journal.
+    /// Another program wrote into the journal.
     #[error(
         "the journal ends with step {found}, not with {expected}: another program wrote into it; restart \
          Giveway"

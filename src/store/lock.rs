@@ -103,7 +103,7 @@ impl Lock {
         Ok(())
     }
 
-    /// No lock at all, for those who only read.
+    /// No lock at all, for programs that only read.
     pub fn none(path: &Path) -> Lock {
         Lock { path: path.into(), found: None, run: Uuid::nil(), held: Mutex::new(None) }
     }

@@ -4,7 +4,7 @@
 //! Main types: [`Store`] (open, load, append, snapshot, rows of lists), [`StepEntry`], [`Loaded`], [`StoreError`];
 //! [`record`] is the wire form of facts, [`ledger_record`]
 //! that of snapshots. This module is the seam behind which PostgreSQL follows: statements are constants with `$1`,
-//! and nobody outside sees a row. What is guaranteed: an [`Store::append`] that returned `Ok` survives loss of
+//! and no other module sees a row. What is guaranteed: an [`Store::append`] that returned `Ok` survives loss of
 //! power; a step is there whole or not at all; the journal and the lists never differ; a batch that is appended
 //! again after an unclear failure is written once. Refuses: observations, a second process on the same file, a map
 //! other than the one that the facts speak of unless they can be carried over to it, to acknowledge what goes into a

@@ -1,4 +1,4 @@
-//! HTTP: what is answered, to whom, and what is refused with which words.
+//! HTTP: what is answered, to which clients, and what is refused with which words.
 
 use crate::helper::{Folder, all_jobs, config, delivery, floor, get, map, post, send, start};
 use giveway::server::{Config, Server};

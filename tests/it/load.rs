@@ -29,7 +29,7 @@ fn seconds() -> u64 {
 /// How long somebody walks before the next appearance in front of a robot, and stands there then.
 const WALKS: Duration = Duration::from_millis(3000);
 const STANDS: Duration = Duration::from_millis(1000);
-/// How far in front of the robot, metres: within region 1 of whoever drives faster than half of what it can.
+/// How far in front of the robot, metres: within region 1 of a robot that drives faster than half of what it can.
 const IN_FRONT_M: f64 = 1.0;
 const FAST_MPS: f64 = 0.7;
 
@@ -43,7 +43,7 @@ struct Seen {
     /// The same where "stop" came because of another robot, or where the live feed was late and this one was farther
     /// away than it said: they may have driven up afterwards.
     others: Vec<f64>,
-    /// Appearances after which nobody said so: the robot had turned or was told to stand before.
+    /// Appearances after which no "stop" came: the robot had turned or was told to stand before.
     without: u64,
     sent: u64,
 }
@@ -81,7 +81,7 @@ fn in_front(robots: &Robots, turn: usize) -> Option<(String, [f64; 2])> {
     ))
 }
 
-/// The headset finds itself again. Whether nobody said "stop" meanwhile.
+/// The headset finds itself again. Whether no "stop" came meanwhile.
 async fn begin_epoch(headset: &mut Headset) -> bool {
     let mut free = true;
     headset.say(json!({"type": "reset"})).await;
@@ -109,7 +109,7 @@ async fn walk(at: SocketAddr, (i, worker): (usize, String), way: [[f64; 2]; 2], 
     let (mut turn, mut next) = (i, began + Duration::from_secs(5) + WALKS * i as u32 / WORKERS as u32);
     // Before which robot somebody stands, where, since when, and whether "stop" has come.
     let mut stands: Option<(String, [f64; 2], Instant, bool)> = None;
-    // Who was told already is not told anew.
+    // A worker who was told already is not told anew.
     let mut free = false;
     while began.elapsed() < Duration::from_secs(seconds() + 5) {
         tokio::select! {
@@ -222,7 +222,7 @@ async fn twenty_headsets_at_60_hz_beside_200_robots() {
 const DASHBOARDS: usize = 200;
 const TURNS: u64 = 10;
 
-/// Reads the live feed as a dashboard does and adds up what came; lets nobody wait for it.
+/// Reads the live feed as a dashboard does and adds up what came; never makes the server wait.
 async fn watch_floor(at: SocketAddr, bytes: Arc<AtomicU64>, patches: Arc<AtomicU64>) {
     let url = format!("ws://{at}/v1/live?thin=true");
     let (mut socket, _) = tokio_tungstenite::connect_async(url).await.expect("the feed opens");
@@ -243,7 +243,7 @@ async fn steps(at: SocketAddr) -> (f64, f64) {
     (figure("giveway_step_seconds_count"), figure("giveway_step_seconds_sum"))
 }
 
-/// Seconds that the control loop's thread has spent on a processor, whoever else wanted one. Linux only.
+/// Seconds that the control loop's thread has spent on a processor, whatever else ran. Linux only.
 fn loop_cpu() -> f64 {
     let tasks = std::fs::read_dir("/proc/self/task").expect("Linux").flatten().map(|t| t.path());
     let is_fleet =

@@ -121,7 +121,7 @@ async fn where_the_past_cannot_be_kept_the_fleet_goes_on() {
     let folder = Folder::new();
     let server = start(&folder).await;
     past(server.address(), 0.4).await;
-    // What it writes goes away under its hands; nobody but the past minds.
+    // Its folder is deleted while it writes: only the past is lost.
     std::fs::remove_dir_all(folder.path().join("giveway.past")).unwrap();
     assert_eq!(get(server.address(), "/v1/health").await.status, 200);
     server.stop().await.unwrap();

@@ -42,7 +42,7 @@ impl Run {
         Run::new(map, scenario, Fleet::resume(ledger, scenario.settings(), facts), now)
     }
 
-    /// One control period in which somebody also wants `extra`. Gives what is to be written, and what came of it.
+    /// One control period, with `extra` inputs. Gives what is to be written, and what came of it.
     pub fn step(&mut self, extra: Vec<Input>) -> (StepEntry, Step) {
         let mut inputs = self.world.advance(self.now, &self.fleet);
         inputs.extend(extra);

@@ -1,4 +1,4 @@
-//! The store: what goes in comes out, once; and a server whose database is locked or full.
+//! The store: what goes in comes out, once; and a server with a database that is locked or full.
 
 use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, start};
 use giveway::fleet::{

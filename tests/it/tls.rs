@@ -1,4 +1,4 @@
-//! HTTPS: a client that trusts the certificate which the server made, and those who should not get in.
+//! HTTPS: a client that trusts the certificate which the server made, and clients that should not get in.
 
 use crate::helper::{Folder, config, floor};
 use giveway::server::{Config, Server};

@@ -1,4 +1,4 @@
-//! Why somebody waits, and who holds what, over HTTP.
+//! Why a robot or a job waits, and what holds which nodes, over HTTP.
 
 use crate::helper::{Folder, delivery, get, map, post, send, start};
 use serde_json::{Value, json};

@@ -1,5 +1,5 @@
 //! Inside a module imports go one way: what a file builds on never builds on it. Re-exports and tests do not count.
-//! Inside the fleet calls of methods count as well, where their names say whose they are.
+//! Inside the fleet calls of methods count as well, where their names say which file declares them.
 
 use crate::all_sources;
 use crate::rooms::{calls, declared_once};

@@ -140,7 +140,7 @@ fn check_shape(parts: &[&str], text: &str, add: &mut impl FnMut(usize, String)) 
     }
 }
 
-/// Who names whom.
+/// Which module names which.
 fn check_layers(parts: &[&str], code: &[Token<'_>], add: &mut impl FnMut(usize, String)) {
     let top = parts[0];
     if !is_pure(top) && !EDGE.contains(&top) && top != "main" {

@@ -296,7 +296,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Marks as a device sees them whose frame is turned and shifted.
+    /// Marks as a device with a turned and shifted frame sees them.
     fn seen(theta: f64, shift: Vector, marks: &[(f64, f64)]) -> Vec<PointPair> {
         let back = Rotation2::new(-theta);
         let pair = |m: &(f64, f64)| {

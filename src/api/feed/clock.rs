@@ -180,7 +180,7 @@ mod tests {
 
     const ZERO: i64 = 1_800_000_000_000_000;
 
-    /// A device whose clock reads `offset_ms` less than the server's seconds, and runs fast by `ppm`.
+    /// A device with a clock that reads `offset_ms` less than the server's seconds, and runs fast by `ppm`.
     #[derive(Clone, Copy)]
     struct TestDevice {
         offset_ms: f64,

@@ -2,7 +2,7 @@
 //!
 //! Main types: [`Feeds`], [`Connection`] (its place), [`HeardSighting`], [`Told`]. A worker has one source at a time:
 //! a new connection takes the place of an old one, and reports of tags count while no headset talks. A change of
-//! source is a change of frame, so it begins an epoch. Guidance is the newest or none: nobody queues here. Refuses:
+//! source is a change of frame, so it begins an epoch. Guidance is the newest or none: there is no queue. Refuses:
 //! to know what is right for a worker.
 
 use super::intake::Senses;
@@ -63,7 +63,7 @@ pub struct CarriedSenses {
 pub struct Connection {
     /// Its number: a later connection has a larger one.
     pub number: u64,
-    /// The number of whoever has the place now.
+    /// The number of the connection that has the place now.
     pub taken: watch::Receiver<u64>,
     /// The newest guidance.
     pub told: watch::Receiver<Told>,
@@ -153,7 +153,7 @@ impl Feeds {
         self.slots().pairs().find(|(_, s)| s.name == name).map(|(w, _)| w)
     }
 
-    /// Gives a new connection the worker's place; whoever had it finds out.
+    /// Gives a new connection the worker's place; the connection that had it is told.
     pub fn sit(&self, worker: WorkerId) -> Option<Connection> {
         let mut slots = self.slots();
         let slot = slots.get(worker)?;
@@ -221,7 +221,7 @@ impl Feeds {
         for slot in self.slots().iter_mut() {
             left_out += std::mem::take(&mut slot.limiter.thinned);
             if let Some(heard) = slot.limiter.ready(now) {
-                // Where there is no room, the next one says so to whoever sends it.
+                // If there is no room, the source is told so at its next report.
                 let _ = self.inbox.try_send(heard);
             }
         }
@@ -257,7 +257,7 @@ impl Feeds {
         }
     }
 
-    /// How things stand by the newest picture.
+    /// Takes guidance and counts from the newest view.
     pub fn refresh(&self, view: &View) {
         for (worker, slot) in self.slots().pairs() {
             let seen = view.workers.get(worker.ix());

@@ -18,7 +18,7 @@ use crate::warehouse::Warehouse;
 /// Headsets predict poses for the moment at which they show them; this far ahead, beyond the error of the clock.
 const AHEAD: Span = Span::from_millis(100);
 
-/// What is older than this is of no use to anybody.
+/// What is older than this is of no use.
 const OLDEST: Span = Span::from_secs(10);
 
 /// People walk this fast where nothing better is known, metres per second (ISO 13855: 1.6).
@@ -61,7 +61,7 @@ pub struct TakenPose {
     pub fault: Option<PoseFault>,
 }
 
-/// What decides nothing and is carried through to those who ask.
+/// What decides nothing and is carried through to clients that ask.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Senses {
     /// Where somebody looks.
@@ -256,7 +256,7 @@ impl PoseIntake {
         let (device, given) = match (said.pos, said.at, self.frame) {
             (Some(pos), _, _) => (plan(pos), None),
             (None, Some([x, y]), PoseFrame::Map) => (Vector::new(x, y), said.heading),
-            // Who is lost says so, and need not make a place up.
+            // A device that is lost says so, and need not make a place up.
             _ if said.quality == QualitySaid::Lost => (self.stood.ok_or(PoseFault::NoPosition)?, self.faced),
             _ => return Err(PoseFault::NoPosition),
         };
@@ -265,7 +265,7 @@ impl PoseIntake {
         }
         let faced = match said.quat {
             None => given,
-            // Who looks straight up or down faces where they faced before.
+            // A person who looks straight up or down faces where they faced before.
             Some(quat) => facing(rotation(quat).ok_or(PoseFault::Quaternion)?).or(self.faced),
         };
         Ok((device, faced))
@@ -360,7 +360,7 @@ mod tests {
 
     const NOW: Time = Time(1_800_000_000_000_000);
 
-    /// A device whose clock reads 1000 ms at `NOW`.
+    /// A device with a clock that reads 1000 ms at `NOW`.
     fn intake(frame: PoseFrame) -> PoseIntake {
         let mut intake = PoseIntake::new(WorkerId(3), frame);
         let (asked, heard) = (NOW - Span::from_millis(4), NOW);

@@ -24,7 +24,7 @@ use utoipa::{IntoParams, ToSchema};
 /// The longest stay: a shift, seconds.
 const LONGEST_STAY_S: f64 = 8.0 * 3600.0;
 
-/// How long a stay is where nobody says, seconds.
+/// How long a stay is if the request does not say, seconds.
 const USUAL_STAY_S: f64 = 30.0;
 
 /// The longest text.
@@ -164,7 +164,7 @@ pub async fn finish(State(api): State<Api>, PathPart(id): PathPart) -> Result<Js
     end(&api, parse_id(&id)?, What::Finish).await
 }
 
-/// Ends an assignment one way or the other. Whoever asks for one that never was learns that first.
+/// Ends an assignment one way or the other. If there never was one of this number, the client learns that first.
 async fn end(
     api: &Api,
     id: AssignmentId,

@@ -1,6 +1,6 @@
 //! `/v1/heat`: where robots waited, and where robots and workers met, added up over a stretch of time.
 //!
-//! Main types: [`HeatDto`], [`CellDto`]. Refuses: to say who, which lists and reports do.
+//! Main types: [`HeatDto`], [`CellDto`]. Refuses: to name robots and workers, which lists and reports do.
 
 use super::history::stretch;
 use crate::api::Api;

@@ -17,13 +17,13 @@ use utoipa::{IntoParams, ToSchema};
 /// The most buckets of an answer.
 const MOST: i64 = 2000;
 
-/// Who does not say how long buckets are gets about so many at most.
+/// If the request does not say how long buckets are, it gets about so many at most.
 const USUAL: i64 = 400;
 
-/// Lengths for those who do not say, seconds.
+/// Lengths for requests that do not say, seconds.
 const LENGTHS_S: [i64; 5] = [10, 60, 600, 3600, 21_600];
 
-/// How far back one looks who does not say.
+/// How far back to look if the request does not say.
 const HOUR: Span = Span::from_secs(3600);
 
 /// Which time, in which steps.
@@ -120,7 +120,7 @@ pub async fn history(
     }))
 }
 
-/// From when to when; the last hour for who does not say.
+/// From when to when; the last hour if the request does not say.
 pub fn stretch(api: &Api, from: Option<&str>, to: Option<&str>) -> Result<(Time, Time), Problem> {
     let mut errors = Vec::new();
     let mut time = |field: &str, text: Option<&str>| -> Option<Time> {

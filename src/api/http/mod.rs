@@ -119,7 +119,7 @@ pub fn router(api: Api) -> (Router, Document) {
     (router, document)
 }
 
-/// Lets requests in that may come in; health is for everyone.
+/// Lets authorised requests in; health needs no token.
 async fn authorise(State(api): State<Api>, request: Request, next: Next) -> Response {
     let open = matches!(request.uri().path(), "/v1/health" | "/v1/health/live");
     match api.gate.check(request.headers()) {

@@ -26,7 +26,7 @@ const MOST: usize = 500;
 /// Clocks of tags may be ahead by so much; the fleet takes no more for true.
 const AHEAD: Span = Span::from_millis(150);
 
-/// What is older than this is of no use to anybody.
+/// What is older than this is of no use.
 const OLDEST: Span = Span::from_secs(10);
 
 /// Where a worker is, in the frame of the map.
@@ -138,7 +138,7 @@ pub fn report(api: &Api, sighting: Sighting, now: Time) -> Result<(), Problem> {
     })
 }
 
-/// A time that somebody else's clock says, if it can be.
+/// A time by another clock than the server's, if it can be right.
 pub fn checked_time(seen: Time, now: Time) -> Result<Time, String> {
     if seen > now + AHEAD {
         let ahead = (seen - now).as_secs_f64();

@@ -23,7 +23,7 @@ use utoipa::{IntoParams, ToSchema};
 /// How far ahead one may look, seconds.
 const FARTHEST_S: f64 = 120.0;
 
-/// How far ahead one looks who does not say, seconds.
+/// How far ahead to look if the request does not say, seconds.
 const USUAL_S: f64 = 60.0;
 
 /// Which part of the floor.

@@ -1,4 +1,4 @@
-//! `/v1/robots/{id}/why` and `/v1/jobs/{id}/why`: why somebody does not go on, to the root.
+//! `/v1/robots/{id}/why` and `/v1/jobs/{id}/why`: why a robot or a job does not go on, to the root.
 //!
 //! Main functions: [`robot`], [`job`]. Refuses: names that are none.
 

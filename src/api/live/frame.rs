@@ -1,4 +1,4 @@
-//! The picture as it travels, and what changed from one to the next, in rows that anybody can read.
+//! A frame: the view as it travels; and what changed from one to the next, in rows with names.
 //!
 //! Main type: [`Frame`]. Refuses: to know versions or readers.
 
@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// One row, or what changed of it.
 pub type FrameItem = Map<String, Value>;
 
-/// The picture as it travels.
+/// The view as it travels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
     pub(in crate::api) robots: Vec<RobotDto>,
@@ -31,14 +31,14 @@ pub struct Frame {
     pub(in crate::api) counters: Value,
     pub(in crate::api) alarms: Value,
     pub(in crate::api) time_s: f64,
-    /// What only recordings have: nobody who looks at the present gets it.
+    /// For recordings only: the live feed does not send it.
     pub(in crate::api) beside: Beside,
 }
 
-/// What a picture has beside what travels to those who look at the present.
+/// What a frame has beside what the live feed sends.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Beside {
-    /// The time from which the seconds of the picture count.
+    /// The time from which the seconds of the frame count.
     pub(in crate::api) zero: Time,
     /// The first of the jobs that wait.
     pub(in crate::api) backlog: Arc<Backlog>,
@@ -61,7 +61,7 @@ impl Beside {
 }
 
 impl Frame {
-    /// The picture of a moment; alarms count from `started_s`.
+    /// The frame of a moment; alarms count from `started_s`.
     pub fn of(map: &Warehouse, moment: &Moment, alarms: &[Alarm], started_s: f64) -> Frame {
         let names = Names { map, view: &moment.view };
         let counts = moment.view.counts;

@@ -1,10 +1,10 @@
-//! The live feed: a snapshot, then patches with base and version, made once for everybody.
+//! The live feed: a snapshot, then patches with base and version, made once for all clients.
 //!
-//! Main types: [`Live`], [`PatchFormat`]. [`Live::publish`] compares the new picture with the last one and writes one
-//! patch for each shape that somebody reads; readers fetch what they miss by version, so that a slow reader costs
-//! nothing but its own fresh snapshot. Versions start above those of every earlier run, so that a reader who resumes
-//! after a restart gets a snapshot. Refuses: a queue per reader, an encoding per reader, and work for shapes nobody
-//! reads.
+//! Main types: [`Live`], [`PatchFormat`]. [`Live::publish`] compares the new frame with the last one and writes one
+//! patch for each format that has readers; these fetch what they miss by version, so that a slow reader costs
+//! nothing but its own fresh snapshot. Versions start above those of every earlier run, so that a reader that resumes
+//! after a restart gets a snapshot. Refuses: a queue per reader, an encoding per reader, and work for formats without
+//! readers.
 
 mod forecast;
 mod frame;
@@ -19,7 +19,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard};
 use tokio::sync::watch;
 
-/// How many patches are kept for readers who resume: half a minute.
+/// How many patches are kept for readers that resume: half a minute.
 const KEPT: usize = 300;
 
 /// A reader further behind than this while it reads gets a snapshot: five seconds.
@@ -34,11 +34,11 @@ pub enum PatchFormat {
     Thin,
 }
 
-/// The last patches of one shape.
+/// The last patches of one format.
 #[derive(Debug, Default)]
 struct RecentPatches {
     patches: VecDeque<Utf8Bytes>,
-    /// The version at which somebody read last.
+    /// The version at the last read.
     read: Option<u64>,
 }
 
@@ -77,7 +77,7 @@ impl Live {
         self.newest.subscribe()
     }
 
-    /// Takes a new picture. Only one thread may publish; readers do not wait while it writes patches.
+    /// Takes the frame of a new moment. Only one thread may publish; readers do not wait while it writes patches.
     pub fn publish(&self, moment: &Moment, alarms: &[Alarm], started_s: f64) {
         let new = Arc::new(Frame::of(&self.map, moment, alarms, started_s));
         let (old, base, plain, thin) = {
@@ -120,7 +120,7 @@ impl Live {
         (vec![text], version)
     }
 
-    /// The latest picture; nothing before the first was published.
+    /// The latest frame; nothing before the first was published.
     pub fn frame(&self) -> Option<Arc<Frame>> {
         let state = self.state();
         (!state.frame.counters.is_null()).then(|| state.frame.clone())
@@ -137,7 +137,7 @@ impl Live {
 }
 
 impl RecentPatches {
-    /// Without a patch nobody can go on from before it.
+    /// Where a patch is missing, no reader can go on from before it.
     fn push(&mut self, patch: Option<Utf8Bytes>) {
         let Some(patch) = patch else {
             self.patches.clear();

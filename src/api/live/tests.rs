@@ -1,4 +1,4 @@
-//! The feed as readers of both shapes see it, against pictures that change all the time.
+//! The feed as readers of both formats see it, against frames that change all the time.
 
 use super::*;
 use crate::fleet::{AHEAD_S, Doing, Expected, Presence, RobotState, RobotView, Task, WorkerView};
@@ -82,7 +82,7 @@ fn picture(t: usize) -> Moment {
     }
 }
 
-/// Where a worker may be, at whatever moment `t`: it changes five times slower than the picture.
+/// Where a worker may be, at whatever moment `t`: it changes five times slower than the frame.
 fn expected(worker: usize, t: usize, parts: usize) -> Expected {
     let shift = (t / 5) as f64;
     let part = |k: usize| Part {
@@ -98,7 +98,7 @@ fn moment(robots: Vec<RobotView>) -> Moment {
     Moment { view: crate::fleet::View { robots, ..Default::default() }, ..Default::default() }
 }
 
-/// A reader as the contract describes it, of either shape.
+/// A reader as the contract describes it, of either format.
 fn apply(mirror: &mut Value, text: &str) {
     let message: Value = serde_json::from_str(text).unwrap();
     if message["type"] == "snapshot" {

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 /// Keys of robots that travel as numbers.
 const ROBOT: [&str; 6] = ["x", "y", "heading", "speed", "granted", "held"];
 
-/// Keys of workers that travel as numbers, and those that nobody watches ten times a second.
+/// Keys of workers that travel as numbers, and those that thin patches leave out.
 const WORKER: [&str; 9] = ["x", "y", "heading", "speed", "path", "seen", "eta", "version", "feed"];
 
 /// The patch to `new` from `old`, which has version `base`.

@@ -1,4 +1,4 @@
-//! What a recording has beside pictures, as readers see it: sums, jobs that waited, details of encounters.
+//! What a recording has beside frames, as readers see it: sums, jobs that waited, details of encounters.
 
 use super::tests::{TestFolder, cut};
 use super::*;
@@ -56,7 +56,7 @@ fn frame(zero: Time, at_s: f64) -> Arc<Frame> {
     Arc::new(Frame::of(&map, &moment, &[], 0.0))
 }
 
-/// Records a picture a second.
+/// Records a frame a second.
 fn record(folder: &Arc<Folder>, from_s: u32, to_s: u32) -> Rotation {
     let mut rotation = Rotation::new(folder.clone(), Limits { age_s: f64::INFINITY, bytes: u64::MAX });
     let zero = folder.start.unwrap_or(Time::ZERO);

@@ -2,7 +2,7 @@
 //!
 //! Main types: [`Folder`], [`Piece`] (one file), [`PastSpan`] (what there is), [`Cut`]. Seconds count from the start of
 //! the run that asks; earlier runs lie before 0. Beside each file lies its index, which is made again where it is
-//! missing. Refuses: to keep pictures in memory.
+//! missing. Refuses: to keep frames in memory.
 
 use super::{Limits, Mark, Out, RecordedFrame, RunningTotals, Sum, header, lines, split};
 use crate::api::text::round3;
@@ -49,7 +49,7 @@ pub struct Piece {
 /// What there is of the past, in seconds from the start.
 #[derive(Debug, Default, PartialEq)]
 pub struct PastSpan {
-    /// From when to when there are pictures, in order.
+    /// From when to when there are frames, in order.
     pub spans: Vec<(f64, f64)>,
     /// The bookmarks in them, in order.
     pub marks: Vec<Mark>,
@@ -110,7 +110,7 @@ impl Folder {
         all[first.min(end)..end].to_vec()
     }
 
-    /// A span, to be cut out; nothing where there is no picture of it.
+    /// A span, to be cut out; nothing if there is no frame of it.
     pub fn cut(&self, from_s: f64, to_s: f64, with_map: bool) -> Option<Cut> {
         let marks = self.past(from_s, to_s).marks;
         let pieces = self.pieces();
@@ -138,7 +138,7 @@ impl Folder {
         Ok(out)
     }
 
-    /// Deletes the last file where nobody could read anything of it.
+    /// Deletes the last file if no more than one frame of it can be read.
     pub(super) fn forget_empty(&self) {
         let mut pieces = self.pieces();
         if let Some(empty) = pieces.pop_if(|piece| piece.to_s <= piece.from_s) {
@@ -196,7 +196,7 @@ impl Folder {
 }
 
 impl Piece {
-    /// What a file has, by its index, or by reading it where that is missing; nothing where it has no picture.
+    /// What a file has, by its index, or by reading it where that is missing; nothing if it has no frame.
     fn open(path: &Path) -> Option<Piece> {
         let index = |text: String| serde_json::from_str::<Piece>(&text).ok();
         let known = std::fs::read_to_string(path.with_extension("json")).ok().and_then(index);
@@ -249,12 +249,12 @@ impl Piece {
 }
 
 impl Cut {
-    /// Hands on every line, from the last whole picture before the span to its end, until nobody wants any more.
+    /// Hands on every line, from the last key frame before the span to its end, until `put` says that it is enough.
     pub fn each(self, mut put: impl FnMut(&str) -> bool) {
         if !put(&self.head) {
             return;
         }
-        // What comes between the last whole picture and the beginning.
+        // Lines from the last key frame to the beginning of the span.
         let mut held = String::new();
         for (path, shift) in &self.pieces {
             let Ok(lines) = lines(path) else { continue };

@@ -1,7 +1,7 @@
-//! Bookmarks: what somebody who looks back looks for.
+//! Bookmarks: the events that people look for in a recording.
 //!
 //! Main types: [`Mark`], [`MarkKind`], [`Met`] (the details of an encounter). Most follow from facts; alarms and lost
-//! workers from two pictures that differ.
+//! workers from two frames that differ.
 //! Refuses: what happens all the time, such as robots that wait for one another.
 
 use crate::api::live::Frame;
@@ -34,7 +34,7 @@ pub struct Mark {
 /// The details of an encounter, as `GET /v1/encounters` has them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Met {
-    /// Who.
+    /// Id of the worker.
     #[schema(example = "w1")]
     pub worker: String,
     /// Name of the robot.
@@ -105,7 +105,7 @@ pub fn is_notable(fact: &Fact) -> bool {
     )
 }
 
-/// The bookmark of a fact; `zero` is the time from which seconds count, `frame` the picture after it.
+/// The bookmark of a fact; `zero` is the time from which seconds count, `frame` the first one after it.
 pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
     let seconds = |at: &Time| round3((*at - zero).as_secs_f64());
     let robot = |r: &RobotId| frame.robots.get(r.ix()).map(|robot| (robot.id.clone(), [robot.x, robot.y]));
@@ -186,7 +186,7 @@ fn met(e: &Encounter, seconds: impl Fn(&Time) -> f64, robot: String, frame: &Fra
     Mark { at_s, kind: MarkKind::Encounter, words, who, place, encounter }
 }
 
-/// What a picture says that the one before did not.
+/// What a frame says that the one before did not.
 pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
     let mut found = Vec::new();
     let rows = |frame: &Frame| frame.alarms.as_array().cloned().unwrap_or_default();

@@ -1,9 +1,9 @@
-//! Recordings: moving pictures of a fleet on file, so that what happened at 14:07 can be looked at again.
+//! Recordings: frames of a fleet on file, so that what happened at 14:07 can be looked at again.
 //!
-//! Main types: [`Recording`] (pictures and facts → lines), [`Mark`] (a bookmark), [`Sum`] (figures so far), [`Out`] (a
+//! Main types: [`Recording`] (frames and facts → lines), [`Mark`] (a bookmark), [`Sum`] (figures so far), [`Out`] (a
 //! file of them), [`Folder`] (many, by time), [`Rotation`] (writes a folder), [`page()`] (a page that needs no server).
 //! A recording is JSON lines, packed with gzip; docs/replay.md writes the contract down. Patches are those of the thin
-//! live feed. Refuses: to compare pictures in a way of its own, and to hold back whoever runs the fleet.
+//! live feed. Refuses: to compare frames in a way of its own, and to hold back the program that runs the fleet.
 
 mod file;
 mod folder;
@@ -31,16 +31,16 @@ use std::fmt::Write;
 use std::sync::Arc;
 use sum::Counting;
 
-/// How often there is a picture.
+/// How often there is a frame.
 pub const EVERY: Span = Span::from_millis(200);
 
-/// How often there is a whole one: who looks at a moment reads this much before it at most.
+/// Interval between key frames, seconds: seeking reads at most this much before the moment.
 const KEY_EVERY_S: f64 = 10.0;
 
-/// So many facts wait for the next picture, which is long in coming where the disk takes nothing.
+/// So many facts wait for the next frame, which is long in coming if the disk takes nothing.
 const MOST_WAITING: usize = 1000;
 
-/// Turns pictures and facts into lines.
+/// Turns frames and facts into lines.
 pub struct Recording {
     map: Arc<Warehouse>,
     name: String,
@@ -52,7 +52,7 @@ pub struct Recording {
     counting: Counting,
 }
 
-/// What one picture adds to a recording.
+/// What one frame adds to a recording.
 #[derive(Debug, Default)]
 pub struct RecordedFrame {
     /// When, seconds from the start.
@@ -66,15 +66,14 @@ pub struct RecordedFrame {
 }
 
 impl Recording {
-    /// A recording of this fleet. `start` is the time of day at which its pictures count from 0; nothing in a
-    /// simulation.
+    /// A recording of this fleet. `start` is the time from which its seconds count; nothing in a simulation.
     pub fn new(map: Arc<Warehouse>, name: String, start: Option<Time>) -> Recording {
         let keyed_s = f64::NEG_INFINITY;
         let counting = Counting::default();
         Recording { map, name, start, last: None, version: 0, keyed_s, facts: Vec::new(), counting }
     }
 
-    /// The first line of a file. The next picture begins with a whole one.
+    /// The first line of a file. The next frame comes with a key frame.
     pub fn header(&mut self) -> String {
         self.keyed_s = f64::NEG_INFINITY;
         header(&self.name, self.start, Some(&self.map))
@@ -87,7 +86,7 @@ impl Recording {
         }
     }
 
-    /// The lines of a picture; nothing where it is the one before.
+    /// The lines of a frame; nothing if it is no newer than the one before.
     pub fn picture(&mut self, frame: &Arc<Frame>) -> Option<RecordedFrame> {
         let at_s = frame.time_s;
         if self.last.as_ref().is_some_and(|last| last.time_s >= at_s) {
@@ -102,7 +101,7 @@ impl Recording {
             self.counting.go(last, frame);
         }
         self.version += 1;
-        // Beside the patch, so that whoever plays on need not begin anew.
+        // Beside the patch, so that a reader that plays on need not begin anew.
         if at_s - self.keyed_s >= KEY_EVERY_S {
             let whole = frame.snapshot(self.version);
             writeln!(lines, "{{\"at\":{at_s},\"key\":{whole}}}").expect("texts take everything");
@@ -123,7 +122,7 @@ impl Recording {
     }
 }
 
-/// The first line of a recording; without a map it is for those who have that.
+/// The first line of a recording; without a map it is for readers that have the map.
 fn header(name: &str, start: Option<Time>, map: Option<&Warehouse>) -> String {
     let start_s = start.map(|start| round3(start.as_secs_f64()));
     let map = map.map_or_else(|| "null".into(), map_text);

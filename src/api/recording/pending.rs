@@ -1,6 +1,6 @@
 //! Waiting jobs as recordings list them.
 //!
-//! Main function: [`line()`]. Refuses: to say how many wait, which the picture does.
+//! Main function: [`line()`]. Refuses: to say how many wait, which the frame does.
 
 use crate::api::live::Frame;
 use crate::api::text::{job_name, round3};
@@ -11,7 +11,7 @@ use crate::warehouse::Warehouse;
 use serde::Serialize;
 use serde_json::json;
 
-/// A job that nobody had yet.
+/// A job that no robot had yet.
 #[derive(Serialize)]
 struct PendingDto {
     id: String,
@@ -25,7 +25,7 @@ struct PendingDto {
     after: Option<String>,
 }
 
-/// The line that lists the waiting jobs of a picture. Its time is that of the list.
+/// The line that lists the waiting jobs of a frame. Its time is that of the list.
 pub fn line(frame: &Frame, map: &Warehouse) -> String {
     let seconds = |at: Time| round3((at - frame.beside.zero).as_secs_f64());
     let backlog = &frame.beside.backlog;

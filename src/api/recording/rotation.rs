@@ -1,6 +1,6 @@
 //! Writing a folder of recordings: a new file every few minutes, old ones deleted.
 //!
-//! Main types: [`Rotation`], [`Limits`]. Refuses: to keep anything in memory but the last picture, and to grow without
+//! Main types: [`Rotation`], [`Limits`]. Refuses: to keep anything in memory but the last frame, and to grow without
 //! bound on the disk.
 
 use super::folder::Piece;
@@ -56,10 +56,10 @@ impl Rotation {
         self.recording.note(fact);
     }
 
-    /// Takes a picture.
+    /// Takes a frame.
     ///
     /// # Errors
-    /// Where the disk takes no more; what was flushed stays, and the next picture begins a new file.
+    /// Where the disk takes no more; what was flushed stays, and the next frame begins a new file.
     pub fn take(&mut self, frame: &Arc<Frame>) -> io::Result<()> {
         let taken = self.try_take(frame);
         if taken.is_err() {

@@ -1,7 +1,7 @@
 //! Running sums: what was counted since a recording was begun, for charts over any stretch of it.
 //!
-//! Main types: [`RunningTotals`] (the sums), [`Sum`] (with their time), [`Counting`] (adds them up from picture to
-//! picture). Differences of sums make figures, and any of them may be left out ([`thinned`]). Counters are those of the
+//! Main types: [`RunningTotals`] (the sums), [`Sum`] (with their time), [`Counting`] (adds them up from frame to
+//! frame). Differences of sums make figures, and any of them may be left out ([`thinned`]). Counters are those of the
 //! fleet, which go on after a restart; seconds begin anew. Refuses: rates.
 
 use crate::api::live::Frame;
@@ -9,7 +9,7 @@ use crate::api::text::round3;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// Pictures farther apart have a gap between them, of which nothing is counted, seconds.
+/// Frames farther apart have a gap between them, of which nothing is counted, seconds.
 const GAP_S: f64 = 1.0;
 
 /// Sums farther apart have a gap between them, seconds.
@@ -18,7 +18,7 @@ const APART_S: f64 = 15.0;
 /// What was counted so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RunningTotals {
-    /// Seconds of which there are pictures.
+    /// Seconds of which there are frames.
     pub covered_s: f64,
     /// Racks served at stations.
     pub robot_deliveries: u64,
@@ -36,7 +36,7 @@ pub struct RunningTotals {
     pub waiting_s: f64,
     /// Seconds of workers on the floor, all together.
     pub worker_s: f64,
-    /// Length of the last 1200 searches, median, microseconds; 0 where nobody measured it. No sum.
+    /// Length of the last 1200 searches, median, microseconds; 0 if it was not measured. No sum.
     pub plan_us_p50: u64,
     /// The same, 99th percentile. No sum.
     pub plan_us_p99: u64,
@@ -52,7 +52,7 @@ pub struct Sum {
     pub tally: RunningTotals,
 }
 
-/// Adds up what lies between pictures.
+/// Adds up what lies between frames.
 #[derive(Debug, Default)]
 pub(super) struct Counting {
     covered_s: f64,
@@ -61,7 +61,7 @@ pub(super) struct Counting {
 }
 
 impl Counting {
-    /// Goes on from one picture to the next.
+    /// Goes on from one frame to the next.
     pub(super) fn go(&mut self, old: &Frame, new: &Frame) {
         let span = new.time_s - old.time_s;
         if span <= GAP_S {
@@ -71,7 +71,7 @@ impl Counting {
         }
     }
 
-    /// The sums at a picture.
+    /// The sums at a frame.
     pub(super) fn sum(&self, frame: &Frame) -> Sum {
         let count = |name: &str| frame.counters[name].as_u64().unwrap_or(0);
         let tally = RunningTotals {

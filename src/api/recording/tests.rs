@@ -37,7 +37,7 @@ impl Drop for TestFolder {
     }
 }
 
-/// The picture at a moment, in which nothing but the clock and an alarm goes on.
+/// The frame at a moment, in which nothing but the clock and an alarm goes on.
 fn frame(at_s: f64, alarms: &Alarms) -> Arc<Frame> {
     let map = Arc::new(lab());
     let view = Fleet::new(map.clone(), Settings::default()).view(Time::ZERO);

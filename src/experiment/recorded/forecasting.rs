@@ -16,7 +16,7 @@ pub const LEVELS: [f64; 4] = [0.5, 0.9, 0.95, 0.99];
 /// No density counts as less than this, per m².
 const DENSITY_MIN: f64 = 1e-8;
 
-/// Who predicts.
+/// What predicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Predictor {
     /// Filter, goals and learned figures.

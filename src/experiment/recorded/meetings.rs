@@ -1,4 +1,4 @@
-//! Recorded people among robots that know nothing of them: who would have braked in time, and who for nothing.
+//! Recorded people among robots that know nothing of them: which would brake in time, and which for nothing.
 //!
 //! Main types: [`MeetingReplay`], [`RuleScore`]. Robots drive timetabled ways of straight legs through the hall;
 //! whenever a footprint and a person overlap, it is asked what probability was stated when the robot would
@@ -23,7 +23,7 @@ const PERIOD_S: f64 = 0.05;
 pub const CLASSES: [f64; 9] = [0.002, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0];
 /// A look every so often.
 const TICK: Span = Span::from_millis(100);
-/// Who is this far away is not looked at, metres.
+/// A person this far away is not looked at, metres.
 const NEAR_M: f64 = 12.0;
 /// Overlaps this close in time are one meeting.
 const APART: Span = Span::from_secs(2);

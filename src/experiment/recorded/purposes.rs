@@ -24,7 +24,7 @@ const BINS: usize = 10;
 /// Goals less probable than this are missed.
 const MISS: f64 = 0.05;
 
-/// Who recognises.
+/// What recognises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Recogniser {
     /// One of the product's methods.

@@ -31,8 +31,8 @@ const THERE_M: f64 = 1.0;
 const PLACE_M: f64 = 1.0;
 /// How often people change how resolute they are, per second.
 const TEMPER_PER_S: f64 = 0.02;
-/// So much of what steps say about resoluteness counts: those of one straight leg are one piece of evidence, and who
-/// took them for many would be too sure of somebody who turns at the end of it.
+/// So much of what steps say about resoluteness counts: those of one straight leg are one piece of evidence. Taken
+/// for many, they would make the model too sure of a person who turns at the end of it.
 const EVIDENCE: f64 = 0.25;
 
 /// Figures of the recogniser.

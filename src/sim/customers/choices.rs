@@ -37,7 +37,7 @@ pub(super) struct Choices {
     /// Requests that are handed in a second time.
     again: Vec<JobRequest>,
     keys: u64,
-    /// A pick that was decided about: at whose stop, and whether goods are missing.
+    /// The pick last decided at a station: the robot, the serial number of its visit, and whether goods are missing.
     picks: BTreeMap<StationId, (RobotId, u64, bool)>,
 }
 

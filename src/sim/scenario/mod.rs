@@ -1,7 +1,7 @@
 //! Scenario files: a map, a fleet, customers, faults, how long and with which seed.
 //!
-//! Main type: [`Scenario`]. Takes text; whoever reads the file resolves the paths in it. Refuses: unknown keys and
-//! numbers that cannot be.
+//! Main type: [`Scenario`]. Takes text; the caller reads the file and resolves the paths in it. Refuses: unknown
+//! keys and numbers that cannot be.
 
 mod check;
 mod closures;

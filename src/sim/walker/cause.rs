@@ -1,6 +1,6 @@
 //! Why a walker does what it does: the truth against which detection is scored. The fleet never sees it.
 //!
-//! Main types: [`WalkCause`], [`CauseStretch`], [`Log`]. Refuses: to be known to anybody but the scorer.
+//! Main types: [`WalkCause`], [`CauseStretch`], [`Log`]. Refuses: to be known to any module but the scorer.
 
 use super::persona::Persona;
 use crate::geometry::Point;

@@ -27,7 +27,7 @@ const HERE_M: f64 = 0.3;
 /// A way is looked along so far, in steps of so much, metres.
 const LOOK_M: f64 = 3.0;
 const STEP_M: f64 = 0.2;
-/// Whoever has got so far is not kept by the same robot any more, metres.
+/// A walker that has moved this far is no longer blocked by the same robot, metres.
 const GOT_AWAY_M: f64 = 0.5;
 /// Robots this near are in the way of a detour, metres.
 const IN_SIGHT_M: f64 = 6.0;
@@ -46,8 +46,8 @@ impl Walker {
         self.mind_robots(now, around);
     }
 
-    /// Takes what is shown in. Another way to work is followed, or it is not. Whoever has an errand keeps to
-    /// it, but takes a way that leads there.
+    /// Takes what is shown in. Another way to work is followed, or it is not. A walker on an errand keeps
+    /// to it, but takes a way that leads there.
     fn heed(&mut self, shown: Shown, walkways: &Walkways) {
         let new = self.shown.as_ref().is_none_or(|s| s.version != shown.version);
         if new && shown.redirected {
@@ -66,7 +66,8 @@ impl Walker {
         self.shown = Some(shown);
     }
 
-    /// Only who walks to work has time for ideas; what the scenario says is always done.
+    /// Only a walker on its way to work follows an impulse. One that the scenario scripts is followed at any time until
+    /// the walker leaves.
     fn follow(
         &mut self,
         impulse: Impulse,
@@ -276,7 +277,7 @@ impl Walker {
         work: &WorkKnowledge<'_>,
     ) {
         let here = self.legs.at;
-        // Whoever shuffles to and fro before a robot has not got away from it.
+        // A walker that shuffles to and fro in front of a robot has not got away from it.
         self.blocked_since = self.blocked_since.filter(|(_, at)| (here - at).norm() < GOT_AWAY_M);
         if !self.legs.blocked {
             return;

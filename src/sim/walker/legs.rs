@@ -1,7 +1,7 @@
 //! How a walker gets along a route: gait, corners, and what it cannot walk through.
 //!
 //! Main types: [`Legs`], [`WalkerSurroundings`], [`RobotNear`]. Walls are never walked through; a robot is stopped
-//! before, and nobody steps in front of a moving one that it minds. Refuses: to know where the route comes
+//! before, and no walker steps in front of a moving one that it minds. Refuses: to know where the route comes
 //! from.
 
 use crate::geometry::{Point, Vector, wrap_angle};
@@ -20,7 +20,7 @@ const WALL_M: f64 = 0.3;
 const SIDE_M: f64 = 0.1;
 /// A walker stops before a robot that drives towards it when it would be there after so many seconds.
 const COMES_S: f64 = 1.2;
-/// Whoever is caught between walls looks so far for a place from which to go on, metres.
+/// A walker caught between walls looks so far for a place from which to go on, metres.
 const LEAVE_M: f64 = 2.5;
 /// Nearer than this is there, metres.
 const THERE_M: f64 = 0.05;
@@ -215,7 +215,7 @@ impl Legs {
         }
         let taken = robots.iter().any(|r| {
             let gap = r.gap(to);
-            // Nobody walks on towards a robot that cannot stop in time.
+            // No walker walks on towards a robot that cannot stop in time.
             let comes = if r.sweeps(to, 3.0) { COMES_S * r.velocity.norm() } else { 0.0 };
             let nearer = gap < STAND_OFF_M + comes && gap <= r.gap(self.at);
             let steps_in = || r.sweeps(to, foresight) && !r.sweeps(self.at, foresight);

@@ -92,7 +92,7 @@ struct Aside {
 pub struct Walker {
     /// Who it is.
     pub traits: Traits,
-    /// Jobs that it has finished, in order; whoever reads takes them.
+    /// Jobs that it has finished, in order; the reader takes them out.
     pub finished: Vec<AssignmentId>,
     legs: Legs,
     doing: WalkerDoing,

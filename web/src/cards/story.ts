@@ -51,7 +51,7 @@ function changed<T extends { id: string }>(old: Table<T>, now: Table<T>, see: (b
   if (old === now) return;
   for (let i = 0; i < now.rows.length; i++) {
     const after = now.rows[i]!;
-    // Rows that nobody touched keep their identity, and rows seldom change places.
+    // Rows that did not change keep their identity, and rows seldom change places.
     const before = old.rows[i]?.id === after.id ? old.rows[i]! : row(old, after.id);
     if (before !== undefined && before !== after) see(before, after);
   }

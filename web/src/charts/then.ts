@@ -2,7 +2,7 @@
 import type { Sum } from '../wire';
 import { CHARTS, type Chart, type Figures, type Grid } from './series';
 
-/** The charts of the present, but that pictures say of searches how long 99 % of them took at most. */
+/** The charts of the present, but that frames say of searches how long 99 % of them took at most. */
 export const CHARTS_THEN: readonly Chart[] = CHARTS.map((chart) => {
   if (chart.id !== 'plans') return chart;
   const [median, most] = chart.lines;

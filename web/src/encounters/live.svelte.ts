@@ -57,7 +57,7 @@ export class LiveEncounters implements EncountersShown {
       if (over()) return null;
       if (answer.kind === 'ok') {
         this.#newest = answer.value.items;
-        // Whoever went back goes on from there.
+        // A user who went back goes on from there.
         if (this.#older.length === 0) this.#next = answer.value.next;
       }
       this.wrong = trouble(answer);

@@ -11,7 +11,7 @@ export interface EncountersShown {
   readonly title: string;
   /** What is said where there are none at all. */
   readonly none: string;
-  /** Whose are shown, by id; empty for everybody's. */
+  /** The worker and the robot to show encounters of, by id; empty for all. */
   worker: string;
   robot: string;
   readonly items: readonly Encounter[];

@@ -39,7 +39,8 @@ export class Layers {
     }
     let newest: string | null = null;
     return poll(async (over) => {
-      // The server's clock says when now is; a recording has a clock of its own. Who does not say gets an hour.
+      // The server's clock says when now is; a recording has a clock of its own. With no time given, it answers for the
+      // last hour.
       const from = newest === null ? {} : { from: new Date(Date.parse(newest) - 1_000 * period).toISOString() };
       const answer = await api.heat(kind, from);
       if (over()) return null;

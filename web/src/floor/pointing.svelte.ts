@@ -5,7 +5,7 @@ export class Pointing {
   chosen = $state.raw<Picked | null>(null);
   hovered = $state.raw<Picked | null>(null);
 
-  /** Whose card is shown: what is chosen stays, whatever the pointer passes. */
+  /** What the card is about: what is chosen stays, whatever the pointer passes. */
   get picked(): Picked | null {
     return this.chosen ?? this.hovered;
   }

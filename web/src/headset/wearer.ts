@@ -18,7 +18,7 @@ const PLACED_EVERY_MS = 1_000;
 const NOTICE_MS = 6_000;
 /** So much of the path may be left for the wearer to be at the place already: metres. */
 const THERE_M = 2.5;
-/** Who points at a map is right to about a metre. */
+/** A person who points at a map is right to about a metre. */
 const PLACED_ACCURACY_M = 1;
 
 export class Wearer {

@@ -1,4 +1,4 @@
-// The jobs of a moment of the past: those that waited, from the lists of a reel, and those under way, from its pictures. Pure.
+// The jobs of a past moment: those that waited, from the lists of a reel; those under way, from its frames. Pure.
 import type { Listed } from '../replay';
 import type { Mirror, Robot } from '../wire';
 

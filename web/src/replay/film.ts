@@ -1,4 +1,4 @@
-// Where a replay takes its pictures from: a file that is here as a whole, or a server that is asked for a minute at a
+// Where a replay takes its frames from: a file that is here as a whole, or a server that is asked for a minute at a
 // time. Seconds count from the start of the film; a server's earlier runs lie before 0.
 import { trouble, type Api, type FloorMap, type HeatKind, type HeatPage, type Mark, type Sum } from '../wire';
 import { readReel, type Listed, type Reel, type Shot } from './reel';
@@ -15,14 +15,14 @@ export interface Film {
   readonly map: FloorMap | null;
   /** Seconds since 1970 from which times count; null in a simulation. */
   readonly start: number | null;
-  /** From when to when there are pictures. */
+  /** From when to when there are frames. */
   readonly spans: readonly Span[];
   readonly marks: readonly Mark[];
   /** What is wrong, in words. */
   readonly wrong: string | null;
-  /** The pictures round a moment; null while they are fetched. */
+  /** The frames round a moment; null while they are fetched. */
   shots(t: number): readonly Shot[] | null;
-  /** The pictures from one moment to another, as far as they are here; the others are fetched. */
+  /** The frames from one moment to another, as far as they are here; the others are fetched. */
   between(from: number, to: number): readonly Shot[];
   /** Lists of the jobs that waited round a moment, in order; null while they are fetched. */
   lists(t: number): readonly Listed[] | null;
@@ -40,7 +40,7 @@ type Spanned = Pick<Film, 'spans'>;
 export const begins = (film: Spanned): number => film.spans[0]?.from_s ?? 0;
 export const ends = (film: Spanned): number => film.spans.at(-1)?.to_s ?? 0;
 
-/** The moment itself, or the next one of which there is a picture. */
+/** The moment itself, or the next one of which there is a frame. */
 export function snap(film: Spanned, t: number): number {
   for (const span of film.spans) if (t <= span.to_s) return Math.max(t, span.from_s);
   return ends(film);
@@ -78,7 +78,7 @@ export class FileFilm implements Film {
   refresh = (): Promise<void> => Promise.resolve();
 }
 
-/** A longer time without a picture is a gap. */
+/** A longer time without a frame is a gap. */
 const GAP_S = 5;
 
 function spansOf(shots: readonly Shot[]): Span[] {
@@ -166,7 +166,7 @@ export class ServerFilm implements Film {
       if (piece) pieces.push(piece);
     }
     if (pieces.length !== this.#joined.pieces.length || pieces.some((piece, i) => piece !== this.#joined.pieces[i])) {
-      // Each begins with a whole picture, from before the end of the one that it follows.
+      // Each begins with a key frame, from before the end of the one that it follows.
       const shots = pieces.flatMap((piece, i) => (i === 0 ? piece.shots : piece.shots.filter((shot) => shot.at > pieces[i - 1]!.to)));
       this.#joined = { pieces, shots };
     }

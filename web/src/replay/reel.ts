@@ -1,5 +1,5 @@
-// A reel as it is read: lines of JSON to pictures, bookmarks, sums and lists of jobs. Pictures and lists stay text until somebody looks at them: a
-// minute of a large floor is megabytes, and most of it is only passed over. What is wrong is said in words.
+// A reel as it is read: lines of JSON to frames, bookmarks, sums and lists of jobs. Frames and lists stay text until
+// they are needed: a minute of a large floor is megabytes, most of it only passed over. What is wrong is said in words.
 import { MARK_KINDS, type FloorMap, type Mark, type Sum } from '../wire';
 
 /** The jobs that waited at a moment, in JSON. */
@@ -9,7 +9,7 @@ export interface Listed {
 }
 export interface Shot {
   at: number;
-  /** A whole picture, or what changed since the one before. */
+  /** A key frame, or what changed since the frame before. */
   kind: 'key' | 'patch';
   /** The message of the live feed, in JSON. */
   text: string;

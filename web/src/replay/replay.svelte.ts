@@ -9,7 +9,7 @@ export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16, 32, 64] as const;
 export const REACHES = [120, 600, 3_600, 0] as const;
 const REFRESH_MS = 3_000;
 const RECENT_S = 60;
-/** Whoever goes to a bookmark wants to see how it came about. */
+/** A user who goes to a bookmark wants to see how it came about. */
 const LEAD_S = 5;
 
 export class Replay {
@@ -17,7 +17,7 @@ export class Replay {
   t = $state(0);
   playing = $state(true);
   speed = $state(1);
-  /** The pictures of this moment are being fetched. */
+  /** The frames of this moment are being fetched. */
   waiting = $state(false);
   wrong = $state.raw<string | null>(null);
   marks = $state.raw<readonly Mark[]>([]);
@@ -44,7 +44,7 @@ export class Replay {
     this.#look();
     const long = this.end - this.begin > 1_200;
     this.reach = from !== null && to !== null && to > from ? to - from : long ? 600 : 0;
-    // Who asks a running server for nothing in particular wants to see what has just happened.
+    // A user who asks a running server for nothing in particular wants to see what has just happened.
     const recent = film.source === 'server';
     this.left = from ?? (recent && this.reach > 0 ? Math.max(this.begin, this.end - this.reach) : this.begin);
     this.t = snap(film, from ?? (recent ? Math.max(this.begin, this.end - RECENT_S) : this.begin));

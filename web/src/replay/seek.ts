@@ -1,5 +1,5 @@
-// From pictures to the mirror of a moment: on from what is shown where the patches lead there, else from the last
-// whole picture. Both ways come to the same; playing is cheap, and seeking costs some dozens of patches.
+// From frames to the mirror of a moment: on from what is shown if the patches lead there, else from the last
+// key frame. Both ways come to the same; playing is cheap, and seeking costs some dozens of patches.
 import { EMPTY, parseMessage, reduce, type Mirror } from '../wire';
 import type { Shot } from './reel';
 
@@ -8,10 +8,10 @@ export interface Shown {
   mirror: Mirror;
   how: 'glide' | 'jump';
 }
-/** So many patches are played; further on, whole pictures are the shorter way. */
+/** So many patches are played; further on, key frames are the shorter way. */
 const MOST_PLAYED = 60;
 
-/** What is to be seen at `t`; before the first picture, that one. Null where there is no whole picture. */
+/** What is to be seen at `t`; before the first frame, that one. Null if there is no key frame. */
 export function seek(shots: readonly Shot[], t: number, shown: Shown | null): Shown | null {
   const first = shots.findIndex((shot) => shot.kind === 'key');
   if (first < 0) return null;
@@ -29,7 +29,7 @@ export function seek(shots: readonly Shot[], t: number, shown: Shown | null): Sh
   return mirror && { at: shots[last]!.at, mirror, how: 'jump' };
 }
 
-/** The number of the first picture after `t`. */
+/** The number of the first frame after `t`. */
 export function after(shots: readonly Shot[], t: number): number {
   let [low, high] = [0, shots.length];
   while (low < high) {
@@ -44,7 +44,7 @@ export function after(shots: readonly Shot[], t: number): number {
 function play(shots: readonly Shot[], from: number, to: number, mirror: Mirror): Mirror | null {
   for (let i = from; i <= to; i++) {
     const shot = shots[i]!;
-    // Whoever has the picture before needs no whole one: rows keep their identity, and motion goes on.
+    // After the frame before, no key frame is needed: rows keep their identity, and motion goes on.
     if (shot.kind === 'key' && mirror !== EMPTY) continue;
     const message = parseMessage(shot.text);
     const reduced = message && reduce(mirror, message);

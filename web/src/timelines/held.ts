@@ -1,12 +1,12 @@
-// Who held which places when, from pictures of the past. What was read is kept from one moment to the next, and a large
-// floor is read in slices, so that the page goes on meanwhile.
+// Which robots held which places when, from frames of the past. What was read is kept from one moment to the next, and
+// a large floor is read in slices, so that the page goes on meanwhile.
 import { after, seek, type Shot, type Shown } from '../replay';
 import type { FloorMap, Hold, Strip } from '../wire';
 import { BACK_S } from './gantt';
 
-/** A longer time without a picture is no hold. */
+/** A longer time without a frame is no hold. */
 const GAP_S = 1;
-/** So long is read before somebody else may do something, milliseconds. */
+/** So long is read before other work gets a turn, milliseconds. */
 const SLICE_MS = 40;
 
 /** A hold, in seconds of the film. */
@@ -20,7 +20,7 @@ interface Held {
 /** What is known of an area. */
 export interface Around {
   nodes: Strip[];
-  /** Whether all pictures of the time asked for were read. */
+  /** Whether all frames of the time asked for were read. */
   whole: boolean;
 }
 
@@ -28,14 +28,14 @@ export class HeldThen {
   #of: { shots: readonly Shot[]; map: FloorMap; area: string } | null = null;
   #places = new Map<number, { id: string; x: number; y: number }>();
   #holds: Held[] = [];
-  /** The last hold of a place by somebody, granted or not. */
+  /** The last hold of a place by a robot, granted or not. */
   #last = new Map<string, Held>();
   #from = 0;
-  /** The picture that was read last, and what it showed. */
+  /** The frame that was read last, and what it showed. */
   #read = -Infinity;
   #shown: Shown | null = null;
 
-  /** Who held the places of an area from a little before `t` to `ahead` seconds after it, as far as that is read. */
+  /** What held the places of an area from a little before `t` to `ahead` seconds after it, as far as that is read. */
   around(shots: readonly Shot[], map: FloorMap, area: readonly number[], t: number, ahead: number, now = () => performance.now()): Around {
     const from = t - BACK_S;
     const of = this.#of;
@@ -70,7 +70,7 @@ export class HeldThen {
     return true;
   }
 
-  /** Notes who holds what in the picture that was read last. */
+  /** Notes which robot holds what in the frame that was read last. */
   #take(at: number): void {
     for (const robot of this.#shown?.mirror.robots.rows ?? []) {
       robot.granted.forEach((node) => this.#note(node, robot.id, true, at));
@@ -93,7 +93,7 @@ export class HeldThen {
 
   #strips(t: number, to: number): Strip[] {
     const strips = new Map([...this.#places].map(([node, place]): [number, Strip] => [node, { ...place, holds: [], conditions: [] }]));
-    // What was only promised, to one after the other, lies below where somebody was.
+    // What was only announced, to one robot after the other, lies below what was granted.
     const inOrder = this.#holds.toSorted((a, b) => Math.max(a.from, this.#from) - Math.max(b.from, this.#from) || (a.by < b.by ? -1 : 1));
     for (const granted of [false, true]) {
       for (const held of inOrder) {

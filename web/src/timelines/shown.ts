@@ -1,4 +1,4 @@
-// What the panel of timelines shows: of the present, asked of the server, or of the past, read from pictures.
+// What the panel of timelines shows: of the present, asked of the server, or of the past, read from frames.
 import type { Replay, Source } from '../replay';
 import { trouble, type Api, type FloorMap, type Timelines } from '../wire';
 import { BACK_S } from './gantt';
@@ -15,7 +15,7 @@ export interface Held {
 }
 export interface TimelinesShown {
   readonly tense: 'now' | 'then';
-  /** Who holds the places of an area, so many seconds ahead. */
+  /** What holds the places of an area, so many seconds ahead. */
   ask(area: Area, ahead: number): Promise<Held>;
 }
 
@@ -52,7 +52,7 @@ export class PastTimelines {
     this.#replay = replay;
   }
 
-  /** Who held the places of an area around the moment, and whether that is all; null while pictures are fetched. */
+  /** What held the places of an area around the moment, and whether that is all; null while frames are fetched. */
   around(map: FloorMap, area: Area, ahead: number): (Timelines & Pick<Around, 'whole'>) | null {
     const { film, t } = this.#replay;
     if (!film.shots(t)) return null;

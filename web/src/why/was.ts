@@ -1,14 +1,14 @@
-// Why a robot waited in the past, from the words of the pictures alone: so it works for a file without a server, too.
+// Why a robot waited in the past, from the words of the frames alone: so it works for a file without a server, too.
 import { doing } from '../words';
 import { row, type Mirror, type Robot } from '../wire';
 
-/** One link of a chain: who, and what it waits for or does, in words. */
+/** One link of a chain: a robot, and what it waits for or does, in words. */
 export interface Link {
   readonly who: string;
   readonly text: string;
 }
 
-/** From a robot that waits to the root, as far as the words of the picture lead; empty where it does not wait. */
+/** From a robot that waits to the root, as far as the words of the frame lead; empty where it does not wait. */
 export function chainOf(mirror: Mirror, id: string): Link[] {
   const chain: Link[] = [];
   const met = new Set<string>();

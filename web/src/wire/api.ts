@@ -55,7 +55,7 @@ export class Api {
   /** Running sums of a span, one for so many seconds. */
   figures = (from: number, to: number, step: number) => this.#ask<{ sums: Sum[] }>('GET', `/v1/past/figures?from=${from}&to=${to}&step=${step}`);
 
-  /** The pictures of a span. */
+  /** The frames of a span. */
   async reel(from: number, to: number, map: 'with map' | 'without map'): Promise<Answer<Blob>> {
     const query = new URLSearchParams({ from: `${from}`, to: `${to}`, map: `${map === 'with map'}` });
     return this.#ask<Blob>('GET', `/v1/past/reel?${query}`, { Accept: 'application/gzip' });

@@ -28,7 +28,7 @@ export type Met = Omit<Encounter, 'id' | 'began' | 'lasted_s'> & { ended_s: numb
 /** What was counted so far: differences are figures. */
 export interface Sum {
   at_s: number;
-  /** Seconds of which there are pictures. */
+  /** Seconds of which there are frames. */
   covered_s: number;
   robot_deliveries: number;
   human_deliveries: number;

@@ -5,7 +5,7 @@ export type NodeKind = 'aisle' | 'storage' | 'station' | 'queue' | 'charger' | '
 export type Traveller = 'loaded' | 'unloaded' | 'people';
 export type Point = [x: number, y: number];
 
-/** Metres and radians in a right-handed frame with y up; the screen flips y, nobody else. */
+/** Metres and radians in a right-handed frame with y up; only the screen flips y. */
 export interface FloorMap {
   name: string;
   bounds: [x0: number, y0: number, x1: number, y1: number];
@@ -99,7 +99,7 @@ export interface Worker {
   id: string;
   name: string;
   presence: Presence;
-  /** null while nobody has seen the worker. */
+  /** null while the worker has not been seen. */
   x: number | null;
   y: number | null;
   heading: number | null;
@@ -267,18 +267,18 @@ export interface NewJob {
   pick_s?: number;
 }
 
-/** One link of who waits for whom. */
+/** One link of a wait chain. */
 export interface WhyLink {
   who: string;
   kind: 'robot' | 'job';
-  /** resource, queue, person, closure … or, for who waits for nobody, stop, drives, later, stays. */
+  /** resource, queue, person, closure … or, if it waits for nothing, stop, drives, later, stays. */
   cause: string;
-  /** In words, without the name of who it is. */
+  /** In words, without its own name. */
   text: string;
   by: string | null;
   by_kind: 'robot' | 'worker' | 'job' | 'closure' | 'station' | null;
   ahead: number;
-  /** RFC 3339; null where nobody can know. */
+  /** RFC 3339; null if it cannot be known. */
   until: string | null;
   until_s: number | null;
 }
@@ -286,11 +286,11 @@ export interface Why {
   id: string;
   waiting: boolean;
   text: string;
-  /** From the one who waits to the root. */
+  /** From the one that waits to the root. */
   chain: WhyLink[];
 }
 
-/** Who holds the nodes of an area when; times are seconds from `at`, null is for ever. */
+/** What holds the nodes of an area when; times are seconds from `at`, null is for ever. */
 export interface Timelines {
   at: string;
   ahead_s: number;

@@ -1,5 +1,5 @@
 // Words: numbers, states and times as people read them, so that the same thing reads the same everywhere.
-// It draws nothing and asks nobody.
+// It draws nothing and asks no server.
 export * from './format';
 export * from './linkwords';
 export * from './moments';

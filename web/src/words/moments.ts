@@ -1,4 +1,4 @@
-// Times and kinds of the past in words, once for all who say them.
+// Times and kinds of the past in words, once for all modules that say them.
 import { clock } from './format';
 import type { MarkKind } from '../wire';
 

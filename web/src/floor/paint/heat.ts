@@ -1,5 +1,5 @@
 // Where people may be in the coming seconds: bell curves, drawn as heat below everything that moves. It
-// takes what it is given; who forecasts, and how far ahead, is decided elsewhere.
+// takes what it is given; what forecasts, and how far ahead, is decided elsewhere.
 import type { WorkerForecast } from '../../wire';
 import { KIND, type Sheet } from './sheet';
 

@@ -1,4 +1,4 @@
-// Everything that moves, as typed arrays that a painter can draw without asking anyone. `take` turns a
+// Everything that moves, as typed arrays that a painter can draw without asking elsewhere. `take` turns a
 // mirror into arrays (about ten times a second); `at` moves them between two patches (every frame).
 import { type FloorMap, type Footprint, type MapNode, type Mirror, type Robot, ROBOT_STATES, row } from '../../wire';
 import { People, type Person } from './people';
@@ -46,7 +46,7 @@ export const LOW_BATTERY = 0.2;
 const USUAL_REACH_M = 0.38;
 /** Further than any robot drives between two patches: it was put there, so it is not slid there. */
 const JUMP_M = 3;
-/** A replay at a quarter of the speed has a picture every 800 ms. */
+/** A replay at a quarter of the speed has a recorded frame every 800 ms. */
 const LONGEST_GLIDE_MS = 900;
 
 export class Stage {
