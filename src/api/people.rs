@@ -296,7 +296,7 @@ fn line(points: &[Point]) -> Vec<[f64; 2]> {
 }
 
 impl Names<'_> {
-    /// All workers that the picture has.
+    /// All workers of the view.
     pub fn workers(&self) -> Vec<WorkerDto> {
         let workers = self.view.workers.iter().enumerate();
         workers.map(|(i, w)| self.worker(WorkerId::at(i), w)).collect()
@@ -335,7 +335,7 @@ impl Names<'_> {
         }
     }
 
-    /// A worker of whom the picture has nothing yet.
+    /// A worker of whom the view has nothing yet.
     pub fn absent_worker(id: WorkerId, name: String) -> WorkerDto {
         WorkerDto {
             id: worker_name(id),

@@ -44,7 +44,7 @@ impl FrameWriter {
     /// Takes a step.
     pub fn step(&mut self, fleet: &Fleet, now: Time, facts: &[Fact]) -> anyhow::Result<()> {
         facts.iter().for_each(|fact| self.recording.note(fact));
-        let frame = self.record.take_frame(fleet, now).and_then(|frame| self.recording.picture(&frame));
+        let frame = self.record.take_frame(fleet, now).and_then(|frame| self.recording.add(&frame));
         if let Some(frame) = frame {
             self.out.put(&frame.lines).with_context(|| format!("cannot write to {}", self.path.display()))?;
         }

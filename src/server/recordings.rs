@@ -115,7 +115,7 @@ impl Keeper {
             }
         }
         if let Err(e) = self.rotation.finish() {
-            tracing::error!("the last pictures of the past were not written: {e}");
+            tracing::error!("the last frames of the past were not written: {e}");
         }
     }
 

@@ -109,7 +109,7 @@ pub(super) async fn carry_over(
     back_up(db, &backup).await?;
     tracing::warn!("the map has changed; the database as it was is kept as {}", backup.display());
     if !compared.carried.ids.keeps_ids() {
-        set_pictures_aside(&opening.traces, &wanted.stamp)?;
+        set_frames_aside(&opening.traces, &wanted.stamp)?;
     }
     write(db, &old, map, compared).await?;
     tracing::warn!("the database was carried over from the map \"{theirs}\" to \"{}\":\n{report}", map.name);
@@ -163,12 +163,12 @@ async fn compare(
 }
 
 /// Recordings of the past name places by the old map's positions, so they are no longer shown, but kept.
-fn set_pictures_aside(folders: &[PathBuf], stamp: &str) -> Result<(), StoreError> {
+fn set_frames_aside(folders: &[PathBuf], stamp: &str) -> Result<(), StoreError> {
     for folder in folders.iter().filter(|folder| folder.exists()) {
         let aside = free_name(folder, &format!("before-map-change-{stamp}"));
         std::fs::rename(folder, &aside).map_err(|why| StoreError::Aside { path: folder.clone(), why })?;
         let _ = sync_folder(folder);
-        tracing::warn!("pictures of the past show the old map; they are kept in {}", aside.display());
+        tracing::warn!("frames of the past show the old map; they are kept in {}", aside.display());
     }
     Ok(())
 }

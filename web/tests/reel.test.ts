@@ -1,6 +1,6 @@
 // Reels: what is read of a file, whether seeking and playing come to the same, and what is said of what cannot be read.
 import { describe, expect, test } from 'vitest';
-import { FileFilm, ServerFilm, snap } from '../src/replay/film';
+import { FileRecording, ServerRecording, snap } from '../src/replay/recording';
 import type { Api } from '../src/wire/api';
 import { readReel } from '../src/replay/reel';
 import { replayRoute } from '../src/replay/route';
@@ -16,7 +16,7 @@ import { robot, snapshot } from './samples';
 const map: FloorMap = { name: 'm', bounds: [0, 0, 9, 9], footprint_m: 1, nodes: [], lanes: [], stations: [], racks: [], obstacles: [], walkable: [] };
 const header = (more: object = {}) => JSON.stringify({ reel: 1, name: 'lab', start: null, map, ...more });
 
-/** A robot that goes 100 mm along x five times a second, with a whole picture every two seconds. */
+/** A robot that goes 100 mm along x five times a second, with a key frame every two seconds. */
 function reelLines(seconds: number): string[] {
   const lines = [header()];
   for (let i = 0; i <= seconds * 5; i++) {
@@ -33,37 +33,37 @@ const place = (shown: Shown | null) => shown?.mirror.robots.rows[0]?.x;
 
 describe('a reel', () => {
   test('seeking to a moment and playing up to it come to the same', () => {
-    const { shots } = readReel(reelLines(20));
+    const { frames } = readReel(reelLines(20));
     let played: Shown | null = null;
     for (let t = 0; t <= 20; t += 0.07) {
-      played = seek(shots, t, played);
-      expect(place(played)).toBe(place(seek(shots, t, null)));
+      played = seek(frames, t, played);
+      expect(place(played)).toBe(place(seek(frames, t, null)));
     }
-    expect(place(seek(shots, 13.4, null))).toBeCloseTo(6.7);
+    expect(place(seek(frames, 13.4, null))).toBeCloseTo(6.7);
   });
 
-  test('playing glides over whole pictures, and keeps the order of rows', () => {
-    const { shots } = readReel(reelLines(5));
-    const before = seek(shots, 1.8, null);
-    const after = seek(shots, 2.2, before);
+  test('playing glides over key frames, and keeps the order of rows', () => {
+    const { frames } = readReel(reelLines(5));
+    const before = seek(frames, 1.8, null);
+    const after = seek(frames, 2.2, before);
     expect(after?.how).toBe('glide');
     expect(after?.mirror.robots.at).toBe(before?.mirror.robots.at);
-    expect(seek(shots, 1, after)?.how).toBe('jump');
-    expect(seek(shots, 1, seek(shots, 1.05, null))?.at).toBe(1);
+    expect(seek(frames, 1, after)?.how).toBe('jump');
+    expect(seek(frames, 1, seek(frames, 1.05, null))?.at).toBe(1);
   });
 
-  test('before its beginning the first picture is shown, behind its end the last', () => {
-    const { shots } = readReel(reelLines(3));
-    expect(place(seek(shots, -5, null))).toBe(0);
-    expect(place(seek(shots, 99, null))).toBe(1.5);
-    const end = seek(shots, 99, null);
-    expect(seek(shots, 120, end)).toBe(end);
+  test('before its beginning the first frame is shown, behind its end the last', () => {
+    const { frames } = readReel(reelLines(3));
+    expect(place(seek(frames, -5, null))).toBe(0);
+    expect(place(seek(frames, 99, null))).toBe(1.5);
+    const end = seek(frames, 99, null);
+    expect(seek(frames, 120, end)).toBe(end);
   });
 
   test('a line that was cut off is left out, and the rest is shown', () => {
     const lines = reelLines(4);
     const cut = [...lines.slice(0, -1), lines.at(-1)!.slice(0, 40)];
-    expect(readReel(cut).shots.length).toBe(readReel(lines).shots.length - 1);
+    expect(readReel(cut).frames.length).toBe(readReel(lines).frames.length - 1);
   });
 
   test('bookmarks come in order, and unknown kinds are passed over', () => {
@@ -94,13 +94,13 @@ describe('a reel', () => {
     expect(await linesOf(new Blob([`${text}\n`]))).toEqual(text.split('\n'));
   });
 
-  test('a film without a map is refused', () => {
-    expect(() => new FileFilm(readReel([header({ map: null }), ...reelLines(2).slice(1)]))).toThrow('no map');
+  test('a recording without a map is refused', () => {
+    expect(() => new FileRecording(readReel([header({ map: null }), ...reelLines(2).slice(1)]))).toThrow('no map');
   });
 
-  test('a moment without a picture becomes the next one with one', () => {
-    const film = { spans: [{ from_s: 0, to_s: 10 }, { from_s: 100, to_s: 200 }] };
-    expect([-3, 5, 50, 150, 900].map((t) => snap(film, t))).toEqual([0, 5, 100, 150, 200]);
+  test('a moment without a frame becomes the next one with one', () => {
+    const recording = { spans: [{ from_s: 0, to_s: 10 }, { from_s: 100, to_s: 200 }] };
+    expect([-3, 5, 50, 150, 900].map((t) => snap(recording, t))).toEqual([0, 5, 100, 150, 200]);
   });
 });
 
@@ -117,27 +117,27 @@ describe('the past of a server', () => {
         return { kind: 'ok', value: new Blob([`${lines.join('\n')}\n`]) };
       },
     } as unknown as Api;
-    const film = (await ServerFilm.open(api, () => now)) as ServerFilm;
-    expect(film.start).toBe(Date.UTC(2027, 0, 31, 12) / 1_000);
-    expect(film.shots(70)).toBeNull();
+    const recording = (await ServerRecording.open(api, () => now)) as ServerRecording;
+    expect(recording.start).toBe(Date.UTC(2027, 0, 31, 12) / 1_000);
+    expect(recording.frames(70)).toBeNull();
     await settled();
-    expect(place(seek(film.shots(70)!, 70, null))).toBeCloseTo(35);
-    film.shots(80);
+    expect(place(seek(recording.frames(70)!, 70, null))).toBeCloseTo(35);
+    recording.frames(80);
     expect(asked).toEqual([[60, 120.5]]);
     end = 110;
-    await film.refresh();
+    await recording.refresh();
     now += 3_000;
-    film.shots(105);
+    recording.frames(105);
     await settled();
-    expect(place(seek(film.shots(105)!, 105, null))).toBeCloseTo(52.5);
+    expect(place(seek(recording.frames(105)!, 105, null))).toBeCloseTo(52.5);
 
     asked.length = 0;
-    film.between(30, 200);
+    recording.between(30, 200);
     expect(asked, 'the minute before is not here yet; there is none after the end').toEqual([[0, 60.5]]);
     await settled();
-    const joined = film.between(30, 200);
-    expect(film.between(30, 200), 'nothing came meanwhile').toBe(joined);
-    const times = joined.map((shot) => shot.at);
+    const joined = recording.between(30, 200);
+    expect(recording.between(30, 200), 'nothing came meanwhile').toBe(joined);
+    const times = joined.map((frame) => frame.at);
     expect(times).toEqual([...times].sort((a, b) => a - b));
     expect([times[0], times.at(-1)]).toEqual([0, 110]);
     let shown: Shown | null = null;
@@ -167,7 +167,7 @@ describe('addresses and times', () => {
   });
 });
 
-describe('what pictures say beyond the floor', () => {
+describe('what frames say beyond the floor', () => {
   const places = [0, 1, 2].map((i) => ({ id: `N${i}`, x: i, y: 0, kind: 'aisle' as const }));
   const withPlaces = { ...map, nodes: places };
   /** One robot goes from place to place, one second each, and is promised the next; pictures five times a second. */
@@ -189,7 +189,7 @@ describe('what pictures say beyond the floor', () => {
     strips.find((s) => s.id === id)?.holds.map((h) => [h.by, h.granted, Math.round(h.from_s * 10) / 10, Math.round((h.to_s ?? 0) * 10) / 10]);
 
   test('who held a place from when to when', () => {
-    const { nodes, whole } = new HeldThen().around(readReel(goingReel()).shots, withPlaces, AREA, 1, 60);
+    const { nodes, whole } = new HeldThen().around(readReel(goingReel()).frames, withPlaces, AREA, 1, 60);
     expect(whole).toBe(true);
     expect(nodes.map((s) => s.id)).toEqual(['N1', 'N2']);
     expect(held(nodes, 'N1')).toEqual([['r1', false, -0.8, -0.2], ['r1', true, 0, 0.8]]);
@@ -197,11 +197,11 @@ describe('what pictures say beyond the floor', () => {
   });
 
   test('going on says the same as beginning anew, and so does going back', () => {
-    const { shots } = readReel(goingReel());
+    const { frames } = readReel(goingReel());
     const reader = new HeldThen();
     for (const t of [0.4, 0.6, 1.6, 5.5, 6.3, 1, 2.2]) {
-      const anew = new HeldThen().around(shots, withPlaces, AREA, t, 1);
-      expect(reader.around(shots, withPlaces, AREA, t, 1), `at ${t}`).toEqual(anew);
+      const anew = new HeldThen().around(frames, withPlaces, AREA, t, 1);
+      expect(reader.around(frames, withPlaces, AREA, t, 1), `at ${t}`).toEqual(anew);
     }
   });
 
@@ -209,16 +209,16 @@ describe('what pictures say beyond the floor', () => {
     let ms = 0;
     const slow = () => (ms += 15);
     const reader = new HeldThen();
-    const { shots } = readReel(goingReel());
+    const { frames } = readReel(goingReel());
     const seen = [];
-    for (let asked = 0; asked < 20; asked += 1) seen.push(reader.around(shots, withPlaces, AREA, 1, 60, slow));
+    for (let asked = 0; asked < 20; asked += 1) seen.push(reader.around(frames, withPlaces, AREA, 1, 60, slow));
     expect(seen[0]!.whole).toBe(false);
     expect(held(seen[0]!.nodes, 'N2'), 'not come to yet').toEqual([]);
-    expect(seen.at(-1)).toEqual(new HeldThen().around(shots, withPlaces, AREA, 1, 60));
+    expect(seen.at(-1)).toEqual(new HeldThen().around(frames, withPlaces, AREA, 1, 60));
   });
 
   test('a chain leads from who waits to the root, and ends where it would turn round', () => {
-    const said = (robots: ReturnType<typeof robot>[]) => seek(readReel([header(), `{"at":0,"key":${JSON.stringify(snapshot({ robots }))}}`]).shots, 0, null)!.mirror;
+    const said = (robots: ReturnType<typeof robot>[]) => seek(readReel([header(), `{"at":0,"key":${JSON.stringify(snapshot({ robots }))}}`]).frames, 0, null)!.mirror;
     const mirror = said([
       robot('r-1', { why: 'waits for N2, held by r-2' }), robot('r-2', { why: 'waits for N3, held by r-3' }), robot('r-3', { doing: 'picking' }),
     ]);
@@ -230,7 +230,7 @@ describe('what pictures say beyond the floor', () => {
 
   test('jobs under way are in the order of their numbers', () => {
     const robots = [robot('r-1', { job: 'job-10' }), robot('r-2'), robot('r-3', { job: 'job-9' })];
-    const mirror = seek(readReel([header(), `{"at":0,"key":${JSON.stringify(snapshot({ robots }))}}`]).shots, 0, null)!.mirror;
+    const mirror = seek(readReel([header(), `{"at":0,"key":${JSON.stringify(snapshot({ robots }))}}`]).frames, 0, null)!.mirror;
     expect(jobsUnderWay(mirror).map((r) => r.job)).toEqual(['job-9', 'job-10']);
   });
 });

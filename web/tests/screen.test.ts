@@ -2,13 +2,13 @@
 import { expect, test } from 'vitest';
 import { Live, type LiveApi } from '../src/page/live.svelte';
 import { Screen } from '../src/page/screen.svelte';
-import { FileFilm } from '../src/replay/film';
+import { FileRecording } from '../src/replay/recording';
 import { readReel } from '../src/replay/reel';
 import { EMPTY, type FloorMap, type Mirror } from '../src/wire';
 import { robot, snapshot } from './samples';
 
 const map: FloorMap = { name: 'then', bounds: [0, 0, 9, 9], footprint_m: 1, nodes: [], lanes: [], stations: [], racks: [], obstacles: [], walkable: [] };
-const film = (): FileFilm => new FileFilm(readReel([
+const recording = (): FileRecording => new FileRecording(readReel([
   JSON.stringify({ reel: 1, name: 'lab', start: null, map }),
   `{"at":0,"key":${JSON.stringify(snapshot({ robots: [robot('r1')] }))}}`,
 ]));
@@ -24,7 +24,7 @@ test('the floor sees one of present and past, and the present again from where i
   live.onMirror(at(1), 'glide');
   expect([screen.link.kind, screen.map.kind]).toEqual(['connecting', 'loading']);
 
-  screen.play(film());
+  screen.play(recording());
   live.onMirror(at(2), 'glide');
   expect([screen.link.kind, screen.map]).toEqual(['replay', { kind: 'ready', value: map }]);
 
@@ -37,7 +37,7 @@ test('the floor sees one of present and past, and the present again from where i
 test('what was remembered of the present is not said of the past, nor the other way round', () => {
   const screen = new Screen(new Live(silent), () => {});
   const { story } = screen.memory;
-  screen.play(film());
+  screen.play(recording());
   const { story: then } = screen.memory;
   screen.goLive();
   expect(new Set([story, then, screen.memory.story]).size).toBe(3);

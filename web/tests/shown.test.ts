@@ -28,8 +28,8 @@ describe('jobs', () => {
   test('every line has a cell for each column, of now and of then', () => {
     const lists = [{ at: 0, text: JSON.stringify([{ id: 'j9', kind: 'deliver', what: ['K9', 'W1'], priority: 0, submitted_s: 1 }]) }];
     const mirror = mirrorOf({ robots: [robot('r1', { job: 'j1' })], jobs: { waiting: 1, active: 1, done: 0, cancelled: 0, failed: 0 } });
-    const film = { start: null, lists: () => lists } as never;
-    const then = jobsThen({ film, t: 5, waiting: false }, mirror);
+    const recording = { start: null, lists: () => lists } as never;
+    const then = jobsThen({ recording, t: 5, waiting: false }, mirror);
     for (const table of [...then.tables, ...latestJobs({ own: [job('j1')], items: [], state: 'any' }).tables]) {
       expect(table.lines.length, table.kind).toBe(1);
       for (const line of table.lines) expect(line.cells.length, table.kind).toBe(table.columns.length);
@@ -39,12 +39,12 @@ describe('jobs', () => {
   });
   test('of then there is nothing to act on, and what the list lacks is said', () => {
     const mirror = mirrorOf({ jobs: { waiting: 4, active: 0, done: 0, cancelled: 0, failed: 0 } });
-    const film = (lists: unknown) => ({ start: null, lists: () => lists }) as never;
-    const then = jobsThen({ film: film([{ at: 0, text: '[]' }]), t: 5, waiting: false }, mirror);
+    const recording = (lists: unknown) => ({ start: null, lists: () => lists }) as never;
+    const then = jobsThen({ recording: recording([{ at: 0, text: '[]' }]), t: 5, waiting: false }, mirror);
     expect(then.tables.flatMap((table) => table.lines.map((line) => line.job)).filter(Boolean)).toEqual([]);
     expect(then.foot).toBe('4 were submitted after the list was made.');
-    expect(jobsThen({ film: film(null), t: 5, waiting: true }, mirror).foot).toBe('Loading…');
-    expect(jobsThen({ film: film(null), t: 5, waiting: false }, mirror).foot).toBe('An older version recorded only their number.');
+    expect(jobsThen({ recording: recording(null), t: 5, waiting: true }, mirror).foot).toBe('Loading…');
+    expect(jobsThen({ recording: recording(null), t: 5, waiting: false }, mirror).foot).toBe('An older version recorded only their number.');
   });
 });
 

@@ -2,7 +2,7 @@
 import { describe, expect, test } from 'vitest';
 import { gaps, valuesOf } from '../src/charts/series';
 import { CHARTS_THEN, gridOfSums, stepOf } from '../src/charts/then';
-import { FileFilm, ServerFilm } from '../src/replay/film';
+import { FileRecording, ServerRecording } from '../src/replay/recording';
 import { readReel } from '../src/replay/reel';
 import { Replay } from '../src/replay/replay.svelte';
 import { metIn } from '../src/encounters/met';
@@ -77,10 +77,10 @@ function lines(): string[] {
 
 describe('what a reel has beside pictures', () => {
   test('sums have their time, and what cannot be read or is not known is passed over', async () => {
-    const film = new FileFilm(readReel(lines()));
-    const sums = await film.sums();
+    const recording = new FileRecording(readReel(lines()));
+    const sums = await recording.sums();
     expect(sums.map((s) => [s.at_s, s.robot_deliveries])).toEqual([0, 1, 2, 3, 4, 5, 6].map((i) => [10 * i, i]));
-    expect(film.spans).toEqual([0, 10, 20, 30, 40, 50, 60].map((t) => ({ from_s: t, to_s: t })));
+    expect(recording.spans).toEqual([0, 10, 20, 30, 40, 50, 60].map((t) => ({ from_s: t, to_s: t })));
   });
   test('the jobs that waited are those of the last list by then', () => {
     const { lists } = readReel(lines());
@@ -92,8 +92,8 @@ describe('what a reel has beside pictures', () => {
     expect(waitedAt([], 25)).toBeNull();
   });
   test('a reel of an older version has neither, and says so by having none', async () => {
-    const film = new FileFilm(readReel(lines().filter((line) => !/^\{"at":[-\d.]+,"(sum|waiting)":/.test(line))));
-    expect([film.lists().length, (await film.sums()).length]).toEqual([0, 0]);
+    const recording = new FileRecording(readReel(lines().filter((line) => !/^\{"at":[-\d.]+,"(sum|waiting)":/.test(line))));
+    expect([recording.lists().length, (await recording.sums()).length]).toEqual([0, 0]);
   });
   test('encounters are listed as live ones are, and those without details are counted', () => {
     const bare: Mark = { at_s: 20, kind: 'encounter', words: '', who: [], place: null };
@@ -112,17 +112,17 @@ describe('what a reel has beside pictures', () => {
       reel: async () => ({ kind: 'ok', value: new Blob([`${lines().join('\n')}\n`]) }),
       figures: async (...words: unknown[]) => { asked.push(words); return words[0] === 0 ? { kind: 'ok', value: { start: null, sums: [sum(0)] } } : { kind: 'unreachable' }; },
     } as unknown as Api;
-    const film = (await ServerFilm.open(api, () => 0)) as ServerFilm;
-    expect(film.lists(30)).toBeNull();
-    film.shots(30);
+    const recording = (await ServerRecording.open(api, () => 0)) as ServerRecording;
+    expect(recording.lists(30)).toBeNull();
+    recording.frames(30);
     await new Promise((done) => setTimeout(done, 20));
-    expect(waitedAt(film.lists(30)!, 30)?.at).toBe(29.5);
-    expect(await film.sums(0, 600, 10)).toEqual([sum(0)]);
-    expect(typeof (await film.sums(1, 600, 10))).toBe('string');
+    expect(waitedAt(recording.lists(30)!, 30)?.at).toBe(29.5);
+    expect(await recording.sums(0, 600, 10)).toEqual([sum(0)]);
+    expect(typeof (await recording.sums(1, 600, 10))).toBe('string');
     expect(asked).toEqual([[0, 600, 10], [1, 600, 10]]);
   });
   test('timelines are worked out again only where the moment or the area changed', () => {
-    const replay = new Replay(new FileFilm(readReel(lines())), 10, null, () => {});
+    const replay = new Replay(new FileRecording(readReel(lines())), 10, null, () => {});
     const past = new PastTimelines(replay);
     const first = past.around(map, [0, 0, 5, 5], 60);
     expect(past.around(map, [0, 0, 5, 5], 60)).toBe(first);

@@ -1,4 +1,4 @@
-//! `/v1/racks`, `/v1/stations`, `/v1/robots`: what is on the floor, as the latest picture has it.
+//! `/v1/racks`, `/v1/stations`, `/v1/robots`: what is on the floor, as the latest view has it.
 //!
 //! Main functions: [`racks`], [`stations`], [`robots`]. Refuses: pages of more than 500.
 

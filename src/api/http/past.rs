@@ -1,6 +1,6 @@
-//! `/v1/past`: what is kept of the past, figures of it, and the pictures themselves.
+//! `/v1/past`: what is kept of the past, figures of it, and the frames themselves.
 //!
-//! Main types: [`PastDto`], [`FiguresDto`], [`SpanParams`]. Refuses: pictures of more than an hour in one answer.
+//! Main types: [`PastDto`], [`FiguresDto`], [`SpanParams`]. Refuses: frames of more than an hour in one answer.
 
 use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
@@ -58,7 +58,7 @@ pub struct PastDto {
     now_s: f64,
     /// Whether this server shows a recording and runs no fleet.
     recording: bool,
-    /// The spans of time with pictures, in order.
+    /// The spans of time with frames, in order.
     spans: Vec<SpanDto>,
     /// What happened meanwhile, in order: the last 2000 bookmarks.
     bookmarks: Vec<Mark>,
@@ -148,7 +148,7 @@ pub async fn figures(
     Ok(Json(FiguresDto { start, sums: sums.into_iter().skip(surplus).collect() }))
 }
 
-/// The pictures of a span, as a recording: JSON lines, packed with gzip. It begins with the last whole picture before
+/// The frames of a span, as a recording: JSON lines, packed with gzip. It begins with the last key frame before
 /// `from`.
 #[utoipa::path(get, path = "/v1/past/reel", tag = "past", params(SpanParams), responses(
     (status = 200, description = "The reel", body = Vec<u8>, content_type = "application/gzip"),
@@ -174,7 +174,7 @@ pub async fn recording(State(api): State<Api>, Params(p): Params<SpanParams>) ->
 }
 
 fn folder(api: &Api) -> Result<&Arc<Folder>, Problem> {
-    let detail = "this server keeps no pictures of the past: start it with --past-hours 24, or see its log";
+    let detail = "this server keeps no frames of the past: start it with --past-hours 24, or see its log";
     api.past.as_ref().ok_or_else(|| Problem::unknown("past", detail))
 }
 

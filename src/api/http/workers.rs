@@ -111,7 +111,7 @@ pub async fn clear(State(api): State<Api>, PathPart(id): PathPart) -> Result<Sta
     }
 }
 
-/// A worker as the latest picture has it.
+/// A worker as the latest view has it.
 fn worker(api: &Api, id: WorkerId, name: String) -> WorkerDto {
     let moment = api.moment();
     let names = Names { map: &api.map, view: &moment.view };

@@ -120,9 +120,9 @@ fn pictures_that_are_far_apart_have_nothing_counted_between_them() {
     let mut recording = Recording::new(Arc::new(lab()), "lab".into(), None);
     let times = [0.0, 0.2, 0.4, 20.0, 20.5];
     let sums: Vec<Sum> =
-        times.iter().flat_map(|at| recording.picture(&frame(Time::ZERO, *at)).unwrap().sums).collect();
+        times.iter().flat_map(|at| recording.add(&frame(Time::ZERO, *at)).unwrap().sums).collect();
     recording.header();
-    let last = recording.picture(&frame(Time::ZERO, 21.0)).unwrap().sums[0];
+    let last = recording.add(&frame(Time::ZERO, 21.0)).unwrap().sums[0];
     assert_eq!(sums.iter().map(|s| s.tally.covered_s).collect::<Vec<_>>(), [0.0, 0.4]);
     assert_eq!((last.tally.covered_s, last.tally.waiting_s), (1.4, 1.4));
 }

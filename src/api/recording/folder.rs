@@ -210,7 +210,7 @@ impl Piece {
                     tracing::warn!("{}: {e}", piece.index().display());
                 }
             }
-            None => tracing::warn!("{} contains no picture and is ignored", path.display()),
+            None => tracing::warn!("{} contains no frame and is ignored", path.display()),
         }
         piece
     }

@@ -87,7 +87,7 @@ impl Recording {
     }
 
     /// The lines of a frame; nothing if it is no newer than the one before.
-    pub fn picture(&mut self, frame: &Arc<Frame>) -> Option<RecordedFrame> {
+    pub fn add(&mut self, frame: &Arc<Frame>) -> Option<RecordedFrame> {
         let at_s = frame.time_s;
         if self.last.as_ref().is_some_and(|last| last.time_s >= at_s) {
             return None;

@@ -83,7 +83,7 @@ impl Rotation {
         }
         let fresh = self.out.is_none();
         let header = if fresh { self.recording.header() } else { String::new() };
-        let Some(frame) = self.recording.picture(frame) else { return Ok(()) };
+        let Some(frame) = self.recording.add(frame) else { return Ok(()) };
         if fresh {
             (self.began_s, self.flushed_s) = (frame.at_s, frame.at_s);
             self.folder.prune(frame.at_s, self.limits);

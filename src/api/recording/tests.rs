@@ -70,7 +70,7 @@ pub(super) fn cut(folder: &Folder, from_s: f64, to_s: f64) -> Vec<Value> {
 }
 
 #[test]
-fn a_span_begins_with_the_last_whole_picture_before_it_and_has_its_bookmarks() {
+fn a_span_begins_with_the_last_key_frame_before_it_and_has_its_bookmarks() {
     let place = TestFolder::new("span");
     let folder = place.folder(1000);
     record(&folder, 0, 100).finish().unwrap();
@@ -144,7 +144,7 @@ fn an_alarm_is_a_bookmark_once_and_a_stop_by_hand_is_not_two() {
     let mut recording = Recording::new(Arc::new(lab()), "lab".into(), None);
     let alarms = Alarms::default();
     let mut take_frame =
-        |at_s, alarms: &Alarms| recording.picture(&frame(at_s, alarms)).expect("a new picture").marks;
+        |at_s, alarms: &Alarms| recording.add(&frame(at_s, alarms)).expect("a new frame").marks;
     assert!(take_frame(0.0, &alarms).is_empty());
     alarms.raise("journal", "the journal is slow".into(), Time::ZERO);
     alarms.raise("stopped", "by hand".into(), Time::ZERO);
@@ -153,7 +153,7 @@ fn an_alarm_is_a_bookmark_once_and_a_stop_by_hand_is_not_two() {
     assert_eq!((marks[0].kind, marks[0].words.as_str()), (MarkKind::Alarm, "the journal is slow"));
     alarms.raise("journal", "the journal is slower".into(), Time::ZERO);
     assert!(take_frame(2.0, &alarms).is_empty());
-    assert!(recording.picture(&frame(2.0, &alarms)).is_none(), "the same picture is none");
+    assert!(recording.add(&frame(2.0, &alarms)).is_none(), "the same frame is none");
 }
 
 #[test]
@@ -174,5 +174,5 @@ fn where_the_disk_refuses_nothing_breaks_and_the_past_goes_on_later() {
     }
     rotation.finish().unwrap();
     assert_eq!(folder.past(0.0, 0.0).spans, [(5.0, 29.0)]);
-    assert!(cut(&folder, 0.0, 9.0)[2].get("key").is_some(), "it begins with a whole picture");
+    assert!(cut(&folder, 0.0, 9.0)[2].get("key").is_some(), "it begins with a key frame");
 }

@@ -31,13 +31,13 @@ export class PastCharts implements ChartsShown {
 
   grid = $derived.by((): Grid | null => {
     const sums = this.#sums;
-    return sums && sums.length > 1 ? gridOfSums(sums, this.#from, this.#to, this.#replay.film.start) : null;
+    return sums && sums.length > 1 ? gridOfSums(sums, this.#from, this.#to, this.#replay.recording.start) : null;
   });
 
   /** As often as panels are told. */
   moment = $derived.by(() => {
     void this.#mirror();
-    return 1_000 * ((this.#replay.film.start ?? 0) + untrack(() => this.#replay.t));
+    return 1_000 * ((this.#replay.recording.start ?? 0) + untrack(() => this.#replay.t));
   });
 
   get title(): string {
@@ -50,17 +50,17 @@ export class PastCharts implements ChartsShown {
       : 'There are no figures for this time: an older version recorded it.';
   }
 
-  onGo = (ms: number): void => this.#replay.seek(ms / 1_000 - (this.#replay.film.start ?? 0));
+  onGo = (ms: number): void => this.#replay.seek(ms / 1_000 - (this.#replay.recording.start ?? 0));
 
   keep(): () => void {
-    const { film } = this.#replay;
+    const { recording } = this.#replay;
     const [from, to, step] = [this.#from, this.#to, this.#step];
     return poll(async (over) => {
-      const answer = await film.sums(from, to, step);
+      const answer = await recording.sums(from, to, step);
       if (over()) return null;
       this.wrong = typeof answer === 'string' ? answer : null;
       if (typeof answer !== 'string') this.#sums = answer;
-      return film.source === 'file' ? null : EVERY_MS;
+      return recording.source === 'file' ? null : EVERY_MS;
     });
   }
 }

@@ -14,8 +14,8 @@ export class PastEncounters implements EncountersShown {
   robot = $state('');
   #replay: Replay;
   #met = $derived.by(() => {
-    const { marks, left, right, film } = this.#replay;
-    return metIn(marks.filter((m) => m.at_s >= left && m.at_s <= right), film.start);
+    const { marks, left, right, recording } = this.#replay;
+    return metIn(marks.filter((m) => m.at_s >= left && m.at_s <= right), recording.start);
   });
 
   constructor(replay: Replay) {
@@ -37,7 +37,7 @@ export class PastEncounters implements EncountersShown {
   }
 
   when(e: Encounter): string {
-    return moment(this.#replay.film.start, this.#met.marks[e.id]?.at_s ?? 0);
+    return moment(this.#replay.recording.start, this.#met.marks[e.id]?.at_s ?? 0);
   }
 
   again(e: Encounter): Again {

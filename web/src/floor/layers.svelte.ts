@@ -2,7 +2,7 @@
 // heat while one is shown; forecasts come with the live feed.
 import { untrack } from 'svelte';
 import { poll } from '../parts';
-import type { Film, Source } from '../replay';
+import type { Recording, Source } from '../replay';
 import { trouble, type Api, type HeatKind } from '../wire';
 import { cellsOf, heatOfPlaces, type Cell } from './paint/heatmap';
 
@@ -27,7 +27,7 @@ export class Layers {
    *  what ends it. */
   keep(source: Source<'heat'>, from: number, to: number): () => void {
     void this.heat;
-    return source.tense === 'now' ? this.#keepNow(source.api) : untrack(() => this.#keepThen(source.replay.film, from, to));
+    return source.tense === 'now' ? this.#keepNow(source.api) : untrack(() => this.#keepThen(source.replay.recording, from, to));
   }
 
   #keepNow(api: Pick<Api, 'heat'>): () => void {
@@ -55,8 +55,8 @@ export class Layers {
     });
   }
 
-  /** Of seconds of a film: where robots met people from the bookmarks, where they waited from the server that filmed it. */
-  #keepThen(film: Film, from: number, to: number): () => void {
+  /** Of seconds of a recording: where robots met people from the bookmarks, where they waited from the server that recorded it. */
+  #keepThen(recording: Recording, from: number, to: number): () => void {
     const kind = this.heat;
     const put = (cells: readonly Cell[], borders: readonly number[], from: string | null, wrong: string | null): void => {
       [this.cells, this.borders, this.from, this.trouble, this.#cellsOf] = [cells, borders, from, wrong, kind];
@@ -66,12 +66,12 @@ export class Layers {
     if (kind === 'none') return () => {};
     let gone = false;
     if (kind === 'encounters') {
-      const met = film.marks.filter((mark) => mark.kind === 'encounter' && mark.at_s >= from && mark.at_s <= to);
+      const met = recording.marks.filter((mark) => mark.kind === 'encounter' && mark.at_s >= from && mark.at_s <= to);
       const places = met.flatMap((mark) => (mark.place ? [mark.place] : []));
       const { cells, borders } = cellsOf({ kind, from: '', to: '', size: 1, cells: heatOfPlaces(places) });
       put(cells, borders, null, null);
     } else {
-      void film.heat(kind, from, to).then((page) => {
+      void recording.heat(kind, from, to).then((page) => {
         if (gone) return;
         const known = typeof page === 'string' ? null : page;
         const { cells, borders } = known ? cellsOf(known) : { cells: [], borders: [] };

@@ -66,16 +66,16 @@ export function latestJobs({ own, items, state }: Pick<Jobs, 'own' | 'items' | '
 }
 
 /** The jobs of the moment that a replay shows: those under way, and below them those that waited for a robot. */
-export function jobsThen(replay: Pick<Replay, 'film' | 't' | 'waiting'>, mirror: Mirror): JobsShown {
-  const { film } = replay;
+export function jobsThen(replay: Pick<Replay, 'recording' | 't' | 'waiting'>, mirror: Mirror): JobsShown {
+  const { recording } = replay;
   // The time runs on with every frame; the mirror is the sign that a panel may look again.
-  const lists = untrack(() => film.lists(replay.t));
+  const lists = untrack(() => recording.lists(replay.t));
   const list = lists && waitedAt(lists, untrack(() => replay.t));
   const robots = jobsUnderWay(mirror);
   const taken = new Set(robots.map((r) => r.job));
   const waited = list?.jobs.filter((job) => !taken.has(job.id)) ?? [];
   const { waiting, done, cancelled, failed } = mirror.jobs;
-  const at = (t: number): string => moment(film.start, t);
+  const at = (t: number): string => moment(recording.start, t);
   return {
     label: 'Jobs then', title: `Jobs in progress at this moment: ${robots.length}`, region: 'Tables of jobs then',
     note: `${waiting} waited for a robot, ${done} were done, ${cancelled} cancelled, ${failed} failed`,

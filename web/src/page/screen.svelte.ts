@@ -2,7 +2,7 @@
 // the floor gets every one, past the framework.
 import type { See, Stream } from '../floor';
 import { valueOf, type Loaded } from '../parts';
-import { Replay, type Film } from '../replay';
+import { Replay, type Recording } from '../replay';
 import { EMPTY, type FloorMap, type LinkState, type Mirror } from '../wire';
 import type { Live } from './live.svelte';
 import { Memory } from './memory';
@@ -26,9 +26,9 @@ export class Screen implements Stream {
     live.onMirror = (mirror, how) => { if (!this.replay) this.#show(mirror, how); };
   }
 
-  /** A film without a map of its own is of this floor. */
+  /** A recording without a map of its own is of this floor. */
   get map(): Loaded<FloorMap> {
-    const map = this.replay?.film.map;
+    const map = this.replay?.recording.map;
     return map ? { kind: 'ready', value: map } : this.#live.map;
   }
 
@@ -46,8 +46,8 @@ export class Screen implements Stream {
   }
 
   /** Shows the past: from a moment on, up to another one where that is given. */
-  play(film: Film, from: number | null = null, to: number | null = null): void {
-    this.#begin(new Replay(film, from, to, (mirror, how) => this.#show(mirror, how)), 'then');
+  play(recording: Recording, from: number | null = null, to: number | null = null): void {
+    this.#begin(new Replay(recording, from, to, (mirror, how) => this.#show(mirror, how)), 'then');
     this.replay?.start();
   }
 

@@ -1,7 +1,7 @@
 // The past: reels (what the live feed said, on file or kept by a server), and the player that makes mirrors of them.
 // It knows no panel of another room; the other rooms take from a replay what they show.
-export { type Film, type Span } from './film';
-export { type Listed, type Shot } from './reel';
+export { type Recording, type Span } from './recording';
+export { type Listed, type Frame } from './reel';
 export { Replay } from './replay.svelte';
 export { after, seek, type Shown } from './seek';
 export type { Source } from './source';

@@ -7,7 +7,7 @@ export interface Listed {
   at: number;
   text: string;
 }
-export interface Shot {
+export interface Frame {
   at: number;
   /** A key frame, or what changed since the frame before. */
   kind: 'key' | 'patch';
@@ -20,7 +20,7 @@ export interface Reel {
   start: number | null;
   /** Left out where the reader has it. */
   map: FloorMap | null;
-  shots: Shot[];
+  frames: Frame[];
   marks: Mark[];
   sums: Sum[];
   lists: Listed[];
@@ -32,20 +32,20 @@ const LINE = /^\{"at":(-?[\d.e+]+),"(key|patch|mark|sum|waiting)":/;
 /** Reads lines; a last one that was cut off is left out. */
 export function readReel(lines: Iterable<string>): Reel {
   const all = lines[Symbol.iterator]();
-  const reel: Reel = { ...headerOf(all.next().value), shots: [], marks: [], sums: [], lists: [] };
+  const reel: Reel = { ...headerOf(all.next().value), frames: [], marks: [], sums: [], lists: [] };
   for (let next = all.next(); !next.done; next = all.next()) {
     const line = next.value;
     const found = LINE.exec(line);
     if (!found || !line.endsWith('}')) continue;
     const at = Number(found[1]);
     const text = line.slice(found[0].length, -1);
-    const kind = found[2] as Shot['kind'] | 'mark' | 'sum' | 'waiting';
+    const kind = found[2] as Frame['kind'] | 'mark' | 'sum' | 'waiting';
     if (kind === 'mark') addMark(reel.marks, text);
     else if (kind === 'sum') addSum(reel.sums, at, text);
     else if (kind === 'waiting') reel.lists.push({ at, text });
-    else reel.shots.push({ at, kind, text });
+    else reel.frames.push({ at, kind, text });
   }
-  if (!reel.shots.some((shot) => shot.kind === 'key')) throw new Error('This reel contains no complete picture: it was cut off too soon.');
+  if (!reel.frames.some((frame) => frame.kind === 'key')) throw new Error('This reel has no key frame: it was cut off too soon.');
   reel.marks.sort((a, b) => a.at_s - b.at_s);
   return reel;
 }

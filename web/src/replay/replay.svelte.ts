@@ -1,7 +1,7 @@
 // The past being played: which moment, how fast, and what of it is in sight on the scrubber. It gives mirrors as the
 // live link does, whichever shows them.
 import { EMPTY, type Mark, type Mirror } from '../wire';
-import { begins, ends, snap, type Film, type Span } from './film';
+import { begins, ends, snap, type Recording, type Span } from './recording';
 import { seek, type Shown } from './seek';
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16, 32, 64] as const;
@@ -13,7 +13,7 @@ const RECENT_S = 60;
 const LEAD_S = 5;
 
 export class Replay {
-  readonly film: Film;
+  readonly recording: Recording;
   t = $state(0);
   playing = $state(true);
   speed = $state(1);
@@ -37,17 +37,17 @@ export class Replay {
   #frame = 0;
   #timer: ReturnType<typeof setInterval> | undefined;
 
-  constructor(film: Film, from: number | null, to: number | null, give: (mirror: Mirror, how: 'glide' | 'jump') => void) {
-    this.film = film;
+  constructor(recording: Recording, from: number | null, to: number | null, give: (mirror: Mirror, how: 'glide' | 'jump') => void) {
+    this.recording = recording;
     this.#give = give;
     this.#until = to;
     this.#look();
     const long = this.end - this.begin > 1_200;
     this.reach = from !== null && to !== null && to > from ? to - from : long ? 600 : 0;
     // A user who asks a running server for nothing in particular wants to see what has just happened.
-    const recent = film.source === 'server';
+    const recent = recording.source === 'server';
     this.left = from ?? (recent && this.reach > 0 ? Math.max(this.begin, this.end - this.reach) : this.begin);
-    this.t = snap(film, from ?? (recent ? Math.max(this.begin, this.end - RECENT_S) : this.begin));
+    this.t = snap(recording, from ?? (recent ? Math.max(this.begin, this.end - RECENT_S) : this.begin));
   }
 
   /** The right end of the scrubber. */
@@ -63,7 +63,7 @@ export class Replay {
       this.#frame = requestAnimationFrame(next);
     };
     this.#frame = requestAnimationFrame(next);
-    this.#timer = setInterval(() => void this.film.refresh().then(() => this.#look()), REFRESH_MS);
+    this.#timer = setInterval(() => void this.recording.refresh().then(() => this.#look()), REFRESH_MS);
   }
 
   stop(): void {
@@ -78,7 +78,7 @@ export class Replay {
   }
 
   seek(t: number): void {
-    this.t = snap(this.film, Math.min(this.end, Math.max(this.begin, t)));
+    this.t = snap(this.recording, Math.min(this.end, Math.max(this.begin, t)));
     this.#until = null;
     this.#aim = null;
     this.#follow();
@@ -108,10 +108,10 @@ export class Replay {
 
   #turn(seconds: number): void {
     if (this.playing && !this.waiting) this.#advance(Math.min(Math.max(seconds, 0), 0.25) * this.speed);
-    const shots = this.film.shots(this.t);
-    const shown = shots && seek(shots, this.t, this.#shown);
+    const frames = this.recording.frames(this.t);
+    const shown = frames && seek(frames, this.t, this.#shown);
     this.waiting = !shown;
-    this.wrong = this.film.wrong;
+    this.wrong = this.recording.wrong;
     if (!shown || shown === this.#shown) return;
     this.#shown = shown;
     this.mirror = shown.mirror;
@@ -120,9 +120,9 @@ export class Replay {
 
   #advance(by: number): void {
     const to = this.#until ?? this.end;
-    const t = Math.min(snap(this.film, this.t + by), Math.max(to, this.t));
+    const t = Math.min(snap(this.recording, this.t + by), Math.max(to, this.t));
     // A past that still grows is followed; one that is over, or a span that was asked for, ends.
-    if (t >= to && (this.#until !== null || this.film.source === 'file')) this.playing = false;
+    if (t >= to && (this.#until !== null || this.recording.source === 'file')) this.playing = false;
     this.t = t;
     this.#follow();
   }
@@ -133,9 +133,9 @@ export class Replay {
   }
 
   #look(): void {
-    this.begin = begins(this.film);
-    this.end = ends(this.film);
-    this.spans = [...this.film.spans];
-    if (this.marks !== this.film.marks) this.marks = this.film.marks;
+    this.begin = begins(this.recording);
+    this.end = ends(this.recording);
+    this.spans = [...this.recording.spans];
+    if (this.marks !== this.recording.marks) this.marks = this.recording.marks;
   }
 }

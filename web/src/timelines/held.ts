@@ -1,6 +1,6 @@
 // Which robots held which places when, from frames of the past. What was read is kept from one moment to the next, and
 // a large floor is read in slices, so that the page goes on meanwhile.
-import { after, seek, type Shot, type Shown } from '../replay';
+import { after, seek, type Frame, type Shown } from '../replay';
 import type { FloorMap, Hold, Strip } from '../wire';
 import { BACK_S } from './gantt';
 
@@ -9,7 +9,7 @@ const GAP_S = 1;
 /** So long is read before other work gets a turn, milliseconds. */
 const SLICE_MS = 40;
 
-/** A hold, in seconds of the film. */
+/** A hold, in seconds of the recording. */
 interface Held {
   readonly node: number;
   readonly by: string;
@@ -25,7 +25,7 @@ export interface Around {
 }
 
 export class HeldThen {
-  #of: { shots: readonly Shot[]; map: FloorMap; area: string } | null = null;
+  #of: { frames: readonly Frame[]; map: FloorMap; area: string } | null = null;
   #places = new Map<number, { id: string; x: number; y: number }>();
   #holds: Held[] = [];
   /** The last hold of a place by a robot, granted or not. */
@@ -36,36 +36,36 @@ export class HeldThen {
   #shown: Shown | null = null;
 
   /** What held the places of an area from a little before `t` to `ahead` seconds after it, as far as that is read. */
-  around(shots: readonly Shot[], map: FloorMap, area: readonly number[], t: number, ahead: number, now = () => performance.now()): Around {
+  around(frames: readonly Frame[], map: FloorMap, area: readonly number[], t: number, ahead: number, now = () => performance.now()): Around {
     const from = t - BACK_S;
     const of = this.#of;
-    const same = of?.shots === shots && of.map === map && of.area === area.join();
+    const same = of?.frames === frames && of.map === map && of.area === area.join();
     // Back in time, or past what was read: it begins anew.
-    if (!same || from < this.#from || from > this.#read) this.#begin(shots, map, area, from);
+    if (!same || from < this.#from || from > this.#read) this.#begin(frames, map, area, from);
     this.#from = from;
     this.#holds = this.#holds.filter((hold) => hold.to >= from);
-    return { whole: this.#readOn(shots, t + ahead, now), nodes: this.#strips(t, t + ahead) };
+    return { whole: this.#readOn(frames, t + ahead, now), nodes: this.#strips(t, t + ahead) };
   }
 
-  #begin(shots: readonly Shot[], map: FloorMap, area: readonly number[], from: number): void {
+  #begin(frames: readonly Frame[], map: FloorMap, area: readonly number[], from: number): void {
     const [x0 = 0, y0 = 0, x1 = 0, y1 = 0] = area;
-    this.#of = { shots, map, area: area.join() };
+    this.#of = { frames, map, area: area.join() };
     this.#places.clear();
     map.nodes.forEach(({ id, x, y }, i) => { if (x >= x0 && x <= x1 && y >= y0 && y <= y1) this.#places.set(i, { id, x, y }); });
-    [this.#holds, this.#read, this.#shown] = [[], from, seek(shots, from, null)];
+    [this.#holds, this.#read, this.#shown] = [[], from, seek(frames, from, null)];
     this.#last.clear();
     if (this.#shown && this.#shown.at <= from && from - this.#shown.at <= GAP_S) this.#take(from);
   }
 
-  #readOn(shots: readonly Shot[], to: number, now: () => number): boolean {
+  #readOn(frames: readonly Frame[], to: number, now: () => number): boolean {
     const until = now() + SLICE_MS;
-    for (let i = after(shots, this.#read); i < shots.length && shots[i]!.at <= to; i++) {
-      const shot = shots[i]!;
-      if (shot.kind === 'key') continue;
+    for (let i = after(frames, this.#read); i < frames.length && frames[i]!.at <= to; i++) {
+      const frame = frames[i]!;
+      if (frame.kind === 'key') continue;
       if (now() > until) return false;
-      this.#read = shot.at;
-      this.#shown = seek(shots, shot.at, this.#shown);
-      this.#take(shot.at);
+      this.#read = frame.at;
+      this.#shown = seek(frames, frame.at, this.#shown);
+      this.#take(frame.at);
     }
     return true;
   }

@@ -43,23 +43,23 @@ async function askNow(api: Pick<Api, 'timelines'>, area: Area, ahead: number): P
 
 /** Timelines around the moment that a replay shows. */
 export class PastTimelines {
-  #replay: Pick<Replay, 'film' | 't'>;
+  #replay: Pick<Replay, 'recording' | 't'>;
   #held = new HeldThen();
   /** What was said last: the same again while nothing changes. */
   #told: (Timelines & Around & { asked: readonly unknown[] }) | null = null;
 
-  constructor(replay: Pick<Replay, 'film' | 't'>) {
+  constructor(replay: Pick<Replay, 'recording' | 't'>) {
     this.#replay = replay;
   }
 
   /** What held the places of an area around the moment, and whether that is all; null while frames are fetched. */
   around(map: FloorMap, area: Area, ahead: number): (Timelines & Pick<Around, 'whole'>) | null {
-    const { film, t } = this.#replay;
-    if (!film.shots(t)) return null;
-    const shots = film.between(t - BACK_S, t + ahead);
-    const asked = [shots, map, t, ahead, ...area];
+    const { recording, t } = this.#replay;
+    if (!recording.frames(t)) return null;
+    const frames = recording.between(t - BACK_S, t + ahead);
+    const asked = [frames, map, t, ahead, ...area];
     if (!this.#told?.whole || this.#told.asked.some((one, i) => one !== asked[i])) {
-      this.#told = { asked, at: '', ahead_s: ahead, ...this.#held.around(shots, map, area, t, ahead) };
+      this.#told = { asked, at: '', ahead_s: ahead, ...this.#held.around(frames, map, area, t, ahead) };
     }
     return this.#told;
   }

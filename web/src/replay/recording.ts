@@ -1,14 +1,14 @@
 // Where a replay takes its frames from: a file that is here as a whole, or a server that is asked for a minute at a
-// time. Seconds count from the start of the film; a server's earlier runs lie before 0.
+// time. Seconds count from the start of the recording; a server's earlier runs lie before 0.
 import { trouble, type Api, type FloorMap, type HeatKind, type HeatPage, type Mark, type Sum } from '../wire';
-import { readReel, type Listed, type Reel, type Shot } from './reel';
+import { readReel, type Listed, type Reel, type Frame } from './reel';
 import { linesOf } from './unpack';
 
 export interface Span {
   from_s: number;
   to_s: number;
 }
-export interface Film {
+export interface Recording {
   readonly source: 'file' | 'server' | 'recording';
   readonly name: string;
   /** Null where the page has it already. */
@@ -21,9 +21,9 @@ export interface Film {
   /** What is wrong, in words. */
   readonly wrong: string | null;
   /** The frames round a moment; null while they are fetched. */
-  shots(t: number): readonly Shot[] | null;
+  frames(t: number): readonly Frame[] | null;
   /** The frames from one moment to another, as far as they are here; the others are fetched. */
-  between(from: number, to: number): readonly Shot[];
+  between(from: number, to: number): readonly Frame[];
   /** Lists of the jobs that waited round a moment, in order; null while they are fetched. */
   lists(t: number): readonly Listed[] | null;
   /** Sums from one moment to another, one for so many seconds at least; or what is wrong, in words. */
@@ -36,17 +36,17 @@ export interface Film {
 
 const NO_HEAT = 'Only a running server knows where robots waited.';
 
-type Spanned = Pick<Film, 'spans'>;
-export const begins = (film: Spanned): number => film.spans[0]?.from_s ?? 0;
-export const ends = (film: Spanned): number => film.spans.at(-1)?.to_s ?? 0;
+type Spanned = Pick<Recording, 'spans'>;
+export const begins = (recording: Spanned): number => recording.spans[0]?.from_s ?? 0;
+export const ends = (recording: Spanned): number => recording.spans.at(-1)?.to_s ?? 0;
 
 /** The moment itself, or the next one of which there is a frame. */
-export function snap(film: Spanned, t: number): number {
-  for (const span of film.spans) if (t <= span.to_s) return Math.max(t, span.from_s);
-  return ends(film);
+export function snap(recording: Spanned, t: number): number {
+  for (const span of recording.spans) if (t <= span.to_s) return Math.max(t, span.from_s);
+  return ends(recording);
 }
 
-export class FileFilm implements Film {
+export class FileRecording implements Recording {
   readonly source = 'file';
   readonly name: string;
   readonly map: FloorMap;
@@ -63,15 +63,15 @@ export class FileFilm implements Film {
     this.start = reel.start;
     this.marks = reel.marks;
     this.#reel = reel;
-    this.spans = spansOf(reel.shots);
+    this.spans = spansOf(reel.frames);
   }
 
-  static async open(bytes: Blob): Promise<FileFilm> {
-    return new FileFilm(readReel(await linesOf(bytes)));
+  static async open(bytes: Blob): Promise<FileRecording> {
+    return new FileRecording(readReel(await linesOf(bytes)));
   }
 
-  shots = (): readonly Shot[] => this.#reel.shots;
-  between = (): readonly Shot[] => this.#reel.shots;
+  frames = (): readonly Frame[] => this.#reel.frames;
+  between = (): readonly Frame[] => this.#reel.frames;
   lists = (): readonly Listed[] => this.#reel.lists;
   sums = (): Promise<readonly Sum[]> => Promise.resolve(this.#reel.sums);
   heat = (): Promise<string> => Promise.resolve(NO_HEAT);
@@ -81,9 +81,9 @@ export class FileFilm implements Film {
 /** A longer time without a frame is a gap. */
 const GAP_S = 5;
 
-function spansOf(shots: readonly Shot[]): Span[] {
+function spansOf(frames: readonly Frame[]): Span[] {
   const spans: Span[] = [];
-  for (const { at } of shots) {
+  for (const { at } of frames) {
     const last = spans.at(-1);
     if (last && at - last.to_s < GAP_S) last.to_s = Math.max(last.to_s, at);
     else spans.push({ from_s: at, to_s: at });
@@ -91,8 +91,8 @@ function spansOf(shots: readonly Shot[]): Span[] {
   return spans;
 }
 
-/** What a film asks of a server. */
-export type FilmApi = Pick<Api, 'past' | 'figures' | 'reel' | 'heat'>;
+/** What a recording asks of a server. */
+export type RecordingApi = Pick<Api, 'past' | 'figures' | 'reel' | 'heat'>;
 /** A server's past comes in pieces of so many seconds. */
 const PIECE_S = 60;
 /** So many of them are kept. */
@@ -100,12 +100,12 @@ const MOST_PIECES = 16;
 const AGAIN_MS = 2_000;
 
 interface Piece {
-  shots: readonly Shot[];
+  frames: readonly Frame[];
   lists: readonly Listed[];
   to: number;
 }
 
-export class ServerFilm implements Film {
+export class ServerRecording implements Recording {
   source: 'server' | 'recording' = 'server';
   readonly name = '';
   readonly map = null;
@@ -113,24 +113,24 @@ export class ServerFilm implements Film {
   spans: readonly Span[] = [];
   marks: readonly Mark[] = [];
   wrong: string | null = null;
-  #api: FilmApi;
+  #api: RecordingApi;
   #now: () => number;
   #pieces = new Map<number, Piece>();
   #asked = new Map<number, number>();
   #fetching = new Set<number>();
   /** Pieces that were put together last. */
-  #joined: { pieces: readonly Piece[]; shots: readonly Shot[] } = { pieces: [], shots: [] };
+  #joined: { pieces: readonly Piece[]; frames: readonly Frame[] } = { pieces: [], frames: [] };
 
-  private constructor(api: FilmApi, now: () => number) {
+  private constructor(api: RecordingApi, now: () => number) {
     this.#api = api;
     this.#now = now;
   }
 
   /** What the server keeps, or why there is nothing to be had. `now` is a clock in milliseconds. */
-  static async open(api: FilmApi, now = () => performance.now()): Promise<ServerFilm | string> {
-    const film = new ServerFilm(api, now);
-    await film.refresh();
-    return film.wrong ?? film;
+  static async open(api: RecordingApi, now = () => performance.now()): Promise<ServerRecording | string> {
+    const recording = new ServerRecording(api, now);
+    await recording.refresh();
+    return recording.wrong ?? recording;
   }
 
   async refresh(): Promise<void> {
@@ -146,18 +146,18 @@ export class ServerFilm implements Film {
     this.marks = [...this.marks.filter((mark) => mark.at_s < (since ?? -Infinity)), ...bookmarks];
   }
 
-  shots(t: number): readonly Shot[] | null {
+  frames(t: number): readonly Frame[] | null {
     const number = Math.floor(t / PIECE_S);
     const piece = this.#pieces.get(number);
     // What was fetched while it was being written lacks its end.
     const lacks = !piece || (t > piece.to && ends(this) > piece.to + 0.5);
     if (lacks) void this.#fetch(number);
     if ((number + 1) * PIECE_S <= ends(this) && !this.#pieces.has(number + 1)) void this.#fetch(number + 1);
-    return piece?.shots ?? null;
+    return piece?.frames ?? null;
   }
 
   /** The same array as before where no piece has come. */
-  between(from: number, to: number): readonly Shot[] {
+  between(from: number, to: number): readonly Frame[] {
     const pieces: Piece[] = [];
     for (let n = Math.floor(from / PIECE_S); n * PIECE_S <= to; n += 1) {
       if (!this.spans.some((span) => span.from_s < (n + 1) * PIECE_S && span.to_s >= n * PIECE_S)) continue;
@@ -167,10 +167,10 @@ export class ServerFilm implements Film {
     }
     if (pieces.length !== this.#joined.pieces.length || pieces.some((piece, i) => piece !== this.#joined.pieces[i])) {
       // Each begins with a key frame, from before the end of the one that it follows.
-      const shots = pieces.flatMap((piece, i) => (i === 0 ? piece.shots : piece.shots.filter((shot) => shot.at > pieces[i - 1]!.to)));
-      this.#joined = { pieces, shots };
+      const frames = pieces.flatMap((piece, i) => (i === 0 ? piece.frames : piece.frames.filter((frame) => frame.at > pieces[i - 1]!.to)));
+      this.#joined = { pieces, frames };
     }
-    return this.#joined.shots;
+    return this.#joined.frames;
   }
 
   lists = (t: number): readonly Listed[] | null => this.#pieces.get(Math.floor(t / PIECE_S))?.lists ?? null;
@@ -199,9 +199,9 @@ export class ServerFilm implements Film {
     this.wrong = trouble(answer);
     if (answer.kind !== 'ok') return;
     try {
-      const { shots, lists } = readReel(await linesOf(answer.value));
+      const { frames, lists } = readReel(await linesOf(answer.value));
       this.#pieces.delete(number);
-      this.#pieces.set(number, { shots, lists, to: shots.at(-1)?.at ?? 0 });
+      this.#pieces.set(number, { frames, lists, to: frames.at(-1)?.at ?? 0 });
     } catch (error) {
       this.wrong = error instanceof Error ? error.message : String(error);
     }
