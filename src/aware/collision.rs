@@ -15,7 +15,7 @@ use smallvec::SmallVec;
 /// A robot brakes where the probability of meeting a person is at least this (Liu and Jebelli 2023 tried 0.5
 /// to 20 % and found less reliability beyond 5 %).
 pub const THRESHOLD: f64 = 0.05;
-/// The time ahead is looked at in slices of this length. In each, the person is where the middle of the slice puts them.
+/// The time ahead is looked at in slices of this length. In each, the person is where they will be at its middle.
 const SLICE_S: f64 = 0.2;
 
 /// How far beyond the time of braking is looked: bodies that begin to touch at its end overlap by little
