@@ -1,8 +1,8 @@
 //! Giveway: a warehouse fleet manager in which robots give way to people.
 //!
 //! Giveway is an efficiency layer and no safety function: detection, braking and emergency stop are the robots' own.
-//! This page is the architecture text, the only one. The README gets a stranger to a running simulation; `docs/`
-//! answers one question a page.
+//! This page is the only architecture text. The README takes a newcomer to a running simulation; each page of `docs/`
+//! answers one question.
 //!
 //! # The picture
 //!
@@ -17,9 +17,9 @@
 //!               cli (arguments, files, tables)
 //! ```
 //!
-//! Arrows read "is known by". A module names only modules before it; `store`, `api` and `vda5050` know the core and
-//! neither each other nor `sim`; `human` and `route` meet only in `aware`. `tests/walls/` enforces this and the
-//! purity, and `cargo test --no-default-features` builds everything pure without one crate of the outside.
+//! Arrows read "is known by". A module names only modules before it. `store`, `api` and `vda5050` know the core, but
+//! neither each other nor `sim`. `human` and `route` meet only in `aware`. `tests/walls/` enforces this and the purity,
+//! and `cargo test --no-default-features` builds all that is pure without any crate that only the outside needs.
 //!
 //! # The code, in reading order
 //!
@@ -27,8 +27,8 @@
 //!   and radians in the map's frame.
 //! - [`warehouse`]: the building. Nodes, lanes, racks, stations; which of them get in each other's way; checks that
 //!   refuse a map on which robots could get stuck; formats.
-//! - [`timeline`]: who holds which resource when, and in which order. Makes [`timeline::Reserved`], the proof that
-//!   something is held.
+//! - [`timeline`]: which robot holds which resource when, and in which order. Makes [`timeline::Reserved`], the proof
+//!   that something is held.
 //! - [`route`]: the one search, over free windows.
 //! - [`human`]: people as beliefs. Where they are, whether they keep to their path, which goals are theirs, where they
 //!   will be when. Every kind of bad sighting has one answer (`human/track.rs`). Forecasts are mixtures whose figures
@@ -36,14 +36,15 @@
 //! - [`aware`]: what people mean for robots: conditions on nodes for the search and the grants, regions for speeds,
 //!   encounters. There is no second planner.
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
-//! - [`history`]: what happened over time, as figures in buckets of bounded number. Nothing is decided by it.
-//! - [`sim`]: robots with inertia, radios that lose, customers; laws; recordings; the driver without a server. Pure.
+//! - [`history`]: what happened over time, as figures in buckets of bounded number. It decides nothing.
+//! - [`sim`]: robots with inertia, radios that lose messages, customers; laws; recordings; the driver without a server.
+//!   Pure.
 //! - [`experiment`]: benchmark floors and published tables, driven by the same search; recorded people, and what is
 //!   learned from them. Pure.
 //! - `store`: the journal of steps, snapshots of the ledger, and the lists of jobs, assignments and encounters, in
 //!   SQLite.
 //! - `api`: HTTP under `/v1`, the live feed, metrics, OpenAPI; wire types are its own. `api/feed` takes the poses of
-//!   headsets: frames, clocks and thinning are pure there, and guidance goes out past all queues.
+//!   headsets: frames, clocks and thinning are pure there, and guidance bypasses all queues.
 //! - `vda5050/`: to come. Real robots instead of simulated ones, behind the same [`fleet::Command`] and
 //!   [`fleet::Telemetry`].
 //! - `server`: settings, the only clock, the loop, what waits for the journal.
@@ -51,7 +52,7 @@
 //!
 //! # Words
 //!
-//! One meaning each, the field's own where it has one.
+//! Each term has one meaning, the field's own where it has one.
 //!
 //! | term | meaning | known from |
 //! |---|---|---|
@@ -75,53 +76,56 @@
 //! | input, fact, command, reply, view, snapshot | what goes into a step, what happened, what leaves | event sourcing |
 //! | deadlock, livelock, standstill | a cycle of waiting; motion without progress; no robot moves | |
 //! | throughput bound | deliveries of the same jobs if robots could pass through one another | |
-//! | occupancy, heartbeat | who holds what when; the regular report of a robot or a headset | |
+//! | occupancy, heartbeat | which robot holds what when; the regular report of a robot or a headset | |
 //! | recording, frame, bookmark | what a replay plays | |
 //!
 //! # The life of a step
 //!
 //! Everything happens in [`fleet::Fleet::step`]`(now, inputs)`. The server, the simulator and the tests are three short
-//! drivers of it, which differ only in where `now` and the inputs come from and where the results go. Inside `fleet`,
-//! each folder is a room. What rooms share is `fleet/state/`: the ledger, which facts alone change; the scene; what
-//! restricts robots in this step; and the read-only `Floor` for questions about all of them. What a room keeps in mind
-//! is its own (`HumanState`, `Yielding`, `Traffic`), and what it may know of another is an argument: people and
-//! dispatch know `state` alone, traffic asks dispatch for places in storage, yielding plans with traffic and knows
-//! people, `read` sees all and is called by none. `tests/walls/rooms.rs` has the table and enforces it.
+//! drivers of it, which differ only in where `now` and the inputs come from and where the results go.
 //!
+//! Inside `fleet`, each folder is a room. The rooms share `fleet/state/`: the ledger, which only facts change; the
+//! scene; the restrictions on robots in this step; and the read-only `Floor` for questions about all of these. What a
+//! room remembers is its own (`HumanState`, `Yielding`, `Traffic`). What it may know of another room is passed to it as
+//! an argument: people and dispatch know `state` alone, traffic asks dispatch for places in storage, yielding plans
+//! with traffic and knows people, `read` sees all rooms, and no room calls it. `tests/walls/rooms.rs` has the table and
+//! enforces it.
 //!
 //! 1. **Absorb** (`requests/absorb.rs`): all inputs are taken in before anything is decided. Telemetry goes to the
-//!    scene, where the newest by the time it was *seen* wins. Requests become facts or refusals.
+//!    scene, where the report that was *seen* last counts. Requests become facts or refusals.
 //! 2. **Evaluate people** (`people/evaluate.rs`): people are followed along their paths. A worker who stays off a path
 //!    deviates and is shown a way back (`people/routing.rs`); intents are updated (`people/intent.rs`). Beliefs become
 //!    conditions on nodes: *closed* where a person will almost surely walk within seconds, *no entry or exit*
 //!    around a person, *slow* farther out, a *soft cost* where a person may walk. Speed limits and stops leave at once
 //!    (`yielding/speed_limit.rs`), and so does guidance (`people/guidance.rs`). On a floor without people and closures
 //!    this phase does nothing.
-//! 3. **Progress** (`traffic/progress.rs`): what has come true? Visits behind a robot are released, a stop that is done
-//!    leads to the next task, the windows of a late robot slide with those of all robots after it; a broken robot keeps
-//!    its place, and a robot that stands elsewhere is taken up there or treated as broken (`traffic/displaced.rs`).
-//! 4. **Dispatch** (`dispatch/jobs.rs`): waiting jobs and idle robots are matched all together at the least sum of
-//!    costs (`dispatch/assignment.rs`). A robot that is left over charges or leaves the floor.
+//! 3. **Progress** (`traffic/progress.rs`): what has come true? Visits behind a robot are released. A stop that is done
+//!    leads to the next task. If a robot is late, its windows slide, and with them those of all robots after it. A
+//!    broken robot keeps its place. A robot that stands elsewhere is taken up there or treated as broken
+//!    (`traffic/displaced.rs`).
+//! 4. **Dispatch** (`dispatch/jobs.rs`): waiting jobs and idle robots are matched together, at the least sum of costs
+//!    (`dispatch/assignment.rs`). A robot that gets no job charges if it should, or makes way for others.
 //! 5. **Plan** (`traffic/plan.rs`): each robot that has a task and no route gets a search, the longest waiting first,
 //!    until the step's budget of expansions is spent. A route is committed only when it is complete. Then robots whose
 //!    route leads into an announced closure get another one (`traffic/closures.rs`). Then robots whose reservations
-//!    meet a worker's windows wait, or change their route where they would wait for long, or leave the worker's path
+//!    meet a worker's windows wait, or change their route if they would wait for long, or leave the worker's path
 //!    (`yielding/evade.rs`). Then robots that are held up look for a better route.
 //! 6. **Grant** (`traffic/grant.rs`): each robot may drive as far as it needs to keep its speed, but not past a stop
-//!    that is not done, nor past a robot that holds an earlier reservation. Grants become commands. Where a robot needs
-//!    more than it gets, the reason is kept, and *why waiting* reads that one (`read/why.rs`).
+//!    that is not done, nor past a robot that holds an earlier reservation. Grants become commands. If a robot needs
+//!    more than it gets, the reason is kept, and *why waiting* reads it (`read/why.rs`).
 //!
-//! Every change of durable state is a [`fleet::Fact`], recorded by one function and taken in by one other,
-//! [`fleet::Ledger::evolve`], live and on load alike. Facts carry what came out (new times of visits that a delay
-//! moved), never what was to be worked out, so a better algorithm cannot rewrite history. The step returns facts,
-//! commands and replies. The server writes the facts of a step as one row, whole or not at all, and lets commands
-//! and replies go when it is durable; if the database is gone, robots finish what was granted and stand. The
-//! journal's task folds what is durable into a ledger of its own and writes that down now and then; steps behind it
-//! are deleted. After a restart the ledger is the last one written down and the fold of the steps behind it, and
-//! the scene is empty: to the step that is a floor of silent robots, and nothing special.
+//! Every change of durable state is a [`fleet::Fact`], recorded by one function and applied by one other,
+//! [`fleet::Ledger::evolve`], live and on load alike. Facts carry results (the new times of visits that a delay moved),
+//! never how to compute them, so a better algorithm cannot rewrite history. The step returns facts, commands and
+//! replies. The server writes the facts of a step as one row, whole or not at all, and sends commands and replies when
+//! the row is durable. If the database is gone, robots finish what was granted and stand.
+//!
+//! The journal's task folds what is durable into a ledger of its own and writes a snapshot of it now and then; steps
+//! that the snapshots cover are deleted. After a restart the ledger is the last snapshot with the steps after it folded
+//! in, and the scene is empty. To the step that is a floor of silent robots, and nothing special.
 //!
 //! A step that panics is undone: the fleet is folded from the journal again, and the robot at hand is fenced off
-//! (`fleet/traffic/fence.rs`), that is, taken for failed whatever it says, until a person releases it.
+//! (`fleet/traffic/fence.rs`): it is treated as failed, whatever it reports, until a person releases it.
 //!
 //! # What is not there
 //!
@@ -131,28 +135,28 @@
 //! - No random number is drawn outside of `sim/random.rs`; no map with a random order is used above the line.
 //! - Nothing reacts to a message. Decisions look at state, so repeated, late and reordered messages do no harm.
 //! - No code but `Ledger::evolve` changes what was promised; loading facts never plans.
-//! - No robot is commanded without a [`timeline::Reserved`], and nobody but [`timeline::Timeline`] makes one. There is
-//!   no [`warehouse::Warehouse`] that was not validated.
+//! - No robot is told to drive without a [`timeline::Reserved`], and only [`timeline::Timeline`] makes one. There is no
+//!   [`warehouse::Warehouse`] that was not validated.
 //! - Types of the core are not serialised: `api` and `store` have wire types of their own.
 //! - The [`fleet::View`] is an input to no decision.
-//! - Nothing that only *exists* costs a step anything that grows with it: idle robots, waiting jobs that cannot start,
+//! - What merely *exists* costs a step nothing that grows with its number: idle robots, waiting jobs that cannot start,
 //!   announced closures and open assignments are looked up in indexes, which change when they do.
 //! - No hold is given back because its time is over. Times are plans; only what a robot reports frees anything.
 //!
-//! # Why nobody is ever stuck
+//! # Why no robot is ever stuck
 //!
 //! A *hold* is a visit of one robot on one node (and on the lane that leads there, where that lane needs a timeline),
 //! with a window. Three things are true of every set of holds that the timeline accepts:
 //!
-//! - (a) A robot's holds go on to a place where it may stay for ever, and the last one has no end. So nothing is ever
-//!   ordered behind a robot's last hold, and a robot that has reached it is in nobody's way. A new route that does not
-//!   get that far is not committed; the old one stands.
+//! - (a) A robot's holds go on to a place where it may stay for ever, and the last one has no end. So no hold is
+//!   ever ordered behind a robot's last one, and a robot that has reached its last hold is in no other robot's way. A
+//!   new route that does not get that far is not committed; the old one stands.
 //! - (b) Holds of different robots on one resource, or on two in conflict, do not overlap. So on every resource they
 //!   have an order, and grants follow that order, not the clock.
 //! - (c) A robot's hold on a node outlasts, by a strictly positive clearance, its arrival at the next node.
 //!
-//! Now let robot A wait for a hold `v`, that is, `v` is the next in A's route and somebody is before it in the order of
-//! its resource: B with hold `u`. Then `u` ends before `v` starts (b). B gives `u` back when it has arrived at its own
+//! Now let robot A wait for a hold `v`: `v` is the next in A's route, and another hold is before it in the order of its
+//! resource, hold `u` of robot B. Then `u` ends before `v` starts (b). B gives `u` back when it has arrived at its own
 //! next hold `u'`, which exists, since `u` has an end (a). And `u'` starts no later than B arrives there, which is
 //! before `u` ends (c). Together:
 //!
@@ -161,32 +165,33 @@
 //! ```
 //!
 //! The start of each hold is strictly later than the start of the hold that must be granted before it. The same holds
-//! within a route, where visits follow one another. So starts are a potential: what waits for what has no cycle, and
-//! the ungranted hold with the earliest start waits for nobody; its robot gets it as soon as it is done where it
-//! stands. With zero clearance a ring of robots could turn on the spot with all starts equal: that is what (c) forbids.
+//! within a route, where visits follow one another. So the starts are a potential: there is no cycle of waiting, and
+//! the ungranted hold with the earliest start waits for no other hold. Its robot gets it as soon as it is done where it
+//! stands. With zero clearance a ring of robots could rotate with all starts equal: that is what (c) forbids.
 //!
-//! The argument looks at a picture of holds, not at how it came about. So it survives all that keeps the picture:
+//! The argument is about the set of holds, not about how it came about. So it survives every change that keeps (a),
+//! (b) and (c) true:
 //!
-//! - *Delays* slide windows and keep every order (`timeline/delay.rs`): a follower starts later by what it must.
-//! - *Granting early* moves the start of a hold that nobody is before any more, so no inequality is lost.
-//! - *A better way* (`traffic/plan.rs`, `improve`) is searched in the free windows of what all others hold, so it fits
-//!   into the picture, and the order of all stays free of cycles, although the robot may come before others now.
-//! - *A broken robot* keeps what it was granted without end. Whoever has to pass it, and whoever would have to pass
-//!   those, loses what was not granted yet (`fleet/traffic/truncate.rs`) and is routed anew.
+//! - *Delays* slide windows and keep every order (`timeline/delay.rs`): a follower starts as much later as it must.
+//! - *Granting early* moves the start of a hold with no earlier hold before it, so no inequality is lost.
+//! - *A better route* (`traffic/plan.rs`, `improve`) is searched in the windows that all other holds leave free, so it
+//!   fits in, and the order of all holds stays free of cycles, although the robot may now come before others.
+//! - *A broken robot* keeps what it was granted without end. The robots that have to pass it, and those that would
+//!   have to pass these in turn, lose what was not granted yet (`fleet/traffic/truncate.rs`) and are routed anew.
 //! - *A robot that was pushed elsewhere* (`fleet/traffic/displaced.rs`) holds one place without end, which was granted
-//!   to no other robot; those that were promised it, and those behind them, lose what was not granted yet.
+//!   to no other robot. The robots that were promised it, and those behind them, lose what was not granted yet.
 //! - *A robot whose grant is revoked* (`fleet/traffic/revoke.rs`) only holds again what it had been granted. It is
-//!   first in the order of all that, and no robot can come before a hold that began in the past, so it waits for none
-//!   there.
+//!   first in the order of all these holds, and no robot can come before a hold that began in the past, so it waits for
+//!   no other robot there.
 //!
 //! *People* are outside of the argument on purpose. A worker holds nothing in the timeline: a grant that would meet
-//! a condition waits, which is a delay like any other, and the order of robots stays as it is. What can be stuck is a
-//! robot and a person who wait for one another. A robot on a person's path leaves it; one that stood for a person for
-//! long is called back and leaves by another way; a person whose path is blocked is led round, or to a place aside,
-//! and is told to stop only where nothing else is left.
+//! a condition waits, which is a delay like any other, and the order of robots stays as it is. But a robot and a person
+//! can wait for one another. So a robot on a person's path leaves it. A robot that has yielded to a person for long is
+//! called back and leaves by another way. A person whose path is blocked is led round, or to a place aside, and is told
+//! to stop only if nothing else is left.
 //!
 //! One thing must be true of the floor for (a) to be possible at all: every place can be reached without crossing a
-//! place where somebody may stay for ever. `warehouse/check/floor.rs` refuses maps where that is not so.
+//! place where a robot may stay for ever. `warehouse/check/floor.rs` refuses maps where that is not so.
 //!
 //! # Where do I change …
 //!
@@ -262,19 +267,19 @@
 //!
 //! - *The view is made on demand* ([`fleet::Fleet::view`]), not by every step: the server wants ten a second, a
 //!   simulated hour none of its 36 000.
-//! - *Most lanes have no timeline.* Whoever drives a lane holds both ends. Where its footprint asks for nothing beyond
-//!   them, holding the lane as well would say nothing new and would double the work.
+//! - *Most lanes have no timeline.* A robot that drives a lane holds both its ends. If its footprint takes nothing
+//!   beyond them, holding the lane as well would say nothing new and would double the work.
 //! - *Queue places are ordinary nodes*, reserved for robots bound for their station, planned like all others. Robots
 //!   set off only while the station has a place for them. A FIFO outside of the search would have been a second planner
-//!   with a promise of its own, and the argument above would have had to cover both.
+//!   that makes promises of its own, and the argument above would have had to cover both.
 //! - *There is a `cli` module beside `main.rs`*, so that commands can use private parts of it and tests can call it.
-//! - *The order on a resource is changed by planning those who wait again*, not by swapping entries: the search finds
-//!   only ways that fit, so no graph has to be checked for cycles.
+//! - *The order on a resource is changed by planning the waiting robots again*, not by swapping entries: the search
+//!   finds only routes that fit, so no graph has to be checked for cycles.
 //! - *Insertion that moves others* (replanning a small set together, `fleet/traffic/joint.rs`) is tried after several
 //!   failed searches, and for robots that must leave a worker's path; not for routes that are merely late, where it
 //!   cost more than it gained.
-//! - *Workers hold nothing in the timelines.* Precedence over robots would mean to take holds back, and with them the
-//!   order on which nobody is ever stuck. They enter as conditions, made anew in every step.
+//! - *Workers hold nothing in the timelines.* If they went before robots there, holds would have to be taken back, and
+//!   with them the order that keeps robots from getting stuck. Workers enter as conditions, made anew in every step.
 //! - *Regions 2 and 3 are measured on foot*, round the racks, since they say how far a person walks meanwhile; region 1
 //!   is as the crow flies. They are between centres: the separation distance plus half a person and half a robot.
 

@@ -4,7 +4,7 @@
 //! widened by half a person, against the forecast of where the person's middle will be. Liu and Jebelli (2023)
 //! integrate the product of two densities and compare it with 5 %; that is no probability and peaks at 9.4 %
 //! for two equal Gaussians. This is the mass of the forecast whose way the footprint crosses. Refuses: to take caution
-//! away; whoever asks may only brake because of it.
+//! away; the caller may use it only to brake.
 
 use super::regions::BODY_M;
 use crate::geometry::{Point, Vector};
@@ -12,10 +12,10 @@ use crate::human::{Mixture, PLACES};
 use crate::time::{Span, Time};
 use smallvec::SmallVec;
 
-/// A robot brakes where the probability of meeting somebody is at least this (Liu and Jebelli 2023 tried 0.5
+/// A robot brakes where the probability of meeting a person is at least this (Liu and Jebelli 2023 tried 0.5
 /// to 20 % and found less reliability beyond 5 %).
 pub const THRESHOLD: f64 = 0.05;
-/// The time ahead is looked at in slices of this length; a person is then where it will be in the middle of one.
+/// The time ahead is looked at in slices of this length. In each, the person is where they will be at its middle.
 const SLICE_S: f64 = 0.2;
 
 /// How far beyond the time of braking is looked: bodies that begin to touch at its end overlap by little
@@ -58,10 +58,10 @@ impl Swept {
     }
 }
 
-/// The probability that person and robot touch within `time`, if the robot drives on as it does. Somebody who is off
+/// The probability that person and robot touch within `time`, if the robot drives on as it does. A person who is off
 /// the middle of a way of walking now will be off it to the same side later, so each of [`PLACES`] of a forecast's
 /// part is followed through time, and counts once, when the robot first meets it. `person` says where the person
-/// will be at a moment; nothing where nobody was seen.
+/// will be at a moment; nothing if no person was seen.
 pub fn collision(
     person: impl Fn(Time) -> Option<Mixture>,
     robot: &Swept,
@@ -95,7 +95,7 @@ mod tests {
     use crate::human::{Forecast, Model, Part};
     use nalgebra::Matrix2;
 
-    /// Somebody who walks along x at 1.2 m/s and is at the origin after two seconds.
+    /// A person who walks along x at 1.2 m/s and is at the origin after two seconds.
     fn walking() -> (Motion, Time) {
         let model = Model::builtin();
         let mut motion = Motion::new(model.motion);

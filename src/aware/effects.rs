@@ -1,7 +1,7 @@
 //! From beliefs about people to conditions for the search.
 //!
 //! Main type: [`Effects`]. Where a person is, nothing comes or goes, and around that everything is slower;
-//! where a person will almost surely walk within seconds, nobody may be; where a person may walk, being there
+//! where a person will almost surely walk within seconds, no robot may be; where a person may walk, being there
 //! costs, in proportion to the probability. Refuses: to look at robots.
 
 use super::afoot::Afoot;
@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 const SURE: f64 = 0.5;
 /// Probability below which a place is neither.
 const NEGLIGIBLE: f64 = 0.05;
-/// What being surely in somebody's way costs, seconds.
+/// What being surely in a person's way costs, seconds.
 const IN_THE_WAY_S: f64 = 8.0;
 /// How far ahead a place is closed, and how far it has a soft cost.
 const HARD: Span = Span::from_secs(6);
@@ -52,8 +52,8 @@ impl Effects<'_> {
         self.regions.bodies_m(true) + GAP_M
     }
 
-    /// Regions 2 and 3 around a worker where the worker is. Whoever has stood for long is expected to stand as long
-    /// again, so that robots look for other ways; conditions are made anew every step.
+    /// Regions 2 and 3 around a worker where the worker is. A person who has stood for long is expected to stand as
+    /// long again, so that robots look for other ways; conditions are made anew every step.
     pub fn presence(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts, stood: Span) {
         let cause = Cause::Worker(worker);
         let window = Window::new(self.now, self.now + stood.clamp(NOW, STOOD));

@@ -19,9 +19,9 @@ const MOVES_MPS: f64 = 0.05;
 /// A robot near a worker, at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Near {
-    /// Who.
+    /// The worker.
     pub worker: WorkerId,
-    /// And which robot.
+    /// The robot.
     pub robot: RobotId,
     /// Where the worker is.
     pub at: Point,
@@ -69,7 +69,7 @@ impl Meter {
         self.open.values()
     }
 
-    /// Looks at all pairs that are near one another; gives the encounters that are over.
+    /// Looks at all pairs that are near one another; returns the encounters that are over.
     pub fn observe(&mut self, now: Time, near: &[Near]) -> Vec<Meeting> {
         let passed = self.seen.map_or(Span::ZERO, |t| now - t);
         self.seen = Some(now);

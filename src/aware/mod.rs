@@ -2,7 +2,7 @@
 //!
 //! Main types: [`HumanAwarePolicy`] (which method decides), [`Regions`] (radii and speeds), [`Effects`] (beliefs to
 //! conditions), [`Zone`] (keep, slow down, or change the route), [`Meter`] (encounters). Refuses: to
-//! plan, and to command anybody.
+//! plan, and to command robots.
 
 mod afoot;
 mod collision;

@@ -5,13 +5,13 @@
 //! space and worker trajectory prediction", equations 3 to 8 and the decision model of section 3.4. Read with its
 //! errata: 1.78 m is an arm span, so the radius of the circle is half of it; what cases 1 and 2 say is swapped (there
 //! the *robot* has left before the worker comes, and the worker before the robot); "and" between the orders of times
-//! means "or"; equal times, which no case covers, are those of half-open windows here. Refuses: to know where anybody
-//! is, and to be a safety function.
+//! means "or"; equal times, which no case covers, are those of half-open windows here. Refuses: to know where a
+//! worker or a robot is, and to be a safety function.
 
 use crate::human::WALK_MPS;
 use crate::time::{Span, Time, Window};
 
-/// HumanAwarePolicy span of a standing man, the 90th percentile, metres (GB/T 13547-92, as quoted by Ye et al.).
+/// Arm span of a standing man, the 90th percentile, metres (GB/T 13547-92, as quoted by Ye et al.).
 pub const ARM_SPAN_M: f64 = 1.78;
 /// The least distance between a worker and a robot that work together, metres (ISO 10218-2, as quoted there).
 pub const APART_M: f64 = 0.5;
@@ -62,7 +62,7 @@ pub struct Zone {
     pub worker: Window,
 }
 
-/// Who is in a zone when: the four cases of Ye et al..
+/// Which of the two is in a zone first, and whether they meet: the four cases of Ye et al. (2024).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Case {
     /// 1: the robot has left when the worker comes, `t_q ≤ t_i`.

@@ -114,7 +114,7 @@ impl Fleet {
     }
 
     /// What people, closed areas and displaced robots mean for robots: stops and speed limits, which leave at once, and
-    /// restrictions for the rest of the step. What workers are told.
+    /// restrictions for the rest of the step. Also what workers are told.
     fn evaluate_people(&mut self, heard: &[WorkerInput], now: Time) {
         let Fleet { core, people, yielding, traffic, .. } = self;
         closures::begin_restrictions(core, now);
@@ -168,7 +168,7 @@ impl Fleet {
         &self.core.ledger
     }
 
-    /// The newest that a robot said of itself.
+    /// The newest telemetry of a robot.
     pub fn telemetry(&self, robot: RobotId) -> Option<&Telemetry> {
         self.core.scene.robot(robot)
     }

@@ -2,7 +2,7 @@
 //! while.
 //!
 //! Main types: [`Conditions`], [`Condition`], [`Effect`]. This is the only way in which people enter planning.
-//! Refuses: to know why a condition holds, beyond whose it is.
+//! Refuses: to know why a condition holds, beyond its cause.
 
 use crate::geometry::Point;
 use crate::id::{ClosureId, Dense, IdVec, NodeId, RobotId, WorkerId};
@@ -11,14 +11,14 @@ use crate::warehouse::Warehouse;
 use smallvec::SmallVec;
 use std::collections::BTreeMap;
 
-/// Whose condition it is.
+/// What causes a condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Cause {
     /// A worker is there, or probably will be.
     Worker(WorkerId),
-    /// Somebody marked the area.
+    /// The area is closed, or will be.
     Closure(ClosureId),
-    /// A robot stands there that is booked elsewhere.
+    /// A displaced robot stands there, or this robot reported that it cannot get there.
     Robot(RobotId),
 }
 
@@ -27,7 +27,7 @@ pub enum Cause {
 pub enum Effect {
     /// No robot may be there.
     Closed,
-    /// No robot may come or go; who stands there stays.
+    /// No robot may come or go; a robot that stands there stays.
     NoEntryOrExit,
     /// Being there is as bad as being this much later.
     SoftCost(Span),
@@ -42,19 +42,19 @@ pub struct Condition {
     pub window: Window,
     /// What.
     pub effect: Effect,
-    /// Whose.
+    /// Its cause.
     pub cause: Cause,
 }
 
-/// A robot that is too near to a worker already: it may go wherever it does not come nearer. Or one that is in a closed
-/// area already: it may go on.
+/// Lets a robot leave. If it is too near to a worker already, it may go wherever it comes no nearer. If it is in a
+/// closed area already, it may go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exemption {
-    /// From whom, or from where.
+    /// The worker, the closed area or the displaced robot that it leaves.
     pub from: Cause,
-    /// Where the worker is.
+    /// Where the worker or the displaced robot is.
     pub at: Point,
-    /// How far the robot is, metres.
+    /// How far from there the robot is, metres.
     pub distance_m: f64,
 }
 
@@ -175,7 +175,7 @@ impl Conditions {
         self.lasting.keys().copied().chain(passing)
     }
 
-    /// Whether there are none that pass with the step.
+    /// Whether there are any that pass with the step.
     pub fn has_passing(&self) -> bool {
         !self.touched.is_empty()
     }
@@ -185,7 +185,7 @@ impl Conditions {
         self.touched.is_empty() && self.lasting.is_empty()
     }
 
-    /// Those of a node that count for somebody who is on the way `away`.
+    /// Those of a node that bind a robot with these exemptions.
     pub fn binding<'a>(
         &'a self,
         node: NodeId,
@@ -197,7 +197,7 @@ impl Conditions {
 }
 
 impl Exemption {
-    /// Whether a condition on a place does not bind who goes away.
+    /// Whether the exemption frees the robot from a condition on a place.
     fn excuses(&self, condition: &Condition, at: Point) -> bool {
         let from_me = condition.cause == self.from;
         let hard = matches!(condition.effect, Effect::Closed | Effect::NoEntryOrExit);

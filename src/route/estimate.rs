@@ -1,4 +1,4 @@
-//! Lower bounds for the way to a goal: what it takes with nobody else on the floor.
+//! Lower bounds for the way to a goal: what it takes on an empty floor.
 //!
 //! Main types: [`Estimates`] (a bounded cache of tables), [`Table`] (one goal). A table is a reverse Dijkstra over
 //! (node, arrival heading, motion) with circular buckets of a millisecond. Spans are rounded down, so the bounds

@@ -161,7 +161,7 @@ impl Labels {
             }
             if dominates(&label, known) {
                 self.arena[i as usize].dominated = true;
-                // Nobody looks at it again: take it out of the list.
+                // It is never looked at again: take it out of the list.
                 match link {
                     NONE => head = after,
                     l => self.arena[l as usize].next = after,

@@ -1,4 +1,4 @@
-//! One search for everybody: context-aware route planning (CARP) over free windows.
+//! One search for all robots: context-aware route planning (CARP) over free windows.
 //!
 //! Main types: [`Ask`] (what is wanted), [`Planner`] (search, estimates and scratch memory), [`Route`] (resources with
 //! windows), [`NoRoute`] (why not). Refuses: to reserve anything itself, to plan to a place where the robot could not
@@ -71,7 +71,7 @@ pub struct Ask<'a> {
     pub budget: u32,
     /// What people mean for it.
     pub conditions: &'a Conditions,
-    /// Workers from whom the robot goes away, being too near already, and closed areas that it is in.
+    /// Workers that the robot is too near to already and may move away from, and closed areas that it is in.
     pub exemptions: &'a [Exemption],
 }
 
@@ -173,7 +173,7 @@ impl Planner {
         search::plan(&mut self.estimates, &mut self.scratch, ask, timeline, self.weight)
     }
 
-    /// How long the stages would take with nobody else on the floor, from standing at a node.
+    /// How long the stages would take on an empty floor, from standing at a node.
     pub fn free_flow(&mut self, from: NodeId, stages: &[Stage]) -> Option<Span> {
         let mut total = Span::ZERO;
         let mut at = from;

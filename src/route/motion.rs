@@ -1,7 +1,7 @@
 //! How long robots take: kinematics, and the same as tables per arc.
 //!
 //! Main types: [`Rules`] (what a move is), [`Kinematics`] (a real robot's figures), [`Pace`] (durations of every
-//! arc and turn of one warehouse). Refuses: to know where anybody is.
+//! arc and turn of one warehouse). Refuses: to know where any robot is.
 //!
 //! Speeds are planned in two states, standing and rolling. A run of several lanes is driven as: speed up, cruise,
 //! brake. With speed `v` and acceleration `a` a run of length `L ≥ v²/a` takes `L/v + v/a`: the sum of its lanes at
@@ -165,7 +165,7 @@ impl Pace {
         }
     }
 
-    /// From the end of somebody's hold on a node to the earliest stop of the next robot there.
+    /// From the end of one robot's hold on a node to the earliest stop of the next robot there.
     pub fn fastest_in(&self, node: NodeId, loaded: bool) -> Span {
         self.fastest_in[node][usize::from(loaded)]
     }

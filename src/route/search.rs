@@ -163,9 +163,9 @@ fn room(warehouse: &Warehouse, body: BodyId, stages: &[Stage]) -> SmallVec<[[boo
     (0..stages.len()).map(at).collect()
 }
 
-/// The arrivals at each goal that its free windows allow. Where robots hold the next node while they drive,
-/// nobody arrives sooner after a hold ends than the last lane takes, and nobody leaves faster than the first
-/// one does: without this, every search to a busy station would try all ways of arriving in those seconds.
+/// The arrivals at each goal that its free windows allow. Where robots hold the next node while they drive, no robot
+/// arrives sooner after a hold ends than the last lane takes, and none leaves faster than the first lane takes. Without
+/// this, every search to a busy station would try all ways of arriving in those seconds.
 fn goal_windows(
     warehouse: &Warehouse,
     pace: &Pace,
@@ -201,7 +201,7 @@ impl Search<'_> {
     fn start(&self, labels: &mut Labels, open: &mut Open) -> Result<(), NoRoute> {
         let node = self.ask.from.node;
         // The window in which it came here must last until it can leave: a robot that is late may stand where another
-        // one is to pass before that, and must not be taken for having made way meanwhile.
+        // one is to pass before that, and must not be treated as if it had made way meanwhile.
         let (came, ready) = (self.ask.from.arrive.min(self.ask.ready), self.ask.ready);
         let differ = self.room.iter().flatten().any(|room| *room);
         let loaded = differ && (self.ask.from.loaded || is_loaded_at(self.ask.stages, node, 0));
@@ -470,7 +470,7 @@ impl Search<'_> {
             return false;
         }
         if a.motion != b.motion {
-            // Who stands there early enough can start so as to be nowhere later than who rolls through.
+            // A robot that stands there early enough can start so that it is nowhere later than one that rolls through.
             let loaded = usize::from(self.ask.stages[usize::from(a.stage)].loaded);
             return a.motion == MotionState::Standing
                 && a.slot == b.slot
@@ -488,5 +488,5 @@ impl Search<'_> {
     }
 }
 
-/// The window of a lane that nobody needs to hold.
+/// The window of a lane that needs no hold.
 const FREE: FreeWindow = FreeWindow { start: Time(i64::MIN / 2), end: Time::MAX, index: 0 };

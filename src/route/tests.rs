@@ -276,7 +276,7 @@ fn two_pebbles_do_not_change_places() {
     let warehouse = grid(2, 1);
     let mut timeline = Timeline::new(warehouse.clone(), Span::ZERO);
     let second = Time(1_000_000);
-    // Another robot leaves node 1 for node 0 in the very step in which we would go the other way.
+    // Another robot leaves node 1 for node 0 in the very step in which this one would go the other way.
     let other = vec![still(1, Time(0), second), still(0, second, Time::MAX)];
     timeline.reserve(Holder::Robot(RobotId(7)), other).unwrap();
     let mut planner = Planner::new(warehouse, PEBBLE);

@@ -1,4 +1,4 @@
-//! Delays: a late departure moves what follows, for the late holder and for all who come after it.
+//! Delays: a late departure moves what follows, for the late holder and for all holders after it.
 //!
 //! Main functions: [`Timeline::delay`] works out what moves, [`Timeline::slide`] moves it. The order of holders on
 //! every resource stays as it was promised; only the windows slide (carp.md, "Delays"; ter Mors; Maza and
@@ -45,8 +45,9 @@ pub type Slip = Vec<(Holder, Vec<Shift>)>;
 type Due = BinaryHeap<Reverse<(Time, Holder, u64)>>;
 
 impl Timeline {
-    /// What moves if the holder cannot leave the visit `serial` before `depart`: that departure, whatever the slack of
-    /// later visits does not absorb, and the windows of all who follow on the resources concerned. Nothing is changed.
+    /// What moves if the holder cannot leave the visit `serial` before `depart`: that departure, the holder's later
+    /// visits by what their slack does not absorb, and the windows of all holders that follow on the resources
+    /// concerned. Nothing is changed.
     ///
     /// Time: each moved visit once or a few times, in order of its new departure, and for each of them the
     /// entries behind it on its resources.
@@ -65,7 +66,7 @@ impl Timeline {
     ///
     /// # Panics
     /// If the order of holders on a resource would change, two holders would overlap, or a holder would leave a place
-    /// before it is elsewhere: whoever worked this out, or wrote it down, is broken.
+    /// before it is elsewhere: the code that worked this out, or the record of it, is broken.
     pub fn slide(&mut self, slip: &[(Holder, &[Shift])]) {
         let mut touched: BTreeSet<LineId> = BTreeSet::new();
         for (holder, shifts) in slip {
@@ -143,8 +144,9 @@ impl DelayDraft<'_> {
     /// Moves one departure and, along the holder's own chain, whatever waiting does not absorb. Gives the serial
     /// numbers of the visits that changed.
     ///
-    /// Each visit begins no earlier than the one before. As planned they do when both slide; but granting lets several
-    /// begin at one moment, and those that were called back then slide by what each has to give.
+    /// Each visit begins no earlier than the one before it. If both slide as they were planned, that stays true. But
+    /// granting can let several begin at one moment. If they are revoked then, slack lets a later one slide by less
+    /// than the one before it, so its beginning is moved up to that of the one before.
     fn slide_chain(&mut self, h: Holder, s: u64, mut depart: Time) -> Range<u64> {
         let chain = self.timeline.chains.get(&h).expect("only holders are late");
         let mut end = s;
@@ -184,7 +186,7 @@ impl DelayDraft<'_> {
         s..end
     }
 
-    /// Demands later departures of all who come after this visit but would come too early now.
+    /// Demands later departures of all holders that come after this visit and would come too early now.
     fn push_followers(&self, h: Holder, s: u64, due: &mut Due) {
         let Some(visit) = self.visit(h, s) else { return };
         let warehouse = &self.timeline.warehouse;

@@ -1,6 +1,7 @@
-//! How visits stand in the timelines: what they hold, and whom that keeps away.
+//! How visits stand in the timelines: what they hold, and which robots that keeps away.
 //!
-//! Main type: [`Context`] (whose visits these are); main function: [`claims`]. Refuses: to ask whether a place is free.
+//! Main type: [`Context`] (what writing visits takes); main function: [`claims`]. Refuses: to ask whether a place is
+//! free.
 
 use super::line::{Hold, Layer, Line};
 use super::{Holder, Timeline, Visit};

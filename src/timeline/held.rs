@@ -1,4 +1,4 @@
-//! Holds for those who look on: who is on a resource when, and who is promised it before somebody.
+//! Holds, for readers: which holder is on a resource when, and which holders are promised it before another one.
 //!
 //! Main type: [`Held`]. Refuses: to change anything.
 
@@ -10,7 +10,7 @@ use crate::time::Window;
 /// One hold on a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Held {
-    /// Whose.
+    /// The holder.
     pub holder: Holder,
     /// When.
     pub window: Window,
@@ -38,8 +38,8 @@ impl Timeline {
         self.lines[line].all().filter(move |h| h.holder != own).map(|h| self.held(h))
     }
 
-    /// Everybody who passes before `holder` has the visit `serial`, in order, on the resource that
-    /// [`Timeline::waits_for`] names; nothing where nobody does.
+    /// The holds that come before the visit `serial` of `holder`, in order, on the resource that
+    /// [`Timeline::waits_for`] names. Nothing if it waits for no other holder.
     pub fn before(&self, holder: Holder, serial: u64) -> Option<(ResourceId, Vec<Held>)> {
         let (resource, _) = self.waits_for(holder, serial)?;
         let loaded = self.chains.get(&holder)?.get(serial)?.loaded;

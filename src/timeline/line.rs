@@ -32,7 +32,7 @@ pub struct FreeWindow {
     pub start: Time,
     /// First instant that is not free any more.
     pub end: Time,
-    /// Which of the gaps of the resource this is; stable while nobody changes the line.
+    /// Which of the gaps of the resource this is; stable while the line does not change.
     pub index: u32,
 }
 
@@ -60,8 +60,8 @@ impl Line {
         self.rebuild_edges_from(at);
     }
 
-    /// Removes the entries (physical and conflict) of one visit. Absent ones are none of our business: one
-    /// visit can be in conflict with a resource through its node and its lane at once.
+    /// Removes the entries (physical and conflict) of one visit. If there are none left, it does nothing: a visit can
+    /// be in conflict with a resource through both its node and its lane, and the first call removes both entries.
     pub fn remove(&mut self, holder: Holder, serial: u64) {
         let mine = |h: &Hold| h.holder == holder && h.serial == serial;
         if let Some(first) = self.holds.iter().position(mine) {
@@ -90,7 +90,7 @@ impl Line {
         })
     }
 
-    /// Who is on either side of a free window.
+    /// The holders on either side of a free window.
     pub fn neighbours(&self, free: FreeWindow) -> (Option<Holder>, Option<Holder>) {
         let i = free.index as usize;
         let before = i.checked_sub(1).map(|b| self.holds[b].holder);

@@ -1,15 +1,15 @@
-//! Who holds which resource when, and what is free in between.
+//! Which robot holds which resource when, and what is free in between.
 //!
-//! Main types: [`Timeline`] (all holds of everyone), [`Visit`] (a stay on one node as a holder plans it),
+//! Main types: [`Timeline`] (all holds of all holders), [`Visit`] (a stay on one node as a holder plans it),
 //! [`FreeWindow`] (when a resource is free), [`Reserved`] (the proof that visits are held; only this module makes one).
-//! Refuses: to hold anything twice, to forget who was promised a resource first, and to know why anyone wants to be
-//! anywhere.
+//! Refuses: to hold anything twice, to forget which holder was promised a resource first, and to know why a holder
+//! wants to be anywhere.
 //!
-//! Each resource has one list of holds sorted by start, and one for each footprint where robots differ in it
-//! ([`crate::id::LineId`]): what a robot with that footprint looks at. A hold on a resource also stands, marked
-//! [`Layer::Conflict`], in the list of everything that it excludes: a plan writes a few hundred holds but
-//! reads thousands, so writes are widened and reads are not. Lists stay short (tens of holds), so a sorted
-//! vector with binary search beats a tree.
+//! Each resource has a list of holds sorted by start. Where robots differ in footprint, it has one list for each
+//! footprint ([`crate::id::LineId`]), and a robot looks at the list of its own. A hold on a resource also stands,
+//! marked [`Layer::Conflict`], in the list of everything that it excludes: a plan writes a few hundred holds but reads
+//! thousands, so writes are widened and reads are not. Lists stay short (tens of holds), so a sorted vector with binary
+//! search beats a tree.
 
 mod chains;
 mod delay;
@@ -35,7 +35,7 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::sync::Arc;
 
-/// Whoever holds resources.
+/// What can hold resources.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Holder {
     /// A robot, along its route.
@@ -90,7 +90,7 @@ impl Visit {
     }
 }
 
-/// The proof that visits are held: whoever has it may be told to drive them.
+/// The proof that visits are held. Only with it may a holder be told to drive them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reserved {
     holder: Holder,
@@ -99,7 +99,7 @@ pub struct Reserved {
 }
 
 impl Reserved {
-    /// Who holds.
+    /// The holder.
     pub fn holder(&self) -> Holder {
         self.holder
     }
@@ -117,9 +117,9 @@ pub struct Clash {
     pub resource: ResourceId,
     /// When it was wanted.
     pub wanted: Window,
-    /// Who has it.
+    /// The holder that has it.
     pub by: Holder,
-    /// When.
+    /// When it is held.
     pub held: Window,
 }
 
@@ -178,16 +178,16 @@ impl Chain {
 /// A holder, the serial number of the visit that it keeps, that visit anew, and the visits after it.
 pub type Replacement = (Holder, u64, Visit, Vec<Visit>);
 
-/// All holds of everyone. Equal timelines hold the same.
+/// All holds of all holders. Equal timelines hold the same.
 #[derive(Clone, Debug)]
 pub struct Timeline {
     warehouse: Arc<Warehouse>,
     clearance: Span,
     lines: IdVec<LineId, Line>,
     chains: Chains,
-    /// The kind of each robot; the first one beyond the end.
+    /// The kind of each robot. Robots beyond the end are of the first kind.
     bodies: Vec<BodyId>,
-    /// Where everybody else can be driven through; only for the bound on throughput.
+    /// Whether holders pass through one another; only for the bound on throughput.
     without_conflicts: bool,
 }
 
@@ -217,12 +217,12 @@ impl Timeline {
         &self.warehouse
     }
 
-    /// By how much a hold outlasts the leaving.
+    /// By how much a hold outlasts the moment in which the tail has left.
     pub fn clearance(&self) -> Span {
         self.clearance
     }
 
-    /// Says of which kind a robot is, before it holds anything.
+    /// Sets the kind of a robot, before it holds anything.
     ///
     /// # Panics
     /// If it holds something.
@@ -243,12 +243,12 @@ impl Timeline {
         }
     }
 
-    /// The timeline of a resource at which a holder looks, without or with a rack.
+    /// The timeline of a resource that a holder looks at, without or with a rack.
     pub fn line(&self, holder: Holder, loaded: bool, r: ResourceId) -> LineId {
         self.warehouse.line(self.body(holder), loaded, r)
     }
 
-    /// Everyone who holds something, with their visits.
+    /// All holders with their visits; of one that has left the floor, the place where it stood last.
     pub fn chains(&self) -> impl Iterator<Item = (Holder, &Chain)> {
         self.chains.iter()
     }
@@ -263,7 +263,7 @@ impl Timeline {
         self.lines[line].free_windows(t)
     }
 
-    /// Who hands over at the two ends of a free window: the last holder before it and the first one after.
+    /// The holders at the two ends of a free window: the last one before it and the first one after it.
     pub fn neighbours(&self, line: LineId, free: FreeWindow) -> (Option<Holder>, Option<Holder>) {
         self.lines[line].neighbours(free)
     }
@@ -273,7 +273,7 @@ impl Timeline {
         self.lines[line].len()
     }
 
-    /// Everyone else whose hold, on a resource or on something in conflict with it, meets `window`.
+    /// The other holders with a hold, on a resource or on something in conflict with it, that meets `window`.
     pub fn holders_during(&self, line: LineId, window: Window, own: Holder) -> impl Iterator<Item = Holder> {
         self.lines[line].during(window).map(|h| h.holder).filter(move |h| *h != own)
     }
@@ -311,7 +311,7 @@ impl Timeline {
         Ok(reserved.into_iter().next().expect("one in, one out"))
     }
 
-    /// [`Timeline::replace`] for several holders at once, who may be promised what another of them gives up.
+    /// [`Timeline::replace`] for several holders at once: each may be promised what another of them gives up.
     ///
     /// # Errors
     /// The first clash; everything is as before then.
@@ -358,7 +358,7 @@ impl Timeline {
         }
     }
 
-    /// Takes the visits from `serial` on back, for somebody who works on a copy to find better ones.
+    /// Takes back the visits from `serial` on: for a search that works on a copy to find better ones.
     pub fn withdraw(&mut self, holder: Holder, serial: u64) {
         self.take_from(holder, serial);
     }
@@ -385,7 +385,7 @@ impl Timeline {
             chain.first += 1;
         }
         chain.granted = chain.granted.max(chain.first);
-        // Whoever stands on a node is off the lane that led there.
+        // A holder that stands on a node is off the lane that led there.
         let (first, here) = (chain.first, &mut chain.visits[0]);
         if here.lane.is_some() {
             Self::erase(&mut self.lines, context, holder, first, here);
@@ -419,7 +419,7 @@ impl Timeline {
         }
     }
 
-    /// Everyone who comes after a visit in the order of its resources.
+    /// The holders that come after a visit in the order of its resources.
     pub fn after(&self, holder: Holder, serial: u64) -> Vec<Holder> {
         let Some(visit) = self.chains.get(&holder).and_then(|c| c.get(serial)) else { return Vec::new() };
         let mut found: Vec<Holder> = (claims(self.context(&self.warehouse, holder), visit))
@@ -437,8 +437,8 @@ impl Timeline {
         Some(Reserved { holder, first: chain.first, count: (chain.granted - chain.first) as usize })
     }
 
-    /// Who must pass before `holder` may have the visit `serial`: the first holder in the order of the node,
-    /// the lane, or anything in conflict with them, if it is not `holder` itself.
+    /// What `holder` waits for before it may have the visit `serial`: the resource, and the first other holder before
+    /// it in the order of the node, of the lane, or of anything in conflict with them.
     pub fn waits_for(&self, holder: Holder, serial: u64) -> Option<(ResourceId, Holder)> {
         let visit = self.chains.get(&holder)?.get(serial)?;
         let node = self.warehouse.node_resource(visit.node);
@@ -452,7 +452,7 @@ impl Timeline {
     /// begin no later than `now`.
     ///
     /// # Panics
-    /// If somebody else is before the holder in the order of a resource.
+    /// If another holder is before this one in the order of a resource.
     pub fn grant(&mut self, holder: Holder, serial: u64, now: Time) {
         let warehouse = self.warehouse.clone();
         let context = self.context(&warehouse, holder);

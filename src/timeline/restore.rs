@@ -1,4 +1,4 @@
-//! A timeline from what was written down of one.
+//! Restores a timeline from what was written down of it.
 //!
 //! Main function: [`Timeline::restore`], which takes [`ChainParts`]. Refuses: holds that contradict one another, in
 //! words ([`Flaw`]); a timeline that was written down by this program never does.
@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// The visits of one holder, as they were written down.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChainParts {
-    /// Whose.
+    /// The holder.
     pub holder: Holder,
     /// Serial number of the oldest visit.
     pub first: u64,
@@ -35,15 +35,15 @@ pub enum Flaw {
     Overlap {
         /// Name of the resource.
         resource: String,
-        /// The one whose visits were looked at.
+        /// The holder of the visit that was checked.
         holder: Holder,
-        /// The other one.
+        /// What it wants, and the other holder that has it.
         clash: Clash,
     },
     /// Two visits that follow one another do not fit together, or one is no visit.
     #[error("visits {serial} and {} of {holder:?} are out of order", .serial + 1)]
     Disorder {
-        /// Whose.
+        /// The holder.
         holder: Holder,
         /// The earlier one.
         serial: u64,
@@ -51,21 +51,21 @@ pub enum Flaw {
     /// A visit is on a node or a lane that the map does not have.
     #[error("visit {serial} of {holder:?} is at a place that the map does not have")]
     UnknownPlace {
-        /// Whose.
+        /// The holder.
         holder: Holder,
-        /// Which.
+        /// Which visit.
         serial: u64,
     },
     /// A holder holds nothing, or its last visit ends, or it was granted more or less than it holds.
     #[error("{holder:?} stands nowhere, or was granted what it does not hold")]
     Nowhere {
-        /// Which.
+        /// Which holder.
         holder: Holder,
     },
     /// A holder is there twice.
     #[error("{holder:?} is there twice")]
     Twice {
-        /// Which.
+        /// Which holder.
         holder: Holder,
     },
 }

@@ -180,7 +180,7 @@ fn convoy(waits: &[i64], dense: bool) -> Timeline {
     convoy_with(0, waits, dense)
 }
 
-/// A convoy whose first robot must be sure of a node so long before it drives to it.
+/// A convoy in which the first robot must be sure of a node this long before it drives there.
 fn convoy_with(lead: i64, waits: &[i64], dense: bool) -> Timeline {
     let length = 4 * waits.len() + 4;
     drive_up(Timeline::new(row(length, dense), Span(1)), lead, waits, dense)

@@ -1,4 +1,4 @@
-//! Cutting: holders lose what they were promised but not granted.
+//! Truncation: holders lose what they were promised but not granted.
 //!
 //! Main functions: [`Timeline::truncation`] works out what stays, [`Timeline::keep`] keeps only that;
 //! [`Timeline::place`] is for a holder that stands somewhere else. Refuses: to
@@ -36,8 +36,8 @@ impl Timeline {
     /// Keeps exactly what is told and drops the rest of these holders' visits.
     ///
     /// # Panics
-    /// If granted visits would be lost, the last visit would end, or another holder holds any of that later: whoever
-    /// worked this out, or wrote it down, is broken (see [`Timeline::after`]).
+    /// If granted visits would be lost, the last visit would end, or another holder holds any of that later: the code
+    /// that worked this out, or the record of it, is broken (see [`Timeline::after`]).
     pub fn keep(&mut self, kept: &[KeptVisits<'_>]) {
         for &(holder, end, _) in kept {
             let chain = self.chains.get(&holder).expect("only holders lose what they hold");
@@ -63,7 +63,7 @@ impl Timeline {
     /// are told.
     ///
     /// # Panics
-    /// If the number is not later than all that the holder had, or the place is held by somebody after that.
+    /// If the number is not later than all that the holder had, or another holder holds the place after that.
     pub fn place(&mut self, holder: Holder, serial: u64, visit: Visit, kept: &[KeptVisits<'_>]) {
         let end = self.chains.get(&holder).expect("only holders stand elsewhere").end();
         assert!(end <= serial, "{holder:?} had the visit {serial} before");

@@ -1,7 +1,7 @@
 //! A station bay: queue places in one row outwards from the floor, the station at their end, the way back in
 //! the row beside them.
 //!
-//! Main type: [`Bay`]. Refuses: to look for room; whoever places it knows that there is some.
+//! Main type: [`Bay`]. Refuses: to look for room; the caller knows that there is some.
 
 use super::{Draft, DraftLane, DraftNode, DraftStation, Users};
 use crate::geometry::{Point, Vector};

@@ -41,7 +41,7 @@ pub struct Draft {
     pub exits: Vec<String>,
     /// Outlines of the floor on which people may walk.
     pub walkable: Vec<Vec<Point>>,
-    /// Outlines of what stands in the way.
+    /// Outlines of obstacles.
     pub obstacles: Vec<Vec<Point>>,
 }
 
@@ -67,7 +67,7 @@ pub struct DraftLane {
     pub length_m: Option<f64>,
     /// Speed limit, metres per second.
     pub speed_limit_mps: Option<f64>,
-    /// Who may use it.
+    /// Which robots may use it, and whether people may.
     pub users: Users,
     /// The kinds of robots that may use it; nothing for all.
     pub kinds: Option<Vec<String>>,

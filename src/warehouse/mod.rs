@@ -51,12 +51,12 @@ pub enum NodeKind {
 }
 
 impl NodeKind {
-    /// Whether a robot may stay here for ever without being in anyone's way (DESIGN §5, invariant a).
+    /// Whether a robot may stay here for ever without being in another robot's way (DESIGN §5, invariant a).
     pub fn is_lasting(self) -> bool {
         matches!(self, NodeKind::Storage | NodeKind::Charger | NodeKind::Parking)
     }
 
-    /// The station whose robots alone may enter, if any.
+    /// If only robots bound for one station may enter, that station.
     pub fn reserved_for(self) -> Option<StationId> {
         match self {
             NodeKind::Station(s) | NodeKind::Queue(s) => Some(s),
@@ -76,7 +76,7 @@ pub struct Node {
     pub kind: NodeKind,
 }
 
-/// Who may use a lane.
+/// Which robots may use a lane, and whether people may.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Users {
     /// Robots that carry a rack.
@@ -88,10 +88,10 @@ pub struct Users {
 }
 
 impl Users {
-    /// Everyone.
+    /// All robots, and people.
     pub const ALL: Users = Users { loaded: true, unloaded: true, people: true };
 
-    /// Robots that carry nothing, and nobody else.
+    /// Only robots that carry nothing.
     pub const UNLOADED: Users = Users { loaded: false, unloaded: true, people: false };
     /// Robots with or without a rack, no people.
     pub const ROBOTS: Users = Users { loaded: true, unloaded: true, people: false };
@@ -117,7 +117,7 @@ pub struct Lane {
     pub length_m: f64,
     /// Speed limit of the lane, metres per second.
     pub speed_limit_mps: Option<f64>,
-    /// Who may use it.
+    /// Which robots may use it, and whether people may.
     pub users: Users,
     /// The kinds of robots that may use it; nothing for all.
     pub kinds: Option<Vec<String>>,
@@ -140,7 +140,7 @@ pub struct Arc {
     pub length_m: f64,
     /// Speed limit, metres per second; infinite where there is none.
     pub speed_limit_mps: f64,
-    /// Who may use it.
+    /// Which robots may use it, and whether people may.
     pub users: Users,
 }
 
@@ -155,7 +155,7 @@ pub struct Way {
     pub slot: u8,
     /// Whether driving the lane asks for nothing beyond its ends.
     pub lane_is_free: bool,
-    /// Who may use it.
+    /// Which robots may use it, and whether people may.
     pub users: Users,
     /// A bit for each kind of robots that may.
     pub bodies: u32,
@@ -213,7 +213,7 @@ pub struct Warehouse {
     pub racks: IdVec<RackId, Rack>,
     /// Outlines of the floor on which people may walk.
     pub walkable: Vec<Vec<Point>>,
-    /// Outlines of what stands in the way.
+    /// Outlines of obstacles.
     pub obstacles: Vec<Vec<Point>>,
     out_start: Vec<u32>,
     ways: IdVec<ArcId, Way>,

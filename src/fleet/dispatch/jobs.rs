@@ -1,4 +1,4 @@
-//! Third phase: which waiting job to which idle robot? All of both are looked at together, at the least sum of costs.
+//! Fourth phase: which idle robot gets which waiting job? All of them are matched together, at the least sum of costs.
 //!
 //! Refuses: first come, first served; and to give a job to a robot that should charge first.
 

@@ -1,6 +1,6 @@
 //! Robots that leave the floor for good: when they are gone, and what becomes of jobs that name them.
 //!
-//! Refuses: to take a robot for gone that can still be heard, carries a rack, or may be driving.
+//! Refuses: to treat a robot as gone that can still be heard, carries a rack, or may be driving.
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Task};

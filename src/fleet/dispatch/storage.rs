@@ -7,7 +7,7 @@ use crate::fleet::state::storage::along_axes;
 use crate::id::{NodeId, RackId, RobotId};
 use crate::warehouse::NodeKind;
 
-/// What it costs to put a rack where nobody can fetch it for a while, metres: more than any way.
+/// What it costs to put a rack where no robot can fetch it for a while, metres: more than any way.
 const CLOSED_M: f64 = 1e6;
 
 impl Floor<'_> {

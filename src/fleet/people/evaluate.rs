@@ -1,4 +1,4 @@
-//! Second phase: what do people mean for robots? Beliefs become stops, regions and prices before anybody plans.
+//! Second phase: what do people mean for robots? Beliefs become stops, regions and prices before any robot is planned.
 //!
 //! Stops and slow-downs leave at once; everything else enters the search and the grants as conditions.
 //! Refuses: to plan for robots, and to trust a sighting that cannot be true.
@@ -16,9 +16,9 @@ use crate::id::WorkerId;
 use crate::route::Conditions;
 use crate::time::{Span, Time};
 
-/// Whoever follows a new path for this far is on the path again, metres.
+/// A worker who follows a new path for this far is on the path again, metres.
 const BACK_M: f64 = 1.0;
-/// Somebody off the path walks anywhere within this of an alternative, metres: places off the map are absurd.
+/// Poses farther than this outside the map's nodes are absurd, metres.
 const MARGIN_M: f64 = 3.0;
 
 impl HumanState {
@@ -70,7 +70,7 @@ impl HumanState {
         self.take_up_work(core, worker, place.at, now);
         let person = &mut self.people[worker];
         if person.relocated {
-            // Nobody walked: the path starts here anew.
+            // The worker did not walk there: the path starts here anew.
             self.route_on(core, worker, place.at, now);
             return;
         }
@@ -83,7 +83,7 @@ impl HumanState {
         let person = &mut self.people[worker];
         let Some(plan) = person.plan.as_mut() else { return };
         let conduct = plan.follower.observe(place.at, place.sigma_m);
-        // Nobody who works stands on a point, least of all beside a robot.
+        // A person at work does not stay on one point, least of all beside a robot.
         let works = stands && plan.assignment.is_some() && plan.is_there(place.at);
         match (conduct, person.mode) {
             (Conduct::OnPath, _) if works => self.at_the_end(core, worker, place.at, now),
@@ -162,7 +162,7 @@ impl HumanState {
 }
 
 impl Floor<'_> {
-    /// Tells whether anybody can be at a place at all.
+    /// Tells whether a person can be at a place at all.
     pub(in crate::fleet) fn is_on_map(&self) -> impl Fn(Point) -> bool + use<> {
         let (low, high) = self.warehouse().bounds();
         move |p| {

@@ -21,7 +21,7 @@ const CURVES: usize = 4;
 /// Where one worker may be, for readers; nothing is decided by it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
-    /// Who.
+    /// The worker.
     pub worker: WorkerId,
     /// How far ahead, and where then, in few parts.
     pub ahead: Vec<(Span, Mixture)>,
@@ -62,8 +62,8 @@ impl HumanState {
         self.coverage.score(worker, s.seen, s.at);
     }
 
-    /// Notes where everybody may be going, and keeps a forecast of everybody from time to time to see whether it
-    /// comes true.
+    /// Notes where every worker may be going, and from time to time keeps a forecast of each to see whether it comes
+    /// true.
     pub(in crate::fleet) fn update_forecasts(&mut self, floor: Floor<'_>, now: Time) {
         if floor.settings.policy != HumanAwarePolicy::Giveway {
             return;

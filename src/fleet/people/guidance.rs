@@ -1,7 +1,7 @@
 //! What workers are told: path, next node, robots nearby, how things stand. It leaves in the step that
 //! decides it.
 //!
-//! Refuses: to decide where anybody is to go.
+//! Refuses: to decide where a worker is to go.
 
 use crate::fleet::people::state::{HumanState, Person, WalkMode};
 use crate::fleet::state::core::Core;
@@ -16,7 +16,7 @@ use crate::time::{Span, Time};
 const NEAR_M: f64 = 8.0;
 /// At most so many.
 const NEAR_MOST: usize = 8;
-/// A robot slower than this does not drive up to anybody, metres per second.
+/// A robot slower than this does not drive up to a person, metres per second.
 const DRIVES_MPS: f64 = 0.1;
 /// Guidance is repeated this often.
 const REPEAT: Span = Span::from_millis(200);

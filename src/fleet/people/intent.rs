@@ -21,16 +21,16 @@ use std::collections::{BTreeMap, BTreeSet};
 const OWN_TASK: f64 = 3.0;
 /// Robots block walkways anew this often.
 const CUT_AGAIN: Span = Span::from_millis(200);
-/// Goals with less probability have no path, metres and shares.
+/// Goals with less probability than this have no path.
 const NEGLIGIBLE: f64 = 0.02;
 /// How far paths are followed, metres.
 const FAR_M: f64 = 25.0;
-/// How far somebody who goes elsewhere is followed.
+/// How far a person who goes elsewhere is followed, metres.
 const ELSEWHERE_M: f64 = 5.0;
 /// How many tasks of others a worker may be going to help with, oldest first.
 const OTHERS: usize = 3;
 impl HumanState {
-    /// Takes what was seen in this step into what is believed of everybody.
+    /// Takes what was seen in this step into what is believed of every worker.
     pub(in crate::fleet) fn infer(&mut self, floor: Floor<'_>, now: Time) {
         let method = match floor.settings.policy {
             HumanAwarePolicy::Nhir | HumanAwarePolicy::Shir => return,
@@ -44,7 +44,7 @@ impl HumanState {
         }
     }
 
-    /// Keeps the places of tasks that somebody may be bound for among the goals, and no others.
+    /// Keeps the places of tasks that a worker may be bound for among the goals, and no others.
     fn know_places(&mut self, floor: Floor<'_>) {
         self.intents.early = floor.early_assignments();
         let own = self.people.ids().filter_map(|w| floor.next_assignment(w));
@@ -147,7 +147,7 @@ impl HumanState {
         all
     }
 
-    /// Somebody who goes to no known goal goes straight on, for a few metres.
+    /// A person who goes to no known goal goes straight on, for a few metres.
     fn elsewhere(&self, place: &Whereabouts, probability: f64) -> Vec<Hypothesis> {
         let v = place.velocity;
         let path = if v.norm() > 0.3 {
@@ -160,8 +160,8 @@ impl HumanState {
 }
 
 impl Floor<'_> {
-    /// The oldest assignments, and no more of one worker than another may help with: whoever it is, the oldest of all
-    /// others are among them.
+    /// The oldest assignments, and no more of one worker than another may help with. For every worker, the oldest of
+    /// all the others' are among them.
     fn early_assignments(&self) -> Vec<(AssignmentId, WorkerId)> {
         let index = &self.ledger.index();
         let own = |worker| index.assignments_of(worker).take(OTHERS).map(move |id| (id, worker));

@@ -1,6 +1,6 @@
 //! Where workers are led: to their next task, round a robot that stands in the way, out of the way of robots.
 //!
-//! Refuses: to move anybody; a worker is shown a path and may ignore it.
+//! Refuses: to move a worker, who is shown a path and may ignore it.
 
 use crate::aware::{BODY_M, HumanAwarePolicy};
 use crate::fleet::people::state::{HumanState, WalkMode};
@@ -156,7 +156,7 @@ impl HumanState {
         near.into_iter().take(12).find_map(|(_, p)| self.way_past(floor, at, p, cut))
     }
 
-    /// A way without the cut walkways for somebody who may stand face to face with a robot: the first steps
+    /// A way without the cut walkways for a person who may stand face to face with a robot: the first steps
     /// lead to where no robot is, even if the walkway there is cut by the one in front.
     fn way_past(&self, floor: Floor<'_>, at: Point, goal: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
         let walkways = &self.walkways;
@@ -183,7 +183,7 @@ impl HumanState {
     /// A robot that stands where a worker would be within the next steps.
     fn robot_on_path(&self, floor: Floor<'_>, worker: WorkerId, place: &Whereabouts) -> Option<RobotId> {
         let plan = self.people[worker].plan.as_ref()?;
-        // Who is there has no way ahead that a robot beside could block.
+        // A worker who is there has no way ahead that a robot beside could block.
         if plan.is_there(place.at) {
             return None;
         }
@@ -197,7 +197,7 @@ impl HumanState {
         floor.ledger.present().find(stops)
     }
 
-    /// Walkways on which robots rest or are broken: nobody waits for those to go away.
+    /// Walkways on which robots rest or are broken: no worker waits for those to go away.
     pub(in crate::fleet) fn edges_blocked_for_long(&self, floor: Floor<'_>) -> EdgeSet {
         let mut cut = self.walkways.no_edges();
         for robot in floor.ledger.present() {
@@ -221,7 +221,7 @@ impl HumanState {
         }
     }
 
-    /// Shows whoever left the path a new one from where they are, now and then.
+    /// Shows a worker who left the path a new one from where the worker is, now and then.
     pub(in crate::fleet) fn show_the_way_back(
         &mut self,
         core: &Core,

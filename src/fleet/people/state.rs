@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// A worker this near to the end of the path is there, metres.
 const THERE_M: f64 = 0.6;
 
-/// Whoever is slower than this stands, more or less, metres per second.
+/// A person slower than this stands, more or less, metres per second.
 pub(in crate::fleet) const STROLL_MPS: f64 = 0.3;
 
 /// How a worker's walk stands.
@@ -73,7 +73,8 @@ pub(in crate::fleet) struct Person {
     pub version: u64,
     /// Since when the worker has been at the place of the assignment.
     pub there_since: Option<Time>,
-    /// How long the worker was at the place of an assignment before leaving it: who comes back goes on with it.
+    /// How long the worker was at the place of an assignment before leaving it: a worker who comes back goes on with
+    /// it.
     pub was_there: Option<(AssignmentId, Span)>,
     /// Since when the worker has been standing.
     pub stands_since: Option<Time>,
@@ -131,7 +132,7 @@ impl HumanState {
         self.people.get(worker)?.track.whereabouts(now)
     }
 
-    /// Everybody on the floor.
+    /// Every worker on the floor.
     pub fn present(&self, now: Time) -> Vec<(WorkerId, Whereabouts)> {
         let people = self.people.pairs();
         people.filter_map(|(w, p)| Some((w, p.track.whereabouts(now)?))).collect()
@@ -139,7 +140,7 @@ impl HumanState {
 }
 
 impl Plan {
-    /// Whether somebody at this place is at the end of the path.
+    /// Whether a worker at this place is at the end of the path.
     pub fn is_there(&self, at: Point) -> bool {
         (at - self.follower.goal()).norm() <= THERE_M
     }

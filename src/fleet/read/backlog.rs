@@ -18,7 +18,7 @@ pub struct Backlog {
     pub jobs: Vec<Pending>,
 }
 
-/// A job that nobody has yet.
+/// A job that no robot has yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pending {
     /// Its number.

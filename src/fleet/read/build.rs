@@ -112,7 +112,7 @@ impl Fleet {
     /// Why a robot does not go on, if it does not.
     pub fn why(&self, r: RobotId, now: Time) -> Option<Why> {
         let record = &self.core.ledger.robots[r];
-        // Who asks must see what has to be undone by hand, whatever else is wrong.
+        // What has to be undone by hand must be shown, whatever else is wrong.
         if record.paused.is_some() {
             return Some(Why::Paused);
         }

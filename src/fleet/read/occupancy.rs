@@ -1,4 +1,4 @@
-//! What the planner sees of a part of the floor: per node who holds it when, and what people and closures mean there.
+//! What the planner sees of a part of the floor: which robots hold each node when, and what people and closures mean.
 //!
 //! Main type: [`NodeOccupancy`]. Worked out on demand for an area. Refuses: areas of more than [`MOST_NODES`] nodes,
 //! since nobody could read them, and lanes, whose holds are those of the nodes at their ends.
@@ -13,7 +13,7 @@ use crate::timeline::Held;
 /// The most nodes at once.
 pub const MOST_NODES: usize = 200;
 
-/// Who was there a moment ago is still shown.
+/// Holds that ended less than this ago are still shown.
 const BACK: Span = Span::from_secs(5);
 
 /// One node, from a moment ago on.
@@ -21,7 +21,7 @@ const BACK: Span = Span::from_secs(5);
 pub struct NodeOccupancy {
     /// Which.
     pub node: NodeId,
-    /// Who holds it, or something in conflict with it, in order.
+    /// The holds on it and on anything in conflict with it, in order.
     pub holds: Vec<Held>,
     /// What people and closures mean there.
     pub conditions: Vec<Condition>,

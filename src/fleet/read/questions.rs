@@ -33,7 +33,7 @@ impl Fleet {
     }
 
     /// Whether a step that took in this sighting now would, as things were seen last, stop a robot that drives, or tell
-    /// the worker to stand who was not told yet.
+    /// the worker to stand, if the worker was not told yet.
     pub fn calls_for_stop(&self, sighting: &Sighting, now: Time) -> bool {
         self.yielding.calls_for_stop(&self.core, &self.people, &self.traffic, sighting, now)
     }

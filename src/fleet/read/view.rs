@@ -159,7 +159,7 @@ pub struct StationView {
 /// Why a robot does not go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Why {
-    /// Somebody was promised the next resource first.
+    /// Another holder was promised the next resource first.
     WaitsFor(ResourceId, Holder),
     /// A worker is near, or will be.
     GivesWay(WorkerId),
@@ -181,11 +181,11 @@ pub enum Why {
     Unplugged,
     /// It stands where nothing is held for it, or does not carry what it should.
     Displaced(Displacement),
-    /// Another robot stands on its way that is booked elsewhere.
+    /// This displaced robot stands on its way, or this robot found a node on its way obstructed.
     BlockedBy(RobotId),
     /// It has not been heard of.
     Silent,
-    /// Somebody paused it.
+    /// An operator paused it.
     Paused,
     /// It is in maintenance, and gets no jobs.
     Maintenance,
@@ -193,7 +193,7 @@ pub enum Why {
     Leaving,
     /// It has left the floor.
     Gone,
-    /// Somebody stopped the whole fleet.
+    /// An operator stopped the whole fleet.
     Stopped,
 }
 
@@ -323,7 +323,7 @@ pub struct Counts {
     pub robot_deliveries: u64,
     /// Assignments completed by workers.
     pub human_deliveries: u64,
-    /// Jobs that nobody has yet.
+    /// Jobs that no robot has yet.
     pub waiting: u64,
     /// Jobs at work.
     pub active: u64,

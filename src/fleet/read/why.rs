@@ -1,8 +1,8 @@
-//! Why somebody waits, to the root: the resource, who holds it, until when, and what the holder waits for in turn.
+//! Why a robot or a job waits, to the root: the resource, its holder, until when, and what the holder waits for.
 //!
 //! Main types: [`Waiting`], [`Because`]. Worked out on demand for one robot or one job, never for all of them in a
-//! step. The order of holders on every resource is fixed, so nobody waits for himself; the walk ends at a second
-//! visit all the same. Refuses: to change anything, and to promise: windows slide when somebody is late.
+//! step. The order of holders on every resource is fixed, so no robot waits for itself; the walk ends at a second
+//! visit all the same. Refuses: to change anything, and to promise: windows slide when a robot is late.
 
 use crate::fleet::Fleet;
 use crate::fleet::JobState;
@@ -21,17 +21,17 @@ const LONGEST: usize = 40;
 /// One link of the chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Waiting {
-    /// Who waits, or whom the link before waits for.
+    /// What waits, or what the link before waits for.
     pub who: Who,
     /// For what.
     pub because: Because,
-    /// Until when, as things stand; nothing where nobody can know.
+    /// Until when, as things stand; nothing where that cannot be known.
     pub until: Option<Time>,
     /// How many holders pass before, where a resource is waited for.
     pub ahead: usize,
 }
 
-/// Whom a link is about.
+/// What a link is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Who {
     /// A robot.
@@ -58,7 +58,7 @@ pub enum Because {
 }
 
 impl Because {
-    /// Whether whoever it is does not go on because of something else.
+    /// Whether the robot or the job does not go on because of something else.
     pub fn is_waiting(&self) -> bool {
         matches!(self, Because::Job(_) | Because::Robot(_))
     }
@@ -156,7 +156,7 @@ impl Fleet {
         };
         let chain = self.core.ledger.chain(robot);
         let why = self.why(robot, now);
-        // Who is broken, silent or told to stand is so at a stop, too.
+        // A robot that is broken, silent or told to stand is so at a stop, too.
         let stopped = why.is_some_and(Why::is_by_itself);
         if let Some(act) = self.floor().act_here(robot).filter(|_| !stopped) {
             let until = chain.get(chain.first()).map(|v| v.depart);

@@ -2,9 +2,9 @@
 //!
 //! A robot that is to leave finishes what it has begun like one in maintenance, and is gone once it has not been heard
 //! of for a while. One that is registered again under its name comes back.
-//! A robot in maintenance finishes what it has begun, takes no more jobs, and rests at a parking place until somebody
-//! lets it work again: a restart forgets none of that. Refuses: robots on places that others hold, and of kinds that
-//! there are not.
+//! A robot in maintenance finishes what it has begun, takes no more jobs, and rests at a parking place until an
+//! operator lets it work again: a restart forgets none of that. Refuses: robots on places that others hold, and of
+//! unknown kinds.
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;

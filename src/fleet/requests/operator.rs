@@ -1,4 +1,4 @@
-//! What people decide by hand: the whole fleet or one robot stands until somebody lets it go on; a waiting job
+//! What people decide by hand: the whole fleet or one robot stands until a person lets it go on; a waiting job
 //! comes earlier or later.
 //!
 //! It is a fact, so a restart forgets none of it. Robots are told to stand at once, before the fact is durable.
@@ -42,7 +42,7 @@ impl Intake<'_> {
         Ok(Reply::Done { token })
     }
 
-    /// A job that nobody has yet gets another priority.
+    /// A job that no robot has yet gets another priority.
     pub(in crate::fleet) fn prioritise(
         &mut self,
         token: u64,

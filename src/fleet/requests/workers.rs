@@ -1,6 +1,6 @@
 //! Requests about people: who is known, who is to do what, where robots are to keep out.
 //!
-//! Refuses: to plan for anybody; what is asked for becomes a fact or a refusal.
+//! Refuses: to plan; what is asked for becomes a fact or a refusal.
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
@@ -91,7 +91,8 @@ impl Intake<'_> {
         Ok(Reply::Done { token })
     }
 
-    /// Takes a worker's word for it: whoever did the work knows, and where devices see somebody may be wrong.
+    /// Takes a worker's word for it: the person who did the work knows, and devices may see a worker at the wrong
+    /// place.
     fn finish(
         &mut self,
         token: u64,

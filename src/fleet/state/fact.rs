@@ -46,7 +46,7 @@ pub enum Fact {
         /// When.
         at: Time,
     },
-    /// A robot has something else to do, of which no job's state depends.
+    /// A robot has something else to do, on which no job's state depends.
     Tasked {
         /// Which.
         robot: RobotId,
@@ -116,8 +116,8 @@ pub enum Fact {
         /// When.
         at: Time,
     },
-    /// What is promised about a robot contradicts itself: it is taken for failed, whatever it says, until a person
-    /// releases it.
+    /// What is promised about a robot contradicts itself: it is treated as failed, whatever it reports, until a
+    /// person releases it.
     Fenced {
         /// Which.
         robot: RobotId,
@@ -137,7 +137,7 @@ pub enum Fact {
     Assigned {
         /// The new number.
         assignment: AssignmentId,
-        /// Who.
+        /// The worker.
         worker: WorkerId,
         /// What.
         request: AssignmentRequest,
@@ -160,7 +160,7 @@ pub enum Fact {
         /// Where, when, why.
         area: Closure,
     },
-    /// They need not any more.
+    /// The closure has ended; robots may route through the area again.
     Reopened {
         /// Which.
         closure: ClosureId,
@@ -208,7 +208,7 @@ pub enum Fact {
     Encountered(Encounter),
     /// A worker left the path. For the record.
     Deviated {
-        /// Who.
+        /// The worker.
         worker: WorkerId,
         /// When.
         at: Time,
@@ -217,7 +217,7 @@ pub enum Fact {
     Interrupted {
         /// Which.
         robot: RobotId,
-        /// Because of whom.
+        /// The worker because of whom.
         worker: WorkerId,
         /// What happened to it.
         reaction: Reaction,
@@ -357,7 +357,7 @@ pub enum Task {
         job: JobId,
         /// The rack.
         rack: RackId,
-        /// Where the robot stands while somebody picks.
+        /// Where the robot stands while a person picks.
         station: NodeId,
         /// The storage node reserved for the rack.
         store: NodeId,

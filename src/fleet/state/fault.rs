@@ -6,7 +6,7 @@
 /// What keeps a robot from doing what it was told, by its own word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Fault {
-    /// It is broken. It stands until somebody repairs it; others take over what they can and go round it.
+    /// It is broken. It stands until a person repairs it; others take over what they can and go round it.
     Broken,
     /// Its emergency stop is pressed. It is treated like a broken robot until the stop is released, and goes on then.
     EmergencyStop,

@@ -45,21 +45,21 @@ pub enum Input {
         /// Which.
         robot: RobotId,
     },
-    /// Somebody wants a job done.
+    /// A customer wants a job done.
     Submit {
         /// Comes back with the reply.
         token: u64,
         /// What.
         request: JobRequest,
     },
-    /// Somebody does not want a job any more.
+    /// A customer does not want a job any more.
     Cancel {
         /// Comes back with the reply.
         token: u64,
         /// Which.
         job: JobId,
     },
-    /// Somebody saw a worker.
+    /// A worker was seen.
     Sighted(Sighting),
     /// A worker is to be known.
     RegisterWorker {
@@ -72,19 +72,19 @@ pub enum Input {
     ClearWorker {
         /// Comes back with the reply.
         token: u64,
-        /// Who.
+        /// The worker.
         worker: WorkerId,
     },
-    /// Somebody wants a worker to do something.
+    /// A customer wants a worker to do something.
     Assign {
         /// Comes back with the reply.
         token: u64,
-        /// Who.
+        /// The worker.
         worker: WorkerId,
         /// What.
         request: AssignmentRequest,
     },
-    /// Somebody does not want it any more.
+    /// A customer does not want it any more.
     Unassign {
         /// Comes back with the reply.
         token: u64,
@@ -95,7 +95,7 @@ pub enum Input {
     Finish {
         /// Comes back with the reply.
         token: u64,
-        /// Who.
+        /// The worker.
         worker: WorkerId,
         /// With which.
         assignment: AssignmentId,
@@ -107,7 +107,7 @@ pub enum Input {
         /// Where, when, why.
         area: Closure,
     },
-    /// They need not any more.
+    /// A closure is to end: robots may route through the area again.
     Reopen {
         /// Comes back with the reply.
         token: u64,
@@ -189,7 +189,7 @@ pub enum StationOrder {
 /// How a robot is. Observations of one robot may be late, repeated or out of order; the newest by `seen` counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Telemetry {
-    /// Who.
+    /// The robot.
     pub robot: RobotId,
     /// When this was so.
     pub seen: Time,
@@ -420,7 +420,7 @@ pub struct Step {
     pub commands: Vec<(RobotId, Command)>,
     /// Answers. They leave once the facts are durable.
     pub replies: Vec<Reply>,
-    /// Stops, slow-downs and their ends. They leave at once: they take nothing from anybody.
+    /// Stops, slow-downs and their ends. They leave at once: they take no hold from any robot.
     pub urgent: Vec<(RobotId, Command)>,
     /// What workers are told, where it changed. It leaves at once.
     pub guidance: Vec<(WorkerId, Guidance)>,

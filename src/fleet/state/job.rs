@@ -120,7 +120,7 @@ pub struct JobRequest {
 /// How far a job has come. `Waiting → Assigned → Carrying → Picking → Done`; [`super::life`] has the whole table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum JobState {
-    /// Nobody has it yet.
+    /// No robot has it yet.
     Waiting,
     /// A robot is on its way to the rack, or to where it was sent.
     Assigned {

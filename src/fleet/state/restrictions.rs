@@ -18,8 +18,8 @@ pub(in crate::fleet) struct Restrictions {
     pub conditions: KindConditions,
     /// Announced closures.
     pub areas: Areas,
-    /// Nodes that are as good as closed because somebody, or a displaced robot, has been standing there for long, with
-    /// when that began.
+    /// Nodes that are as good as closed, with when that began: a person or a displaced robot has been standing there
+    /// for long, or a robot found the node obstructed.
     pub closing: BTreeMap<NodeId, Time>,
     /// Where each worker is, if on the floor.
     pub workers: IdVec<WorkerId, Option<Whereabouts>>,

@@ -1,4 +1,4 @@
-//! People on the floor as the fleet deals with them: what they are to do, what they are told, whom they met.
+//! People on the floor as the fleet deals with them: what they are to do, what they are told, which robots they met.
 //!
 //! Main types: [`Assignment`], [`Closure`], [`Guidance`], [`Encounter`], [`WorkerView`]. Refuses: beliefs
 //! about people (the `human` module) and decisions about robots (the step).
@@ -58,7 +58,7 @@ impl AssignmentState {
 /// An assignment that is not over.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Assignment {
-    /// Whose.
+    /// The worker.
     pub worker: WorkerId,
     /// What.
     pub request: AssignmentRequest,
@@ -225,9 +225,9 @@ impl Reaction {
 /// A moving robot came into region 1 of a worker (DESIGN §8).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Encounter {
-    /// Who.
+    /// The worker.
     pub worker: WorkerId,
-    /// And which robot.
+    /// The robot.
     pub robot: RobotId,
     /// When it began.
     pub began: Time,

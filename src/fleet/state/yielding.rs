@@ -15,14 +15,14 @@ pub(in crate::fleet) const STANDS: Span = Span::from_secs(20);
 /// Places farther from a person than this do not matter, metres.
 const FACES_M: f64 = 6.0;
 
-/// A robot that stands for a worker.
+/// A robot that stands still to yield to a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::fleet) struct Standing {
-    /// For which one, the last of several.
+    /// The worker; of several, the last.
     pub worker: WorkerId,
-    /// Since when it stands.
+    /// Since when it has stood.
     pub since: Time,
-    /// Since when it does so for this one.
+    /// Since when it has yielded to this worker.
     pub facing_since: Time,
     /// Where it came to stand.
     pub node: NodeId,
@@ -39,11 +39,11 @@ pub(in crate::fleet) struct GivesWay {
 /// What is kept in mind of one robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::fleet) struct RobotYielding {
-    /// To whom it gives way, until it is on its way again.
+    /// The worker that it gives way to, until it is on its way again.
     pub to: Option<GivesWay>,
     /// The speed limit that it was told last, and when.
     pub limit_told: Option<(Option<f64>, Time)>,
-    /// For whom it stands, or comes back slowly.
+    /// The worker for whom it stands, or comes back slowly.
     pub stands: Option<Standing>,
     /// When it last looked for another route because of a worker.
     pub rerouted: Option<Time>,
@@ -71,7 +71,7 @@ impl RobotYielding {
 pub(in crate::fleet) struct YieldingState(IdVec<RobotId, RobotYielding>);
 
 impl YieldingState {
-    /// Of one robot; nothing where nothing was noted.
+    /// What was noted of one robot; nothing where nothing was noted.
     pub fn of(&self, robot: RobotId) -> RobotYielding {
         self.0.get(robot).copied().unwrap_or_default()
     }
@@ -89,7 +89,7 @@ impl YieldingState {
         self.0.pairs().filter_map(|(robot, y)| Some((robot, y.to?)))
     }
 
-    /// Robots that stand for a worker.
+    /// Robots that stand still to yield to a worker.
     pub fn standing(&self) -> impl Iterator<Item = RobotId> {
         self.0.pairs().filter(|(_, y)| y.stands.is_some()).map(|(robot, _)| robot)
     }
@@ -104,7 +104,8 @@ impl YieldingState {
         robots.iter().for_each(|r| self.of_mut(*r).stands = None);
     }
 
-    /// For whom a robot has been standing for so long that it should leave: for one, or for some who take turns.
+    /// The worker to whom a robot has yielded for so long that it should leave: to this one for long, or to several in
+    /// turn for twice as long.
     pub fn stood_for(&self, robot: RobotId, now: Time) -> Option<WorkerId> {
         let standing = self.of(robot).stands?;
         debug_assert!(standing.since <= standing.facing_since, "{robot:?} stood for one before it stood");
@@ -112,8 +113,8 @@ impl YieldingState {
         long.then_some(standing.worker)
     }
 
-    /// The one for whom the robot has been standing for long and to whom this place is nearer than its own: nobody
-    /// is helped if it drives up again. Between those who take turns, it has to go nearer to one of them.
+    /// The worker to whom the robot has yielded for long, if this node is nearer to that worker than the robot is now:
+    /// driving up again would help neither. Between workers who take turns, it has to go nearer to one of them.
     pub fn faces(&self, floor: Floor<'_>, robot: RobotId, node: NodeId, now: Time) -> Option<WorkerId> {
         let standing = self.of(robot).stands?;
         if now - standing.facing_since <= STANDS || floor.settings.policy != HumanAwarePolicy::Giveway {

@@ -67,7 +67,7 @@ fn an_aisle_is_used_before_and_after_its_hour_and_empty_meanwhile() {
     let mut floor = TestFloor::thesis(10);
     floor.close(aisle(400.0, 700.0));
     let before = floor.busy_until(seconds(400.0));
-    // Whoever was granted a way through may be on it for some seconds more.
+    // A robot that was granted a way through may be on it for some seconds more.
     let first = floor.busy_until(seconds(415.0));
     let meanwhile = floor.busy_until(seconds(700.0));
     let after = floor.busy_until(seconds(1100.0));

@@ -62,7 +62,7 @@ impl TestFloor {
         self.facts.iter().any(placed)
     }
 
-    /// Resumes what a simulated operator paused before the restart: the one of after it does not know of that.
+    /// Resumes what a simulated operator paused before the restart: the operator after it does not know of that.
     fn let_all_go_on(&mut self) {
         let ledger = self.fleet.ledger();
         let robots = ledger.robots.pairs().filter(|(_, r)| r.paused.is_some());
@@ -267,8 +267,8 @@ fn with_customers_of_every_kind(seed: u64, rate: f64) -> Scenario {
     Scenario { seed, faults, ..plain }
 }
 
-/// Pushes some robots, or all, before anybody drives: onto free nodes, off nodes, onto nodes that others hold. Gives
-/// how many.
+/// Pushes some robots, or all, before any of them drives: onto free nodes, off nodes, onto nodes that others hold.
+/// Gives how many.
 fn push_some(floor: &mut TestFloor, dice: &mut TestDice) -> usize {
     let robots: Vec<RobotId> = floor.fleet.ledger().robots.ids().collect();
     let share = 1 + dice.below(3);

@@ -4,7 +4,7 @@ use super::*;
 
 const NEVER: Time = Time::MAX;
 
-/// A robot that drives among racks, at work as `wanted` says, and shuts nobody in: from most storage nodes a loaded
+/// A robot that drives among racks, at work as `wanted` says, and shuts no robot in: from most storage nodes a loaded
 /// robot has one way out.
 fn in_an_aisle(floor: &TestFloor, wanted: fn(&Task) -> bool) -> Option<RobotId> {
     let (w, ledger) = (floor.fleet.warehouse(), floor.fleet.ledger());

@@ -148,7 +148,7 @@ fn with_faults_of_every_kind_the_floor_drains() {
     }
 }
 
-/// Robots that wait round a station in a ring are another matter: they hurt nobody.
+/// A ring of robots that wait round a station is left out here: no robot in it hits another.
 #[test]
 fn with_faults_of_every_kind_no_robot_hurts_another_or_is_believed_where_it_is_not() {
     for seed in 4..=12 {

@@ -120,7 +120,7 @@ fn break_at_while(floor: &mut TestFloor, puppet: &mut Puppet, robot: u32, x: f64
     (puppet.own, puppet.way) = (true, vec![place, Point::new(3.0, 3.2), place]);
 }
 
-/// A corridor of 24 m that a robot fills, with bays so deep that whoever stands in one is in nobody's way. People
+/// A corridor of 24 m that a robot fills, with bays so deep that a robot in one is in nobody's way. People
 /// walk in the corridor only.
 fn corridor(bays: &str, robots: usize) -> TestFloor {
     let stem = bays.replace('P', ".");

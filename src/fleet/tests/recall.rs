@@ -4,7 +4,7 @@ use super::people::Puppet;
 use super::*;
 use crate::geometry::{Point, Vector};
 
-/// A robot on its way, and somebody who appears so far ahead of it and stands there.
+/// A robot on its way, and a person who appears so far ahead of it and stands there.
 fn face_to_face(faults: Faults, ahead_m: f64) -> (TestFloor, Puppet) {
     let mut floor = TestFloor::new(thesis(), &Scenario { faults, ..scenario(1) });
     floor.submit(request(deliver(40)));

@@ -1,10 +1,10 @@
-//! Robots that stand and are to go on while somebody walks up from behind.
+//! Robots that stand and are to go on while a person walks up from behind.
 
 use super::*;
 use crate::aware::Meter;
 use crate::aware::Near;
 
-/// A robot between the racks that somebody lets go on when a person behind it, on the way past it, is so near; what
+/// A robot between the racks that an operator lets go on when a person behind it, on the way past it, is so near; what
 /// both do for ten seconds from then on.
 fn walked_up_to(apart_m: f64) -> Vec<(Near, Option<f64>)> {
     let mut floor = TestFloor::new(thesis(), &scenario(1));

@@ -1,5 +1,5 @@
-//! Which restrictions bind a robot, on what lies ahead of it: those of a place that it is in already let it go wherever
-//! it does not come nearer to what is to be left.
+//! Which restrictions bind a robot on what lies ahead of it. If it is in a restricted place already, it may go wherever
+//! it comes no nearer to what it is to leave.
 //!
 //! Refuses: to decide whether a robot waits or goes elsewhere.
 
@@ -20,8 +20,8 @@ const PASSING: Span = Span::from_millis(1500);
 pub(in crate::fleet) const STOPPING: Span = Span::from_secs(8);
 
 impl Floor<'_> {
-    /// Workers to whom a robot is too near already: it may go wherever it does not come nearer. Closed areas that it
-    /// is in: it may go on, since nobody would be helped if it stood there.
+    /// What does not bind a robot. If it is too near to a worker already, it may go wherever it comes no nearer. If it
+    /// is in a closed area already, it may go on, since it would help no one if it stood there.
     pub(in crate::fleet) fn exemptions(&self, robot: RobotId, now: Time) -> SmallVec<[Exemption; 2]> {
         let chain = self.ledger.chain(robot);
         let node = chain.get(chain.granted() - 1).expect("what is granted is held").node;
@@ -36,7 +36,7 @@ impl Floor<'_> {
         exemptions
     }
 
-    /// Leave to go from a node wherever it is not nearer to what is to be left.
+    /// The exemption with which a robot on a node may go wherever it comes no nearer to what it is to leave.
     pub(in crate::fleet) fn exemption_from(&self, node: NodeId, from: Cause) -> Option<Exemption> {
         let at = match from {
             Cause::Worker(worker) => self.restrictions.whereabouts(worker)?.at,
@@ -83,7 +83,7 @@ impl Floor<'_> {
         found
     }
 
-    /// Until when the robot would have to wait for others than robots.
+    /// Until when the robot would have to wait because of conditions, not of other robots' holds.
     pub(super) fn waits_until(&self, robot: RobotId, now: Time) -> Option<Time> {
         self.meetings(robot, now).iter().map(|(_, zone)| zone.worker.end()).max()
     }

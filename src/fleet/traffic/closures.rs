@@ -1,9 +1,9 @@
-//! Areas that are closed for a time, announced ahead: whose route leads in gets another before it begins, nobody sets
-//! off for what is inside, robots that rest inside leave, and what is over for long is forgotten. Around a person who
-//! has been standing for long, it is the same.
+//! Areas that are closed for a time, announced ahead. A robot whose route leads in gets another one before the closure
+//! begins, no robot sets off for a place inside, robots that rest inside leave, and closures that are long over are
+//! forgotten. It is the same around a person who has been standing for long.
 //!
 //! The search knows every announced closure as a condition, so new routes need nothing from here. Refuses: to stop
-//! anybody (grants do), and to take back what was granted.
+//! robots (grants do), and to take back what was granted.
 
 use crate::aware::{HumanAwarePolicy, Zone};
 use crate::fleet::state::closed_areas::storage_behind;
@@ -35,7 +35,7 @@ pub(in crate::fleet) fn begin_restrictions(core: &mut Core, now: Time) {
     }
 }
 
-/// Notes which nodes are as good as closed because somebody has been standing there for long.
+/// Notes which nodes are as good as closed because a person has been standing there for long.
 pub(in crate::fleet) fn note_closing(core: &mut Core, now: Time) {
     core.restrictions.closing.clear();
     if core.settings.policy != HumanAwarePolicy::Giveway {
@@ -104,7 +104,8 @@ impl Traffic {
     }
 }
 
-/// A robot that would fetch a rack from a closed place lets others have the job, later. Whether it does.
+/// If a robot would fetch a rack from a closed place, it gives the job back: another robot gets it, later. Returns
+/// whether it did.
 fn gives_job_back(core: &mut Core, robot: RobotId, now: Time) -> bool {
     let Task::Fetch { job: Some(job), node, .. } = core.ledger.robots[robot].task else { return false };
     if !core.floor().job_is_closed_off(&core.ledger.jobs[&job].request.kind, node) {
@@ -128,7 +129,7 @@ impl Floor<'_> {
         }
         let exemptions = self.exemptions(robot, now);
         ahead.any(|v| {
-            // Who stays for ever at the end of a route goes on with something else, but needs time to come out.
+            // A robot does not really stay for ever where its route ends, but it needs time to come out.
             let enter = v.enter.max(now);
             let leave = if v.leave.is_forever() { v.arrive.max(now) + COME_OUT } else { v.leave };
             let robot = Window::new(enter, leave.max(enter + Span(1)));

@@ -1,4 +1,4 @@
-//! Robots that stand for good: what others take over from them, and whose way that changes.
+//! Robots that stand for good: what others take over from them, and which robots' routes that changes.
 //!
 //! Refuses: to say when a robot has failed.
 

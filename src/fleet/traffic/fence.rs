@@ -1,6 +1,6 @@
 //! A robot about which the ledger contradicts itself is fenced off, so that the others go on.
 //!
-//! Main function: [`fence`]. It is treated like a robot that failed, whatever it says: it keeps what it was granted,
+//! Main function: [`fence`]. It is treated like a robot that failed, whatever it reports: it keeps what it was granted,
 //! those behind it get other ways, its job goes to another. It stays so over a restart, until a person releases it.
 //! Refuses: to repair anything; what is wrong is for a person to see.
 

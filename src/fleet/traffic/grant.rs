@@ -1,8 +1,8 @@
-//! Fifth phase: how far may each robot drive now? Grants follow the order on each resource, not the clock.
+//! Sixth phase: how far may each robot drive now? Grants follow the order on each resource, not the clock.
 //!
 //! Refuses: to grant past a stop that is not done, past a robot that was promised a resource first, or to robots that
-//! are silent or halted; and to grant more than a robot needs to keep its speed, since a grant can be called back only
-//! from a robot that stands, and on its word.
+//! are silent or halted; and to grant more than a robot needs to keep its speed, since a grant can be revoked only
+//! from a robot that stands and confirms it.
 
 use crate::aware::SLOW_MPS;
 use crate::fleet::state::core::Core;

@@ -72,7 +72,7 @@ impl Traffic {
         }
         let mut ranked: Vec<(usize, RobotId)> = met.into_iter().map(|(r, n)| (n, r)).collect();
         ranked.retain(|(_, r)| movable.contains(r));
-        // Whoever stands in the way for ever meets few windows, but no order helps while it does.
+        // A robot that stands in the way for ever meets few windows, but no order helps while it does.
         ranked.sort_by_key(|(n, r)| (!core.floor().lacks_route(*r), std::cmp::Reverse(*n), *r));
         ranked.into_iter().take(OTHERS).map(|(_, r)| r).collect()
     }

@@ -1,4 +1,4 @@
-//! Fourth phase: who needs a route? One search each, within a budget of expansions per step.
+//! Fifth phase: which robots need a route? One search each, within a budget of expansions per step.
 //!
 //! Robots in need are in [`Needs`](crate::fleet::state::needs::Needs). A new route replaces the old one only when it is
 //! complete up to a place where the robot may stay for ever; else the old one stands (DESIGN §5, invariant
@@ -154,8 +154,8 @@ impl Traffic {
     }
 
     /// Robots that wait for others look for a better way now and then: that is how the order on a resource is
-    /// changed where keeping it would hand one robot's delay on to the fleet. The new windows fit into what
-    /// everybody holds, so the order of all stays free of cycles.
+    /// changed where keeping it would hand one robot's delay on to the fleet. The new windows fit between the
+    /// holds of all robots, so the order of all stays free of cycles.
     pub(in crate::fleet) fn improve(&mut self, core: &mut Core, now: Time, mut budget: u32) {
         for robot in core.ledger.present() {
             if budget == 0 {
@@ -263,7 +263,7 @@ impl Floor<'_> {
         matches!(kind, Some(JobKind::Relocate { .. }))
     }
 
-    /// When a robot reaches a visit if it waits for everybody on its way, and has done so for `waited`.
+    /// When a robot reaches a visit if it waits for all people and closures on its way, and has done so for `waited`.
     fn expected(&self, robot: RobotId, serial: u64, waited: Span, now: Time) -> Time {
         let chain = self.ledger.chain(robot);
         let planned = chain.get(serial).map_or(now, |v| v.arrive);

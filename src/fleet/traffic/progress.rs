@@ -1,4 +1,4 @@
-//! Second phase: what has come true? Places passed are free again, stops done lead to the next task, delays are noted.
+//! Third phase: what has come true? Places passed are free again, stops done lead to the next task, delays are noted.
 //!
 //! Refuses: to plan; a robot whose task has no route yet is picked up by the planning phase.
 

@@ -1,5 +1,6 @@
-//! Grants that are taken back: a robot and somebody who wait for one another get nowhere, since the robot may only go
-//! on to where the other stands. It is called back to the node that it reached last, and is free to leave from there.
+//! Grants that are taken back. If a robot and a person wait for one another, neither gets on, since the robot may only
+//! go on to where the person stands. The robot is called back to the node that it reached last, and is free to leave
+//! from there.
 //!
 //! What was granted stays granted until the robot says that it is back and has forgotten the rest, whatever is lost or
 //! late on the way. Refuses: to call back a robot that drives, or works.
@@ -16,7 +17,7 @@ use crate::time::{Span, Time};
 
 /// A robot that does not come back is called again after this.
 const AGAIN: Span = Span::from_secs(1);
-/// Whoever is slower than this stands, metres per second.
+/// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.01;
 
 impl Traffic {

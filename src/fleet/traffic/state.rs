@@ -28,7 +28,7 @@ pub(in crate::fleet) enum Withheld {
     Condition(Cause, Option<Time>),
 }
 
-/// How often routes were searched for. Nobody is promised anything by it, so it is no fact and starts at zero with the
+/// How often routes were searched for. It promises nothing to any robot, so it is no fact and starts at zero with the
 /// process.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::fleet) struct SearchCounts {
@@ -53,7 +53,8 @@ pub(in crate::fleet) struct Traffic {
     pub(super) withheld: IdVec<RobotId, Option<Withheld>>,
     /// When each robot was called back last while it stood for a worker.
     pub(super) called_back: BTreeMap<RobotId, Time>,
-    /// Places that robots could not get to and chargers without current: who said so, and when they are tried again.
+    /// Places that robots could not get to and chargers without current: which robot said so, and when they are tried
+    /// again.
     pub(super) obstructions: BTreeMap<NodeId, (RobotId, Time)>,
     /// When each robot last looked for a route round a closed area.
     pub(super) looked_round: BTreeMap<RobotId, Time>,

@@ -10,7 +10,7 @@ use crate::timeline::Holder;
 use std::collections::{BTreeSet, VecDeque};
 
 /// Takes back what was promised, but not granted, to every robot that would have to pass one that stands still
-/// for an unknown time, and to everybody who would have to pass those in turn. They all keep what they were
+/// for an unknown time, and to every robot that would have to pass those in turn. They all keep what they were
 /// granted: robots that may be broken are not asked to come back.
 pub(in crate::fleet) fn truncate_behind(core: &mut Core, broken: RobotId) {
     let found = core.floor().all_behind(BTreeSet::from([broken]), None);

@@ -1,4 +1,4 @@
-//! Which robots gave way to whom, and which met whom.
+//! Which robots gave way to which workers, and which met which.
 //!
 //! Refuses: to react; it takes notes.
 
@@ -18,7 +18,7 @@ use crate::time::Time;
 const NEAR_M: f64 = 4.0;
 
 impl Yielding {
-    /// Notes that a robot gives way to somebody, once until it is on its way again.
+    /// Notes that a robot gives way to a worker, once until it is on its way again.
     pub(in crate::fleet) fn gives_way(
         &mut self,
         core: &mut Core,

@@ -1,9 +1,9 @@
-//! Robots that give way: which grant has to wait for whom, and which robot looks for another route.
+//! Robots that give way: which grant has to wait for which worker, and which robot looks for another route.
 //!
 //! Decided by where windows meet (the cases of a potential collision zone, [`Zone`]): if the robot is through
 //! before the worker comes, or comes after the worker is through, it keeps its route; if it would have to wait
 //! a little, it waits; if it would have to wait for long, it looks for another route. Refuses: to look at
-//! anybody whose holds no worker touches.
+//! robots whose holds no worker touches.
 
 use crate::aware::{Answer, HumanAwarePolicy, Zone};
 use crate::fleet::state::core::Core;
@@ -34,7 +34,7 @@ pub(in crate::fleet) enum Decision {
 }
 
 impl Yielding {
-    /// Looks at all robots whose holds a worker touches, and lets those change their route that would wait for long.
+    /// Looks at all robots whose holds a worker touches, and changes the routes of those that would wait for long.
     pub(in crate::fleet) fn give_way(
         &mut self,
         core: &mut Core,
@@ -43,7 +43,7 @@ impl Yielding {
         budget: &mut u32,
     ) {
         if core.restrictions.conditions.is_empty() {
-            // Nobody to give way to: what was noted of earlier waiting says nothing about the next one.
+            // There is nobody to give way to: what was noted of earlier waiting says nothing about the next one.
             self.state.no_worker_is_near();
             return;
         }

@@ -26,7 +26,7 @@ use crate::route::{Cause, Effect, Route};
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Visit};
 
-/// Whoever has not come to rest after this long is taken as it is.
+/// A robot that has not come to rest after this long is taken as it is.
 const REST: Span = Span::from_secs(6);
 /// A worker who was told to stop is tried again after this long.
 const AGAIN: Span = Span::from_secs(5);
@@ -67,7 +67,7 @@ impl Yielding {
         Some((worker, self.plan_for(core, people, traffic, worker, now)?))
     }
 
-    /// Whether a robot will not move any more without a grant, or while somebody is near.
+    /// Whether a robot will not move any more without a grant, or while a person is near.
     fn is_at_rest(&self, floor: Floor<'_>, robot: RobotId) -> bool {
         let Some(seen) = floor.scene.robot(robot) else { return true };
         let chain = floor.ledger.chain(robot);
@@ -218,7 +218,7 @@ fn evasions(
     }
     let mut routes = Vec::new();
     for &robot in robots {
-        // Where it stands is where nobody may be: any way off that comes no nearer is better.
+        // Where it stands is where no robot may be: any way off that comes no nearer is better.
         let mut exemptions = core.floor().exemptions(robot, now);
         if exemptions.iter().all(|a| a.from != Cause::Worker(worker)) {
             exemptions.extend(core.floor().exemption_from(core.ledger.node_of(robot), Cause::Worker(worker)));

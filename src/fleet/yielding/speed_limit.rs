@@ -1,6 +1,6 @@
 //! How fast each robot may be near people, now, and which robots that stand for people are called back.
 //!
-//! Limits and stops leave at once, without waiting for the journal: they take nothing from anybody. Refuses:
+//! Limits and stops leave at once, without waiting for the journal: they take no hold from any robot. Refuses:
 //! to be a safety function; robots' own scanners and brakes are.
 
 use crate::aware::{
@@ -23,24 +23,24 @@ use crate::time::{Span, Time};
 
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.05;
-/// Room beyond region 1 that a robot leaves to somebody who stands, metres.
+/// Room beyond region 1 that a robot leaves to a person who stands, metres.
 const ROOM_M: f64 = 0.3;
-/// Room beyond region 1 that is left to somebody who comes: what is walked while a stop is on its way, metres.
+/// Room beyond region 1 that is left to a person who comes: what is walked while a stop is on its way, metres.
 const CLEAR_M: f64 = 0.35;
 /// A robot that stands sets off only with so much more room, metres: poses and speeds waver, and a robot that starts
-/// and stops by turns creeps just when somebody comes.
+/// and stops by turns creeps just when a person comes.
 const SET_OFF_M: f64 = 0.3;
-/// Whoever is farther away does not come into region 1 before a robot has stopped, metres.
+/// A person farther away does not come into region 1 before a robot has stopped, metres.
 const PASSING_M: f64 = 6.0;
 /// How fast people walk once they set off, metres per second.
 const GAIT_MPS: f64 = 1.3;
 /// Robots are told their limit again after this long, until they say that they know it.
 const INSIST: Span = Span::from_millis(100);
-/// Who comes nearer by no more than this passes, metres.
+/// A robot that comes nearer by no more than this passes, metres.
 const NEARER_M: f64 = 0.05;
 /// Robots and workers farther apart than this are of no interest to one another, metres.
 const FAR_M: f64 = 12.0;
-/// Robots farther from somebody than this meet no person within the time of braking, metres.
+/// A robot farther from a person than this does not meet that person within the time of braking, metres.
 const MEETS_M: f64 = 12.0;
 
 /// What decides how fast robots may be near people, in this step.
@@ -74,7 +74,7 @@ impl Yielding {
             let told = self.state.of(robot).limit_told;
             let same = told.map_or(limit.is_none(), |(l, _)| l == limit);
             let known = seen.limit_mps == limit;
-            // A limit that nobody here set is older than a restart, or the server's own while the journal was full.
+            // A limit that was not set here is older than a restart, or the server's own while the journal was full.
             if same && (known || told.is_some_and(|(_, at)| now - at < INSIST)) {
                 continue;
             }
@@ -83,7 +83,7 @@ impl Yielding {
         }
     }
 
-    /// Calls back robots that have stood for somebody for long and were granted more than the place where they stand.
+    /// Calls back robots that have yielded to a person for long and were granted more than the place where they stand.
     pub(in crate::fleet) fn revoke_grants(
         &mut self,
         core: &mut Core,
@@ -118,8 +118,8 @@ impl Yielding {
 }
 
 impl RobotYielding {
-    /// Notes since when a robot has to stand for somebody; it may come back slowly meanwhile. One that stands for one
-    /// person and then for another has stood all the while.
+    /// Records when a robot started standing still to yield; it may come back slowly meanwhile. Yielding to a second
+    /// person right after the first, at the same node, continues the same interval.
     fn note_standing(
         &mut self,
         node: NodeId,
@@ -143,7 +143,7 @@ impl RobotYielding {
 }
 
 impl SpeedLimits<'_> {
-    /// How fast a robot may be at most, if not as fast as it can, and because of whom.
+    /// How fast a robot may be at most, if not as fast as it can, and because of which worker.
     pub(in crate::fleet) fn limit_for(
         &self,
         robot: RobotId,
@@ -225,7 +225,7 @@ impl SpeedLimits<'_> {
         limits.min_by(f64::total_cmp)
     }
 
-    /// Whether a robot that drives on to the end of what it was granted would still move when somebody comes into
+    /// Whether a robot that drives on to the end of what it was granted would still move when a person comes into
     /// region 1.
     fn is_caught_up(&self, robot: RobotId, worker: WorkerId, w: &Whereabouts, now: Time) -> bool {
         let Some(seen) = self.floor.scene.robot(robot) else { return false };
@@ -274,8 +274,8 @@ impl SpeedLimits<'_> {
         }
         let follows = matches!(person.mode, WalkMode::Following | WalkMode::Redirected);
         let path = person.rest_of_path(w.at).filter(|p| follows && p.len() > 1);
-        // Whoever has stopped on the way may set off again, unless it is to let the robot leave; whoever has stood for
-        // long waits for something, maybe for the robot to go on.
+        // A person who has stopped on the way may set off again, unless it was to let the robot leave. A person who has
+        // stood for long waits for something, maybe for the robot to go on.
         let lately = person.stands_since.is_none_or(|t| now - t < STANDS);
         let sets_off = path.is_some() && lately && !self.drives_away(robot, at, w.at, now);
         let way = path.unwrap_or_else(|| vec![w.at, w.at + w.velocity * 5.0]);
@@ -294,7 +294,8 @@ impl SpeedLimits<'_> {
     }
 
     /// Whether a robot's next piece of way leads away from a place: what it was granted, or back where it is called to.
-    /// Who comes back, or has stood there for long, may also pass, where that is not nearer than it is already.
+    /// A robot that is called back, or has yielded there for long, may also pass, if that is no nearer than it is
+    /// already.
     pub(in crate::fleet) fn drives_away(&self, robot: RobotId, at: Point, from: Point, now: Time) -> bool {
         let next = self.floor.granted_ahead(robot).next();
         let back = self.traffic.comes_back_to(self.floor, robot);

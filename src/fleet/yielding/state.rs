@@ -22,7 +22,7 @@ pub(in crate::fleet) struct Yielding {
 /// The procedure in progress.
 #[derive(Clone, Debug, Default)]
 pub(in crate::fleet) struct Procedure {
-    /// For whom robots stand, and since when.
+    /// The worker for whom robots stand, and since when.
     pub(super) running: Option<(WorkerId, Time)>,
     /// Workers who left their path meanwhile.
     pub(super) queue: BTreeSet<WorkerId>,

@@ -1,4 +1,4 @@
-//! Between two steps: does a pose mean that somebody has to stop, so that the next step should not wait?
+//! Between two steps: does a pose mean that a robot or a worker has to stop, so that the next step should not wait?
 //!
 //! Nothing is decided here and nothing changes; the step that follows decides, with everything that it knows.
 //! Costs one look at each robot and one close look at those nearby.
@@ -14,7 +14,7 @@ use crate::human::{Sighting, SightingOutcome, Whereabouts};
 use crate::id::Dense;
 use crate::time::{Span, Time};
 
-/// Whoever is slower than this need not be told to stop, metres per second.
+/// A robot slower than this need not be told to stop, metres per second.
 const STANDS_MPS: f64 = 0.05;
 /// Robots farther away stop for no person, metres.
 const NEAR_M: f64 = 8.0;
@@ -23,7 +23,7 @@ const OLD: Span = Span::from_millis(200);
 
 impl Yielding {
     /// Whether a step that took in this sighting now would, as things were seen last, stop a robot that drives, or tell
-    /// the worker to stand who was not told yet.
+    /// the worker to stand, if the worker was not told yet.
     pub(in crate::fleet) fn calls_for_stop(
         &self,
         core: &Core,
@@ -34,7 +34,7 @@ impl Yielding {
     ) -> bool {
         let floor = core.floor();
         let Some(person) = people.people.get(s.worker) else {
-            // Nobody knows yet what it means that somebody is there.
+            // The worker is new to the fleet: only a step can tell what that means.
             return s.worker.ix() < floor.ledger.workers.len();
         };
         let mut track = person.track.clone();
@@ -59,7 +59,7 @@ impl Yielding {
     }
 }
 
-/// Where somebody is from a robot's point of view, which drove on since it was seen.
+/// Where a person is as seen from a robot, which has driven on since it was seen.
 fn seen_from(place: &Whereabouts, robot: &Telemetry, now: Time) -> Whereabouts {
     let age = (now - robot.seen).clamp(Span::ZERO, OLD);
     let ahead = Vector::new(robot.pose.heading.cos(), robot.pose.heading.sin());

@@ -49,14 +49,14 @@ pub(super) fn open_windows(
 /// Parts of a free window are told apart above this bit of its index.
 const PARTS_AT: u32 = 20;
 
-/// Whoever ends in an area that will be closed must have this long to come out again. Where routes are planned one
-/// errand at a time, nobody knows yet which way that will be.
+/// A robot that ends in an area that will be closed must have this long to come out again. Routes are planned one
+/// errand at a time, so the way out is not known yet.
 pub const COME_OUT: Span = Span::from_secs(60);
 
 /// Parts of the last goal's window without end which a closure ends, by index, with the latest arrival.
 pub(super) type Brief = SmallVec<[(u32, i64); 1]>;
 
-/// Where a robot may end although a closure will begin there: nobody else comes, and it has time to leave.
+/// Where a robot may end although a closure will begin there: no other robot comes, and it has time to leave.
 pub(super) fn brief_stays(
     warehouse: &Warehouse,
     pace: &Pace,

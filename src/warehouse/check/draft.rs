@@ -248,7 +248,7 @@ pub(in crate::warehouse) fn without_bad_parts(draft: &Draft) -> Option<(Draft, D
     }
     let (mut rest, mut doubts) = (draft.clone(), Doubts::default());
     if !is_footprint(rest.footprint_m) {
-        // Nothing overlaps: what is in whose way can only be told with a footprint.
+        // With no footprint, nothing overlaps: robots' conflicts cannot be told without a valid one.
         rest.footprint_m = 0.0;
     }
     let mut at: BTreeMap<&str, Point> = BTreeMap::new();

@@ -7,12 +7,12 @@
 //! - every lasting place is reached from and left to the main floor over open floor alone: storage with and
 //!   without a rack, chargers and parking places without;
 //! - every station is reached through its queue in order, and left without its queue;
-//! - whoever stands at a lasting place, a station or in a queue blocks no node, and the lanes that he blocks
+//! - a robot that stands at a lasting place, a station or in a queue blocks no node, and the lanes that it blocks
 //!   are taken away before all of this is asked.
 //!
 //! Where bad parts of a draft were left out, the places in doubt count as joined to the main floor.
 //!
-//! Main function: [`well_formed`]. Refuses: to count on luck, i.e. on somebody moving out of the way.
+//! Main function: [`well_formed`]. Refuses: to count on luck, i.e. on a robot moving out of the way.
 
 use super::{Doubts, Findings, list};
 use crate::id::{Dense, IdVec, LaneId, NodeId};
@@ -26,7 +26,7 @@ use smallvec::SmallVec;
 type Set = IdVec<NodeId, bool>;
 /// The arcs that end at each node.
 type Incoming = IdVec<NodeId, SmallVec<[Arc; 4]>>;
-/// Which lane is of no use while somebody stands where.
+/// For each lane, the node at which a standing robot blocks it, if there is one.
 type Blocked = IdVec<LaneId, Option<NodeId>>;
 
 /// Everything that must hold so that no robot is ever stuck for want of a way or of a place to stay.
@@ -65,7 +65,7 @@ fn is_open(kind: NodeKind) -> bool {
     matches!(kind, NodeKind::Aisle | NodeKind::Exit)
 }
 
-/// Reports nodes that are blocked by somebody who stands elsewhere; returns who blocks which lane.
+/// Reports nodes that a robot standing elsewhere blocks; returns, for each lane, the place from which it is blocked.
 fn standing(w: &Warehouse, doubtful: &Set, found: &mut Findings) -> Blocked {
     let mut blocked = Blocked::filled(None, w.lanes.len());
     for n in w.nodes_where(|kind| !is_open(kind)).into_iter().filter(|n| !doubtful[*n]) {
@@ -206,7 +206,7 @@ impl<'a> OpenFloor<'a> {
         }
     }
 
-    /// Names the lane at these nodes that somebody who stands elsewhere blocks, if there is one.
+    /// Names the lane at these nodes that a robot standing elsewhere blocks, if there is one.
     fn why_blocked(&self, nodes: &[NodeId]) -> String {
         let blocked = self.w.lanes.pairs().filter_map(|(id, l)| Some((id, l, self.blocked[id]?)));
         let mut reasons = blocked.filter(|(_, l, _)| nodes.contains(&l.a) || nodes.contains(&l.b));

@@ -79,7 +79,7 @@ impl fmt::Display for Findings {
 
 impl std::error::Error for Findings {}
 
-/// Whether so many robots can all stay somewhere for ever without being in anyone's way.
+/// Whether so many robots can all stay somewhere for ever without being in one another's way.
 ///
 /// # Errors
 /// One finding, where there are fewer storage, charging and parking places than robots.

@@ -74,7 +74,7 @@ impl LetterGrid {
         draft.nodes.push(DraftNode { name: self.name(c), at: self.at(c, options) });
     }
 
-    /// Joins neighbours `a` and `b` both ways wherever `users(a, b)` says for whom; asked once a pair.
+    /// Joins neighbours `a` and `b` both ways, for the users that `users(a, b)` names, if any; asked once a pair.
     pub fn add_lanes(&self, draft: &mut Draft, users: impl Fn(usize, usize) -> Option<Users>) {
         for a in 0..self.cells.len() {
             for b in self.around(a).filter(|&b| b > a) {

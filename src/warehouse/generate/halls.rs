@@ -1,7 +1,7 @@
 //! The two halls of the thesis that the project follows: its laboratory and its simulated warehouse.
 //!
 //! Main functions: [`lab`], [`thesis`]. The drawings of both are lost in the text; what the text says about
-//! them (names, counts, who can go where) is kept, the rest is a plausible guess. Refuses: parameters.
+//! them (names, counts, which robot can go where) is kept, the rest is a plausible guess. Refuses: parameters.
 
 use super::pen::{Cell, Pen, outline};
 use crate::time::Span;

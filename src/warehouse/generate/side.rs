@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Side`]. Everything is laid out for the west side, where the outer lane runs south; the east
 //! side is the same turned by half a circle, and so is the traffic. A bay turns in from the outer lane one
-//! row before it comes out again, so that those who come out never meet those who turn in. Refuses: bays at
+//! row before it comes out again, so that robots that come out never meet robots that turn in. Refuses: bays at
 //! the ends of roads between groups, which carry the through traffic.
 
 use super::blocks::HallDraft;

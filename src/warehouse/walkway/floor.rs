@@ -9,7 +9,7 @@ use crate::warehouse::{NodeKind, Warehouse};
 const CELL_M: f64 = 0.1;
 /// Larger buildings get larger cells.
 const CELLS_MAX: f64 = 8e6;
-/// Where no one of this half width fits, nobody walks: slits between racks are no floor. Metres.
+/// Where no person of this half width fits, nobody walks: slits between racks are no floor. Metres.
 const HALF_WIDTH_M: f64 = 0.2;
 /// The sampled points of a cell, as parts of its side from its middle. A border through the middle of a cell
 /// so takes the cell away, whichever side the floor is on: aisles stay symmetric.

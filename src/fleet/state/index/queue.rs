@@ -1,9 +1,8 @@
 //! Waiting jobs in the order in which robots are matched with them, kept so that nothing has to be sorted.
 //!
 //! Main type: [`Queue`]. Within one priority and one [`DeadlineStage`] of the deadline the order never changes, so each
-//! such [`QueueLine`] is a sorted set, and the few lines are merged by urgency when somebody looks. For each free rack
-//! only the first job of each line is offered. Refuses: to say whether a station has room; whoever looks leaves lines
-//! out.
+//! such [`QueueLine`] is a sorted set, and the few lines are merged by urgency when they are read. For each free rack
+//! only the first job of each line is offered. Refuses: to say whether a station has room; the caller leaves lines out.
 
 use crate::fleet::state::job::{Job, JobKind};
 use crate::id::{IdVec, JobId, RackId, StationId};

@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// Everything of a ledger.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts {
-    /// What was promised, but for who holds what when.
+    /// What was promised, without the holds.
     pub promises: Promises,
     /// All holds.
     pub chains: Vec<ChainParts>,
