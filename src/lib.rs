@@ -63,10 +63,10 @@
 //! | grant (base), horizon | how far a robot may drive now, and what is reserved beyond | VDA 5050 |
 //! | revoke, truncate | to take back what was granted; to give up what was not | VDA 5050 |
 //! | release | a resource is given back | openTCS |
-//! | kind of robots | what all robots of it have in common: kinematics, charging; one planner each | VDA 5050 |
+//! | robot kind | what all robots of it have in common: kinematics, charging, footprint, loads | VDA 5050 |
 //! | maintenance | a robot finishes what it has begun, rests at a parking place and takes no jobs | |
 //! | leaving, gone | as for maintenance, then off the floor for good; its place is free | |
-//! | kind, footprint | what robots have in common; the floor that one takes, with or without a rack | VDA 5050 |
+//! | footprint | the floor that a robot takes, with or without a rack | VDA 5050 |
 //! | job, dispatch, transport | what a customer wants; choosing robot, rack, station; from place to place | openTCS |
 //! | worker, assignment, observation | a person on the floor; that person's task; a pose and when it was seen | |
 //! | deviation, intent, forecast | off the path; a distribution over goals; where, when, how probably | Petković 2021 |
@@ -266,7 +266,7 @@
 //! # Where this differs from the first design
 //!
 //! - *The view is made on demand* ([`fleet::Fleet::view`]), not by every step: the server wants ten a second, a
-//!   simulated hour none of its 36 000.
+//!   simulated hour none of its 72 000.
 //! - *Most lanes have no timeline.* A robot that drives a lane holds both its ends. If its footprint takes nothing
 //!   beyond them, holding the lane as well would say nothing new and would double the work.
 //! - *Queue places are ordinary nodes*, reserved for robots bound for their station, planned like all others. Robots

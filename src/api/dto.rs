@@ -327,6 +327,12 @@ impl Names<'_> {
                     "cannot pass: something stands on its way to {node}; clear the way; the robot looks for another"
                 )
             }
+            Why::WayObstructed(n) => {
+                format!(
+                    "waiting for {} to be cleared: a robot reported that something stands there",
+                    self.node(n)
+                )
+            }
             Why::Unplugged => "gets no current from its charger: check the plug and the charger".into(),
             Why::Displaced(displacement) => displaced::words(self.map, |r| self.robot(r), displacement),
             Why::BlockedBy(r) => format!("waiting for {} to be moved out of its way", self.robot(r)),

@@ -137,7 +137,7 @@ impl Names<'_> {
             Why::Failed => ("failed", None),
             Why::EmergencyStop => ("emergency_stop", None),
             Why::Manual => ("manual", None),
-            Why::Obstructed(_) => ("obstructed", None),
+            Why::Obstructed(_) | Why::WayObstructed(_) => ("obstructed", None),
             Why::Unplugged => ("unplugged", None),
             Why::Displaced(_) => ("displaced", None),
             Why::BlockedBy(r) => ("robot", Some((self.robot(r), "robot"))),

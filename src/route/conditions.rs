@@ -18,8 +18,10 @@ pub enum Cause {
     Worker(WorkerId),
     /// The area is closed, or will be.
     Closure(ClosureId),
-    /// A displaced robot stands there, or this robot reported that it cannot get there.
+    /// A displaced robot stands there.
     Robot(RobotId),
+    /// Something stands on this node, as a robot that could not get there reported.
+    Obstruction(NodeId),
 }
 
 /// What holds on a node during a window.

@@ -175,6 +175,7 @@ impl Fleet {
             Withheld::Condition(Cause::Worker(w), _) => Some(Why::GivesWay(w)),
             Withheld::Condition(Cause::Closure(c), _) => Some(Why::Closed(c)),
             Withheld::Condition(Cause::Robot(other), _) => Some(Why::BlockedBy(other)),
+            Withheld::Condition(Cause::Obstruction(node), _) => Some(Why::WayObstructed(node)),
             Withheld::Turn(resource, holder) => Some(Why::WaitsFor(resource, holder)),
             Withheld::End | Withheld::Stop | Withheld::Early => None,
         }

@@ -181,8 +181,10 @@ pub enum Why {
     Unplugged,
     /// It stands where nothing is held for it, or does not carry what it should.
     Displaced(Displacement),
-    /// This displaced robot stands on its way, or this robot found a node on its way obstructed.
+    /// This displaced robot stands on its way.
     BlockedBy(RobotId),
+    /// Something stands on this node on its way, as another robot reported.
+    WayObstructed(NodeId),
     /// It has not been heard of.
     Silent,
     /// An operator paused it.

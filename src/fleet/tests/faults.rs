@@ -1,6 +1,7 @@
 //! What robots say is wrong with them: each fault has one reaction and one reason, and ends.
 
 use super::*;
+use crate::route::Cause;
 use crate::sim::Simulation;
 
 const R0: RobotId = RobotId(0);
@@ -72,6 +73,11 @@ fn an_obstructed_robot_is_called_back_and_goes_round() {
     floor.until(60, "it has come back", |f| !matches!(view(f), Some(Why::Obstructed(_))));
     let step = floor.fleet.floor().is_closing(node);
     assert!(step, "no robot goes there for a while");
+    let causes = floor.fleet.floor().conditions(R0).of(node).iter().map(|c| c.cause);
+    assert!(
+        causes.clone().any(|c| c == Cause::Obstruction(node)),
+        "what waits is told of the node: {causes:?}"
+    );
     floor.until_over(900);
     assert_eq!(floor.story(job).last(), Some(&"done"));
 }

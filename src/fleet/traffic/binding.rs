@@ -42,6 +42,7 @@ impl Floor<'_> {
             Cause::Worker(worker) => self.restrictions.whereabouts(worker)?.at,
             Cause::Closure(_) => self.at(node),
             Cause::Robot(robot) => self.place_of(robot),
+            Cause::Obstruction(there) => self.at(there),
         };
         Some(Exemption { from, at, distance_m: (self.at(node) - at).norm() })
     }

@@ -135,9 +135,7 @@ impl Floor<'_> {
             let robot = Window::new(enter, leave.max(enter + Span(1)));
             let binding = conditions.binding(v.node, self.warehouse().nodes[v.node].at, &exemptions);
             binding
-                .filter(|c| {
-                    c.effect == Effect::Closed && matches!(c.cause, Cause::Closure(_) | Cause::Robot(_))
-                })
+                .filter(|c| c.effect == Effect::Closed && !matches!(c.cause, Cause::Worker(_)))
                 .any(|c| Zone { robot, worker: c.window }.meets())
         })
     }

@@ -29,16 +29,16 @@ impl Traffic {
                 _ => None,
             };
             if let Some((node, until)) = node {
-                self.obstructions.insert(node, (robot, until));
+                self.obstructions.insert(node, until);
             }
         }
-        self.obstructions.retain(|_, (_, until)| now < *until);
-        for (node, (robot, until)) in &self.obstructions {
+        self.obstructions.retain(|_, until| now < *until);
+        for (node, until) in &self.obstructions {
             let restrictions = &mut core.restrictions;
             restrictions.closing.insert(*node, now);
             // A charger can be passed, and left.
             if core.ledger.warehouse().kind(*node) != NodeKind::Charger {
-                let (window, cause) = (Window::new(now, *until), Cause::Robot(*robot));
+                let (window, cause) = (Window::new(now, *until), Cause::Obstruction(*node));
                 restrictions.conditions.add(*node, Condition { window, effect: Effect::Closed, cause });
             }
         }

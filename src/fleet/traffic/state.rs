@@ -53,9 +53,9 @@ pub(in crate::fleet) struct Traffic {
     pub(super) withheld: IdVec<RobotId, Option<Withheld>>,
     /// When each robot was called back last while it stood for a worker.
     pub(super) called_back: BTreeMap<RobotId, Time>,
-    /// Places that robots could not get to and chargers without current: which robot said so, and when they are tried
+    /// Places that robots could not get to and chargers without current, as robots reported: when they are tried
     /// again.
-    pub(super) obstructions: BTreeMap<NodeId, (RobotId, Time)>,
+    pub(super) obstructions: BTreeMap<NodeId, Time>,
     /// When each robot last looked for a route round a closed area.
     pub(super) looked_round: BTreeMap<RobotId, Time>,
 }

@@ -6,7 +6,7 @@ export const BACK_S = 5;
 
 export interface Bar {
   readonly by: string;
-  readonly kind: 'robot' | 'worker' | 'closure';
+  readonly kind: 'robot' | 'worker' | 'closure' | 'obstruction';
   readonly look: 'granted' | 'held' | 'conflict' | 'closed' | 'still' | 'slow' | 'price';
   readonly from_s: number;
   readonly to_s: number | null;
@@ -40,7 +40,8 @@ export function holdWords(node: string, hold: Hold): string {
 export function conditionWords(node: string, c: Condition): string {
   const limit = c.effect === 'slow' && c.limit_mps ? `, ${c.limit_mps[0].toFixed(1)} m/s without a rack and ${c.limit_mps[1].toFixed(1)} m/s with one` : '';
   const price = c.effect === 'price' && c.price_s !== null ? `, costs as much as ${c.price_s.toFixed(1)} s` : '';
-  return `${node}: ${EFFECT_WORDS[c.effect] ?? c.effect} because of ${c.by}${limit}${price}, ${when(c.from_s, c.to_s)}`;
+  const why = c.kind === 'obstruction' ? 'because something stands there' : `because of ${c.by}`;
+  return `${node}: ${EFFECT_WORDS[c.effect] ?? c.effect} ${why}${limit}${price}, ${when(c.from_s, c.to_s)}`;
 }
 
 /** One row for each node, conditions below holds. */

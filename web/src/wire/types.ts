@@ -315,7 +315,7 @@ export interface Hold {
 }
 export interface Condition {
   by: string;
-  kind: 'worker' | 'closure';
+  kind: 'worker' | 'closure' | 'robot' | 'obstruction';
   from_s: number;
   to_s: number | null;
   effect: 'closed' | 'still' | 'slow' | 'price';
