@@ -251,8 +251,9 @@
 //! | what simulated robots, radios, customers do | `sim/robot.rs`, `sim/link.rs`, `sim/customers/` |
 //! | an endpoint, a wire type | `api/http/`, `api/dto.rs`; `web/src/` |
 //! | an error by its status: 400, 404, 409, 429, 503 | `api/error.rs`; refusals of the fleet: `api/refusal.rs` |
-//! | idempotency | `fleet/state/keys.rs`; `api/extract.rs` (`Key`) |
+//! | idempotency | `fleet/state/keys.rs`; `api/extract.rs` (`IdempotencyKey`) |
 //! | what is stored, and how | `store/record.rs` (facts), `store/ledger_record.rs` (snapshots), `migrations/` |
+//! | rows of lists (jobs, assignments, encounters) | `fleet/read/rows.rs`; read by `store/jobs.rs`, `people.rs` |
 //! | retention | `store/retention.rs`; idempotency keys: `fleet/state/keys.rs` |
 //! | what is kept of the past; its bookmarks | `api/recording/`, `server/recordings.rs`; `api/recording/mark.rs` |
 //! | a figure over time, how long it is kept | `history/`, `api/http/history.rs`, `migrations/` |
@@ -266,7 +267,7 @@
 //! # Where this differs from the first design
 //!
 //! - *The view is made on demand* ([`fleet::Fleet::view`]), not by every step: the server wants ten a second, a
-//!   simulated hour none of its 72 000.
+//!   simulated hour none of its 36 000.
 //! - *Most lanes have no timeline.* A robot that drives a lane holds both its ends. If its footprint takes nothing
 //!   beyond them, holding the lane as well would say nothing new and would double the work.
 //! - *Queue places are ordinary nodes*, reserved for robots bound for their station, planned like all others. Robots

@@ -119,11 +119,13 @@ impl Fleet {
         let Fleet { core, people, yielding, traffic, .. } = self;
         closures::begin_restrictions(core, now);
         people.hear(core.floor(), heard, now);
-        people.follow(core, &yielding.state, now);
+        core.restrictions.workers = people.follow(core, &yielding.state, now);
         if let Some((worker, led)) = yielding.follow_procedure(core, people, traffic, now) {
             people.lead(worker, led, now);
         }
-        people.restrict(core, now);
+        let (warehouse, policy) = (core.warehouse().clone(), core.settings.policy);
+        let conditions = (&mut core.restrictions.conditions, &core.regions);
+        people.restrict(&warehouse, policy, conditions, now);
         closures::note_closing(core, now);
         displaced::close_displaced(core, now);
         traffic.close_obstructed(core, now);
@@ -132,7 +134,7 @@ impl Fleet {
         traffic.revoke_grants_into_displaced(core, now);
         traffic.revoke_obstructed(core, now);
         yielding.meet(core, people, now);
-        people.guide(core, now);
+        core.out.guidance = people.guide(core.floor(), now);
     }
 
     /// Which robot does what.

@@ -9,12 +9,14 @@ use crate::fleet::people::state::{HumanState, Led, Person, STROLL_MPS, WalkMode}
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::heard::WorkerInput;
+use crate::fleet::state::regions::{KindConditions, KindRegions};
 use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::Point;
 use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, SightingOutcome, Whereabouts};
-use crate::id::WorkerId;
+use crate::id::{IdVec, WorkerId};
 use crate::route::Conditions;
 use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
 
 /// A worker who follows a new path for this far is on the path again, metres.
 const BACK_M: f64 = 1.0;
@@ -52,8 +54,14 @@ impl HumanState {
         *self.person(worker) = Person { version, ..Person::default() };
     }
 
-    /// Follows all workers: where they are, whether they left their paths, where they may be going.
-    pub(in crate::fleet) fn follow(&mut self, core: &mut Core, yielding: &YieldingState, now: Time) {
+    /// Follows all workers: where they are, whether they left their paths, where they may be going. Reports where each
+    /// is, if on the floor.
+    pub(in crate::fleet) fn follow(
+        &mut self,
+        core: &mut Core,
+        yielding: &YieldingState,
+        now: Time,
+    ) -> IdVec<WorkerId, Option<Whereabouts>> {
         for worker in self.people.ids() {
             self.watch(core, yielding, worker, now);
         }
@@ -61,7 +69,7 @@ impl HumanState {
             self.infer(core.floor(), now);
             self.update_forecasts(core.floor(), now);
         }
-        core.restrictions.workers = self.people.iter().map(|p| p.track.whereabouts(now)).collect();
+        self.people.iter().map(|p| p.track.whereabouts(now)).collect()
     }
 
     /// Follows one worker: assignment, path, deviation.
@@ -108,13 +116,18 @@ impl HumanState {
         }
     }
 
-    /// Notes what people mean for the search and for grants.
-    pub(in crate::fleet) fn restrict(&self, core: &mut Core, now: Time) {
-        let ours = core.settings.policy == HumanAwarePolicy::Giveway;
-        let warehouse = core.warehouse().clone();
+    /// Adds to the conditions of each kind what people mean for the search and for grants.
+    pub(in crate::fleet) fn restrict(
+        &self,
+        warehouse: &Warehouse,
+        policy: HumanAwarePolicy,
+        (conditions, regions): (&mut KindConditions, &KindRegions),
+        now: Time,
+    ) {
+        let ours = policy == HumanAwarePolicy::Giveway;
         let present = self.present(now);
-        for (conditions, regions) in core.restrictions.conditions.with_regions(&core.regions) {
-            let effects = Effects { warehouse: &warehouse, regions, afoot: &self.afoot, now };
+        for (conditions, regions) in conditions.with_regions(regions) {
+            let effects = Effects { warehouse, regions, afoot: &self.afoot, now };
             for (worker, place) in &present {
                 self.restrict_around(&effects, conditions, (*worker, place), ours);
             }

@@ -4,7 +4,6 @@
 //! Refuses: to decide where a worker is to go.
 
 use crate::fleet::people::state::{HumanState, Person, WalkMode};
-use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{Guidance, GuidanceReason, GuidanceState, NearRobot};
 use crate::geometry::{Point, Vector};
@@ -24,24 +23,27 @@ const REPEAT: Span = Span::from_millis(200);
 const USUAL_MPS: f64 = 1.2;
 
 impl HumanState {
-    /// Tells workers what they are to know, where that is due. What was seen of them in this step is old from here on.
-    pub(in crate::fleet) fn guide(&mut self, core: &mut Core, now: Time) {
+    /// What workers are told now: guidance that changed, or that is due again. What was seen of them in this step is old
+    /// from here on.
+    pub(in crate::fleet) fn guide(&mut self, floor: Floor<'_>, now: Time) -> Vec<(WorkerId, Guidance)> {
+        let mut told = Vec::new();
         for worker in self.people.ids() {
             let person = &mut self.people[worker];
             (person.fresh, person.relocated) = (false, false);
             let Some(place) = self.whereabouts(worker, now) else { continue };
-            let guidance = self.guidance(core.floor(), worker, &place, now);
+            let guidance = self.guidance(floor, worker, &place, now);
             let due = match &self.people[worker].told {
-                Some((told, at)) => {
-                    told.state != guidance.state || told.version != guidance.version || now - *at >= REPEAT
+                Some((last, at)) => {
+                    last.state != guidance.state || last.version != guidance.version || now - *at >= REPEAT
                 }
                 None => true,
             };
             if due {
                 self.people[worker].told = Some((guidance.clone(), now));
-                core.out.guidance.push((worker, guidance));
+                told.push((worker, guidance));
             }
         }
+        told
     }
 
     /// What a worker is to be told now.

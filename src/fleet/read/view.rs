@@ -1,7 +1,7 @@
 //! The read model: everything that outsiders see of the fleet, as one immutable value.
 //!
 //! Main types: [`View`], [`RobotView`], [`Why`], [`JobWhy`]. Made on demand by [`crate::fleet::Fleet::view`], since
-//! a simulation of an hour needs none of the 72 000 it could have. Refuses: to be an input of any decision.
+//! a simulation of an hour needs none of the 36 000 it could have. Refuses: to be an input of any decision.
 
 use crate::fleet::state::displaced::Displacement;
 use crate::fleet::state::fact::Task;
