@@ -1,6 +1,6 @@
 //! Giveway: a warehouse fleet manager in which robots give way to people.
 //!
-//! Giveway is an efficiency layer and no safety function: detection, braking and emergency stop are the robots' own.
+//! Giveway is an efficiency layer, not a safety function: detection, braking and emergency stop are the robots' own.
 //! This page is the only architecture text. The README takes a newcomer to a running simulation; each page of `docs/`
 //! answers one question.
 //!

@@ -281,6 +281,6 @@ async fn a_start_that_cannot_be_says_why_and_what_to_do() {
     let text = folder.path().join("text");
     std::fs::write(&text, "this is no database, but long enough to look like one".repeat(100)).unwrap();
     let text = failure(Config { database: text, ..usual.clone() }).await;
-    assert!(text.contains("no database"), "{text}");
+    assert!(text.contains("not a database"), "{text}");
     server.stop().await.unwrap();
 }

@@ -268,7 +268,7 @@ async fn an_open_feed_does_not_hold_the_server_up() {
     let reader = tokio::spawn(async move { headset.end().await });
     let stop = tokio::time::timeout(Duration::from_secs(10), server.stop()).await;
     stop.expect("it goes down").unwrap();
-    assert!(reader.await.unwrap().contains("goes down"));
+    assert!(reader.await.unwrap().contains("shutting down"));
 }
 
 /// Waits until the worker's entry says so.
