@@ -184,6 +184,12 @@
 //!   first in the order of all these holds, and no robot can come before a hold that began in the past, so it waits for
 //!   no other robot there.
 //!
+//! The argument is about robots that have routes. One whose route was truncated holds the node where it stands without
+//! end, and finds no new route while other robots stand on its way for the same reason: after a repair, robots around a
+//! station can surround one another. So a robot that finds no route for its whole task takes one to the nearest place
+//! where it may stay (`fleet/traffic/step_out.rs`), and plans its task from there. The outermost robots can always do
+//! that, since no place where a robot may stay is in the way of another; then those behind them can.
+//!
 //! *People* are outside of the argument on purpose. A worker holds nothing in the timeline: a grant that would meet
 //! a condition waits, which is a delay like any other, and the order of robots stays as it is. But a robot and a person
 //! can wait for one another. So a robot on a person's path leaves it. A robot that has yielded to a person for long is

@@ -12,10 +12,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Each scenario with the seconds for which it is run here.
-const RUNS: [(&str, i64); 14] = [
+const RUNS: [(&str, i64); 15] = [
     ("lab", 300),
     ("thesis-20", 300),
     ("thesis-faults", 3600),
+    ("breakdowns", 1800),
     ("kiva-50", 150),
     ("kiva-100", 60),
     ("orders", 60),
@@ -101,6 +102,19 @@ fn the_hall_of_the_thesis_keeps_its_laws() {
 #[test]
 fn the_hall_of_the_thesis_keeps_its_laws_when_robots_and_radios_fail() {
     holds("thesis-faults");
+}
+
+#[test]
+fn twenty_breakdowns_an_hour_and_robot_never_bring_the_floor_to_a_standstill() {
+    holds("breakdowns");
+    let mut setup = Setup::read("breakdowns");
+    // These stood for ever before robots without a route left to the nearest place where they may stay.
+    for seed in [5, 12, 15] {
+        setup.scenario.seed = seed;
+        let end = setup.run();
+        assert_eq!((end.drained, end.law_violations), (Some(true), 0), "seed {seed}: {:?}", end.broken);
+        assert!(end.counts.robot_deliveries > 80, "seed {seed}: {} racks", end.counts.robot_deliveries);
+    }
 }
 
 #[test]

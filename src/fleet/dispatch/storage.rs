@@ -49,6 +49,24 @@ impl Floor<'_> {
         kinds.find_map(|kind| self.nearest_free(robot, kind, |n| Some(n) != rests))
     }
 
+    /// The nearest places, so many at most, where a robot can stay with what it carries: storage without a rack if it
+    /// carries one, else parking, chargers and storage.
+    pub(in crate::fleet) fn stays_near(&self, robot: RobotId, most: usize) -> Vec<NodeId> {
+        let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;
+        let far = |n: NodeId| (along_axes(here, self.warehouse().nodes[n].at) * 1000.0) as i64;
+        let rack = self.ledger.rack_on(robot);
+        let kinds: &[NodeKind] = match rack {
+            Some(_) => &[NodeKind::Storage],
+            None => &[NodeKind::Parking, NodeKind::Charger, NodeKind::Storage],
+        };
+        let free = kinds.iter().flat_map(|kind| self.ledger.index().places.free_for(robot, *kind));
+        let free = free.filter(|n| !self.is_closing(*n) && self.may_be_at(robot, *n));
+        let room = |n: &NodeId| rack.is_none_or(|k| !self.is_taken_storage(*n, k, robot));
+        let mut near: Vec<(i64, NodeId)> = free.filter(room).map(|n| (far(n), n)).collect();
+        near.sort_unstable();
+        near.into_iter().take(most).map(|(_, n)| n).collect()
+    }
+
     fn nearest_free(&self, robot: RobotId, kind: NodeKind, fits: impl Fn(NodeId) -> bool) -> Option<NodeId> {
         let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;
         let free = self.ledger.index().places.free_for(robot, kind).filter(|n| !self.is_closing(*n));

@@ -100,8 +100,12 @@ impl Traffic {
                 need.next_try = now + Span((RETRY.0 << need.tries.min(4)).min(RETRY_MAX.0));
                 need.tries += 1;
                 tracing::debug!(?robot, ?why, tries = need.tries, "no route");
-                if need.tries.is_multiple_of(INSERT_EVERY) && self.insert(core, robot, now) {
-                    self.needs.waiting.remove(&robot);
+                if need.tries.is_multiple_of(INSERT_EVERY) {
+                    if self.insert(core, robot, now) {
+                        self.needs.waiting.remove(&robot);
+                    } else {
+                        self.step_out(core, robot, now);
+                    }
                 }
                 if why == NoRoute::BudgetSpent { core.settings.expansions_per_plan } else { 1_000 }
             }
