@@ -86,11 +86,13 @@ impl Fleet {
     pub fn resume(mut ledger: Ledger, settings: Settings, facts: impl IntoIterator<Item = Fact>) -> Fleet {
         facts.into_iter().for_each(|fact| ledger.evolve(&fact));
         let warehouse = ledger.warehouse().clone();
+        let traffic = Traffic::new(&warehouse, &settings.kinds, ledger.present().collect());
+        let core = Core::new(ledger, settings);
         Fleet {
-            people: HumanState::new(&warehouse),
+            people: HumanState::new(&warehouse, &core.regions),
             yielding: Yielding::default(),
-            traffic: Traffic::new(&warehouse, &settings.kinds, ledger.present().collect()),
-            core: Core::new(ledger, settings),
+            traffic,
+            core,
             #[cfg(test)]
             trap: None,
         }
@@ -118,14 +120,13 @@ impl Fleet {
     fn evaluate_people(&mut self, heard: &[WorkerInput], now: Time) {
         let Fleet { core, people, yielding, traffic, .. } = self;
         closures::begin_restrictions(core, now);
-        people.hear(core.floor(), heard, now);
-        core.restrictions.workers = people.follow(core, &yielding.state, now);
+        let report = people.evaluate(core, heard, &yielding.state, now);
+        core.restrictions.workers = report.places;
+        core.restrictions.conditions.include(report.conditions);
+        core.out.guidance = report.guidance;
         if let Some((worker, led)) = yielding.follow_procedure(core, people, traffic, now) {
             people.lead(worker, led, now);
         }
-        let (warehouse, policy) = (core.warehouse().clone(), core.settings.policy);
-        let conditions = (&mut core.restrictions.conditions, &core.regions);
-        people.restrict(&warehouse, policy, conditions, now);
         closures::note_closing(core, now);
         displaced::close_displaced(core, now);
         traffic.close_obstructed(core, now);
@@ -134,7 +135,6 @@ impl Fleet {
         traffic.revoke_grants_into_displaced(core, now);
         traffic.revoke_obstructed(core, now);
         yielding.meet(core, people, now);
-        core.out.guidance = people.guide(core.floor(), now);
     }
 
     /// Which robot does what.

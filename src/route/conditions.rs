@@ -149,6 +149,14 @@ impl Conditions {
         }
     }
 
+    /// Adds all passing ones of another set, which has no lasting ones.
+    pub fn include(&mut self, other: &Conditions) {
+        debug_assert!(other.lasting.is_empty(), "lasting conditions are announced");
+        for node in other.passing() {
+            other.of(node).iter().for_each(|c| self.add(node, *c));
+        }
+    }
+
     /// Takes the passing ones of a cause back.
     pub fn withdraw(&mut self, cause: Cause) {
         for node in &self.touched {

@@ -9,14 +9,12 @@ use crate::fleet::people::state::{HumanState, Led, Person, STROLL_MPS, WalkMode}
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::heard::WorkerInput;
-use crate::fleet::state::regions::{KindConditions, KindRegions};
 use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::Point;
 use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, SightingOutcome, Whereabouts};
-use crate::id::{IdVec, WorkerId};
+use crate::id::WorkerId;
 use crate::route::Conditions;
 use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
 
 /// A worker who follows a new path for this far is on the path again, metres.
 const BACK_M: f64 = 1.0;
@@ -25,7 +23,7 @@ const MARGIN_M: f64 = 3.0;
 
 impl HumanState {
     /// Takes in what was heard of workers.
-    pub(in crate::fleet) fn hear(&mut self, floor: Floor<'_>, heard: &[WorkerInput], now: Time) {
+    pub(super) fn hear(&mut self, floor: Floor<'_>, heard: &[WorkerInput], now: Time) {
         for heard in heard {
             match heard {
                 WorkerInput::Seen(sighting) => self.sight(floor, sighting, now),
@@ -54,14 +52,8 @@ impl HumanState {
         *self.person(worker) = Person { version, ..Person::default() };
     }
 
-    /// Follows all workers: where they are, whether they left their paths, where they may be going. Reports where each
-    /// is, if on the floor.
-    pub(in crate::fleet) fn follow(
-        &mut self,
-        core: &mut Core,
-        yielding: &YieldingState,
-        now: Time,
-    ) -> IdVec<WorkerId, Option<Whereabouts>> {
+    /// Follows all workers: where they are, whether they left their paths, where they may be going.
+    pub(super) fn follow(&mut self, core: &mut Core, yielding: &YieldingState, now: Time) {
         for worker in self.people.ids() {
             self.watch(core, yielding, worker, now);
         }
@@ -69,7 +61,6 @@ impl HumanState {
             self.infer(core.floor(), now);
             self.update_forecasts(core.floor(), now);
         }
-        self.people.iter().map(|p| p.track.whereabouts(now)).collect()
     }
 
     /// Follows one worker: assignment, path, deviation.
@@ -116,22 +107,19 @@ impl HumanState {
         }
     }
 
-    /// Adds to the conditions of each kind what people mean for the search and for grants.
-    pub(in crate::fleet) fn restrict(
-        &self,
-        warehouse: &Warehouse,
-        policy: HumanAwarePolicy,
-        (conditions, regions): (&mut KindConditions, &KindRegions),
-        now: Time,
-    ) {
-        let ours = policy == HumanAwarePolicy::Giveway;
+    /// Works out what people mean for the search and for grants, for each kind of robots.
+    pub(super) fn restrict(&mut self, floor: Floor<'_>, now: Time) {
+        let ours = floor.settings.policy == HumanAwarePolicy::Giveway;
         let present = self.present(now);
-        for (conditions, regions) in conditions.with_regions(regions) {
-            let effects = Effects { warehouse, regions, afoot: &self.afoot, now };
+        let mut all = std::mem::take(&mut self.conditions);
+        all.all_mut().for_each(Conditions::clear);
+        for (conditions, regions) in all.with_regions(floor.regions) {
+            let effects = Effects { warehouse: floor.warehouse(), regions, afoot: &self.afoot, now };
             for (worker, place) in &present {
                 self.restrict_around(&effects, conditions, (*worker, place), ours);
             }
         }
+        self.conditions = all;
     }
 
     /// Notes what one person means for robots of one kind.
@@ -158,7 +146,7 @@ impl HumanState {
         }
     }
 
-    /// Leads a worker as the published procedure has it.
+    /// Leads a worker as the published procedure has it, from the next step on.
     pub(in crate::fleet) fn lead(&mut self, worker: WorkerId, led: Led, now: Time) {
         let person = &mut self.people[worker];
         match led {

@@ -25,7 +25,7 @@ const USUAL_MPS: f64 = 1.2;
 impl HumanState {
     /// What workers are told now: guidance that changed, or that is due again. What was seen of them in this step is
     /// old from here on.
-    pub(in crate::fleet) fn guide(&mut self, floor: Floor<'_>, now: Time) -> Vec<(WorkerId, Guidance)> {
+    pub(super) fn guide(&mut self, floor: Floor<'_>, now: Time) -> Vec<(WorkerId, Guidance)> {
         let mut told = Vec::new();
         for worker in self.people.ids() {
             let person = &mut self.people[worker];

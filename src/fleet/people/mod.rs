@@ -1,11 +1,12 @@
 //! Evaluates people: where each worker is, whether the worker left the path, where to, what the worker is told.
 //!
-//! Main types: [`state::HumanState`], [`intents::Intents`]. Refuses: to plan for robots.
+//! Main types: [`state::HumanState`], [`report::PeopleReport`], [`intents::Intents`]. Refuses: to plan for robots.
 
 pub(in crate::fleet) mod evaluate;
 pub(in crate::fleet) mod forecast;
 pub(in crate::fleet) mod guidance;
 pub(in crate::fleet) mod intent;
 pub(in crate::fleet) mod intents;
+pub(in crate::fleet) mod report;
 pub(in crate::fleet) mod routing;
 pub(in crate::fleet) mod state;

@@ -4,6 +4,7 @@
 
 use crate::aware::Afoot;
 use crate::fleet::people::intents::Intents;
+use crate::fleet::state::regions::{KindConditions, KindRegions};
 use crate::fleet::state::worker::Guidance;
 use crate::geometry::Point;
 use crate::human::motion::Motion;
@@ -105,10 +106,13 @@ pub(in crate::fleet) struct HumanState {
     pub people: IdVec<WorkerId, Person>,
     /// Whether forecasts hold.
     pub coverage: Coverage,
+    /// What people mean for robots of each kind, in this step.
+    pub(super) conditions: KindConditions,
 }
 
 impl HumanState {
-    pub fn new(warehouse: &Warehouse) -> HumanState {
+    /// Nothing is known of any worker.
+    pub fn new(warehouse: &Warehouse, regions: &KindRegions) -> HumanState {
         let walkways = Arc::new(Walkways::of(warehouse));
         HumanState {
             intents: Intents::new(warehouse, walkways.clone()),
@@ -116,6 +120,7 @@ impl HumanState {
             walkways,
             people: IdVec::new(),
             coverage: Coverage::default(),
+            conditions: KindConditions::none(warehouse, regions),
         }
     }
 

@@ -54,7 +54,7 @@ impl KindRegions {
 }
 
 /// Conditions on nodes, for robots of each kind.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::fleet) struct KindConditions {
     sets: Vec<Conditions>,
     of: IdVec<BodyId, usize>,
@@ -89,6 +89,12 @@ impl KindConditions {
     /// All sets, for what holds for every robot.
     pub fn all_mut(&mut self) -> impl Iterator<Item = &mut Conditions> {
         self.sets.iter_mut()
+    }
+
+    /// Adds all that pass with the step of another one, kind by kind.
+    pub fn include(&mut self, other: &KindConditions) {
+        assert_eq!(self.sets.len(), other.sets.len(), "conditions of the same kinds");
+        self.sets.iter_mut().zip(&other.sets).for_each(|(set, other)| set.include(other));
     }
 
     /// Adds one that passes with the step, for every robot.

@@ -64,6 +64,7 @@ impl Yielding {
         }
         self.procedure.running = None;
         self.procedure.again = core.ledger.present().collect();
+        self.procedure.ended = Some(now);
         Some((worker, self.plan_for(core, people, traffic, worker, now)?))
     }
 
@@ -143,6 +144,7 @@ impl Yielding {
             return Some(Led::Along(path, WalkMode::Redirected));
         }
         let mut conditions = core.restrictions.conditions.clone();
+        conditions.withdraw(Cause::Worker(worker));
         let way = Hypothesis { probability: 1.0, path: segment.clone(), stay: None };
         for (conditions, regions) in conditions.with_regions(&core.regions) {
             let effects = Effects { warehouse: core.warehouse(), regions, afoot: &people.afoot, now };
@@ -188,6 +190,9 @@ impl Yielding {
         now: Time,
         budget: &mut u32,
     ) {
+        if self.procedure.ended == Some(now) {
+            return;
+        }
         while *budget > 0 {
             let Some(robot) = self.procedure.again.pop_first() else { return };
             let spent = traffic.plan_again(core, robot, self.state.of(robot).waited(now), now);

@@ -28,6 +28,8 @@ pub(in crate::fleet) struct Procedure {
     pub(super) queue: BTreeSet<WorkerId>,
     /// Robots that are planned anew after it.
     pub(super) again: BTreeSet<RobotId>,
+    /// When it ended last: what the worker was told then binds robots from the next step on.
+    pub(super) ended: Option<Time>,
 }
 
 impl Procedure {

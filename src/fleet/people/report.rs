@@ -1,0 +1,42 @@
+//! What evaluating people gives the step: places, conditions, guidance.
+//!
+//! Main type: [`PeopleReport`]. Refuses: to act on it.
+
+use crate::fleet::people::state::HumanState;
+use crate::fleet::state::core::Core;
+use crate::fleet::state::heard::WorkerInput;
+use crate::fleet::state::regions::KindConditions;
+use crate::fleet::state::worker::Guidance;
+use crate::fleet::state::yielding::YieldingState;
+use crate::human::Whereabouts;
+use crate::id::{IdVec, WorkerId};
+use crate::time::Time;
+
+/// People, as the rest of the step sees them.
+#[derive(Debug)]
+pub(in crate::fleet) struct PeopleReport<'a> {
+    /// Where each worker is, if on the floor.
+    pub places: IdVec<WorkerId, Option<Whereabouts>>,
+    /// What workers mean for the search and for grants, for each kind of robots.
+    pub conditions: &'a KindConditions,
+    /// What workers are told now.
+    pub guidance: Vec<(WorkerId, Guidance)>,
+}
+
+impl HumanState {
+    /// Takes in what was heard of workers, follows each, and reports.
+    pub(in crate::fleet) fn evaluate(
+        &mut self,
+        core: &mut Core,
+        heard: &[WorkerInput],
+        yielding: &YieldingState,
+        now: Time,
+    ) -> PeopleReport<'_> {
+        self.hear(core.floor(), heard, now);
+        self.follow(core, yielding, now);
+        self.restrict(core.floor(), now);
+        let guidance = self.guide(core.floor(), now);
+        let places = self.people.iter().map(|p| p.track.whereabouts(now)).collect();
+        PeopleReport { places, conditions: &self.conditions, guidance }
+    }
+}
