@@ -208,7 +208,7 @@
 //! | a kind of job | `fleet/state/job.rs`, `fact.rs`, `fleet/traffic/progress.rs`, `plan.rs`; `api/http/jobs.rs` |
 //! | which robot gets which job (dispatch) | `fleet/dispatch/jobs.rs` |
 //! | cost of an assignment, Hungarian method | `fleet/dispatch/jobs.rs` (`way_ms`), `fleet/dispatch/assignment.rs` |
-//! | where racks are put, where robots rest | `fleet/dispatch/storage.rs` |
+//! | where racks are put, where robots rest | `fleet/state/stays.rs` |
 //! | what may happen to a job, and what its robot does | `fleet/state/life.rs` |
 //! | cancel a job | `fleet/requests/absorb.rs` (`cancel`); `api/http/jobs.rs` |
 //! | charging thresholds, which robot leaves a charger | `fleet/dispatch/charging.rs` |

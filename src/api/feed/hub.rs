@@ -133,7 +133,7 @@ impl Feeds {
         for name in names.iter().skip(slots.len()) {
             let (taken, told) = (watch::Sender::new(0), watch::Sender::new(Told::default()));
             let (name, carried) = (name.clone(), CarriedSenses::default());
-            let (source, limiter) = (SightingSource::Nobody, RateLimiter::default());
+            let (source, limiter) = (SightingSource::None, RateLimiter::default());
             slots.push(WorkerSlot { name, source, epoch: 0, reports: 0, limiter, taken, told, carried });
         }
     }

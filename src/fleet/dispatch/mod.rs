@@ -1,6 +1,6 @@
-//! Which robot does which job with which rack, where racks are stored, and when robots charge.
+//! Which robot does which job with which rack, and when robots charge.
 //!
-//! Main functions: [`jobs::assign`] (at the least sum of costs: `assignment.rs`), `best_storage`, [`charging::rest`].
+//! Main functions: [`jobs::assign`] (at the least sum of costs: `assignment.rs`), [`charging::rest`].
 //! Refuses: to plan routes, and to keep anything in mind from step to step.
 
 pub(in crate::fleet) mod assignment;
@@ -9,4 +9,3 @@ pub(in crate::fleet) mod idle;
 pub(in crate::fleet) mod jobs;
 pub(in crate::fleet) mod leaving;
 pub(in crate::fleet) mod maintenance;
-pub(in crate::fleet) mod storage;

@@ -10,7 +10,6 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::heard::WorkerInput;
 use crate::fleet::state::yielding::YieldingState;
-use crate::geometry::Point;
 use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, SightingOutcome, Whereabouts};
 use crate::id::WorkerId;
 use crate::route::Conditions;
@@ -18,8 +17,6 @@ use crate::time::{Span, Time};
 
 /// A worker who follows a new path for this far is on the path again, metres.
 const BACK_M: f64 = 1.0;
-/// Poses farther than this outside the map's nodes are absurd, metres.
-const MARGIN_M: f64 = 3.0;
 
 impl HumanState {
     /// Takes in what was heard of workers.
@@ -158,17 +155,6 @@ impl HumanState {
                 person.blocked_since = by.map(|r| (r, now));
                 person.mode = WalkMode::Stopped { since: now };
             }
-        }
-    }
-}
-
-impl Floor<'_> {
-    /// Tells whether a person can be at a place at all.
-    pub(in crate::fleet) fn is_on_map(&self) -> impl Fn(Point) -> bool + use<> {
-        let (low, high) = self.warehouse().bounds();
-        move |p| {
-            let x = (low.x - MARGIN_M..=high.x + MARGIN_M).contains(&p.x);
-            x && (low.y - MARGIN_M..=high.y + MARGIN_M).contains(&p.y)
         }
     }
 }

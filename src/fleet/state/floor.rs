@@ -18,6 +18,9 @@ use crate::timeline::{Holder, Visit};
 use crate::warehouse::{Footprint, Warehouse};
 use std::sync::Arc;
 
+/// Poses farther than this outside the map's nodes are absurd, metres.
+const MARGIN_M: f64 = 3.0;
+
 /// The floor as it is now.
 #[derive(Clone, Copy)]
 pub(in crate::fleet) struct Floor<'a> {
@@ -104,5 +107,14 @@ impl<'a> Floor<'a> {
     pub fn place_of(&self, robot: RobotId) -> Point {
         let node = self.warehouse().nodes[self.ledger.node_of(robot)].at;
         self.scene.robot(robot).map_or(node, |t| t.pose.at)
+    }
+
+    /// Tells whether a person can be at a place at all.
+    pub fn is_on_map(&self) -> impl Fn(Point) -> bool + use<> {
+        let (low, high) = self.warehouse().bounds();
+        move |p| {
+            let x = (low.x - MARGIN_M..=high.x + MARGIN_M).contains(&p.x);
+            x && (low.y - MARGIN_M..=high.y + MARGIN_M).contains(&p.y)
+        }
     }
 }

@@ -3,6 +3,7 @@
 //! Main types: [`ledger::Ledger`] (a fold over [`fact::Fact`]s), [`scene::Scene`], [`io::Input`], [`io::Step`].
 //! Refuses: to decide anything; it knows no other room.
 
+pub(in crate::fleet) mod binding;
 pub(in crate::fleet) mod closed_areas;
 pub(in crate::fleet) mod core;
 pub mod displaced;
@@ -23,6 +24,7 @@ pub(in crate::fleet) mod regions;
 pub(in crate::fleet) mod restrictions;
 pub mod scene;
 pub(in crate::fleet) mod settings;
+mod stays;
 pub(in crate::fleet) mod storage;
 mod tasks;
 pub(in crate::fleet) mod wishes;

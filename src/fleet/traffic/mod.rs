@@ -3,7 +3,6 @@
 //! Main type: [`state::Traffic`]; main functions: `note_progress`, `plan_needed`, `grant`. Refuses: to decide what a
 //! robot does, and to know why a robot yields.
 
-pub(in crate::fleet) mod binding;
 pub(in crate::fleet) mod closures;
 pub(in crate::fleet) mod displaced;
 pub(in crate::fleet) mod failure;

@@ -6,10 +6,10 @@
 //! robots whose holds no worker touches.
 
 use crate::aware::{Answer, HumanAwarePolicy, Zone};
+use crate::fleet::state::binding::STOPPING;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::Reaction;
-use crate::fleet::traffic::binding::STOPPING;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::yielding::state::Yielding;
 use crate::id::{NodeId, RobotId, WorkerId};

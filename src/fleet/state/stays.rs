@@ -1,6 +1,7 @@
-//! Where a rack is put: near where it is likely to be wanted next.
+//! Where racks are put and where robots rest: near where a rack is likely to be wanted next, near where a robot is.
 //!
-//! Main function: `best_storage`. Refuses: places that are taken or promised.
+//! Main function: `best_storage`. Questions alone: dispatch asks, and so does traffic where no route leads to a place.
+//! Refuses: places that are taken or promised.
 
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::storage::along_axes;

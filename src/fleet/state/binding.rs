@@ -48,7 +48,7 @@ impl Floor<'_> {
     }
 
     /// The condition that keeps a visit from being granted, if one does.
-    pub(super) fn holds_back(&self, robot: RobotId, visit: &Visit, now: Time) -> Option<Condition> {
+    pub(in crate::fleet) fn holds_back(&self, robot: RobotId, visit: &Visit, now: Time) -> Option<Condition> {
         let conditions = self.conditions(robot);
         if conditions.of(visit.node).is_empty() {
             return None;
@@ -85,7 +85,7 @@ impl Floor<'_> {
     }
 
     /// Until when the robot would have to wait because of conditions, not of other robots' holds.
-    pub(super) fn waits_until(&self, robot: RobotId, now: Time) -> Option<Time> {
+    pub(in crate::fleet) fn waits_until(&self, robot: RobotId, now: Time) -> Option<Time> {
         self.meetings(robot, now).iter().map(|(_, zone)| zone.worker.end()).max()
     }
 
