@@ -204,7 +204,7 @@
 //! | what | where |
 //! |---|---|
 //! | how fast robots drive, turn, lift | `route/motion.rs`; for one scenario its `fleet` or `kinds` |
-//! | a kind of robots | `fleet/state/kind.rs`; in scenarios: `sim/scenario/kinds.rs` |
+//! | a kind of robots | `fleet/state/kind.rs`; in scenarios: `sim/scenario/kinds.rs`; over HTTP: `server/kinds.rs` |
 //! | a kind of job | `fleet/state/job.rs`, `fact.rs`, `fleet/traffic/progress.rs`, `plan.rs`; `api/http/jobs.rs` |
 //! | which robot gets which job (dispatch) | `fleet/dispatch/jobs.rs` |
 //! | cost of an assignment, Hungarian method | `fleet/dispatch/jobs.rs` (`way_ms`), `fleet/dispatch/assignment.rs` |

@@ -85,6 +85,12 @@ impl Problem {
         Problem { errors, ..Problem::new(status, "invalid", "Some fields are wrong", detail.join("; ")) }
     }
 
+    /// 409: nothing in a recording can be changed.
+    pub fn of_recording() -> Problem {
+        let detail = "a recording is shown here, and nothing in it can be changed: ask a running server";
+        Problem::conflict("recording", "This is a recording", detail)
+    }
+
     /// 429: there are as many as the server takes.
     pub fn too_many(detail: impl Into<String>, retry_after: u32) -> Problem {
         let problem = Problem::new(StatusCode::TOO_MANY_REQUESTS, "too-many", "A limit is reached", detail);

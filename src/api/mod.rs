@@ -31,8 +31,9 @@ pub use http::{alive, router};
 use crate::fleet::{Reply, RobotKind};
 use crate::warehouse::Warehouse;
 use error::Problem;
-use port::{Alarms, FleetRequest, Moment, Now, Question, Records, SharedHistory, What};
-use std::sync::Arc;
+use port::{Alarms, FleetRequest, KindRequest, Moment, Now, Question, Records, SharedHistory, What};
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tokio::sync::{mpsc, oneshot, watch};
 
@@ -44,8 +45,8 @@ const PATIENCE: Duration = Duration::from_secs(10);
 pub struct Api {
     /// The building.
     pub map: Arc<Warehouse>,
-    /// The kinds of robots that may join.
-    pub kinds: Arc<[RobotKind]>,
+    /// The kinds of robots.
+    pub kinds: Kinds,
     /// The latest view.
     pub moments: watch::Receiver<Arc<Moment>>,
     /// Durable jobs.
@@ -76,6 +77,19 @@ pub struct Api {
     pub closing: watch::Receiver<bool>,
 }
 
+/// The kinds of robots.
+#[derive(Clone, Debug, Default)]
+pub struct Kinds {
+    /// Those of the scenario.
+    pub of_scenario: Arc<[RobotKind]>,
+    /// Those that may join: the scenario's, and those that had been added when the server started.
+    pub held: Arc<[RobotKind]>,
+    /// Takes requests about kinds that are added; absent where a recording is shown.
+    pub requests: Option<mpsc::Sender<KindRequest>>,
+    /// Names of kinds that were removed since the start: no robot of them joins any more.
+    pub removed: Arc<Mutex<BTreeSet<String>>>,
+}
+
 impl Api {
     /// The latest view.
     fn moment(&self) -> Arc<Moment> {
@@ -84,10 +98,7 @@ impl Api {
 
     /// Where requests go; a recording takes none, nor poses.
     fn queue(&self) -> Result<&mpsc::Sender<FleetRequest>, Problem> {
-        self.queue.as_ref().ok_or_else(|| {
-            let detail = "a recording is shown here, and nothing in it can be changed: ask a running server";
-            Problem::conflict("recording", "This is a recording", detail)
-        })
+        self.queue.as_ref().ok_or_else(Problem::of_recording)
     }
 
     /// Asks what the view does not say.

@@ -2,11 +2,12 @@
 //! the fleet's view.
 //!
 //! Main types: [`Records`], [`FleetRequest`], [`Question`],
-//! [`Alarms`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know what answers.
+//! [`KindRequest`], [`Alarms`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know what answers.
 
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
-    Expected, Fleet, JobQuery, JobRequest, JobRow, NodeOccupancy, Reply, StationOrder, View, Waiting, Why,
+    Expected, Fleet, JobQuery, JobRequest, JobRow, NodeOccupancy, Reply, RobotKind, StationOrder, View,
+    Waiting, Why,
 };
 use crate::history::{History, LoopTimes};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, StationId, WorkerId};
@@ -121,6 +122,34 @@ impl Question {
             }
         }
     }
+}
+
+/// What is asked of the program about the kinds of robots that were added to those of the scenario. They are in force
+/// from the next start on.
+#[derive(Debug)]
+pub enum KindRequest {
+    /// All of them.
+    List(oneshot::Sender<Result<Vec<RobotKind>, KindRefusal>>),
+    /// One more, or another one of its name; its figures are a JSON object with the keys of `fleet` in scenarios. The
+    /// answer says whether the name is new.
+    Put(String, String, oneshot::Sender<Result<(bool, RobotKind), KindRefusal>>),
+    /// One less.
+    Remove(String, oneshot::Sender<Result<(), KindRefusal>>),
+}
+
+/// Why a kind is not added, or not removed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum KindRefusal {
+    /// The scenario has one of this name.
+    OfScenario,
+    /// There is none of this name.
+    Unknown,
+    /// A figure cannot be: its key, and what is wrong.
+    Figure(String, String),
+    /// The map was not drawn for it: what was found.
+    Map(Vec<String>),
+    /// The database did not answer, or took nothing.
+    Database,
 }
 
 /// How many questions may wait.

@@ -66,9 +66,7 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             );
             field("place", detail)
         }
-        Refusal::UnknownKind => {
-            field("kind", "there is no such robot kind; GET /v1/kinds lists all kinds".into())
-        }
+        Refusal::UnknownKind => field("kind", NO_SUCH_KIND.into()),
         Refusal::RobotIsGone(_) => robot_is_gone(),
         Refusal::NoKindFor(rack) => field("kind", no_kind_for(map, rack)),
         Refusal::NotForKind(n) => field("place", not_for_kind(&node(n))),
@@ -78,6 +76,10 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         }
     }
 }
+
+/// What is wrong with a kind that a robot cannot be of now.
+const NO_SUCH_KIND: &str =
+    "no robots of this kind may join now; GET /v1/kinds lists all kinds, and from when on each is valid";
 
 fn robot_is_gone() -> Problem {
     let detail = "the robot has left the floor: register it again with POST /v1/robots";

@@ -9,7 +9,7 @@ use super::read_map;
 use super::sim::Setup;
 use crate::fleet::carry::Report as Differences;
 use crate::fleet::{Fleet, Ledger, Settings};
-use crate::server::{Config, Flags};
+use crate::server::{Config, Flags, SimulatedFloor};
 use crate::store::{Belongs, CarryOver, Opening, Store, StoreError, seal};
 use crate::warehouse::Warehouse;
 use anyhow::{Context, ensure};
@@ -130,6 +130,11 @@ impl DatabaseCommand {
             DatabaseCommand::Backup { .. } | DatabaseCommand::Restore { .. } => None,
         }
     }
+
+    /// The file that is read: the backup, or the database itself.
+    fn read_from<'a>(&'a self, database: &'a Path) -> &'a Path {
+        if let DatabaseCommand::Restore { source } = self { source } else { database }
+    }
 }
 
 impl DatabaseArgs {
@@ -139,13 +144,16 @@ impl DatabaseArgs {
         let named = scenario.is_some() || command.map().is_some();
         let readable = scenario.is_some();
         let config = Config::read(&Flags { database, scenario, config, ..Flags::default() })?;
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let floor = if readable || config.scenario.exists() {
-            let setup = Setup::read(&config.scenario, command.map(), None)?;
-            Some((setup.warehouse, setup.scenario.settings()))
+            let Setup { scenario, warehouse, lines, .. } =
+                Setup::read(&config.scenario, command.map(), None)?;
+            let floor = SimulatedFloor { scenario, map: warehouse, lines };
+            let floor = runtime.block_on(floor.with_kinds_of(command.read_from(&config.database)));
+            Some((floor.map, floor.scenario.settings()))
         } else {
             command.map().map(read_map).transpose()?.map(|map| (map, Settings::default()))
         };
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let report = runtime.block_on(async {
             match &command {
                 DatabaseCommand::Check { .. } => check(&config.database, floor, named).await,

@@ -15,6 +15,7 @@ mod entrance;
 mod historian;
 mod inbox;
 mod journal;
+mod kinds;
 mod measure;
 mod outbox;
 mod past;
@@ -48,6 +49,7 @@ use axum::serve::ListenerExt;
 use entrance::Entrance;
 use start::{Built, ServerParts};
 use std::net::SocketAddr;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
@@ -72,6 +74,15 @@ pub struct SimulatedFloor {
     pub map: Arc<Warehouse>,
     /// What the customers order, where the scenario names a file.
     pub lines: Vec<OrderLine>,
+}
+
+impl SimulatedFloor {
+    /// The same with the kinds of robots that were added to a database.
+    pub async fn with_kinds_of(mut self, database: &Path) -> SimulatedFloor {
+        let added = kinds::kinds_of(database).await;
+        self.map = kinds::join_kinds(&mut self.scenario, self.map, &added);
+        self
+    }
 }
 
 /// A server at work.
@@ -118,6 +129,8 @@ impl Server {
             "keep_days must be at least 8: keys of jobs are kept for 7 days, and the jobs must outlive them";
         ensure!(config.keep_days >= 8, "{kept}");
         let identity = identity(config, address)?;
+        let base = floor.scenario.clone();
+        let floor = if config.new { floor } else { floor.with_kinds_of(&config.database).await };
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
         let (ready, is_ready) = oneshot::channel();
         let front = Front::open(door, gate, ready);
@@ -126,7 +139,7 @@ impl Server {
             Ok(store) => store,
             Err(e) => return Err(front.shut(e).await),
         };
-        let (built, summary) = match start::build(config, floor, &store).await {
+        let (built, summary) = match start::build(config, floor, base, &store).await {
             Ok(built) => built,
             Err(e) => {
                 store.close().await;
@@ -252,7 +265,8 @@ async fn work(
     let custody = custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced);
     let custody = tokio::spawn(custody);
     let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
-    let kinds = fleet.settings().kinds.clone().into();
+    let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.base, &fleet);
+    let keeper = tokio::spawn(keeper.run());
     let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
     let drive = drive::DriveLoop {
         fleet,
@@ -280,7 +294,7 @@ async fn work(
     let (halt, halted) = watch::channel(false);
     let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
     let (writer, thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
-    let tasks = Tasks { http, writer, thread, feed, custody, historian: charts.historian };
+    let tasks = Tasks { http, writer, thread, feed, custody, keeper, historian: charts.historian };
     let api = Api {
         map,
         kinds,
@@ -311,6 +325,7 @@ struct Tasks {
     thread: oneshot::Receiver<()>,
     feed: JoinHandle<()>,
     custody: JoinHandle<()>,
+    keeper: JoinHandle<()>,
     historian: JoinHandle<()>,
 }
 
@@ -323,7 +338,7 @@ impl Tasks {
         (closing, halt): (&watch::Sender<bool>, &watch::Sender<bool>),
         displaced: &watch::Receiver<bool>,
     ) -> anyhow::Result<()> {
-        let Tasks { mut http, mut writer, mut thread, mut feed, custody, historian } = self;
+        let Tasks { mut http, mut writer, mut thread, mut feed, custody, keeper, historian } = self;
         let ended: anyhow::Result<()> = tokio::select! {
             _ = stopping.wait_for(|stop| *stop) => Ok(()),
             _ = &mut thread => Err(anyhow!("the control loop failed, as logged above; nothing is lost")),
@@ -339,7 +354,7 @@ impl Tasks {
             Err(_) => Ok(()),
         };
         // The files are given back whatever happened: nothing that still knows the store can use it from here on.
-        for task in [feed.abort_handle(), custody.abort_handle(), abort] {
+        for task in [feed.abort_handle(), custody.abort_handle(), keeper.abort_handle(), abort] {
             task.abort();
         }
         store.close().await;

@@ -5,7 +5,8 @@
 //! memory; requests are refused, since the past takes none. Refuses: a database.
 
 use super::{
-    ahead::LastForecasts, clock::Clock, listen, measure::Measure, past::PastLists, recorder::FrameRecorder,
+    ahead::LastForecasts, clock::Clock, kinds, listen, measure::Measure, past::PastLists,
+    recorder::FrameRecorder,
 };
 use crate::api::auth::Gate;
 use crate::api::feed::hub::Feeds;
@@ -88,7 +89,7 @@ impl Show {
         let (closing, closes) = watch::channel(false);
         let api = Api {
             map,
-            kinds: player.fleet.settings().kinds.clone().into(),
+            kinds: kinds::of_recording(&player.fleet),
             moments: picture,
             records: past.clone(),
             figures: figures.clone(),

@@ -12,7 +12,7 @@ use crate::api::massrobotics::Interop;
 use crate::api::port::{Alarms, SharedHistory};
 use crate::fleet::{Fleet, Ledger, Settings};
 use crate::history::History;
-use crate::sim::World;
+use crate::sim::{Scenario, World};
 use crate::store::{CarryOver, Opening, Store};
 use crate::time::Span;
 use anyhow::Context;
@@ -35,6 +35,8 @@ pub struct ServerParts {
     pub alarms: Arc<Alarms>,
     pub past: KeptPast,
     pub charts: Charts,
+    /// The scenario as its file has it, without kinds that were added.
+    pub base: Scenario,
 }
 
 /// Figures over time, and what keeps them.
@@ -83,6 +85,7 @@ fn check_kinds(fleet: &Fleet) -> anyhow::Result<()> {
 pub async fn build(
     config: &Config,
     floor: SimulatedFloor,
+    base: Scenario,
     store: &Arc<Store>,
 ) -> anyhow::Result<(Built, StartSummary)> {
     let SimulatedFloor { scenario, map, lines } = floor;
@@ -127,8 +130,21 @@ pub async fn build(
     let past = KeptPast::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);
     let (notes, historian) = historian::historian(figures.clone(), store.clone());
     let charts = Charts { figures, notes, historian: tokio::spawn(historian.run()) };
-    let parts =
-        ServerParts { fleet, world, clock, period, start, interop, feeds, heard, live, alarms, past, charts };
+    let parts = ServerParts {
+        fleet,
+        world,
+        clock,
+        period,
+        start,
+        interop,
+        feeds,
+        heard,
+        live,
+        alarms,
+        past,
+        charts,
+        base,
+    };
     Ok((Built::Whole(Box::new(parts)), summary))
 }
 

@@ -21,6 +21,7 @@ mod history;
 mod identity;
 mod job_record;
 mod jobs;
+mod kinds;
 pub mod ledger_record;
 mod lock;
 mod opening;
@@ -36,6 +37,7 @@ mod steps;
 pub use carry::{CarriedOver, CarryOver};
 pub use check::Belongs;
 pub use error::StoreError;
+pub use kinds::KindText;
 pub use opening::Opening;
 pub use seal::seal;
 pub use snapshot::SNAPSHOT_AFTER;
@@ -238,12 +240,14 @@ fn migrator() -> Migrator {
     let third = include_str!("../../migrations/sqlite/0003_history.sql").into_sql_str();
     let fourth = include_str!("../../migrations/sqlite/0004_steps.sql").into_sql_str();
     let fifth = include_str!("../../migrations/sqlite/0005_maps.sql").into_sql_str();
+    let sixth = include_str!("../../migrations/sqlite/0006_kinds.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
         Migration::new(3, "history".into(), MigrationType::Simple, third, false),
         Migration::new(4, "steps".into(), MigrationType::Simple, fourth, false),
         Migration::new(5, "maps".into(), MigrationType::Simple, fifth, false),
+        Migration::new(6, "kinds".into(), MigrationType::Simple, sixth, false),
     ])
 }
 

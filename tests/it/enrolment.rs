@@ -167,3 +167,105 @@ async fn kinds_of_robots_are_listed_with_what_they_take_and_carry() {
     until(at, "robot-3", "a mover", |r| r["kind"] == "mover").await;
     server.stop().await.unwrap();
 }
+
+async fn put_kind(at: SocketAddr, name: &str, figures: &Value) -> Answer {
+    send(at, "PUT", &format!("/v1/kinds/{name}"), &JSON, &figures.to_string()).await.unwrap()
+}
+
+/// The kinds with what is said about when robots of them may join.
+async fn kinds(at: SocketAddr) -> Vec<(String, String)> {
+    let all = get(at, "/v1/kinds").await.json();
+    let text = |k: &Value, key: &str| k[key].as_str().unwrap().to_owned();
+    all.as_array().unwrap().iter().map(|k| (text(k, "name"), text(k, "valid"))).collect()
+}
+
+fn pairs(of: &[(&str, &str)]) -> Vec<(String, String)> {
+    of.iter().map(|(name, valid)| ((*name).to_owned(), (*valid).to_owned())).collect()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_kind_is_added_over_http_and_robots_of_it_join_after_the_next_start() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    until(at, "robot-1", "there", |_| true).await;
+    let disc = json!({"speed_mps": 1.8, "lift_s": 1.5, "footprint": {"circle_m": 0.2},
+        "footprint_loaded": {"circle_m": 0.3}, "battery": {"driving_h": 4.0}});
+    let added = put_kind(at, "shuttle", &disc).await;
+    assert_eq!(
+        (added.status, added.json()["valid"].as_str()),
+        (201, Some("from_next_start")),
+        "{}",
+        added.text
+    );
+    assert_eq!(added.json()["footprint"], json!({"circle_m": 0.2}));
+    assert_eq!(put_kind(at, "shuttle", &disc).await.status, 200, "the same again");
+    assert_eq!(put_kind(at, "mistake", &json!({})).await.status, 201, "all as usual");
+    assert_eq!(
+        kinds(at).await,
+        pairs(&[("robot", "now"), ("mistake", "from_next_start"), ("shuttle", "from_next_start")])
+    );
+    let place = map().nodes.iter().rfind(|n| n.kind == NodeKind::Storage).unwrap().name.clone();
+    let new = json!({"name": "late-1", "node": place, "kind": "shuttle"});
+    let early = register(at, &new).await.problem(422);
+    assert_eq!(early["errors"][0]["field"], "kind", "{early}");
+
+    for (figures, field) in [
+        (json!({"speed_mps": 9}), "speed_mps"),
+        (json!({"battery": {"low": 2}}), "battery.low"),
+        (json!({"footprint": {"circle_m": 3.0}}), "footprint"),
+    ] {
+        let problem = put_kind(at, "wrong", &figures).await.problem(422);
+        assert_eq!(problem["errors"][0]["field"], field, "{problem}");
+    }
+    assert!([400, 422].contains(&put_kind(at, "wrong", &json!({"sped_mps": 1})).await.status));
+    put_kind(at, "a%20b", &json!({})).await.problem(422);
+    put_kind(at, "robot", &json!({})).await.problem(409);
+    send(at, "DELETE", "/v1/kinds/robot", &[], "").await.unwrap().problem(409);
+    send(at, "DELETE", "/v1/kinds/none", &[], "").await.unwrap().problem(404);
+    assert_eq!(send(at, "DELETE", "/v1/kinds/mistake", &[], "").await.unwrap().status, 204);
+    server.stop().await.unwrap();
+
+    let server = start(&folder).await;
+    let at = server.address();
+    assert_eq!(kinds(at).await, pairs(&[("robot", "now"), ("shuttle", "now")]));
+    until(at, "robot-1", "there", |_| true).await;
+    let joined = register(at, &new).await;
+    assert_eq!(joined.status, 201, "{}", joined.text);
+    until(at, "late-1", "seen on the floor", |r| r["kind"] == "shuttle").await;
+    send(at, "DELETE", "/v1/kinds/shuttle", &[], "").await.unwrap().problem(409);
+    put_kind(at, "shuttle", &json!({})).await.problem(409);
+    server.stop().await.unwrap();
+
+    let server = start(&folder).await;
+    until(server.address(), "late-1", "back", |r| r["kind"] == "shuttle").await;
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn no_robot_joins_of_a_kind_that_was_removed_and_the_next_start_is_without_it() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    assert_eq!(put_kind(server.address(), "old", &json!({"speed_mps": 1.0})).await.status, 201);
+    server.stop().await.unwrap();
+    let server = start(&folder).await;
+    let at = server.address();
+    assert_eq!(kinds(at).await, pairs(&[("robot", "now"), ("old", "now")]));
+    assert_eq!(send(at, "DELETE", "/v1/kinds/old", &[], "").await.unwrap().status, 204);
+    assert_eq!(kinds(at).await, pairs(&[("robot", "now"), ("old", "until_next_start")]));
+    let place = map().nodes.iter().rfind(|n| n.kind == NodeKind::Storage).unwrap().name.clone();
+    let new = json!({"name": "late-1", "node": place, "kind": "old"});
+    let problem = register(at, &new).await.problem(422);
+    assert_eq!(problem["errors"][0]["field"], "kind", "{problem}");
+    assert_eq!(put_kind(at, "old", &json!({"speed_mps": 1.0})).await.status, 201, "it stays after all");
+    assert_eq!(kinds(at).await, pairs(&[("robot", "now"), ("old", "now")]));
+    assert_eq!(put_kind(at, "old", &json!({"speed_mps": 0.5})).await.status, 200, "a slower one");
+    let both = pairs(&[("robot", "now"), ("old", "until_next_start"), ("old", "from_next_start")]);
+    assert_eq!(kinds(at).await, both);
+    register(at, &new).await.problem(422);
+    assert_eq!(send(at, "DELETE", "/v1/kinds/old", &[], "").await.unwrap().status, 204);
+    server.stop().await.unwrap();
+    let server = start(&folder).await;
+    assert_eq!(kinds(server.address()).await, pairs(&[("robot", "now")]));
+    server.stop().await.unwrap();
+}

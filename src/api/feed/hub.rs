@@ -83,7 +83,8 @@ pub enum Untaken {
 /// Which source the last sighting came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SightingSource {
-    Nobody,
+    /// None came yet.
+    None,
     /// A connection, in one of its epochs.
     Feed(u64, u32),
     Reports,

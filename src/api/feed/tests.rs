@@ -2,7 +2,7 @@
 
 use super::hub::{Feeds, HeardSighting};
 use crate::api::port::{Alarms, Later, Moment, Records, SharedHistory};
-use crate::api::{Api, auth::Gate, live::Live, massrobotics::Interop, metrics::Metrics, router};
+use crate::api::{Api, Kinds, auth::Gate, live::Live, massrobotics::Interop, metrics::Metrics, router};
 use crate::fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, Guidance, GuidanceReason, GuidanceState,
     JobQuery, JobRow, View,
@@ -66,7 +66,7 @@ impl TestServer {
         let (ticks, metrics) = (clock.clone(), Arc::new(Metrics::default()));
         let api = Api {
             map: map.clone(),
-            kinds: Arc::new([]),
+            kinds: Kinds::default(),
             moments: picture,
             records: Arc::new(Nothing),
             figures: Arc::new(SharedHistory::new(Time::ZERO, "giveway", Default::default())),

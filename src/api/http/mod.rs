@@ -67,6 +67,7 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(robots::retire))
         .routes(routes!(robots::maintain, robots::work_again))
         .routes(routes!(kinds::kinds))
+        .routes(routes!(kinds::put, kinds::remove))
         .routes(routes!(why::robot))
         .routes(routes!(why::job))
         .routes(routes!(timelines::timelines))

@@ -27,7 +27,7 @@ pub struct NewRobot {
     /// Its name: letters, digits, `-`, `_` and `.`, 1 to 64 of them.
     #[schema(example = "robot-51")]
     name: String,
-    /// Its robot kind; \"robot\" if the scenario defines no kinds.
+    /// Its robot kind, one of GET /v1/kinds; \"robot\" if the scenario defines no kinds.
     #[serde(default = "usual_kind")]
     #[schema(example = "robot")]
     kind: String,
@@ -76,6 +76,11 @@ pub async fn register(
             "node",
             format!("there is no node {:?}; GET /v1/map lists them", new.node),
         ));
+    }
+    if api.kinds.is_removed(&new.kind) {
+        let detail =
+            "no robots of this kind join any more: it was removed, or replaced from the next start on";
+        wrong.push(FieldError::new("kind", detail));
     }
     let Some(node) = node.filter(|_| wrong.is_empty()) else { return Err(Problem::invalid(wrong)) };
     match api.ask(What::Register(name.clone(), new.kind, node)).await? {

@@ -35,6 +35,13 @@ pub enum ScenarioError {
     },
 }
 
+impl ScenarioError {
+    /// What the parser says, and where.
+    pub(super) fn syntax(e: &serde_json::Error) -> ScenarioError {
+        ScenarioError::Syntax { line: e.line(), column: e.column(), message: e.to_string() }
+    }
+}
+
 pub(in crate::sim) fn check(
     key: &str,
     found: f64,

@@ -1,4 +1,5 @@
-//! Kinds of robots in scenario files: one for all (`fleet`), or several with their shares (`kinds`).
+//! Kinds of robots in scenario files: one for all (`fleet`), or several with their shares (`kinds`). Kinds that come
+//! from elsewhere are added to them.
 //!
 //! Main types: [`KindShare`], and the file's own [`KindFigures`] and [`KindFile`]. Refuses: kinds of one name.
 
@@ -15,7 +16,8 @@ use serde::Deserialize;
 pub struct KindShare {
     /// The kind.
     pub kind: RobotKind,
-    /// With kinds of shares 1 and 2, of three robots the first is of the first kind and the others of the second.
+    /// With kinds of shares 1 and 2, of three robots the first is of the first kind and the others of the second. None
+    /// of the scenario's robots are of a kind of share 0, which others may be of.
     pub share: usize,
 }
 
@@ -127,6 +129,12 @@ pub(super) fn read(
         }
     }
     kinds.into_iter().enumerate().map(|(i, kind)| kind.share(i)).collect()
+}
+
+/// A kind that none of the scenario's robots are of. `figures` is an object like `fleet`.
+pub(super) fn read_one(name: &str, figures: &str) -> Result<KindShare, ScenarioError> {
+    let figures: KindFigures = serde_json::from_str(figures).map_err(|e| ScenarioError::syntax(&e))?;
+    Ok(KindShare { kind: figures.kind(name.to_owned(), "kind")?, share: 0 })
 }
 
 impl KindFile {

@@ -202,11 +202,7 @@ impl Scenario {
     /// # Errors
     /// Where and what is wrong.
     pub fn parse(text: &str) -> Result<Scenario, ScenarioError> {
-        let file: File = serde_json::from_str(text).map_err(|e| ScenarioError::Syntax {
-            line: e.line(),
-            column: e.column(),
-            message: e.to_string(),
-        })?;
+        let file: File = serde_json::from_str(text).map_err(|e| ScenarioError::syntax(&e))?;
         check(
             "giveway_scenario",
             f64::from(file.giveway_scenario),
@@ -261,6 +257,19 @@ impl Scenario {
     pub fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, ScenarioError> {
         let areas: Result<Vec<_>, _> = self.closures.iter().map(|c| c.areas(warehouse, start)).collect();
         Ok(areas?.concat())
+    }
+
+    /// Adds a kind that the file does not have and none of its robots are of. `figures` is an object like `fleet`.
+    ///
+    /// # Errors
+    /// Figures that cannot be, by their keys; a name that there is already.
+    pub fn add_kind(&mut self, name: &str, figures: &str) -> Result<(), ScenarioError> {
+        if self.kinds.iter().any(|k| k.kind.name == name) {
+            let message = format!("there are two kinds named {name:?}");
+            return Err(ScenarioError::Wrong { key: "kinds", message });
+        }
+        self.kinds.push(kinds::read_one(name, figures)?);
+        Ok(())
     }
 
     /// The building for the kinds of robots that the scenario has.
