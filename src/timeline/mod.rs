@@ -11,6 +11,7 @@
 //! thousands, so writes are widened and reads are not. Lists stay short (tens of holds), so a sorted vector with binary
 //! search beats a tree.
 
+mod advance;
 mod chains;
 mod delay;
 mod entries;

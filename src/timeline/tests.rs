@@ -175,6 +175,67 @@ proptest! {
     }
 }
 
+proptest! {
+    #[test]
+    fn grants_releases_delays_and_advances_in_any_order_keep_every_order_and_never_make_an_overlap(
+        starts in proptest::collection::vec(0i64..6, 2..6),
+        changes in proptest::collection::vec((0u8..4, any::<prop::sample::Index>(), 1i64..40), 1..60),
+        (dense, kinds) in (any::<bool>(), any::<bool>()),
+    ) {
+        let mut timeline = if kinds { convoy_of_two_kinds(&starts) } else { convoy(&starts, dense) };
+        for (change, who, by) in changes {
+            let who = robot(who.index(starts.len()) as u32);
+            let chain = timeline.chain(who).unwrap().clone();
+            let here = chain.get(chain.granted() - 1).unwrap().clone();
+            let before = orders(&timeline);
+            match change {
+                0 => {
+                    if timeline.waits_for(who, chain.granted()).is_none() && chain.granted() < chain.end() {
+                        timeline.grant(who, chain.granted(), here.enter + Span(by));
+                    }
+                }
+                1 => {
+                    timeline.release(who, chain.granted() - 1);
+                    timeline.assert_sound();
+                    continue;
+                }
+                2 => {
+                    if !here.depart.is_forever() {
+                        timeline.postpone(who, chain.granted() - 1, here.depart + Span(by));
+                    }
+                }
+                _ => go_early(&mut timeline, who, here.enter.max(here.depart - Span(by))),
+            }
+            timeline.assert_sound();
+            prop_assert_eq!(orders(&timeline), before);
+        }
+    }
+}
+
+/// Lets a robot leave its last granted visit earlier; nothing of others moves, and nothing begins later.
+fn go_early(timeline: &mut Timeline, who: Holder, depart: Time) {
+    let before: Vec<(Holder, Chain)> = timeline.chains().map(|(h, c)| (h, c.clone())).collect();
+    let shifts = timeline.advance(who, depart);
+    timeline.slide(&[(who, &shifts)]);
+    for (holder, old) in before {
+        let new = timeline.chain(holder).unwrap();
+        if holder != who {
+            assert_eq!(*new, old, "{holder:?} did not move");
+            continue;
+        }
+        let mut pairs = old.visits().zip(new.visits());
+        assert!(pairs.all(|(a, b)| b.enter <= a.enter && b.arrive <= a.arrive && b.leave <= a.leave));
+        if let Some(first) = shifts.first() {
+            let next = new.get(first.serial + 1).unwrap();
+            let is_free = timeline.waits_for(who, first.serial + 1).is_none();
+            assert!(
+                !is_free || new.get(first.serial).unwrap().depart == depart,
+                "as early as asked: {next:?}"
+            );
+        }
+    }
+}
+
 /// Robots standing in a row, two nodes apart, that drive up the row one after the other.
 fn convoy(waits: &[i64], dense: bool) -> Timeline {
     convoy_with(0, waits, dense)

@@ -78,6 +78,33 @@ fn an_aisle_is_used_before_and_after_its_hour_and_empty_meanwhile() {
 }
 
 #[test]
+fn a_robot_that_waits_for_an_area_goes_on_at_once_when_it_is_opened_early() {
+    let mut floor = TestFloor::thesis(1);
+    let w = floor.fleet.warehouse().clone();
+    let station = w.stations.iter().next().expect("the hall has stations").node;
+    let at = w.nodes[station].at;
+    let corners = [(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)];
+    let outline = corners.iter().map(|(x, y)| Point::new(at.x + x, at.y + y).into()).collect();
+    let window = Window::new(seconds(0.0), seconds(1200.0));
+    let area = Closure { outline, nodes: Vec::new(), window, reason: "oil".into() };
+    let closure = floor.close(area);
+    let id = StationId::at(0);
+    let job = floor.submit(request(JobKind::Deliver { rack: RackId(0), station: id, pick: None }));
+    floor.run(200);
+    assert!(floor.state(job).is_some(), "it cannot be served while the station is closed");
+    let robot = RobotId::at(0);
+    let place = |f: &TestFloor| f.world.truth().next().expect("there is one robot").1.pose.at;
+    let waits = place(&floor);
+    floor.run(5);
+    assert!((place(&floor) - waits).norm() < 0.01, "{robot:?} stands");
+    floor.step(vec![Input::Reopen { token: 6, closure }]);
+    floor.run(2);
+    assert!((place(&floor) - waits).norm() > 0.05, "it is on its way within two seconds");
+    floor.until(200, "it is served", |f| f.state(job).is_none());
+    assert!(floor.now < seconds(500.0), "long before the area was to be opened");
+}
+
+#[test]
 fn nobody_is_sent_for_a_rack_that_cannot_leave_while_others_are_served() {
     let mut floor = TestFloor::thesis(4);
     floor.close(aisle(0.0, 600.0));

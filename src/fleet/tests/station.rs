@@ -52,6 +52,25 @@ fn a_cancelled_pick_lets_its_robot_leave_at_once() {
 }
 
 #[test]
+fn the_next_robot_goes_on_when_a_long_pick_is_cancelled() {
+    let (mut floor, job) = TestFloor::long_pick(2);
+    let next = floor.submit(request(JobKind::Deliver { rack: RackId(1), station: StationId(0), pick: None }));
+    floor.run(60);
+    let second = RobotId::at(1);
+    let place = |f: &TestFloor, robot: RobotId| {
+        f.world.truth().find(|(r, _)| *r == robot).expect("it is there").1.pose.at
+    };
+    let waits = [0, 1].map(|r| place(&floor, RobotId::at(r)));
+    floor.run(5);
+    assert_eq!(waits, [0, 1].map(|r| place(&floor, RobotId::at(r))), "both stand");
+    floor.cancel(job);
+    let cancelled = floor.now;
+    floor.until(2, "the second robot moves", |f| (place(f, second) - waits[1]).norm() > 0.02);
+    floor.until(30, "it is served", |f| f.state(next).is_none());
+    assert!(floor.now - cancelled < Span::from_secs(30), "not when the pick was to end");
+}
+
+#[test]
 fn where_nothing_is_picked_no_pick_can_end() {
     let mut floor = TestFloor::lab(1);
     let why = Refusal::NothingToPick(StationId(0));

@@ -6,18 +6,20 @@
 
 use crate::aware::SLOW_MPS;
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::{Fact, Moved};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Waypoint};
 use crate::fleet::state::yielding::YieldingState;
 use crate::fleet::traffic::state::{Traffic, Withheld};
 use crate::id::RobotId;
-use crate::route::Cause;
-use crate::time::{Span, Time};
+use crate::route::{Cause, Condition, Effect};
+use crate::time::{Span, Time, Window};
 use crate::timeline::{Holder, Visit};
 
 /// How long before its planned time a hold may be granted.
 const EARLY: Span = Span::from_secs(4);
+/// People, closed areas and displaced robots are looked for so far ahead where a robot could go on early.
+const PLANNED: Span = Span::from_secs(60);
 /// A node more than needed is granted, metres.
 const NODE_M: f64 = 1.0;
 /// Orders are repeated this often until the robot says that it knows them.
@@ -61,6 +63,10 @@ impl Traffic {
 
 /// Grants as many further visits as the robot needs to keep its speed; says why no more, if it needs more.
 fn extend_grant(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: Time) -> Option<Withheld> {
+    let next = core.ledger.chain(robot).granted();
+    if core.floor().withholds(yielding, robot, next, now) == Some(Withheld::Early) {
+        go_on_early(core, robot, now);
+    }
     let floor = core.floor();
     let first = floor.ledger.chain(robot).granted();
     let mut serial = first;
@@ -81,6 +87,22 @@ fn extend_grant(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: 
         core.record(Fact::Granted { robot, serial: serial - 1, at: now });
     }
     withheld
+}
+
+/// Moves forward what a robot holds after its last granted visit: nothing of what it was to wait for is left.
+fn go_on_early(core: &mut Core, robot: RobotId, now: Time) {
+    if core.floor().waits_as_planned(robot, now) {
+        return;
+    }
+    let chain = core.ledger.chain(robot);
+    let last = chain.granted() - 1;
+    let here = chain.get(last).expect("what is granted is held");
+    let is_there = chain.first() == last;
+    let depart = if is_there { now } else { now.max(here.arrive + here.stay) };
+    let shifts = core.ledger.timeline().advance(Holder::Robot(robot), depart);
+    if !shifts.is_empty() {
+        core.record(Fact::Delayed { moved: vec![Moved { robot, shifts }] });
+    }
 }
 
 /// Sends everything granted from where the robot is.
@@ -124,6 +146,23 @@ impl Floor<'_> {
         }
         let condition = self.grant_waits_for(yielding, robot, visit, now);
         condition.map(|(cause, until)| Withheld::Condition(cause, until)).or(turn)
+    }
+
+    /// Whether a robot waits, or comes later, because of a person, a closed area or a displaced robot ahead of it: the
+    /// search knew what would restrict it before it is to be there, and it may be better to wait here.
+    fn waits_as_planned(&self, robot: RobotId, now: Time) -> bool {
+        let conditions = self.conditions(robot);
+        if conditions.is_empty() {
+            return false;
+        }
+        let chain = self.ledger.chain(robot);
+        let ahead = (chain.granted()..chain.end()).filter_map(|s| chain.get(s));
+        let mut soon = ahead.take_while(|v| v.enter <= now + PLANNED);
+        soon.any(|v| {
+            let until = Window::new(now, v.enter.max(now + Span(1)));
+            let slow = |c: &Condition| matches!(c.effect, Effect::Slow(_));
+            conditions.of(v.node).iter().any(|c| !slow(c) && c.window.overlaps(until))
+        })
     }
 
     /// Because of what a visit cannot be granted now, and until when, where that is known.
