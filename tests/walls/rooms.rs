@@ -48,6 +48,7 @@ const DOORS: [(&str, &str, &[&str]); 2] = [
             "plan_again",
             "reroute",
             "revoke_grant",
+            "step_out",
             "way_aside",
         ],
     ),

@@ -63,11 +63,11 @@ impl HumanState {
     /// Follows one worker: assignment, path, deviation.
     fn watch(&mut self, core: &mut Core, yielding: &YieldingState, worker: WorkerId, now: Time) {
         let Some(place) = self.whereabouts(worker, now) else { return };
-        self.take_up_work(core, worker, place.at, now);
+        self.take_up_work(core, yielding, worker, place.at, now);
         let person = &mut self.people[worker];
         if person.relocated {
             // The worker did not walk there: the path starts here anew.
-            self.route_on(core, worker, place.at, now);
+            self.route_on(core, yielding, worker, place.at, now);
             return;
         }
         if !person.fresh {
@@ -82,14 +82,14 @@ impl HumanState {
         // A person at work does not stay on one point, least of all beside a robot.
         let works = stands && plan.assignment.is_some() && plan.is_there(place.at);
         match (conduct, person.mode) {
-            (Conduct::OnPath, _) if works => self.at_the_end(core, worker, place.at, now),
+            (Conduct::OnPath, _) if works => self.at_the_end(core, yielding, worker, place.at, now),
             (Conduct::Deviating, WalkMode::Deviating { .. }) => {
-                self.show_the_way_back(core, worker, place.at, now)
+                self.show_the_way_back(core, yielding, worker, place.at, now)
             }
             // Told to stop off the path: the procedure tries again by itself.
             (Conduct::Deviating, WalkMode::Stopped { .. })
                 if core.settings.policy != HumanAwarePolicy::Giveway => {}
-            (Conduct::Deviating, _) => self.leaves_path(core, worker, place.at, now),
+            (Conduct::Deviating, _) => self.leaves_path(core, yielding, worker, place.at, now),
             (Conduct::Outside, _) => {}
             (Conduct::OnPath, WalkMode::Deviating { .. }) => {
                 let start = plan.follower.path()[0];
@@ -100,7 +100,7 @@ impl HumanState {
             (Conduct::OnPath, WalkMode::Redirected) if plan.follower.progress() == 0 => {}
             (Conduct::OnPath, WalkMode::Stopped { since }) if now - since < REDIRECT => {}
             (Conduct::OnPath, _) => person.mode = WalkMode::Following,
-            (Conduct::Arrived, _) => self.at_the_end(core, worker, place.at, now),
+            (Conduct::Arrived, _) => self.at_the_end(core, yielding, worker, place.at, now),
         }
     }
 

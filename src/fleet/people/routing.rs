@@ -8,7 +8,7 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::AssignmentState;
-use crate::fleet::state::yielding::YieldingState;
+use crate::fleet::state::yielding::{STANDS, YieldingState};
 use crate::geometry::{Point, Segment};
 use crate::human::Whereabouts;
 use crate::id::{RobotId, WorkerId};
@@ -28,7 +28,14 @@ const REFUGE_AHEAD: usize = 6;
 
 impl HumanState {
     /// Starts the next assignment, or drops the path of one that was cancelled.
-    pub(in crate::fleet) fn take_up_work(&mut self, core: &mut Core, worker: WorkerId, at: Point, now: Time) {
+    pub(in crate::fleet) fn take_up_work(
+        &mut self,
+        core: &mut Core,
+        yielding: &YieldingState,
+        worker: WorkerId,
+        at: Point,
+        now: Time,
+    ) {
         let next = core.floor().next_assignment(worker);
         let person = &self.people[worker];
         let current = person.plan.as_ref().and_then(|p| p.assignment);
@@ -41,7 +48,7 @@ impl HumanState {
                     let state = AssignmentState::Walking;
                     core.record(Fact::Advanced { assignment: id, state, at: now });
                 }
-                self.route_on(core, worker, at, now);
+                self.route_on(core, yielding, worker, at, now);
             }
             None => {
                 let person = &mut self.people[worker];
@@ -51,14 +58,21 @@ impl HumanState {
     }
 
     /// Gives a worker the way from `at` to the next assignment.
-    pub(in crate::fleet) fn route_on(&mut self, core: &Core, worker: WorkerId, at: Point, now: Time) {
+    pub(in crate::fleet) fn route_on(
+        &mut self,
+        core: &Core,
+        yielding: &YieldingState,
+        worker: WorkerId,
+        at: Point,
+        now: Time,
+    ) {
         let Some(id) = core.floor().next_assignment(worker) else {
             self.people[worker].plan = None;
             return;
         };
         let request = &core.ledger.assignments[&id].request;
         let (goal, stay) = (core.warehouse().nodes[request.place].at, request.stay);
-        let cut = self.edges_blocked_for_long(core.floor());
+        let cut = self.edges_blocked_for_long(core.floor(), yielding, now);
         let free = self.walkways.no_edges();
         let way = self.walkways.path(at, goal, &cut).or_else(|| self.walkways.path(at, goal, &free));
         let person = &mut self.people[worker];
@@ -104,7 +118,7 @@ impl HumanState {
         }
         person.blocked_since = robot.map(|r| (r, now));
         let Some(goal) = person.plan.as_ref().map(|p| p.follower.goal()) else { return };
-        let mut cut = self.edges_blocked_for_long(core.floor());
+        let mut cut = self.edges_blocked_for_long(core.floor(), yielding, now);
         for r in core.ledger.present().filter(|r| core.floor().stands_near(*r, place.at)) {
             let reach = core.floor().beside_m(r, 0.2);
             self.walkways.edges_within(core.floor().place_of(r), reach).into_iter().for_each(|e| {
@@ -197,13 +211,15 @@ impl HumanState {
         floor.ledger.present().find(stops)
     }
 
-    /// Walkways on which robots rest or are broken: no worker waits for those to go away.
-    pub(in crate::fleet) fn edges_blocked_for_long(&self, floor: Floor<'_>) -> EdgeSet {
+    /// Walkways on which robots rest, are broken, or have yielded for long: no worker waits for those to go away. One
+    /// that yields and has nowhere to go would be met again and again, by a worker who is led from one to the next.
+    fn edges_blocked_for_long(&self, floor: Floor<'_>, yielding: &YieldingState, now: Time) -> EdgeSet {
         let mut cut = self.walkways.no_edges();
         for robot in floor.ledger.present() {
             let chain = floor.ledger.chain(robot);
             let rests = chain.first() + 1 == chain.end();
-            if rests || floor.ledger.robots[robot].failed {
+            let stays = yielding.of(robot).waited(now) > STANDS && floor.stands(robot);
+            if rests || stays || floor.ledger.robots[robot].failed {
                 let at = floor.place_of(robot);
                 for e in self.walkways.edges_within(at, floor.beside_m(robot, 0.2)) {
                     cut.insert(e);
@@ -213,11 +229,18 @@ impl HumanState {
         cut
     }
 
-    pub(in crate::fleet) fn leaves_path(&mut self, core: &mut Core, worker: WorkerId, at: Point, now: Time) {
+    pub(in crate::fleet) fn leaves_path(
+        &mut self,
+        core: &mut Core,
+        yielding: &YieldingState,
+        worker: WorkerId,
+        at: Point,
+        now: Time,
+    ) {
         core.record(Fact::Deviated { worker, at: now });
         self.people[worker].mode = WalkMode::Deviating { since: now };
         if core.settings.policy == HumanAwarePolicy::Giveway {
-            self.route_on(core, worker, at, now);
+            self.route_on(core, yielding, worker, at, now);
         }
     }
 
@@ -225,25 +248,33 @@ impl HumanState {
     pub(in crate::fleet) fn show_the_way_back(
         &mut self,
         core: &Core,
+        yielding: &YieldingState,
         worker: WorkerId,
         at: Point,
         now: Time,
     ) {
         let made = self.people[worker].plan.as_ref().map_or(Time::ZERO, |p| p.made);
         if core.settings.policy == HumanAwarePolicy::Giveway && now - made >= REDIRECT {
-            self.route_on(core, worker, at, now);
+            self.route_on(core, yielding, worker, at, now);
         }
     }
 
     /// At the end of the path: at work, done, or on to the next.
-    pub(in crate::fleet) fn at_the_end(&mut self, core: &mut Core, worker: WorkerId, at: Point, now: Time) {
+    pub(in crate::fleet) fn at_the_end(
+        &mut self,
+        core: &mut Core,
+        yielding: &YieldingState,
+        worker: WorkerId,
+        at: Point,
+        now: Time,
+    ) {
         let person = &mut self.people[worker];
         let plan = person.plan.as_ref().expect("only who has a path is at its end");
         let (is_there, stay) = (plan.is_there(at), plan.stay);
         let Some(id) = plan.assignment else {
             // A path that only led out of the way.
             person.mode = WalkMode::Following;
-            return self.route_on(core, worker, at, now);
+            return self.route_on(core, yielding, worker, at, now);
         };
         if !is_there {
             return;
@@ -259,8 +290,11 @@ impl HumanState {
 }
 
 impl Floor<'_> {
+    fn stands(&self, robot: RobotId) -> bool {
+        self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05)
+    }
+
     fn stands_near(&self, robot: RobotId, at: Point) -> bool {
-        let stands = self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05);
-        stands && (self.place_of(robot) - at).norm() < 3.0
+        self.stands(robot) && (self.place_of(robot) - at).norm() < 3.0
     }
 }

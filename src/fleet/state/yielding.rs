@@ -12,6 +12,8 @@ use crate::time::{Span, Time};
 /// A person who has stood for longer than this is not about to set off: the place is as good as closed, and a robot
 /// that stood there for so long leaves, if it can.
 pub(in crate::fleet) const STANDS: Span = Span::from_secs(20);
+/// A robot that has yielded for this long while a worker is near waits for that worker, who waits for it.
+const STUCK: Span = Span::from_secs(60);
 /// Places farther from a person than this do not matter, metres.
 const FACES_M: f64 = 6.0;
 
@@ -111,6 +113,13 @@ impl YieldingState {
         debug_assert!(standing.since <= standing.facing_since, "{robot:?} stood for one before it stood");
         let long = now - standing.facing_since > STANDS || now - standing.since > STANDS * 2;
         long.then_some(standing.worker)
+    }
+
+    /// The worker to whom a robot has yielded for so long that each waits for the other.
+    pub fn stuck_with(&self, robot: RobotId, now: Time) -> Option<WorkerId> {
+        let noted = self.of(robot);
+        let stands = noted.stands.filter(|s| now - s.since > STUCK).map(|s| s.worker);
+        stands.or(noted.to.filter(|to| now - to.since > STUCK).map(|to| to.worker))
     }
 
     /// The worker to whom the robot has yielded for long, if this node is nearer to that worker than the robot is now:

@@ -127,7 +127,7 @@ impl Traffic {
         Some(core.floor().with_own_stops(robot, route))
     }
 
-    fn search_stages_on(
+    pub(super) fn search_stages_on(
         &mut self,
         core: &mut Core,
         timeline: &Timeline,

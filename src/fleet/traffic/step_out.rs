@@ -2,18 +2,26 @@
 //! the nearest place where it may. It plans its task from there.
 //!
 //! Robots that stand close together after a repair each need a route that ends where others stand. The outermost can
-//! always leave to some place to stay; then the next one can. Refuses: to move robots that stand where they may stay,
-//! since these are in no robot's way.
+//! always leave to some place to stay; then the next one can. In an aisle where a person stands at one end, the
+//! outermost robot wants to come in: then all on the way out leave together, the one farthest out first. Refuses: to
+//! send a robot off that stands where it may stay, unless it is in the way of another.
 
 use crate::fleet::state::core::Core;
+use crate::fleet::state::fact::Fact;
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
-use crate::id::RobotId;
-use crate::route::Stage;
-use crate::time::Time;
+use crate::id::{NodeId, RobotId};
+use crate::route::{Route, Stage};
+use crate::time::{Span, Time};
+use crate::timeline::{Holder, Timeline};
+use std::collections::BTreeSet;
 
 /// So many places are tried at a time, the nearest ones first.
 const PLACES: usize = 4;
+/// So many others are moved at most.
+const TOGETHER: usize = 8;
+/// Robots that are to come onto the way within this time are in the way.
+const SOON: Span = Span::from_secs(30);
 
 impl Traffic {
     /// Sends a robot out of the way to a place where it may stay, if there is a route to one. Whether it goes.
@@ -33,6 +41,81 @@ impl Traffic {
                 return true;
             }
         }
-        false
+        self.step_out_together(core, robot, now)
+    }
+
+    /// Sends a robot out of the way together with those that stand on its way out, these first.
+    fn step_out_together(&mut self, core: &mut Core, robot: RobotId, now: Time) -> bool {
+        let mut others = self.in_the_way_out(core, robot, now);
+        if others.is_empty() {
+            return false;
+        }
+        others.push(robot);
+        let mut scratch = core.ledger.timeline().clone();
+        for r in &others {
+            scratch.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);
+        }
+        let mut found: Vec<(RobotId, Route)> = Vec::new();
+        let mut taken: BTreeSet<NodeId> = BTreeSet::new();
+        for r in others {
+            let Some(route) = self.way_out_on(core, &scratch, r, &taken, now) else { return false };
+            let visits = std::iter::once(route.kept.clone()).chain(route.visits.iter().cloned()).collect();
+            taken.extend(route.visits.last().map(|v| v.node));
+            if scratch.extend(Holder::Robot(r), visits).is_err() {
+                return false;
+            }
+            found.push((r, route));
+        }
+        let bookings = found.into_iter().map(|(r, route)| core.floor().booking(r, route)).collect();
+        core.record(Fact::Routed { bookings });
+        true
+    }
+
+    /// Robots that stand on the way out that a robot would have if all that can move were not there, or are to come
+    /// onto it soon; those that are farthest along it first.
+    fn in_the_way_out(&mut self, core: &mut Core, robot: RobotId, now: Time) -> Vec<RobotId> {
+        let floor = core.floor();
+        let fit = |r: &RobotId| !core.ledger.robots[*r].failed && core.scene.fit(*r, now).is_some();
+        let movable =
+            |r: &RobotId| *r != robot && fit(r) && !floor.next_stop_is_granted(*r) && !floor.is_halted(*r);
+        let movable: Vec<RobotId> = core.ledger.present().filter(movable).collect();
+        let mut without = core.ledger.timeline().clone();
+        for r in &movable {
+            without.remove(Holder::Robot(*r));
+        }
+        without.withdraw(Holder::Robot(robot), core.ledger.chain(robot).granted() - 1);
+        let Some(route) = self.way_out_on(core, &without, robot, &BTreeSet::new(), now) else {
+            return Vec::new();
+        };
+        let along = |node: NodeId| route.visits.iter().rposition(|v| v.node == node);
+        let reach = |r: &RobotId| {
+            let chain = core.ledger.chain(*r);
+            let soon = chain.visits().take_while(|v| v.enter <= now + SOON);
+            soon.filter_map(|v| along(v.node)).max()
+        };
+        let mut met: Vec<(usize, RobotId)> = movable.iter().filter_map(|r| Some((reach(r)?, *r))).collect();
+        met.sort_unstable_by_key(|(at, r)| (std::cmp::Reverse(*at), *r));
+        if met.len() > TOGETHER { Vec::new() } else { met.into_iter().map(|(_, r)| r).collect() }
+    }
+
+    /// A route to the nearest place where a robot may stay, on some other timeline, but for places that are `taken`.
+    fn way_out_on(
+        &mut self,
+        core: &mut Core,
+        timeline: &Timeline,
+        robot: RobotId,
+        taken: &BTreeSet<NodeId>,
+        now: Time,
+    ) -> Option<Route> {
+        let loaded = core.ledger.rack_on(robot).is_some();
+        let exemptions = core.floor().exemptions(robot, now);
+        let places = core.floor().stays_near(robot, PLACES + taken.len());
+        let mut places = places.into_iter().filter(|n| !taken.contains(n)).take(PLACES);
+        places.find_map(|place| {
+            let stage = Stage { loaded, ..Stage::to_stay(place) };
+            let mut route = self.search_stages_on(core, timeline, robot, &[stage], &exemptions, now)?;
+            route.stops.clear();
+            Some(route)
+        })
     }
 }

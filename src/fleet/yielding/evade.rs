@@ -114,7 +114,7 @@ impl Yielding {
         if chain.first() + 1 != chain.granted() || floor.ledger.robots[robot].failed {
             return None;
         }
-        if let Some(worker) = self.state.stood_for(robot, now) {
+        if let Some(worker) = self.state.stood_for(robot, now).or(self.state.stuck_with(robot, now)) {
             return Some(worker);
         }
         let node = floor.ledger.node_of(robot);
@@ -188,7 +188,9 @@ impl Yielding {
         if left {
             traffic.tally.replans += 1;
         }
-        if left || !core.floor().waits_for_room(robot) && traffic.insert(core, robot, now) {
+        let insert = !left && !core.floor().waits_for_room(robot) && traffic.insert(core, robot, now);
+        let stuck = self.state.stuck_with(robot, now).is_some();
+        if left || insert || stuck && traffic.step_out(core, robot, now) {
             self.gives_way(core, robot, worker, Reaction::Rerouted, now);
         }
         core.settings.expansions_per_plan

@@ -228,6 +228,10 @@ impl SpeedLimits<'_> {
     /// Whether a robot that drives on to the end of what it was granted would still move when a person comes into
     /// region 1.
     fn is_caught_up(&self, robot: RobotId, worker: WorkerId, w: &Whereabouts, now: Time) -> bool {
+        // One that has stood for long leaves: a person who wants to pass where it stands comes near all the time.
+        if self.yielding.stuck_with(robot, now).is_some() {
+            return false;
+        }
         let Some(seen) = self.floor.scene.robot(robot) else { return false };
         let at = seen.pose.at;
         let way = self.traffic.granted_way(self.floor, robot, at);
