@@ -96,7 +96,7 @@ impl Traffic {
     }
 
     /// A route for the rest of a robot's task on some other timeline, from which its own has been withdrawn.
-    fn search_on(
+    pub(super) fn search_on(
         &mut self,
         core: &mut Core,
         timeline: &Timeline,

@@ -44,21 +44,25 @@ impl Traffic {
         self.step_out_together(core, robot, now)
     }
 
-    /// Sends a robot out of the way together with those that stand on its way out, these first.
+    /// Sends a robot out of the way together with those that stand on its way out, these first. Those that are to come
+    /// onto it soon come after it.
     fn step_out_together(&mut self, core: &mut Core, robot: RobotId, now: Time) -> bool {
-        let mut others = self.in_the_way_out(core, robot, now);
-        if others.is_empty() {
+        let (mut leave, come) = self.in_the_way_out(core, robot, now);
+        if leave.is_empty() && come.is_empty() || leave.len() + come.len() > TOGETHER {
             return false;
         }
-        others.push(robot);
+        leave.push(robot);
         let mut scratch = core.ledger.timeline().clone();
-        for r in &others {
+        for r in leave.iter().chain(&come) {
             scratch.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);
         }
         let mut found: Vec<(RobotId, Route)> = Vec::new();
         let mut taken: BTreeSet<NodeId> = BTreeSet::new();
-        for r in others {
-            let Some(route) = self.way_out_on(core, &scratch, r, &taken, now) else { return false };
+        for (i, &r) in leave.iter().chain(&come).enumerate() {
+            let on = if i < leave.len() { None } else { self.search_on(core, &scratch, r, now) };
+            let Some(route) = on.or_else(|| self.way_out_on(core, &scratch, r, &taken, now)) else {
+                return false;
+            };
             let visits = std::iter::once(route.kept.clone()).chain(route.visits.iter().cloned()).collect();
             taken.extend(route.visits.last().map(|v| v.node));
             if scratch.extend(Holder::Robot(r), visits).is_err() {
@@ -71,9 +75,9 @@ impl Traffic {
         true
     }
 
-    /// Robots that stand on the way out that a robot would have if all that can move were not there, or are to come
-    /// onto it soon; those that are farthest along it first.
-    fn in_the_way_out(&mut self, core: &mut Core, robot: RobotId, now: Time) -> Vec<RobotId> {
+    /// Robots on the way out that a robot would have if all that can move were not there: those that stand on it, or
+    /// are granted some of it, the farthest along it first; and those that are to come onto it soon.
+    fn in_the_way_out(&mut self, core: &mut Core, robot: RobotId, now: Time) -> (Vec<RobotId>, Vec<RobotId>) {
         let floor = core.floor();
         let fit = |r: &RobotId| !core.ledger.robots[*r].failed && core.scene.fit(*r, now).is_some();
         let movable =
@@ -85,17 +89,23 @@ impl Traffic {
         }
         without.withdraw(Holder::Robot(robot), core.ledger.chain(robot).granted() - 1);
         let Some(route) = self.way_out_on(core, &without, robot, &BTreeSet::new(), now) else {
-            return Vec::new();
+            return (Vec::new(), Vec::new());
         };
         let along = |node: NodeId| route.visits.iter().rposition(|v| v.node == node);
-        let reach = |r: &RobotId| {
-            let chain = core.ledger.chain(*r);
-            let soon = chain.visits().take_while(|v| v.enter <= now + SOON);
-            soon.filter_map(|v| along(v.node)).max()
-        };
-        let mut met: Vec<(usize, RobotId)> = movable.iter().filter_map(|r| Some((reach(r)?, *r))).collect();
-        met.sort_unstable_by_key(|(at, r)| (std::cmp::Reverse(*at), *r));
-        if met.len() > TOGETHER { Vec::new() } else { met.into_iter().map(|(_, r)| r).collect() }
+        let (mut there, mut come) = (Vec::new(), Vec::new());
+        for r in movable {
+            let chain = core.ledger.chain(r);
+            let granted = (chain.granted() - chain.first()) as usize;
+            let here = chain.visits().take(granted).filter_map(|v| along(v.node)).max();
+            let mut soon = chain.visits().skip(granted).take_while(|v| v.enter <= now + SOON);
+            match here {
+                Some(at) => there.push((at, r)),
+                None if soon.any(|v| along(v.node).is_some()) => come.push(r),
+                None => {}
+            }
+        }
+        there.sort_unstable_by_key(|(at, r)| (std::cmp::Reverse(*at), *r));
+        (there.into_iter().map(|(_, r)| r).collect(), come)
     }
 
     /// A route to the nearest place where a robot may stay, on some other timeline, but for places that are `taken`.
