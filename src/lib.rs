@@ -174,6 +174,8 @@
 //!
 //! - *Delays* slide windows and keep every order (`timeline/delay.rs`): a follower starts as much later as it must.
 //! - *Granting early* moves the start of a hold with no earlier hold before it, so no inequality is lost.
+//! - *Going on early* (`timeline/advance.rs`) moves the holds of one robot forward, each no farther than to the end of
+//!   what others hold there before it: every order stays as it is. So grants follow the order and not the clock.
 //! - *A better route* (`traffic/plan.rs`, `improve`) is searched in the windows that all other holds leave free, so it
 //!   fits in, and the order of all holds stays free of cycles, although the robot may now come before others.
 //! - *A broken robot* keeps what it was granted without end. The robots that have to pass it, and those that would
@@ -193,8 +195,10 @@
 //! *People* are outside of the argument on purpose. A worker holds nothing in the timeline: a grant that would meet
 //! a condition waits, which is a delay like any other, and the order of robots stays as it is. But a robot and a person
 //! can wait for one another. So a robot on a person's path leaves it. A robot that has yielded to a person for long is
-//! called back and leaves by another way. A person whose path is blocked is led round, or to a place aside, and is told
-//! to stop only if nothing else is left.
+//! called back and leaves by another way. After a minute it goes to the nearest place where it may stay, together with
+//! the robots that stand on its way there: those farthest out leave first. A person whose path is blocked is led round,
+//! past robots that have yielded for long, or to a place aside, and is told to stop only if nothing else is left. That
+//! this always ends is measured (`docs/robustness.md`) and not argued.
 //!
 //! One thing must be true of the floor for (a) to be possible at all: every place can be reached without crossing a
 //! place where a robot may stay for ever. `warehouse/check/floor.rs` refuses maps where that is not so.
@@ -221,7 +225,7 @@
 //! | joint replanning (insertion) | `fleet/traffic/joint.rs` |
 //! | how far ahead robots are granted (base, horizon) | `fleet/traffic/grant.rs` |
 //! | a grant is revoked, a route is truncated | `fleet/traffic/revoke.rs`; `fleet/traffic/truncate.rs` |
-//! | delays, breakdowns | `fleet/traffic/progress.rs`, `timeline/delay.rs`; `fleet/traffic/truncate.rs` |
+//! | delays, going on early, breakdowns | `timeline/delay.rs`, `advance.rs`; `fleet/traffic/truncate.rs` |
 //! | faults of robots, e-stop; a blocked path | `fleet/state/fault.rs`; `fleet/traffic/obstruction.rs` |
 //! | robots that people pushed elsewhere | `fleet/traffic/displaced.rs`; in words: `api/displaced.rs` |
 //! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog.rs` |
