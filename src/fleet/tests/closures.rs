@@ -79,29 +79,27 @@ fn an_aisle_is_used_before_and_after_its_hour_and_empty_meanwhile() {
 
 #[test]
 fn a_robot_that_waits_for_an_area_goes_on_at_once_when_it_is_opened_early() {
-    let mut floor = TestFloor::thesis(1);
+    let mut floor = TestFloor::lab(1);
     let w = floor.fleet.warehouse().clone();
-    let station = w.stations.iter().next().expect("the hall has stations").node;
-    let at = w.nodes[station].at;
+    let queue = w.node_named("R100").expect("it is the queue of the station");
+    let station = StationId(0);
+    let window = Window::new(seconds(0.0), seconds(600.0));
+    let at = w.nodes[queue].at;
     let corners = [(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)];
     let outline = corners.iter().map(|(x, y)| Point::new(at.x + x, at.y + y).into()).collect();
-    let window = Window::new(seconds(0.0), seconds(1200.0));
-    let area = Closure { outline, nodes: Vec::new(), window, reason: "oil".into() };
-    let closure = floor.close(area);
-    let id = StationId::at(0);
-    let job = floor.submit(request(JobKind::Deliver { rack: RackId(0), station: id, pick: None }));
-    floor.run(200);
-    assert!(floor.state(job).is_some(), "it cannot be served while the station is closed");
-    let robot = RobotId::at(0);
+    let closure = floor.close(Closure { outline, nodes: Vec::new(), window, reason: "oil".into() });
+    let job = floor.submit(request(JobKind::Deliver { rack: RackId(3), station, pick: None }));
+    floor.run(120);
+    assert!(floor.state(job).is_some(), "it cannot be served while the way there is closed");
+    assert!(!floor.promised(RobotId::at(0)).is_empty(), "its route leads through the area, afterwards");
     let place = |f: &TestFloor| f.world.truth().next().expect("there is one robot").1.pose.at;
     let waits = place(&floor);
     floor.run(5);
-    assert!((place(&floor) - waits).norm() < 0.01, "{robot:?} stands");
+    assert!((place(&floor) - waits).norm() < 0.01, "it stands");
     floor.step(vec![Input::Reopen { token: 6, closure }]);
-    floor.run(2);
-    assert!((place(&floor) - waits).norm() > 0.05, "it is on its way within two seconds");
+    floor.until(2, "it goes on", |f| (place(f) - waits).norm() > 0.02);
     floor.until(200, "it is served", |f| f.state(job).is_none());
-    assert!(floor.now < seconds(500.0), "long before the area was to be opened");
+    assert!(floor.now < seconds(400.0), "long before the area was to be opened");
 }
 
 #[test]
