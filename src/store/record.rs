@@ -255,7 +255,7 @@ impl From<&Fact> for Record {
             }
             Fact::Passed { robot, serial } => Record::Passed { robot: robot.0, serial: *serial },
             Fact::Acted { robot, serial } => Record::Acted { robot: robot.0, serial: *serial },
-            Fact::Delayed { moved } => {
+            Fact::Retimed { moved } => {
                 Record::Delayed { moved: moved.iter().map(MovedRecord::from).collect() }
             }
             Fact::Revoked { robot, serial, recalls, at } => {
@@ -353,7 +353,7 @@ impl From<Record> for Fact {
             Record::Passed { robot, serial } => Fact::Passed { robot: RobotId(robot), serial },
             Record::Acted { robot, serial } => Fact::Acted { robot: RobotId(robot), serial },
             Record::Delayed { moved } => {
-                Fact::Delayed { moved: moved.into_iter().map(Moved::from).collect() }
+                Fact::Retimed { moved: moved.into_iter().map(Moved::from).collect() }
             }
             Record::Recalled { robot, serial, recalls, at } => {
                 Fact::Revoked { robot: RobotId(robot), serial, recalls, at: Time(at) }

@@ -4,7 +4,7 @@
 //! moves, and `slide` moves it. Refuses: to change any order, and to move other holders; each of those advances by
 //! itself, once its turn has come.
 
-use super::{Chain, Holder, Shift, Timeline, Visit};
+use super::{Holder, Shift, Timeline, Visit};
 use crate::time::{Span, Time};
 
 impl Timeline {
@@ -22,7 +22,8 @@ impl Timeline {
         }
         let mut shifts = vec![Shift { arrive: here.arrive.min(depart), ..Shift::of(last, here) }];
         let mut by = here.depart - depart;
-        for (serial, visit) in self.later(chain, last) {
+        for serial in last + 1..chain.end() {
+            let visit = chain.get(serial).expect("it is in the chain");
             by = by.min(self.room_before(holder, serial, visit));
             if by <= Span::ZERO {
                 break;
@@ -33,10 +34,6 @@ impl Timeline {
             shifts.push(Shift { enter: shift.enter - by, arrive: shift.arrive - by, ..shift });
         }
         if shifts.len() == 1 { Vec::new() } else { shifts }
-    }
-
-    fn later<'a>(&self, chain: &'a Chain, last: u64) -> impl Iterator<Item = (u64, &'a Visit)> + use<'a> {
-        (last + 1..chain.end()).map(|s| (s, chain.get(s).expect("it is in the chain")))
     }
 
     /// How much earlier a visit may begin before it meets what another holder holds there before it.

@@ -174,7 +174,7 @@ fn a_ledger_from_a_snapshot_and_the_facts_behind_it_is_the_fold_of_all_facts() {
                 seen[0] |= matches!(fact, Fact::Truncated { .. });
                 seen[1] |= matches!(fact, Fact::Assigned { .. });
                 seen[2] |= matches!(fact, Fact::Closed { .. });
-                seen[3] |= matches!(fact, Fact::Delayed { .. });
+                seen[3] |= matches!(fact, Fact::Retimed { .. });
             }
             count += 1;
             if count == pause {

@@ -86,7 +86,7 @@ fn every_fact() -> Vec<Fact> {
         Fact::Granted { robot, serial: 8, at },
         Fact::Passed { robot, serial: 8 },
         Fact::Acted { robot, serial: 8 },
-        Fact::Delayed { moved: vec![Moved { robot, shifts: shifts(at) }] },
+        Fact::Retimed { moved: vec![Moved { robot, shifts: shifts(at) }] },
         Fact::Revoked { robot, serial: 8, recalls: 3, at },
         Fact::Placed {
             robot,
@@ -232,7 +232,7 @@ fn every_fact_comes_back_from_its_record() {
 fn records_of_version_2_are_read_for_ever() {
     let text = r#"[{"fact":"routed","bookings":[[2,5,[1,null,5,[10,10,10,20]],[[2,7,0,[30,10,null,null]]],[[6,{"lift":3}],[7,"arrive"]]]]},{"fact":"delayed","moved":[[2,[[6,[1,2,3,null]]]]]}]"#;
     let facts = record::decode(2, text).unwrap();
-    let [Fact::Routed { bookings }, Fact::Delayed { moved }] = &facts[..] else { panic!("{text}") };
+    let [Fact::Routed { bookings }, Fact::Retimed { moved }] = &facts[..] else { panic!("{text}") };
     let Booking { keep: 5, kept, visits, stops, .. } = &bookings[0] else { panic!("{text}") };
     assert_eq!((kept.enter, kept.arrive, kept.depart, kept.leave), (Time(10), Time(20), Time(30), Time(40)));
     assert!(visits[0].depart.is_forever());

@@ -81,8 +81,8 @@ pub enum Fact {
         /// Serial number of the stop.
         serial: u64,
     },
-    /// A robot is late: its visits, and those of all robots that come after it, have other times now.
-    Delayed {
+    /// Visits have other times now: a robot is late, and all robots that come after it are, too; or it goes on early.
+    Retimed {
         /// The robots whose visits moved.
         moved: Vec<Moved>,
     },

@@ -54,7 +54,7 @@ fn a_slow_robot_is_planned_as_slow_as_it_drives() {
         let back = floor.submit(go(home));
         floor.until(300, "it is back", |f| f.state(back).is_none());
     }
-    let late = floor.facts.iter().filter(|f| matches!(f, Fact::Delayed { .. })).count();
+    let late = floor.facts.iter().filter(|f| matches!(f, Fact::Retimed { .. })).count();
     assert_eq!(late, 0, "a robot alone is never later than planned");
 }
 

@@ -16,7 +16,7 @@ use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
 use crate::timeline::{Holder, Visit};
 
-/// How long before its planned time a hold may be granted.
+/// How long before its planned time a hold may be granted as it is; a robot that can go on earlier is retimed first.
 const EARLY: Span = Span::from_secs(4);
 /// People, closed areas and displaced robots are looked for so far ahead where a robot could go on early.
 const PLANNED: Span = Span::from_secs(60);
@@ -63,10 +63,14 @@ impl Traffic {
 
 /// Grants as many further visits as the robot needs to keep its speed; says why no more, if it needs more.
 fn extend_grant(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: Time) -> Option<Withheld> {
-    let next = core.ledger.chain(robot).granted();
-    if core.floor().withholds(yielding, robot, next, now) == Some(Withheld::Early) {
-        go_on_early(core, robot, now);
-    }
+    let first = core.ledger.chain(robot).granted();
+    let withheld = grant_ahead(core, yielding, robot, now);
+    let early = withheld == Some(Withheld::Early) && core.ledger.chain(robot).granted() == first;
+    if early && go_on_early(core, robot, now) { grant_ahead(core, yielding, robot, now) } else { withheld }
+}
+
+/// Grants further visits up to the first that is withheld, and no more than the robot needs.
+fn grant_ahead(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: Time) -> Option<Withheld> {
     let floor = core.floor();
     let first = floor.ledger.chain(robot).granted();
     let mut serial = first;
@@ -89,10 +93,11 @@ fn extend_grant(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: 
     withheld
 }
 
-/// Moves forward what a robot holds after its last granted visit: nothing of what it was to wait for is left.
-fn go_on_early(core: &mut Core, robot: RobotId, now: Time) {
+/// Moves forward what a robot holds after its last granted visit, if nothing of what it was to wait for is left.
+/// Whether anything moved.
+fn go_on_early(core: &mut Core, robot: RobotId, now: Time) -> bool {
     if core.floor().waits_as_planned(robot, now) {
-        return;
+        return false;
     }
     let chain = core.ledger.chain(robot);
     let last = chain.granted() - 1;
@@ -100,9 +105,11 @@ fn go_on_early(core: &mut Core, robot: RobotId, now: Time) {
     let is_there = chain.first() == last;
     let depart = if is_there { now } else { now.max(here.arrive + here.stay) };
     let shifts = core.ledger.timeline().advance(Holder::Robot(robot), depart);
-    if !shifts.is_empty() {
-        core.record(Fact::Delayed { moved: vec![Moved { robot, shifts }] });
+    let moves = !shifts.is_empty();
+    if moves {
+        core.record(Fact::Retimed { moved: vec![Moved { robot, shifts }] });
     }
+    moves
 }
 
 /// Sends everything granted from where the robot is.

@@ -155,7 +155,7 @@ fn note_delay(core: &mut Core, robot: RobotId, now: Time) {
     let slip = core.ledger.timeline().delay(Holder::Robot(robot), serial, depart);
     let moved = slip.into_iter().map(|(h, shifts)| Moved { robot: robot_of(h), shifts });
     debug_assert!(depart > core.floor().ledger.chain(robot).get(serial).expect("it stands there").depart);
-    core.record(Fact::Delayed { moved: moved.collect() });
+    core.record(Fact::Retimed { moved: moved.collect() });
 }
 
 /// Jobs that come after one that was cancelled or failed will never start; neither will those that come after

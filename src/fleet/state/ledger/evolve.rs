@@ -80,7 +80,7 @@ impl Ledger {
             }
             Fact::Passed { robot, serial } => self.timeline.release(Holder::Robot(*robot), *serial),
             Fact::Acted { robot, serial } => self.act(*robot, *serial),
-            Fact::Delayed { moved } => {
+            Fact::Retimed { moved } => {
                 let slip: Vec<_> =
                     moved.iter().map(|m| (Holder::Robot(m.robot), m.shifts.as_slice())).collect();
                 self.timeline.slide(&slip);
