@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 const OTHERS: usize = 3;
 
 /// A robot with its new route.
-type Found = (RobotId, Route);
+pub(super) type Found = (RobotId, Route);
 
 impl Traffic {
     /// Plans `robot` together with the few robots that stand most in its way. Whether that worked.
@@ -43,8 +43,7 @@ impl Traffic {
         }
         self.plan_times.push((core.settings.stopwatch)() - start);
         let Some((_, routes)) = best else { return false };
-        let bookings = routes.into_iter().map(|(r, route)| core.floor().booking(r, route)).collect();
-        core.record(Fact::Routed { bookings });
+        commit_all(core, routes);
         true
     }
 
@@ -79,19 +78,8 @@ impl Traffic {
 
     /// Plans robots one after the other, each against those before it; gives the sum of their arrivals.
     fn plan_in_order(&mut self, core: &mut Core, order: &[RobotId], now: Time) -> Option<(i64, Vec<Found>)> {
-        let mut scratch = core.ledger.timeline().clone();
-        for r in order {
-            scratch.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);
-        }
-        let mut routes = Vec::new();
-        let mut cost = 0;
-        for &r in order {
-            let route = self.search_on(core, &scratch, r, now)?;
-            cost += (route.arrival - now).0;
-            let visits = std::iter::once(route.kept.clone()).chain(route.visits.iter().cloned()).collect();
-            scratch.extend(Holder::Robot(r), visits).ok()?;
-            routes.push((r, route));
-        }
+        let routes = in_turn(core, order, |core, timeline, r| self.search_on(core, timeline, r, now))?;
+        let cost = routes.iter().map(|(_, route)| (route.arrival - now).0).sum();
         Some((cost, routes))
     }
 
@@ -144,6 +132,33 @@ impl Traffic {
         let kind = core.settings.kind(&core.ledger.robots[robot].kind);
         self.planners.of_mut(kind).plan(&ask, timeline).ok()
     }
+}
+
+/// Routes for robots one after the other, each found on a timeline that has those of the robots before it, and nothing
+/// of the others beyond what they were granted. All get one, or none does.
+pub(super) fn in_turn(
+    core: &mut Core,
+    order: &[RobotId],
+    mut find: impl FnMut(&mut Core, &Timeline, RobotId) -> Option<Route>,
+) -> Option<Vec<Found>> {
+    let mut scratch = core.ledger.timeline().clone();
+    for r in order {
+        scratch.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);
+    }
+    let mut routes = Vec::new();
+    for &r in order {
+        let route = find(core, &scratch, r)?;
+        let visits = std::iter::once(route.kept.clone()).chain(route.visits.iter().cloned()).collect();
+        scratch.extend(Holder::Robot(r), visits).ok()?;
+        routes.push((r, route));
+    }
+    Some(routes)
+}
+
+/// Books routes that were found together.
+pub(super) fn commit_all(core: &mut Core, routes: Vec<Found>) {
+    let bookings = routes.into_iter().map(|(r, route)| core.floor().booking(r, route)).collect();
+    core.record(Fact::Routed { bookings });
 }
 
 /// The asking robot first, last, and last among the others turned round.

@@ -7,7 +7,7 @@
 //! send a robot off that stands where it may stay, unless it is in the way of another.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::traffic::joint::{commit_all, in_turn};
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
 use crate::id::{NodeId, RobotId};
@@ -52,26 +52,16 @@ impl Traffic {
             return false;
         }
         leave.push(robot);
-        let mut scratch = core.ledger.timeline().clone();
-        for r in leave.iter().chain(&come) {
-            scratch.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);
-        }
-        let mut found: Vec<(RobotId, Route)> = Vec::new();
+        let order = [leave, come.clone()].concat();
         let mut taken: BTreeSet<NodeId> = BTreeSet::new();
-        for (i, &r) in leave.iter().chain(&come).enumerate() {
-            let on = if i < leave.len() { None } else { self.search_on(core, &scratch, r, now) };
-            let Some(route) = on.or_else(|| self.way_out_on(core, &scratch, r, &taken, now)) else {
-                return false;
-            };
-            let visits = std::iter::once(route.kept.clone()).chain(route.visits.iter().cloned()).collect();
+        let routes = in_turn(core, &order, |core, timeline, r| {
+            let on = if come.contains(&r) { self.search_on(core, timeline, r, now) } else { None };
+            let route = on.or_else(|| self.way_out_on(core, timeline, r, &taken, now))?;
             taken.extend(route.visits.last().map(|v| v.node));
-            if scratch.extend(Holder::Robot(r), visits).is_err() {
-                return false;
-            }
-            found.push((r, route));
-        }
-        let bookings = found.into_iter().map(|(r, route)| core.floor().booking(r, route)).collect();
-        core.record(Fact::Routed { bookings });
+            Some(route)
+        });
+        let Some(routes) = routes else { return false };
+        commit_all(core, routes);
         true
     }
 
