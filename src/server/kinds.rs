@@ -83,6 +83,8 @@ pub struct KindKeeper {
     scenario: Scenario,
     map: Arc<Warehouse>,
     requests: mpsc::Receiver<KindRequest>,
+    /// Those that will be in force at the next start, since they were last worked out; nothing after a change.
+    next: Option<Vec<RobotKind>>,
 }
 
 impl KindKeeper {
@@ -92,7 +94,7 @@ impl KindKeeper {
         let of_scenario = scenario.kinds.iter().map(|k| k.kind.clone()).collect();
         let held = fleet.settings().kinds.clone().into();
         let kinds = Kinds { of_scenario, held, requests: Some(send), ..Kinds::default() };
-        (KindKeeper { store, scenario, map: fleet.warehouse().clone(), requests }, kinds)
+        (KindKeeper { store, scenario, map: fleet.warehouse().clone(), requests, next: None }, kinds)
     }
 
     /// Answers until nothing can ask any more. A receiver of an answer that is gone is no error.
@@ -109,34 +111,55 @@ impl KindKeeper {
     }
 
     /// Those that will be in force at the next start.
-    async fn list(&self) -> Result<Vec<RobotKind>, KindRefusal> {
+    async fn list(&mut self) -> Result<Vec<RobotKind>, KindRefusal> {
+        if let Some(next) = &self.next {
+            return Ok(next.clone());
+        }
         let all = self.store.kinds().await.map_err(|e| told(&e))?;
-        let mut scenario = self.scenario.clone();
-        join_kinds(&mut scenario, self.map.clone(), &all);
-        Ok(scenario.kinds.into_iter().skip(self.scenario.kinds.len()).map(|k| k.kind).collect())
+        let (mut scenario, map) = (self.scenario.clone(), self.map.clone());
+        let of_scenario = scenario.kinds.len();
+        let joined = aside(move || {
+            join_kinds(&mut scenario, map, &all);
+            scenario
+        });
+        let kinds = joined.await?.kinds.into_iter().skip(of_scenario).map(|k| k.kind);
+        Ok(self.next.insert(kinds.collect()).clone())
     }
 
-    async fn put(&self, kind: KindText) -> Result<(bool, RobotKind), KindRefusal> {
+    async fn put(&mut self, kind: KindText) -> Result<(bool, RobotKind), KindRefusal> {
         let mut all = self.store.kinds().await.map_err(|e| told(&e))?;
         let known = all.len();
         all.retain(|k| k.name != kind.name);
         let is_new = all.len() == known;
-        let mut scenario = self.scenario.clone();
-        let map = join_kinds(&mut scenario, self.map.clone(), &all);
-        let (scenario, _) = joined(&scenario, &map, &kind)?;
+        let (mut scenario, map, wanted) = (self.scenario.clone(), self.map.clone(), kind.clone());
+        let more = aside(move || {
+            let map = join_kinds(&mut scenario, map, &all);
+            joined(&scenario, &map, &wanted).map(|(more, _)| more)
+        });
+        let more = more.await??;
+        self.next = None;
         self.store.put_kind(&kind).await.map_err(|e| told(&e))?;
-        let added = scenario.kinds.into_iter().next_back().expect("one was added");
+        let added = more.kinds.into_iter().next_back().expect("one was added");
         tracing::info!("the kind {:?} is added from the next start on", kind.name);
         Ok((is_new, added.kind))
     }
 
-    async fn remove(&self, name: &str) -> Result<(), KindRefusal> {
+    async fn remove(&mut self, name: &str) -> Result<(), KindRefusal> {
         if self.scenario.kinds.iter().any(|k| k.kind.name == name) {
             return Err(KindRefusal::OfScenario);
         }
+        self.next = None;
         let was_there = self.store.remove_kind(name).await.map_err(|e| told(&e))?;
         if was_there { Ok(()) } else { Err(KindRefusal::Unknown) }
     }
+}
+
+/// Works something out beside the runtime: fitting a map to kinds takes long on a large one.
+async fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, KindRefusal> {
+    tokio::task::spawn_blocking(work).await.map_err(|e| {
+        tracing::error!("kinds of robots: {e}");
+        KindRefusal::Database
+    })
 }
 
 /// Logs the failure, once; the client only learns that it is the database.
