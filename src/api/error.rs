@@ -47,6 +47,13 @@ impl FieldError {
     pub fn new(field: impl Into<String>, detail: impl Into<String>) -> FieldError {
         FieldError { field: field.into(), detail: detail.into() }
     }
+
+    /// What is wrong with the `name` of a machine: it has 1 to `longest` letters, digits, `-`, `_` and `.`.
+    pub fn of_plain_name(name: &str, longest: usize) -> Option<FieldError> {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+        let fits = (1..=longest).contains(&name.len()) && name.chars().all(plain);
+        (!fits).then(|| FieldError::new("name", format!("1 to {longest} letters, digits, `-`, `_` or `.`")))
+    }
 }
 
 impl Problem {

@@ -189,10 +189,8 @@ pub async fn put(
     PathPart(name): PathPart,
     JsonBody(new): JsonBody<NewKind>,
 ) -> Result<(StatusCode, Json<KindDto>), Problem> {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-    if !(1..=LONGEST_NAME).contains(&name.len()) || !name.chars().all(plain) {
-        let detail = format!("1 to {LONGEST_NAME} letters, digits, `-`, `_` or `.`");
-        return Err(Problem::invalid(vec![FieldError::new("name", detail)]));
+    if let Some(wrong) = FieldError::of_plain_name(&name, LONGEST_NAME) {
+        return Err(Problem::invalid(vec![wrong]));
     }
     refuse_used(&api, &name)?;
     let figures = serde_json::to_string(&new).expect("figures are JSON");

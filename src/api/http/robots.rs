@@ -64,12 +64,7 @@ pub async fn register(
     JsonBody(new): JsonBody<NewRobot>,
 ) -> Result<(StatusCode, Json<JoinedDto>), Problem> {
     let name = new.name.trim().to_owned();
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-    let mut wrong = Vec::new();
-    if !(1..=LONGEST_NAME).contains(&name.len()) || !name.chars().all(plain) {
-        let detail = format!("1 to {LONGEST_NAME} letters, digits, `-`, `_` or `.`");
-        wrong.push(FieldError::new("name", detail));
-    }
+    let mut wrong: Vec<FieldError> = FieldError::of_plain_name(&name, LONGEST_NAME).into_iter().collect();
     let node = api.map.node_named(&new.node);
     if node.is_none() {
         wrong.push(FieldError::new(
