@@ -3,7 +3,7 @@
 use crate::helper::{Answer, Folder, delivery, get, map, post, send, start};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 async fn say(at: SocketAddr, station: &str, what: &str) -> Answer {
     send(at, "POST", &format!("/v1/stations/{station}/{what}"), &[], "").await.unwrap()
@@ -63,5 +63,83 @@ async fn a_paused_station_gets_no_racks_and_stays_paused_over_a_restart() {
     until("the job says why it waits", at, &path, |j| j["why"] == *why).await;
     assert_eq!(say(at, &station, "resume").await.status, 204);
     until("a robot has it", at, &path, |j| j["state"] != "waiting").await;
+    server.stop().await.unwrap();
+}
+
+/// The place of the robot that does a job, once the robot has had it there for three seconds.
+async fn stands(at: SocketAddr, job: &str) -> (f64, f64) {
+    let mut since = (Instant::now(), None);
+    for _ in 0..1200 {
+        let now = place_of(at, job).await;
+        match now {
+            Some(place) if now == since.1 && since.0.elapsed() > Duration::from_secs(3) => return place,
+            Some(_) if now == since.1 => {}
+            _ => since = (Instant::now(), now),
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    panic!("the robot with {job} does not come to stand");
+}
+
+/// Where the robot is that carries the rack of a job.
+async fn place_of(at: SocketAddr, job: &str) -> Option<(f64, f64)> {
+    let robots = get(at, "/v1/robots").await.json();
+    let carries = |r: &&Value| r["job"] == job && r["rack"].is_string();
+    let robot = robots["items"].as_array().unwrap().iter().find(carries)?;
+    Some((robot["x"].as_f64()?, robot["y"].as_f64()?))
+}
+
+/// Waits until the robot with a job moves, which takes a step and a message; the two seconds that are promised are
+/// asserted in simulated time, in the tests of the fleet.
+async fn sets_off(at: SocketAddr, job: &str, from: (f64, f64)) {
+    let began = Instant::now();
+    loop {
+        let now = place_of(at, job).await.expect("it carries the rack");
+        if (now.0 - from.0).hypot(now.1 - from.1) > 0.02 {
+            return;
+        }
+        assert!(began.elapsed() < Duration::from_secs(10), "it still stands at {now:?}");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_next_robot_sets_off_when_a_pick_of_a_quarter_of_an_hour_is_cancelled() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let mut long = delivery(0);
+    long["pick_s"] = json!(900);
+    let long = post(at, None, &long).await.unwrap().json();
+    until("a rack stands there", at, "/v1/stations", |s| s["items"][0]["picking"] == true).await;
+    let next = post(at, None, &delivery(1)).await.unwrap().json();
+    let next = next["id"].as_str().unwrap();
+    let from = stands(at, next).await;
+    let path = format!("/v1/jobs/{}", long["id"].as_str().unwrap());
+    let cancelled = send(at, "DELETE", &path, &[], "").await.unwrap();
+    assert!(cancelled.status < 300, "{}", cancelled.text);
+    sets_off(at, next, from).await;
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_robot_before_a_closed_area_sets_off_when_the_area_is_opened_long_before_its_time() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let station = map().stations.iter().next().unwrap().clone();
+    let queue = map().nodes[station.queue[0]].name.clone();
+    let until = (jiff::Timestamp::now() + jiff::SignedDuration::from_mins(10)).to_string();
+    let closure = json!({"nodes": [queue], "until": until, "reason": "oil"}).to_string();
+    let closed =
+        send(at, "POST", "/v1/closures", &[("content-type", "application/json")], &closure).await.unwrap();
+    assert_eq!(closed.status, 201, "{}", closed.text);
+    let job = post(at, None, &delivery(0)).await.unwrap().json();
+    let job = job["id"].as_str().unwrap();
+    let from = stands(at, job).await;
+    let path = format!("/v1/closures/{}", closed.json()["id"].as_str().unwrap());
+    let opened = send(at, "DELETE", &path, &[], "").await.unwrap();
+    assert!(opened.status < 300, "{}", opened.text);
+    sets_off(at, job, from).await;
     server.stop().await.unwrap();
 }
