@@ -76,6 +76,7 @@ impl HumanState {
         let stands = place.velocity.norm() < STROLL_MPS;
         person.stands_since = stands.then(|| person.stands_since.unwrap_or(now));
         self.look_ahead(core, yielding, worker, &place, now);
+        self.make_room(core.floor(), yielding, worker, place.at, now);
         let person = &mut self.people[worker];
         let Some(plan) = person.plan.as_mut() else { return };
         let conduct = plan.follower.observe(place.at, place.sigma_m);

@@ -143,6 +143,32 @@ impl HumanState {
         person.mode = WalkMode::Redirected;
     }
 
+    /// A worker who has no way to go, and for whom a robot has waited so long that each waits for the other, is led to a
+    /// place aside.
+    pub(in crate::fleet) fn make_room(
+        &mut self,
+        floor: Floor<'_>,
+        yielding: &YieldingState,
+        worker: WorkerId,
+        at: Point,
+        now: Time,
+    ) {
+        let has_way = self.people[worker].plan.is_some();
+        if has_way || floor.settings.policy != HumanAwarePolicy::Giveway {
+            return;
+        }
+        let waits = |(robot, _)| yielding.stuck_with(robot, now) == Some(worker);
+        if !yielding.giving_way().any(waits) {
+            return;
+        }
+        let cut = self.edges_blocked_for_long(floor, yielding, now);
+        if let Some(points) = self.refuge(floor, yielding, worker, at, &cut) {
+            let person = &mut self.people[worker];
+            person.give(points, None, Span::ZERO, now);
+            person.mode = WalkMode::Redirected;
+        }
+    }
+
     /// Where robots and a worker wait for one another and neither can pass: a way to the nearest place from
     /// which the worker leaves to those robots what they are about to drive.
     fn refuge(

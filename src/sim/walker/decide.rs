@@ -29,6 +29,12 @@ const LOOK_M: f64 = 3.0;
 const STEP_M: f64 = 0.2;
 /// A walker that has moved this far is no longer blocked by the same robot, metres.
 const GOT_AWAY_M: f64 = 0.5;
+/// A walker that is led aside on its way home stays there for this long.
+const MAKES_ROOM: Span = Span::from_secs(20);
+/// An errand on which the walker has come no nearer to its place for this long is given up.
+const ERRAND: Span = Span::from_secs(60);
+/// Less is no nearer, metres.
+const NEARER_M: f64 = 0.5;
 /// Robots this near are in the way of a detour, metres.
 const IN_SIGHT_M: f64 = 6.0;
 /// Places that nobody knows of are so far from those that everybody knows, metres.
@@ -58,6 +64,11 @@ impl Walker {
                     self.legs.set_off(join(self.legs.at, &shown.path, walkways), walkways);
                 }
                 WalkerDoing::Wander(_) if !ignores => self.doing = WalkerDoing::Duty,
+                WalkerDoing::Leave(_) if !ignores && !shown.path.is_empty() => {
+                    let goal = shown.path[shown.path.len() - 1];
+                    self.legs.set_off(join(self.legs.at, &shown.path, walkways), walkways);
+                    self.aside = Some(Aside { goal, stay: MAKES_ROOM, until: None });
+                }
                 _ => {}
             }
         } else if new {
@@ -103,7 +114,7 @@ impl Walker {
             ImpulseKind::Wander => Some(WalkerDoing::Wander(now + stay)),
         };
         if let Some(doing) = doing {
-            (self.doing, self.detour, self.aside) = (doing, false, None);
+            (self.doing, self.detour, self.aside, self.nearer_since) = (doing, false, None, None);
             self.legs.route.clear();
         }
     }
@@ -269,6 +280,17 @@ impl Walker {
         }
     }
 
+    /// Whether the walker has come no nearer to the place of its errand for long.
+    fn is_kept_from_errand(&mut self, now: Time) -> bool {
+        let WalkerDoing::Job { goal, until: None, .. } = self.doing else { return false };
+        let far_m = (goal - self.legs.at).norm();
+        let (since, nearest_m) = *self.nearer_since.get_or_insert((now, far_m));
+        if far_m < nearest_m - NEARER_M {
+            self.nearer_since = Some((now, far_m));
+        }
+        now - since > ERRAND
+    }
+
     /// A robot in the way: after some time the walker takes another way, or goes back and tries again.
     pub(super) fn give_up_waiting(
         &mut self,
@@ -279,6 +301,9 @@ impl Walker {
         let here = self.legs.at;
         // A walker that shuffles to and fro in front of a robot has not got away from it.
         self.blocked_since = self.blocked_since.filter(|(_, at)| (here - at).norm() < GOT_AWAY_M);
+        if self.is_kept_from_errand(now) {
+            return self.back_to_duty(now);
+        }
         if !self.legs.blocked {
             return;
         }

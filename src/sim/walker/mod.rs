@@ -112,6 +112,8 @@ pub struct Walker {
     reacts_until: Time,
     calm_until: Time,
     blocked_since: Option<(Time, Point)>,
+    /// Since when it has come no nearer to the place of its errand than so many metres.
+    nearer_since: Option<(Time, f64)>,
     detour: bool,
     aside: Option<Aside>,
     log: Log,
@@ -142,6 +144,7 @@ impl Walker {
             reacts_until: now,
             calm_until: now,
             blocked_since: None,
+            nearer_since: None,
             detour: false,
             aside: None,
             log: Log::default(),

@@ -160,6 +160,20 @@ fn a_walker_stops_before_a_robot_and_takes_another_way_after_a_while() {
 }
 
 #[test]
+fn a_walker_gives_up_an_errand_to_where_a_robot_stands_and_goes_to_work() {
+    let mut hall = TestHall::new();
+    hall.work_at("S10-13");
+    let mut w = walker(&hall, &workers(Causes::None, &[], Persona::Yields), "G0-14");
+    let goal = hall.place("G0-9");
+    w.doing = WalkerDoing::Job { cause: WalkCause::ChangeOfMind, goal, stay: Span::ZERO, until: None };
+    hall.robots = vec![RobotNear { at: goal, velocity: Vector::zeros(), half_m: 0.45 }];
+    hall.live(&mut w, 30.0, |_, _| {});
+    assert!(matches!(w.doing, WalkerDoing::Job { .. }), "it waits for a while");
+    hall.live(&mut w, 120.0, |_, _| {});
+    assert!(hall.job.is_none(), "it went to work");
+}
+
+#[test]
 fn nobody_who_minds_robots_steps_in_front_of_one_that_moves() {
     let mut hall = TestHall::new();
     hall.work_at("S4-10");
