@@ -130,6 +130,7 @@ impl Fleet {
         closures::note_closing(core, now);
         displaced::close_displaced(core, now);
         traffic.close_obstructed(core, now);
+        yielding.turn_halfway(core, people, traffic, now);
         yielding.limit_robots(core, people, traffic, now);
         yielding.revoke_grants(core, people, traffic, now);
         traffic.revoke_grants_into_displaced(core, now);

@@ -55,10 +55,10 @@ pub(super) struct RobotBody {
     pub fault: Option<(Fault, Time)>,
     /// The limit of its speed that it was told last.
     pub limit_mps: Option<f64>,
-    /// How many recalls it has followed to the end.
+    /// How many revocations it has obeyed.
     recalls: u64,
-    /// Whether it drives back to the node that it reached last, as it was told to.
-    returns: bool,
+    /// Whether it forgot its waypoints between two nodes, and people have not moved it since.
+    is_halfway: bool,
     battery: f64,
     /// Hours of driving on a full charge.
     driving_h: f64,
@@ -96,7 +96,7 @@ impl RobotBody {
             fault: None,
             limit_mps: None,
             recalls: 0,
-            returns: false,
+            is_halfway: false,
             battery,
             driving_h: kind.charging.driving_h,
             flat_since: None,
@@ -128,7 +128,7 @@ impl RobotBody {
     /// which it is nearest there.
     pub fn put(&mut self, at: Point, node: NodeId) {
         (self.pose.at, self.node, self.speed_mps) = (at, node, 0.0);
-        (self.acting, self.returns) = (None, false);
+        (self.acting, self.is_halfway) = (None, false);
         self.path.clear();
     }
 
@@ -144,14 +144,14 @@ impl RobotBody {
     /// A person drives it: it forgets its waypoints.
     pub fn take_over(&mut self, until: Time) {
         self.fault = Some((Fault::Manual, until));
-        (self.acting, self.returns) = (None, false);
+        (self.acting, self.is_halfway) = (None, false);
         self.path.clear();
         self.speed_mps = 0.0;
     }
 
     /// Whether it is on its way, with somewhere to come to.
     pub fn is_on_its_way(&self) -> bool {
-        self.speed_mps > 0.0 && self.acting.is_none() && !self.path.is_empty() && !self.returns
+        self.speed_mps > 0.0 && self.acting.is_none() && !self.path.is_empty() && !self.returns()
     }
 
     /// Whether it stands, carries nothing out and could be pushed.
@@ -179,29 +179,50 @@ impl RobotBody {
         self.path.back().map_or(self.reached, |t| t.serial)
     }
 
+    /// Whether it drives back to the node that it reached last.
+    fn returns(&self) -> bool {
+        self.path.front().is_some_and(|t| t.serial == self.reached)
+    }
+
     /// Takes an order.
     pub fn obey(&mut self, order: &Command, warehouse: &Warehouse) {
         match order {
-            Command::Drive { waypoints, recalls, .. } if *recalls >= self.recalls && !self.returns => {
+            Command::Drive { waypoints, recalls, .. } if *recalls >= self.recalls => {
                 self.recalls = *recalls;
                 self.learn(waypoints, warehouse);
             }
             Command::Drive { .. } => {}
             Command::Limit(limit) => self.limit_mps = *limit,
-            Command::Revoke { to, number } => self.come_back(*to, *number, warehouse),
+            Command::Revoke { reached, number } => self.forget(*reached, *number),
         }
     }
 
-    /// Where it stands on the way to the next waypoint, it drives back to the one before.
-    fn come_back(&mut self, to: u64, number: u64, warehouse: &Warehouse) {
+    /// Where it stands, on a node or on the way to the next, it forgets all waypoints.
+    fn forget(&mut self, reached: u64, number: u64) {
         let next = self.path.front().map_or(self.stood_at, |t| t.at);
         let stands = self.speed_mps == 0.0 && self.acting.is_none() && self.is_on_the_way_to(next);
-        if self.is_immobile() || !stands || to != self.reached || number != self.recalls + 1 {
+        if self.is_immobile() || !stands || reached != self.reached || number != self.recalls + 1 {
             return;
         }
-        let (serial, node, at) = (self.reached, self.node, warehouse.nodes[self.node].at);
-        self.path = VecDeque::from([Target { serial, node, at, act: None, limit_mps: f64::INFINITY }]);
-        self.returns = true;
+        self.is_halfway |= !self.path.is_empty();
+        self.recalls = number;
+        self.path.clear();
+    }
+
+    /// An order that ends with the visit that it reached last brings a robot back there that has forgotten its
+    /// waypoints; any other one turns it round again, once it stands. Whether it is to take on what the order says.
+    fn turn(&mut self, waypoints: &[Waypoint], warehouse: &Warehouse) -> bool {
+        let ends_here = waypoints.last().is_some_and(|w| w.serial == self.reached);
+        if ends_here && self.is_halfway && self.path.is_empty() && self.speed_mps == 0.0 {
+            let (serial, node, at) = (self.reached, self.node, warehouse.nodes[self.node].at);
+            self.path.push_back(Target { serial, node, at, act: None, limit_mps: f64::INFINITY });
+        } else if !ends_here && self.returns() {
+            if self.speed_mps > 0.0 {
+                return false;
+            }
+            self.path.clear();
+        }
+        true
     }
 
     /// An order that begins later than all it knows is for the place where it was put, if it stands there.
@@ -218,6 +239,9 @@ impl RobotBody {
     /// waypoint on to which it does not stand on the way, and does nothing where it was not to do it: it was pushed
     /// elsewhere meanwhile.
     fn learn(&mut self, waypoints: &[Waypoint], warehouse: &Warehouse) {
+        if !self.turn(waypoints, warehouse) {
+            return;
+        }
         waypoints.iter().take(1).for_each(|first| self.take_up(first, warehouse));
         // It is sent on: the pick has ended, whatever was planned.
         if let Some((serial, Act::Pick(_), _)) = self.acting
@@ -320,7 +344,7 @@ impl RobotBody {
     }
 
     fn tick(&mut self, now: Time, dt: f64) {
-        let is_obstructed = self.has(Fault::Obstructed) && !self.returns;
+        let is_obstructed = self.has(Fault::Obstructed) && !self.returns();
         if self.is_immobile() || is_obstructed || self.flat_since.is_some() {
             return self.coast(dt);
         }
@@ -393,9 +417,10 @@ impl RobotBody {
         if self.must_stop(0) {
             self.speed_mps = 0.0;
         }
+        let returns = self.returns();
         self.path.pop_front();
-        if std::mem::take(&mut self.returns) {
-            self.recalls += 1;
+        self.is_halfway = false;
+        if returns {
             // It has left what it stood before.
             self.fault = self.fault.filter(|(fault, _)| *fault != Fault::Obstructed);
         }
@@ -463,33 +488,72 @@ mod tests {
         timeline.reserve(Holder::Robot(RobotId(0)), vec![stands]).expect("nobody else is there")
     }
 
+    /// A robot on a node of the laboratory, and the nodes of a lane that begins there.
+    fn body_on_a_lane(w: &Warehouse) -> (RobotBody, [NodeId; 2]) {
+        let arc = w.arcs.iter().next().expect("a lane of the laboratory");
+        let footprints = [false, true].map(|loaded| w.footprint(BodyId(0), loaded).clone());
+        let at = w.nodes[arc.from].at;
+        let body = RobotBody::new(RobotId(0), arc.from, at, 1.0, (&RobotKind::default(), footprints));
+        (body, [arc.from, arc.to])
+    }
+
+    fn drive(w: &Warehouse, first: u64, nodes: &[NodeId], act: Option<Act>, recalls: u64) -> Command {
+        let waypoints = (first..).zip(nodes).map(|(serial, n)| Waypoint { serial, node: *n, act });
+        Command::Drive { grant: proof(w, nodes[0]), waypoints: waypoints.collect(), recalls }
+    }
+
+    #[test]
+    fn a_robot_that_forgot_its_way_between_two_nodes_goes_to_either_and_turns_only_when_it_stands() {
+        let w = lab();
+        let (mut body, [home, next]) = body_on_a_lane(&w);
+        let mut now = Time::ZERO;
+        let mut live = |body: &mut RobotBody, seconds: f64| {
+            let from = now;
+            now += Span::from_secs_f64(seconds);
+            body.advance(from, now, false);
+            (body.pose.at - w.nodes[home].at).norm()
+        };
+        body.obey(&drive(&w, 0, &[home, next], None, 0), &w);
+        while live(&mut body, 0.1) < 0.3 {}
+        body.obey(&Command::Revoke { reached: 0, number: 1 }, &w);
+        assert_eq!((body.recalls, body.known()), (0, 1), "it drives");
+        body.obey(&Command::Limit(Some(0.0)), &w);
+        let stood = live(&mut body, 2.0);
+        body.obey(&Command::Revoke { reached: 0, number: 1 }, &w);
+        body.obey(&Command::Limit(None), &w);
+        assert_eq!((body.recalls, body.known(), live(&mut body, 1.0)), (1, 0, stood), "it stays where it is");
+        body.obey(&drive(&w, 0, &[home, next], None, 0), &w);
+        assert_eq!(live(&mut body, 1.0), stood, "an order from before");
+        body.obey(&drive(&w, 0, &[home], None, 1), &w);
+        let back = live(&mut body, 2.5);
+        body.obey(&drive(&w, 0, &[home, next], None, 1), &w);
+        assert!(back < stood && body.returns(), "it does not turn round while it drives");
+        body.obey(&Command::Limit(Some(0.0)), &w);
+        live(&mut body, 2.0);
+        body.obey(&drive(&w, 0, &[home, next], None, 1), &w);
+        body.obey(&Command::Limit(None), &w);
+        live(&mut body, 10.0);
+        assert_eq!((body.reached, body.node), (1, next));
+    }
+
     #[test]
     fn a_robot_that_was_pushed_ignores_orders_for_where_it_was_and_takes_the_one_for_where_it_is() {
         let w = lab();
-        let arc = w.arcs.iter().next().expect("a lane of the laboratory");
-        let (home, next) = (arc.from, arc.to);
+        let (mut body, [home, next]) = body_on_a_lane(&w);
         let far = |n: &NodeId| (w.nodes[*n].at - w.nodes[home].at).norm() > 3.0;
         let away = w.nodes.ids().find(far).expect("the laboratory is larger than that");
-        let footprints = [false, true].map(|loaded| w.footprint(BodyId(0), loaded).clone());
-        let mut body =
-            RobotBody::new(RobotId(0), home, w.nodes[home].at, 1.0, (&RobotKind::default(), footprints));
-        let drive = |first: u64, nodes: &[NodeId], act: Option<Act>| Command::Drive {
-            grant: proof(&w, home),
-            waypoints: (first..).zip(nodes).map(|(serial, n)| Waypoint { serial, node: *n, act }).collect(),
-            recalls: 0,
-        };
         body.put(w.nodes[away].at, away);
         assert!(body.is_astray());
-        body.obey(&drive(0, &[home, next], Some(Act::Lift(RackId(0)))), &w);
-        body.obey(&Command::Revoke { to: 0, number: 1 }, &w);
+        body.obey(&drive(&w, 0, &[home, next], Some(Act::Lift(RackId(0))), 0), &w);
+        body.obey(&Command::Revoke { reached: 0, number: 1 }, &w);
         body.advance(Time::ZERO, Time::from_secs_f64(5.0), false);
         let said = body.report(Time::ZERO);
         assert_eq!((said.reached, said.known, said.rack, said.recalls), (0, 0, None, 0));
         assert_eq!(said.pose.at, w.nodes[away].at, "it stays where it was put");
-        body.obey(&drive(7, &[away], None), &w);
+        body.obey(&drive(&w, 7, &[away], None, 0), &w);
         assert_eq!((body.reached, body.node, body.is_astray()), (7, away, false));
         body.put(w.nodes[home].at, home);
-        body.obey(&drive(7, &[away], None), &w);
+        body.obey(&drive(&w, 7, &[away], None, 0), &w);
         assert!(body.is_astray(), "the same order says nothing about where it was put next");
     }
 }

@@ -109,6 +109,11 @@ impl Reserved {
     pub fn serials(&self) -> std::ops::Range<u64> {
         self.first..self.first + self.count as u64
     }
+
+    /// The proof for the first of them alone.
+    pub fn first_alone(self) -> Reserved {
+        Reserved { count: self.count.min(1), ..self }
+    }
 }
 
 /// Two holders want one resource at once.
@@ -476,7 +481,7 @@ impl Timeline {
     /// # Panics
     /// If `serial` is not granted.
     pub fn revoke(&mut self, holder: Holder, serial: u64) {
-        let chain = self.chains.get_mut(&holder).expect("only holders are called back");
+        let chain = self.chains.get_mut(&holder).expect("only holders have grants");
         assert!((chain.first..chain.granted).contains(&serial), "{holder:?} keeps what it was granted");
         chain.granted = serial + 1;
     }

@@ -148,7 +148,8 @@ impl Fleet {
             Service::Gone { .. } => return Some(Why::Gone),
             _ => {}
         }
-        if let Some(other) = self.traffic.drives_into(self.floor(), r) {
+        let back = self.traffic.drives_back_to(self.floor(), r);
+        if let Some(other) = self.floor().drives_into(r, back) {
             return Some(Why::BlockedBy(other));
         }
         if let Some(station) = self.floor().station_of(r)

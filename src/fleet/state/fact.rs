@@ -86,13 +86,14 @@ pub enum Fact {
         /// The robots whose visits moved.
         moved: Vec<Moved>,
     },
-    /// A robot has come back and will not drive what it was granted after this visit; that is only held now.
+    /// A robot stands and has forgotten what it was granted after this visit; that is only held now. The visit is the
+    /// one that it reached last, or the next if it stands between the two.
     Revoked {
         /// Which.
         robot: RobotId,
         /// Serial number of the last visit that it keeps.
         serial: u64,
-        /// How often it has been called back and came, by now.
+        /// How often it forgot what it was granted, by now.
         recalls: u64,
         /// When.
         at: Time,

@@ -13,7 +13,7 @@ pub enum Fault {
     /// A person drives it: it obeys no orders and has forgotten its way. What was granted to it stays its own, the
     /// floor where it truly is is closed, and it is taken up where it stands when that is over.
     Manual,
-    /// Something that it cannot pass stands on its way to the next node. It is called back, and that node is closed for
+    /// Something that it cannot pass stands on its way to the next node. It goes back, and that node is closed for
     /// a while.
     Obstructed,
     /// It stands at a charger and gets no current. No robot is sent to that charger for a while, and this one leaves.

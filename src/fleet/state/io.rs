@@ -211,7 +211,7 @@ pub struct Telemetry {
     pub fault: Option<Fault>,
     /// The limit of its speed that it was told last, metres per second; 0 is a stop.
     pub limit_mps: Option<f64>,
-    /// How many recalls it has followed to the end.
+    /// How many revocations it has obeyed.
     pub recalls: u64,
 }
 
@@ -228,22 +228,23 @@ pub enum Command {
     /// Drive along these waypoints, in order. Waypoints that the robot knows already are repeated until it says so.
     /// If the first one is later than all it knows, the robot takes that for where it stands, provided that it knows
     /// no way to drive and is at that node: it was pushed there. A robot that does not stand on the way to the
-    /// next waypoint takes none on.
+    /// next waypoint takes none on. A robot that stands between two nodes and knows no waypoint drives back if the
+    /// order ends with the visit that it reached last, and turns round again only when it stands.
     Drive {
         /// The proof that they are held and granted.
         grant: Reserved,
         /// Where, and what to do there.
         waypoints: Vec<Waypoint>,
-        /// How many recalls came before. A robot that has followed more of them, or is following one, ignores the
-        /// order: it is older.
+        /// How many revocations came before. A robot that has obeyed more of them ignores the order: it is older.
         recalls: u64,
     },
-    /// If the robot stands, and this is the last visit whose centre it reached, it drives back there, forgets the
-    /// waypoints after it, and says so by the number of recalls that it has followed. Else it goes on as before.
+    /// If the robot stands, and this is the last visit whose centre it reached, it forgets all waypoints, stays where it
+    /// is, on a node or between two, and says so by the number of revocations that it has obeyed. Else it goes on as
+    /// before.
     Revoke {
         /// Serial number of the visit.
-        to: u64,
-        /// Which recall this is: one more than those that the robot has followed.
+        reached: u64,
+        /// Which revocation this is: one more than those that the robot has obeyed.
         number: u64,
     },
     /// Drive no faster than this from now on, metres per second; 0 is a stop, nothing lifts the limit.

@@ -45,7 +45,7 @@ pub(in crate::fleet) struct RobotYielding {
     pub to: Option<GivesWay>,
     /// The speed limit that it was told last, and when.
     pub limit_told: Option<(Option<f64>, Time)>,
-    /// The worker for whom it stands, or comes back slowly.
+    /// The worker for whom it stands, or drives back slowly.
     pub stands: Option<Standing>,
     /// When it last looked for another route because of a worker.
     pub rerouted: Option<Time>,

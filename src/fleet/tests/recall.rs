@@ -59,6 +59,42 @@ fn a_robot_that_faces_somebody_for_long_comes_back_and_takes_another_way() {
 }
 
 #[test]
+fn a_robot_between_two_nodes_goes_on_to_the_one_that_it_can_get_to() {
+    let mut seen = 0;
+    // She stays before it, or is behind it so many steps after it has forgotten where it was going.
+    for (ahead_m, behind_after) in [(3.1, None), (3.2, None), (3.0, Some(0)), (3.3, Some(5)), (3.4, Some(9))]
+    {
+        let (mut floor, mut ana) = face_to_face(Faults::default(), ahead_m);
+        let (robot, ahead) = (RobotId(0), floor.ahead());
+        let halfway = |f: &TestFloor| f.fleet.floor().is_halfway(robot);
+        for _ in 0..600 {
+            if halfway(&floor) {
+                break;
+            }
+            floor.walk(&mut ana);
+        }
+        if !halfway(&floor) {
+            continue;
+        }
+        seen += 1;
+        let chain = floor.fleet.ledger().chain(robot);
+        assert_eq!(chain.granted(), chain.first() + 2, "it holds both, and gave back what was beyond");
+        (0..behind_after.unwrap_or(0)).for_each(|_| drop(floor.walk(&mut ana)));
+        let from = floor.robot_at();
+        if behind_after.is_some() {
+            ana.at = from - ahead * 2.2;
+            let appears = ana.appear(floor.now);
+            floor.step(vec![appears]);
+        }
+        (0..100).for_each(|_| drop(floor.walk(&mut ana)));
+        let gone = (floor.robot_at() - from).dot(&ahead);
+        let there = if behind_after.is_some() { gone > 0.1 } else { gone < -0.1 };
+        assert!(there, "{ahead_m} m, behind it after {behind_after:?}: {gone} m");
+    }
+    assert!(seen > 3, "{seen} of five were between two nodes");
+}
+
+#[test]
 fn a_robot_that_stands_for_one_and_then_for_another_comes_back_as_for_one() {
     let (mut floor, mut ana) = face_to_face(Faults::default(), 3.0);
     let here = ana.at;

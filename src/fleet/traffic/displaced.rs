@@ -61,7 +61,7 @@ impl Traffic {
         match self.place_for(core, seen) {
             Ok(node) if stands && !is_fenced => {
                 take_up(core, robot, node, now);
-                self.called_back.remove(&robot);
+                self.revoked.remove(&robot);
                 return true;
             }
             Ok(node) => displace(core, seen, Displacement::KnowsWaypoints(node), now),
@@ -112,29 +112,15 @@ impl Traffic {
         self.planners.of_mut(kind).free_flow(node, &stages).is_some()
     }
 
-    /// The displaced robot into which a robot would drive with what it was granted.
-    pub(in crate::fleet) fn drives_into(&self, floor: Floor<'_>, robot: RobotId) -> Option<RobotId> {
-        let others = || floor.scene.all_displaced().filter(|(r, d)| *r != robot && d.is_off);
-        others().next()?;
-        let at = floor.place_of(robot);
-        let way = self.granted_way(floor, robot, at);
-        let hits = |other: RobotId, p: Point| {
-            let reach = floor.footprint(robot).half_m() + floor.footprint(other).half_m() - TOUCH_M;
-            let nearest = way.windows(2).map(|w| axis_distance_to_segment(p, Segment { a: w[0], b: w[1] }));
-            // One that is too near already may leave.
-            nearest.fold(f64::INFINITY, f64::min) < reach.min(axis_distance(p, at) - SAME_M)
-        };
-        others().find(|(r, d)| hits(*r, d.at)).map(|(r, _)| r)
-    }
-
-    /// Calls robots back that were stopped before they drove into a displaced one, so that they can go round it and it
-    /// can be taken up.
+    /// Revokes what robots were granted that were stopped before they drove into a displaced one, so that they can go
+    /// round it and it can be taken up.
     pub(in crate::fleet) fn revoke_grants_into_displaced(&mut self, core: &mut Core, now: Time) {
         if core.scene.all_displaced().next().is_none() {
             return;
         }
         for robot in core.ledger.present() {
-            if self.drives_into(core.floor(), robot).is_some() {
+            let back = self.drives_back_to(core.floor(), robot);
+            if core.floor().drives_into(robot, back).is_some() {
                 self.revoke_grant(core, robot, now);
             }
         }
@@ -238,6 +224,21 @@ impl Floor<'_> {
     /// Why a robot cannot go on from where it stands, if that is so.
     pub fn displacement(&self, robot: RobotId) -> Option<Displacement> {
         self.scene.displaced(robot).map(|d| d.why)
+    }
+
+    /// The displaced robot into which a robot would drive with what it was granted, or on its way back.
+    pub(in crate::fleet) fn drives_into(self, robot: RobotId, back: Option<Point>) -> Option<RobotId> {
+        let others = || self.scene.all_displaced().filter(|(r, d)| *r != robot && d.is_off);
+        others().next()?;
+        let at = self.place_of(robot);
+        let way = self.granted_way(robot, at, back);
+        let hits = |other: RobotId, p: Point| {
+            let reach = self.footprint(robot).half_m() + self.footprint(other).half_m() - TOUCH_M;
+            let nearest = way.windows(2).map(|w| axis_distance_to_segment(p, Segment { a: w[0], b: w[1] }));
+            // One that is too near already may leave.
+            nearest.fold(f64::INFINITY, f64::min) < reach.min(axis_distance(p, at) - SAME_M)
+        };
+        others().find(|(r, d)| hits(*r, d.at)).map(|(r, _)| r)
     }
 
     /// Whether the pose is on the nodes that the robot was granted or on the straight lanes between them: from the one

@@ -10,7 +10,7 @@ use crate::fleet::state::fact::{Fact, Moved};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Waypoint};
 use crate::fleet::state::yielding::YieldingState;
-use crate::fleet::traffic::state::{Traffic, Withheld};
+use crate::fleet::traffic::state::{Direction, Traffic, Withheld};
 use crate::id::RobotId;
 use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
@@ -48,14 +48,17 @@ impl Traffic {
                 continue;
             }
             let before = core.ledger.chain(robot).granted();
-            let gets_no_more = core.floor().is_halted(robot) || interrupted(robot);
+            let direction = self.direction(robot);
+            let stays = direction != Some(Direction::Forward) && core.floor().is_halfway(robot);
+            let goes_back = direction == Some(Direction::Back);
+            let gets_no_more = core.floor().is_halted(robot) || interrupted(robot) || stays || goes_back;
             self.withheld[robot] = match gets_no_more {
                 true => core.floor().withholds(yielding, robot, before, now),
                 false => extend_grant(core, yielding, robot, now),
             };
             let granted = core.ledger.chain(robot).granted() > before;
-            if granted || core.floor().must_repeat(robot, now) {
-                send(core, robot, now);
+            if granted || (goes_back || !stays) && core.floor().must_repeat(robot, now) {
+                send(core, robot, goes_back, now);
             }
         }
     }
@@ -112,9 +115,10 @@ fn go_on_early(core: &mut Core, robot: RobotId, now: Time) -> bool {
     moves
 }
 
-/// Sends everything granted from where the robot is.
-fn send(core: &mut Core, robot: RobotId, now: Time) {
+/// Sends everything granted from where the robot is; to one that is to go back there, nothing beyond.
+fn send(core: &mut Core, robot: RobotId, goes_back: bool, now: Time) {
     let grant = core.ledger.timeline().granted(Holder::Robot(robot)).expect("every robot stands somewhere");
+    let grant = if goes_back { grant.first_alone() } else { grant };
     let chain = core.ledger.chain(robot);
     let stops = &core.ledger.robots[robot].stops;
     let waypoints = (grant.serials())

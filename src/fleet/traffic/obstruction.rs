@@ -1,6 +1,7 @@
 //! Places that robots cannot get to, and chargers that give no current: closed for a while, then tried again.
 //!
-//! A robot that cannot pass what stands on its way to the next node is called back and goes round it, as others do.
+//! A robot that cannot pass what stands on its way to the next node forgets its way, goes back and takes
+//! another one, as others do.
 //! Refuses: to know what stands there, and to keep a place closed for good: operators close areas.
 
 use crate::fleet::state::core::Core;
@@ -44,7 +45,7 @@ impl Traffic {
         }
     }
 
-    /// Calls obstructed robots back to the node that they reached last.
+    /// Revokes what obstructed robots were granted.
     pub(in crate::fleet) fn revoke_obstructed(&mut self, core: &mut Core, now: Time) {
         for (robot, fault) in core.scene.faults(now) {
             if fault == Fault::Obstructed {

@@ -1,71 +1,118 @@
-//! Grants that are taken back. If a robot and a person wait for one another, neither gets on, since the robot may only
-//! go on to where the person stands. The robot is called back to the node that it reached last, and is free to leave
-//! from there.
+//! Grants that are revoked. If a robot and a person wait for one another, neither gets on, since the robot may only go
+//! on to where the person stands. The robot forgets what it was granted, and says where it stands: on a node, or
+//! between two, both of which it holds. From between two it goes on to either, whichever way is open; which one is
+//! chosen anew whenever it stands.
 //!
-//! What was granted stays granted until the robot says that it is back and has forgotten the rest, whatever is lost or
-//! late on the way. Refuses: to call back a robot that drives, or works.
+//! What was granted stays granted until the robot says that it has forgotten it, whatever is lost or late on the way.
+//! Refuses: to revoke what a robot was granted that drives, or works.
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Telemetry};
 use crate::fleet::state::yielding::STANDS;
-use crate::fleet::traffic::state::Traffic;
+use crate::fleet::traffic::state::{Direction, Traffic};
 use crate::geometry::Point;
 use crate::id::RobotId;
 use crate::time::{Span, Time};
 
-/// A robot that does not come back is called again after this.
+/// A robot that does not say that it has forgotten its grant is told again after this.
 const AGAIN: Span = Span::from_secs(1);
+/// A robot between two nodes that has not got on for this long tries the other direction.
+const PATIENCE: Span = Span::from_secs(10);
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.01;
+/// A robot nearer to a node than this is on it, metres. Less than [`crate::fleet::OFF_ROUTE_M`], since what it gives
+/// back is free for others at once.
+const ON_NODE_M: f64 = 0.02;
 
 impl Traffic {
-    /// Calls a robot back to the node that it reached last, if it can come and was not called just now.
+    /// Revokes what a robot was granted beyond where it stands, if it can forget it and was not told just now.
     pub(in crate::fleet) fn revoke_grant(&mut self, core: &mut Core, robot: RobotId, now: Time) {
-        let called = self.called_back.get(&robot).is_some_and(|t| now - *t < AGAIN);
-        if called || !core.floor().can_be_revoked(robot, now) {
+        let told = self.revoked.get(&robot).is_some_and(|t| now - *t < AGAIN);
+        if told || !core.floor().can_be_revoked(robot, now) {
             return;
         }
-        self.called_back.insert(robot, now);
-        let (to, number) = (core.ledger.chain(robot).first(), core.ledger.robots[robot].recalls + 1);
-        core.out.urgent.push((robot, Command::Revoke { to, number }));
+        self.revoked.insert(robot, now);
+        let (reached, number) = (core.ledger.chain(robot).first(), core.ledger.robots[robot].recalls + 1);
+        core.out.urgent.push((robot, Command::Revoke { reached, number }));
     }
 
-    /// Forgets calls that are so old that the robot has left, or will not.
-    pub(in crate::fleet) fn forget_calls(&mut self, now: Time) {
-        self.called_back.retain(|_, called| now - *called < STANDS);
+    /// Forgets revocations that are so old that the robot has left, or will not.
+    pub(in crate::fleet) fn forget_revoked(&mut self, now: Time) {
+        self.revoked.retain(|_, told| now - *told < STANDS);
     }
 
-    /// Where a robot that was called back drives to, until it is there.
-    pub(in crate::fleet) fn comes_back_to(&self, floor: Floor<'_>, robot: RobotId) -> Option<Point> {
-        let seen = floor.scene.robot(robot)?;
-        let chain = floor.ledger.chain(robot);
-        let follows = seen.known == seen.reached && chain.first() + 1 < chain.granted();
-        (follows && self.is_called_back(robot))
-            .then(|| floor.warehouse().nodes[floor.ledger.node_of(robot)].at)
-    }
-
-    /// Where a robot drives from `at` to the end of what it was granted.
-    pub(in crate::fleet) fn granted_way(&self, floor: Floor<'_>, robot: RobotId, at: Point) -> Vec<Point> {
-        if let Some(back) = self.comes_back_to(floor, robot) {
-            return vec![at, back];
+    /// Robots between two nodes that have forgotten what they were granted, and those that have driven back from there
+    /// and hold the second node still: they are told to give it up.
+    pub(in crate::fleet) fn halfway(&mut self, core: &mut Core, now: Time) -> Vec<RobotId> {
+        let back: Vec<RobotId> = self.directions.keys().copied().collect();
+        for robot in back {
+            let floor = core.floor();
+            if !floor.is_halfway(robot) {
+                let came_back =
+                    self.direction(robot) == Some(Direction::Back) && floor.can_be_revoked(robot, now);
+                if came_back {
+                    self.revoke_grant(core, robot, now);
+                } else {
+                    self.directions.remove(&robot);
+                }
+            }
         }
-        let ahead = floor.granted_ahead(robot);
-        std::iter::once(at).chain(ahead.map(|v| floor.warehouse().nodes[v.node].at)).collect()
+        let floor = core.floor();
+        floor
+            .ledger
+            .present()
+            .filter(|r| floor.is_halfway(*r) && floor.scene.fit(*r, now).is_some())
+            .collect()
+    }
+
+    /// Where a robot goes on to from between two nodes, if that was chosen.
+    pub(in crate::fleet) fn direction(&self, robot: RobotId) -> Option<Direction> {
+        self.directions.get(&robot).map(|(direction, _)| *direction)
+    }
+
+    /// The directions in which a robot may go on that stands between two nodes, the better first: as it goes already,
+    /// unless it has not got on like that for a while; else forward.
+    pub(in crate::fleet) fn directions_for(&self, robot: RobotId, now: Time) -> [Direction; 2] {
+        match self.directions.get(&robot) {
+            Some((Direction::Back, since)) if now - *since < PATIENCE => {
+                [Direction::Back, Direction::Forward]
+            }
+            Some((Direction::Forward, since)) if now - *since >= PATIENCE => {
+                [Direction::Back, Direction::Forward]
+            }
+            _ => [Direction::Forward, Direction::Back],
+        }
+    }
+
+    /// Has a robot go on in a direction from between two nodes, or stay there.
+    pub(in crate::fleet) fn direct(&mut self, robot: RobotId, direction: Option<Direction>, now: Time) {
+        match direction {
+            None => drop(self.directions.remove(&robot)),
+            Some(direction) if self.direction(robot) == Some(direction) => {}
+            Some(direction) => drop(self.directions.insert(robot, (direction, now))),
+        }
+    }
+
+    /// Where a robot drives to that drives back, until it is there.
+    pub(in crate::fleet) fn drives_back_to(&self, floor: Floor<'_>, robot: RobotId) -> Option<Point> {
+        let back = self.direction(robot) == Some(Direction::Back) && floor.is_halfway(robot);
+        back.then(|| floor.last_reached(robot))
     }
 }
 
-/// The robot says how often it came back.
+/// The robot says how often it forgot what it was granted. It keeps the node that it reached last, and the one that it
+/// is on its way to if it stands between the two.
 pub(in crate::fleet) fn note_revoked(core: &mut Core, robot: RobotId, seen: &Telemetry, now: Time) {
     let chain = core.ledger.chain(robot);
-    if seen.recalls <= core.ledger.robots[robot].recalls
-        || !(chain.first()..chain.granted()).contains(&seen.known)
-    {
+    let told = seen.recalls > core.ledger.robots[robot].recalls;
+    if !told || !(chain.first()..chain.granted()).contains(&seen.known) {
         return;
     }
-    let (serial, recalls) = (seen.known, seen.recalls);
-    core.record(Fact::Revoked { robot, serial, recalls, at: now });
+    let between = seen.known == seen.reached && !core.floor().is_on_node(seen);
+    let serial = (seen.known + u64::from(between)).min(chain.granted() - 1);
+    core.record(Fact::Revoked { robot, serial, recalls: seen.recalls, at: now });
 }
 
 impl Floor<'_> {
@@ -73,9 +120,39 @@ impl Floor<'_> {
         let (chain, record) = (self.ledger.chain(robot), &self.ledger.robots[robot]);
         let works = record.stops.first().is_some_and(|s| s.serial == chain.first());
         let stands = |t: &Telemetry| {
-            let at_rest = t.limit_mps == Some(0.0) && t.speed_mps < STANDS_MPS;
-            at_rest && t.reached == chain.first() && t.recalls == record.recalls
+            let at_rest = t.limit_mps == Some(0.0) || t.known == t.reached;
+            at_rest && t.speed_mps < STANDS_MPS && t.reached == chain.first() && t.recalls == record.recalls
         };
-        chain.first() + 1 < chain.granted() && !works && self.scene.fit(robot, now).is_some_and(stands)
+        let more = chain.first() + 1 < chain.granted() && !self.is_halfway(robot);
+        more && !works && self.scene.fit(robot, now).is_some_and(stands)
+    }
+
+    /// Whether a robot is between two nodes, and has forgotten what it was granted: it may go on to either.
+    pub(in crate::fleet) fn is_halfway(&self, robot: RobotId) -> bool {
+        let (chain, record) = (self.ledger.chain(robot), &self.ledger.robots[robot]);
+        chain.first() + 2 == chain.granted()
+            && self.scene.robot(robot).is_some_and(|t| {
+                let knows_no_more = t.known == t.reached && t.reached == chain.first();
+                knows_no_more && t.recalls == record.recalls && !self.is_on_node(t)
+            })
+    }
+
+    /// Where a robot drives from `at` to the end of what it was granted, or `back`.
+    pub(in crate::fleet) fn granted_way(self, robot: RobotId, at: Point, back: Option<Point>) -> Vec<Point> {
+        if let Some(back) = back {
+            return vec![at, back];
+        }
+        let ahead = self.granted_ahead(robot);
+        std::iter::once(at).chain(ahead.map(|v| self.warehouse().nodes[v.node].at)).collect()
+    }
+
+    /// The place of the node that a robot reached last.
+    pub(in crate::fleet) fn last_reached(&self, robot: RobotId) -> Point {
+        self.warehouse().nodes[self.ledger.node_of(robot)].at
+    }
+
+    /// Whether a robot is on the node that it reached last.
+    fn is_on_node(&self, seen: &Telemetry) -> bool {
+        (seen.pose.at - self.last_reached(seen.robot)).norm() <= ON_NODE_M
     }
 }

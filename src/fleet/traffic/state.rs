@@ -28,6 +28,15 @@ pub(in crate::fleet) enum Withheld {
     Condition(Cause, Option<Time>),
 }
 
+/// Where a robot goes on to from between two nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::fleet) enum Direction {
+    /// To the node that it was on its way to.
+    Forward,
+    /// To the node that it reached last.
+    Back,
+}
+
 /// How often routes were searched for. It promises nothing to any robot, so it is no fact and starts at zero with the
 /// process.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,8 +60,10 @@ pub(in crate::fleet) struct Traffic {
     pub(super) started: Option<Time>,
     /// Why the last step granted each robot no more than it did.
     pub(super) withheld: IdVec<RobotId, Option<Withheld>>,
-    /// When each robot was called back last while it stood for a worker.
-    pub(super) called_back: BTreeMap<RobotId, Time>,
+    /// When each robot's grant was revoked last, while it stood.
+    pub(super) revoked: BTreeMap<RobotId, Time>,
+    /// Where robots go on to that stand between two nodes, and since when.
+    pub(super) directions: BTreeMap<RobotId, (Direction, Time)>,
     /// Places that robots could not get to and chargers without current, as robots reported: when they are tried
     /// again.
     pub(super) obstructions: BTreeMap<NodeId, Time>,
@@ -71,7 +82,8 @@ impl Traffic {
             unheard,
             started: None,
             withheld: IdVec::new(),
-            called_back: BTreeMap::new(),
+            revoked: BTreeMap::new(),
+            directions: BTreeMap::new(),
             obstructions: BTreeMap::new(),
             looked_round: BTreeMap::new(),
         }
@@ -82,8 +94,8 @@ impl Traffic {
         self.withheld.get(robot).copied().flatten()
     }
 
-    /// Whether a robot was called back and has not left yet.
-    pub fn is_called_back(&self, robot: RobotId) -> bool {
-        self.called_back.contains_key(&robot)
+    /// Whether a robot's grant was revoked and it has not left yet.
+    pub fn is_revoked(&self, robot: RobotId) -> bool {
+        self.revoked.contains_key(&robot)
     }
 }

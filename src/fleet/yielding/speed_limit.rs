@@ -1,4 +1,4 @@
-//! How fast each robot may be near people, now, and which robots that stand for people are called back.
+//! How fast each robot may be near people, now, and which robots that stand for people lose what they were granted.
 //!
 //! Limits and stops leave at once, without waiting for the journal: they take no hold from any robot. Refuses:
 //! to be a safety function; robots' own scanners and brakes are.
@@ -13,7 +13,7 @@ use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Command;
 use crate::fleet::state::worker::Reaction;
 use crate::fleet::state::yielding::{RobotYielding, STANDS, Standing, YieldingState};
-use crate::fleet::traffic::state::Traffic;
+use crate::fleet::traffic::state::{Direction, Traffic};
 use crate::fleet::yielding::state::Yielding;
 use crate::geometry::{Point, Segment};
 use crate::human::{Presence, Whereabouts};
@@ -50,6 +50,8 @@ pub(in crate::fleet) struct SpeedLimits<'a> {
     pub people: &'a HumanState,
     pub traffic: &'a Traffic,
     pub yielding: &'a YieldingState,
+    /// As if a robot between two nodes went on in this direction; else as it does.
+    pub direction: Option<Direction>,
 }
 
 impl Yielding {
@@ -69,8 +71,8 @@ impl Yielding {
                 self.gives_way(core, robot, worker, Reaction::Stopped, now);
             }
             let node = core.ledger.node_of(robot);
-            let is_called_back = traffic.is_called_back(robot);
-            self.state.of_mut(robot).note_standing(node, limit, because, is_called_back, now);
+            let is_revoked = traffic.is_revoked(robot);
+            self.state.of_mut(robot).note_standing(node, limit, because, is_revoked, now);
             let told = self.state.of(robot).limit_told;
             let same = told.map_or(limit.is_none(), |(l, _)| l == limit);
             let known = seen.limit_mps == limit;
@@ -83,7 +85,7 @@ impl Yielding {
         }
     }
 
-    /// Calls back robots that have yielded to a person for long and were granted more than the place where they stand.
+    /// Revokes what robots were granted beyond where they stand that have yielded to a person for long.
     pub(in crate::fleet) fn revoke_grants(
         &mut self,
         core: &mut Core,
@@ -103,7 +105,7 @@ impl Yielding {
                 traffic.revoke_grant(core, robot, now);
             }
         }
-        traffic.forget_calls(now);
+        traffic.forget_revoked(now);
     }
 
     /// What decides how fast robots may be.
@@ -113,7 +115,7 @@ impl Yielding {
         people: &'a HumanState,
         traffic: &'a Traffic,
     ) -> SpeedLimits<'a> {
-        SpeedLimits { floor: core.floor(), people, traffic, yielding: &self.state }
+        SpeedLimits { floor: core.floor(), people, traffic, yielding: &self.state, direction: None }
     }
 }
 
@@ -125,7 +127,7 @@ impl RobotYielding {
         node: NodeId,
         limit: Option<f64>,
         because: Option<WorkerId>,
-        is_called_back: bool,
+        is_revoked: bool,
         now: Time,
     ) {
         let before = self.stands;
@@ -135,8 +137,8 @@ impl RobotYielding {
                 let since = before.filter(|s| s.node == node).map_or(now, |s| s.since);
                 self.stands = Some(Standing { worker, since, facing_since: now, node });
             }
-            // A robot that was called back has not left yet.
-            _ if is_called_back => {}
+            // A robot whose grant was revoked has not left yet.
+            _ if is_revoked => {}
             _ => self.stands = None,
         }
     }
@@ -152,10 +154,10 @@ impl SpeedLimits<'_> {
     ) -> (Option<f64>, Option<WorkerId>) {
         let seen = self.floor.scene.robot(robot);
         let is_obstructed = seen.is_some_and(|t| t.fault == Some(Fault::Obstructed));
-        let returns = || self.traffic.comes_back_to(self.floor, robot).is_some();
+        let back = self.drives_back_to(robot);
         let is_displaced = self.floor.scene.displaced(robot).is_some();
-        let stands = self.floor.is_halted(robot) || is_displaced || is_obstructed && !returns();
-        if stands || self.traffic.drives_into(self.floor, robot).is_some() {
+        let stands = self.floor.is_halted(robot) || is_displaced || is_obstructed && back.is_none();
+        if stands || self.floor.drives_into(robot, back).is_some() {
             return (Some(0.0), None);
         }
         if present.is_empty() {
@@ -190,6 +192,15 @@ impl SpeedLimits<'_> {
             }
         }
         slowest
+    }
+
+    /// Where a robot drives back to, if it does.
+    fn drives_back_to(&self, robot: RobotId) -> Option<Point> {
+        match self.direction {
+            Some(Direction::Back) => Some(self.floor.last_reached(robot)),
+            Some(Direction::Forward) => None,
+            None => self.traffic.drives_back_to(self.floor, robot),
+        }
     }
 
     /// The limit that a worker means where the robot is, and where it drives next.
@@ -234,7 +245,7 @@ impl SpeedLimits<'_> {
         }
         let Some(seen) = self.floor.scene.robot(robot) else { return false };
         let at = seen.pose.at;
-        let way = self.traffic.granted_way(self.floor, robot, at);
+        let way = self.floor.granted_way(robot, at, self.drives_back_to(robot));
         if way.len() < 2 || (at - w.at).norm() > PASSING_M {
             return false;
         }
@@ -298,11 +309,11 @@ impl SpeedLimits<'_> {
     }
 
     /// Whether a robot's next piece of way leads away from a place: what it was granted, or back where it is called to.
-    /// A robot that is called back, or has yielded there for long, may also pass, if that is no nearer than it is
+    /// A robot that drives back, or has yielded there for long, may also pass, if that is no nearer than it is
     /// already.
     pub(in crate::fleet) fn drives_away(&self, robot: RobotId, at: Point, from: Point, now: Time) -> bool {
         let next = self.floor.granted_ahead(robot).next();
-        let back = self.traffic.comes_back_to(self.floor, robot);
+        let back = self.drives_back_to(robot);
         let Some(there) = back.or(next.map(|v| self.floor.warehouse().nodes[v.node].at)) else {
             return false;
         };
@@ -322,7 +333,7 @@ impl SpeedLimits<'_> {
         if far {
             return false;
         }
-        let way = self.traffic.granted_way(self.floor, robot, at);
+        let way = self.floor.granted_way(robot, at, self.drives_back_to(robot));
         if way.len() < 2 {
             return false;
         }

@@ -85,7 +85,7 @@ pub struct Robot {
     pub fenced: Option<Time>,
     /// Whether it works on this floor.
     pub service: Service,
-    /// How often it was called back and came.
+    /// How often it forgot what it was granted.
     pub recalls: u64,
 }
 

@@ -1,0 +1,43 @@
+//! Robots that stand between two nodes and have forgotten what they were granted: on to which of the two?
+//!
+//! Main function: `turn_halfway`. Refuses: to turn a robot that moves.
+
+use crate::fleet::people::state::HumanState;
+use crate::fleet::state::core::Core;
+use crate::fleet::traffic::state::Traffic;
+use crate::fleet::yielding::speed_limit::SpeedLimits;
+use crate::fleet::yielding::state::Yielding;
+use crate::time::Time;
+
+/// A robot slower than this stands, metres per second.
+const STANDS_MPS: f64 = 0.01;
+
+impl Yielding {
+    /// Has each robot go on to a node to which nothing keeps it from driving; it stays where that is true of neither.
+    pub(in crate::fleet) fn turn_halfway(
+        &self,
+        core: &mut Core,
+        people: &HumanState,
+        traffic: &mut Traffic,
+        now: Time,
+    ) {
+        let robots = traffic.halfway(core, now);
+        if robots.is_empty() {
+            return;
+        }
+        let present = people.present(now);
+        for robot in robots {
+            let stands = core.scene.robot(robot).is_some_and(|t| t.speed_mps < STANDS_MPS);
+            if !stands && traffic.direction(robot).is_some() {
+                continue;
+            }
+            let limits = self.limits(core, people, traffic);
+            let may_go = |direction| {
+                let limits = SpeedLimits { direction: Some(direction), ..limits };
+                limits.limit_for(robot, &present, now).0 != Some(0.0)
+            };
+            let chosen = traffic.directions_for(robot, now).into_iter().find(|d| may_go(*d));
+            traffic.direct(robot, chosen, now);
+        }
+    }
+}
