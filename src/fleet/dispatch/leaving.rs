@@ -46,7 +46,7 @@ impl Floor<'_> {
         }
         let seen = self.scene.robot(robot);
         // Before its first report after a start it may stand anywhere, and drive.
-        let heard = seen.map_or_else(|| self.scene.began().unwrap_or(now), |t| t.seen).max(since);
+        let heard = self.scene.heard(robot).or(self.scene.began()).unwrap_or(now).max(since);
         let chain = self.ledger.chain(robot);
         let rests = record.task == Task::Idle && chain.first() + 1 == chain.end();
         let stands = seen.is_none_or(|t| t.speed_mps == 0.0);

@@ -30,7 +30,9 @@ impl Intake<'_> {
         self.expire_keys(now);
         for input in inputs {
             match input {
-                Input::Telemetry(t) if t.robot.ix() < self.core.ledger.robots.len() => self.core.scene.see(t),
+                Input::Telemetry(t) if t.robot.ix() < self.core.ledger.robots.len() => {
+                    self.core.scene.see(t, now)
+                }
                 Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry from an unknown robot"),
                 Input::Submit { token, request } => {
                     let reply = match self.submit(request, now) {

@@ -17,6 +17,8 @@ pub const SILENCE: Span = Span::from_secs(3);
 pub struct RobotSeen {
     /// The newest observation.
     pub newest: Option<Telemetry>,
+    /// When that came in, by the fleet's own clock: robots' clocks may be wrong.
+    heard: Option<Time>,
     /// When orders were sent to it last.
     pub told: Option<Time>,
     /// Whether it was found once where the ledger has it.
@@ -36,12 +38,14 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Takes an observation in; an older one than the newest is ignored.
-    pub fn see(&mut self, t: Telemetry) {
+    /// Takes an observation in that arrived `now`; an older one than the newest is ignored. When it was made only orders
+    /// the observations of one robot.
+    pub fn see(&mut self, t: Telemetry, now: Time) {
         let seen = self.robot_mut(t.robot);
         if seen.newest.is_some_and(|n| n.seen >= t.seen) {
             return;
         }
+        seen.heard = Some(now);
         let before = seen.newest.replace(t).and_then(|n| n.fault);
         match t.fault {
             Some(_) => _ = self.faulty.insert(t.robot),
@@ -72,6 +76,11 @@ impl Scene {
         self.robots.get(robot.ix())?.newest.as_ref()
     }
 
+    /// When the newest observation of a robot came in.
+    pub fn heard(&self, robot: RobotId) -> Option<Time> {
+        self.robots.get(robot.ix())?.heard
+    }
+
     /// When orders were sent to a robot last.
     pub fn told(&self, robot: RobotId) -> Option<Time> {
         self.robots.get(robot.ix())?.told
@@ -79,7 +88,7 @@ impl Scene {
 
     /// A robot that was heard of lately and can drive.
     pub fn fit(&self, robot: RobotId, now: Time) -> Option<&Telemetry> {
-        self.robot(robot).filter(|t| !t.cannot_drive() && now - t.seen <= SILENCE)
+        self.robot(robot).filter(|t| !t.cannot_drive() && self.is_heard(robot, now))
     }
 
     /// Robots that say that something is wrong with them, with what, if they were heard of lately and can drive.
@@ -90,7 +99,7 @@ impl Scene {
 
     /// Whether a robot was heard of lately.
     pub fn is_heard(&self, robot: RobotId, now: Time) -> bool {
-        self.robot(robot).is_some_and(|t| now - t.seen <= SILENCE)
+        self.heard(robot).is_some_and(|t| now - t <= SILENCE)
     }
 
     /// Whether a robot was found where the ledger has it, and has not been found elsewhere since.
