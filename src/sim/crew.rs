@@ -4,7 +4,7 @@
 //! may read over the API.
 
 use super::customers::FIRST_TOKEN;
-use super::link::Link;
+use super::link::{Link, LinkFaults};
 use super::random::Stream;
 use super::scenario::{Assignments, Workers};
 use super::scenario::{Faults, Scenario};
@@ -69,6 +69,8 @@ pub(super) struct Crew {
     start: Time,
     tokens: u64,
     members: Vec<Member>,
+    /// How often devices that have left had each kind of fault.
+    counts: [u64; 3],
 }
 
 /// A worker as it truly is.
@@ -100,7 +102,7 @@ impl Crew {
         let fronts = fronts(warehouse, &workers.assignments, &walkways);
         let member = |i: usize| Member::new(i, &workers, &scenario.faults, seed, now);
         let members = (0..workers.count).map(member).collect();
-        Some(Crew { workers, walkways, doors, fronts, seed, start: now, tokens: 0, members })
+        Some(Crew { workers, walkways, doors, fronts, seed, start: now, tokens: 0, members, counts: [0; 3] })
     }
 
     /// What is asked of the fleet, and what the devices have sent, by `now`.
@@ -117,8 +119,9 @@ impl Crew {
             }
             if let (Some(worker), Some(walker)) = (member.id, &member.walker)
                 && walker.is_gone()
-                && member.device.take().is_some()
+                && let Some(device) = member.device.take()
             {
+                add(&mut self.counts, device.counts());
                 inputs.push(Input::ClearWorker { token: self.token(), worker });
             }
         }
@@ -238,6 +241,22 @@ impl Crew {
         }
     }
 
+    /// Their radios do this to messages from now on.
+    pub fn set_faults(&mut self, faults: LinkFaults) {
+        for member in &mut self.members {
+            member.radio.set_faults(faults);
+            member.button.set_faults(faults);
+        }
+    }
+
+    /// How often their devices had each kind of fault.
+    pub fn injected(&self) -> impl Iterator<Item = (&'static str, u64)> {
+        let mut counts = self.counts;
+        let devices = self.members.iter().filter_map(|m| m.device.as_ref());
+        devices.for_each(|device| add(&mut counts, device.counts()));
+        ["headset_silences", "headset_jumps", "headset_resets"].into_iter().zip(counts)
+    }
+
     fn colleagues(&self, i: usize, now: Time) -> Vec<Point> {
         self.present(now).filter(|p| p.worker != i).map(|p| p.pose.at).collect()
     }
@@ -260,10 +279,15 @@ impl Crew {
     }
 }
 
+fn add(sums: &mut [u64; 3], counts: [u64; 3]) {
+    sums.iter_mut().zip(counts).for_each(|(sum, n)| *sum += n);
+}
+
 impl Member {
     fn new(i: usize, workers: &Workers, faults: &Faults, seed: u64, now: Time) -> Member {
         let who = i as u64;
-        let delay = Span::from_millis(faults.message_delay_ms);
+        let link = |purpose, delays| (Stream::new(seed, purpose, who), Stream::new(seed, delays, who));
+        let (radio, button) = (link(21, 23), link(22, 24));
         let enters = now + Span::from_secs_f64(workers.enter_s) + APART * i as i64;
         Member {
             name: format!("worker-{}", i + 1),
@@ -278,8 +302,8 @@ impl Member {
             told: None,
             sent: now,
             heard: 0,
-            radio: Link::new(delay, faults.message_loss, Stream::new(seed, 21, who)),
-            button: Link::new(delay, faults.message_loss, Stream::new(seed, 22, who)),
+            radio: Link::new(faults.into(), radio.0, radio.1),
+            button: Link::new(faults.into(), button.0, button.1),
             pressed: now,
             job: None,
             known: Vec::new(),

@@ -15,6 +15,7 @@ mod guard;
 pub mod laws;
 mod leavers;
 mod link;
+mod outages;
 mod pushes;
 mod random;
 pub mod recording;
@@ -24,6 +25,8 @@ pub mod run;
 mod scenario;
 mod sensor;
 mod tally;
+#[cfg(test)]
+mod tests;
 pub mod walker;
 mod world;
 

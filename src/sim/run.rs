@@ -7,8 +7,7 @@ use super::customers::OrderLine;
 use super::detection::{Score, Watch};
 use super::digest::Digest;
 use super::encounter::EncounterFigures;
-use super::laws::Laws;
-use super::laws::undrained;
+use super::laws::{Laws, Violation, undrained};
 use super::scenario::Scenario;
 pub use super::tally::JobTally;
 use super::tally::Tallies;
@@ -153,6 +152,11 @@ impl Simulation {
         self.world.tell(self.now, step.guidance.clone());
         self.now += self.period;
         (inputs, step)
+    }
+
+    /// The laws that were broken so far, and when; the first hundred.
+    pub fn broken(&self) -> &[(Time, Violation)] {
+        &self.laws.broken
     }
 
     /// The digest of all facts so far.

@@ -23,12 +23,13 @@ struct Spell {
     next: Time,
     until: Time,
     random: Stream,
+    count: u64,
 }
 
 impl Spell {
     fn new(per_hour: f64, now: Time, mut random: Stream) -> Spell {
         let next = if per_hour > 0.0 { after(now, per_hour, &mut random) } else { Time::MAX };
-        Spell { per_hour, next, until: now, random }
+        Spell { per_hour, next, until: now, random, count: 0 }
     }
 
     /// Whether one begins by `now`; it then lasts between `low` and `high` seconds.
@@ -36,6 +37,7 @@ impl Spell {
         if now < self.next {
             return false;
         }
+        self.count += 1;
         self.until = self.next + Span::from_secs_f64(self.random.between(low, high));
         self.next = after(self.until, self.per_hour, &mut self.random);
         true
@@ -109,6 +111,11 @@ impl Device {
         if !self.silence.lasts(now) {
             self.send(now, sighting);
         }
+    }
+
+    /// How often it was silent, was off by far, and began a new frame.
+    pub fn counts(&self) -> [u64; 3] {
+        [self.silence.count, self.jumps.count, self.resets.count]
     }
 
     /// What has come in by `now`, in the order in which it comes in.

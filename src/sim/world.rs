@@ -7,7 +7,8 @@ use super::crew::{Crew, TrueWorker};
 use super::customers::{Customers, FIRST_TOKEN, OrderLine};
 use super::encounter::{EncounterFigures, EncounterMeter, MeteredPerson};
 use super::leavers::{Leavers, may_be_taken};
-use super::link::Link;
+use super::link::{Link, LinkCounts, LinkFaults};
+use super::outages::Outages;
 use super::pushes::{NEARBY_M, PushSurroundings};
 use super::random::Stream;
 use super::robot::RobotBody;
@@ -21,6 +22,7 @@ use crate::id::{BodyId, Dense, IdVec, NodeId, RackId, RobotId, WorkerId};
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Robots of the scenario join with this token.
@@ -46,6 +48,10 @@ struct SimRobot {
     tries: u32,
     /// Whether it was switched off and taken away.
     off: bool,
+    /// How far its clock is ahead.
+    clock: Span,
+    /// Whether it says that it gets no current because its charger gives none to any robot.
+    charger_is_out: bool,
 }
 
 /// The simulated floor.
@@ -55,6 +61,14 @@ pub struct World {
     /// The worst robot to be in the way of.
     worst: Kinematics,
     faults: Faults,
+    /// When they end.
+    faults_end: Option<Time>,
+    /// Whether people push robots, on purpose or onto a node.
+    pushes: bool,
+    outages: Outages,
+    /// How often robots had each kind of fault, and what became of messages of robots that were replaced.
+    afflicted: BTreeMap<&'static str, u64>,
+    messages: LinkCounts,
     seed: u64,
     robots: Vec<SimRobot>,
     customers: Customers,
@@ -101,6 +115,7 @@ impl World {
             Crew::new(&warehouse, scenario, seed, now)
         };
         let meter = EncounterMeter::new(scenario.workers.encounter_m);
+        let outages = Outages::new(&faults, &warehouse, seed);
         let robots = vec![];
         let closing = scenario.areas(&warehouse, now).expect("whoever reads a scenario looks at its areas");
         let mut world = World {
@@ -108,8 +123,13 @@ impl World {
             worst: most_dangerous(&fleet.settings().kinds),
             racks,
             misplaced: Vec::new(),
+            faults_end: faults.until_s.map(|s| now + Span::from_secs_f64(s)),
+            pushes: faults.robot_pushes_per_hour > 0.0 || faults.manual_drives_per_hour > 0.0,
+            afflicted: BTreeMap::new(),
+            messages: LinkCounts::default(),
             faults,
             seed,
+            outages,
             robots,
             customers,
             leavers: Leavers::new(scenario.customers.departures_per_hour, scenario.customers.away_s, seed),
@@ -134,19 +154,29 @@ impl World {
         inputs.extend(self.leavers.say(now, now - self.now, self.customers.have_stopped(), fleet));
         self.come_and_go(fleet);
         let from = self.now;
+        if self.faults_end.take_if(|end| now >= *end).is_some() {
+            self.end_faults(now);
+        }
+        inputs.extend(self.outages.say(from, now));
         for robot in self.robots.iter_mut().filter(|r| !r.off) {
             while let Some(order) = robot.orders.receive(from) {
                 robot.body.obey(&order, &self.warehouse);
             }
             let charging = self.warehouse.nodes[robot.body.node].kind == NodeKind::Charger;
+            let before = robot.body.fault;
             robot.meet_faults(&self.faults, charging, from, now);
+            if let (None, Some((fault, _))) = (before, robot.body.fault) {
+                *self.afflicted.entry(fault.word()).or_default() += 1;
+            }
+            robot.mind_charger(self.outages.at(robot.body.node));
         }
         self.push_robots(from, now);
         self.live(from, now);
         self.note_racks();
         inputs.extend(self.picks(fleet));
         for robot in self.robots.iter_mut().filter(|r| !r.off) {
-            robot.reports.send(now, robot.body.report(now));
+            let report = robot.body.report(now);
+            robot.reports.send(now, Telemetry { seen: now + robot.clock, ..report });
             while let Some(report) = robot.reports.receive(now) {
                 inputs.push(Input::Telemetry(report));
             }
@@ -166,6 +196,8 @@ impl World {
             if !robot.off && robot.body.speed_mps == 0.0 && may_be_taken(fleet, id) {
                 self.robots[i].off = true;
             } else if robot.off && !matches!(service, Service::Leaving { .. } | Service::Gone { .. }) {
+                self.messages += robot.orders.counts;
+                self.messages += robot.reports.counts;
                 self.robots[i] = self.robot(id, fleet);
             }
         }
@@ -173,7 +205,7 @@ impl World {
 
     /// People push robots elsewhere that stand, and later on those that have not been taken up where they are.
     fn push_robots(&mut self, from: Time, to: Time) {
-        if self.faults.robot_pushes_per_hour <= 0.0 && self.faults.manual_drives_per_hour <= 0.0 {
+        if !self.pushes {
             return;
         }
         let often = self.faults.robot_pushes_per_hour * (to - from).as_secs_f64() / 3600.0;
@@ -201,7 +233,7 @@ impl World {
             racks: &self.racks,
             others: others.map(|(_, r)| (r.body.pose.at, r.body.speed_mps)).collect(),
             kinematics: self.worst,
-            blind_s: 2.0 * self.faults.message_delay_ms as f64 / 1000.0 + 5.0 * (to - from).as_secs_f64(),
+            blind_s: 2.0 * self.faults.longest_delay_s() + 5.0 * (to - from).as_secs_f64(),
         };
         let robot = &mut self.robots[i];
         let (at, loaded) = (robot.body.pose.at, robot.body.rack.is_some());
@@ -215,6 +247,44 @@ impl World {
         let pause = if place.is_some() { self.faults.repair_s } else { 1.0 };
         let astray = place.is_some() || robot.push_on.is_some();
         robot.push_on = astray.then(|| to + Span::from_secs_f64(pause));
+    }
+
+    /// Everything is repaired, and nothing goes wrong any more. People still push robots onto nodes that stand between.
+    fn end_faults(&mut self, now: Time) {
+        self.faults = self.faults.ended();
+        self.outages.end(now);
+        let links = LinkFaults::from(&self.faults);
+        for robot in &mut self.robots {
+            (robot.body.fault, robot.charger_is_out) = (None, false);
+            robot.orders.set_faults(links);
+            robot.reports.set_faults(links);
+        }
+        if let Some(crew) = &mut self.crew {
+            crew.set_faults(links);
+        }
+    }
+
+    /// How often each kind of fault has happened so far, by the keys of scenario files where there are some.
+    pub fn injected(&self) -> BTreeMap<&'static str, u64> {
+        let mut all = self.afflicted.clone();
+        let mut messages = self.messages;
+        for robot in &self.robots {
+            messages += robot.orders.counts;
+            messages += robot.reports.counts;
+        }
+        let wrong = self.robots.iter().filter(|r| r.clock != Span::ZERO).count();
+        let [chargers, stations] = self.outages.counts;
+        all.extend([
+            ("messages_lost", messages.lost),
+            ("messages_late", messages.late),
+            ("messages_overtaking", messages.overtaking),
+            ("wrong_clocks", wrong as u64),
+            ("charger_outages", chargers),
+            ("station_stops", stations),
+            ("pushes", self.pushed),
+        ]);
+        all.extend(self.crew.iter().flat_map(Crew::injected));
+        all
     }
 
     /// How often robots were pushed elsewhere.
@@ -318,7 +388,8 @@ impl World {
         for i in 0..ticks {
             for robot in self.robots.iter_mut().filter(|r| !r.off) {
                 let charger = self.warehouse.nodes[robot.body.node].kind == NodeKind::Charger;
-                let charging = charger && !robot.body.has(Fault::Unplugged);
+                let gives = self.outages.at(robot.body.node).is_none();
+                let charging = charger && gives && !robot.body.has(Fault::Unplugged);
                 robot.body.advance(at(i), at(i + 1), charging);
             }
             self.people(at(i), at(i + 1));
@@ -428,15 +499,19 @@ impl World {
             RobotBody::new(id, node, at, battery, (fleet.settings().kind(&record.kind), footprints));
         let (reached, rack) = (fleet.ledger().chain(id).first(), fleet.ledger().rack_on(id));
         body.resume(reached, record.acted, record.recalls, rack);
-        let delay = Span::from_millis(self.faults.message_delay_ms);
-        let loss = self.faults.message_loss;
+        let stream = |purpose| Stream::new(self.seed, purpose, who);
+        let links = LinkFaults::from(&self.faults);
+        let skew_s = self.faults.clock_skew_ms as f64 / 1000.0;
+        let clock = if skew_s > 0.0 { stream(7).between(-skew_s, skew_s) } else { 0.0 };
         SimRobot {
             had: body.rack,
             body,
-            orders: Link::new(delay, loss, Stream::new(self.seed, 1, who)),
-            reports: Link::new(delay, loss, Stream::new(self.seed, 2, who)),
-            luck: Stream::new(self.seed, 5, who),
-            pushes: Stream::new(self.seed, 6, who),
+            orders: Link::new(links, stream(1), stream(9)),
+            reports: Link::new(links, stream(2), stream(12)),
+            luck: stream(5),
+            pushes: stream(6),
+            clock: Span::from_secs_f64(clock),
+            charger_is_out: false,
             push_on: None,
             tries: 0,
             off: record.is_gone(),
@@ -461,6 +536,17 @@ impl World {
 }
 
 impl SimRobot {
+    /// While its charger gives no current, until then, it says so. That ends when it is elsewhere.
+    fn mind_charger(&mut self, out_until: Option<Time>) {
+        if self.charger_is_out && out_until.is_none() {
+            self.body.fault = self.body.fault.filter(|(fault, _)| *fault != Fault::Unplugged);
+            self.charger_is_out = false;
+        } else if let (Some(until), None) = (out_until, self.body.fault) {
+            self.body.fault = Some((Fault::Unplugged, until));
+            self.charger_is_out = true;
+        }
+    }
+
     /// What goes wrong with it, and what is over. `charging` says whether it stands on a charger.
     fn meet_faults(&mut self, faults: &Faults, charging: bool, from: Time, to: Time) {
         if let Some((_, until)) = self.body.fault {

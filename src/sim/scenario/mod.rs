@@ -5,12 +5,14 @@
 
 mod check;
 mod closures;
+mod faults;
 mod habits;
 mod kinds;
 mod workforce;
 
 pub use check::ScenarioError;
 pub use closures::Closing;
+pub use faults::Faults;
 pub use habits::Habits;
 pub use kinds::KindShare;
 pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, Sensor, Source, Workers};
@@ -81,46 +83,6 @@ pub enum Demand {
         /// How many lines are always waiting.
         backlog: usize,
     },
-}
-
-/// What goes wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Faults {
-    /// Share of messages that get lost, both ways.
-    pub message_loss: f64,
-    /// Delay of each message, milliseconds.
-    pub message_delay_ms: i64,
-    /// Break-downs per robot and hour of driving.
-    pub failures_per_hour: f64,
-    /// Emergency stops per robot and hour of driving.
-    pub emergency_stops_per_hour: f64,
-    /// Obstacles on the way, per robot and hour of driving.
-    pub obstacles_per_hour: f64,
-    /// How often a person takes each robot over while it drives, per hour of driving.
-    pub manual_drives_per_hour: f64,
-    /// How often each robot loses the current at a charger, per hour of standing there.
-    pub unplugged_per_hour: f64,
-    /// How long each of these lasts, seconds; and how long a robot stands that was pushed between nodes.
-    pub repair_s: f64,
-    /// How often each robot is pushed elsewhere by people while it stands.
-    pub robot_pushes_per_hour: f64,
-}
-
-impl Default for Faults {
-    fn default() -> Faults {
-        Faults {
-            message_loss: 0.0,
-            message_delay_ms: 20,
-            failures_per_hour: 0.0,
-            emergency_stops_per_hour: 0.0,
-            obstacles_per_hour: 0.0,
-            manual_drives_per_hour: 0.0,
-            unplugged_per_hour: 0.0,
-            repair_s: 300.0,
-            robot_pushes_per_hour: 0.0,
-        }
-    }
 }
 
 #[derive(Deserialize)]
@@ -212,20 +174,7 @@ impl Scenario {
         check("robots", file.robots as f64, 0.0..=10_000.0, "from 0 to 10000")?;
         check("duration_s", file.duration_s, 1.0..=1e7, "from 1 to 10000000")?;
         check("period_ms", file.period_ms as f64, 10.0..=1000.0, "from 10 to 1000")?;
-        let f = &file.faults;
-        check("faults.message_loss", f.message_loss, 0.0..=0.9, "from 0 to 0.9")?;
-        check("faults.message_delay_ms", f.message_delay_ms as f64, 0.0..=2000.0, "from 0 to 2000")?;
-        for (key, per_hour) in [
-            ("faults.failures_per_hour", f.failures_per_hour),
-            ("faults.emergency_stops_per_hour", f.emergency_stops_per_hour),
-            ("faults.obstacles_per_hour", f.obstacles_per_hour),
-            ("faults.manual_drives_per_hour", f.manual_drives_per_hour),
-            ("faults.unplugged_per_hour", f.unplugged_per_hour),
-        ] {
-            check(key, per_hour, 0.0..=1000.0, "from 0 to 1000")?;
-        }
-        check("faults.repair_s", f.repair_s, 1.0..=1e6, "from 1 to 1000000")?;
-        check("faults.robot_pushes_per_hour", f.robot_pushes_per_hour, 0.0..=1000.0, "from 0 to 1000")?;
+        file.faults.check()?;
         check("drain_s", file.drain_s, 0.0..=1e6, "from 0 to 1000000")?;
         file.customers.check()?;
         file.workers.check()?;

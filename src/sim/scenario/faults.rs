@@ -1,0 +1,147 @@
+//! The part of a scenario that is about faults: of radios, clocks, robots, stations and chargers.
+//!
+//! Main type: [`Faults`]. Refuses: shares, rates and times that cannot be.
+
+use super::check::{ScenarioError, check};
+use serde::Deserialize;
+
+/// The longest delay of a message, milliseconds.
+const LONGEST_DELAY_MS: f64 = 30_000.0;
+
+/// What goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Faults {
+    /// Share of messages that get lost, both ways.
+    pub message_loss: f64,
+    /// Delay of each message, milliseconds.
+    pub message_delay_ms: i64,
+    /// Up to so much more, drawn for each message, milliseconds: messages overtake one another.
+    pub message_jitter_ms: i64,
+    /// How wrong the clock of each robot is at most, either way, milliseconds; drawn once for each.
+    pub clock_skew_ms: i64,
+    /// Break-downs per robot and hour of driving.
+    pub failures_per_hour: f64,
+    /// Emergency stops per robot and hour of driving.
+    pub emergency_stops_per_hour: f64,
+    /// Obstacles on the way, per robot and hour of driving.
+    pub obstacles_per_hour: f64,
+    /// How often a person takes each robot over while it drives, per hour of driving.
+    pub manual_drives_per_hour: f64,
+    /// How often each robot loses the current at a charger, per hour of standing there.
+    pub unplugged_per_hour: f64,
+    /// How often each charger is out of order, whichever robot stands on it.
+    pub charger_outages_per_hour: f64,
+    /// How often each station stops.
+    pub station_stops_per_hour: f64,
+    /// How long each of these lasts, seconds; and how long a robot stands that was pushed between nodes.
+    pub repair_s: f64,
+    /// How often each robot is pushed elsewhere by people while it stands.
+    pub robot_pushes_per_hour: f64,
+    /// When all faults end, seconds from the start: what is broken is repaired, messages arrive soon, and nothing
+    /// goes wrong any more. Clocks stay wrong. Nothing for never.
+    pub until_s: Option<f64>,
+}
+
+impl Default for Faults {
+    fn default() -> Faults {
+        Faults {
+            message_loss: 0.0,
+            message_delay_ms: 20,
+            message_jitter_ms: 0,
+            clock_skew_ms: 0,
+            failures_per_hour: 0.0,
+            emergency_stops_per_hour: 0.0,
+            obstacles_per_hour: 0.0,
+            manual_drives_per_hour: 0.0,
+            unplugged_per_hour: 0.0,
+            charger_outages_per_hour: 0.0,
+            station_stops_per_hour: 0.0,
+            repair_s: 300.0,
+            robot_pushes_per_hour: 0.0,
+            until_s: None,
+        }
+    }
+}
+
+impl Faults {
+    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+        check("faults.message_loss", self.message_loss, 0.0..=0.9, "from 0 to 0.9")?;
+        let (delay, jitter) = (self.message_delay_ms as f64, self.message_jitter_ms as f64);
+        check("faults.message_delay_ms", delay, 0.0..=LONGEST_DELAY_MS, "from 0 to 30000")?;
+        let left = LONGEST_DELAY_MS - delay;
+        check("faults.message_jitter_ms", jitter, 0.0..=left, "0 or more, and up to 30000 with the delay")?;
+        check("faults.clock_skew_ms", self.clock_skew_ms as f64, 0.0..=60_000.0, "from 0 to 60000")?;
+        for (key, per_hour) in [
+            ("faults.failures_per_hour", self.failures_per_hour),
+            ("faults.emergency_stops_per_hour", self.emergency_stops_per_hour),
+            ("faults.obstacles_per_hour", self.obstacles_per_hour),
+            ("faults.manual_drives_per_hour", self.manual_drives_per_hour),
+            ("faults.unplugged_per_hour", self.unplugged_per_hour),
+            ("faults.charger_outages_per_hour", self.charger_outages_per_hour),
+            ("faults.station_stops_per_hour", self.station_stops_per_hour),
+            ("faults.robot_pushes_per_hour", self.robot_pushes_per_hour),
+        ] {
+            check(key, per_hour, 0.0..=1000.0, "from 0 to 1000")?;
+        }
+        check("faults.repair_s", self.repair_s, 1.0..=1e6, "from 1 to 1000000")?;
+        check("faults.until_s", self.until_s.unwrap_or(0.0), 0.0..=1e7, "from 0 to 10000000")
+    }
+
+    /// How long a message may be under way, seconds.
+    pub(in crate::sim) fn longest_delay_s(&self) -> f64 {
+        (self.message_delay_ms + self.message_jitter_ms) as f64 / 1000.0
+    }
+
+    /// The same floor after its faults have ended.
+    pub(in crate::sim) fn ended(&self) -> Faults {
+        let clock_skew_ms = self.clock_skew_ms;
+        let message_delay_ms = self.message_delay_ms.min(Faults::default().message_delay_ms);
+        Faults { message_delay_ms, clock_skew_ms, repair_s: self.repair_s, ..Faults::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Scenario;
+    use super::*;
+
+    fn read(faults: &str) -> Result<Faults, String> {
+        let text =
+            format!(r#"{{"giveway_scenario": 1, "name": "x", "map": "m", "robots": 1, "faults": {faults}}}"#);
+        Scenario::parse(&text).map(|s| s.faults).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn faults_that_are_left_out_do_not_happen() {
+        assert_eq!(read("{}"), Ok(Faults::default()));
+        let slow = read(r#"{"message_delay_ms": 10000, "message_jitter_ms": 20000}"#).unwrap();
+        assert_eq!((slow.message_delay_ms, slow.message_jitter_ms), (10_000, 20_000));
+    }
+
+    #[test]
+    fn faults_that_cannot_be_are_refused_with_what_they_may_be() {
+        for (faults, error) in [
+            (
+                r#"{"message_delay_ms": 30001}"#,
+                "`faults.message_delay_ms` is 30001, but must be from 0 to 30000",
+            ),
+            (
+                r#"{"message_delay_ms": 29000, "message_jitter_ms": 2000}"#,
+                "`faults.message_jitter_ms` is 2000, but must be 0 or more, and up to 30000 with the delay",
+            ),
+            (r#"{"clock_skew_ms": -1}"#, "`faults.clock_skew_ms` is -1, but must be from 0 to 60000"),
+            (
+                r#"{"station_stops_per_hour": 1001}"#,
+                "`faults.station_stops_per_hour` is 1001, but must be from 0 to 1000",
+            ),
+            (
+                r#"{"charger_outages_per_hour": -2}"#,
+                "`faults.charger_outages_per_hour` is -2, but must be from 0 to 1000",
+            ),
+            (r#"{"until_s": -1}"#, "`faults.until_s` is -1, but must be from 0 to 10000000"),
+        ] {
+            assert_eq!(read(faults), Err(error.to_owned()));
+        }
+    }
+}
