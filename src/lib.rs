@@ -258,6 +258,7 @@
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
 //! | a key of scenario files | `sim/scenario/`, `docs/scenarios.md` |
 //! | what every simulation must keep (laws) | `sim/laws/`; in the server: `server/watchdog.rs` |
+//! | what the swarm draws, how it shrinks, prints | `sim/swarm/draw.rs`, `maps.rs`; `shrink.rs`; `cli/swarm.rs` |
 //! | what a recording holds | `sim/recording.rs` |
 //! | what simulated robots, radios, customers do | `sim/robot.rs`, `sim/link.rs`, `sim/customers/` |
 //! | an endpoint, a wire type | `api/http/`, `api/dto.rs`; `web/src/` |

@@ -5,6 +5,7 @@
 use giveway::aware::nodes_in;
 use giveway::fleet::Command;
 use giveway::geometry::Point;
+use giveway::sim::swarm::{SwarmCase, SwarmPart, SwarmRun, SwarmTally};
 use giveway::sim::{Demand, JobTally, OrderLine, Outcome, Scenario, Simulation};
 use giveway::time::{Span, Time};
 use giveway::warehouse::{Warehouse, formats, room_for};
@@ -29,6 +30,9 @@ const RUNS: [(&str, i64); 15] = [
     ("shift", 90),
     ("mixed", 3600),
 ];
+
+/// Seeds of the swarm that are run here.
+const SWARM_SEEDS: std::ops::RangeInclusive<u64> = 1..=60;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios")
@@ -264,5 +268,51 @@ fn every_scenario_file_has_its_test() {
     for name in names {
         let call = format!("    holds(\"{name}\");\n");
         assert_eq!(this.matches(&call).count(), 1, "{name} has no test: add one that says\n{call}");
+    }
+}
+
+/// A slice of `giveway swarm`: some seeds for three minutes each, on floors of many kinds.
+#[test]
+fn drawn_floors_with_people_and_faults_of_every_kind_keep_their_laws_and_heal() {
+    let mut all = SwarmTally::default();
+    for seed in SWARM_SEEDS {
+        // Floors with fewer parking places than robots that are sent there do not end: see docs/robustness.md.
+        let case = SwarmCase { without: [SwarmPart::Parks].into(), ..SwarmCase::whole(seed, 3) };
+        let (tally, failure) = SwarmRun::whole(&case).unwrap_or_else(|e| panic!("{case}: {e}"));
+        assert_eq!(failure, None, "{case}");
+        all.add(&tally);
+    }
+    for fault in [
+        "broken",
+        "emergency_stop",
+        "obstructed",
+        "manual",
+        "unplugged",
+        "charger_outages",
+        "station_stops",
+        "pushes",
+        "messages_lost",
+        "messages_late",
+        "messages_overtaking",
+        "wrong_clocks",
+        "headset_silences",
+        "headset_jumps",
+        "headset_resets",
+        "deviations_of_people",
+        "cancels",
+        "robot_pauses",
+        "station_pauses",
+        "short_picks",
+        "departures",
+        "closures",
+    ] {
+        assert!(all.injected.get(fault).is_some_and(|n| *n > 0), "{fault} never happened: {all:?}");
+    }
+    for kind in ["deliver", "return", "relocate", "charge", "go"] {
+        assert!(
+            all.jobs.get(kind).is_some_and(|j| j.done > 0 && j.open_at_end == 0),
+            "{kind}: {:?}",
+            all.jobs
+        );
     }
 }

@@ -22,6 +22,7 @@ mod replay;
 mod safe_space;
 mod serve;
 mod sim;
+mod swarm;
 
 use crate::warehouse::{Warehouse, formats};
 use clap::{Parser, Subcommand};
@@ -46,6 +47,8 @@ enum CliCommand {
     Serve(serve::Serve),
     /// Run a scenario without a server, far faster than real time, and print its figures.
     Sim(sim::SimArgs),
+    /// Draw floors, people, jobs and faults from seeds, check all laws, and shrink what fails.
+    Swarm(swarm::SwarmArgs),
     /// Replay a recording.
     Replay(replay::ReplayArgs),
     /// Check, show, make and import maps.
@@ -68,6 +71,7 @@ pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.command {
         Some(CliCommand::Sim(sim)) => sim.run(),
+        Some(CliCommand::Swarm(swarm)) => swarm.run(),
         Some(CliCommand::Map(map)) => map.run(),
         Some(CliCommand::Replay(replay)) => replay.run(),
         Some(CliCommand::Serve(serve)) => serve.run(),

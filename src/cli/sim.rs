@@ -221,7 +221,8 @@ fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) 
     })
 }
 
-fn tally(t: &JobTally) -> Value {
+/// What became of jobs of one kind.
+pub fn tally(t: &JobTally) -> Value {
     json!({
         "accepted": t.accepted,
         "done": t.done,

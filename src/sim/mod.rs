@@ -24,6 +24,7 @@ mod robot;
 pub mod run;
 mod scenario;
 mod sensor;
+pub mod swarm;
 mod tally;
 #[cfg(test)]
 mod tests;

@@ -38,8 +38,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Takes an observation in that arrived `now`; an older one than the newest is ignored. When it was made only orders
-    /// the observations of one robot.
+    /// Takes an observation in that arrived `now`; an older one than the newest is ignored. The date of an observation
+    /// only orders those of one robot.
     pub fn see(&mut self, t: Telemetry, now: Time) {
         let seen = self.robot_mut(t.robot);
         if seen.newest.is_some_and(|n| n.seen >= t.seen) {

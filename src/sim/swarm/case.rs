@@ -1,0 +1,222 @@
+//! One case of the swarm: a seed, and what of that which the seed draws is cut down.
+//!
+//! Main types: [`SwarmCase`], [`SwarmPart`], [`SwarmMap`]. A case is the flags of one command, so that whoever reads of
+//! a failure can repeat it. Refuses: to draw anything.
+
+use crate::warehouse::Warehouse;
+use std::collections::BTreeSet;
+use std::fmt;
+use std::sync::Arc;
+
+/// What can be switched off in a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum SwarmPart {
+    /// Messages get lost.
+    Loss,
+    /// Messages take long, all of them.
+    Delay,
+    /// Messages take long, some of them, and overtake one another.
+    Jitter,
+    /// Clocks of robots are wrong.
+    Skew,
+    /// Robots break down.
+    Failures,
+    /// Somebody presses the emergency stops of robots.
+    Estops,
+    /// Things stand in the way of robots.
+    Obstacles,
+    /// People drive robots by hand.
+    Manual,
+    /// Robots get no current.
+    Unplugged,
+    /// Chargers are out of order.
+    Chargers,
+    /// Stations stop.
+    Stations,
+    /// People push robots elsewhere.
+    Pushes,
+    /// Areas are closed for a time.
+    Closures,
+    /// Customers want racks put back.
+    Returns,
+    /// Customers want racks put onto certain nodes.
+    Relocations,
+    /// Customers send robots to chargers.
+    Charges,
+    /// Customers send robots to parking places.
+    Parks,
+    /// Customers send robots to nodes.
+    Goes,
+    /// Jobs have priorities, deadlines and others before them, and are handed in twice.
+    Wishes,
+    /// Customers cancel jobs.
+    Cancels,
+    /// Picks take long, or goods are missing.
+    Picks,
+    /// Operators pause robots and stations.
+    Holds,
+    /// Robots are taken off the floor and brought back.
+    Departures,
+    /// Devices of people are wrong, silent or late.
+    Sensors,
+    /// People do something else than they were told.
+    Causes,
+    /// Robots differ from the usual kind.
+    Fleet,
+}
+
+impl SwarmPart {
+    /// All of them, in the order in which the shrinking tries them.
+    pub const ALL: [SwarmPart; 26] = [
+        SwarmPart::Departures,
+        SwarmPart::Pushes,
+        SwarmPart::Manual,
+        SwarmPart::Closures,
+        SwarmPart::Skew,
+        SwarmPart::Jitter,
+        SwarmPart::Delay,
+        SwarmPart::Loss,
+        SwarmPart::Failures,
+        SwarmPart::Estops,
+        SwarmPart::Obstacles,
+        SwarmPart::Unplugged,
+        SwarmPart::Chargers,
+        SwarmPart::Stations,
+        SwarmPart::Holds,
+        SwarmPart::Cancels,
+        SwarmPart::Picks,
+        SwarmPart::Wishes,
+        SwarmPart::Returns,
+        SwarmPart::Relocations,
+        SwarmPart::Charges,
+        SwarmPart::Parks,
+        SwarmPart::Goes,
+        SwarmPart::Sensors,
+        SwarmPart::Causes,
+        SwarmPart::Fleet,
+    ];
+
+    /// Its name in a command.
+    pub fn word(self) -> &'static str {
+        match self {
+            SwarmPart::Loss => "loss",
+            SwarmPart::Delay => "delay",
+            SwarmPart::Jitter => "jitter",
+            SwarmPart::Skew => "skew",
+            SwarmPart::Failures => "failures",
+            SwarmPart::Estops => "estops",
+            SwarmPart::Obstacles => "obstacles",
+            SwarmPart::Manual => "manual",
+            SwarmPart::Unplugged => "unplugged",
+            SwarmPart::Chargers => "chargers",
+            SwarmPart::Stations => "stations",
+            SwarmPart::Pushes => "pushes",
+            SwarmPart::Closures => "closures",
+            SwarmPart::Returns => "returns",
+            SwarmPart::Relocations => "relocations",
+            SwarmPart::Charges => "charges",
+            SwarmPart::Parks => "parks",
+            SwarmPart::Goes => "goes",
+            SwarmPart::Wishes => "wishes",
+            SwarmPart::Cancels => "cancels",
+            SwarmPart::Picks => "picks",
+            SwarmPart::Holds => "holds",
+            SwarmPart::Departures => "departures",
+            SwarmPart::Sensors => "sensors",
+            SwarmPart::Causes => "causes",
+            SwarmPart::Fleet => "fleet",
+        }
+    }
+
+    /// The part of this name.
+    pub fn of_word(word: &str) -> Option<SwarmPart> {
+        SwarmPart::ALL.into_iter().find(|part| part.word() == word)
+    }
+}
+
+/// On which map a case runs.
+#[derive(Clone, Debug)]
+pub enum SwarmMap {
+    /// The seed draws among those that ship and random ones.
+    Any,
+    /// A random one.
+    Random,
+    /// The map of a file, with the name of that as the command has it.
+    Given(String, Arc<Warehouse>),
+}
+
+/// What to run.
+#[derive(Clone, Debug)]
+pub struct SwarmCase {
+    /// Draws everything.
+    pub seed: u64,
+    /// How long faults last, minutes.
+    pub minutes: u32,
+    /// On which map.
+    pub map: SwarmMap,
+    /// How many robots, fewer where the map has no room for them; as many as the seed draws where absent.
+    pub robots: Option<usize>,
+    /// How many people; as many as the seed draws where absent.
+    pub workers: Option<usize>,
+    /// What is switched off.
+    pub without: BTreeSet<SwarmPart>,
+}
+
+impl SwarmCase {
+    /// All that a seed draws.
+    pub fn whole(seed: u64, minutes: u32) -> SwarmCase {
+        SwarmCase { seed, minutes, map: SwarmMap::Any, robots: None, workers: None, without: BTreeSet::new() }
+    }
+
+    /// Whether a part is left in.
+    pub(super) fn has(&self, part: SwarmPart) -> bool {
+        !self.without.contains(&part)
+    }
+}
+
+/// The command that runs the case.
+impl fmt::Display for SwarmCase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "giveway swarm --seeds {} --minutes {}", self.seed, self.minutes)?;
+        match &self.map {
+            SwarmMap::Any => {}
+            SwarmMap::Random => write!(f, " --map random")?,
+            SwarmMap::Given(path, _) => write!(f, " --map '{}'", path.replace('\'', r"'\''"))?,
+        }
+        if let Some(robots) = self.robots {
+            write!(f, " --robots {robots}")?;
+        }
+        if let Some(workers) = self.workers {
+            write!(f, " --workers {workers}")?;
+        }
+        let words: Vec<&str> = self.without.iter().map(|part| part.word()).collect();
+        if words.is_empty() { Ok(()) } else { write!(f, " --without {}", words.join(",")) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_case_is_one_command_with_all_that_was_cut_down() {
+        let mut case = SwarmCase::whole(17, 10);
+        assert_eq!(case.to_string(), "giveway swarm --seeds 17 --minutes 10");
+        (case.minutes, case.robots, case.workers) = (7, Some(8), Some(0));
+        case.without.extend([SwarmPart::Pushes, SwarmPart::Loss]);
+        assert_eq!(
+            case.to_string(),
+            "giveway swarm --seeds 17 --minutes 7 --robots 8 --workers 0 --without loss,pushes"
+        );
+        case.map = SwarmMap::Given("my map.json".into(), Arc::new(crate::warehouse::lab()));
+        assert!(case.to_string().contains(" --map 'my map.json' "), "{case}");
+    }
+
+    #[test]
+    fn every_part_is_found_by_its_word() {
+        for part in SwarmPart::ALL {
+            assert_eq!(SwarmPart::of_word(part.word()), Some(part));
+        }
+        assert_eq!(SwarmPart::of_word("weather"), None);
+    }
+}

@@ -1,0 +1,160 @@
+//! One case under way, step by step, until a law is broken or everything has ended.
+//!
+//! Main types: [`SwarmRun`], [`SwarmFailure`]. The laws are those of every simulation. Refuses: to go on after a
+//! failure, and to catch a panic; whoever does says so with [`SwarmRun::end`].
+
+use super::super::laws::Violation;
+use super::super::run::Simulation;
+use super::case::SwarmCase;
+use super::draw::SwarmSetup;
+use super::tally::SwarmTally;
+use crate::fleet::{Input, StationOrder};
+use crate::time::Time;
+
+/// How a run failed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SwarmFailure {
+    /// What kind of failure it is: a law, or a panic with its place in the sources.
+    pub kind: String,
+    /// When.
+    pub at: Time,
+    /// What exactly.
+    pub words: String,
+}
+
+/// A case under way.
+pub struct SwarmRun {
+    sim: Simulation,
+    tally: SwarmTally,
+    robots: usize,
+    failure: Option<SwarmFailure>,
+}
+
+impl SwarmRun {
+    /// A case at its start.
+    pub fn new(setup: &SwarmSetup) -> SwarmRun {
+        let SwarmSetup { scenario, warehouse, .. } = setup;
+        let sim = Simulation::new(warehouse.clone(), scenario, &[], scenario.seed, false, || 0);
+        let mut tally = SwarmTally { runs: 1, ..SwarmTally::default() };
+        tally.maps.insert(warehouse.name.clone(), 1);
+        SwarmRun { sim, tally, robots: scenario.robots, failure: None }
+    }
+
+    /// Draws a case and runs it to its end.
+    ///
+    /// # Errors
+    /// Why it cannot be drawn.
+    pub fn whole(case: &SwarmCase) -> Result<(SwarmTally, Option<SwarmFailure>), String> {
+        let mut run = SwarmRun::new(&SwarmSetup::draw(case)?);
+        while run.step() {}
+        Ok(run.end(None))
+    }
+
+    /// The simulation, for tests that break something in it.
+    pub fn simulation(&mut self) -> &mut Simulation {
+        &mut self.sim
+    }
+
+    /// One step. Whether there is another one.
+    pub fn step(&mut self) -> bool {
+        let (inputs, _) = self.sim.step();
+        for input in &inputs {
+            if let Some(word) = word(input) {
+                *self.tally.injected.entry(word).or_default() += 1;
+            }
+        }
+        if let Some((at, violation)) = self.sim.broken().first() {
+            let words = violation.to_string();
+            self.failure = Some(SwarmFailure { kind: kind(violation, &words), at: *at, words });
+        }
+        self.failure.is_none() && !self.sim.is_over()
+    }
+
+    /// What happened, and how it failed. `panic` is the kind and the words of a panic that ended a step; after one,
+    /// nobody knows how the fleet is.
+    pub fn end(self, panic: Option<(String, String)>) -> (SwarmTally, Option<SwarmFailure>) {
+        let SwarmRun { sim, mut tally, robots, mut failure } = self;
+        let at = sim.now();
+        tally.robot_hours = robots as f64 * at.as_secs_f64() / 3600.0;
+        for (word, count) in sim.world.injected() {
+            *tally.injected.entry(word).or_default() += count;
+        }
+        for (_, walker) in sim.world.walkers() {
+            let deviations = walker.log().segments().iter().filter(|s| s.cause.is_deviation()).count();
+            *tally.injected.entry("deviations_of_people").or_default() += deviations as u64;
+        }
+        if let Some((kind, words)) = panic {
+            failure = Some(SwarmFailure { kind, at, words });
+        } else {
+            let is_over = sim.is_over();
+            tally.deliveries = sim.fleet.ledger().counts.robot_deliveries;
+            tally.human_deliveries = sim.fleet.ledger().counts.human_deliveries;
+            let outcome = sim.outcome();
+            tally.jobs = outcome.jobs;
+            if failure.is_none() && is_over && outcome.drained == Some(false) {
+                let words = outcome.broken.last().cloned().unwrap_or_default();
+                failure = Some(SwarmFailure { kind: with_reason("not drained".into(), &words), at, words });
+            }
+        }
+        tally.failures.extend(failure.iter().map(|f| (f.kind.clone(), 1)));
+        (tally, failure)
+    }
+}
+
+/// What kind of failure a broken law is: its name, and the reason that the fleet has for it.
+fn kind(violation: &Violation, words: &str) -> String {
+    with_reason(lower(&format!("{violation:?}")), words)
+}
+
+/// The same with the first reason that the words end with, if they do.
+fn with_reason(kind: String, words: &str) -> String {
+    let first = words.split("; ").next().unwrap_or_default();
+    let reason = first.rsplit(": ").next().and_then(|r| r.strip_prefix("Some("));
+    reason.map_or(kind.clone(), |r| format!("{kind}, {}", lower(r)))
+}
+
+/// The name of a variant at the start of a text, as words in lower case.
+fn lower(text: &str) -> String {
+    let mut words = String::new();
+    for c in text.chars().take_while(|c| c.is_alphanumeric()) {
+        if c.is_uppercase() && !words.is_empty() {
+            words.push(' ');
+        }
+        words.extend(c.to_lowercase());
+    }
+    words
+}
+
+/// What customers and operators do by hand, beside jobs.
+fn word(input: &Input) -> Option<&'static str> {
+    match input {
+        Input::Cancel { .. } => Some("cancels"),
+        Input::Halt { .. } => Some("robot_pauses"),
+        Input::Station { order: StationOrder::Pause, .. } => Some("station_pauses"),
+        Input::Station { order: StationOrder::Short, .. } => Some("short_picks"),
+        Input::Retire { .. } => Some("departures"),
+        Input::Close { .. } => Some("closures"),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fleet::{Task, Why};
+    use crate::id::{RobotId, WorkerId};
+
+    #[test]
+    fn a_failure_is_of_the_kind_of_its_law_and_of_the_reason_that_the_fleet_has() {
+        let kind = |v: &Violation| kind(v, &v.to_string());
+        assert_eq!(kind(&Violation::Overlap(RobotId(0), RobotId(1))), "overlap");
+        assert_eq!(kind(&Violation::Fold), "fold");
+        let why = Some(Why::GivesWay(WorkerId(0)));
+        assert_eq!(kind(&Violation::Stuck(RobotId(3), Task::Idle, why)), "stuck, gives way");
+        assert_eq!(kind(&Violation::Stuck(RobotId(3), Task::Idle, None)), "stuck");
+        let whys = ["j2 Park { robot: r6 } Waiting: Some(NoPlace(Parking))", "j3 Park: None"];
+        let whys = whys.map(str::to_owned).to_vec();
+        assert_eq!(kind(&Violation::NotDrained(2, 0, whys)), "not drained, no place");
+        assert_eq!(kind(&Violation::NotDrained(0, 2, vec![])), "not drained");
+    }
+}

@@ -1,0 +1,54 @@
+//! Counts over many runs of the swarm.
+//!
+//! Main type: [`SwarmTally`]. Refuses: to judge.
+
+use super::super::tally::JobTally;
+use std::collections::BTreeMap;
+
+/// What happened in one run or in many.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SwarmTally {
+    /// Runs.
+    pub runs: u64,
+    /// Robots times simulated hours, with the time in which floors heal.
+    pub robot_hours: f64,
+    /// Racks served at stations.
+    pub deliveries: u64,
+    /// Assignments that people completed.
+    pub human_deliveries: u64,
+    /// What became of jobs of each kind.
+    pub jobs: BTreeMap<&'static str, JobTally>,
+    /// How often each kind of fault, and of act by hand, happened.
+    pub injected: BTreeMap<&'static str, u64>,
+    /// How many runs each map had.
+    pub maps: BTreeMap<String, u64>,
+    /// How many runs failed in each way.
+    pub failures: BTreeMap<String, u64>,
+}
+
+impl SwarmTally {
+    /// Adds what happened in other runs.
+    pub fn add(&mut self, other: &SwarmTally) {
+        self.runs += other.runs;
+        self.robot_hours += other.robot_hours;
+        self.deliveries += other.deliveries;
+        self.human_deliveries += other.human_deliveries;
+        for (kind, more) in &other.jobs {
+            let sum = self.jobs.entry(*kind).or_default();
+            sum.accepted += more.accepted;
+            sum.done += more.done;
+            sum.failed += more.failed;
+            sum.cancelled += more.cancelled;
+            sum.open_at_end += more.open_at_end;
+        }
+        for (kind, more) in &other.injected {
+            *self.injected.entry(*kind).or_default() += more;
+        }
+        for (name, more) in &other.maps {
+            *self.maps.entry(name.clone()).or_default() += more;
+        }
+        for (kind, more) in &other.failures {
+            *self.failures.entry(kind.clone()).or_default() += more;
+        }
+    }
+}
