@@ -31,7 +31,9 @@ impl Timeline {
             let before = shifts.last_mut().expect("the last granted visit is first");
             (before.depart, before.leave) = (before.depart - by, before.leave - by);
             let shift = Shift::of(serial, visit);
-            shifts.push(Shift { enter: shift.enter - by, arrive: shift.arrive - by, ..shift });
+            // A robot that goes on as soon as it has come holds what is next from no earlier than where it is.
+            let enter = (shift.enter - by).max(before.enter);
+            shifts.push(Shift { enter, arrive: shift.arrive - by, ..shift });
         }
         if shifts.len() == 1 { Vec::new() } else { shifts }
     }

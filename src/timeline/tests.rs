@@ -180,9 +180,9 @@ proptest! {
     fn grants_releases_delays_and_advances_in_any_order_keep_every_order_and_never_make_an_overlap(
         starts in proptest::collection::vec(0i64..6, 2..6),
         changes in proptest::collection::vec((0u8..4, any::<prop::sample::Index>(), 1i64..40), 1..60),
-        (dense, kinds) in (any::<bool>(), any::<bool>()),
+        (dense, kinds, lead) in (any::<bool>(), any::<bool>(), 0i64..25),
     ) {
-        let mut timeline = if kinds { convoy_of_two_kinds(&starts) } else { convoy(&starts, dense) };
+        let mut timeline = if kinds { convoy_of_two_kinds(&starts) } else { convoy_with(lead, &starts, dense) };
         for (change, who, by) in changes {
             let who = robot(who.index(starts.len()) as u32);
             let chain = timeline.chain(who).unwrap().clone();
