@@ -110,7 +110,7 @@ impl Traffic {
         (place, exemptions): (NodeId, &[Exemption]),
         now: Time,
     ) -> Option<Route> {
-        let stages = core.floor().stages_aside(robot, place);
+        let stages = core.floor().stages_aside(robot, place)?;
         let route = self.search_stages_on(core, timeline, robot, &stages, exemptions, now)?;
         Some(core.floor().with_own_stops(robot, route))
     }

@@ -253,7 +253,7 @@ impl Traffic {
         place: NodeId,
         now: Time,
     ) -> bool {
-        let stages = core.floor().stages_aside(robot, place);
+        let Some(stages) = core.floor().stages_aside(robot, place) else { return false };
         let Ok(route) = self.search(core, robot, &stages, now) else { return false };
         let route = core.floor().with_own_stops(robot, route);
         commit(core, robot, route);

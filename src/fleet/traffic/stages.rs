@@ -103,17 +103,26 @@ impl Floor<'_> {
         stages
     }
 
-    /// The legs to a place aside, and of the rest of the task from there.
-    pub(in crate::fleet) fn stages_aside(&self, robot: RobotId, place: NodeId) -> SmallVec<[Stage; 4]> {
+    /// The legs to a place aside, and of the rest of the task from there; a robot that waits for room comes back to
+    /// where it stands. Nothing where that is no place to stay.
+    pub(in crate::fleet) fn stages_aside(
+        &self,
+        robot: RobotId,
+        place: NodeId,
+    ) -> Option<SmallVec<[Stage; 4]>> {
         let rest = self.stages_after(robot);
         let loaded = self.ledger.rack_on(robot).is_some();
         let leg = |goal| Stage { loaded, ..Stage::to_stay(goal) };
         let mut stages = smallvec![leg(place)];
         if rest.is_empty() {
-            stages.push(leg(self.ledger.chain(robot).last().expect("it stands somewhere").node));
+            let here = self.ledger.chain(robot).last().expect("it stands somewhere").node;
+            if !self.warehouse().kind(here).is_lasting() {
+                return None;
+            }
+            stages.push(leg(here));
         }
         stages.extend(rest);
-        stages
+        Some(stages)
     }
 
     /// What a robot goes on with after it stepped aside.
