@@ -184,8 +184,8 @@
 //!   to no other robot. The robots that were promised it, and those behind them, lose what was not granted yet.
 //! - *A robot whose grant is revoked* (`fleet/traffic/revoke.rs`) only holds again what it had been granted. It is
 //!   first in the order of all these holds, and no robot can come before a hold that began in the past, so it waits for
-//!   no other robot there. If it stands between two nodes, both stay granted to it, and it can go on to either: no robot
-//!   is before it there, and a person who keeps it from the one need not keep it from the other.
+//!   no other robot there. If it stands between two nodes, both stay granted to it, and it can go on to either: no
+//!   robot is before it there, and a person who keeps it from the one need not keep it from the other.
 //!
 //! The argument is about robots that have routes. One whose route was truncated holds the node where it stands without
 //! end, and finds no new route while other robots stand on its way for the same reason: after a repair, robots around a
@@ -196,9 +196,10 @@
 //! *People* are outside of the argument on purpose. A worker holds nothing in the timeline: a grant that would meet
 //! a condition waits, which is a delay like any other, and the order of robots stays as it is. But a robot and a person
 //! can wait for one another. So a robot on a person's path leaves it. A robot that has yielded to a person for long
-//! loses its grant and leaves by another way. After a minute it goes to the nearest place where it may stay, together with
-//! the robots that stand on its way there: those farthest out leave first. A person whose path is blocked is led round,
-//! past robots that have yielded for long, or to a place aside, and is told to stop only if nothing else is left. That
+//! loses its grant and leaves by another way. After a minute it goes to the nearest place where it may stay, together
+//! with the robots that stand on its way there: those farthest out leave first. A person whose path is blocked is led
+//! round, past robots that have yielded for long, or to a place aside, and is told to stop only if nothing else is left.
+//! A person who has no way to go, and for whom a robot has waited for a minute, is led to a place aside, too. That
 //! this always ends is measured (`docs/robustness.md`) and not argued.
 //!
 //! One thing must be true of the floor for (a) to be possible at all: every place can be reached without crossing a

@@ -271,6 +271,38 @@ fn every_scenario_file_has_its_test() {
     }
 }
 
+/// Cases that once ended in a panic, as `giveway swarm` prints them: seed, minutes, robots, workers, what is switched
+/// off.
+type OldPanic = (u64, u32, Option<usize>, Option<usize>, &'static str);
+const OLD_PANICS: [OldPanic; 2] = [
+    (
+        77,
+        1,
+        Some(23),
+        Some(0),
+        "loss,delay,jitter,skew,failures,estops,obstacles,unplugged,chargers,stations,pushes,closures,\
+         relocations,charges,parks,cancels,departures,sensors,causes",
+    ),
+    (
+        141,
+        3,
+        None,
+        None,
+        "loss,delay,jitter,skew,manual,unplugged,chargers,stations,pushes,closures,returns,relocations,\
+         parks,goes,departures,causes,fleet",
+    ),
+];
+
+#[test]
+fn drawn_floors_on_which_the_fleet_once_panicked_keep_their_laws_and_heal() {
+    for (seed, minutes, robots, workers, without) in OLD_PANICS {
+        let without = without.split(',').map(|w| SwarmPart::of_word(w).expect("it is a part")).collect();
+        let case = SwarmCase { robots, workers, without, ..SwarmCase::whole(seed, minutes) };
+        let (_, failure) = SwarmRun::whole(&case).unwrap_or_else(|e| panic!("{case}: {e}"));
+        assert_eq!(failure, None, "{case}");
+    }
+}
+
 /// A slice of `giveway swarm`: some seeds for three minutes each, on floors of many kinds.
 #[test]
 fn drawn_floors_with_people_and_faults_of_every_kind_keep_their_laws_and_heal() {

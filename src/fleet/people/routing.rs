@@ -143,8 +143,8 @@ impl HumanState {
         person.mode = WalkMode::Redirected;
     }
 
-    /// A worker who has no way to go, and for whom a robot has waited so long that each waits for the other, is led to a
-    /// place aside.
+    /// A worker who has no way to go, and for whom a robot has waited so long that each waits for the other, is led to
+    /// a place aside.
     pub(in crate::fleet) fn make_room(
         &mut self,
         floor: Floor<'_>,

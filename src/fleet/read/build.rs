@@ -148,8 +148,7 @@ impl Fleet {
             Service::Gone { .. } => return Some(Why::Gone),
             _ => {}
         }
-        let back = self.traffic.drives_back_to(self.floor(), r);
-        if let Some(other) = self.floor().drives_into(r, back) {
+        if let Some(other) = self.floor().drives_into(r, self.traffic.drives_back_to(self.floor(), r)) {
             return Some(Why::BlockedBy(other));
         }
         if let Some(station) = self.floor().station_of(r)

@@ -238,9 +238,9 @@ pub enum Command {
         /// How many revocations came before. A robot that has obeyed more of them ignores the order: it is older.
         recalls: u64,
     },
-    /// If the robot stands, and this is the last visit whose centre it reached, it forgets all waypoints, stays where it
-    /// is, on a node or between two, and says so by the number of revocations that it has obeyed. Else it goes on as
-    /// before.
+    /// If the robot stands, and this is the last visit whose centre it reached, it forgets all waypoints, stays where
+    /// it is, on a node or between two, and says so by the number of revocations that it has obeyed. Else it goes on
+    /// as before.
     Revoke {
         /// Serial number of the visit.
         reached: u64,
