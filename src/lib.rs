@@ -198,9 +198,9 @@
 //! can wait for one another. So a robot on a person's path leaves it. A robot that has yielded to a person for long
 //! loses its grant and leaves by another way. After a minute it goes to the nearest place where it may stay, together
 //! with the robots that stand on its way there: those farthest out leave first. A person whose path is blocked is led
-//! round, past robots that have yielded for long, or to a place aside, and is told to stop only if nothing else is left.
-//! A person who has no way to go, and for whom a robot has waited for a minute, is led to a place aside, too. That
-//! this always ends is measured (`docs/robustness.md`) and not argued.
+//! round, past robots that have yielded for long, or to a place aside, and is told to stop only if nothing else is
+//! left. A person who has no way to go, and for whom a robot has waited for a minute, is led to a place aside, too.
+//! That this always ends is measured (`docs/robustness.md`) and not argued.
 //!
 //! One thing must be true of the floor for (a) to be possible at all: every place can be reached without crossing a
 //! place where a robot may stay for ever. `warehouse/check/floor.rs` refuses maps where that is not so.
