@@ -1,7 +1,7 @@
 //! Stations that stop, and chargers that give no current.
 //!
-//! Main type: [`Outages`]. A stop of a station and its end are said to the fleet as operators say them. Nobody tells
-//! the fleet about a charger; the robot on it does. Refuses: to draw a number where a scenario has no such faults.
+//! Main type: [`Outages`]. A stop of a station and its end are said to the fleet as operators say them. Of a
+//! charger the fleet hears from the robot on it alone. Refuses: to draw a number where a scenario has no such faults.
 
 use super::customers::FIRST_TOKEN;
 use super::random::Stream;

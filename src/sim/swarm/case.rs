@@ -1,6 +1,6 @@
 //! One case of the swarm: a seed, and what of that which the seed draws is cut down.
 //!
-//! Main types: [`SwarmCase`], [`SwarmPart`], [`SwarmMap`]. A case is the flags of one command, so that whoever reads of
+//! Main types: [`SwarmCase`], [`SwarmPart`], [`SwarmMap`]. A case is the flags of one command, so that a reader of
 //! a failure can repeat it. Refuses: to draw anything.
 
 use crate::warehouse::Warehouse;

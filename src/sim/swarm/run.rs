@@ -1,7 +1,7 @@
 //! One case under way, step by step, until a law is broken or everything has ended.
 //!
 //! Main types: [`SwarmRun`], [`SwarmFailure`]. The laws are those of every simulation. Refuses: to go on after a
-//! failure, and to catch a panic; whoever does says so with [`SwarmRun::end`].
+//! failure, and to catch a panic; the caller does, and says so with [`SwarmRun::end`].
 
 use super::super::laws::Violation;
 use super::super::run::Simulation;
@@ -71,7 +71,7 @@ impl SwarmRun {
     }
 
     /// What happened, and how it failed. `panic` is the kind and the words of a panic that ended a step; after one,
-    /// nobody knows how the fleet is.
+    /// the state of the fleet is unknown.
     pub fn end(self, panic: Option<(String, String)>) -> (SwarmTally, Option<SwarmFailure>) {
         let SwarmRun { sim, mut tally, robots, mut failure } = self;
         let at = sim.now();
