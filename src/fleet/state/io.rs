@@ -13,6 +13,9 @@ use crate::time::Time;
 use crate::timeline::Reserved;
 use crate::warehouse::NodeKind;
 
+/// A robot slower than this stands, metres per second.
+const STANDS_MPS: f64 = 0.01;
+
 /// An observation or a request from outside.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Input {
@@ -219,6 +222,11 @@ impl Telemetry {
     /// Whether it obeys no order until a person helps: it is broken, stopped or driven by hand, or its battery is flat.
     pub fn cannot_drive(&self) -> bool {
         self.fault.is_some_and(Fault::is_immobile) || self.battery <= 0.0
+    }
+
+    /// Whether it does not move.
+    pub fn stands(&self) -> bool {
+        self.speed_mps < STANDS_MPS
     }
 }
 

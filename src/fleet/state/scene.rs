@@ -11,6 +11,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// After this long without an observation a robot is silent: it gets no new grants.
 pub const SILENCE: Span = Span::from_secs(3);
+/// A robot that may drive, and stands for so long by its own word, is kept from it by something: its scanner sees what
+/// the fleet does not know of. Turning on the spot takes less.
+const KEPT: Span = Span::from_secs(15);
 
 /// One robot as it is seen.
 #[derive(Clone, Debug, Default)]
@@ -19,6 +22,8 @@ pub struct RobotSeen {
     pub newest: Option<Telemetry>,
     /// When that came in, by the fleet's own clock: robots' clocks may be wrong.
     heard: Option<Time>,
+    /// Since when it has said that it stands where it does, though it may drive.
+    still: Option<Time>,
     /// When orders were sent to it last.
     pub told: Option<Time>,
     /// Whether it was found once where the ledger has it.
@@ -31,6 +36,8 @@ pub struct Scene {
     robots: Vec<RobotSeen>,
     /// Robots that say that something is wrong with them.
     faulty: BTreeSet<RobotId>,
+    /// Robots that say that they stand, though they may drive.
+    still: BTreeSet<RobotId>,
     /// Robots that cannot go on from where they stand.
     displaced: BTreeMap<RobotId, Displaced>,
     /// Since when anything could be seen.
@@ -46,7 +53,16 @@ impl Scene {
             return;
         }
         seen.heard = Some(now);
+        let before = seen.still.filter(|_| seen.newest.is_some_and(|n| n.reached == t.reached));
+        // One that is kept from driving is told to stand, until it has forgotten its way.
+        let is_kept = before.is_some_and(|since| now - since >= KEPT);
+        let stands = t.known > t.reached && t.stands() && (is_kept || t.limit_mps != Some(0.0));
+        seen.still = stands.then_some(before.unwrap_or(now));
         let before = seen.newest.replace(t).and_then(|n| n.fault);
+        match seen.still {
+            Some(_) => _ = self.still.insert(t.robot),
+            None => _ = self.still.remove(&t.robot),
+        }
         match t.fault {
             Some(_) => _ = self.faulty.insert(t.robot),
             None if before.is_some() => _ = self.faulty.remove(&t.robot),
@@ -58,6 +74,7 @@ impl Scene {
     pub fn forget(&mut self, robot: RobotId) {
         *self.robot_mut(robot) = RobotSeen::default();
         self.faulty.remove(&robot);
+        self.still.remove(&robot);
         self.displaced.remove(&robot);
     }
 
@@ -95,6 +112,20 @@ impl Scene {
     pub fn faults(&self, now: Time) -> Vec<(RobotId, Fault)> {
         let fault = |r: &RobotId| Some((*r, self.fit(*r, now)?.fault?));
         self.faulty.iter().filter_map(fault).collect()
+    }
+
+    /// Robots that something keeps from driving, by their own word or because they stand for long though they may
+    /// drive, if they were heard of lately.
+    pub fn kept_from_driving(&self, now: Time) -> Vec<RobotId> {
+        let suspects = self.faulty.union(&self.still).copied();
+        suspects.filter(|r| self.is_kept_from_driving(*r, now)).collect()
+    }
+
+    /// Whether something keeps a robot from driving, likewise.
+    pub fn is_kept_from_driving(&self, robot: RobotId, now: Time) -> bool {
+        let Some(seen) = self.fit(robot, now) else { return false };
+        let still = self.robots[robot.ix()].still;
+        seen.fault == Some(Fault::Obstructed) || still.is_some_and(|since| now - since >= KEPT)
     }
 
     /// Whether a robot was heard of lately.
@@ -136,5 +167,57 @@ impl Scene {
             self.robots.resize_with(robot.ix() + 1, RobotSeen::default);
         }
         &mut self.robots[robot.ix()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Point, Pose};
+
+    const R0: RobotId = RobotId(0);
+
+    /// Reports of a robot that stands, with more to drive, under these limits, one each second.
+    fn stands_under(limits: impl IntoIterator<Item = Option<f64>>) -> (Scene, Time) {
+        let (mut scene, mut now) = (Scene::default(), Time::ZERO);
+        for limit_mps in limits {
+            now += Span::from_secs(1);
+            let pose = Pose { at: Point::new(0.0, 0.0), heading: 0.0 };
+            let (rack, fault, acted) = (None, None, None);
+            let (speed_mps, battery, recalls) = (0.0, 1.0, 0);
+            let t = Telemetry {
+                robot: R0,
+                seen: now,
+                pose,
+                speed_mps,
+                reached: 3,
+                known: 5,
+                acted,
+                rack,
+                battery,
+                fault,
+                limit_mps,
+                recalls,
+            };
+            scene.see(t, now);
+        }
+        (scene, now)
+    }
+
+    #[test]
+    fn a_robot_that_stands_for_long_though_it_may_drive_is_kept_from_driving_and_stays_so_when_told_to_stand()
+    {
+        let (scene, now) = stands_under([Some(0.5); 15]);
+        assert_eq!(scene.kept_from_driving(now), [], "it may be about to set off");
+        let (scene, now) = stands_under([Some(0.5); 16].into_iter().chain([Some(0.0); 3]));
+        assert_eq!(scene.kept_from_driving(now), [R0]);
+        let later = now + SILENCE + Span::from_secs(1);
+        assert_eq!(scene.kept_from_driving(later), [], "it has not been heard of since");
+    }
+
+    #[test]
+    fn a_robot_that_is_told_to_stand_is_not_kept_from_driving() {
+        let (scene, now) = stands_under([Some(0.5); 10].into_iter().chain([Some(0.0)]).chain([None; 10]));
+        assert_eq!(scene.kept_from_driving(now), []);
     }
 }

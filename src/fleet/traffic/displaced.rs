@@ -25,8 +25,6 @@ use crate::time::{Time, Window};
 use crate::timeline::Holder;
 use crate::warehouse::NodeKind;
 
-/// A robot slower than this stands, metres per second.
-const STANDS_MPS: f64 = 0.01;
 /// Squares that overlap by less than this only touch, metres.
 const TOUCH_M: f64 = 1e-3;
 /// A displaced robot that moved by less than this blocks the same nodes, metres.
@@ -44,7 +42,7 @@ impl Traffic {
     ) -> bool {
         let (known, displaced) = (core.scene.is_placed(robot), core.scene.displaced(robot).is_some());
         let by_hand = seen.fault == Some(Fault::Manual);
-        let stands = seen.speed_mps < STANDS_MPS && !by_hand;
+        let stands = seen.stands() && !by_hand;
         if known && !stands && !displaced && !by_hand {
             return false;
         }

@@ -1,7 +1,8 @@
 //! Places that robots cannot get to, and chargers that give no current: closed for a while, then tried again.
 //!
-//! A robot that cannot pass what stands on its way to the next node forgets its way, goes back and takes
-//! another one, as others do.
+//! A robot that cannot pass what stands on its way to the next node forgets its way, goes back and takes another one,
+//! as others do. So does one that stands for long though it may drive: its scanner sees a person, say, whom the fleet
+//! believes to be elsewhere.
 //! Refuses: to know what stands there, and to keep a place closed for good: operators close areas.
 
 use crate::fleet::state::core::Core;
@@ -15,6 +16,8 @@ use crate::warehouse::NodeKind;
 
 /// A place before which a robot was obstructed is tried again after this.
 const CLOSED: Span = Span::from_secs(120);
+/// One before which a robot stands that does not say why, after this.
+const CLOSED_UNSAID: Span = Span::from_secs(30);
 /// A charger that gave no current is tried again after this.
 const OUT_OF_ORDER: Span = Span::from_secs(600);
 
@@ -22,16 +25,16 @@ impl Traffic {
     /// Notes where robots are obstructed, or get no current; closes those places while they are noted. To be called in
     /// every step, behind whatever makes the other restrictions.
     pub(in crate::fleet) fn close_obstructed(&mut self, core: &mut Core, now: Time) {
+        let floor = core.floor();
+        for robot in core.scene.kept_from_driving(now) {
+            // What the robot does not call an obstruction may be a person, who goes on.
+            let said = core.scene.robot(robot).is_some_and(|t| t.fault == Some(Fault::Obstructed));
+            let until = now + if said { CLOSED } else { CLOSED_UNSAID };
+            self.obstructions.extend(floor.obstructed_at(robot, now).map(|node| (node, until)));
+        }
         for (robot, fault) in core.scene.faults(now) {
-            let floor = core.floor();
-            let node = match fault {
-                Fault::Obstructed => floor.obstructed_at(robot).map(|n| (n, now + CLOSED)),
-                Fault::Unplugged => floor.unplugged_at(robot).map(|n| (n, now + OUT_OF_ORDER)),
-                _ => None,
-            };
-            if let Some((node, until)) = node {
-                self.obstructions.insert(node, until);
-            }
+            let charger = floor.unplugged_at(robot).filter(|_| fault == Fault::Unplugged);
+            self.obstructions.extend(charger.map(|node| (node, now + OUT_OF_ORDER)));
         }
         self.obstructions.retain(|_, until| now < *until);
         for (node, until) in &self.obstructions {
@@ -47,19 +50,17 @@ impl Traffic {
 
     /// Revokes what obstructed robots were granted.
     pub(in crate::fleet) fn revoke_obstructed(&mut self, core: &mut Core, now: Time) {
-        for (robot, fault) in core.scene.faults(now) {
-            if fault == Fault::Obstructed {
-                self.revoke_grant(core, robot, now);
-            }
+        for robot in core.scene.kept_from_driving(now) {
+            self.revoke_grant(core, robot, now);
         }
     }
 }
 
 impl Floor<'_> {
     /// The node to which an obstructed robot was on its way.
-    pub(in crate::fleet) fn obstructed_at(&self, robot: RobotId) -> Option<NodeId> {
-        self.scene.robot(robot).filter(|t| t.fault == Some(Fault::Obstructed))?;
-        self.granted_ahead(robot).next().map(|v| v.node)
+    pub(in crate::fleet) fn obstructed_at(&self, robot: RobotId, now: Time) -> Option<NodeId> {
+        let kept = self.scene.is_kept_from_driving(robot, now);
+        self.granted_ahead(robot).next().filter(|_| kept).map(|v| v.node)
     }
 
     /// The charger at which a robot stands and gets no current.

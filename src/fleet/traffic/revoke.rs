@@ -20,8 +20,6 @@ use crate::time::{Span, Time};
 const AGAIN: Span = Span::from_secs(1);
 /// A robot between two nodes that has not got on for this long tries the other direction.
 const PATIENCE: Span = Span::from_secs(10);
-/// A robot slower than this stands, metres per second.
-const STANDS_MPS: f64 = 0.01;
 /// A robot nearer to a node than this is on it, metres. Less than [`crate::fleet::OFF_ROUTE_M`], since what it gives
 /// back is free for others at once.
 const ON_NODE_M: f64 = 0.02;
@@ -73,9 +71,19 @@ impl Traffic {
     }
 
     /// The directions in which a robot may go on that stands between two nodes, the better first: as it goes already,
-    /// unless it has not got on like that for a while; else forward.
-    pub(in crate::fleet) fn directions_for(&self, robot: RobotId, now: Time) -> [Direction; 2] {
+    /// unless it has not got on like that for a while; else forward, unless something stood there.
+    pub(in crate::fleet) fn directions_for(
+        &self,
+        floor: Floor<'_>,
+        robot: RobotId,
+        now: Time,
+    ) -> [Direction; 2] {
+        let chain = floor.ledger.chain(robot);
+        let ahead = chain.get(chain.first() + 1).map(|v| v.node);
         match self.directions.get(&robot) {
+            None if ahead.is_some_and(|n| self.obstructions.contains_key(&n)) => {
+                [Direction::Back, Direction::Forward]
+            }
             Some((Direction::Back, since)) if now - *since < PATIENCE => {
                 [Direction::Back, Direction::Forward]
             }
@@ -121,7 +129,7 @@ impl Floor<'_> {
         let works = record.stops.first().is_some_and(|s| s.serial == chain.first());
         let stands = |t: &Telemetry| {
             let at_rest = t.limit_mps == Some(0.0) || t.known == t.reached;
-            at_rest && t.speed_mps < STANDS_MPS && t.reached == chain.first() && t.recalls == record.recalls
+            at_rest && t.stands() && t.reached == chain.first() && t.recalls == record.recalls
         };
         let more = chain.first() + 1 < chain.granted() && !self.is_halfway(robot);
         more && !works && self.scene.fit(robot, now).is_some_and(stands)

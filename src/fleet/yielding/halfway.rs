@@ -4,13 +4,11 @@
 
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::core::Core;
+use crate::fleet::state::io::Telemetry;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::yielding::speed_limit::SpeedLimits;
 use crate::fleet::yielding::state::Yielding;
 use crate::time::Time;
-
-/// A robot slower than this stands, metres per second.
-const STANDS_MPS: f64 = 0.01;
 
 impl Yielding {
     /// Has each robot go on to a node to which nothing keeps it from driving; it stays where that is true of neither.
@@ -27,7 +25,7 @@ impl Yielding {
         }
         let present = people.present(now);
         for robot in robots {
-            let stands = core.scene.robot(robot).is_some_and(|t| t.speed_mps < STANDS_MPS);
+            let stands = core.scene.robot(robot).is_some_and(Telemetry::stands);
             if !stands && traffic.direction(robot).is_some() {
                 continue;
             }
@@ -36,7 +34,7 @@ impl Yielding {
                 let limits = SpeedLimits { direction: Some(direction), ..limits };
                 limits.limit_for(robot, &present, now).0 != Some(0.0)
             };
-            let chosen = traffic.directions_for(robot, now).into_iter().find(|d| may_go(*d));
+            let chosen = traffic.directions_for(core.floor(), robot, now).into_iter().find(|d| may_go(*d));
             traffic.direct(robot, chosen, now);
         }
     }

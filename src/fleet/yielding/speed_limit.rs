@@ -8,7 +8,6 @@ use crate::aware::{
 };
 use crate::fleet::people::state::{HumanState, STROLL_MPS, WalkMode};
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Command;
 use crate::fleet::state::worker::Reaction;
@@ -153,7 +152,7 @@ impl SpeedLimits<'_> {
         now: Time,
     ) -> (Option<f64>, Option<WorkerId>) {
         let seen = self.floor.scene.robot(robot);
-        let is_obstructed = seen.is_some_and(|t| t.fault == Some(Fault::Obstructed));
+        let is_obstructed = self.floor.scene.is_kept_from_driving(robot, now);
         let back = self.drives_back_to(robot);
         let is_displaced = self.floor.scene.displaced(robot).is_some();
         let stands = self.floor.is_halted(robot) || is_displaced || is_obstructed && back.is_none();
