@@ -293,8 +293,8 @@ impl Names<'_> {
             JobWhy::RackBlocked(k, r) => {
                 format!("waiting for rack {}: {} stands beneath it", rack(k), self.robot(r))
             }
-            JobWhy::NoPlace(NodeKind::Charger) => "waiting for a charger to be free".into(),
-            JobWhy::NoPlace(_) => "waiting for a parking place to be free".into(),
+            JobWhy::NoPlace(NodeKind::Charger) => "waiting for a charger: all are taken or closed".into(),
+            JobWhy::NoPlace(_) => "waiting for a parking place: all are taken or closed".into(),
             JobWhy::RobotLow(r) => format!("waiting for {} to charge", self.robot(r)),
             JobWhy::Robot(r, why) => format!("{}: {}", self.robot(r), self.why(why)),
         }

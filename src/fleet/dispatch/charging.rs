@@ -2,8 +2,8 @@
 //!
 //! Settings: [`Charging`] of the robot's kind. A robot below `low` charges before it works if a charger is free, and
 //! works on if none is; below `critical` it takes no job, gives back the one that it has not begun, and is next at a
-//! charger: the fullest robot that stands at one leaves it. Refuses: to trust a battery that says nothing is left; that
-//! robot has failed.
+//! charger: the fullest robot that stands at one leaves it. A robot that rests at a parking place leaves it likewise for
+//! one that a customer sends there. Refuses: to trust a battery that says nothing is left; that robot has failed.
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
@@ -37,7 +37,7 @@ pub(in crate::fleet) fn give_back_jobs(core: &mut Core, now: Time) {
 /// where they are in the way.
 pub(in crate::fleet) fn rest(core: &mut Core, mut robots: Vec<RobotId>, now: Time) {
     robots.sort_by(|a, b| core.floor().battery(*a).total_cmp(&core.floor().battery(*b)).then(a.cmp(b)));
-    let mut without = Vec::new();
+    let (mut without, mut to_park) = (Vec::new(), Vec::new());
     for robot in robots {
         if send_to_charger(core, robot) {
             continue;
@@ -46,9 +46,13 @@ pub(in crate::fleet) fn rest(core: &mut Core, mut robots: Vec<RobotId>, now: Tim
         if (low || core.floor().is_sent_to_charge(robot)) && !core.floor().at_charger(robot) {
             without.push(robot);
         }
+        if core.floor().is_sent_to_park(robot) {
+            to_park.push(robot);
+        }
         leave_the_way(core, robot, now);
     }
     make_room_at_chargers(core, &without, now);
+    make_room_to_park(core, &to_park, now);
 }
 
 /// Sends an idle robot to a free charger if it should charge.
@@ -87,6 +91,18 @@ fn make_room_at_chargers(core: &mut Core, without: &[RobotId], now: Time) {
             .free_place(robot, NodeKind::Parking)
             .or_else(|| core.floor().free_place(robot, NodeKind::Storage));
         let Some(stay) = stay else { return };
+        move_to(core, robot, stay, Purpose::Park);
+    }
+}
+
+/// For each robot that is sent to park and finds no place, one that rests at a parking place leaves it for a place
+/// beside racks, the fullest first.
+fn make_room_to_park(core: &mut Core, without: &[RobotId], now: Time) {
+    let leaving = core.ledger.present().filter(|r| core.floor().leaves_parking(*r)).count();
+    for needs in without.iter().skip(leaving) {
+        let Some(robot) = core.floor().fullest_at_parking(*needs, now) else { return };
+        let empty = core.floor().storage_without_rack(robot);
+        let Some(stay) = empty.or_else(|| core.floor().free_place(robot, NodeKind::Storage)) else { return };
         move_to(core, robot, stay, Purpose::Park);
     }
 }
@@ -146,6 +162,28 @@ impl Floor<'_> {
     fn is_sent_to_charge(&self, robot: RobotId) -> bool {
         let job = self.named_job_for(robot).map(|job| self.ledger.jobs[&job].request.kind);
         matches!(job, Some(JobKind::Charge { .. }))
+    }
+
+    /// Whether a customer wants an idle robot to park, and no place was free.
+    fn is_sent_to_park(&self, robot: RobotId) -> bool {
+        let job = self.named_job_for(robot).filter(|job| self.may_begin(robot, *job));
+        let kind = job.map(|job| self.ledger.jobs[&job].request.kind);
+        matches!(kind, Some(JobKind::Park { .. })) && !self.is_parked(robot)
+    }
+
+    fn is_parked(&self, robot: RobotId) -> bool {
+        self.warehouse().kind(self.ledger.node_of(robot)) == NodeKind::Parking
+    }
+
+    fn leaves_parking(&self, robot: RobotId) -> bool {
+        self.is_parked(robot) && self.ledger.robots[robot].task != Task::Idle
+    }
+
+    /// The robot with the highest charge among those that rest at a parking place where `needs` may be.
+    fn fullest_at_parking(&self, needs: RobotId, now: Time) -> Option<RobotId> {
+        let idle = self.idle_robots(now).into_iter().filter(|r| self.is_parked(*r));
+        let rests = idle.filter(|r| self.may_be_at(needs, self.ledger.node_of(*r)));
+        rests.max_by(|a, b| self.battery(*a).total_cmp(&self.battery(*b)).then(b.cmp(a)))
     }
 
     /// Whether a robot that takes no job, or cannot carry the rack, stands beneath one that waiting jobs ask for: no

@@ -134,9 +134,7 @@ impl Fleet {
         if self.core.scene.fit(r, now).is_none() {
             return Some(Why::Silent);
         }
-        if let Some(Fault::Obstructed) = fault
-            && let Some(node) = self.floor().obstructed_at(r)
-        {
+        if let Some(node) = self.floor().obstructed_at(r, now) {
             return Some(Why::Obstructed(node));
         }
         if fault == Some(Fault::Unplugged) {
@@ -228,9 +226,16 @@ impl Fleet {
 }
 
 impl Floor<'_> {
-    /// Waiting jobs that come after others, each with the first one that is not over yet.
+    /// Waiting jobs that come after others, each with the first one that is not over yet: those before it by the
+    /// customer's word, and the one that the robot that they name does first.
     fn blocked(&self) -> BTreeMap<JobId, JobId> {
-        self.ledger.index().waits.blocked().collect()
+        let behind = |robot: RobotId| {
+            let first = self.named_job_for(robot);
+            let others = self.ledger.index().named_for(robot).filter(move |id| Some(*id) != first);
+            others.filter_map(move |id| Some((id, first?)))
+        };
+        let named = self.ledger.present().flat_map(behind);
+        named.chain(self.ledger.index().waits.blocked()).collect()
     }
 
     fn robot_state(&self, r: RobotId) -> RobotState {

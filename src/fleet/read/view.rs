@@ -32,7 +32,7 @@ pub struct View {
     pub workers: Vec<WorkerView>,
     /// Areas that robots keep out of.
     pub closures: Vec<ClosureView>,
-    /// Waiting jobs that come after others, each with one that is not over yet.
+    /// Waiting jobs that come after others, each with one that is not over yet. A robot that jobs name does one first.
     pub blocked: BTreeMap<JobId, JobId>,
     /// The kinds of robots that have joined.
     pub kinds: BTreeSet<BodyId>,

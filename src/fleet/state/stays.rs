@@ -43,16 +43,14 @@ impl Floor<'_> {
         self.nearest_free(robot, kind, |_| true)
     }
 
-    /// A place where a robot can stay other than where it rests.
-    pub(in crate::fleet) fn another_stay(&self, robot: RobotId) -> Option<NodeId> {
-        let rests = self.ledger.chain(robot).last().map(|v| v.node);
-        let mut kinds = [NodeKind::Parking, NodeKind::Charger, NodeKind::Storage].into_iter();
-        kinds.find_map(|kind| self.nearest_free(robot, kind, |n| Some(n) != rests))
-    }
-
-    /// The nearest places, so many at most, where a robot can stay with what it carries: storage without a rack if it
-    /// carries one, else parking, chargers and storage.
-    pub(in crate::fleet) fn stays_near(&self, robot: RobotId, most: usize) -> Vec<NodeId> {
+    /// The nearest places, so many at most, where a robot can stay with what it carries, and that fit: storage without a
+    /// rack if it carries one, else parking, chargers and storage.
+    pub(in crate::fleet) fn stays_near(
+        &self,
+        robot: RobotId,
+        most: usize,
+        fits: impl Fn(NodeId) -> bool,
+    ) -> Vec<NodeId> {
         let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;
         let far = |n: NodeId| (along_axes(here, self.warehouse().nodes[n].at) * 1000.0) as i64;
         let rack = self.ledger.rack_on(robot);
@@ -65,7 +63,7 @@ impl Floor<'_> {
         let room = |n: &NodeId| rack.is_none_or(|k| !self.is_taken_storage(*n, k, robot));
         let mut near: Vec<(i64, NodeId)> = free.filter(room).map(|n| (far(n), n)).collect();
         near.sort_unstable();
-        near.into_iter().take(most).map(|(_, n)| n).collect()
+        near.into_iter().map(|(_, n)| n).filter(|n| fits(*n)).take(most).collect()
     }
 
     fn nearest_free(&self, robot: RobotId, kind: NodeKind, fits: impl Fn(NodeId) -> bool) -> Option<NodeId> {
@@ -84,10 +82,15 @@ impl Floor<'_> {
 
     /// A place where an unloaded robot can stay that is in the way of no rack: parking, else storage that has none.
     pub(in crate::fleet) fn place_without_rack(&self, robot: RobotId) -> Option<NodeId> {
+        let parking = self.free_place(robot, NodeKind::Parking);
+        parking.or_else(|| self.storage_without_rack(robot))
+    }
+
+    /// A storage node without a rack where an unloaded robot can stay.
+    pub(in crate::fleet) fn storage_without_rack(&self, robot: RobotId) -> Option<NodeId> {
         let places = &self.ledger.index().places;
         let empty = |n: NodeId| places.rack_on(n).is_none() && !places.is_wanted(n);
-        let parking = self.free_place(robot, NodeKind::Parking);
-        parking.or_else(|| self.nearest_free(robot, NodeKind::Storage, empty))
+        self.nearest_free(robot, NodeKind::Storage, empty)
     }
 
     /// Whether a storage node cannot be promised to `rack` on `robot`.

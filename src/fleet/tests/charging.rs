@@ -96,3 +96,18 @@ fn a_robot_that_is_sent_to_charge_gets_a_charger_although_full_robots_stand_at_a
     floor.until(4_000, "it charges", |f| f.state(job).is_none());
     assert_eq!(floor.story(job), ["assigned", "done"]);
 }
+
+#[test]
+fn a_robot_that_is_sent_to_park_gets_a_place_although_resting_robots_stand_at_all_of_them() {
+    let parking = lab().nodes_where(|k| k == NodeKind::Parking).len();
+    assert!(parking > 0, "the hall has places to park at");
+    let full = Charging { opportunity: false, ..Charging::default() };
+    let many = Scenario { kinds: charging_so(full), ..scenario(parking + 1) };
+    let mut floor = TestFloor::new(lab(), &many);
+    let robots: Vec<RobotId> = floor.fleet.ledger().present().collect();
+    for robot in robots {
+        let job = floor.submit(request(JobKind::Park { robot }));
+        floor.until(600, "it parks", |f| f.state(job).is_none());
+        assert_eq!(floor.story(job), ["assigned", "done"], "{robot:?}");
+    }
+}

@@ -10,7 +10,6 @@ use crate::id::{NodeId, RobotId};
 use crate::route::{Ask, Exemption, Route, Stage};
 use crate::time::Time;
 use crate::timeline::{Holder, Timeline};
-use smallvec::SmallVec;
 use std::collections::BTreeMap;
 
 /// How many others are moved at most.
@@ -91,11 +90,10 @@ impl Traffic {
         robot: RobotId,
         now: Time,
     ) -> Option<Route> {
-        let mut stages = core.floor().stages_left(robot);
+        let stages = core.floor().stages_left(robot);
         if stages.is_empty() {
             // It has nothing to do, and rests in the way: any other place to stay will do.
-            let goal = core.floor().another_stay(robot)?;
-            stages = SmallVec::from_elem(Stage::to_stay(goal), 1);
+            return self.way_out_on(core, timeline, robot, now);
         }
         let exemptions = core.floor().exemptions(robot, now);
         self.search_stages_on(core, timeline, robot, &stages, &exemptions, now)

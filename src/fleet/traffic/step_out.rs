@@ -7,14 +7,14 @@
 //! send a robot off that stands where it may stay, unless it is in the way of another.
 
 use crate::fleet::state::core::Core;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::traffic::joint::{commit_all, in_turn};
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
 use crate::id::{NodeId, RobotId};
 use crate::route::{Route, Stage};
-use crate::time::{Span, Time};
+use crate::time::{Span, Time, Window};
 use crate::timeline::{Holder, Timeline};
-use std::collections::BTreeSet;
 
 /// So many places are tried at a time, the nearest ones first.
 const PLACES: usize = 4;
@@ -32,7 +32,7 @@ impl Traffic {
             return false;
         }
         let loaded = floor.ledger.rack_on(robot).is_some();
-        for place in floor.stays_near(robot, PLACES) {
+        for place in floor.stays_near(robot, PLACES, |_| true) {
             let stage = Stage { loaded, ..Stage::to_stay(place) };
             if let Ok(mut route) = self.search(core, robot, &[stage], now) {
                 // Nothing of its task is done there.
@@ -53,12 +53,9 @@ impl Traffic {
         }
         leave.push(robot);
         let order = [leave, come.clone()].concat();
-        let mut taken: BTreeSet<NodeId> = BTreeSet::new();
         let routes = in_turn(core, &order, |core, timeline, r| {
             let on = if come.contains(&r) { self.search_on(core, timeline, r, now) } else { None };
-            let route = on.or_else(|| self.way_out_on(core, timeline, r, &taken, now))?;
-            taken.extend(route.visits.last().map(|v| v.node));
-            Some(route)
+            on.or_else(|| self.way_out_on(core, timeline, r, now))
         });
         let Some(routes) = routes else { return false };
         commit_all(core, routes);
@@ -78,7 +75,7 @@ impl Traffic {
             without.remove(Holder::Robot(*r));
         }
         without.withdraw(Holder::Robot(robot), core.ledger.chain(robot).granted() - 1);
-        let Some(route) = self.way_out_on(core, &without, robot, &BTreeSet::new(), now) else {
+        let Some(route) = self.way_out_on(core, &without, robot, now) else {
             return (Vec::new(), Vec::new());
         };
         let along = |node: NodeId| route.visits.iter().rposition(|v| v.node == node);
@@ -98,24 +95,36 @@ impl Traffic {
         (there.into_iter().map(|(_, r)| r).collect(), come)
     }
 
-    /// A route to the nearest place where a robot may stay, on some other timeline, but for places that are `taken`.
-    fn way_out_on(
+    /// A route to the nearest place where a robot may stay, other than where it rests, on some other timeline.
+    pub(super) fn way_out_on(
         &mut self,
         core: &mut Core,
         timeline: &Timeline,
         robot: RobotId,
-        taken: &BTreeSet<NodeId>,
         now: Time,
     ) -> Option<Route> {
         let loaded = core.ledger.rack_on(robot).is_some();
         let exemptions = core.floor().exemptions(robot, now);
-        let places = core.floor().stays_near(robot, PLACES + taken.len());
-        let mut places = places.into_iter().filter(|n| !taken.contains(n)).take(PLACES);
-        places.find_map(|place| {
+        let rests = core.ledger.chain(robot).last().map(|v| v.node);
+        let floor = core.floor();
+        let fits = |n: NodeId| Some(n) != rests && floor.has_room_for_ever(timeline, robot, n);
+        let places = floor.stays_near(robot, PLACES, fits);
+        places.into_iter().find_map(|place| {
             let stage = Stage { loaded, ..Stage::to_stay(place) };
             let mut route = self.search_stages_on(core, timeline, robot, &[stage], &exemptions, now)?;
             route.stops.clear();
             Some(route)
         })
+    }
+}
+
+impl Floor<'_> {
+    /// Whether no other robot stays on a node in the end, on some other timeline.
+    fn has_room_for_ever(&self, timeline: &Timeline, robot: RobotId, node: NodeId) -> bool {
+        let own = Holder::Robot(robot);
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let line = timeline.line(own, loaded, self.warehouse().node_resource(node));
+        let end = Window::new(Time(Time::MAX.0 - 1), Time::MAX);
+        timeline.holders_during(line, end, own).next().is_none()
     }
 }

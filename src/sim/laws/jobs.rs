@@ -191,7 +191,9 @@ fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) 
         JobWhy::NoPlace(kind) => {
             let places = fleet.warehouse().nodes_where(|k| k == kind);
             let taken = |n| ledger.present().any(|r| ledger.chain(r).last().is_some_and(|v| v.node == n));
-            places.into_iter().all(taken) || !ledger.closures.is_empty()
+            // Places without current are closed for a while.
+            let closing = fleet.view(now).closing;
+            places.into_iter().all(|n| taken(n) || closing.contains(&n))
         }
     }
 }
