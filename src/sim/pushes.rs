@@ -18,6 +18,8 @@ const BETWEEN_M: f64 = 0.05;
 const BESIDE_M: f64 = 0.2;
 /// Places that are tried.
 const TRIES: usize = 20;
+/// No robot is pushed nearer to a person, metres between centres.
+const PERSON_M: f64 = 1.2;
 /// Robots that only just touch are too near, metres.
 const ROOM_M: f64 = 0.05;
 
@@ -27,6 +29,8 @@ pub(super) struct PushSurroundings<'a> {
     pub racks: &'a IdVec<RackId, RackAt>,
     /// Where other robots are, and how fast.
     pub others: Vec<(Point, f64)>,
+    /// Where people are: nobody pushes a robot onto a person.
+    pub people: Vec<Point>,
     pub kinematics: Kinematics,
     /// How long another robot may drive on before it hears of a push, seconds.
     pub blind_s: f64,
@@ -81,7 +85,8 @@ impl PushSurroundings<'_> {
             RackAt::Stored(n) => axis_distance(p, self.warehouse.nodes[*n].at) < side,
             RackAt::On(_) => false,
         };
-        of_robots && !(loaded && self.racks.iter().any(stored))
+        let of_people = self.people.iter().all(|at| (p - at).norm() >= PERSON_M);
+        of_robots && of_people && !(loaded && self.racks.iter().any(stored))
     }
 
     /// How far a robot may come before it stands, metres: one that stands now speeds up and brakes as long.

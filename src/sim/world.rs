@@ -232,6 +232,7 @@ impl World {
             warehouse: &self.warehouse,
             racks: &self.racks,
             others: others.map(|(_, r)| (r.body.pose.at, r.body.speed_mps)).collect(),
+            people: self.walkers().map(|(_, walker)| walker.pose(from).at).collect(),
             kinematics: self.worst,
             blind_s: 2.0 * self.faults.longest_delay_s() + 5.0 * (to - from).as_secs_f64(),
         };

@@ -23,6 +23,8 @@ const BLOCKED: Span = Span::from_secs(3);
 const REFUGE_M: f64 = 15.0;
 /// How far such a place is from what robots are about to drive, metres.
 const REFUGE_CLEAR_M: f64 = 2.5;
+/// A worker at such a place is led on only to one that is so much farther from there, metres.
+const FARTHER_M: f64 = 0.5;
 /// So many nodes ahead of a robot are what it is about to drive.
 const REFUGE_AHEAD: usize = 6;
 
@@ -125,9 +127,14 @@ impl HumanState {
                 cut.insert(e);
             });
         }
-        let way = self.way_past(core.floor(), place.at, goal, &cut);
-        let refuge =
-            if way.is_none() { self.refuge(core.floor(), yielding, worker, place.at, &cut) } else { None };
+        // A robot that has waited for the worker for long has nowhere to go: the worker makes room, not the robot.
+        let is_stuck = robot.is_some_and(|r| yielding.stuck_with(r, now) == Some(worker));
+        let refuge = || self.refuge(core.floor(), yielding, worker, place.at, &cut);
+        let way = || self.way_past(core.floor(), place.at, goal, &cut);
+        let (way, refuge) = match is_stuck.then(refuge).flatten() {
+            Some(points) => (None, Some(points)),
+            None => way().map_or_else(|| (None, refuge()), |points| (Some(points), None)),
+        };
         let person = &mut self.people[worker];
         let plan = person.plan.as_ref().expect("just seen");
         let (assignment, stay) = (plan.assignment, plan.stay);
@@ -169,8 +176,9 @@ impl HumanState {
         }
     }
 
-    /// Where robots and a worker wait for one another and neither can pass: a way to the nearest place from
-    /// which the worker leaves to those robots what they are about to drive.
+    /// Where robots and a worker wait for one another and neither can pass: a way to the nearest place from which the
+    /// worker leaves to those robots what they are about to drive. If the worker is at such a place, only one that is
+    /// farther from it: a person who is led to and fro is in the way again each time.
     fn refuge(
         &self,
         floor: Floor<'_>,
@@ -188,9 +196,11 @@ impl HumanState {
             return None;
         }
         let walkways = &self.walkways;
+        let clear_m = |p: Point| wanted.iter().map(|w| (w - p).norm()).fold(f64::INFINITY, f64::min);
+        let enough_m = if clear_m(at) > REFUGE_CLEAR_M { clear_m(at) + FARTHER_M } else { REFUGE_CLEAR_M };
         let mut near: Vec<(f64, Point)> = (walkways.within(at, REFUGE_M).into_iter())
             .map(|(n, length)| (length, walkways.nodes()[n].at))
-            .filter(|(length, p)| *length > 1.0 && wanted.iter().all(|w| (w - p).norm() > REFUGE_CLEAR_M))
+            .filter(|(length, p)| *length > 1.0 && clear_m(*p) > enough_m)
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         near.into_iter().take(12).find_map(|(_, p)| self.way_past(floor, at, p, cut))

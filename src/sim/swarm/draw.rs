@@ -15,9 +15,9 @@ use serde_json::{Map, Value, json};
 use std::sync::Arc;
 
 /// How long every job may take to end, and every rack to come to storage, after the faults have ended. In that time
-/// people leave, flat batteries are exchanged (a quarter of an hour), and jobs may wait for one popular rack. It is
-/// as long as scenarios with jobs of every kind have (`drain_s`); a robot that stands still breaks a law long before.
-pub const HEALS_WITHIN: Span = Span::from_secs(3600);
+/// people leave, flat batteries are exchanged (a quarter of an hour), and jobs may wait for one popular rack, or for a
+/// station with more work than it does in an hour; a robot that stands still breaks a law long before.
+pub const HEALS_WITHIN: Span = Span::from_secs(7200);
 
 /// The largest number of robots that a seed draws.
 const MOST_ROBOTS: usize = 30;

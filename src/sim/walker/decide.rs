@@ -31,6 +31,8 @@ const STEP_M: f64 = 0.2;
 const GOT_AWAY_M: f64 = 0.5;
 /// A walker that is led aside on its way home stays there for this long.
 const MAKES_ROOM: Span = Span::from_secs(20);
+/// A walker who is so near to a place aside is there, metres: places beside walls are eased off them.
+const ASIDE_M: f64 = 0.5;
 /// An errand on which the walker has come no nearer to its place for this long is given up.
 const ERRAND: Span = Span::from_secs(60);
 /// Less is no nearer, metres.
@@ -267,7 +269,7 @@ impl Walker {
     fn step_aside(&mut self, aside: Aside, now: Time, around: &WalkerSurroundings<'_>) {
         let over = match aside.until {
             Some(until) => until <= now,
-            None if (aside.goal - self.legs.at).norm() < 0.15 || !self.legs.route.is_empty() => false,
+            None if (aside.goal - self.legs.at).norm() < ASIDE_M || !self.legs.route.is_empty() => false,
             None => !self.go(aside.goal, around, None),
         };
         if over {
