@@ -43,8 +43,8 @@ impl Floor<'_> {
         self.nearest_free(robot, kind, |_| true)
     }
 
-    /// The nearest places, so many at most, where a robot can stay with what it carries, and that fit: storage without a
-    /// rack if it carries one, else parking, chargers and storage.
+    /// The nearest places, so many at most, where a robot can stay with what it carries, and that fit: storage without
+    /// a rack if it carries one, else parking, chargers and storage.
     pub(in crate::fleet) fn stays_near(
         &self,
         robot: RobotId,

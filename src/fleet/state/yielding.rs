@@ -14,8 +14,8 @@ use crate::time::{Span, Time};
 pub(in crate::fleet) const STANDS: Span = Span::from_secs(20);
 /// A robot that has yielded for this long while a worker is near waits for that worker, who waits for it.
 const STUCK: Span = Span::from_secs(60);
-/// Places farther from a person than this do not matter, metres.
-const FACES_M: f64 = 6.0;
+/// Places farther from a person than this do not matter, metres: as far as a place aside is from where robots go.
+const FACES_M: f64 = 2.5;
 
 /// A robot that stands still to yield to a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

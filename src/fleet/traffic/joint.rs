@@ -6,8 +6,8 @@
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::traffic::state::Traffic;
-use crate::id::{NodeId, RobotId};
-use crate::route::{Ask, Exemption, Route, Stage};
+use crate::id::RobotId;
+use crate::route::Route;
 use crate::time::Time;
 use crate::timeline::{Holder, Timeline};
 use std::collections::BTreeMap;
@@ -80,55 +80,6 @@ impl Traffic {
         let routes = in_turn(core, order, |core, timeline, r| self.search_on(core, timeline, r, now))?;
         let cost = routes.iter().map(|(_, route)| (route.arrival - now).0).sum();
         Some((cost, routes))
-    }
-
-    /// A route for the rest of a robot's task on some other timeline, from which its own has been withdrawn.
-    pub(super) fn search_on(
-        &mut self,
-        core: &mut Core,
-        timeline: &Timeline,
-        robot: RobotId,
-        now: Time,
-    ) -> Option<Route> {
-        let stages = core.floor().stages_left(robot);
-        if stages.is_empty() {
-            // It has nothing to do, and rests in the way: any other place to stay will do.
-            return self.way_out_on(core, timeline, robot, now);
-        }
-        let exemptions = core.floor().exemptions(robot, now);
-        self.search_stages_on(core, timeline, robot, &stages, &exemptions, now)
-    }
-
-    /// A way to a place aside first, then on with the task, on some other timeline likewise.
-    pub(in crate::fleet) fn way_aside(
-        &mut self,
-        core: &mut Core,
-        timeline: &Timeline,
-        robot: RobotId,
-        (place, exemptions): (NodeId, &[Exemption]),
-        now: Time,
-    ) -> Option<Route> {
-        let stages = core.floor().stages_aside(robot, place)?;
-        let route = self.search_stages_on(core, timeline, robot, &stages, exemptions, now)?;
-        Some(core.floor().with_own_stops(robot, route))
-    }
-
-    pub(super) fn search_stages_on(
-        &mut self,
-        core: &mut Core,
-        timeline: &Timeline,
-        robot: RobotId,
-        stages: &[Stage],
-        exemptions: &[Exemption],
-        now: Time,
-    ) -> Option<Route> {
-        let (from, heading) = core.floor().grant_end(robot);
-        let ready = now.max(from.arrive) + core.settings.period;
-        let (budget, conditions) = (core.settings.expansions_per_plan, core.floor().conditions(robot));
-        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, exemptions };
-        self.tally.plans += 1;
-        let kind = core.settings.kind(&core.ledger.robots[robot].kind);
-        self.planners.of_mut(kind).plan(&ask, timeline).ok()
     }
 }
 

@@ -16,4 +16,5 @@ pub(in crate::fleet) mod revoke;
 pub(in crate::fleet) mod stages;
 pub(in crate::fleet) mod state;
 mod step_out;
+mod tentative;
 pub(in crate::fleet) mod truncate;

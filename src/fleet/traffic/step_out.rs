@@ -7,17 +7,15 @@
 //! send a robot off that stands where it may stay, unless it is in the way of another.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::floor::Floor;
 use crate::fleet::traffic::joint::{commit_all, in_turn};
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
+use crate::fleet::traffic::tentative::PLACES;
 use crate::id::{NodeId, RobotId};
-use crate::route::{Route, Stage};
-use crate::time::{Span, Time, Window};
-use crate::timeline::{Holder, Timeline};
+use crate::route::Stage;
+use crate::time::{Span, Time};
+use crate::timeline::Holder;
 
-/// So many places are tried at a time, the nearest ones first.
-const PLACES: usize = 4;
 /// So many others are moved at most.
 const TOGETHER: usize = 8;
 /// Robots that are to come onto the way within this time are in the way.
@@ -93,38 +91,5 @@ impl Traffic {
         }
         there.sort_unstable_by_key(|(at, r)| (std::cmp::Reverse(*at), *r));
         (there.into_iter().map(|(_, r)| r).collect(), come)
-    }
-
-    /// A route to the nearest place where a robot may stay, other than where it rests, on some other timeline.
-    pub(super) fn way_out_on(
-        &mut self,
-        core: &mut Core,
-        timeline: &Timeline,
-        robot: RobotId,
-        now: Time,
-    ) -> Option<Route> {
-        let loaded = core.ledger.rack_on(robot).is_some();
-        let exemptions = core.floor().exemptions(robot, now);
-        let rests = core.ledger.chain(robot).last().map(|v| v.node);
-        let floor = core.floor();
-        let fits = |n: NodeId| Some(n) != rests && floor.has_room_for_ever(timeline, robot, n);
-        let places = floor.stays_near(robot, PLACES, fits);
-        places.into_iter().find_map(|place| {
-            let stage = Stage { loaded, ..Stage::to_stay(place) };
-            let mut route = self.search_stages_on(core, timeline, robot, &[stage], &exemptions, now)?;
-            route.stops.clear();
-            Some(route)
-        })
-    }
-}
-
-impl Floor<'_> {
-    /// Whether no other robot stays on a node in the end, on some other timeline.
-    fn has_room_for_ever(&self, timeline: &Timeline, robot: RobotId, node: NodeId) -> bool {
-        let own = Holder::Robot(robot);
-        let loaded = self.ledger.rack_on(robot).is_some();
-        let line = timeline.line(own, loaded, self.warehouse().node_resource(node));
-        let end = Window::new(Time(Time::MAX.0 - 1), Time::MAX);
-        timeline.holders_during(line, end, own).next().is_none()
     }
 }

@@ -190,7 +190,9 @@ fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) 
         }
         JobWhy::NoPlace(kind) => {
             let places = fleet.warehouse().nodes_where(|k| k == kind);
-            let taken = |n| ledger.present().any(|r| ledger.chain(r).last().is_some_and(|v| v.node == n));
+            let ends = |r| ledger.chain(r).last().map(|v| v.node);
+            let is_for = |r: RobotId, n| ends(r) == Some(n) || ledger.robots[r].task.destination() == Some(n);
+            let taken = |n| ledger.present().any(|r| is_for(r, n));
             // Places without current are closed for a while.
             let closing = fleet.view(now).closing;
             places.into_iter().all(|n| taken(n) || closing.contains(&n))

@@ -1,0 +1,98 @@
+//! Routes on a timeline that is not the booked one: what a robot could drive if others had made way.
+//!
+//! Refuses: to book anything.
+
+use crate::fleet::state::core::Core;
+use crate::fleet::state::floor::Floor;
+use crate::fleet::traffic::state::Traffic;
+use crate::id::{NodeId, RobotId};
+use crate::route::{Ask, Exemption, Route, Stage};
+use crate::time::{Time, Window};
+use crate::timeline::{Holder, Timeline};
+
+/// So many places to stay are tried at a time, the nearest ones first.
+pub(super) const PLACES: usize = 4;
+
+impl Traffic {
+    /// A route for the rest of a robot's task on some other timeline, from which its own has been withdrawn.
+    pub(super) fn search_on(
+        &mut self,
+        core: &mut Core,
+        timeline: &Timeline,
+        robot: RobotId,
+        now: Time,
+    ) -> Option<Route> {
+        let stages = core.floor().stages_left(robot);
+        if stages.is_empty() {
+            // It has nothing to do, and rests in the way: any other place to stay will do.
+            return self.way_out_on(core, timeline, robot, now);
+        }
+        let exemptions = core.floor().exemptions(robot, now);
+        self.search_stages_on(core, timeline, robot, &stages, &exemptions, now)
+    }
+
+    /// A way to a place aside first, then on with the task, on some other timeline likewise.
+    pub(in crate::fleet) fn way_aside(
+        &mut self,
+        core: &mut Core,
+        timeline: &Timeline,
+        robot: RobotId,
+        (place, exemptions): (NodeId, &[Exemption]),
+        now: Time,
+    ) -> Option<Route> {
+        let stages = core.floor().stages_aside(robot, place)?;
+        let route = self.search_stages_on(core, timeline, robot, &stages, exemptions, now)?;
+        Some(core.floor().with_own_stops(robot, route))
+    }
+
+    pub(super) fn search_stages_on(
+        &mut self,
+        core: &mut Core,
+        timeline: &Timeline,
+        robot: RobotId,
+        stages: &[Stage],
+        exemptions: &[Exemption],
+        now: Time,
+    ) -> Option<Route> {
+        let (from, heading) = core.floor().grant_end(robot);
+        let ready = now.max(from.arrive) + core.settings.period;
+        let (budget, conditions) = (core.settings.expansions_per_plan, core.floor().conditions(robot));
+        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, exemptions };
+        self.tally.plans += 1;
+        let kind = core.settings.kind(&core.ledger.robots[robot].kind);
+        self.planners.of_mut(kind).plan(&ask, timeline).ok()
+    }
+
+    /// A route to the nearest place where a robot may stay, other than where it rests, on some other timeline.
+    pub(super) fn way_out_on(
+        &mut self,
+        core: &mut Core,
+        timeline: &Timeline,
+        robot: RobotId,
+        now: Time,
+    ) -> Option<Route> {
+        let loaded = core.ledger.rack_on(robot).is_some();
+        let exemptions = core.floor().exemptions(robot, now);
+        let rests = core.ledger.chain(robot).last().map(|v| v.node);
+        let floor = core.floor();
+        let fits = |n: NodeId| Some(n) != rests && floor.has_room_for_ever(timeline, robot, n);
+        let places = floor.stays_near(robot, PLACES, fits);
+        places.into_iter().find_map(|place| {
+            let stage = Stage { loaded, ..Stage::to_stay(place) };
+            let mut route = self.search_stages_on(core, timeline, robot, &[stage], &exemptions, now)?;
+            route.stops.clear();
+            Some(route)
+        })
+    }
+}
+
+impl Floor<'_> {
+    /// Whether no other robot stays on a node in the end, on some other timeline.
+    fn has_room_for_ever(&self, timeline: &Timeline, robot: RobotId, node: NodeId) -> bool {
+        let own = Holder::Robot(robot);
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let line = timeline.line(own, loaded, self.warehouse().node_resource(node));
+        let end = Window::new(Time(Time::MAX.0 - 1), Time::MAX);
+        timeline.holders_during(line, end, own).next().is_none()
+    }
+}
