@@ -50,6 +50,7 @@ use traffic::{closures, displaced, fence};
 use yielding::state::Yielding;
 
 /// The fleet.
+#[derive(Clone)]
 pub struct Fleet {
     core: Core,
     people: HumanState,

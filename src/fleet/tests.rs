@@ -10,6 +10,7 @@ mod enrolment;
 mod failure;
 mod faults;
 mod hand;
+mod interleavings;
 mod jobs;
 mod keys;
 mod kinds;

@@ -25,7 +25,7 @@ pub struct Table {
 }
 
 /// The cache of tables for one warehouse and pace.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Estimates {
     warehouse: Arc<Warehouse>,
     body: BodyId,
@@ -41,7 +41,7 @@ pub struct Estimates {
 }
 
 /// Edges into states, by the state they lead to: first those from within the same station's places, then all others.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Into {
     start: Vec<u32>,
     inner_end: Vec<u32>,

@@ -104,7 +104,7 @@ struct LabelSlot {
 }
 
 /// All labels of one search. Clearing is free: slots carry the generation of the search that wrote them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Labels {
     arena: Vec<Label>,
     slots: Vec<LabelSlot>,

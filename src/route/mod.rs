@@ -112,7 +112,7 @@ pub enum NoRoute {
 }
 
 /// The search with its estimates and scratch memory.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Planner {
     estimates: Estimates,
     scratch: search::Scratch,

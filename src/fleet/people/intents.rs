@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub(super) const PLACES: u64 = 1000;
 
 /// Everything about intentions.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(in crate::fleet) struct Intents {
     pub distances: Distances,
     pub fixed: Vec<GoalId>,

@@ -98,7 +98,7 @@ pub(in crate::fleet) enum Led {
 }
 
 /// All that is kept in mind about people.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(in crate::fleet) struct HumanState {
     pub walkways: Arc<Walkways>,
     pub intents: Intents,

@@ -24,14 +24,14 @@ const KEPT: Span = Span::from_secs(24 * 3600);
 const AHEAD: Span = Span::from_secs(24 * 3600);
 
 /// An area with its nodes.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct ClosedArea {
     nodes: Vec<NodeId>,
     window: Window,
 }
 
 /// Closures that are in force or begin within a day.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::fleet) struct Areas {
     open: BTreeMap<ClosureId, ClosedArea>,
     /// Nodes that are closed, or will be soon, with when that begins.

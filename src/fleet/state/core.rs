@@ -19,7 +19,7 @@ use crate::warehouse::Warehouse;
 use std::sync::Arc;
 
 /// What the rooms of a fleet share.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(in crate::fleet) struct Core {
     /// The settings.
     pub settings: Settings,

@@ -15,7 +15,7 @@ pub(in crate::fleet) struct Need {
 }
 
 /// Robots that need a route, and when each looked for a better one last.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::fleet) struct Needs {
     pub waiting: BTreeMap<RobotId, Need>,
     pub looked: BTreeMap<RobotId, Time>,

@@ -8,7 +8,7 @@ use crate::warehouse::Warehouse;
 use std::sync::Arc;
 
 /// The planners by the name of their kind.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(in crate::fleet) struct Planners(Vec<(String, Planner)>);
 
 impl Planners {

@@ -12,7 +12,7 @@ use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Where robots may not go, or only at a price, from now on.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(in crate::fleet) struct Restrictions {
     /// For each node, what binds robots of each kind there and when.
     pub conditions: KindConditions,

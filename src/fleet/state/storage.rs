@@ -7,7 +7,7 @@ use crate::id::{IdVec, NodeId};
 use crate::warehouse::{NodeKind, Warehouse};
 
 /// What the map says about storage.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(in crate::fleet) struct Storage {
     pub nodes: Vec<NodeId>,
     /// For each node, metres to the nearest station (along the axes).

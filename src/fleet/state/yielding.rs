@@ -69,7 +69,7 @@ impl RobotYielding {
 }
 
 /// What is kept in mind of all robots.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::fleet) struct YieldingState(IdVec<RobotId, RobotYielding>);
 
 impl YieldingState {

@@ -47,7 +47,7 @@ pub(in crate::fleet) struct SearchCounts {
 }
 
 /// What is kept in mind about routes and grants, from step to step. Lost at a restart, and found out again.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(in crate::fleet) struct Traffic {
     pub planners: Planners,
     pub needs: Needs,

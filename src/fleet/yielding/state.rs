@@ -9,7 +9,7 @@ use crate::time::Time;
 use std::collections::BTreeSet;
 
 /// What is kept in mind about giving way, from step to step. Lost at a restart, and found out again.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::fleet) struct Yielding {
     /// For each robot.
     pub state: YieldingState,
