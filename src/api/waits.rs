@@ -31,14 +31,14 @@ pub struct WhyDto {
 /// One link of the chain.
 #[derive(Debug, PartialEq, Serialize, ToSchema)]
 pub struct LinkDto {
-    /// The robot or the job.
+    /// The robot, the job or the worker.
     #[schema(example = "robot-1")]
     pub who: String,
-    /// robot or job.
+    /// robot, job or worker.
     pub kind: &'static str,
     /// What the link is about: resource, queue, person, closure, route, failed, emergency_stop, manual, obstructed,
     /// unplugged, displaced, silent, job, rack, robot, no_robot, station, closed, blocked, place, battery;
-    /// or, for a robot that waits for nothing, stop, drives, later, stays.
+    /// or, for a robot that waits for nothing, stop, drives, later, stays; for a worker, robot, no_way, walks, stands, lost.
     pub cause: &'static str,
     /// In words, without the name of the robot or job.
     #[schema(example = "waits for R33, held by robot-2")]
@@ -73,6 +73,7 @@ impl Names<'_> {
         let (who, kind) = match waiting.who {
             Who::Robot(r) => (self.robot(r), "robot"),
             Who::Job(j) => (job_name(j), "job"),
+            Who::Worker(w) => (worker_name(w), "worker"),
         };
         let link = |cause, by: Option<(String, &'static str)>, text: String| {
             let (by, by_kind) = by.unzip();
@@ -123,6 +124,15 @@ impl Names<'_> {
             Because::Drives => link("drives", None, "drives on and then frees it".into()),
             Because::Later => link("later", None, "goes on as planned".into()),
             Because::Stays => link("stays", None, "stands where it may stay".into()),
+            Because::Walks => link("walks", None, "walks on, or is at work".into()),
+            Because::InTheWay(r) => {
+                let by = self.robot(r);
+                let text = format!("waits for {by}, which is in the way");
+                link("robot", Some((by, "robot")), text)
+            }
+            Because::NoWay => link("no_way", None, "was told to stop: there is no way on".into()),
+            Because::Stands => link("stands", None, "stands, and may walk on or not".into()),
+            Because::Lost => link("lost", None, "cannot be placed: the headset has lost its place".into()),
         }
     }
 

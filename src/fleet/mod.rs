@@ -12,6 +12,7 @@ pub mod read;
 mod requests;
 pub mod state;
 mod traffic;
+mod waits;
 mod yielding;
 
 pub use people::forecast::{AHEAD_S, Expected};
@@ -20,8 +21,8 @@ pub use read::occupancy::{Area, MOST_NODES, NodeOccupancy};
 pub use read::rows::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JobQuery, JobRow,
 };
-pub use read::view::{Counts, Doing, JobWhy, RobotState, RobotView, StationView, View, Why};
-pub use read::why::{Because, Waiting, Who};
+pub use read::view::{Counts, Doing, JobWhy, RobotState, RobotView, StationView, View};
+pub use read::why::{Because, Standstill, Waiting, Who};
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 pub use state::fact::{Act, Booking, Fact, KeptRoute, Moved, Purpose, Stop, Task};
 pub use state::fault::Fault;
@@ -31,6 +32,8 @@ pub use state::keys::{KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums};
 pub use state::settings::Settings;
+pub use state::wait_graph::{ChainEnd, Edge, Party, Wait};
+pub use state::why::Why;
 pub use state::wishes::Wishes;
 pub use state::worker::{
     Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
@@ -113,6 +116,7 @@ impl Fleet {
         self.plan(now);
         let interrupted = |robot| self.yielding.procedure.holds(robot);
         self.traffic.grant(&mut self.core, &self.yielding.state, interrupted, now);
+        waits::note_waits(&mut self.core, &self.people, &self.yielding, &self.traffic, now);
         std::mem::take(&mut self.core.out)
     }
 

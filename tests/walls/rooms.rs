@@ -11,9 +11,9 @@ use crate::tokens::{Token, paths, tokens, without_tests};
 use crate::{Violation, all_sources, assert_none};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Each room with those that it may name and call. `state` knows none, those that decide know `state` alone, `read` sees
-/// all and is called by none.
-const BENEATH: [(&str, &[&str]); 8] = [
+/// Each room with those that it may name and call. `state` knows none, those that decide know `state` alone, `waits`
+/// and `read` see the others, and none of these calls them.
+const BENEATH: [(&str, &[&str]); 9] = [
     ("state", &[]),
     ("carry", &["state"]),
     ("requests", &["state"]),
@@ -21,6 +21,7 @@ const BENEATH: [(&str, &[&str]); 8] = [
     ("dispatch", &["state"]),
     ("traffic", &["state"]),
     ("yielding", &["state"]),
+    ("waits", &["state", "people", "traffic", "yielding"]),
     ("read", &["state", "people", "dispatch", "traffic", "yielding", "requests"]),
 ];
 

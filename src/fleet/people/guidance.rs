@@ -57,6 +57,10 @@ impl HumanState {
         let person = &self.people[worker];
         let near = floor.near(place);
         let (state, reason) = self.state_of(floor, person, place, &near);
+        let reason = match reason {
+            None | Some(GuidanceReason::NoWay) => self.is_asked(floor, worker, now).or(reason),
+            Some(_) => reason,
+        };
         let plan = person.plan.as_ref();
         let path: Vec<Point> = plan.map_or(Vec::new(), |p| p.follower.ahead().to_vec());
         let length = length_of(place.at, &path);

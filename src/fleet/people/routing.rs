@@ -7,24 +7,35 @@ use crate::fleet::people::state::{HumanState, WalkMode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::worker::AssignmentState;
+use crate::fleet::state::worker::{AssignmentState, GuidanceReason};
 use crate::fleet::state::yielding::{STANDS, YieldingState};
 use crate::geometry::{Point, Segment};
 use crate::human::Whereabouts;
-use crate::id::{RobotId, WorkerId};
+use crate::id::{NodeId, RobotId, WorkerId};
 use crate::time::{Span, Time};
+use crate::warehouse::NodeKind;
 use crate::warehouse::walkway::EdgeSet;
 
 /// A worker off the path is shown a new one this often.
 pub(in crate::fleet) const REDIRECT: Span = Span::from_secs(1);
 /// A robot that stands on a worker's path for this long is walked round.
 const BLOCKED: Span = Span::from_secs(3);
+/// A worker who seems to be off all walkways is led back from so far at most, metres.
+const BESIDE_M: f64 = 6.0;
 /// How far a worker is sent out of the way at most, metres.
 const REFUGE_M: f64 = 15.0;
+/// A worker who stands is asked to make room when a robot that has nowhere else to go has waited for so long.
+const ASKED: Span = Span::from_secs(5);
+/// Racks and stations no farther from a worker are cut off by that worker, metres.
+const WANTED_M: f64 = 8.0;
 /// How far such a place is from what robots are about to drive, metres.
 const REFUGE_CLEAR_M: f64 = 2.5;
 /// A worker at such a place is led on only to one that is so much farther from there, metres.
 const FARTHER_M: f64 = 0.5;
+/// For so many robots a place is looked for that is out of the way of one of them alone.
+const ALONE: usize = 4;
+/// No person is sent so near to a robot, metres beyond its side.
+const BESIDE_ROBOT_M: f64 = 0.75;
 /// So many nodes ahead of a robot are what it is about to drive.
 const REFUGE_AHEAD: usize = 6;
 
@@ -76,20 +87,31 @@ impl HumanState {
         let (goal, stay) = (core.warehouse().nodes[request.place].at, request.stay);
         let cut = self.edges_blocked_for_long(core.floor(), yielding, now);
         let free = self.walkways.no_edges();
-        let way = self.walkways.path(at, goal, &cut).or_else(|| self.walkways.path(at, goal, &free));
+        let way = |cut| self.walkways.path(at, goal, cut).map(|way| way.points);
+        let way = way(&cut).or_else(|| way(&free)).or_else(|| self.way_from_beside(at, goal));
         let person = &mut self.people[worker];
         match way {
-            Some(mut way) => {
+            Some(mut points) => {
                 self.walkways.on_floor(goal).into_iter().for_each(|g| {
-                    *way.points.last_mut().expect("a way has two ends") = g;
+                    *points.last_mut().expect("a way has two ends") = g;
                 });
-                person.give(way.points, Some(id), stay, now);
+                person.give(points, Some(id), stay, now);
                 if !matches!(person.mode, WalkMode::Deviating { .. }) {
                     person.mode = WalkMode::Following;
                 }
             }
             None => person.mode = WalkMode::Stopped { since: now },
         }
+    }
+
+    /// The way of a worker who seems to be where nobody can stand: from the nearest walkway. The headset is wrong by a
+    /// few metres; told to stop there, its wearer would wait for ever.
+    fn way_from_beside(&self, at: Point, goal: Point) -> Option<Vec<Point>> {
+        let (node, distance_m) = self.walkways.nearest(at)?;
+        let from = self.walkways.nodes()[node].at;
+        let free = self.walkways.no_edges();
+        let way = (distance_m < BESIDE_M).then(|| self.walkways.path(from, goal, &free)).flatten()?;
+        Some(std::iter::once(at).chain(way.points).collect())
     }
 
     /// A robot that stands on the path and does not go away in time: the worker is led round it, or told to
@@ -129,7 +151,7 @@ impl HumanState {
         }
         // A robot that has waited for the worker for long has nowhere to go: the worker makes room, not the robot.
         let is_stuck = robot.is_some_and(|r| yielding.stuck_with(r, now) == Some(worker));
-        let refuge = || self.refuge(core.floor(), yielding, worker, place.at, &cut);
+        let refuge = || self.refuge(core.floor(), worker, place.at, &cut);
         let way = || self.way_past(core.floor(), place.at, goal, &cut);
         let (way, refuge) = match is_stuck.then(refuge).flatten() {
             Some(points) => (None, Some(points)),
@@ -150,8 +172,8 @@ impl HumanState {
         person.mode = WalkMode::Redirected;
     }
 
-    /// A worker who has no way to go, and for whom a robot has waited so long that each waits for the other, is led to
-    /// a place aside.
+    /// A worker who stands and has no way to go, and for whom a robot waits that has nowhere else to go, is led to a
+    /// place aside.
     pub(in crate::fleet) fn make_room(
         &mut self,
         floor: Floor<'_>,
@@ -160,47 +182,73 @@ impl HumanState {
         at: Point,
         now: Time,
     ) {
-        let has_way = self.people[worker].plan.is_some();
-        if has_way || floor.settings.policy != HumanAwarePolicy::Giveway {
-            return;
-        }
-        let waits = |(robot, _)| yielding.stuck_with(robot, now) == Some(worker);
-        if !yielding.giving_way().any(waits) {
+        if floor.settings.policy != HumanAwarePolicy::Giveway || self.is_asked(floor, worker, now).is_none() {
             return;
         }
         let cut = self.edges_blocked_for_long(floor, yielding, now);
-        if let Some(points) = self.refuge(floor, yielding, worker, at, &cut) {
+        if let Some(points) = self.refuge(floor, worker, at, &cut) {
             let person = &mut self.people[worker];
             person.give(points, None, Span::ZERO, now);
             person.mode = WalkMode::Redirected;
         }
     }
 
+    /// Why a worker who stands and has no way to go is asked to make room, if so.
+    pub(in crate::fleet) fn is_asked(
+        &self,
+        floor: Floor<'_>,
+        worker: WorkerId,
+        now: Time,
+    ) -> Option<GuidanceReason> {
+        let person = &self.people[worker];
+        if person.plan.is_some() && !matches!(person.mode, WalkMode::Stopped { .. }) {
+            return None;
+        }
+        let waits = floor.waits.waits_for_worker(worker).filter(|(_, since)| now - *since > ASKED);
+        let stood = person.stands_since.map_or(Span::ZERO, |since| now - since);
+        let cuts_off = || stood > STANDS + ASKED && !floor.wanted_near(worker).is_empty();
+        waits
+            .map(|(robot, _)| GuidanceReason::RobotWaits(robot))
+            .or_else(|| cuts_off().then_some(GuidanceReason::CutsOff))
+    }
+
     /// Where robots and a worker wait for one another and neither can pass: a way to the nearest place from which the
     /// worker leaves to those robots what they are about to drive. If the worker is at such a place, only one that is
     /// farther from it: a person who is led to and fro is in the way again each time.
-    fn refuge(
+    fn refuge(&self, floor: Floor<'_>, worker: WorkerId, at: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
+        let place = |n: NodeId| floor.warehouse().nodes[n].at;
+        let ahead = |r: &RobotId| floor.ledger.chain(*r).visits().take(REFUGE_AHEAD).map(|v| place(v.node));
+        let robots = floor.waits.waiting_for(worker);
+        let mut all: Vec<Point> = robots.iter().flat_map(ahead).collect();
+        if robots.is_empty() {
+            all.extend(floor.wanted_near(worker).into_iter().map(place));
+        }
+        // Where nothing is clear of all their ways: out of that of one robot, the longest waiting first.
+        let one = |r: &RobotId| self.place_aside(floor, &ahead(r).collect::<Vec<_>>(), at, cut);
+        let alone = || robots.iter().take(ALONE).find_map(one);
+        self.place_aside(floor, &all, at, cut).or_else(|| (robots.len() > 1).then(alone).flatten())
+    }
+
+    /// A way to the nearest place from which a worker leaves these places to robots.
+    fn place_aside(
         &self,
         floor: Floor<'_>,
-        yielding: &YieldingState,
-        worker: WorkerId,
+        wanted: &[Point],
         at: Point,
         cut: &EdgeSet,
     ) -> Option<Vec<Point>> {
-        let waiting = yielding.giving_way().filter(|(_, y)| y.worker == worker).map(|(r, _)| r);
-        let wanted: Vec<Point> = waiting
-            .flat_map(|r| floor.ledger.chain(r).visits().take(REFUGE_AHEAD))
-            .map(|v| floor.warehouse().nodes[v.node].at)
-            .collect();
         if wanted.is_empty() {
             return None;
         }
         let walkways = &self.walkways;
+        let beside =
+            |r: RobotId, p: Point| (floor.place_of(r) - p).norm() < floor.beside_m(r, BESIDE_ROBOT_M);
+        let has_room = |p: Point| !floor.ledger.present().any(|r| beside(r, p));
         let clear_m = |p: Point| wanted.iter().map(|w| (w - p).norm()).fold(f64::INFINITY, f64::min);
         let enough_m = if clear_m(at) > REFUGE_CLEAR_M { clear_m(at) + FARTHER_M } else { REFUGE_CLEAR_M };
         let mut near: Vec<(f64, Point)> = (walkways.within(at, REFUGE_M).into_iter())
             .map(|(n, length)| (length, walkways.nodes()[n].at))
-            .filter(|(length, p)| *length > 1.0 && clear_m(*p) > enough_m)
+            .filter(|(length, p)| *length > 1.0 && clear_m(*p) > enough_m && has_room(*p))
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         near.into_iter().take(12).find_map(|(_, p)| self.way_past(floor, at, p, cut))
@@ -326,6 +374,18 @@ impl HumanState {
 }
 
 impl Floor<'_> {
+    /// Nodes near a worker, as good as closed because of the worker, with a rack or a station that waiting jobs need.
+    fn wanted_near(&self, worker: WorkerId) -> Vec<NodeId> {
+        let Some(at) = self.restrictions.whereabouts(worker).map(|w| w.at) else { return Vec::new() };
+        let index = self.ledger.index();
+        let is_wanted = |n: NodeId| match self.warehouse().kind(n) {
+            NodeKind::Station(_) => index.queue.has_offers(),
+            _ => index.places.rack_on(n).is_some_and(|rack| index.queue.is_wanted(rack)),
+        };
+        let near = |n: &NodeId| (self.warehouse().nodes[*n].at - at).norm() < WANTED_M;
+        self.restrictions.closing.keys().copied().filter(near).filter(|n| is_wanted(*n)).collect()
+    }
+
     fn stands(&self, robot: RobotId) -> bool {
         self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05)
     }

@@ -4,17 +4,14 @@
 
 use crate::fleet::Fleet;
 use crate::fleet::dispatch::jobs::stations_with_enough;
-use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView, View, Why};
+use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView, View};
 use crate::fleet::state::fact::{Act, Purpose, Task};
-use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::ledger::Service;
 use crate::fleet::state::worker::{ClosureView, Presence, WorkerView};
-use crate::fleet::traffic::state::Withheld;
 use crate::geometry::{Point, Pose};
 use crate::human::Belief;
 use crate::id::{BodyId, JobId, NodeId, RobotId, StationId, WorkerId};
-use crate::route::Cause;
 use crate::time::Time;
 use crate::warehouse::NodeKind;
 use std::collections::BTreeMap;
@@ -22,7 +19,7 @@ use std::collections::BTreeMap;
 impl Fleet {
     /// Everything that outsiders may see.
     pub fn view(&self, now: Time) -> View {
-        let robots: Vec<RobotView> = self.core.ledger.robots.ids().map(|r| self.robot_view(r, now)).collect();
+        let robots: Vec<RobotView> = self.core.ledger.robots.ids().map(|r| self.robot_view(r)).collect();
         let stations = self.core.warehouse().stations.ids().map(|s| self.station_view(s)).collect();
         let waiting = self.core.ledger.index().queue.len() as u64;
         let active = self.core.ledger.jobs.len() as u64 - waiting;
@@ -79,7 +76,7 @@ impl Fleet {
         }
     }
 
-    fn robot_view(&self, r: RobotId, now: Time) -> RobotView {
+    fn robot_view(&self, r: RobotId) -> RobotView {
         let record = &self.core.ledger.robots[r];
         let seen = self.core.scene.robot(r);
         let chain = self.core.ledger.chain(r);
@@ -105,77 +102,7 @@ impl Fleet {
             job: record.task.job(),
             granted: nodes(chain.first(), chain.granted()),
             held: nodes(chain.granted(), chain.end()),
-            why: self.why(r, now),
-        }
-    }
-
-    /// Why a robot does not go on, if it does not.
-    pub fn why(&self, r: RobotId, now: Time) -> Option<Why> {
-        let record = &self.core.ledger.robots[r];
-        // What has to be undone by hand must be shown, whatever else is wrong.
-        if record.paused.is_some() {
-            return Some(Why::Paused);
-        }
-        let fault = self.core.scene.robot(r).and_then(|t| t.fault);
-        match fault.filter(|_| self.core.scene.is_heard(r, now)) {
-            Some(Fault::EmergencyStop) => return Some(Why::EmergencyStop),
-            Some(Fault::Manual) => return Some(Why::Manual),
-            _ => {}
-        }
-        if let Some(displacement) = self.floor().displacement(r) {
-            return Some(Why::Displaced(displacement));
-        }
-        if record.failed {
-            return Some(Why::Failed);
-        }
-        if self.core.ledger.stopped.is_some() {
-            return Some(Why::Stopped);
-        }
-        if self.core.scene.fit(r, now).is_none() {
-            return Some(Why::Silent);
-        }
-        if let Some(node) = self.floor().obstructed_at(r, now) {
-            return Some(Why::Obstructed(node));
-        }
-        if fault == Some(Fault::Unplugged) {
-            return Some(Why::Unplugged);
-        }
-        match record.service {
-            Service::Maintenance { .. } if record.task == Task::Idle => return Some(Why::Maintenance),
-            Service::Leaving { .. } if record.task == Task::Idle => return Some(Why::Leaving),
-            Service::Gone { .. } => return Some(Why::Gone),
-            _ => {}
-        }
-        if let Some(other) = self.floor().drives_into(r, self.traffic.drives_back_to(self.floor(), r)) {
-            return Some(Why::BlockedBy(other));
-        }
-        if let Some(station) = self.floor().station_of(r)
-            && self.floor().lacks_route(r)
-            && !self.floor().station_has_room(r, &self.floor().bound_for_stations())
-        {
-            return Some(Why::QueueFull(station));
-        }
-        if self.floor().lacks_route(r) && self.traffic.needs.failed_before(r) {
-            return Some(Why::NoRoute);
-        }
-        let yielding = self.yielding.state.of(r);
-        let stands = yielding.is_told_to_stand();
-        if let Some(to) = yielding.to.filter(|_| stands) {
-            return Some(Why::GivesWay(to.worker));
-        }
-        let chain = self.core.ledger.chain(r);
-        let may_drive = chain.first() + 1 < chain.granted();
-        if let Some(standing) = yielding.stands.filter(|_| stands && may_drive) {
-            return Some(Why::GivesWay(standing.worker));
-        }
-        let at_end = chain.first() + 1 == chain.granted();
-        match self.traffic.withheld(r).filter(|_| at_end)? {
-            Withheld::Condition(Cause::Worker(w), _) => Some(Why::GivesWay(w)),
-            Withheld::Condition(Cause::Closure(c), _) => Some(Why::Closed(c)),
-            Withheld::Condition(Cause::Robot(other), _) => Some(Why::BlockedBy(other)),
-            Withheld::Condition(Cause::Obstruction(node), _) => Some(Why::WayObstructed(node)),
-            Withheld::Turn(resource, holder) => Some(Why::WaitsFor(resource, holder)),
-            Withheld::End | Withheld::Stop | Withheld::Early => None,
+            why: self.why(r),
         }
     }
 

@@ -1,19 +1,18 @@
 //! The read model: everything that outsiders see of the fleet, as one immutable value.
 //!
-//! Main types: [`View`], [`RobotView`], [`Why`], [`JobWhy`]. Made on demand by [`crate::fleet::Fleet::view`], since
+//! Main types: [`View`], [`RobotView`], [`JobWhy`]. Made on demand by [`crate::fleet::Fleet::view`], since
 //! a simulation of an hour needs none of the 36 000 it could have. Refuses: to be an input of any decision.
 
-use crate::fleet::state::displaced::Displacement;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::job::{Job, JobKind, JobState};
 use crate::fleet::state::ledger::RackAt;
+use crate::fleet::state::why::Why;
 use crate::fleet::state::worker::{ClosureView, WorkerView};
 use crate::geometry::Pose;
 use crate::human::HorizonCoverage;
-use crate::id::{BodyId, ClosureId, Dense, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
+use crate::id::{BodyId, Dense, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::Time;
-use crate::timeline::Holder;
 use crate::warehouse::{NodeKind, Warehouse};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -154,73 +153,6 @@ pub struct StationView {
     pub queue: Vec<RobotId>,
     /// Racks served so far.
     pub served: u64,
-}
-
-/// Why a robot does not go on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Why {
-    /// Another holder was promised the next resource first.
-    WaitsFor(ResourceId, Holder),
-    /// A worker is near, or will be.
-    GivesWay(WorkerId),
-    /// The way leads into an area that robots keep out of.
-    Closed(ClosureId),
-    /// The queue of the station it is to go to has no place.
-    QueueFull(StationId),
-    /// No route was found yet; it tries again.
-    NoRoute,
-    /// It cannot drive.
-    Failed,
-    /// Its emergency stop is pressed.
-    EmergencyStop,
-    /// A person drives it.
-    Manual,
-    /// Something that it cannot pass stands on its way to this node.
-    Obstructed(NodeId),
-    /// It stands at a charger and gets no current.
-    Unplugged,
-    /// It stands where nothing is held for it, or does not carry what it should.
-    Displaced(Displacement),
-    /// This displaced robot stands on its way.
-    BlockedBy(RobotId),
-    /// Something stands on this node on its way, as another robot reported.
-    WayObstructed(NodeId),
-    /// It has not been heard of.
-    Silent,
-    /// An operator paused it.
-    Paused,
-    /// It is in maintenance, and gets no jobs.
-    Maintenance,
-    /// It is to leave the floor: switched off, it is gone.
-    Leaving,
-    /// It has left the floor.
-    Gone,
-    /// An operator stopped the whole fleet.
-    Stopped,
-}
-
-impl Why {
-    /// Whether it is about the robot itself, whatever happens around it: no job moves it, and only the robot, or the
-    /// person who stopped it, ends that.
-    pub fn is_by_itself(self) -> bool {
-        use Why::{
-            Displaced, EmergencyStop, Failed, Gone, Leaving, Maintenance, Manual, Paused, Silent, Stopped,
-            Unplugged,
-        };
-        matches!(
-            self,
-            Failed
-                | EmergencyStop
-                | Manual
-                | Displaced(_)
-                | Silent
-                | Paused
-                | Maintenance
-                | Stopped
-                | Leaving
-                | Gone
-        ) || self == Unplugged
-    }
 }
 
 /// Why a job does not go on.

@@ -1,16 +1,18 @@
 //! Why a robot or a job waits, to the root: the resource, its holder, until when, and what the holder waits for.
 //!
-//! Main types: [`Waiting`], [`Because`]. Worked out on demand for one robot or one job, never for all of them in a
-//! step. The order of holders on every resource is fixed, so no robot waits for itself; the walk ends at a second
-//! visit all the same. Refuses: to change anything, and to promise: windows slide when a robot is late.
+//! Main types: [`Waiting`], [`Because`], [`Standstill`]. The chain is that of the wait-for graph, which every step notes;
+//! what is added on demand is until when, and how many pass before. Refuses: to find out reasons of its own, to change
+//! anything, and to promise: windows slide when a robot is late.
 
 use crate::fleet::Fleet;
 use crate::fleet::JobState;
-use crate::fleet::read::view::{JobWhy, View, Why};
+use crate::fleet::read::view::{JobWhy, View};
 use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::wait_graph::{ChainEnd, Edge, Party, Wait};
+use crate::fleet::state::why::Why;
 use crate::fleet::traffic::state::Withheld;
-use crate::id::{JobId, ResourceId, RobotId};
+use crate::id::{JobId, ResourceId, RobotId, WorkerId};
 use crate::time::Time;
 use crate::timeline::Holder;
 use std::collections::BTreeSet;
@@ -38,6 +40,21 @@ pub enum Who {
     Robot(RobotId),
     /// A job.
     Job(JobId),
+    /// A worker, for whom a robot waits.
+    Worker(WorkerId),
+}
+
+/// Robots and workers that wait and that nothing which goes on by itself will set free.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Standstill {
+    /// How their chains of waiting end.
+    pub end: ChainEnd,
+    /// Those that wait for one another, if the end is a cycle; else the party at the end.
+    pub root: Vec<Party>,
+    /// All that wait for these, directly or behind others.
+    pub behind: Vec<Party>,
+    /// Since when there has been one with this root or any other: when the first of them began to wait in vain.
+    pub since: Time,
 }
 
 /// What a link says.
@@ -55,12 +72,22 @@ pub enum Because {
     Later,
     /// A robot stands where it may stay, and nothing moves it.
     Stays,
+    /// A worker walks on, or is at work.
+    Walks,
+    /// A worker waits for this robot, which is in the way.
+    InTheWay(RobotId),
+    /// A worker was told to stop: there is no way on.
+    NoWay,
+    /// A worker stands, and may walk on or not.
+    Stands,
+    /// A worker's headset has lost its place: somebody has to look.
+    Lost,
 }
 
 impl Because {
     /// Whether the robot or the job does not go on because of something else.
     pub fn is_waiting(&self) -> bool {
-        matches!(self, Because::Job(_) | Because::Robot(_))
+        matches!(self, Because::Job(_) | Because::Robot(_) | Because::InTheWay(_) | Because::NoWay)
     }
 }
 
@@ -123,30 +150,30 @@ impl Fleet {
     /// The links from a robot on.
     fn follow(&self, robot: RobotId, now: Time, chain: &mut Vec<Waiting>) {
         let mut seen = BTreeSet::new();
-        let mut next = Some(robot);
+        let mut next = Some(Party::Robot(robot));
         let mut wanted = None;
-        while let Some(r) = next {
-            if chain.len() >= LONGEST || !seen.insert(r) {
+        while let Some(party) = next {
+            if chain.len() >= LONGEST || !seen.insert(party) {
                 return;
             }
-            let (link, behind) = self.link(r, wanted, now);
+            let link = match party {
+                Party::Robot(r) => self.robot_link(r, wanted, now),
+                Party::Worker(w) => self.worker_link(w),
+            };
             chain.push(link);
             wanted = match link.because {
                 Because::Robot(Why::WaitsFor(resource, _)) => Some((resource, link.until)),
                 _ => None,
             };
-            next = behind;
+            next = match self.core.waits.of(party).edge {
+                Edge::On(other) => Some(other),
+                Edge::Moves | Edge::Until(_) | Edge::Operator | Edge::NoWay | Edge::Still => None,
+            };
         }
     }
 
-    /// What a robot waits for, and the robot behind that. `wanted` is what the link before wants of it, and when
-    /// that is to be free.
-    fn link(
-        &self,
-        robot: RobotId,
-        wanted: Option<(ResourceId, Option<Time>)>,
-        now: Time,
-    ) -> (Waiting, Option<RobotId>) {
+    /// What a robot waits for. `wanted` is what the link before wants of it, and when that is to be free.
+    fn robot_link(&self, robot: RobotId, wanted: Option<(ResourceId, Option<Time>)>, now: Time) -> Waiting {
         let who = Who::Robot(robot);
         let link = |because, until: Option<Time>, ahead| Waiting {
             who,
@@ -155,37 +182,69 @@ impl Fleet {
             ahead,
         };
         let chain = self.core.ledger.chain(robot);
-        let why = self.why(robot, now);
+        let why = self.why(robot);
         // A robot that is broken, silent or told to stand is so at a stop, too.
         let stopped = why.is_some_and(Why::is_by_itself);
         if let Some(act) = self.floor().act_here(robot).filter(|_| !stopped) {
             let until = chain.get(chain.first()).map(|v| v.depart);
-            return (link(Because::AtStop(act), until, 0), None);
+            return link(Because::AtStop(act), until, 0);
         }
-        match why {
-            Some(why @ Why::WaitsFor(_, holder)) => {
+        let Some(why) = why else { return self.floor().goes_on(robot, wanted, now, link) };
+        let (until, ahead) = match why {
+            Why::WaitsFor(..) => {
                 let before = self.core.ledger.timeline().before(Holder::Robot(robot), chain.granted());
                 let before = before.map(|(_, held)| held).unwrap_or_default();
-                let until = before.iter().map(|h| h.window.end()).max();
-                let behind = if let Holder::Robot(b) = holder { Some(b) } else { None };
-                (link(Because::Robot(why), until, before.len()), behind)
+                (before.iter().map(|h| h.window.end()).max(), before.len())
             }
-            Some(why @ (Why::GivesWay(_) | Why::Closed(_))) => {
-                let until = match self.traffic.withheld(robot) {
-                    Some(Withheld::Condition(_, until)) => until,
-                    _ => None,
-                };
-                (link(Because::Robot(why), until, 0), None)
+            Why::GivesWay(_) | Why::Closed(_) => match self.traffic.withheld(robot) {
+                Some(Withheld::Condition(_, until)) => (until, 0),
+                _ => (None, 0),
+            },
+            _ => (None, 0),
+        };
+        link(Because::Robot(why), until, ahead)
+    }
+
+    /// What a worker waits for.
+    fn worker_link(&self, worker: WorkerId) -> Waiting {
+        let because = match self.core.waits.worker(worker).edge {
+            Edge::On(Party::Robot(robot)) => Because::InTheWay(robot),
+            Edge::NoWay => Because::NoWay,
+            Edge::Still => Because::Stands,
+            Edge::Operator => Because::Lost,
+            Edge::Moves | Edge::Until(_) | Edge::On(Party::Worker(_)) => Because::Walks,
+        };
+        Waiting { who: Who::Worker(worker), because, until: None, ahead: 0 }
+    }
+
+    /// Why a robot does not go on, if it does not, as of the last step.
+    pub fn why(&self, robot: RobotId) -> Option<Why> {
+        self.core.waits.robot(robot).why
+    }
+
+    /// What a robot or a worker waits for, as of the last step.
+    pub fn wait(&self, party: Party) -> Wait {
+        self.core.waits.of(party)
+    }
+
+    /// What robots and workers wait for without anything that would set them free, as of the last step.
+    pub fn standstills(&self) -> Vec<Standstill> {
+        let mut by_root: Vec<Standstill> = Vec::new();
+        let waits = self.core.waits.parties();
+        for (party, wait) in waits.filter(|(_, wait)| wait.standstill.is_some()) {
+            let since = wait.standstill.expect("just seen");
+            let i = by_root.iter().position(|s| s.end == wait.end).unwrap_or_else(|| {
+                let (root, behind) = (self.core.waits.root(wait.end), Vec::new());
+                by_root.push(Standstill { end: wait.end, root, behind, since });
+                by_root.len() - 1
+            });
+            let found = &mut by_root[i];
+            found.since = found.since.min(since);
+            if !found.root.contains(&party) {
+                found.behind.push(party);
             }
-            Some(why @ Why::BlockedBy(other)) => (link(Because::Robot(why), None, 0), Some(other)),
-            Some(why @ Why::QueueFull(station)) => {
-                let node = self.core.warehouse().stations[station].node;
-                let there = self.core.ledger.present().find(|r| self.core.ledger.node_of(*r) == node);
-                (link(Because::Robot(why), None, 0), there.filter(|r| *r != robot))
-            }
-            Some(why) => (link(Because::Robot(why), None, 0), None),
-            None => (self.floor().goes_on(robot, wanted, now, link), None),
         }
+        by_root
     }
 }
 
@@ -209,12 +268,5 @@ impl Floor<'_> {
             None if self.ledger.robots[robot].task == Task::Idle => link(Because::Stays, None, 0),
             None => link(Because::Later, None, 0),
         }
-    }
-
-    /// What a robot does at the stop where it is, if that is not done yet.
-    fn act_here(&self, robot: RobotId) -> Option<Act> {
-        let here = self.ledger.chain(robot).first();
-        let stop = self.ledger.robots[robot].stops.first().filter(|s| s.serial == here)?;
-        (stop.act != Act::Arrive).then_some(stop.act)
     }
 }

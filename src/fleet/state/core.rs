@@ -13,6 +13,7 @@ use crate::fleet::state::restrictions::Restrictions;
 use crate::fleet::state::scene::Scene;
 use crate::fleet::state::settings::Settings;
 use crate::fleet::state::storage::Storage;
+use crate::fleet::state::wait_graph::WaitGraph;
 use crate::id::{JobId, RobotId};
 use crate::time::Time;
 use crate::warehouse::Warehouse;
@@ -29,6 +30,8 @@ pub(in crate::fleet) struct Core {
     pub scene: Scene,
     /// What people, closed areas and displaced robots mean for robots, in this step.
     pub restrictions: Restrictions,
+    /// What robots and workers wait for, as of the end of the last step.
+    pub waits: WaitGraph,
     /// How near robots of each kind come to people, and how fast.
     pub regions: KindRegions,
     /// What the map says about storage.
@@ -46,6 +49,7 @@ impl Core {
         let regions = KindRegions::new(warehouse, &settings);
         Core {
             restrictions: Restrictions::none(warehouse, &regions),
+            waits: WaitGraph::default(),
             regions,
             storage: Storage::new(warehouse),
             scene: Scene::default(),
@@ -58,8 +62,8 @@ impl Core {
 
     /// The floor as it is now, for questions.
     pub fn floor(&self) -> Floor<'_> {
-        let Core { settings, ledger, scene, restrictions, regions, storage, .. } = self;
-        Floor { ledger, scene, settings, restrictions, regions, storage }
+        let Core { settings, ledger, scene, restrictions, waits, regions, storage, .. } = self;
+        Floor { ledger, scene, settings, restrictions, waits, regions, storage }
     }
 
     /// The building.

@@ -9,6 +9,7 @@ use super::regions::KindRegions;
 use super::restrictions::Restrictions;
 use super::scene::Scene;
 use super::storage::Storage;
+use super::wait_graph::WaitGraph;
 use crate::aware::Regions;
 use crate::fleet::state::settings::Settings;
 use crate::geometry::Point;
@@ -32,6 +33,8 @@ pub(in crate::fleet) struct Floor<'a> {
     pub settings: &'a Settings,
     /// What people, closed areas and displaced robots mean for robots.
     pub restrictions: &'a Restrictions,
+    /// What robots and workers wait for, as of the end of the last step.
+    pub waits: &'a WaitGraph,
     /// How near robots of each kind come to people, and how fast.
     pub regions: &'a KindRegions,
     /// What the map says about storage.

@@ -27,6 +27,8 @@ pub(in crate::fleet) mod settings;
 mod stays;
 pub(in crate::fleet) mod storage;
 mod tasks;
+pub(in crate::fleet) mod wait_graph;
+pub mod why;
 pub(in crate::fleet) mod wishes;
 pub mod worker;
 pub(in crate::fleet) mod yielding;

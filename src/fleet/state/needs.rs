@@ -12,6 +12,8 @@ pub(in crate::fleet) struct Need {
     pub since: Time,
     pub next_try: Time,
     pub tries: u32,
+    /// The robot most in the way of the route that it would have if others made way, when that was looked at last.
+    pub behind: Option<RobotId>,
 }
 
 /// Robots that need a route, and when each looked for a better one last.

@@ -59,6 +59,13 @@ impl Floor<'_> {
         self.is_closing(rack_at) || goal.is_some_and(|n| self.is_closing(n))
     }
 
+    /// What a robot does at the stop where it is, if that is not done yet.
+    pub fn act_here(&self, robot: RobotId) -> Option<Act> {
+        let here = self.ledger.chain(robot).first();
+        let stop = self.ledger.robots[robot].stops.first().filter(|s| s.serial == here)?;
+        (stop.act != Act::Arrive).then_some(stop.act)
+    }
+
     /// Whether the stops ahead are not those of the task.
     pub fn lacks_route(&self, robot: RobotId) -> bool {
         let record = &self.ledger.robots[robot];

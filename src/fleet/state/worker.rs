@@ -173,6 +173,10 @@ pub enum GuidanceReason {
     RobotComes(RobotId),
     /// A robot stands on the path and cannot leave.
     RobotInTheWay(RobotId),
+    /// A robot has nowhere else to go, and waits until the worker, who has nothing to do or no way, makes room.
+    RobotWaits(RobotId),
+    /// The worker stands where a rack or a station is that waiting jobs need, or on the only way there.
+    CutsOff,
     /// No way to the place is free.
     NoWay,
     /// The headset does not know where it is.

@@ -53,7 +53,7 @@ impl TestFloor {
     }
 
     fn why_of(&self, robot: RobotId) -> Option<Why> {
-        self.fleet.why(robot, self.now)
+        self.fleet.why(robot)
     }
 
     fn is_taken_up_on(&self, robot: RobotId, node: NodeId) -> bool {

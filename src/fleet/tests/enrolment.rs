@@ -67,7 +67,7 @@ fn a_robot_in_maintenance_finishes_what_it_carries_and_rests_until_it_may_work_a
     assert_eq!(floor.story(first).last(), Some(&"done"));
     let parked = |f: &TestFloor| f.fleet.warehouse().kind(f.fleet.ledger().node_of(R0)) == NodeKind::Parking;
     floor.until(600, "it rests at a parking place", |f| f.is_idle(R0) && parked(f));
-    assert_eq!(floor.fleet.why(R0, floor.now), Some(Why::Maintenance));
+    assert_eq!(floor.fleet.why(R0), Some(Why::Maintenance));
     floor.run(120);
     assert!(floor.is(second, "waiting"), "it takes no job");
     let named = floor.submit(request(JobKind::Park { robot: R0 }));

@@ -30,7 +30,7 @@ fn robot_of(floor: &TestFloor, job: JobId) -> RobotId {
 fn a_robot_whose_emergency_stop_is_pressed_stands_says_so_and_goes_on_when_it_is_released() {
     let (mut floor, job) = afflicted(1, Fault::EmergencyStop, 60);
     floor.run(5);
-    assert_eq!(floor.fleet.why(R0, floor.now), Some(Why::EmergencyStop));
+    assert_eq!(floor.fleet.why(R0), Some(Why::EmergencyStop));
     let (at, view) = (floor.robot_at(), floor.fleet.view(floor.now));
     assert_eq!(
         (view.robots[0].fault, view.robots[0].state),
@@ -40,14 +40,14 @@ fn a_robot_whose_emergency_stop_is_pressed_stands_says_so_and_goes_on_when_it_is
     assert_eq!(floor.robot_at(), at, "it stands");
     floor.until_over(600);
     assert_eq!(floor.story(job).last(), Some(&"done"), "the same robot brings the rack");
-    assert_ne!(floor.fleet.why(R0, floor.now), Some(Why::EmergencyStop));
+    assert_ne!(floor.fleet.why(R0), Some(Why::EmergencyStop));
 }
 
 #[test]
 fn a_robot_that_is_driven_by_hand_is_taken_up_where_that_ends() {
     let (mut floor, job) = afflicted(1, Fault::Manual, 60);
     floor.run(5);
-    assert_eq!(floor.fleet.why(R0, floor.now), Some(Why::Manual));
+    assert_eq!(floor.fleet.why(R0), Some(Why::Manual));
     // Somebody drives it to a free node that it does not hold.
     let ledger = floor.fleet.ledger();
     let held: Vec<NodeId> = ledger.chain(R0).visits().map(|v| v.node).collect();
@@ -56,7 +56,7 @@ fn a_robot_that_is_driven_by_hand_is_taken_up_where_that_ends() {
     let at = floor.fleet.warehouse().nodes[to].at;
     floor.world.put(R0, at);
     floor.run(10);
-    assert_eq!(floor.fleet.why(R0, floor.now), Some(Why::Manual), "it is still driven by hand");
+    assert_eq!(floor.fleet.why(R0), Some(Why::Manual), "it is still driven by hand");
     assert_ne!(floor.fleet.ledger().node_of(R0), to, "and keeps what it held");
     assert!(floor.fleet.floor().is_closing(to), "where it truly is, the floor is closed");
     floor.until(120, "it is taken up", |f| f.fleet.ledger().node_of(R0) == to);
@@ -67,7 +67,7 @@ fn a_robot_that_is_driven_by_hand_is_taken_up_where_that_ends() {
 #[test]
 fn an_obstructed_robot_is_called_back_and_goes_round() {
     let (mut floor, job) = afflicted(1, Fault::Obstructed, 3600);
-    let view = |f: &TestFloor| f.fleet.why(R0, f.now);
+    let view = |f: &TestFloor| f.fleet.why(R0);
     floor.until(10, "it says so", |f| matches!(view(f), Some(Why::Obstructed(_))));
     let Some(Why::Obstructed(node)) = view(&floor) else { panic!("just seen") };
     floor.until(60, "it has come back", |f| !matches!(view(f), Some(Why::Obstructed(_))));
@@ -93,7 +93,7 @@ fn a_robot_without_current_leaves_its_charger_for_another_one() {
     let charger = floor.fleet.ledger().node_of(robot);
     floor.world.afflict(robot, Fault::Unplugged, floor.now + Span::from_secs(3600));
     floor.run(1);
-    assert_eq!(floor.fleet.why(robot, floor.now), Some(Why::Unplugged));
+    assert_eq!(floor.fleet.why(robot), Some(Why::Unplugged));
     floor.until(300, "it has left", |f| f.fleet.ledger().node_of(robot) != charger);
     let away = |f: &TestFloor| f.fleet.ledger().robots.ids().all(|r| f.fleet.ledger().node_of(r) != charger);
     floor.run(30);
@@ -106,8 +106,7 @@ fn a_lost_load_is_said_and_the_robot_goes_on_when_it_has_it_again() {
     let rack = RackId(3);
     floor.run(2);
     floor.world.load(R0, None);
-    let lost =
-        |f: &TestFloor| matches!(f.fleet.why(R0, f.now), Some(Why::Displaced(Displacement::Load { .. })));
+    let lost = |f: &TestFloor| matches!(f.fleet.why(R0), Some(Why::Displaced(Displacement::Load { .. })));
     floor.until(60, "it is said", lost);
     floor.world.load(R0, Some(rack));
     floor.until_over(900);

@@ -27,7 +27,7 @@ fn a_stopped_fleet_stands_over_a_restart_until_somebody_lets_it_go_on() {
     assert_eq!(floor.hand(Input::Halt { token: 5, robot: ALL }), Reply::Done { token: 5 });
     floor.run(5);
     assert!(floor.world.truth().all(|(_, t)| t.speed_mps == 0.0));
-    assert_eq!(floor.fleet.why(R0, floor.now), Some(Why::Stopped));
+    assert_eq!(floor.fleet.why(R0), Some(Why::Stopped));
     let stopped = floor.fleet.view(floor.now).stopped;
     assert!(stopped.is_some_and(|t| t < floor.now - Span::from_secs(4)), "{stopped:?}");
     let halted = |f: &&Fact| matches!(f, Fact::Halted { .. });
@@ -50,9 +50,9 @@ fn a_paused_robot_stands_alone_and_gets_no_job() {
     floor.until_over(900);
     floor.assert_done_once(&jobs);
     assert!(floor.is_idle(R0), "the other one did all of them");
-    assert_eq!(floor.fleet.why(R0, floor.now), Some(Why::Paused));
+    assert_eq!(floor.fleet.why(R0), Some(Why::Paused));
     floor.hand(Input::Release { token: 5, robot: Some(R0) });
-    assert_eq!(floor.fleet.why(R0, floor.now), None);
+    assert_eq!(floor.fleet.why(R0), None);
     let unknown = floor.hand(Input::Halt { token: 6, robot: Some(RobotId(9)) });
     assert_eq!(unknown, Reply::Refused { token: 6, why: Refusal::UnknownPlace });
 }

@@ -85,7 +85,7 @@ fn a_robot_in_a_queue_waits_for_one_that_finishes_its_stop_at_a_known_time() {
     let chain = floor.chain_to(300, picked);
     let robot = |w: &Waiting| match w.who {
         Who::Robot(r) => r,
-        Who::Job(_) => panic!("a job in the chain of a robot: {chain:?}"),
+        who => panic!("{who:?} in the chain of a robot: {chain:?}"),
     };
     for (link, behind) in chain.iter().zip(&chain[1..]) {
         let Because::Robot(Why::WaitsFor(_, holder)) = link.because else { continue };
@@ -129,8 +129,12 @@ fn the_root_of_waiting_is_the_person_in_the_way() {
         floor.walk(&mut ana);
         let robots = floor.fleet.ledger().robots.ids().collect::<Vec<_>>();
         let mut chains = robots.into_iter().map(|r| floor.fleet.waits(r, floor.now));
-        let root = |c: &Vec<Waiting>| c.last().map(|w| w.because);
-        if chains.any(|c| root(&c) == Some(Because::Robot(Why::GivesWay(ana.worker)))) {
+        let gives_way = Because::Robot(Why::GivesWay(ana.worker));
+        let is_it = |c: &[Waiting]| match c {
+            [.., robot, person] => robot.because == gives_way && person.who == Who::Worker(ana.worker),
+            _ => false,
+        };
+        if chains.any(|c| is_it(&c)) {
             return;
         }
     }

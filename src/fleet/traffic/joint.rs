@@ -26,6 +26,9 @@ impl Traffic {
         }
         let start = (core.settings.stopwatch)();
         let others = self.influencers(core, robot, now);
+        if let Some(need) = self.needs.waiting.get_mut(&robot) {
+            need.behind = others.first().copied();
+        }
         assert!(others.len() <= OTHERS && !others.contains(&robot), "{robot:?} moves {others:?}");
         let mut best: Option<(i64, Vec<Found>)> = None;
         for size in 1..=others.len() {

@@ -48,6 +48,11 @@ impl Traffic {
         }
     }
 
+    /// Until when an obstructed node is closed, if it is.
+    pub(in crate::fleet) fn obstructed_until(&self, node: NodeId) -> Option<Time> {
+        self.obstructions.get(&node).copied()
+    }
+
     /// Revokes what obstructed robots were granted.
     pub(in crate::fleet) fn revoke_obstructed(&mut self, core: &mut Core, now: Time) {
         for robot in core.scene.kept_from_driving(now) {

@@ -70,7 +70,7 @@ impl Traffic {
     fn in_need(&mut self, core: &mut Core, now: Time) -> Vec<RobotId> {
         for robot in core.ledger.present() {
             if core.floor().lacks_route(robot) {
-                let fresh = Need { since: now, next_try: now, tries: 0 };
+                let fresh = Need { since: now, next_try: now, tries: 0, behind: None };
                 self.needs.waiting.entry(robot).or_insert(fresh);
             } else {
                 self.needs.waiting.remove(&robot);
@@ -104,7 +104,7 @@ impl Traffic {
                     if self.insert(core, robot, now) {
                         self.needs.waiting.remove(&robot);
                     } else {
-                        self.step_out(core, robot, now);
+                        self.step_out(core, robot, None, now);
                     }
                 }
                 if why == NoRoute::BudgetSpent { core.settings.expansions_per_plan } else { 1_000 }

@@ -11,26 +11,39 @@ use crate::fleet::traffic::joint::{commit_all, in_turn};
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::traffic::tentative::PLACES;
-use crate::id::{NodeId, RobotId};
+use crate::id::{NodeId, RobotId, WorkerId};
 use crate::route::Stage;
 use crate::time::{Span, Time};
 use crate::timeline::Holder;
 
+/// A place to leave for is so much farther from a worker, metres: a node.
+const FARTHER_M: f64 = 1.0;
 /// So many others are moved at most.
 const TOGETHER: usize = 8;
 /// Robots that are to come onto the way within this time are in the way.
 const SOON: Span = Span::from_secs(30);
 
 impl Traffic {
-    /// Sends a robot out of the way to a place where it may stay, if there is a route to one. Whether it goes.
-    pub(in crate::fleet) fn step_out(&mut self, core: &mut Core, robot: RobotId, now: Time) -> bool {
+    /// Sends a robot out of the way to a place where it may stay, if there is a route to one. Whether it goes. If a
+    /// worker waits for it, only to places that lie farther from that worker than it does.
+    pub(in crate::fleet) fn step_out(
+        &mut self,
+        core: &mut Core,
+        robot: RobotId,
+        worker: Option<WorkerId>,
+        now: Time,
+    ) -> bool {
         let floor = core.floor();
         let (from, _) = floor.grant_end(robot);
         if floor.warehouse().kind(from.node).is_lasting() || floor.next_stop_is_granted(robot) {
             return false;
         }
         let loaded = floor.ledger.rack_on(robot).is_some();
-        for place in floor.stays_near(robot, PLACES, |_| true) {
+        let person = worker.and_then(|w| Some(floor.restrictions.whereabouts(w)?.at));
+        let own_m = person.map_or(0.0, |p| (floor.place_of(robot) - p).norm());
+        let at = |n: NodeId| floor.warehouse().nodes[n].at;
+        let leads_off = |n: NodeId| person.is_none_or(|p| (at(n) - p).norm() > own_m + FARTHER_M);
+        for place in floor.stays_near(robot, PLACES, leads_off) {
             let stage = Stage { loaded, ..Stage::to_stay(place) };
             if let Ok(mut route) = self.search(core, robot, &[stage], now) {
                 // Nothing of its task is done there.

@@ -19,6 +19,8 @@ use crate::timeline::Holder;
 
 /// Waiting up to this is better than going elsewhere.
 const PATIENCE: Span = Span::from_secs(3);
+/// A robot and a worker who have waited for one another for so long: the robot leaves.
+const CIRCLE: Span = Span::from_secs(5);
 /// A robot looks for another route this often at most.
 const AGAIN: Span = Span::from_secs(2);
 
@@ -114,7 +116,8 @@ impl Yielding {
         if chain.first() + 1 != chain.granted() || floor.ledger.robots[robot].failed {
             return None;
         }
-        if let Some(worker) = self.state.stood_for(robot, now).or(self.state.stuck_with(robot, now)) {
+        let long = self.state.stood_for(robot, now).or(self.state.stuck_with(robot, now));
+        if let Some(worker) = long.or_else(|| floor.waits_in_a_circle_with(robot, now)) {
             return Some(worker);
         }
         let node = floor.ledger.node_of(robot);
@@ -183,21 +186,42 @@ impl Yielding {
         worker: WorkerId,
         now: Time,
     ) -> u32 {
+        let circle = core.floor().waits_in_a_circle_with(robot, now);
+        if let Some(worker) = circle {
+            close_before(core, robot, worker, now);
+        }
         let places = core.floor().places_out_of_the_way(robot, worker);
         let left = places.into_iter().take(TRIES).any(|place| traffic.detour(core, robot, place, now));
         if left {
             traffic.tally.replans += 1;
         }
         let insert = !left && !core.floor().waits_for_room(robot) && traffic.insert(core, robot, now);
-        let stuck = self.state.stuck_with(robot, now).is_some();
-        if left || insert || stuck && traffic.step_out(core, robot, now) {
+        let stuck = circle.is_some() || self.state.stuck_with(robot, now).is_some();
+        if left || insert || stuck && traffic.step_out(core, robot, circle, now) {
             self.gives_way(core, robot, worker, Reaction::Rerouted, now);
         }
         core.settings.expansions_per_plan
     }
 }
 
+/// Closes what is nearer to a worker than a robot is, for the rest of the step. A worker who waits for a robot will not
+/// have gone when the windows of a person who merely stands are over: no route past that worker is one.
+fn close_before(core: &mut Core, robot: RobotId, worker: WorkerId, now: Time) {
+    let Some(at) = core.restrictions.whereabouts(worker).map(|w| w.at) else { return };
+    let own_m = (core.floor().place_of(robot) - at).norm();
+    let (window, cause) = (Window::new(now, Time::MAX), Cause::Worker(worker));
+    for node in core.ledger.warehouse().nodes_within(at, own_m) {
+        core.restrictions.conditions.add(node, Condition { window, effect: Effect::Closed, cause });
+    }
+}
+
 impl Floor<'_> {
+    /// The worker for whom a robot waits and who waits for it, directly or behind others, for longer than a moment.
+    fn waits_in_a_circle_with(&self, robot: RobotId, now: Time) -> Option<WorkerId> {
+        let (worker, since) = self.waits.circle_with(robot)?;
+        (now - since > CIRCLE).then_some(worker)
+    }
+
     /// Nodes near a robot without conditions, nearest first over lanes that it may drive, not nearer to the worker.
     pub(super) fn places_out_of_the_way(&self, robot: RobotId, worker: WorkerId) -> Vec<NodeId> {
         let floor = *self;

@@ -229,12 +229,7 @@ pub(super) fn why_undrained(now: Time, fleet: &Fleet) -> Vec<String> {
     let robots = fleet.ledger().present().filter(carries).take(3).map(|r| {
         let record = &fleet.ledger().robots[r];
         let battery = fleet.telemetry(r).map_or(0.0, |t| t.battery);
-        format!(
-            "{r:?} {:?}, failed {}, battery {battery:.2}: {:?}",
-            record.task,
-            record.failed,
-            fleet.why(r, now)
-        )
+        format!("{r:?} {:?}, failed {}, battery {battery:.2}: {:?}", record.task, record.failed, fleet.why(r))
     });
     jobs.chain(robots).collect()
 }

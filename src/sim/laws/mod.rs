@@ -7,6 +7,7 @@ mod jobs;
 mod places;
 mod progress;
 mod violation;
+mod waits;
 
 pub(super) use jobs::undrained;
 use places::PlaceLaws;
@@ -20,6 +21,7 @@ use crate::id::{JobId, RackId, RobotId};
 use crate::time::Time;
 use jobs::{JobLaws, why_undrained};
 use std::collections::BTreeSet;
+use waits::WaitLaws;
 
 /// Every how many steps the whole timeline and ledger are compared.
 const AUDIT_EVERY: u64 = 500;
@@ -39,6 +41,7 @@ pub struct Laws {
     misplaced: usize,
     jobs: JobLaws,
     places: PlaceLaws,
+    waits: WaitLaws,
     steps: u64,
     reach_m: f64,
     /// What was broken, and when; the first hundred.
@@ -60,6 +63,7 @@ impl Laws {
             misplaced: 0,
             jobs: JobLaws::new(fleet),
             places: PlaceLaws::default(),
+            waits: WaitLaws::default(),
             steps: 0,
             reach_m: 2.0 * fleet.warehouse().widest_half_m() - SLACK_M,
             broken: Vec::new(),
@@ -86,6 +90,8 @@ impl Laws {
         let broken = self.jobs.check(now, world, fleet, facts);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.places.check(now, world, fleet);
+        broken.into_iter().for_each(|v| self.break_law(now, v));
+        let broken = self.waits.check(now, world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.progress.check(now, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));

@@ -48,7 +48,7 @@ impl ProgressLaws {
                 *stood = fresh;
             } else if now - stood.unexcused > STUCK {
                 stood.unexcused = now;
-                broken.push(Violation::Stuck(r, record.task, fleet.why(r, now)));
+                broken.push(Violation::Stuck(r, record.task, fleet.why(r)));
             }
         }
         debug_assert!(self.robots.len() <= fleet.ledger().robots.len());
@@ -67,7 +67,7 @@ impl ProgressLaws {
             if now - stood.since > TURN || stood.unexcused == now {
                 continue;
             }
-            if let Some(Why::QueueFull(station)) = fleet.why(*robot, now)
+            if let Some(Why::QueueFull(station)) = fleet.why(*robot)
                 && now - self.served[&station].1 < STUCK
             {
                 stood.unexcused = now;

@@ -2,8 +2,8 @@
 //!
 //! Main type: [`Violation`]. Refuses: to judge.
 
-use crate::fleet::{JobKind, JobState, JobWhy, Task, Why};
-use crate::id::{JobId, RackId, RobotId};
+use crate::fleet::{JobKind, JobState, JobWhy, Party, Task, Why};
+use crate::id::{JobId, RackId, RobotId, WorkerId};
 use crate::time::Span;
 use std::fmt;
 
@@ -13,6 +13,11 @@ pub const STUCK: Span = Span::from_secs(600);
 pub(in crate::sim) const OVERDUE: Span = Span::from_secs(600);
 /// While jobs wait and robots can drive, something is delivered within this.
 pub(in crate::sim) const DELIVERS: Span = Span::from_secs(1200);
+
+/// No robots and workers wait for one another for longer than this.
+pub(in crate::sim) const CIRCLE: Span = Span::from_secs(60);
+/// Nobody stands in one spot because of the fleet for longer than this.
+pub(in crate::sim) const KEPT: Span = Span::from_secs(60);
 
 /// A broken law.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +46,12 @@ pub enum Violation {
     RunOver(RobotId, usize),
     /// A robot has been standing where the fleet does not know it to be, or is called displaced and is not.
     Misjudged(RobotId),
+    /// Robots and workers have waited for one another for too long.
+    Circle(Vec<Party>),
+    /// A person has stood in one spot for too long, waiting for a robot or for a way.
+    Kept(WorkerId),
+    /// A robot waits for what does not keep it any more.
+    NotSo(RobotId, Why),
     /// The ledger is not the fold of the facts.
     Fold,
 }
@@ -80,6 +91,11 @@ impl fmt::Display for Violation {
             Violation::Misjudged(r) => {
                 write!(f, "robot {} does not stand where the fleet believes it to be", r.0 + 1)
             }
+            Violation::Circle(parties) => {
+                write!(f, "wait for one another for more than {CIRCLE:?}: {parties:?}")
+            }
+            Violation::Kept(w) => write!(f, "worker {} was kept in one spot for {KEPT:?}", w.0 + 1),
+            Violation::NotSo(r, why) => write!(f, "robot {} does not wait because of {why:?}", r.0 + 1),
             Violation::Fold => write!(f, "the ledger is not the fold of its facts"),
         }
     }

@@ -39,8 +39,8 @@ export class LiveWhy implements WhyShown {
 }
 
 function stepOf({ who, kind, text, ahead, by, by_kind, until, until_s }: WhyLink): WhyStep {
-  // Robots and jobs that are waited for are links of the chain themselves.
-  const beside = by !== null && by_kind !== null && by_kind !== 'robot' && by_kind !== 'job';
+  // Robots, jobs and workers that are waited for are links of the chain themselves.
+  const beside = by !== null && by_kind !== null && by_kind !== 'robot' && by_kind !== 'job' && by_kind !== 'worker';
   const soon = until_s !== null && until_s >= 1 ? `until ${timeOfDay(until)}, in ${span(until_s)}` : 'any moment now';
   return {
     who, kind, text: ahead > 1 ? `${text}, ${ahead} pass first` : text,

@@ -8,7 +8,7 @@ import { chainOf } from './was';
 /** One link of a chain: what waits, for what, until when. */
 export interface WhyStep {
   readonly who: string;
-  readonly kind: 'robot' | 'job';
+  readonly kind: 'robot' | 'job' | 'worker';
   readonly text: string;
   /** Until when, in words; null where that is not known. */
   readonly until: string | null;

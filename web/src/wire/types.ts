@@ -270,7 +270,7 @@ export interface NewJob {
 /** One link of a wait chain. */
 export interface WhyLink {
   who: string;
-  kind: 'robot' | 'job';
+  kind: 'robot' | 'job' | 'worker';
   /** resource, queue, person, closure … or, if it waits for nothing, stop, drives, later, stays. */
   cause: string;
   /** In words, without its own name. */

@@ -5,7 +5,7 @@
 use super::actors::FootMove;
 use super::floors::{Manner, TinyFloor};
 use super::world::{QUANTUM_S, TinyMove, TinyWorld};
-use crate::fleet::{Because, GuidanceState, Why};
+use crate::fleet::{GuidanceReason, GuidanceState, Who};
 use crate::id::RobotId;
 use crate::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
@@ -200,8 +200,8 @@ fn follow(world: &TinyWorld, end: WorkerEnd) -> (Verdict, Span) {
 /// Notes which robots give way to the worker, and wait for nothing else, or stand since their scanners see somebody.
 fn note_giving_way(world: &TinyWorld, gave_way: &mut BTreeMap<RobotId, Time>) {
     for robot in world.robots.iter().map(|r| r.id) {
-        let root = world.fleet.waits(robot, world.now).last().map(|l| l.because);
-        let gives_way = matches!(root, Some(Because::Robot(Why::GivesWay(_))));
+        let root = world.fleet.waits(robot, world.now).last().map(|l| l.who);
+        let gives_way = matches!(root, Some(Who::Worker(_)));
         if gives_way || world.is_scanning(robot) {
             gave_way.insert(robot, world.now);
         }
@@ -215,11 +215,21 @@ fn judge_end(world: &TinyWorld, gave_way: &BTreeMap<RobotId, Time>, end: WorkerE
     let busy: Vec<RobotId> = world.robots.iter().map(|r| r.id).filter(|r| !world.is_idle(*r)).collect();
     let told = world.worker.as_ref().map(|p| (p.told.state, p.told.reason));
     let is_told = told.is_some_and(|(state, reason)| state != GuidanceState::Idle || reason.is_some());
-    if busy.iter().all(lately) && is_told && end == WorkerEnd::Stands {
+    // One who obeys is asked to make room, but no place aside is known: leaving the floor is up to the worker.
+    let is_asked = told.is_some_and(|(_, reason)| {
+        matches!(reason, Some(GuidanceReason::RobotWaits(_) | GuidanceReason::CutsOff))
+    });
+    let waits = match end {
+        WorkerEnd::Stands => is_told,
+        WorkerEnd::Obeys => is_asked,
+        WorkerEnd::Leaves => false,
+    };
+    if busy.iter().all(lately) && waits {
         return Verdict::WaitsForWorker;
     }
     let person = world.worker.as_ref().map(|p| p.at);
-    let mut text = format!("worker {end:?} at {person:?}, told {told:?}");
+    let path = world.worker.as_ref().map(|p| &p.told.path);
+    let mut text = format!("worker {end:?} at {person:?}, told {told:?} {path:?}");
     for robot in world.robots.iter().filter(|r| !world.is_idle(r.id)) {
         let waits = world.fleet.waits(robot.id, world.now);
         let links: Vec<_> = waits.iter().map(|l| (l.who, l.because)).collect();
@@ -230,6 +240,11 @@ fn judge_end(world: &TinyWorld, gave_way: &BTreeMap<RobotId, Time>, end: WorkerE
             "; {:?} at {},{} visit {} gave way lately {lately} limit {:?} {task:?} {links:?}",
             robot.id, at.x, at.y, robot.reached, robot.limit_mps
         );
+    }
+    let jobs = world.fleet.ledger().jobs.iter().filter(|(_, job)| job.state.robot().is_none());
+    for (id, _) in jobs {
+        let waits = world.fleet.job_waits(*id, world.now);
+        text += &format!("; {id:?} {:?}", waits.iter().map(|l| l.because).collect::<Vec<_>>());
     }
     Verdict::Stands(text)
 }

@@ -22,25 +22,14 @@ impl KnownFailure {
     }
 }
 
-const PUT_OFF: &str =
-    "a robot puts its route off again and again, and does not say that it is for the worker";
 const NOT_TOLD: &str =
     "the worker rests where a robot wants to pass, no place aside is found, and nobody tells the worker";
 const TO_AND_FRO: &str = "a robot drives to and fro between two routes for ever";
-const CUTS_OFF: &str =
-    "the worker rests on the only way to a rack: no robot gets the job, and nobody tells the worker";
 const TOLD_TO_STOP: &str = "the worker is told to stop for want of a way, where robots want to pass";
 const FACE_TO_FACE: &str = "a robot waits for the worker, who is told to walk on and does not get anywhere";
 
 /// All that are known.
 pub(super) const KNOWN: &[KnownFailure] = &[
-    KnownFailure {
-        floor: "corridor with a bay, 2",
-        worker: (Manner::Wanders, false),
-        way: "10>9,3 11>12,3 11",
-        obeys: false,
-        what: PUT_OFF,
-    },
     KnownFailure {
         floor: "corridor with a bay, 2",
         worker: (Manner::Wanders, true),
@@ -50,78 +39,10 @@ pub(super) const KNOWN: &[KnownFailure] = &[
     },
     KnownFailure {
         floor: "corridor with a bay, 3",
-        worker: (Manner::Obeys, true),
-        way: "",
-        obeys: true,
-        what: NOT_TOLD,
-    },
-    KnownFailure {
-        floor: "corridor with a bay, 3",
-        worker: (Manner::Wanders, false),
-        way: "",
-        obeys: true,
-        what: NOT_TOLD,
-    },
-    KnownFailure {
-        floor: "corridor with a bay, 3",
         worker: (Manner::Wanders, true),
         way: "100>9,3 111>6,3",
         obeys: false,
         what: TO_AND_FRO,
-    },
-    KnownFailure {
-        floor: "one-lane corridor, 2",
-        worker: (Manner::Wanders, false),
-        way: "11>6,6 11>6,3",
-        obeys: true,
-        what: NOT_TOLD,
-    },
-    KnownFailure {
-        floor: "one-lane corridor, 2",
-        worker: (Manner::Wanders, true),
-        way: "11 11>6,6 11>9,6 11",
-        obeys: false,
-        what: PUT_OFF,
-    },
-    KnownFailure { floor: "ring, 2", worker: (Manner::Wanders, false), way: "", obeys: true, what: NOT_TOLD },
-    KnownFailure { floor: "ring, 4", worker: (Manner::Obeys, true), way: "", obeys: true, what: NOT_TOLD },
-    KnownFailure { floor: "ring, 4", worker: (Manner::Wanders, false), way: "", obeys: true, what: NOT_TOLD },
-    KnownFailure { floor: "ring, 4", worker: (Manner::Wanders, true), way: "", obeys: true, what: NOT_TOLD },
-    KnownFailure {
-        floor: "dead end, 3",
-        worker: (Manner::Obeys, true),
-        way: "111",
-        obeys: true,
-        what: CUTS_OFF,
-    },
-    KnownFailure {
-        floor: "dead end, 3",
-        worker: (Manner::Wanders, false),
-        way: "",
-        obeys: true,
-        what: PUT_OFF,
-    },
-    KnownFailure {
-        floor: "dead end, 3",
-        worker: (Manner::Wanders, true),
-        way: "111",
-        obeys: true,
-        what: CUTS_OFF,
-    },
-    KnownFailure { floor: "station, 2", worker: (Manner::Obeys, true), way: "", obeys: true, what: NOT_TOLD },
-    KnownFailure {
-        floor: "station, 2",
-        worker: (Manner::Wanders, false),
-        way: "",
-        obeys: true,
-        what: NOT_TOLD,
-    },
-    KnownFailure {
-        floor: "station, 2",
-        worker: (Manner::Wanders, true),
-        way: "",
-        obeys: true,
-        what: NOT_TOLD,
     },
     KnownFailure {
         floor: "station, 3",

@@ -20,7 +20,7 @@ mod world;
 
 use explore::{Exploration, StateBounds, Verdict, replay};
 use floors::{FLOORS, Hired, Manner, TinyFloor};
-use known::KNOWN;
+use known::{KNOWN, KnownFailure};
 
 /// For each run of the tests.
 const FEW: StateBounds = StateBounds { states: 120, depth: 40, sample: 12, leaves: false };
@@ -73,12 +73,18 @@ fn when_a_worker_who_obeyed_or_walked_anywhere_leaves_robots_end_their_jobs() {
 
 #[test]
 fn where_the_fleet_is_known_not_to_get_on_it_still_does_not() {
-    for known in KNOWN {
+    let is_mended = |known: &&KnownFailure| {
         let floor = FLOORS.iter().find(|f| f.name == known.floor).expect("it is a floor");
         let hired = floor.workers.iter().find(|h| known.is_of(floor, h)).expect("somebody is hired there");
         let verdict = replay(&TinyFloor { worker: Some(*hired), ..*floor }, known.way, known.obeys);
-        assert!(matches!(verdict, Verdict::Stands(_)), "mended: {} on {}", known.what, known.floor);
-    }
+        !matches!(verdict, Verdict::Stands(_))
+    };
+    let mended: Vec<String> = KNOWN
+        .iter()
+        .filter(is_mended)
+        .map(|k| format!("{} {:?} {}: {}", k.floor, k.worker, k.way, k.what))
+        .collect();
+    assert!(mended.is_empty(), "mended: {mended:#?}");
 }
 
 #[test]

@@ -1,0 +1,74 @@
+//! Why a robot does not go on, in one value.
+//!
+//! Main type: [`Why`]. Refuses: to follow the chain of waiting; the wait-for graph does.
+
+use crate::fleet::state::displaced::Displacement;
+use crate::id::{ClosureId, NodeId, ResourceId, RobotId, StationId, WorkerId};
+use crate::timeline::Holder;
+
+/// Why a robot does not go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Why {
+    /// Another holder was promised the next resource first.
+    WaitsFor(ResourceId, Holder),
+    /// A worker is near, or will be.
+    GivesWay(WorkerId),
+    /// The way leads into an area that robots keep out of.
+    Closed(ClosureId),
+    /// The queue of the station it is to go to has no place.
+    QueueFull(StationId),
+    /// No route was found yet; it tries again.
+    NoRoute,
+    /// It cannot drive.
+    Failed,
+    /// Its emergency stop is pressed.
+    EmergencyStop,
+    /// A person drives it.
+    Manual,
+    /// Something that it cannot pass stands on its way to this node.
+    Obstructed(NodeId),
+    /// It stands at a charger and gets no current.
+    Unplugged,
+    /// It stands where nothing is held for it, or does not carry what it should.
+    Displaced(Displacement),
+    /// This displaced robot stands on its way.
+    BlockedBy(RobotId),
+    /// Something stands on this node on its way, as another robot reported.
+    WayObstructed(NodeId),
+    /// It has not been heard of.
+    Silent,
+    /// An operator paused it.
+    Paused,
+    /// It is in maintenance, and gets no jobs.
+    Maintenance,
+    /// It is to leave the floor: switched off, it is gone.
+    Leaving,
+    /// It has left the floor.
+    Gone,
+    /// An operator stopped the whole fleet.
+    Stopped,
+}
+
+impl Why {
+    /// Whether it is about the robot itself, whatever happens around it: no job moves it, and only the robot, or the
+    /// person who stopped it, ends that.
+    pub fn is_by_itself(self) -> bool {
+        use Why::{
+            Displaced, EmergencyStop, Failed, Gone, Leaving, Maintenance, Manual, Paused, Silent, Stopped,
+            Unplugged,
+        };
+        matches!(
+            self,
+            Failed
+                | EmergencyStop
+                | Manual
+                | Displaced(_)
+                | Silent
+                | Paused
+                | Maintenance
+                | Stopped
+                | Leaving
+                | Gone
+        ) || self == Unplugged
+    }
+}

@@ -1,0 +1,39 @@
+//! What each robot and each worker waits for, noted once in every step: the wait-for graph.
+//!
+//! Main function: [`note_waits`]. All that is shown or decided about waiting reads the graph
+//! ([`WaitGraph`](crate::fleet::state::wait_graph::WaitGraph)), and nothing else finds out why something waits. Refuses:
+//! to decide what is done about it.
+
+mod robots;
+mod workers;
+
+use crate::fleet::people::state::HumanState;
+use crate::fleet::state::core::Core;
+use crate::fleet::traffic::state::Traffic;
+use crate::fleet::yielding::state::Yielding;
+use crate::time::Time;
+use robots::RobotWaits;
+
+/// Notes what all parties wait for, after the grants of a step, and how each chain of waiting ends. O(robots and
+/// workers).
+pub(in crate::fleet) fn note_waits(
+    core: &mut Core,
+    people: &HumanState,
+    yielding: &Yielding,
+    traffic: &Traffic,
+    now: Time,
+) {
+    let mut graph = std::mem::take(&mut core.waits);
+    let floor = core.floor();
+    let waits = RobotWaits::new(floor, yielding, traffic, now);
+    for robot in floor.ledger.robots.ids() {
+        let why = waits.why(robot);
+        let edge = waits.edge(robot, why);
+        graph.note_robot(robot, why, edge, now);
+    }
+    for worker in people.people.ids() {
+        graph.note_worker(worker, people.edge(worker, now), now);
+    }
+    graph.find_ends(now);
+    core.waits = graph;
+}

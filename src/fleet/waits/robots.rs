@@ -1,0 +1,201 @@
+//! Why a robot does not go on, and for which party, if for one.
+//!
+//! Main type: [`RobotWaits`]. Reasons that a person has to end come first, since they hold whatever else is so. Refuses:
+//! to walk a chain: one robot, one reason.
+
+use crate::fleet::state::fact::Task;
+use crate::fleet::state::fault::Fault;
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::ledger::Service;
+use crate::fleet::state::wait_graph::{Edge, Party};
+use crate::fleet::state::why::Why;
+use crate::fleet::traffic::state::{Traffic, Withheld};
+use crate::fleet::yielding::state::Yielding;
+use crate::id::{IdVec, RobotId, StationId};
+use crate::route::Cause;
+use crate::time::Time;
+use crate::timeline::Holder;
+use crate::warehouse::NodeKind;
+
+/// What the reasons of robots follow from, in one step.
+pub(super) struct RobotWaits<'a> {
+    floor: Floor<'a>,
+    yielding: &'a Yielding,
+    traffic: &'a Traffic,
+    /// How many robots are bound for each station.
+    bound: IdVec<StationId, usize>,
+    /// Robots at stations, in their queues and on their way there, foremost first.
+    turns: Vec<(StationId, usize, RobotId)>,
+    now: Time,
+}
+
+impl<'a> RobotWaits<'a> {
+    pub fn new(floor: Floor<'a>, yielding: &'a Yielding, traffic: &'a Traffic, now: Time) -> RobotWaits<'a> {
+        let (bound, turns) = (floor.bound_for_stations(), floor.turns_at_stations());
+        RobotWaits { floor, yielding, traffic, bound, turns, now }
+    }
+
+    /// Why a robot does not go on, if it does not.
+    pub fn why(&self, robot: RobotId) -> Option<Why> {
+        self.halted(robot)
+            .or_else(|| self.disturbed(robot))
+            .or_else(|| self.without_route(robot))
+            .or_else(|| self.giving_way(robot))
+            .or_else(|| self.withheld(robot))
+    }
+
+    /// Reasons that a person has to end, or the robot itself.
+    fn halted(&self, robot: RobotId) -> Option<Why> {
+        let record = &self.floor.ledger.robots[robot];
+        // What has to be undone by hand must be shown, whatever else is wrong.
+        if record.paused.is_some() {
+            return Some(Why::Paused);
+        }
+        let (scene, now) = (self.floor.scene, self.now);
+        let fault = scene.robot(robot).and_then(|t| t.fault);
+        match fault.filter(|_| scene.is_heard(robot, now)) {
+            Some(Fault::EmergencyStop) => return Some(Why::EmergencyStop),
+            Some(Fault::Manual) => return Some(Why::Manual),
+            _ => {}
+        }
+        if let Some(displacement) = self.floor.displacement(robot) {
+            return Some(Why::Displaced(displacement));
+        }
+        if record.failed {
+            return Some(Why::Failed);
+        }
+        if self.floor.ledger.stopped.is_some() {
+            return Some(Why::Stopped);
+        }
+        scene.fit(robot, now).is_none().then_some(Why::Silent)
+    }
+
+    /// Something that it met; maintenance and leaving, which concern robots without a task.
+    fn disturbed(&self, robot: RobotId) -> Option<Why> {
+        if let Some(node) = self.floor.obstructed_at(robot, self.now) {
+            return Some(Why::Obstructed(node));
+        }
+        let record = &self.floor.ledger.robots[robot];
+        if self.floor.scene.robot(robot).is_some_and(|t| t.fault == Some(Fault::Unplugged)) {
+            return Some(Why::Unplugged);
+        }
+        match record.service {
+            Service::Maintenance { .. } if record.task == Task::Idle => return Some(Why::Maintenance),
+            Service::Leaving { .. } if record.task == Task::Idle => return Some(Why::Leaving),
+            Service::Gone { .. } => return Some(Why::Gone),
+            _ => {}
+        }
+        let back = self.traffic.drives_back_to(self.floor, robot);
+        self.floor.drives_into(robot, back).map(Why::BlockedBy)
+    }
+
+    /// It has a task and no route for it, nor one to a place where it can wait.
+    fn without_route(&self, robot: RobotId) -> Option<Why> {
+        if !self.floor.lacks_route(robot) || !self.floor.rests(robot) {
+            return None;
+        }
+        let full = self.floor.station_of(robot).filter(|_| !self.floor.station_has_room(robot, &self.bound));
+        full.map(Why::QueueFull).or_else(|| self.traffic.needs.failed_before(robot).then_some(Why::NoRoute))
+    }
+
+    /// It was told to stand for a worker.
+    fn giving_way(&self, robot: RobotId) -> Option<Why> {
+        let yielding = self.yielding.state.of(robot);
+        if !yielding.is_told_to_stand() {
+            return None;
+        }
+        let chain = self.floor.ledger.chain(robot);
+        let may_drive = chain.first() + 1 < chain.granted();
+        let stands = yielding.stands.filter(|_| may_drive).map(|s| s.worker);
+        yielding.to.map(|to| to.worker).or(stands).map(Why::GivesWay)
+    }
+
+    /// It is at the end of what it was granted, and gets no more.
+    fn withheld(&self, robot: RobotId) -> Option<Why> {
+        let chain = self.floor.ledger.chain(robot);
+        let at_end = chain.first() + 1 == chain.granted();
+        match self.traffic.withheld(robot).filter(|_| at_end)? {
+            Withheld::Condition(Cause::Worker(w), _) => Some(Why::GivesWay(w)),
+            Withheld::Condition(Cause::Closure(c), _) => Some(Why::Closed(c)),
+            Withheld::Condition(Cause::Robot(other), _) => Some(Why::BlockedBy(other)),
+            Withheld::Condition(Cause::Obstruction(node), _) => Some(Why::WayObstructed(node)),
+            Withheld::Turn(resource, holder) => Some(Why::WaitsFor(resource, holder)),
+            Withheld::End | Withheld::Stop | Withheld::Early => None,
+        }
+    }
+
+    /// What a robot waits for, for this reason.
+    pub fn edge(&self, robot: RobotId, why: Option<Why>) -> Edge {
+        let Some(why) = why else {
+            let idles = self.floor.ledger.robots[robot].task == Task::Idle;
+            return if idles && self.floor.rests(robot) { Edge::Still } else { Edge::Moves };
+        };
+        if why.is_by_itself() {
+            return Edge::Operator;
+        }
+        if self.floor.act_here(robot).is_some() {
+            return Edge::Moves;
+        }
+        match why {
+            Why::WaitsFor(_, Holder::Robot(other)) | Why::BlockedBy(other) => Edge::On(Party::Robot(other)),
+            Why::WaitsFor(_, Holder::Worker(worker)) | Why::GivesWay(worker) => {
+                Edge::On(Party::Worker(worker))
+            }
+            Why::Closed(_) => match self.traffic.withheld(robot) {
+                Some(Withheld::Condition(_, Some(until))) if !until.is_forever() => Edge::Until(until),
+                _ => Edge::Operator,
+            },
+            Why::Obstructed(node) | Why::WayObstructed(node) => {
+                self.traffic.obstructed_until(node).map_or(Edge::Moves, Edge::Until)
+            }
+            Why::QueueFull(station) => self.turn_at(robot, station),
+            Why::NoRoute => self.in_the_way(robot).map_or(Edge::NoWay, |r| Edge::On(Party::Robot(r))),
+            _ => unreachable!("{why:?} is about the robot itself"),
+        }
+    }
+
+    /// The robot that an earlier search found in the way of one without a route.
+    fn in_the_way(&self, robot: RobotId) -> Option<RobotId> {
+        let other = self.traffic.needs.waiting.get(&robot)?.behind?;
+        (other != robot && !self.floor.ledger.robots[other].is_gone()).then_some(other)
+    }
+
+    /// What a robot waits for whose station has no room: the one that is served, else the first in the queue, else one
+    /// that is on its way there.
+    fn turn_at(&self, robot: RobotId, station: StationId) -> Edge {
+        if self.floor.ledger.paused_stations.contains_key(&station) {
+            return Edge::Operator;
+        }
+        let first = self.turns.partition_point(|(s, _, _)| *s < station);
+        let others = self.turns[first..].iter().take_while(|(s, _, _)| *s == station);
+        let ahead = others.map(|(_, _, r)| *r).find(|r| *r != robot);
+        ahead.map_or(Edge::Moves, |r| Edge::On(Party::Robot(r)))
+    }
+}
+
+impl Floor<'_> {
+    /// Whether a robot stands at the end of its route.
+    fn rests(&self, robot: RobotId) -> bool {
+        let chain = self.ledger.chain(robot);
+        chain.first() + 1 == chain.end()
+    }
+
+    /// Robots at stations, in their queues and on their way there: by station, foremost first.
+    fn turns_at_stations(&self) -> Vec<(StationId, usize, RobotId)> {
+        let mut turns = Vec::new();
+        for robot in self.ledger.present() {
+            let turn = match self.warehouse().kind(self.ledger.node_of(robot)) {
+                NodeKind::Station(s) => Some((s, 0)),
+                NodeKind::Queue(s) => {
+                    let queue = &self.warehouse().stations[s].queue;
+                    let here = self.ledger.node_of(robot);
+                    Some((s, 1 + queue.iter().position(|n| *n == here).unwrap_or(queue.len())))
+                }
+                _ => self.station_of(robot).filter(|_| !self.lacks_route(robot)).map(|s| (s, usize::MAX)),
+            };
+            turns.extend(turn.map(|(station, place)| (station, place, robot)));
+        }
+        turns.sort_unstable();
+        turns
+    }
+}

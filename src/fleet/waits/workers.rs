@@ -1,0 +1,37 @@
+//! What a worker waits for: for a robot in the way, for a way, or for nothing.
+//!
+//! Refuses: to say of a worker who stands for a moment that nothing will happen.
+
+use crate::fleet::people::state::{HumanState, WalkMode};
+use crate::fleet::state::wait_graph::{Edge, Party};
+use crate::fleet::state::yielding::STANDS;
+use crate::human::Presence;
+use crate::id::WorkerId;
+use crate::time::Time;
+
+impl HumanState {
+    /// What a worker waits for.
+    pub(super) fn edge(&self, worker: WorkerId, now: Time) -> Edge {
+        let person = &self.people[worker];
+        let Some(place) = self.whereabouts(worker, now) else { return Edge::Moves };
+        if place.presence == Presence::Lost {
+            // Somebody has to look where the worker is.
+            return Edge::Operator;
+        }
+        if place.presence != Presence::Tracked {
+            // What is in the way is not known.
+            return Edge::Moves;
+        }
+        let blocked = person.blocked_since.map(|(robot, _)| Edge::On(Party::Robot(robot)));
+        if matches!(person.mode, WalkMode::Stopped { .. }) {
+            return blocked.unwrap_or(Edge::NoWay);
+        }
+        let stood = person.stands_since.map(|since| now - since);
+        let is_at_work = person.plan.is_some() && person.there_since.is_some();
+        match stood {
+            Some(_) if blocked.is_some() => blocked.expect("just seen"),
+            Some(stood) if stood > STANDS && !is_at_work => Edge::Still,
+            _ => Edge::Moves,
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! The laws of waiting: none wait for one another for long, no person is kept in one spot by the fleet, and nothing
+//! waits for what does not keep it.
+//!
+//! Main type: [`WaitLaws`]. They read the fleet's own wait-for graph, and compare it with the floor: a person is where
+//! the simulation has the person. Refuses: to excuse a person's wait because it was interrupted; it adds up in one spot.
+
+use super::super::world::World;
+use super::violation::{CIRCLE, KEPT, Violation};
+use crate::fleet::{ChainEnd, Edge, Fleet, Party, Why};
+use crate::geometry::Point;
+use crate::id::{RobotId, WorkerId};
+use crate::time::{Span, Time};
+use crate::timeline::Holder;
+use std::collections::BTreeMap;
+
+/// A person within this is in the same spot, metres.
+const SPOT_M: f64 = 0.75;
+
+/// Circles of waiting and people in one spot, with since when.
+#[derive(Debug, Default)]
+pub(super) struct WaitLaws {
+    circles: BTreeMap<Party, Time>,
+    kept: BTreeMap<WorkerId, KeptPerson>,
+}
+
+/// A person in one spot.
+#[derive(Clone, Copy, Debug)]
+struct KeptPerson {
+    spot: Point,
+    /// For how long of the time there the fleet was the reason.
+    waited: Span,
+    /// When that was looked at last.
+    looked: Time,
+}
+
+impl WaitLaws {
+    pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet) -> Vec<Violation> {
+        let mut broken = Vec::new();
+        self.look_at_circles(now, fleet, &mut broken);
+        self.look_at_people(now, world, fleet, &mut broken);
+        let robots = fleet.ledger().present();
+        broken.extend(robots.filter_map(|r| Some(Violation::NotSo(r, untrue(fleet, r)?))));
+        broken
+    }
+
+    fn look_at_circles(&mut self, now: Time, fleet: &Fleet, broken: &mut Vec<Violation>) {
+        let standstills = fleet.standstills();
+        let circle = |end: &ChainEnd| if let ChainEnd::Cycle(first) = end { Some(*first) } else { None };
+        let there: BTreeMap<Party, &Vec<Party>> =
+            standstills.iter().filter_map(|s| Some((circle(&s.end)?, &s.root))).collect();
+        self.circles.retain(|first, _| there.contains_key(first));
+        for (first, parties) in there {
+            let since = self.circles.entry(first).or_insert(now);
+            if now - *since > CIRCLE {
+                *since = now;
+                broken.push(Violation::Circle(parties.clone()));
+            }
+        }
+    }
+
+    fn look_at_people(&mut self, now: Time, world: &World, fleet: &Fleet, broken: &mut Vec<Violation>) {
+        for (worker, walker) in world.walkers().filter(|(_, w)| !w.is_gone()) {
+            let at = walker.pose(now).at;
+            let fresh = KeptPerson { spot: at, waited: Span::ZERO, looked: now };
+            let kept = self.kept.entry(worker).or_insert(fresh);
+            if (kept.spot - at).norm() > SPOT_M {
+                *kept = fresh;
+            }
+            if matches!(fleet.wait(Party::Worker(worker)).edge, Edge::On(_) | Edge::NoWay) {
+                kept.waited += now - kept.looked;
+            }
+            kept.looked = now;
+            if kept.waited > KEPT {
+                *kept = fresh;
+                broken.push(Violation::Kept(worker));
+            }
+        }
+    }
+}
+
+/// What a robot waits for although it does not keep the robot: a closed area that was opened, a turn that is its own.
+fn untrue(fleet: &Fleet, robot: RobotId) -> Option<Why> {
+    let why = fleet.why(robot)?;
+    let ledger = fleet.ledger();
+    let is_so = match why {
+        Why::Closed(closure) => ledger.closures.contains_key(&closure),
+        Why::WaitsFor(resource, holder) => {
+            let turn = ledger.timeline().waits_for(Holder::Robot(robot), ledger.chain(robot).granted());
+            turn == Some((resource, holder))
+        }
+        _ => true,
+    };
+    (!is_so).then_some(why)
+}
