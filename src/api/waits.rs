@@ -37,8 +37,8 @@ pub struct LinkDto {
     /// robot, job or worker.
     pub kind: &'static str,
     /// What the link is about: resource, queue, person, closure, route, failed, emergency_stop, manual, obstructed,
-    /// unplugged, displaced, silent, job, rack, robot, no_robot, station, closed, blocked, place, battery;
-    /// or, for a robot that waits for nothing, stop, drives, later, stays; for a worker, robot, no_way, walks, stands, lost.
+    /// unplugged, displaced, silent, job, rack, robot, no_robot, station, closed, blocked, place, battery; or, for a
+    /// robot that waits for nothing, stop, drives, later, stays; for a worker, robot, no_way, walks, stands, lost.
     pub cause: &'static str,
     /// In words, without the name of the robot or job.
     #[schema(example = "waits for R33, held by robot-2")]

@@ -7,7 +7,7 @@
 use super::start::panic_text;
 use crate::api::displaced::words;
 use crate::api::port::Alarms;
-use crate::fleet::{Fault, Fleet, Ledger, Task};
+use crate::fleet::{ChainEnd, Fault, Fleet, Ledger, Party, Standstill, Task};
 use crate::id::RobotId;
 use crate::sim::laws::STUCK;
 use crate::time::{Span, Time};
@@ -16,6 +16,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// The alarm while a robot makes no progress.
 const STANDS: &str = "progress";
+/// The alarm while robots and people wait, and nothing that goes on by itself will set them free.
+const STANDSTILL: &str = "standstill";
 /// The alarm when a robot says that it is beyond what it was granted.
 const BEYOND: &str = "grant";
 /// The alarm while a robot stands where it is not booked.
@@ -24,6 +26,8 @@ const DISPLACED: &str = "displaced";
 const FAULTS: &str = "faults";
 /// The alarm when what was promised contradicts itself.
 const UNSOUND: &str = "ledger";
+/// A standstill that the fleet did not end within this is an alarm.
+const LASTS: Span = Span::from_secs(60);
 /// Robots are looked at this often.
 const LOOKS: Span = Span::from_secs(5);
 /// So many facts are taken in between two looks at everything that was promised.
@@ -50,6 +54,12 @@ impl Watchdog {
         set(alarms, STANDS, now, &stands, |names| {
             let seconds = STUCK.0 / 1_000_000;
             format!("no progress for {seconds} s: {names}. GET /v1/robots/NAME/why says what each waits for.")
+        });
+        let standing = standstills(fleet, now);
+        set(alarms, STANDSTILL, now, &standing, |found| {
+            format!(
+                "nobody gets on by themselves: {found}. GET /v1/robots/NAME/why says what each waits for."
+            )
         });
         let displaced = displaced(fleet);
         set(alarms, DISPLACED, now, &displaced, str::to_owned);
@@ -83,6 +93,33 @@ impl Watchdog {
             }
         }
         found
+    }
+}
+
+/// Standstills that have lasted for long, each in words.
+fn standstills(fleet: &Fleet, now: Time) -> Vec<String> {
+    let ledger = fleet.ledger();
+    let name = |party: &Party| match party {
+        Party::Robot(r) => ledger.robots[*r].name.clone(),
+        Party::Worker(w) => ledger.workers.get(*w).cloned().unwrap_or_else(|| format!("worker {}", w.0 + 1)),
+    };
+    let found = fleet.standstills().into_iter().filter(|s| now - s.since > LASTS);
+    found.map(|s| in_words(&s, name)).collect()
+}
+
+/// What stands still, with names.
+fn in_words(found: &Standstill, name: impl Fn(&Party) -> String) -> String {
+    let roots: Vec<String> = found.root.iter().map(&name).collect();
+    let root = roots.join(" and ");
+    let behind = match &found.behind[..] {
+        [] => String::new(),
+        [one] => format!("; {} waits for that", name(one)),
+        [first, others @ ..] => format!("; {} and {} more wait for that", name(first), others.len()),
+    };
+    match found.root.first() {
+        Some(_) if matches!(found.end, ChainEnd::Cycle(_)) => format!("{root} wait for one another{behind}"),
+        Some(Party::Worker(_)) => format!("{root} stands in the way{behind}"),
+        _ => format!("{root} has no way to go{behind}"),
     }
 }
 
@@ -278,6 +315,27 @@ mod tests {
         );
         assert_eq!(says(20, Some(Fault::Manual)), [""; 0], "a person is with it");
         assert_eq!(says(30, None), [""; 0]);
+    }
+
+    #[test]
+    fn a_standstill_is_told_with_names() {
+        let (robot, worker) = (Party::Robot(RobotId(3)), Party::Worker(crate::id::WorkerId(0)));
+        let name = |p: &Party| if *p == worker { "Ana".to_owned() } else { "robot-4".to_owned() };
+        let told = |end, root: &[Party], behind: &[Party]| {
+            in_words(&Standstill { end, root: root.into(), behind: behind.into(), since: Time(1) }, name)
+        };
+        assert_eq!(
+            told(ChainEnd::Cycle(robot), &[robot, worker], &[]),
+            "robot-4 and Ana wait for one another"
+        );
+        assert_eq!(
+            told(ChainEnd::Still(worker), &[worker], &[robot]),
+            "Ana stands in the way; robot-4 waits for that"
+        );
+        assert_eq!(
+            told(ChainEnd::Still(robot), &[robot], &[robot, robot, robot]),
+            "robot-4 has no way to go; robot-4 and 2 more wait for that"
+        );
     }
 
     #[test]

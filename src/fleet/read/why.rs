@@ -1,8 +1,8 @@
 //! Why a robot or a job waits, to the root: the resource, its holder, until when, and what the holder waits for.
 //!
-//! Main types: [`Waiting`], [`Because`], [`Standstill`]. The chain is that of the wait-for graph, which every step notes;
-//! what is added on demand is until when, and how many pass before. Refuses: to find out reasons of its own, to change
-//! anything, and to promise: windows slide when a robot is late.
+//! Main types: [`Waiting`], [`Because`], [`Standstill`]. The chain is that of the wait-for graph, which every step
+//! notes; what is added on demand is until when, and how many pass before. Refuses: to find out reasons of its own, to
+//! change anything, and to promise: windows slide when a robot is late.
 
 use crate::fleet::Fleet;
 use crate::fleet::JobState;

@@ -3,8 +3,8 @@
 //! Main types: [`WaitGraph`], [`Party`], [`Edge`], [`ChainEnd`]. Each party waits for one other at most, or for
 //! something that is no party: a time, an operator, a route. So a walk along the edges comes to one end, or round and
 //! round in a cycle, and the ends of all walks together cost one visit of each party. A chain whose end neither moves
-//! nor has a known time nor is an operator's to end is a *standstill*. Refuses: to find out what anything waits for, and
-//! to end a standstill.
+//! nor has a known time nor is an operator's to end is a *standstill*. Refuses: to find out what anything waits for,
+//! and to end a standstill.
 
 use crate::fleet::state::why::Why;
 use crate::id::{Dense, IdVec, RobotId, WorkerId};
@@ -138,8 +138,8 @@ impl WaitGraph {
         wait.standstill.filter(|_| is_in_it).map(|since| (worker, since))
     }
 
-    /// The robot that waits for a worker, and for nothing else that goes on; of several, the one that has done so for the
-    /// longest. With since when some robot has.
+    /// The robot that waits for a worker, and for nothing else that goes on; of several, the one that has done so for
+    /// the longest. With since when some robot has.
     pub fn waits_for_worker(&self, worker: WorkerId) -> Option<(RobotId, Time)> {
         self.waited_for.get(worker).copied().flatten().map(|w| (w.robot, w.since))
     }

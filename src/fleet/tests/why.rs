@@ -142,6 +142,30 @@ fn the_root_of_waiting_is_the_person_in_the_way() {
 }
 
 #[test]
+fn what_stands_still_for_a_person_is_known_and_the_person_is_asked_to_make_room() {
+    let mut floor = TestFloor::lab(3);
+    floor.submit_long(2..4);
+    let node = floor.fleet.warehouse().stations[StationId(0)].node;
+    let at: Point = floor.fleet.warehouse().nodes[node].at;
+    let mut ana = floor.hire(at);
+    ana.own = true;
+    let person = Party::Worker(ana.worker);
+    let (mut stood, mut asked) = (false, false);
+    for _ in 0..3000 {
+        floor.walk(&mut ana);
+        let found = floor.fleet.standstills();
+        for s in &found {
+            assert_eq!(s.root, [person], "a robot alone stands still: {found:?}");
+            assert!(s.behind.iter().all(|p| floor.fleet.wait(*p).end == ChainEnd::Still(person)), "{s:?}");
+            stood |= !s.behind.is_empty();
+        }
+        let guidance = &floor.fleet.view(floor.now).workers[0].guidance;
+        asked |= matches!(guidance.reason, Some(GuidanceReason::RobotWaits(_) | GuidanceReason::CutsOff));
+    }
+    assert!(stood && asked, "stood {stood}, asked {asked}");
+}
+
+#[test]
 fn jobs_wait_for_jobs_and_these_for_robots() {
     let mut floor = TestFloor::lab(1);
     let first = floor.submit(request(deliver(3)));

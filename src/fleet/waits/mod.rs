@@ -1,8 +1,8 @@
 //! What each robot and each worker waits for, noted once in every step: the wait-for graph.
 //!
 //! Main function: [`note_waits`]. All that is shown or decided about waiting reads the graph
-//! ([`WaitGraph`](crate::fleet::state::wait_graph::WaitGraph)), and nothing else finds out why something waits. Refuses:
-//! to decide what is done about it.
+//! ([`WaitGraph`](crate::fleet::state::wait_graph::WaitGraph)), and nothing else finds out why something waits.
+//! Refuses: to decide what is done about it.
 
 mod robots;
 mod workers;

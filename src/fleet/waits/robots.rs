@@ -1,7 +1,7 @@
 //! Why a robot does not go on, and for which party, if for one.
 //!
-//! Main type: [`RobotWaits`]. Reasons that a person has to end come first, since they hold whatever else is so. Refuses:
-//! to walk a chain: one robot, one reason.
+//! Main type: [`RobotWaits`]. Reasons that a person has to end come first, since they hold whatever else is so.
+//! Refuses: to walk a chain: one robot, one reason.
 
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;

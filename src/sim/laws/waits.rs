@@ -2,7 +2,8 @@
 //! waits for what does not keep it.
 //!
 //! Main type: [`WaitLaws`]. They read the fleet's own wait-for graph, and compare it with the floor: a person is where
-//! the simulation has the person. Refuses: to excuse a person's wait because it was interrupted; it adds up in one spot.
+//! the simulation has the person. Refuses: to excuse a person's wait because it was interrupted; it adds up in one
+//! spot.
 
 use super::super::world::World;
 use super::violation::{CIRCLE, KEPT, Violation};
