@@ -37,7 +37,8 @@ impl Intake<'_> {
             return Err(Refusal::UnknownPlace);
         }
         let robot = known.unwrap_or(RobotId::at(self.core.ledger.robots.len()));
-        let (warehouse, ever) = (self.core.warehouse(), Window::new(now, Time::MAX));
+        // A hold that should be over by the plan is one until the robot has left.
+        let (warehouse, ever) = (self.core.warehouse(), Window::new(Time(i64::MIN), Time::MAX));
         let body = warehouse.body_of(&kind);
         if !warehouse.may_be_at(body, node) {
             return Err(Refusal::NotForKind(node));

@@ -57,6 +57,27 @@ fn no_robot_joins_where_another_one_is_or_is_to_be_or_beyond_the_limit() {
 }
 
 #[test]
+fn no_robot_joins_where_a_late_one_still_stands() {
+    let mut floor = TestFloor::lab(2);
+    let job = floor.submit(request(deliver(3)));
+    floor.until(60, "a robot is on its way", |f| f.is(job, "assigned"));
+    let robot = floor.state(job).and_then(|s| s.robot()).expect("it is assigned");
+    let drives =
+        |f: &TestFloor| f.fleet.ledger().chain(robot).granted() > f.fleet.ledger().chain(robot).first() + 1;
+    floor.until(60, "it may drive", drives);
+    let (node, mut now) = (floor.fleet.ledger().node_of(robot), floor.now);
+    let refused = |r: &Reply| matches!(r, Reply::Refused { why: Refusal::PlaceTaken(n), .. } if *n == node);
+    // By the plan it was to be gone soon, and nothing is heard of it. Its windows slide, but not in every step.
+    for _ in 0..600 {
+        now += floor.fleet.settings().period;
+        floor.fleet.step(now, vec![]);
+        assert_eq!(floor.fleet.ledger().node_of(robot), node);
+        let step = floor.fleet.clone().step(now, vec![join("x", node)]);
+        assert!(step.replies.iter().any(refused), "{:?}", step.replies);
+    }
+}
+
+#[test]
 fn a_robot_in_maintenance_finishes_what_it_carries_and_rests_until_it_may_work_again() {
     let mut floor = TestFloor::thesis(1);
     let first = floor.submit(request(deliver(3)));
