@@ -18,11 +18,9 @@ impl HumanState {
             // Somebody has to look where the worker is.
             return Edge::Operator;
         }
-        if place.presence != Presence::Tracked {
-            // What is in the way is not known.
-            return Edge::Moves;
-        }
-        let blocked = person.blocked_since.map(|(robot, _)| Edge::On(Party::Robot(robot)));
+        // Of a worker who is not seen well it is not known what is in the way.
+        let blocked = person.blocked_since.filter(|_| place.presence == Presence::Tracked);
+        let blocked = blocked.map(|(robot, _)| Edge::On(Party::Robot(robot)));
         if matches!(person.mode, WalkMode::Stopped { .. }) {
             return blocked.unwrap_or(Edge::NoWay);
         }

@@ -187,7 +187,8 @@ impl Yielding {
         now: Time,
     ) -> u32 {
         let circle = core.floor().waits_in_a_circle_with(robot, now);
-        if let Some(worker) = circle {
+        let stuck_with = circle.or(self.state.stuck_with(robot, now));
+        if let Some(worker) = stuck_with {
             close_before(core, robot, worker, now);
         }
         let places = core.floor().places_out_of_the_way(robot, worker);
@@ -196,8 +197,10 @@ impl Yielding {
             traffic.tally.replans += 1;
         }
         let insert = !left && !core.floor().waits_for_room(robot) && traffic.insert(core, robot, now);
-        let stuck = circle.is_some() || self.state.stuck_with(robot, now).is_some();
-        if left || insert || stuck && traffic.step_out(core, robot, circle, now) {
+        let steps_out = |traffic: &mut Traffic, core: &mut Core| {
+            stuck_with.is_some() && traffic.step_out(core, robot, stuck_with, now)
+        };
+        if left || insert || steps_out(traffic, core) {
             self.gives_way(core, robot, worker, Reaction::Rerouted, now);
         }
         core.settings.expansions_per_plan
