@@ -24,26 +24,11 @@ impl KnownFailure {
 
 const NOT_TOLD: &str =
     "the worker rests where a robot wants to pass, no place aside is found, and nobody tells the worker";
-const TO_AND_FRO: &str = "a robot drives to and fro between two routes for ever";
 const TOLD_TO_STOP: &str = "the worker is told to stop for want of a way, where robots want to pass";
 const FACE_TO_FACE: &str = "a robot waits for the worker, who is told to walk on and does not get anywhere";
 
 /// All that are known.
 pub(super) const KNOWN: &[KnownFailure] = &[
-    KnownFailure {
-        floor: "corridor with a bay, 2",
-        worker: (Manner::Wanders, true),
-        way: "10>12,0 10>15,0",
-        obeys: false,
-        what: TO_AND_FRO,
-    },
-    KnownFailure {
-        floor: "corridor with a bay, 3",
-        worker: (Manner::Wanders, true),
-        way: "100>9,3 111>6,3",
-        obeys: false,
-        what: TO_AND_FRO,
-    },
     KnownFailure {
         floor: "station, 3",
         worker: (Manner::Obeys, true),
