@@ -88,8 +88,8 @@
 //! scene; the restrictions on robots in this step; and the read-only `Floor` for questions about all of these. What a
 //! room remembers is its own (`HumanState`, `Yielding`, `Traffic`). What it may know of another room is passed to it as
 //! an argument: people and dispatch know `state` alone, traffic asks dispatch for places in storage, yielding plans
-//! with traffic and knows people, `read` sees all rooms, and no room calls it. `tests/walls/rooms.rs` has the table and
-//! enforces it.
+//! with traffic and knows people, `waits` and `read` see these rooms, and none of them calls those two.
+//! `tests/walls/rooms.rs` has the table and enforces it.
 //!
 //! 1. **Absorb** (`requests/absorb.rs`): all inputs are taken in before anything is decided. Telemetry goes to the
 //!    scene, where the report that was *seen* last counts. Requests become facts or refusals.
@@ -111,8 +111,9 @@
 //!    meet a worker's windows wait, or change their route if they would wait for long, or leave the worker's path
 //!    (`yielding/evade.rs`). Then robots that are held up look for a better route.
 //! 6. **Grant** (`traffic/grant.rs`): each robot may drive as far as it needs to keep its speed, but not past a stop
-//!    that is not done, nor past a robot that holds an earlier reservation. Grants become commands. If a robot needs
-//!    more than it gets, the reason is kept, and *why waiting* reads it (`read/why.rs`).
+//!    that is not done, nor past a robot that holds an earlier reservation. Grants become commands.
+//! 7. **Waits** (`waits/`): what each robot and each worker waits for, and where each chain of waiting ends, goes into
+//!    the wait-for graph. All that is shown or decided about waiting reads it (`read/why.rs`, `yielding/evade.rs`).
 //!
 //! Every change of durable state is a [`fleet::Fact`], recorded by one function and applied by one other,
 //! [`fleet::Ledger::evolve`], live and on load alike. Facts carry results (the new times of visits that a delay moved),
@@ -196,11 +197,26 @@
 //! *People* are outside of the argument on purpose. A worker holds nothing in the timeline: a grant that would meet
 //! a condition waits, which is a delay like any other, and the order of robots stays as it is. But a robot and a person
 //! can wait for one another. So a robot on a person's path leaves it. A robot that has yielded to a person for long
-//! loses its grant and leaves by another way. After a minute it goes to the nearest place where it may stay, together
-//! with the robots that stand on its way there: those farthest out leave first. A person whose path is blocked is led
-//! round, past robots that have yielded for long, or to a place aside, and is told to stop only if nothing else is
-//! left. A person who has no way to go, and for whom a robot has waited for a minute, is led to a place aside, too.
-//! That this always ends is measured (`docs/robustness.md`) and not argued.
+//! loses its grant and leaves by another way. A person whose path is blocked is led round, past robots that have
+//! yielded for long, or to a place aside, and is told to stop only if nothing else is left.
+//!
+//! What is left over is found in the *wait-for graph* (`fleet/state/wait_graph.rs`), noted in each step after the
+//! grants: each robot and each worker waits for at most one other, for a time, for an operator, or for nothing. A
+//! chain that ends in nothing that goes on by itself is a standstill, with its age. There are three kinds:
+//!
+//! - *A robot and a person wait for one another*, directly or behind other robots. After five seconds the robot
+//!   leaves, on no way that comes nearer to the person (`fleet/yielding/evade.rs`): to a place aside and on with its
+//!   task, together with the few that stand in its way, or to a place where it may stay, with those that stand on the
+//!   way there, the farthest out first. If none of these is possible, the person is led out of the way of all robots
+//!   that wait, or else of the one that has waited longest.
+//! - *A person stands where robots have work.* After five seconds of waiting the person is led to a place aside; where
+//!   there is none, asked to make room.
+//! - *A robot finds no route* past robots that wait likewise. They are planned together, or leave one after the other
+//!   (the argument above).
+//!
+//! In each of them the one that has waited longest is first, and no other is sent where it would wait for that one, so
+//! the number that wait for the root of a chain falls. That this always ends is measured (`docs/robustness.md`) and
+//! not argued: a person may do anything, and a standstill that lasts a minute is an alarm with names.
 //!
 //! One thing must be true of the floor for (a) to be possible at all: every place can be reached without crossing a
 //! place where a robot may stay for ever. `warehouse/check/floor.rs` refuses maps where that is not so.
@@ -231,6 +247,7 @@
 //! | faults of robots, e-stop; a blocked path | `fleet/state/fault.rs`; `fleet/traffic/obstruction.rs` |
 //! | robots that people pushed elsewhere | `fleet/traffic/displaced.rs`; in words: `api/displaced.rs` |
 //! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog.rs` |
+//! | what waits for what (wait-for graph) | `fleet/state/wait_graph.rs`; who waits, and why: `fleet/waits/` |
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
 //! | which maps are refused | `warehouse/check/` |
 //! | where people walk | `warehouse/walkway/` |

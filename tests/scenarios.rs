@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Each scenario with the seconds for which it is run here.
-const RUNS: [(&str, i64); 15] = [
+const RUNS: [(&str, i64); 17] = [
     ("lab", 300),
     ("thesis-20", 300),
     ("thesis-faults", 3600),
@@ -24,6 +24,8 @@ const RUNS: [(&str, i64); 15] = [
     ("kiva-800", 70),
     ("people-1", 300),
     ("people-3", 300),
+    ("people-5", 300),
+    ("people-20", 60),
     ("closure", 1500),
     ("all-jobs", 1800),
     ("few-chargers", 7200),
@@ -82,7 +84,7 @@ fn holds(name: &str) {
     let mut setup = Setup::read(name);
     let whole = setup.scenario.duration <= Span::from_secs(*seconds);
     setup.scenario.duration = setup.scenario.duration.min(Span::from_secs(*seconds));
-    if !whole && ["shift", "kiva-800"].contains(&name) {
+    if !whole && ["shift", "kiva-800", "people-20"].contains(&name) {
         // A hundred robots and more take too long to drain here; `giveway sim` lets them.
         setup.scenario.drain = Span::ZERO;
     }
@@ -149,6 +151,16 @@ fn robots_and_one_worker_keep_their_laws() {
 #[test]
 fn robots_and_three_workers_keep_their_laws() {
     holds("people-3");
+}
+
+#[test]
+fn robots_and_five_workers_keep_their_laws() {
+    holds("people-5");
+}
+
+#[test]
+fn two_hundred_robots_and_twenty_workers_keep_their_laws() {
+    holds("people-20");
 }
 
 #[test]
