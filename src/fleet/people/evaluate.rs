@@ -73,6 +73,7 @@ impl HumanState {
         if !person.fresh {
             return;
         }
+        person.note_place(place.at, now);
         let stands = place.velocity.norm() < STROLL_MPS;
         person.stands_since = stands.then(|| person.stands_since.unwrap_or(now));
         self.look_ahead(core, yielding, worker, &place, now);

@@ -18,6 +18,9 @@ use std::sync::Arc;
 /// A worker this near to the end of the path is there, metres.
 const THERE_M: f64 = 0.6;
 
+/// A person who comes no farther than this from a spot paces up and down there, metres.
+const LINGERS_M: f64 = 4.0;
+
 /// A person slower than this stands, more or less, metres per second.
 pub(in crate::fleet) const STROLL_MPS: f64 = 0.3;
 
@@ -79,6 +82,8 @@ pub(in crate::fleet) struct Person {
     pub was_there: Option<(AssignmentId, Span)>,
     /// Since when the worker has been standing.
     pub stands_since: Option<Time>,
+    /// Where the worker has been pacing up and down, and since when.
+    pub lingers: Option<(Point, Time)>,
     /// Since when a robot has been standing on the path just ahead.
     pub blocked_since: Option<(RobotId, Time)>,
     /// What was told last, and when.
@@ -152,6 +157,12 @@ impl Plan {
 }
 
 impl Person {
+    /// Notes where the worker is: within a few metres of where it was, or somewhere else.
+    pub fn note_place(&mut self, at: Point, now: Time) {
+        let here = self.lingers.filter(|(spot, _)| (spot - at).norm() <= LINGERS_M);
+        self.lingers = here.or(Some((at, now)));
+    }
+
     /// Gives the worker a path.
     pub fn give(&mut self, points: Vec<Point>, assignment: Option<AssignmentId>, stay: Span, now: Time) {
         let left = self.plan.as_ref().and_then(|p| p.assignment).zip(self.there_since.take());

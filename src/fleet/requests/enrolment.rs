@@ -45,7 +45,8 @@ impl Intake<'_> {
         }
         let line = warehouse.line(body, false, warehouse.node_resource(node));
         let mut others = self.core.ledger.timeline().holders_during(line, ever, Holder::Robot(robot));
-        if others.next().is_some() || self.core.floor().is_promised(node, robot) {
+        let in_the_way = || self.core.scene.all_displaced().any(|(_, d)| d.nodes.contains(&node));
+        if others.next().is_some() || self.core.floor().is_promised(node, robot) || in_the_way() {
             return Err(Refusal::PlaceTaken(node));
         }
         drop(others);

@@ -99,6 +99,22 @@ fn a_robot_pushed_onto_a_free_node_while_the_server_was_down_is_taken_up_there_a
 }
 
 #[test]
+fn no_robot_joins_where_a_displaced_one_is_in_the_way() {
+    let mut floor = TestFloor::thesis(3);
+    floor.run(1);
+    let place = floor.between_nodes(FIRST);
+    floor.push(FIRST, place);
+    floor.until(2, "it is noticed", |f| matches!(f.why_of(FIRST), Some(Why::Displaced(_))));
+    let w = floor.fleet.warehouse().clone();
+    let far = |n: &NodeId| axis_distance(w.nodes[*n].at, place);
+    let node = w.nodes.ids().min_by(|a, b| far(a).total_cmp(&far(b))).expect("a node is near");
+    assert!(far(&node) < w.footprint_m, "a robot there would touch it");
+    let said = Input::Register { token: 7, name: "late".into(), kind: "robot".into(), node };
+    let why = Refusal::PlaceTaken(node);
+    assert_eq!(floor.answer_to(7, vec![said]), Reply::Refused { token: 7, why });
+}
+
+#[test]
 fn a_robot_pushed_between_nodes_is_displaced_with_words_until_it_is_pushed_onto_a_node() {
     let mut floor = TestFloor::thesis(3);
     let job = floor.submit(request(deliver(40)));

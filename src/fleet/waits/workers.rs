@@ -7,7 +7,10 @@ use crate::fleet::state::wait_graph::{Edge, Party};
 use crate::fleet::state::yielding::STANDS;
 use crate::human::Presence;
 use crate::id::WorkerId;
-use crate::time::Time;
+use crate::time::{Span, Time};
+
+/// A worker who paces up and down in one place for so long does not walk on by and by.
+const PACES: Span = Span::from_secs(30);
 
 impl HumanState {
     /// What a worker waits for.
@@ -26,9 +29,12 @@ impl HumanState {
         }
         let stood = person.stands_since.map(|since| now - since);
         let is_at_work = person.plan.is_some() && person.there_since.is_some();
+        // Nobody knows where a worker without a path wants to go: one who paces up and down may wait for robots.
+        let paces = person.plan.is_none() && person.lingers.is_some_and(|(_, since)| now - since > PACES);
         match stood {
             Some(_) if blocked.is_some() => blocked.expect("just seen"),
             Some(stood) if stood > STANDS && !is_at_work => Edge::Still,
+            _ if paces => Edge::Still,
             _ => Edge::Moves,
         }
     }
