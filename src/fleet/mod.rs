@@ -92,14 +92,21 @@ impl Fleet {
         let warehouse = ledger.warehouse().clone();
         let traffic = Traffic::new(&warehouse, &settings.kinds, ledger.present().collect());
         let core = Core::new(ledger, settings);
-        Fleet {
+        let mut fleet = Fleet {
             people: HumanState::new(&warehouse, &core.regions),
             yielding: Yielding::default(),
             traffic,
             core,
             #[cfg(test)]
             trap: None,
-        }
+        };
+        // Who asks before the first step is told what the facts alone say: who is paused, that nobody was heard of yet.
+        fleet.note_waits(Time::ZERO);
+        fleet
+    }
+
+    fn note_waits(&mut self, now: Time) {
+        waits::note_waits(&mut self.core, &self.people, &self.yielding, &self.traffic, now);
     }
 
     /// Takes all inputs in, then decides once from what is known now.
@@ -116,7 +123,7 @@ impl Fleet {
         self.plan(now);
         let interrupted = |robot| self.yielding.procedure.holds(robot);
         self.traffic.grant(&mut self.core, &self.yielding.state, interrupted, now);
-        waits::note_waits(&mut self.core, &self.people, &self.yielding, &self.traffic, now);
+        self.note_waits(now);
         std::mem::take(&mut self.core.out)
     }
 
