@@ -154,7 +154,8 @@ impl Fleet {
     fn dispatch(&mut self, picked: &[RobotId], now: Time) {
         let Fleet { core, traffic, .. } = self;
         dispatch::jobs::chain_deliveries(core, picked, now);
-        dispatch::jobs::assign(core, &traffic.needs, &mut traffic.planners, now);
+        let lapsed = dispatch::jobs::assign(core, &traffic.needs, &mut traffic.planners, now);
+        traffic.lose_places(core, &lapsed);
     }
 
     /// Routes, within the step's budget of expansions: for robots that need one; for those that were interrupted, would

@@ -25,6 +25,7 @@ mod restart;
 mod setting_off;
 mod station;
 mod stuck;
+mod turns;
 mod why;
 
 use super::*;

@@ -295,6 +295,7 @@ impl Timeline {
         let count = visits.len();
         self.chains.insert(holder, Chain::default());
         self.put(holder, visits);
+        self.assert_in_order(holder);
         Ok(Reserved { holder, first: 0, count })
     }
 
@@ -347,7 +348,10 @@ impl Timeline {
             self.put(holder, wanted);
             reserved.push(Reserved { holder, first: keep + 1, count });
         }
-        ends.into_iter().for_each(|(holder, keep, leave)| self.end_by(holder, keep, leave));
+        for (holder, keep, leave) in ends {
+            self.end_by(holder, keep, leave);
+            self.assert_in_order(holder);
+        }
         Ok(reserved)
     }
 
@@ -376,6 +380,7 @@ impl Timeline {
     pub fn extend(&mut self, holder: Holder, visits: Vec<Visit>) -> Result<(), Clash> {
         self.check(holder, &visits)?;
         self.put(holder, visits);
+        self.assert_in_order(holder);
         Ok(())
     }
 
@@ -398,6 +403,7 @@ impl Timeline {
             here.lane = None;
             Self::write(&mut self.lines, context, holder, first, here);
         }
+        self.assert_in_order(holder);
     }
 
     /// A holder has left the floor: it holds nothing any more. Where it stood last, and the numbers of its visits, stay
@@ -474,6 +480,7 @@ impl Timeline {
             }
             chain.granted = s + 1;
         }
+        self.assert_in_order(holder);
     }
 
     /// Marks the visits after `serial` as held only: the holder will not be there before it is granted them anew.
@@ -553,12 +560,18 @@ impl Timeline {
         for l in self.lines.ids() {
             self.lines[l].assert_sound(|| self.warehouse.resource_name(self.warehouse.resource_of(l)));
         }
-        for (holder, chain) in self.chains.iter() {
-            for pair in chain.visits.iter().zip(chain.visits.iter().skip(1)) {
-                let (a, b) = pair;
-                assert!(in_order(a, b), "{holder:?} has visits out of order: {a:?} then {b:?}");
-            }
+        self.chains.iter().for_each(|(holder, _)| self.assert_in_order(holder));
+    }
+
+    /// Asserts that the visits of a holder follow one another and that what is granted is held: after every change of a
+    /// chain, in every build. O(its visits).
+    fn assert_in_order(&self, holder: Holder) {
+        let chain = &self.chains[&holder];
+        for (a, b) in chain.visits.iter().zip(chain.visits.iter().skip(1)) {
+            assert!(in_order(a, b), "{holder:?} has visits out of order: {a:?} then {b:?}");
         }
+        let granted = chain.first..=chain.end();
+        assert!(granted.contains(&chain.granted), "{holder:?} was granted visits that it does not hold");
     }
 }
 

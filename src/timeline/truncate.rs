@@ -56,6 +56,7 @@ impl Timeline {
             assert!(last.leave.is_forever() && last.depart.is_forever(), "{holder:?} must stay somewhere");
             assert_eq!(self.check(holder, &visits), Ok(()), "{holder:?} cannot stay where others want to be");
             self.put(holder, visits);
+            self.assert_in_order(holder);
         }
     }
 

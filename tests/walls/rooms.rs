@@ -38,6 +38,7 @@ const DOORS: [(&str, &str, &[&str]); 2] = [
         &[
             "Direction",
             "Traffic",
+            "better_direction",
             "booking",
             "detour",
             "direct",

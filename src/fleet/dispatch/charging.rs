@@ -35,7 +35,8 @@ pub(in crate::fleet) fn give_back_jobs(core: &mut Core, now: Time) {
 
 /// What idle robots without a job do: charge if they should, lowest first, make room at chargers, and leave places
 /// where they are in the way.
-pub(in crate::fleet) fn rest(core: &mut Core, mut robots: Vec<RobotId>, now: Time) {
+/// Gives the robots that have lost a place which they were promised.
+pub(in crate::fleet) fn rest(core: &mut Core, mut robots: Vec<RobotId>, now: Time) -> Vec<RobotId> {
     robots.sort_by(|a, b| core.floor().battery(*a).total_cmp(&core.floor().battery(*b)).then(a.cmp(b)));
     let (mut without, mut to_park) = (Vec::new(), Vec::new());
     for robot in robots {
@@ -53,6 +54,23 @@ pub(in crate::fleet) fn rest(core: &mut Core, mut robots: Vec<RobotId>, now: Tim
     }
     make_room_at_chargers(core, &without, now);
     make_room_to_park(core, &to_park, now);
+    if without.is_empty() { Vec::new() } else { lapse_promises(core, now) }
+}
+
+/// Takes their places at chargers from robots that have no prospect of getting there. Those that need one then get it,
+/// the emptiest first, and so do these when they can drive again.
+fn lapse_promises(core: &mut Core, now: Time) -> Vec<RobotId> {
+    let floor = core.floor();
+    let lapses = |r: &RobotId| floor.is_sent_to_a_charger(*r) && floor.has_no_prospect(*r, now);
+    let lapsed: Vec<RobotId> = floor.ledger.present().filter(lapses).collect();
+    for robot in &lapsed {
+        tracing::debug!(?robot, "its place at the charger lapses");
+        match core.ledger.robots[*robot].task.job() {
+            Some(job) => core.progress(job, JobState::Waiting, Some((*robot, Task::Idle)), now),
+            None => core.record(Fact::Tasked { robot: *robot, task: Task::Idle }),
+        }
+    }
+    lapsed
 }
 
 /// Sends an idle robot to a free charger if it should charge.
@@ -195,6 +213,11 @@ impl Floor<'_> {
         let is_low = self.battery(robot) < self.charging(robot).low;
         let is_no_use = is_low || !self.warehouse().can_carry(self.body(robot), rack);
         is_no_use && self.ledger.index().queue.is_wanted(rack)
+    }
+
+    fn is_sent_to_a_charger(&self, robot: RobotId) -> bool {
+        let record = &self.ledger.robots[robot];
+        matches!(record.task, Task::Move { purpose: Purpose::Charge, .. }) && !record.failed
     }
 
     fn leaves_charger(&self, robot: RobotId) -> bool {

@@ -49,8 +49,14 @@ pub(in crate::fleet) fn chain_deliveries(core: &mut Core, picked: &[RobotId], no
     }
 }
 
-/// Gives jobs to robots, and sends those without a job where they are wanted or in no other robot's way.
-pub(in crate::fleet) fn assign(core: &mut Core, needs: &Needs, planners: &mut Planners, now: Time) {
+/// Gives jobs to robots, and sends those without a job where they are wanted or in no other robot's way. Gives the
+/// robots that have lost a place which they were promised.
+pub(in crate::fleet) fn assign(
+    core: &mut Core,
+    needs: &Needs,
+    planners: &mut Planners,
+    now: Time,
+) -> Vec<RobotId> {
     core.ledger.advance_queue(now);
     give_back_jobs(core, now);
     let_leave(core, now);
@@ -62,7 +68,7 @@ pub(in crate::fleet) fn assign(core: &mut Core, needs: &Needs, planners: &mut Pl
     let (working, mut resting): (Vec<RobotId>, Vec<RobotId>) =
         idle.partition(|r| floor.is_charged(*r, charger_is_free));
     resting.extend(assign_racks(core, needs, working, now));
-    rest(core, resting, now);
+    rest(core, resting, now)
 }
 
 /// Jobs for a robot that the customer named: one for each idle robot, before any rack.

@@ -27,6 +27,7 @@ pub(in crate::fleet) mod settings;
 mod stays;
 pub(in crate::fleet) mod storage;
 mod tasks;
+pub(in crate::fleet) mod tickets;
 pub(in crate::fleet) mod wait_graph;
 pub mod why;
 pub(in crate::fleet) mod wishes;

@@ -1,7 +1,8 @@
-//! Robots that need a route: since when, and how often one was looked for.
+//! Robots that need a route: since when, how often one was looked for, and whose turn it is at stations.
 //!
 //! Main type: [`Needs`]. Refuses: to look for routes.
 
+use super::tickets::Tickets;
 use crate::id::{RobotId, StationId};
 use crate::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,6 +13,8 @@ pub(in crate::fleet) struct Need {
     pub since: Time,
     pub next_try: Time,
     pub tries: u32,
+    /// Since when searches have failed, while it was its turn.
+    pub fails_since: Option<Time>,
     /// The robot most in the way of the route that it would have if others made way, when that was looked at last.
     pub behind: Option<RobotId>,
 }
@@ -20,6 +23,8 @@ pub(in crate::fleet) struct Need {
 #[derive(Clone, Debug, Default)]
 pub(in crate::fleet) struct Needs {
     pub waiting: BTreeMap<RobotId, Need>,
+    /// Whose turn it is at stations.
+    pub tickets: Tickets,
     pub looked: BTreeMap<RobotId, Time>,
     /// Robots that may go on earlier than planned.
     pub early: BTreeSet<RobotId>,

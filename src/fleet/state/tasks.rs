@@ -6,7 +6,7 @@ use super::fact::{Act, Task};
 use super::fault::Fault;
 use super::floor::Floor;
 use super::job::JobKind;
-use crate::id::{AssignmentId, IdVec, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::warehouse::NodeKind;
 
 impl Floor<'_> {
@@ -90,31 +90,6 @@ impl Floor<'_> {
     pub fn station_of(&self, robot: RobotId) -> Option<StationId> {
         let Task::Deliver { station, .. } = self.ledger.robots[robot].task else { return None };
         self.warehouse().nodes[station].kind.reserved_for()
-    }
-
-    /// For each station, how many robots are on their way to it or stand at it.
-    pub fn bound_for_stations(&self) -> IdVec<StationId, usize> {
-        let mut bound = IdVec::filled(0, self.warehouse().stations.len());
-        for robot in self.ledger.present() {
-            let standing = match self.warehouse().nodes[self.ledger.node_of(robot)].kind {
-                NodeKind::Station(s) => Some(s),
-                _ => None,
-            };
-            let under_way = self.station_of(robot).filter(|_| !self.lacks_route(robot));
-            if let Some(station) = under_way.or(standing) {
-                bound[station] += 1;
-            }
-        }
-        bound
-    }
-
-    /// A loaded robot sets off to a station only if the queue has a place for it: whatever happens at the
-    /// station, no robot on its way there has to wait outside.
-    pub fn station_has_room(&self, robot: RobotId, bound: &IdVec<StationId, usize>) -> bool {
-        let Some(station) = self.station_of(robot) else { return true };
-        let paused = self.ledger.paused_stations.contains_key(&station);
-        let room = bound[station] <= self.warehouse().stations[station].queue.len();
-        self.settings.without_conflicts || (room && !paused)
     }
 
     /// Whether a robot stands with its rack where it lifted it, until its station has room. It may step aside for a

@@ -81,6 +81,13 @@ pub struct Wait {
     stood: Option<(Time, Time)>,
 }
 
+impl Wait {
+    /// Whether an operator has to end it.
+    pub fn is_for_an_operator(&self) -> bool {
+        self.end == ChainEnd::Operator
+    }
+}
+
 /// Who waits for a worker.
 #[derive(Clone, Copy, Debug)]
 struct WaitedFor {

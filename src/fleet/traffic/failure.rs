@@ -3,7 +3,7 @@
 //! Refuses: to say when a robot has failed.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Fact, Task};
+use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::job::JobState;
 use crate::fleet::traffic::truncate::truncate_behind;
 use crate::id::RobotId;
@@ -19,10 +19,19 @@ pub(super) fn fail(core: &mut Core, robot: RobotId, now: Time) {
 
 /// What others take over from a robot that stands for good.
 pub(in crate::fleet) fn give_up(core: &mut Core, robot: RobotId, now: Time) {
-    if let Task::Fetch { job: Some(job), .. } = core.ledger.robots[robot].task
-        && !core.floor().next_stop_is_granted(robot)
-    {
-        core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
+    let task = core.ledger.robots[robot].task;
+    if !core.floor().next_stop_is_granted(robot) {
+        match task {
+            Task::Fetch { job: Some(job), .. } => {
+                core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
+            }
+            // Its place at a charger or to park is free for another.
+            Task::Move { job: None, .. } => core.record(Fact::Tasked { robot, task: Task::Idle }),
+            Task::Move { job: Some(job), purpose: Purpose::Charge | Purpose::Park, .. } => {
+                core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
+            }
+            _ => {}
+        }
     }
     truncate_behind(core, robot);
 }

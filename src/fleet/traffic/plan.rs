@@ -14,7 +14,7 @@ use crate::fleet::traffic::state::Traffic;
 use crate::id::{IdVec, NodeId, RobotId};
 use crate::route::{Ask, NoRoute, Route, Stage};
 use crate::time::{Span, Time};
-use crate::timeline::Holder;
+use crate::timeline::{Holder, Visit};
 
 /// The first pause after a failed search; it doubles up to [`RETRY_MAX`].
 const RETRY: Span = Span::from_millis(400);
@@ -24,13 +24,15 @@ const INSERT_EVERY: u32 = 3;
 /// A robot that waits this long for another looks for a better way.
 const PATIENCE: Span = Span::from_secs(4);
 /// A better way saves at least this.
-const WORTH: Span = Span::from_secs(1);
+pub(super) const WORTH: Span = Span::from_secs(1);
 
 impl Traffic {
     /// Routes for robots that need one, longest waiting first, and earlier ones for those that may go on earlier. Gives
     /// the expansions that are left of the step's budget.
     pub(in crate::fleet) fn plan_needed(&mut self, core: &mut Core, now: Time) -> u32 {
         let mut budget = core.settings.expansions_per_step;
+        self.needs.tickets.note(core.floor(), now);
+        self.lapse_places(core, now);
         let in_need = self.in_need(core, now);
         let mut bound = if in_need.is_empty() { IdVec::new() } else { core.floor().bound_for_stations() };
         for robot in in_need {
@@ -41,7 +43,11 @@ impl Traffic {
             let fit = core.scene.fit(robot, now).is_some() && !core.floor().next_stop_is_granted(robot);
             // Another robot may have been planned together with it just now.
             let needs = core.floor().lacks_route(robot);
-            if !fit || !needs || !core.floor().station_has_room(robot, &bound) {
+            if !fit || !needs {
+                continue;
+            }
+            if !self.needs.has_its_turn(core.floor(), robot, &bound, now) {
+                self.wait_for_turn(core, robot, now);
                 continue;
             }
             let waited = self.needs.waited(robot, now);
@@ -66,18 +72,20 @@ impl Traffic {
         }
     }
 
-    /// Robots whose task asks for a route that they do not have, longest waiting first.
+    /// Robots whose task asks for a route that they do not have, longest waiting first: since they lifted their racks if
+    /// they go to a station.
     fn in_need(&mut self, core: &mut Core, now: Time) -> Vec<RobotId> {
         for robot in core.ledger.present() {
             if core.floor().lacks_route(robot) {
-                let fresh = Need { since: now, next_try: now, tries: 0, behind: None };
+                let fresh = Need { since: now, next_try: now, tries: 0, fails_since: None, behind: None };
                 self.needs.waiting.entry(robot).or_insert(fresh);
             } else {
                 self.needs.waiting.remove(&robot);
             }
         }
         let due = self.needs.waiting.iter().filter(|(_, n)| n.next_try <= now);
-        let mut robots: Vec<(Time, RobotId)> = due.map(|(r, n)| (n.since, *r)).collect();
+        let turn = |robot: &RobotId, need: &Need| self.needs.tickets.since(*robot).unwrap_or(need.since);
+        let mut robots: Vec<(Time, RobotId)> = due.map(|(r, n)| (turn(r, n), *r)).collect();
         robots.sort_unstable();
         robots.into_iter().map(|(_, r)| r).collect()
     }
@@ -99,6 +107,7 @@ impl Traffic {
                 let need = self.needs.waiting.get_mut(&robot).expect("it is in need");
                 need.next_try = now + Span((RETRY.0 << need.tries.min(4)).min(RETRY_MAX.0));
                 need.tries += 1;
+                need.fails_since.get_or_insert(now);
                 tracing::debug!(?robot, ?why, tries = need.tries, "no route");
                 if need.tries.is_multiple_of(INSERT_EVERY) {
                     if self.insert(core, robot, now) {
@@ -139,10 +148,22 @@ impl Traffic {
         stages: &[Stage],
         now: Time,
     ) -> Result<Route, NoRoute> {
+        let (from, heading) = core.floor().grant_end(robot);
+        self.search_from(core, robot, (from, heading), stages, now)
+    }
+
+    /// A route from a visit at whose end it heads so, as if it held nothing else.
+    pub(super) fn search_from(
+        &mut self,
+        core: &mut Core,
+        robot: RobotId,
+        (from, heading): (Visit, f64),
+        stages: &[Stage],
+        now: Time,
+    ) -> Result<Route, NoRoute> {
         core.at_hand = Some(robot);
         debug_assert!(!core.ledger.robots[robot].failed, "{robot:?} has failed and goes nowhere");
         let holder = Holder::Robot(robot);
-        let (from, heading) = core.floor().grant_end(robot);
         let ready = now.max(from.arrive) + core.settings.period;
         let (budget, exemptions) = (core.settings.expansions_per_plan, core.floor().exemptions(robot, now));
         let body = core.floor().body(robot);
@@ -292,6 +313,7 @@ impl Floor<'_> {
     }
 }
 
-fn reached(route: &Route) -> Time {
+/// When a route reaches the first stop.
+pub(super) fn reached(route: &Route) -> Time {
     route.first_arrival()
 }

@@ -52,8 +52,9 @@ impl Traffic {
                     self.direction(robot) == Some(Direction::Back) && floor.can_be_revoked(robot, now);
                 if came_back {
                     self.revoke_grant(core, robot, now);
-                } else {
-                    self.directions.remove(&robot);
+                } else if let Some((Direction::Back, _)) = self.directions.remove(&robot) {
+                    // It stands where it came from: the best route from there is looked for at once.
+                    self.needs.early.insert(robot);
                 }
             }
         }

@@ -94,8 +94,10 @@ impl<'a> RobotWaits<'a> {
         if !self.floor.lacks_route(robot) || !self.floor.rests(robot) {
             return None;
         }
-        let full = self.floor.station_of(robot).filter(|_| !self.floor.station_has_room(robot, &self.bound));
-        full.map(Why::QueueFull).or_else(|| self.traffic.needs.failed_before(robot).then_some(Why::NoRoute))
+        let needs = &self.traffic.needs;
+        let is_full = |_: &StationId| !needs.has_its_turn(self.floor, robot, &self.bound, self.now);
+        let full = self.floor.station_of(robot).filter(is_full);
+        full.map(Why::QueueFull).or_else(|| needs.failed_before(robot).then_some(Why::NoRoute))
     }
 
     /// It was told to stand for a worker.
@@ -161,14 +163,15 @@ impl<'a> RobotWaits<'a> {
     }
 
     /// What a robot waits for whose station has no room: the one that is served, else the first in the queue, else one
-    /// that is on its way there.
+    /// that is on its way there, else the one whose turn is next.
     fn turn_at(&self, robot: RobotId, station: StationId) -> Edge {
         if self.floor.ledger.paused_stations.contains_key(&station) {
             return Edge::Operator;
         }
         let first = self.turns.partition_point(|(s, _, _)| *s < station);
         let others = self.turns[first..].iter().take_while(|(s, _, _)| *s == station);
-        let ahead = others.map(|(_, _, r)| *r).find(|r| *r != robot);
+        let served = others.map(|(_, _, r)| *r).find(|r| *r != robot);
+        let ahead = served.or_else(|| self.traffic.needs.ahead(self.floor, robot, self.now).next());
         ahead.map_or(Edge::Moves, |r| Edge::On(Party::Robot(r)))
     }
 }

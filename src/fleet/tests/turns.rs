@@ -1,0 +1,122 @@
+//! Turns at stations and chargers: in the order of lifting, and promises to robots that cannot come lapse.
+
+use super::*;
+use crate::sim::Closing;
+
+fn crowd() -> TestFloor {
+    let mut floor = TestFloor::new(thesis(), &scenario(14));
+    for rack in 0..14 {
+        floor.submit(request(deliver(rack * 5)));
+    }
+    floor
+}
+
+impl TestFloor {
+    /// Robots that have lifted racks for a station, and have a route there.
+    fn with_a_place(&self) -> Vec<RobotId> {
+        let floor = self.fleet.floor();
+        let tickets = self.fleet.traffic.needs.tickets.all();
+        tickets.map(|(robot, _)| robot).filter(|r| !floor.lacks_route(*r)).collect()
+    }
+}
+
+#[test]
+fn places_at_a_station_are_given_in_the_order_of_lifting() {
+    let mut floor = crowd();
+    let (mut given, mut had_to_wait) = (0, 0);
+    for _ in 0..3000 {
+        let waiting: Vec<(Time, RobotId)> = (floor.fleet.traffic.needs.tickets.all())
+            .filter(|(r, _)| floor.fleet.floor().lacks_route(*r))
+            .map(|(r, ticket)| (ticket.since, r))
+            .collect();
+        had_to_wait = had_to_wait.max(waiting.len());
+        let before = floor.with_a_place();
+        floor.step(vec![]);
+        let new: Vec<RobotId> = floor.with_a_place().into_iter().filter(|r| !before.contains(r)).collect();
+        let since = |r: &RobotId| waiting.iter().find(|(_, w)| w == r).map(|(since, _)| *since);
+        for robot in &new {
+            let Some(own) = since(robot) else { continue };
+            let passed: Vec<_> =
+                waiting.iter().filter(|(t, w)| (*t, *w) < (own, *robot) && !new.contains(w)).collect();
+            assert!(passed.is_empty(), "{robot:?} overtakes {passed:?} at {:?}", floor.now);
+            given += 1;
+        }
+    }
+    assert!(given >= 5 && had_to_wait >= 3, "{given} places were given, {had_to_wait} waited at a time");
+}
+
+#[test]
+fn a_place_that_was_promised_to_robots_that_cannot_come_goes_to_others_after_a_minute() {
+    let mut floor = crowd();
+    let mut paused = Vec::new();
+    while paused.len() < 5 {
+        let next = floor.with_a_place().into_iter().find(|r| !paused.contains(r));
+        match next {
+            Some(robot) => {
+                floor.step(vec![Input::Halt { token: 4, robot: Some(robot) }]);
+                paused.push(robot);
+            }
+            None => drop(floor.step(vec![])),
+        }
+    }
+    floor.run(40);
+    assert_eq!(floor.fleet.ledger().counts.robot_deliveries, 0, "all places are promised");
+    let waits = |r: RobotId| matches!(floor.fleet.why(r), Some(Why::QueueFull(_)));
+    assert!((0..14).map(RobotId::at).any(waits), "others wait for room");
+    floor.until(120, "another robot delivers", |f| f.fleet.ledger().counts.robot_deliveries > 0);
+    for robot in &paused {
+        floor.step(vec![Input::Release { token: 5, robot: Some(*robot) }]);
+    }
+    floor.until_over(3600);
+    assert_eq!(floor.fleet.ledger().counts.robot_deliveries, 14, "those that had been paused came after all");
+}
+
+/// Two robots in the hall of the thesis with one charger, of which one is on its way to it.
+fn one_charger() -> (TestFloor, RobotId, NodeId) {
+    let closed = (2..=10).map(|i| format!("C{i}-15")).collect();
+    let closing =
+        Closing { outline: Vec::new(), nodes: closed, from_s: 0.0, until_s: None, reason: "no power".into() };
+    let scenario = Scenario { closures: vec![closing], ..scenario(2) };
+    let mut floor = TestFloor::new(thesis(), &scenario);
+    floor.run(5);
+    let charger = floor.node("C1-15");
+    let away = floor.node("G6-2");
+    for r in 0..2 {
+        floor.submit(request(JobKind::Go { robot: RobotId::at(r), node: away }));
+    }
+    floor.until_over(300);
+    let first = RobotId::at(0);
+    floor.submit(request(JobKind::Charge { robot: first }));
+    let is_sent = |f: &TestFloor| f.fleet.ledger().chain(first).last().is_some_and(|v| v.node == charger);
+    floor.until(60, "it is on its way to the charger", is_sent);
+    (floor, first, charger)
+}
+
+fn takes_turns(stop: Input, go_on: Input) {
+    let (mut floor, first, charger) = one_charger();
+    floor.step(vec![stop]);
+    let second = RobotId::at(1);
+    let job = floor.submit(request(JobKind::Charge { robot: second }));
+    floor.until(200, "the other robot gets the charger", |f| f.fleet.ledger().node_of(second) == charger);
+    floor.until(60, "its job is done", |f| f.state(job).is_none());
+    assert_ne!(floor.fleet.ledger().node_of(first), charger);
+    floor.step(vec![go_on]);
+    let away = floor.node("G6-2");
+    floor.submit(request(JobKind::Go { robot: second, node: away }));
+    floor.until(300, "the first robot comes after it", |f| f.fleet.ledger().node_of(first) == charger);
+}
+
+#[test]
+fn a_charger_that_was_promised_to_a_robot_that_cannot_come_goes_to_another_one() {
+    let robot = Some(RobotId::at(0));
+    takes_turns(Input::Halt { token: 4, robot }, Input::Release { token: 5, robot });
+}
+
+#[test]
+fn a_robot_that_fails_on_its_way_to_a_charger_keeps_it_from_no_other() {
+    let (mut floor, first, charger) = one_charger();
+    floor.world.fail(first, Time::MAX);
+    let second = RobotId::at(1);
+    floor.submit(request(JobKind::Charge { robot: second }));
+    floor.until(60, "the other robot gets the charger", |f| f.fleet.ledger().node_of(second) == charger);
+}

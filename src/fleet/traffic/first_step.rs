@@ -1,0 +1,38 @@
+//! From between two nodes: to which of them had a robot better go on? Both are first steps of a search.
+//!
+//! Main function: `better_direction`. Refuses: to turn a robot, and to know whether a person keeps it from either.
+
+use crate::fleet::state::core::Core;
+use crate::fleet::traffic::plan::{WORTH, reached};
+use crate::fleet::traffic::state::{Direction, Traffic};
+use crate::id::RobotId;
+use crate::time::{Span, Time};
+use crate::timeline::Visit;
+
+impl Traffic {
+    /// The direction from which a robot that stands between two nodes gets to its next stop earlier; forward if it is
+    /// about as good. Two searches.
+    pub(in crate::fleet) fn better_direction(
+        &mut self,
+        core: &mut Core,
+        robot: RobotId,
+        now: Time,
+    ) -> Direction {
+        let floor = core.floor();
+        let stages = floor.stages_left(robot);
+        let chain = floor.ledger.chain(robot);
+        let back = chain.get(chain.first()).cloned();
+        let (Some(back), false) = (back, stages.is_empty()) else { return Direction::Forward };
+        let to_go_m = (floor.place_of(robot) - floor.last_reached(robot)).norm();
+        let drives = Span::from_secs_f64(to_go_m / floor.kinematics(robot).speed_mps);
+        let heading = floor.scene.robot(robot).map_or(0.0, |seen| seen.pose.heading);
+        let back = (Visit { arrive: now + drives, ..back }, heading);
+        let forward = self.search(core, robot, &stages, now).ok().map(|route| reached(&route));
+        let backward = self.search_from(core, robot, back, &stages, now).ok().map(|route| reached(&route));
+        match (forward, backward) {
+            (None, Some(_)) => Direction::Back,
+            (Some(forward), Some(backward)) if backward + WORTH < forward => Direction::Back,
+            _ => Direction::Forward,
+        }
+    }
+}

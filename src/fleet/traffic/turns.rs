@@ -1,0 +1,69 @@
+//! Places at stations and chargers that lapse, and robots that wait for one where they may not stay.
+//!
+//! A place is promised with a route. If the robot cannot drive on, and nothing says that it will, the place would stay
+//! empty while others wait with their racks. So the promise lapses: the robot keeps its rack, its task and its ticket,
+//! and gets a place again as soon as those that could go have gone. Refuses: to take a place from a robot that stands in
+//! the queue or drives.
+
+use crate::fleet::state::core::Core;
+use crate::fleet::state::floor::Floor;
+use crate::fleet::traffic::state::Traffic;
+use crate::fleet::traffic::truncate::truncate_behind;
+use crate::id::{RobotId, StationId};
+use crate::time::{Span, Time};
+use crate::warehouse::NodeKind;
+use std::collections::BTreeSet;
+
+/// A robot that waits for its turn where it may not stay looks for a place to stay this often.
+const AGAIN: Span = Span::from_millis(6400);
+
+impl Traffic {
+    /// Takes their places at stations from robots that have no prospect of getting there, if others wait for one.
+    pub(super) fn lapse_places(&mut self, core: &mut Core, now: Time) {
+        let floor = core.floor();
+        let waits =
+            |r: RobotId| floor.lacks_route(r) && !floor.is_halted(r) && floor.scene.fit(r, now).is_some();
+        let wanted: BTreeSet<StationId> =
+            self.needs.tickets.all().filter(|(r, _)| waits(*r)).map(|(_, ticket)| ticket.station).collect();
+        if wanted.is_empty() {
+            return;
+        }
+        let lapsed = |(r, _): &(RobotId, _)| floor.lies_still_outside(*r, now);
+        let tickets = self.needs.tickets.all().filter(|(_, ticket)| wanted.contains(&ticket.station));
+        let lapsed: Vec<RobotId> = tickets.filter(lapsed).map(|(r, _)| r).collect();
+        for robot in lapsed {
+            tracing::debug!(?robot, "its place at the station lapses");
+            self.needs.tickets.lapse(robot, now);
+            truncate_behind(core, robot);
+        }
+    }
+
+    /// These robots have lost the places that they were promised at chargers, and with them the routes there.
+    pub(in crate::fleet) fn lose_places(&mut self, core: &mut Core, robots: &[RobotId]) {
+        robots.iter().for_each(|robot| truncate_behind(core, *robot));
+    }
+
+    /// A robot whose turn has not come leaves for a place to stay if it stands where it may not.
+    pub(super) fn wait_for_turn(&mut self, core: &mut Core, robot: RobotId, now: Time) {
+        let need = self.needs.waiting.get_mut(&robot).expect("it is in need");
+        need.fails_since = None;
+        let may_stay = core.warehouse().kind(core.ledger.node_of(robot)).is_lasting();
+        if !may_stay && !core.floor().is_in_line(robot) {
+            need.next_try = now + AGAIN;
+            self.step_out(core, robot, None, now);
+        }
+    }
+}
+
+impl Floor<'_> {
+    /// Whether a robot has a route to its station, has not come into the queue, and has no prospect of getting there.
+    fn lies_still_outside(&self, robot: RobotId, now: Time) -> bool {
+        let has_route = !self.ledger.robots[robot].failed && !self.lacks_route(robot);
+        has_route && !self.is_in_line(robot) && self.has_no_prospect(robot, now)
+    }
+
+    fn is_in_line(&self, robot: RobotId) -> bool {
+        let here = self.warehouse().kind(self.ledger.node_of(robot));
+        matches!(here, NodeKind::Queue(_) | NodeKind::Station(_))
+    }
+}
