@@ -283,6 +283,9 @@ fn reason(reason: GuidanceReason, names: Names<'_>) -> String {
             format!("{} blocks the path and cannot move away", names.robot(r))
         }
         GuidanceReason::RobotWaits(r) => format!("{} waits for you: please make room", names.robot(r)),
+        GuidanceReason::RobotPasses(r) => {
+            format!("{} has waited for long: stay where you are until it has passed", names.robot(r))
+        }
         GuidanceReason::CutsOff => "you stand where robots have work: please make room".into(),
         GuidanceReason::NoWay => "no path to the place is free".into(),
         GuidanceReason::NotTracked => "the headset does not know where it is".into(),

@@ -30,6 +30,8 @@ const SOFT_REACH_S: f64 = 5.0;
 const NOW: Span = Span::from_millis(900);
 /// … and around one who stands this long at most.
 const STOOD: Span = Span::from_secs(120);
+/// Room between region 1 and a robot that passes a person who stands to let it, metres.
+const ASIDE_M: f64 = 0.3;
 /// Room between a person on a path and a robot, metres.
 const GAP_M: f64 = 0.1;
 
@@ -55,9 +57,25 @@ impl Effects<'_> {
     /// Regions 2 and 3 around a worker where the worker is. A person who has stood for long is expected to stand as
     /// long again, so that robots look for other ways; conditions are made anew every step.
     pub fn presence(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts, stood: Span) {
-        let cause = Cause::Worker(worker);
         let window = Window::new(self.now, self.now + stood.clamp(NOW, STOOD));
         let keep_out = self.regions.keep_out_radius_m(true, w.sigma_m) + w.reach_m;
+        self.around(conditions, worker, w, (window, keep_out));
+    }
+
+    /// Regions around a worker who stands to let a robot pass: a slow robot comes as near as it can still stop.
+    pub fn stands_aside(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts) {
+        let keep_out = self.regions.stop_radius_m(true, w.sigma_m) + ASIDE_M + w.reach_m;
+        self.around(conditions, worker, w, (Window::new(self.now, self.now + NOW), keep_out));
+    }
+
+    fn around(
+        &self,
+        conditions: &mut Conditions,
+        worker: WorkerId,
+        w: &Whereabouts,
+        (window, keep_out): (Window, f64),
+    ) {
+        let cause = Cause::Worker(worker);
         let slow = self.regions.slow_radius_m(true, w.sigma_m) + w.reach_m;
         for (node, distance) in self.afoot.nodes_within(self.warehouse, w.at, slow) {
             let effect = if distance <= keep_out {

@@ -51,6 +51,7 @@ impl HumanState {
 
     /// Follows all workers: where they are, whether they left their paths, where they may be going.
     pub(super) fn follow(&mut self, core: &mut Core, yielding: &YieldingState, now: Time) {
+        self.let_robots_pass(core, yielding, now);
         for worker in self.people.ids() {
             self.watch(core, yielding, worker, now);
         }
@@ -63,7 +64,9 @@ impl HumanState {
     /// Follows one worker: assignment, path, deviation.
     fn watch(&mut self, core: &mut Core, yielding: &YieldingState, worker: WorkerId, now: Time) {
         let Some(place) = self.whereabouts(worker, now) else { return };
-        self.take_up_work(core, yielding, worker, place.at, now);
+        if self.people[worker].lets_pass.is_none() {
+            self.take_up_work(core, yielding, worker, place.at, now);
+        }
         let person = &mut self.people[worker];
         if person.relocated {
             // The worker did not walk there: the path starts here anew.
@@ -76,6 +79,9 @@ impl HumanState {
         person.note_place(place.at, now);
         let stands = place.velocity.norm() < STROLL_MPS;
         person.stands_since = stands.then(|| person.stands_since.unwrap_or(now));
+        if person.lets_pass.is_some() {
+            return self.watch_aside(worker, &place);
+        }
         self.look_ahead(core, yielding, worker, &place, now);
         self.make_room(core.floor(), yielding, worker, place.at, now);
         let person = &mut self.people[worker];
@@ -130,7 +136,9 @@ impl HumanState {
         ours: bool,
     ) {
         let (person, now) = (&self.people[worker], effects.now);
-        if ours || place.presence == Presence::Lost {
+        if self.stands_aside(worker, now) {
+            effects.stands_aside(conditions, worker, place);
+        } else if ours || place.presence == Presence::Lost {
             let stood = person.stands_since.filter(|_| ours).map_or(Span::ZERO, |t| now - t);
             effects.presence(conditions, worker, place, stood);
             let band = Band::around(place.velocity.norm());

@@ -89,6 +89,13 @@ impl HumanState {
         if let Some(robot) = near.iter().map(|n| n.robot).find(|r| self.drives_up(floor, *r, place)) {
             return (GuidanceState::Stop, Some(GuidanceReason::RobotComes(robot)));
         }
+        if let Some(lets_pass) = person.lets_pass {
+            let robot = lets_pass.robot;
+            return match lets_pass.is_aside {
+                true => (GuidanceState::Stop, Some(GuidanceReason::RobotPasses(robot))),
+                false => (GuidanceState::Redirected, Some(GuidanceReason::RobotWaits(robot))),
+            };
+        }
         match person.mode {
             WalkMode::Idle => (GuidanceState::Idle, None),
             WalkMode::Following => (GuidanceState::Following, None),

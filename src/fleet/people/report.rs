@@ -11,6 +11,7 @@ use crate::fleet::state::yielding::YieldingState;
 use crate::human::Whereabouts;
 use crate::id::{IdVec, WorkerId};
 use crate::time::Time;
+use std::collections::BTreeSet;
 
 /// People, as the rest of the step sees them.
 #[derive(Debug)]
@@ -19,6 +20,8 @@ pub(in crate::fleet) struct PeopleReport<'a> {
     pub places: IdVec<WorkerId, Option<Whereabouts>>,
     /// What workers mean for the search and for grants, for each kind of robots.
     pub conditions: &'a KindConditions,
+    /// Workers who stand to let a robot pass.
+    pub let_pass: BTreeSet<WorkerId>,
     /// What workers are told now.
     pub guidance: Vec<(WorkerId, Guidance)>,
 }
@@ -37,6 +40,7 @@ impl HumanState {
         self.restrict(core.floor(), now);
         let guidance = self.guide(core.floor(), now);
         let places = self.people.iter().map(|p| p.track.whereabouts(now)).collect();
-        PeopleReport { places, conditions: &self.conditions, guidance }
+        let let_pass = self.standing_aside(now);
+        PeopleReport { places, conditions: &self.conditions, let_pass, guidance }
     }
 }

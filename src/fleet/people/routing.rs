@@ -224,17 +224,19 @@ impl HumanState {
             all.extend(floor.wanted_near(worker).into_iter().map(place));
         }
         // Where nothing is clear of all their ways: out of that of one robot, the longest waiting first.
-        let one = |r: &RobotId| self.place_aside(floor, &ahead(r).collect::<Vec<_>>(), at, cut);
+        let clear = |wanted: &[Point]| self.place_aside(floor, wanted, at, REFUGE_CLEAR_M, cut);
+        let one = |r: &RobotId| clear(&ahead(r).collect::<Vec<_>>());
         let alone = || robots.iter().take(ALONE).find_map(one);
-        self.place_aside(floor, &all, at, cut).or_else(|| (robots.len() > 1).then(alone).flatten())
+        clear(&all).or_else(|| (robots.len() > 1).then(alone).flatten())
     }
 
-    /// A way to the nearest place from which a worker leaves these places to robots.
-    fn place_aside(
+    /// A way to the nearest place from which a worker leaves these places to robots: farther than `enough_m` from each.
+    pub(super) fn place_aside(
         &self,
         floor: Floor<'_>,
         wanted: &[Point],
         at: Point,
+        enough_m: f64,
         cut: &EdgeSet,
     ) -> Option<Vec<Point>> {
         if wanted.is_empty() {
@@ -245,7 +247,7 @@ impl HumanState {
             |r: RobotId, p: Point| (floor.place_of(r) - p).norm() < floor.beside_m(r, BESIDE_ROBOT_M);
         let has_room = |p: Point| !floor.ledger.present().any(|r| beside(r, p));
         let clear_m = |p: Point| wanted.iter().map(|w| (w - p).norm()).fold(f64::INFINITY, f64::min);
-        let enough_m = if clear_m(at) > REFUGE_CLEAR_M { clear_m(at) + FARTHER_M } else { REFUGE_CLEAR_M };
+        let enough_m = if clear_m(at) > enough_m { clear_m(at) + FARTHER_M } else { enough_m };
         let mut near: Vec<(f64, Point)> = (walkways.within(at, REFUGE_M).into_iter())
             .map(|(n, length)| (length, walkways.nodes()[n].at))
             .filter(|(length, p)| *length > 1.0 && clear_m(*p) > enough_m && has_room(*p))
@@ -297,7 +299,12 @@ impl HumanState {
 
     /// Walkways on which robots rest, are broken, or have yielded for long: no worker waits for those to go away. One
     /// that yields and has nowhere to go would be met again and again, by a worker who is led from one to the next.
-    fn edges_blocked_for_long(&self, floor: Floor<'_>, yielding: &YieldingState, now: Time) -> EdgeSet {
+    pub(super) fn edges_blocked_for_long(
+        &self,
+        floor: Floor<'_>,
+        yielding: &YieldingState,
+        now: Time,
+    ) -> EdgeSet {
         let mut cut = self.walkways.no_edges();
         for robot in floor.ledger.present() {
             let chain = floor.ledger.chain(robot);

@@ -4,6 +4,7 @@
 
 use crate::aware::Afoot;
 use crate::fleet::people::intents::Intents;
+use crate::fleet::people::lets_pass::LetsPass;
 use crate::fleet::state::regions::{KindConditions, KindRegions};
 use crate::fleet::state::worker::Guidance;
 use crate::geometry::Point;
@@ -86,6 +87,10 @@ pub(in crate::fleet) struct Person {
     pub lingers: Option<(Point, Time)>,
     /// Since when a robot has been standing on the path just ahead.
     pub blocked_since: Option<(RobotId, Time)>,
+    /// The robot that the worker lets pass, if one.
+    pub lets_pass: Option<LetsPass>,
+    /// When the worker let a robot pass last.
+    pub let_pass_at: Option<Time>,
     /// What was told last, and when.
     pub told: Option<(Guidance, Time)>,
 }

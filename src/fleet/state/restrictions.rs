@@ -23,6 +23,8 @@ pub(in crate::fleet) struct Restrictions {
     pub closing: BTreeMap<NodeId, Time>,
     /// Where each worker is, if on the floor.
     pub workers: IdVec<WorkerId, Option<Whereabouts>>,
+    /// Workers who stand to let a robot pass.
+    pub let_pass: BTreeSet<WorkerId>,
 }
 
 impl Restrictions {
@@ -33,6 +35,7 @@ impl Restrictions {
             areas: Areas::default(),
             closing: BTreeMap::new(),
             workers: IdVec::new(),
+            let_pass: BTreeSet::new(),
         }
     }
 

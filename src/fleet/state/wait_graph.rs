@@ -77,6 +77,8 @@ pub struct Wait {
     pub end: ChainEnd,
     /// Since when its chain has ended in a standstill, if it does. A moment in which it did not does not count.
     pub standstill: Option<Time>,
+    /// While people keep a robot where it is: the visit at which it is, since when, and when one was seen to last.
+    kept: Option<(u64, Time, Time)>,
     /// The last standstill: since when, and when it was seen last.
     stood: Option<(Time, Time)>,
 }
@@ -101,8 +103,15 @@ struct WaitedFor {
 }
 
 /// A party for which nothing was noted yet.
-const FRESH: Wait =
-    Wait { why: None, edge: Edge::Moves, since: None, end: ChainEnd::Moves, standstill: None, stood: None };
+const FRESH: Wait = Wait {
+    why: None,
+    edge: Edge::Moves,
+    since: None,
+    end: ChainEnd::Moves,
+    standstill: None,
+    kept: None,
+    stood: None,
+};
 
 /// What all parties wait for.
 #[derive(Clone, Debug, Default)]
@@ -182,13 +191,31 @@ impl WaitGraph {
         cycle
     }
 
-    /// Notes what a robot waits for, and why. To be called for each robot, then [`WaitGraph::find_ends`].
-    pub fn note_robot(&mut self, robot: RobotId, why: Option<Why>, edge: Edge, now: Time) {
+    /// Robots that wait for workers and have come no farther for so long, the longest waiting first, each with the worker
+    /// that it waits for now: also where those workers walk, so that no chain stands still.
+    pub fn starving(&self, now: Time, long: Span) -> Vec<(RobotId, WorkerId)> {
+        let kept = |(robot, wait): (RobotId, &Wait)| {
+            let Edge::On(Party::Worker(worker)) = wait.edge else { return None };
+            let (_, since, _) = wait.kept.filter(|(_, since, _)| now - *since > long)?;
+            Some((since, robot, worker))
+        };
+        let mut starving: Vec<_> = self.robots.pairs().filter_map(kept).collect();
+        starving.sort_unstable();
+        starving.into_iter().map(|(_, robot, worker)| (robot, worker)).collect()
+    }
+
+    /// Notes what a robot waits for at a visit, and why. To be called for each robot, then [`WaitGraph::find_ends`].
+    pub fn note_robot(&mut self, robot: RobotId, at: u64, (why, edge): (Option<Why>, Edge), now: Time) {
         while self.robots.get(robot).is_none() {
             self.robots.push(FRESH);
         }
         let wait = &mut self.robots[robot];
         note(wait, (why, edge), why.is_some(), now);
+        let before = wait.kept.filter(|(visit, _, last)| *visit == at && now - *last <= AGAIN);
+        wait.kept = match edge {
+            Edge::On(Party::Worker(_)) => Some((at, before.map_or(now, |(_, since, _)| since), now)),
+            _ => before,
+        };
     }
 
     /// Notes what a worker waits for, likewise.
@@ -311,7 +338,7 @@ mod tests {
             match party(i) {
                 Party::Robot(r) => {
                     let why = (*edge != Edge::Moves).then_some(Why::NoRoute);
-                    graph.note_robot(r, why, *edge, now);
+                    graph.note_robot(r, 0, (why, *edge), now);
                 }
                 Party::Worker(w) => graph.note_worker(w, *edge, now),
             }

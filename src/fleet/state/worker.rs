@@ -175,6 +175,8 @@ pub enum GuidanceReason {
     RobotInTheWay(RobotId),
     /// A robot has nowhere else to go, and waits until the worker, who has nothing to do or no way, makes room.
     RobotWaits(RobotId),
+    /// A robot has waited for long and passes now: the worker stands aside for a moment.
+    RobotPasses(RobotId),
     /// The worker stands where a rack or a station is that waiting jobs need, or on the only way there.
     CutsOff,
     /// No way to the place is free.

@@ -126,7 +126,9 @@ impl YieldingState {
     /// driving up again would help neither. Between workers who take turns, it has to go nearer to one of them.
     pub fn faces(&self, floor: Floor<'_>, robot: RobotId, node: NodeId, now: Time) -> Option<WorkerId> {
         let standing = self.of(robot).stands?;
-        if now - standing.facing_since <= STANDS || floor.settings.policy != HumanAwarePolicy::Giveway {
+        let lets_pass = floor.restrictions.let_pass.contains(&standing.worker);
+        let is_ours = floor.settings.policy == HumanAwarePolicy::Giveway;
+        if now - standing.facing_since <= STANDS || lets_pass || !is_ours {
             return None;
         }
         let w = floor.restrictions.whereabouts(standing.worker)?.at;

@@ -29,7 +29,7 @@ pub(in crate::fleet) fn note_waits(
     for robot in floor.ledger.robots.ids() {
         let why = waits.why(robot);
         let edge = waits.edge(robot, why);
-        graph.note_robot(robot, why, edge, now);
+        graph.note_robot(robot, floor.ledger.chain(robot).first(), (why, edge), now);
     }
     for worker in people.people.ids() {
         graph.note_worker(worker, people.edge(worker, now), now);

@@ -21,6 +21,9 @@ impl HumanState {
             // Somebody has to look where the worker is.
             return Edge::Operator;
         }
+        if let Some(lets_pass) = person.lets_pass {
+            return Edge::Until(lets_pass.until);
+        }
         // Of a worker who is not seen well it is not known what is in the way.
         let blocked = person.blocked_since.filter(|_| place.presence == Presence::Tracked);
         let blocked = blocked.map(|(robot, _)| Edge::On(Party::Robot(robot)));

@@ -117,7 +117,9 @@ impl Yielding {
             return None;
         }
         let long = self.state.stood_for(robot, now).or(self.state.stuck_with(robot, now));
-        if let Some(worker) = long.or_else(|| floor.waits_in_a_circle_with(robot, now)) {
+        let lets_pass = |w: &WorkerId| floor.restrictions.let_pass.contains(w);
+        let long = long.or_else(|| floor.waits_in_a_circle_with(robot, now));
+        if let Some(worker) = long.filter(|w| !lets_pass(w)) {
             return Some(worker);
         }
         let node = floor.ledger.node_of(robot);

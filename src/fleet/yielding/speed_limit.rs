@@ -96,7 +96,9 @@ impl Yielding {
             return;
         }
         for robot in self.state.standing() {
-            let Some(w) = self.state.stood_for(robot, now).and_then(|w| people.whereabouts(w, now)) else {
+            let stood_for = self.state.stood_for(robot, now);
+            let stood_for = stood_for.filter(|w| !core.restrictions.let_pass.contains(w));
+            let Some(w) = stood_for.and_then(|w| people.whereabouts(w, now)) else {
                 continue;
             };
             let at = core.floor().place_of(robot);

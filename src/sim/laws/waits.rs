@@ -70,7 +70,7 @@ impl WaitLaws {
             if (kept.spot - at).norm() > SPOT_M {
                 *kept = fresh;
             }
-            if matches!(fleet.wait(Party::Worker(worker)).edge, Edge::On(_) | Edge::NoWay) {
+            if matches!(fleet.wait(Party::Worker(worker)).edge, Edge::On(_) | Edge::NoWay | Edge::Until(_)) {
                 kept.waited += now - kept.looked;
             }
             kept.looked = now;

@@ -1,0 +1,168 @@
+//! People who let a robot pass: the last resort for a robot that people have kept in one place for long, though each of
+//! them walks on.
+//!
+//! Where people come and go, no chain of waiting stands still, and a robot can wait without end all the same. So one that
+//! has got nowhere for [`STARVES`] is first: those in its way are led to a place aside, or told to stand where they are if
+//! that is aside already, until it has passed or [`AT_MOST`] is over. A person who stands as told is a standing obstacle,
+//! which a slow robot passes at the distance at which it can still stop. Refuses: to keep a person for longer, and to ask
+//! the same person again within [`AGAIN`].
+
+use crate::aware::HumanAwarePolicy;
+use crate::fleet::people::state::{HumanState, WalkMode};
+use crate::fleet::state::core::Core;
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::yielding::YieldingState;
+use crate::geometry::Point;
+use crate::human::{Presence, Whereabouts};
+use crate::id::{RobotId, WorkerId};
+use crate::route::{Cause, Effect};
+use crate::time::{Span, Time};
+use std::collections::BTreeSet;
+
+/// A robot that has come no farther for this long because of people is first.
+const STARVES: Span = Span::from_secs(90);
+/// Nobody stands aside for longer than this.
+const AT_MOST: Span = Span::from_secs(40);
+/// Nobody is asked to let a robot pass again within this.
+const AGAIN: Span = Span::from_secs(60);
+/// So many nodes ahead of a robot are what it is about to drive; when it has come so far, it has passed.
+const AHEAD: usize = 5;
+/// A person aside is so much farther from the robot's way than where the robot would stop, metres.
+const ROOM_M: f64 = 0.4;
+/// Where a person has stood for this long, that person stands.
+const STANDS_STILL: Span = Span::from_secs(1);
+
+/// One person lets one robot pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::fleet) struct LetsPass {
+    /// The robot.
+    pub robot: RobotId,
+    /// The visit at which the robot was.
+    reached: u64,
+    /// Until when, at the latest.
+    pub until: Time,
+    /// Whether the person is to stand now; else on the way to a place aside.
+    pub is_aside: bool,
+}
+
+impl HumanState {
+    /// Lets people go on who have let a robot pass, and asks those in the way of robots that wait for long.
+    pub(super) fn let_robots_pass(&mut self, core: &Core, yielding: &YieldingState, now: Time) {
+        if core.settings.policy != HumanAwarePolicy::Giveway {
+            return;
+        }
+        for worker in self.people.ids() {
+            let over = self.people[worker].lets_pass.is_some_and(|l| core.floor().has_passed(&l, now));
+            if over {
+                self.go_on(core, yielding, worker, now);
+            }
+        }
+        for (robot, worker) in core.floor().waits.starving(now, STARVES) {
+            let mut in_the_way = core.floor().in_the_way_of(robot);
+            in_the_way.insert(worker);
+            for worker in in_the_way {
+                self.ask_to_let_pass(core.floor(), yielding, worker, robot, now);
+            }
+        }
+    }
+
+    /// The robot has passed, or it is long enough: the person goes on with the task.
+    fn go_on(&mut self, core: &Core, yielding: &YieldingState, worker: WorkerId, now: Time) {
+        let place = self.whereabouts(worker, now);
+        let person = &mut self.people[worker];
+        (person.lets_pass, person.let_pass_at) = (None, Some(now));
+        let aside = person.plan.as_ref().is_some_and(|plan| plan.assignment.is_none());
+        if aside {
+            (person.plan, person.mode) = (None, WalkMode::Idle);
+            if let Some(place) = place {
+                self.route_on(core, yielding, worker, place.at, now);
+            }
+        }
+    }
+
+    fn ask_to_let_pass(
+        &mut self,
+        floor: Floor<'_>,
+        yielding: &YieldingState,
+        worker: WorkerId,
+        robot: RobotId,
+        now: Time,
+    ) {
+        let Some(place) = self.whereabouts(worker, now).filter(|p| p.presence == Presence::Tracked) else {
+            return;
+        };
+        let person = &self.people[worker];
+        let lately = person.let_pass_at.is_some_and(|at| now - at < AGAIN);
+        if person.lets_pass.is_some() || lately {
+            return;
+        }
+        let ahead = floor.about_to_drive(robot);
+        let enough_m = floor.regions(robot).stop_radius_m(true, place.sigma_m) + ROOM_M;
+        let is_aside = ahead.iter().all(|p| (p - place.at).norm() > enough_m);
+        let reached = floor.ledger.chain(robot).first();
+        let lets_pass = LetsPass { robot, reached, until: now + AT_MOST, is_aside };
+        if !is_aside {
+            let cut = self.edges_blocked_for_long(floor, yielding, now);
+            let Some(points) = self.place_aside(floor, &ahead, place.at, enough_m, &cut) else { return };
+            let person = &mut self.people[worker];
+            person.give(points, None, Span::ZERO, now);
+            person.mode = WalkMode::Redirected;
+        }
+        self.people[worker].lets_pass = Some(lets_pass);
+    }
+
+    /// Follows a person who lets a robot pass: stands at the end of the way aside.
+    pub(super) fn watch_aside(&mut self, worker: WorkerId, place: &Whereabouts) {
+        let person = &mut self.people[worker];
+        let arrived = match &mut person.plan {
+            Some(plan) if plan.assignment.is_none() => {
+                plan.follower.observe(place.at, place.sigma_m);
+                plan.is_there(place.at)
+            }
+            _ => true,
+        };
+        if let Some(lets_pass) = &mut person.lets_pass {
+            lets_pass.is_aside |= arrived;
+        }
+    }
+
+    /// Whether a person was told to let a robot pass, and stands.
+    pub(super) fn stands_aside(&self, worker: WorkerId, now: Time) -> bool {
+        let person = &self.people[worker];
+        let stands = person.stands_since.is_some_and(|since| now - since >= STANDS_STILL);
+        person.lets_pass.is_some_and(|l| l.is_aside) && stands
+    }
+
+    /// People who stand to let robots pass.
+    pub(super) fn standing_aside(&self, now: Time) -> BTreeSet<WorkerId> {
+        self.people.ids().filter(|w| self.stands_aside(*w, now)).collect()
+    }
+}
+
+impl Floor<'_> {
+    /// Whether a person need not let a robot pass any more.
+    fn has_passed(&self, lets_pass: &LetsPass, now: Time) -> bool {
+        let robot = lets_pass.robot;
+        let chain = self.ledger.chain(robot);
+        let is_through =
+            chain.first() >= lets_pass.reached + AHEAD as u64 || chain.first() + 1 == chain.end();
+        let has_left = is_through && chain.first() > lets_pass.reached;
+        has_left || now >= lets_pass.until || self.scene.fit(robot, now).is_none() || self.is_halted(robot)
+    }
+
+    /// The places that a robot is about to drive over.
+    fn about_to_drive(&self, robot: RobotId) -> Vec<Point> {
+        let visits = self.ledger.chain(robot).visits().take(AHEAD);
+        let ahead = visits.map(|v| self.warehouse().nodes[v.node].at);
+        std::iter::once(self.place_of(robot)).chain(ahead).collect()
+    }
+
+    /// The workers whose regions keep a robot from where it is about to drive.
+    fn in_the_way_of(&self, robot: RobotId) -> BTreeSet<WorkerId> {
+        let visits = self.ledger.chain(robot).visits().take(AHEAD);
+        let conditions = visits.flat_map(|v| self.conditions(robot).of(v.node));
+        let hard = conditions.filter(|c| matches!(c.effect, Effect::NoEntryOrExit | Effect::Closed));
+        let workers = hard.filter_map(|c| if let Cause::Worker(w) = c.cause { Some(w) } else { None });
+        workers.collect()
+    }
+}
