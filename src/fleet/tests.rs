@@ -14,6 +14,7 @@ mod interleavings;
 mod jobs;
 mod keys;
 mod kinds;
+mod lets_pass;
 mod life;
 mod limits;
 mod messages;

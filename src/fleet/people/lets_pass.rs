@@ -88,7 +88,7 @@ impl HumanState {
         robot: RobotId,
         now: Time,
     ) {
-        let Some(place) = self.whereabouts(worker, now).filter(|p| p.presence == Presence::Tracked) else {
+        let Some(place) = self.whereabouts(worker, now).filter(|p| p.presence != Presence::Lost) else {
             return;
         };
         let person = &self.people[worker];

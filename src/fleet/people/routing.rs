@@ -28,6 +28,10 @@ const REFUGE_M: f64 = 15.0;
 const ASKED: Span = Span::from_secs(5);
 /// Racks and stations no farther from a worker are cut off by that worker, metres.
 const WANTED_M: f64 = 8.0;
+/// Places farther than this are looked for on middle lines alone, metres.
+const EDGE_M: f64 = 8.0;
+/// So many places are tried.
+const PLACES: usize = 12;
 /// How far such a place is from what robots are about to drive, metres.
 const REFUGE_CLEAR_M: f64 = 2.5;
 /// A worker at such a place is led on only to one that is so much farther from there, metres.
@@ -253,7 +257,15 @@ impl HumanState {
             .filter(|(length, p)| *length > 1.0 && clear_m(*p) > enough_m && has_room(*p))
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        near.into_iter().take(12).find_map(|(_, p)| self.way_past(floor, at, p, cut))
+        let way_to = |p: Point| self.way_past(floor, at, p, cut);
+        let along = near.into_iter().take(PLACES).find_map(|(_, p)| way_to(p));
+        // Narrow floors have no such place on a middle line, but maybe one at the edge.
+        let at_the_edge = || {
+            let places = walkways.standing_places(at, EDGE_M).into_iter();
+            let fits = |p: &Point| (p - at).norm() > 1.0 && clear_m(*p) > enough_m && has_room(*p);
+            places.filter(fits).take(PLACES).find_map(way_to)
+        };
+        along.or_else(at_the_edge)
     }
 
     /// A way without the cut walkways for a person who may stand face to face with a robot: the first steps

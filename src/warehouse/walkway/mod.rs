@@ -26,6 +26,9 @@ use std::collections::BTreeSet;
 
 /// No edge is longer, metres.
 pub(super) const PITCH_M: f64 = 1.0;
+/// Places where people can stand are so far apart, and so far from things in the way at least, metres.
+const STANDING_PITCH_M: f64 = 0.5;
+const STANDING_CLEARANCE_M: f64 = 0.3;
 /// A straight way that comes so near to the middle of a cut edge, and goes on, is cut too. Metres.
 const CUT_REACH_M: f64 = 0.5;
 /// A person whose pose is so far off the floor is taken to be on its nearest free cell, metres.
@@ -158,6 +161,21 @@ impl Walkways {
     /// The point, or the nearest one on free floor where it is off it by less than a metre.
     pub fn on_floor(&self, p: Point) -> Option<Point> {
         self.floor.nearest_free(p, OFF_FLOOR_M)
+    }
+
+    /// Places where a person can stand no farther than `radius` (metres) from `p` as the crow flies, half a metre apart, the
+    /// nearest first. Middle lines lead through the middle of the floor; these are also at its edges.
+    pub fn standing_places(&self, p: Point, radius: f64) -> Vec<Point> {
+        let steps = (radius / STANDING_PITCH_M).floor() as i64;
+        let along =
+            move |origin: f64, i: i64| ((origin / STANDING_PITCH_M).round() + i as f64) * STANDING_PITCH_M;
+        let column = |i: i64| (-steps..=steps).map(move |j| Point::new(along(p.x, i), along(p.y, j)));
+        let all = (-steps..=steps).flat_map(column);
+        let mut places: Vec<Point> = all
+            .filter(|q| (q - p).norm() <= radius && self.clearance_m(*q) >= STANDING_CLEARANCE_M)
+            .collect();
+        places.sort_by(|a, b| (a - p).norm().total_cmp(&(b - p).norm()));
+        places
     }
 
     /// The nodes in sight of `p` no farther than `radius` (metres), by id, with their distances in metres.

@@ -194,3 +194,14 @@ fn the_shortest_way_is_no_longer_than_any_other_through_the_graph() {
         }
     }
 }
+
+#[test]
+fn places_to_stand_are_on_free_floor_also_beside_the_middle_lines() {
+    let walkways = Walkways::of(&lab());
+    let here = Point::new(3.0, 2.0);
+    let places = walkways.standing_places(here, 3.0);
+    assert!(places.windows(2).all(|w| (w[0] - here).norm() <= (w[1] - here).norm()), "the nearest first");
+    assert!(places.iter().all(|p| walkways.is_free(*p) && (p - here).norm() <= 3.0));
+    let beside = |p: &&Point| walkways.nodes().iter().all(|n| (n.at - **p).norm() > 0.4);
+    assert!(places.iter().filter(beside).count() > 3, "{places:?}");
+}

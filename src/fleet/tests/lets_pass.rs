@@ -1,0 +1,51 @@
+//! People who walk on in front of a robot without end, until they are asked to let it pass.
+
+use super::*;
+use crate::geometry::Point;
+
+/// Seconds after which the first delivery is over although a person paces up and down where the robot has to pass, if it
+/// is within so many; the longest time that the person was told to stand for a robot, and whether it was led aside.
+fn paced(seconds: i64, obeys: bool) -> (Option<i64>, Span, bool) {
+    let mut floor = TestFloor::lab(1);
+    floor.submit(request(deliver(3)));
+    let station = floor.fleet.warehouse().stations[StationId(0)].node;
+    let at: Point = floor.fleet.warehouse().nodes[station].at;
+    let ends = [at + nalgebra::Vector2::new(0.0, 1.0), at + nalgebra::Vector2::new(1.5, 1.0)];
+    let mut ana = floor.hire(ends[0]);
+    let (mut next, mut stood, mut longest, mut was_led) = (0, Span::ZERO, Span::ZERO, false);
+    for step in 0..seconds * 10 {
+        let told = floor.fleet.view(floor.now).workers[0].guidance.reason;
+        let asked = matches!(told, Some(GuidanceReason::RobotWaits(_) | GuidanceReason::RobotPasses(_)));
+        was_led |= asked;
+        stood = if matches!(told, Some(GuidanceReason::RobotPasses(_))) {
+            stood + floor.fleet.settings().period
+        } else {
+            Span::ZERO
+        };
+        longest = longest.max(stood);
+        ana.own = !(asked && obeys);
+        if ana.own && ana.way.is_empty() {
+            next = 1 - next;
+            ana.way = vec![ends[next]];
+        }
+        floor.walk(&mut ana);
+        if floor.fleet.ledger().counts.robot_deliveries > 0 {
+            return (Some(step / 10), longest, was_led);
+        }
+    }
+    (None, longest, was_led)
+}
+
+#[test]
+fn a_person_who_paces_up_and_down_before_a_robot_is_asked_to_let_it_pass_after_a_while() {
+    let (delivered, longest, was_led) = paced(500, true);
+    assert!(was_led, "nobody asked");
+    assert!(delivered.is_some(), "the robot did not pass");
+    assert!(longest <= Span::from_secs(41), "stood for {longest:?}");
+}
+
+#[test]
+fn a_person_who_does_not_let_a_robot_pass_is_not_driven_up_to() {
+    let (delivered, _, was_led) = paced(500, false);
+    assert_eq!((delivered, was_led), (None, true));
+}
