@@ -25,7 +25,7 @@ const STARVES: Span = Span::from_secs(90);
 const AT_MOST: Span = Span::from_secs(40);
 /// Nobody is asked to let a robot pass again within this.
 const AGAIN: Span = Span::from_secs(60);
-/// So many nodes ahead of a robot are what it is about to drive; when it has come so far, it has passed.
+/// So many nodes ahead of a robot are what it is about to drive.
 const AHEAD: usize = 5;
 /// A person aside is so much farther from the robot's way than where the robot would stop, metres.
 const ROOM_M: f64 = 0.4;
@@ -52,8 +52,9 @@ impl HumanState {
             return;
         }
         for worker in self.people.ids() {
-            let over = self.people[worker].lets_pass.is_some_and(|l| core.floor().has_passed(&l, now));
-            if over {
+            let place = self.whereabouts(worker, now);
+            let lets_pass = self.people[worker].lets_pass;
+            if lets_pass.is_some_and(|l| core.floor().has_passed(&l, place.as_ref(), now)) {
                 self.go_on(core, yielding, worker, now);
             }
         }
@@ -141,12 +142,13 @@ impl HumanState {
 
 impl Floor<'_> {
     /// Whether a person need not let a robot pass any more.
-    fn has_passed(&self, lets_pass: &LetsPass, now: Time) -> bool {
+    fn has_passed(&self, lets_pass: &LetsPass, place: Option<&Whereabouts>, now: Time) -> bool {
         let robot = lets_pass.robot;
-        let chain = self.ledger.chain(robot);
-        let is_through =
-            chain.first() >= lets_pass.reached + AHEAD as u64 || chain.first() + 1 == chain.end();
-        let has_left = is_through && chain.first() > lets_pass.reached;
+        let is_far = |w: &Whereabouts| {
+            let far_m = self.regions(robot).keep_out_radius_m(true, w.sigma_m);
+            self.about_to_drive(robot).iter().all(|p| (p - w.at).norm() > far_m)
+        };
+        let has_left = self.ledger.chain(robot).first() > lets_pass.reached && place.is_none_or(is_far);
         has_left || now >= lets_pass.until || self.scene.fit(robot, now).is_none() || self.is_halted(robot)
     }
 
