@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Violation`]. Refuses: to judge.
 
-use crate::fleet::{JobKind, JobState, JobWhy, Party, Task, Why};
+use crate::fleet::{Edge, JobKind, JobState, JobWhy, Party, Task, Why};
 use crate::id::{JobId, RackId, RobotId, WorkerId};
 use crate::time::Span;
 use std::fmt;
@@ -48,8 +48,8 @@ pub enum Violation {
     Misjudged(RobotId),
     /// Robots and workers have waited for one another for too long.
     Circle(Vec<Party>),
-    /// A person has stood in one spot for too long, waiting for a robot or for a way.
-    Kept(WorkerId),
+    /// A person has stood in one spot for too long, waiting for a robot or for a way; what for at last.
+    Kept(WorkerId, Edge),
     /// A robot waits for what does not keep it any more.
     NotSo(RobotId, Why),
     /// The ledger is not the fold of the facts.
@@ -94,7 +94,14 @@ impl fmt::Display for Violation {
             Violation::Circle(parties) => {
                 write!(f, "wait for one another for more than {CIRCLE:?}: {parties:?}")
             }
-            Violation::Kept(w) => write!(f, "worker {} was kept in one spot for {KEPT:?}", w.0 + 1),
+            Violation::Kept(w, because) => {
+                let because = match because {
+                    Edge::On(Party::Robot(r)) => format!("by robot {}", r.0 + 1),
+                    Edge::Until(_) => "to let a robot pass".into(),
+                    _ => "without a way".into(),
+                };
+                write!(f, "worker {} was kept in one spot for {KEPT:?}, at last {because}", w.0 + 1)
+            }
             Violation::NotSo(r, why) => write!(f, "robot {} does not wait because of {why:?}", r.0 + 1),
             Violation::Fold => write!(f, "the ledger is not the fold of its facts"),
         }

@@ -70,13 +70,14 @@ impl WaitLaws {
             if (kept.spot - at).norm() > SPOT_M {
                 *kept = fresh;
             }
-            if matches!(fleet.wait(Party::Worker(worker)).edge, Edge::On(_) | Edge::NoWay | Edge::Until(_)) {
+            let because = fleet.wait(Party::Worker(worker)).edge;
+            if matches!(because, Edge::On(_) | Edge::NoWay | Edge::Until(_)) {
                 kept.waited += now - kept.looked;
             }
             kept.looked = now;
             if kept.waited > KEPT {
                 *kept = fresh;
-                broken.push(Violation::Kept(worker));
+                broken.push(Violation::Kept(worker, because));
             }
         }
     }
