@@ -59,6 +59,8 @@ pub enum What {
     Maintain(RobotId, bool),
     /// That a robot leaves the floor.
     Retire(RobotId),
+    /// That people took a rack off a robot that cannot drive and set it down here.
+    TakeRack(RackId, NodeId),
     /// A worker to be known, by name.
     Hire(String),
     /// That nobody is where this worker was lost.

@@ -71,6 +71,15 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         Refusal::NoKindFor(rack) => field("kind", no_kind_for(map, rack)),
         Refusal::NotForKind(n) => field("place", not_for_kind(&node(n))),
         Refusal::PlaceTaken(n) => place_taken(&node(n)),
+        Refusal::RackIsStored(_) => {
+            let detail = "the rack is on no robot: GET /v1/racks says where it stands";
+            Problem::conflict("rack-is-stored", "The rack is on no robot", detail)
+        }
+        Refusal::RobotCanDrive(_) => {
+            let detail =
+                "the robot with the rack can drive: send the rack to a node with a job of kind relocate";
+            Problem::conflict("robot-can-drive", "The robot can drive", detail)
+        }
         Refusal::EmptyArea => {
             field("outline", "an area needs at least three corners, and `until` must be after `from`".into())
         }

@@ -6,6 +6,7 @@ use super::dto::Names;
 use super::port::WaitChain;
 use super::text::{closure_name, job_name, round3, time_text, worker_name};
 use crate::fleet::{Act, Because, JobWhy, Waiting, Who, Why};
+use crate::id::Dense;
 use crate::time::Time;
 use crate::timeline::Holder;
 use serde::Serialize;
@@ -99,7 +100,12 @@ impl Names<'_> {
                     Why::WaitsFor(r, _) => Some(self.map.resource_name(r)),
                     _ => None,
                 };
-                LinkDto { resource, ..link(cause, by, active(&self.why(why))) }
+                let robot = match waiting.who {
+                    Who::Robot(r) => self.view.robots.get(r.ix()),
+                    Who::Job(_) | Who::Worker(_) => None,
+                };
+                let text = robot.map_or_else(|| self.why(why), |robot| self.why_of(robot, why));
+                LinkDto { resource, ..link(cause, by, active(&text)) }
             }
             Because::Job(why) => {
                 let (cause, by) = match why {
@@ -109,12 +115,14 @@ impl Names<'_> {
                         ("robot", Some((self.robot(r), "robot")))
                     }
                     JobWhy::NoRobot | JobWhy::NoKind => ("no_robot", None),
-                    JobWhy::StationFull(s) | JobWhy::StationPaused(s) => {
+                    JobWhy::StationFull(s) | JobWhy::StationPaused(s) | JobWhy::StationBlocked(s, _) => {
                         let name = self.map.stations.get(s).map(|s| (s.name.clone(), "station"));
                         ("station", name)
                     }
                     JobWhy::ClosedOff => ("closed", None),
-                    JobWhy::RackBlocked(_, r) => ("blocked", Some((self.robot(r), "robot"))),
+                    JobWhy::RackBlocked(_, r) | JobWhy::WayBlocked(r) => {
+                        ("blocked", Some((self.robot(r), "robot")))
+                    }
                     JobWhy::NoPlace(_) => ("place", None),
                     JobWhy::RobotLow(r) => ("battery", Some((self.robot(r), "robot"))),
                 };

@@ -312,6 +312,14 @@ impl World {
         (robot.body.rack, robot.had) = (rack, rack);
     }
 
+    /// People take the rack off a robot and set it down, for tests of what happens then.
+    #[cfg(test)]
+    pub fn take_rack(&mut self, robot: RobotId, node: NodeId) {
+        let rack = self.robots[robot.ix()].body.rack.expect("it carries one");
+        self.load(robot, None);
+        self.racks[rack] = RackAt::Stored(node);
+    }
+
     /// Customers want nothing new from now on.
     pub fn stop_customers(&mut self) {
         self.customers.stop();

@@ -157,6 +157,12 @@ enum Record {
         node: u32,
         at: i64,
     },
+    RackTaken {
+        robot: u32,
+        rack: u32,
+        node: u32,
+        at: i64,
+    },
     Hired {
         worker: u32,
         name: String,
@@ -270,6 +276,9 @@ impl From<&Fact> for Record {
             Fact::Retired { robot, at } => Record::Retired { robot: robot.0, at: at.0 },
             Fact::Left { robot, at } => Record::Left { robot: robot.0, at: at.0 },
             Fact::Returned { robot, kind, node, at } => record_returned(*robot, kind, *node, *at),
+            Fact::RackTaken { robot, rack, node, at } => {
+                Record::RackTaken { robot: robot.0, rack: rack.0, node: node.0, at: at.0 }
+            }
             Fact::WorkerRegistered { worker, name, at } => {
                 Record::Hired { worker: worker.0, name: name.clone(), at: at.0 }
             }
@@ -320,6 +329,10 @@ fn returned(robot: u32, kind: String, node: u32, at: i64) -> Fact {
     Fact::Returned { robot: RobotId(robot), kind, node: NodeId(node), at: Time(at) }
 }
 
+fn rack_taken(robot: u32, rack: u32, node: u32, at: i64) -> Fact {
+    Fact::RackTaken { robot: RobotId(robot), rack: RackId(rack), node: NodeId(node), at: Time(at) }
+}
+
 fn kept(records: Vec<KeptRecord>) -> Vec<KeptRoute> {
     records.into_iter().map(KeptRoute::from).collect()
 }
@@ -367,6 +380,7 @@ impl From<Record> for Fact {
             Record::Retired { robot, at } => Fact::Retired { robot: RobotId(robot), at: Time(at) },
             Record::Left { robot, at } => Fact::Left { robot: RobotId(robot), at: Time(at) },
             Record::Returned { robot, kind, node, at } => returned(robot, kind, node, at),
+            Record::RackTaken { robot, rack, node, at } => rack_taken(robot, rack, node, at),
             Record::Hired { worker, name, at } => {
                 Fact::WorkerRegistered { worker: WorkerId(worker), name, at: Time(at) }
             }

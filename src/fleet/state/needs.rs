@@ -12,7 +12,8 @@ pub(in crate::fleet) struct Need {
     pub since: Time,
     pub next_try: Time,
     pub tries: u32,
-    /// The robot most in the way of the route that it would have if others made way, when that was looked at last.
+    /// The robot most in the way of the route that it would have if others made way, when that was looked at last; one
+    /// that cannot drive if there is no route past it.
     pub behind: Option<RobotId>,
 }
 

@@ -49,14 +49,26 @@ impl Floor<'_> {
         here == NodeKind::Charger && !gets_none()
     }
 
-    /// Whether a job leads to a place that is closed, or will be soon.
+    /// Whether robots that cannot drive cut a robot off from all stations.
+    pub fn is_shut_in(&self, robot: RobotId) -> bool {
+        let (here, loaded) = (self.ledger.node_of(robot), self.ledger.rack_on(robot).is_some());
+        self.restrictions.cut_off.is_shut_in(here, loaded)
+    }
+
+    /// Whether a place is closed, or will be soon, or is storage that broken robots cut off from all stations.
+    pub fn is_shut_off(&self, node: NodeId) -> bool {
+        self.is_closing(node) || self.restrictions.cut_off.storage().contains_key(&node)
+    }
+
+    /// Whether a job leads to a place that is closed, or will be soon, or is cut off.
     pub fn job_is_closed_off(&self, kind: &JobKind, rack_at: NodeId) -> bool {
         let goal = match *kind {
             JobKind::Deliver { station, .. } => Some(self.warehouse().stations[station].node),
             JobKind::Relocate { node, .. } => Some(node),
             _ => None,
         };
-        self.is_closing(rack_at) || goal.is_some_and(|n| self.is_closing(n))
+        let is_blocked = || self.restrictions.cut_off.blocks_job(self.warehouse(), kind, rack_at).is_some();
+        self.is_shut_off(rack_at) || goal.is_some_and(|n| self.is_shut_off(n)) || is_blocked()
     }
 
     /// What a robot does at the stop where it is, if that is not done yet.
@@ -86,21 +98,30 @@ impl Floor<'_> {
         }
     }
 
+    /// Whether a robot stands at the end of its route.
+    pub fn rests(&self, robot: RobotId) -> bool {
+        let chain = self.ledger.chain(robot);
+        chain.first() + 1 == chain.end()
+    }
+
     /// The station that a robot carries its rack to.
     pub fn station_of(&self, robot: RobotId) -> Option<StationId> {
         let Task::Deliver { station, .. } = self.ledger.robots[robot].task else { return None };
         self.warehouse().nodes[station].kind.reserved_for()
     }
 
-    /// For each station, how many robots are on their way to it or stand at it.
+    /// For each station, how many robots are on their way to it or stand at it. One that cannot drive takes a place only
+    /// where it stands.
     pub fn bound_for_stations(&self) -> IdVec<StationId, usize> {
         let mut bound = IdVec::filled(0, self.warehouse().stations.len());
         for robot in self.ledger.present() {
+            let failed = self.ledger.robots[robot].failed;
             let standing = match self.warehouse().nodes[self.ledger.node_of(robot)].kind {
                 NodeKind::Station(s) => Some(s),
+                NodeKind::Queue(s) if failed => Some(s),
                 _ => None,
             };
-            let under_way = self.station_of(robot).filter(|_| !self.lacks_route(robot));
+            let under_way = self.station_of(robot).filter(|_| !self.lacks_route(robot) && !failed);
             if let Some(station) = under_way.or(standing) {
                 bound[station] += 1;
             }

@@ -41,7 +41,11 @@ impl Traffic {
             let fit = core.scene.fit(robot, now).is_some() && !core.floor().next_stop_is_granted(robot);
             // Another robot may have been planned together with it just now.
             let needs = core.floor().lacks_route(robot);
-            if !fit || !needs || !core.floor().station_has_room(robot, &bound) {
+            if !fit || !needs {
+                continue;
+            }
+            if !core.floor().station_has_room(robot, &bound) {
+                self.wait_elsewhere(core, robot, now);
                 continue;
             }
             let waited = self.needs.waited(robot, now);
@@ -55,6 +59,18 @@ impl Traffic {
         }
         self.plan_early(core, now, &mut budget);
         budget
+    }
+
+    /// A robot that lost its route on the way to a station which has no room for it now waits where it is in no other
+    /// robot's way.
+    fn wait_elsewhere(&mut self, core: &mut Core, robot: RobotId, now: Time) {
+        if !core.ledger.robots[robot].interrupted || !core.floor().rests(robot) {
+            return;
+        }
+        if let Some(need) = self.needs.waiting.get_mut(&robot) {
+            need.next_try = now + RETRY_MAX;
+        }
+        self.step_out(core, robot, None, now);
     }
 
     /// Robots whose stop ended before it was to end look for an earlier route.
@@ -121,7 +137,12 @@ impl Traffic {
                 (best != store).then_some(Task::Deliver { job, rack, station, store: best })
             }
             Task::Store { job, rack, store } if tries > 0 && !core.floor().is_relocation(job) => {
-                let best = core.floor().best_storage(robot, rack, core.ledger.node_of(robot), tries);
+                let here = core.ledger.node_of(robot);
+                // Where it stands already, it can set the rack down whatever is in its way.
+                if store == here {
+                    return;
+                }
+                let best = core.floor().best_storage(robot, rack, here, tries);
                 (best != store).then_some(Task::Store { job, rack, store: best })
             }
             _ => None,

@@ -22,7 +22,7 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// So many lines about dead ends; a program gets them all.
-const SHOWN: usize = 20;
+const SHOWN: usize = 10;
 
 /// Where robots can be shut in, and the node on which a broken robot does it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -65,22 +65,21 @@ pub fn shut_in(w: &Warehouse) -> Vec<ShutIn> {
 /// What there is to say about these for people: one line for each dead end, and one for stations that are alike.
 pub fn shut_in_text(all: &[ShutIn]) -> Vec<String> {
     let (at_stations, ends): (Vec<&ShutIn>, Vec<&ShutIn>) = all.iter().partition(|s| !s.stations.is_empty());
-    let mut alike: BTreeMap<(&str, usize), Vec<&str>> = BTreeMap::new();
+    // Loaded and unloaded robots may be shut in on more or fewer nodes by the same station.
+    let mut by_station: BTreeMap<&[String], (BTreeSet<&str>, usize)> = BTreeMap::new();
     for s in at_stations {
-        let names = s.stations.iter().map(String::as_str);
-        alike.entry((&s.robots, s.shut_in.len())).or_default().extend(names);
+        let (robots, nodes) = by_station.entry(&s.stations).or_default();
+        robots.insert(&s.robots);
+        *nodes = s.shut_in.len().max(*nodes);
     }
-    let mut lines: Vec<String> = alike
-        .into_iter()
-        .map(|((robots, nodes), names)| {
-            let (count, which) = (names.len(), list(&names));
-            let what = if count == 1 { format!("station {which}") } else { format!("{count} stations ({which})") };
-            format!(
-                "{what}: if a robot breaks down there or on the way out, {robots} on up to {} cannot leave: {QUEUE}",
-                counted(nodes),
-            )
-        })
-        .collect();
+    let mut alike: BTreeMap<(&str, usize), Vec<&str>> = BTreeMap::new();
+    for (stations, (robots, nodes)) in by_station {
+        let one = robots.first().filter(|_| robots.len() == 1);
+        let names = stations.iter().map(String::as_str);
+        alike.entry((one.copied().unwrap_or("robots"), nodes)).or_default().extend(names);
+    }
+    let mut lines: Vec<String> =
+        alike.into_iter().map(|((robots, nodes), names)| at_station(robots, nodes, &names)).collect();
     lines.extend(ends.iter().take(SHOWN).map(|s| {
         let names: Vec<&str> = s.shut_in.iter().map(String::as_str).collect();
         let (on, robots, nodes) = (&s.broken_on, &s.robots, counted(names.len()));
@@ -93,6 +92,14 @@ pub fn shut_in_text(all: &[ShutIn]) -> Vec<String> {
         lines.push(format!("and {} more dead ends: --json lists them all", ends.len() - SHOWN));
     }
     lines
+}
+
+fn at_station(robots: &str, nodes: usize, names: &[&str]) -> String {
+    let (count, which, nodes) = (names.len(), list(names), counted(nodes));
+    let what = if count == 1 { format!("station {which}") } else { format!("{count} stations ({which})") };
+    format!(
+        "{what}: if a robot breaks down there or on the way out, {robots} on up to {nodes} cannot leave: {QUEUE}"
+    )
 }
 
 const QUEUE: &str = "add a lane from the queue to open floor, or a bay";
