@@ -10,7 +10,7 @@ use crate::fleet::{
     Waiting, Why,
 };
 use crate::history::{History, LoopTimes};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
 use std::pin::Pin;

@@ -9,7 +9,7 @@ use super::people_record::{
 };
 use super::route_record::{BookingRecord, KeptRecord, MovedRecord};
 use crate::fleet::{Booking, Fact, KeptRoute, Moved, USUAL_KIND};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! Robots whose jobs cannot go on because of one that cannot drive: they give the jobs back and do others meanwhile.
 //!
-//! Main function: [`give_back_blocked`]. Refuses: to touch a robot that stands elsewhere with its rack; traffic brings it
-//! to storage first.
+//! Main function: [`give_back_blocked`]. Refuses: to touch a robot that stands elsewhere with its rack; traffic brings
+//! it to storage first.
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Purpose, Task};
@@ -15,9 +15,9 @@ use crate::warehouse::NodeKind;
 /// A robot that has not found a way past a broken robot for this long sets its rack down.
 const LONG: Span = Span::from_secs(60);
 
-/// Robots that stand with their racks in storage, and cannot go on because of one that cannot drive, set them down there
-/// after a while. No robot goes on to fetch another rack past it. The jobs wait until the way is clear, or a robot on the
-/// right side does them.
+/// Robots that stand with their racks in storage, and cannot go on because of one that cannot drive, set them down
+/// there after a while. No robot goes on to fetch another rack past it. The jobs wait until the way is clear, or a
+/// robot on the right side does them.
 pub(in crate::fleet) fn give_back_blocked(core: &mut Core, needs: &Needs, now: Time) {
     if core.restrictions.cut_off.is_empty() {
         return;

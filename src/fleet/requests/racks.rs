@@ -1,8 +1,8 @@
 //! People take a rack off a robot that cannot drive, and say where they set it down.
 //!
-//! Main function: `take_rack_off`. The rack is in storage from then on, and its job goes on from there: a delivery waits
-//! for another robot, a rack that was to be stored there is. Refuses: to take a rack from a robot that can drive, and a
-//! node that is taken, or that a robot is to drive over.
+//! Main function: `take_rack_off`. The rack is in storage from then on, and its job goes on from there: a delivery
+//! waits for another robot, a rack that was to be stored there is. Refuses: to take a rack from a robot that can
+//! drive, and a node that is taken, or that a robot is to drive over.
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{Fact, Task};

@@ -1,9 +1,9 @@
 //! What robots that cannot drive cut off: stations to which no rack comes past them, and storage whose racks do not
 //! come out.
 //!
-//! Main type: [`CutOff`]. It is found out anew only when a robot breaks down, is repaired or stands elsewhere: a few walks
-//! over the floor, which leave out what these robots hold. Kinds of robots are not told apart, and lanes that are in
-//! conflict with a hold count as open. Refuses: to plan: that a place is not cut off is no promise of a route.
+//! Main type: [`CutOff`]. It is found out anew only when a robot breaks down, is repaired or stands elsewhere: a few
+//! walks over the floor, which leave out what these robots hold. Kinds of robots are not told apart, and lanes that
+//! are in conflict with a hold count as open. Refuses: to plan: that a place is not cut off is no promise of a route.
 
 use crate::fleet::state::job::JobKind;
 use crate::fleet::state::ledger::Ledger;

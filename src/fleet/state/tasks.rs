@@ -110,8 +110,8 @@ impl Floor<'_> {
         self.warehouse().nodes[station].kind.reserved_for()
     }
 
-    /// For each station, how many robots are on their way to it or stand at it. One that cannot drive takes a place only
-    /// where it stands.
+    /// For each station, how many robots are on their way to it or stand at it. One that cannot drive takes a place
+    /// only where it stands.
     pub fn bound_for_stations(&self) -> IdVec<StationId, usize> {
         let mut bound = IdVec::filled(0, self.warehouse().stations.len());
         for robot in self.ledger.present() {

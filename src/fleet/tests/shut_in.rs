@@ -1,12 +1,13 @@
-//! Dead ends, corridors and stations in which a robot breaks down: all that have a way out leave and work on, the others
-//! say what they wait for, and every job goes on after the repair.
+//! Dead ends, corridors and stations in which a robot breaks down: all that have a way out leave and work on, the
+//! others say what they wait for, and every job goes on after the repair.
 
 use super::*;
 use crate::warehouse::sketch;
 
 const NEVER: Time = Time::MAX;
 
-/// An aisle with one end among racks, and one rack and free storage beside the stations, of which each has room for one robot.
+/// An aisle with one end among racks, and one rack and free storage beside the stations, of which each has room for
+/// one robot.
 const AISLE: &str = "
     PPP123S
     .......R

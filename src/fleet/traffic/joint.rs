@@ -81,8 +81,8 @@ impl Traffic {
         (ranked.into_iter().take(OTHERS).map(|(_, r)| r).collect(), None)
     }
 
-    /// The first robot that cannot drive on the route that a robot would have if there were none of these, on a timeline
-    /// without those that can.
+    /// The first robot that cannot drive on the route that a robot would have if there were none of these, on a
+    /// timeline without those that can.
     fn broken_in_the_way(
         &mut self,
         core: &mut Core,

@@ -1,12 +1,13 @@
 //! Where a broken robot shuts others in: a warning, since people can push a broken robot aside.
 //!
-//! A robot is shut in if every way from its node to a place where it may stay leads over the node of the broken one. Ways
-//! are those that the search knows: lanes have users and kinds, a loaded robot needs a storage node, and the places of a
-//! station are for robots bound for it or on their way out. For one broken robot these are the nodes that its node
-//! dominates in the graph of reversed lanes, with one sink behind all places to stay: O(nodes and lanes) for all nodes
-//! together. A node or a lane in conflict with that node is blocked, too: such nodes are searched one by one, exactly,
-//! with the footprint of the map, which contains that of every kind. Each place where robots can be shut in is reported
-//! once, with the node that shuts in the most. Places to stay are not: a robot there is in no other robot's way.
+//! A robot is shut in if every way from its node to a place where it may stay leads over the node of the broken one.
+//! Ways are those that the search knows: lanes have users and kinds, a loaded robot needs a storage node, and the
+//! places of a station are for robots bound for it or on their way out. For one broken robot these are the nodes that
+//! its node dominates in the graph of reversed lanes, with one sink behind all places to stay: O(nodes and lanes) for
+//! all nodes together. A node or a lane in conflict with that node is blocked, too: such nodes are searched one by
+//! one, exactly, with the footprint of the map, which contains that of every kind. Each place where robots can be shut
+//! in is reported once, with the node that shuts in the most. Places to stay are not: a robot there is in no other
+//! robot's way.
 //!
 //! Two things are left out. A robot that breaks down while it drives keeps all nodes that it was granted. And places to
 //! stay may be taken.
