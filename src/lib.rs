@@ -181,8 +181,8 @@
 //!   fits in, and the order of all holds stays free of cycles, although the robot may now come before others.
 //! - *A broken robot* keeps what it was granted without end. The robots that have to pass it, and those that would
 //!   have to pass these in turn, lose what was not granted yet (`fleet/traffic/truncate.rs`) and are routed anew.
-//!   Robots whose jobs lead past it give them back (`fleet/dispatch/blocked.rs`); `warehouse/check/shut_in.rs` says of a
-//!   map where robots have no way out past one.
+//!   Robots whose jobs lead past it give them back (`fleet/dispatch/blocked.rs`); `warehouse/check/shut_in.rs` says of
+//!   a map where robots have no way out past one.
 //! - *A robot that was pushed elsewhere* (`fleet/traffic/displaced.rs`) holds one place without end, which was granted
 //!   to no other robot. The robots that were promised it, and those behind them, lose what was not granted yet.
 //! - *A robot whose grant is revoked* (`fleet/traffic/revoke.rs`) only holds again what it had been granted. It is

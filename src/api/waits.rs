@@ -100,11 +100,7 @@ impl Names<'_> {
                     Why::WaitsFor(r, _) => Some(self.map.resource_name(r)),
                     _ => None,
                 };
-                let robot = match waiting.who {
-                    Who::Robot(r) => self.view.robots.get(r.ix()),
-                    Who::Job(_) | Who::Worker(_) => None,
-                };
-                let text = robot.map_or_else(|| self.why(why), |robot| self.why_of(robot, why));
+                let text = self.why_of_party(waiting.who, why);
                 LinkDto { resource, ..link(cause, by, active(&text)) }
             }
             Because::Job(why) => {
@@ -142,6 +138,15 @@ impl Names<'_> {
             Because::Stands => link("stands", None, "stands, and may walk on or not".into()),
             Because::Lost => link("lost", None, "cannot be placed: the headset has lost its place".into()),
         }
+    }
+
+    /// Why a robot does not go on, in words.
+    fn why_of_party(&self, who: Who, why: Why) -> String {
+        let robot = match who {
+            Who::Robot(r) => self.view.robots.get(r.ix()),
+            Who::Job(_) | Who::Worker(_) => None,
+        };
+        robot.map_or_else(|| self.why(why), |robot| self.why_of(robot, why))
     }
 
     fn about(&self, why: Why) -> (&'static str, Option<(String, &'static str)>) {

@@ -55,7 +55,7 @@ impl CutOff {
             return Some(found);
         }
         let w = ledger.warehouse();
-        let walks = Walks { w, held: &found.held, into: incoming(w) };
+        let walks = FloorWalks { w, held: &found.held, into: incoming(w) };
         for station in w.stations.ids() {
             match walks.blocks(station) {
                 Some(robot) => {
@@ -121,8 +121,8 @@ impl CutOff {
 
     /// The first of these robots on the ways of a rack from a node, else any.
     pub fn first_met(&self, w: &Warehouse, node: NodeId) -> Option<RobotId> {
-        let walks = Walks { w, held: &self.held, into: IdVec::new() };
-        walks.walk([node], Along::Forward, true, |_| false).met.or(self.held.values().next().copied())
+        let walks = FloorWalks { w, held: &self.held, into: IdVec::new() };
+        walks.walk([node], LaneSense::Forward, true, |_| false).met.or(self.held.values().next().copied())
     }
 }
 
@@ -143,8 +143,8 @@ fn held_by_failed(ledger: &Ledger, scene: &Scene) -> BTreeMap<NodeId, RobotId> {
     held
 }
 
-/// Walks over the floor that leave out what robots which cannot drive hold.
-struct Walks<'a> {
+/// FloorWalks over the floor that leave out what robots which cannot drive hold.
+struct FloorWalks<'a> {
     w: &'a Warehouse,
     held: &'a BTreeMap<NodeId, RobotId>,
     /// The arcs that end at each node.
@@ -153,17 +153,17 @@ struct Walks<'a> {
 
 /// Which way along the lanes.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Along {
+enum LaneSense {
     Forward,
     Back,
 }
 
-impl Walks<'_> {
+impl FloorWalks<'_> {
     /// The robot past which no rack comes from storage to a station, or from there to storage.
     fn blocks(&self, station: StationId) -> Option<RobotId> {
         let node = self.w.stations[station].node;
         let is_end = |n: NodeId| self.w.kind(n) == NodeKind::Storage;
-        [Along::Forward, Along::Back].into_iter().find_map(|along| {
+        [LaneSense::Forward, LaneSense::Back].into_iter().find_map(|along| {
             let walk = self.walk([node], along, true, is_end);
             if walk.ended { None } else { walk.met }
         })
@@ -172,8 +172,8 @@ impl Walks<'_> {
     /// What a station is joined to.
     fn region(&self, station: StationId) -> Region {
         let seen = |along, loaded| self.walk([self.w.stations[station].node], along, loaded, |_| false).seen;
-        let from = [false, true].map(|loaded| seen(Along::Back, loaded));
-        Region { from, to: seen(Along::Forward, false) }
+        let from = [false, true].map(|loaded| seen(LaneSense::Back, loaded));
+        Region { from, to: seen(LaneSense::Forward, false) }
     }
 
     /// Storage nodes from which no rack comes to a station that is open, or which no robot reaches from there; with the
@@ -184,8 +184,8 @@ impl Walks<'_> {
         let mut cut_off: BTreeMap<NodeId, RobotId> = held.map(|(n, r)| (*n, *r)).collect();
         let is_joined = |n: NodeId| open.is_empty() || open.values().any(|r| r.from[1][n] && r.to[n]);
         for n in self.w.nodes.ids().filter(|n| is_storage(n) && !is_joined(*n)) {
-            let out = self.walk([n], Along::Forward, true, |_| false);
-            let met = out.met.or_else(|| self.walk([n], Along::Back, false, |_| false).met);
+            let out = self.walk([n], LaneSense::Forward, true, |_| false);
+            let met = out.met.or_else(|| self.walk([n], LaneSense::Back, false, |_| false).met);
             // If no robot was met, no way leads there on a floor without broken robots either.
             cut_off.extend(met.map(|robot| (n, robot)));
         }
@@ -196,12 +196,12 @@ impl Walks<'_> {
     fn walk(
         &self,
         starts: impl IntoIterator<Item = NodeId>,
-        along: Along,
+        along: LaneSense,
         loaded: bool,
         is_end: impl Fn(NodeId) -> bool,
-    ) -> Walk {
+    ) -> FloorWalk {
         let w = self.w;
-        let mut walk = Walk { seen: IdVec::filled(false, w.nodes.len()), met: None, ended: false };
+        let mut walk = FloorWalk { seen: IdVec::filled(false, w.nodes.len()), met: None, ended: false };
         let starts: Vec<NodeId> = starts.into_iter().collect();
         let mut next: VecDeque<NodeId> = starts.iter().copied().collect();
         while let Some(n) = next.pop_front() {
@@ -223,8 +223,8 @@ impl Walks<'_> {
             }
             let theirs = |a: &&Arc| is_way(w, a, along, loaded);
             match along {
-                Along::Forward => next.extend(w.out(n).map(|(_, a)| a).filter(theirs).map(|a| a.to)),
-                Along::Back => {
+                LaneSense::Forward => next.extend(w.out(n).map(|(_, a)| a).filter(theirs).map(|a| a.to)),
+                LaneSense::Back => {
                     next.extend(self.into[n].iter().map(|a| &w.arcs[*a]).filter(theirs).map(|a| a.from));
                 }
             }
@@ -234,7 +234,7 @@ impl Walks<'_> {
 }
 
 /// What a walk found.
-struct Walk {
+struct FloorWalk {
     seen: IdVec<NodeId, bool>,
     /// The first robot that it met.
     met: Option<RobotId>,
@@ -243,11 +243,11 @@ struct Walk {
 }
 
 /// The places of a station are for robots bound for it, and on their way out of it.
-fn is_way(w: &Warehouse, a: &Arc, along: Along, loaded: bool) -> bool {
+fn is_way(w: &Warehouse, a: &Arc, along: LaneSense, loaded: bool) -> bool {
     let (from, to) = (w.kind(a.from).reserved_for(), w.kind(a.to).reserved_for());
     let is_theirs = match along {
-        Along::Forward => to.is_none() || to == from,
-        Along::Back => from.is_none() || to == from,
+        LaneSense::Forward => to.is_none() || to == from,
+        LaneSense::Back => from.is_none() || to == from,
     };
     a.users.allows(loaded) && is_theirs
 }

@@ -64,7 +64,7 @@ fn a_rack_that_people_take_off_a_broken_robot_is_in_storage_and_another_robot_go
     for state in ["carrying", "picking"] {
         let (mut floor, job, robot) = TestFloor::broken_with_rack(state);
         let free = floor.free_storage();
-        floor.world.take_rack(robot, free);
+        floor.world.take_rack((RackId(RACK), robot), free);
         let was_picked = !floor.is(job, state);
         assert_eq!(floor.take_rack(RackId(RACK), free), Reply::Done { token: 9 });
         assert_eq!(floor.rack(RACK), RackAt::Stored(free));
@@ -84,7 +84,7 @@ fn a_rack_that_people_take_off_a_broken_robot_is_in_storage_and_another_robot_go
 fn a_robot_whose_rack_was_taken_off_drives_on_after_the_repair() {
     let (mut floor, job, robot) = TestFloor::broken_with_rack("carrying");
     let free = floor.free_storage();
-    floor.world.take_rack(robot, free);
+    floor.world.take_rack((RackId(RACK), robot), free);
     floor.take_rack(RackId(RACK), free);
     floor.world.fail(robot, floor.now);
     floor.until_over(900);
@@ -104,7 +104,7 @@ fn a_rack_that_was_to_be_stored_where_people_set_it_down_is_done() {
     let robot = floor.state(job).and_then(|s| s.robot()).expect("carried by a robot");
     floor.world.fail(robot, NEVER);
     floor.run(2);
-    floor.world.take_rack(robot, node);
+    floor.world.take_rack((RackId(RACK), robot), node);
     floor.take_rack(RackId(RACK), node);
     assert_eq!(floor.story(job).last(), Some(&"done"));
 }
