@@ -181,6 +181,8 @@
 //!   fits in, and the order of all holds stays free of cycles, although the robot may now come before others.
 //! - *A broken robot* keeps what it was granted without end. The robots that have to pass it, and those that would
 //!   have to pass these in turn, lose what was not granted yet (`fleet/traffic/truncate.rs`) and are routed anew.
+//!   Robots whose jobs lead past it give them back (`fleet/dispatch/blocked.rs`); `warehouse/check/shut_in.rs` says of
+//!   a map where robots have no way out past one.
 //! - *A robot that was pushed elsewhere* (`fleet/traffic/displaced.rs`) holds one place without end, which was granted
 //!   to no other robot. The robots that were promised it, and those behind them, lose what was not granted yet.
 //! - *A robot whose grant is revoked* (`fleet/traffic/revoke.rs`) only holds again what it had been granted. It is
@@ -244,12 +246,14 @@
 //! | how far ahead robots are granted (base, horizon) | `fleet/traffic/grant.rs` |
 //! | a grant is revoked, a route is truncated | `fleet/traffic/revoke.rs`; `fleet/traffic/truncate.rs` |
 //! | delays, going on early, breakdowns | `timeline/delay.rs`, `advance.rs`; `fleet/traffic/truncate.rs` |
+//! | what a broken robot cuts off; jobs given back | `fleet/state/cut_off.rs`; `fleet/dispatch/blocked.rs` |
+//! | people take a rack off a broken robot | `fleet/requests/racks.rs`; `api/http/robots.rs` (`take_rack`) |
 //! | faults of robots, e-stop; a blocked path | `fleet/state/fault.rs`; `fleet/traffic/obstruction.rs` |
 //! | robots that people pushed elsewhere | `fleet/traffic/displaced.rs`; in words: `api/displaced.rs` |
 //! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog.rs` |
 //! | what waits for what (wait-for graph) | `fleet/state/wait_graph.rs`; who waits, and why: `fleet/waits/` |
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
-//! | which maps are refused | `warehouse/check/` |
+//! | which maps are refused; warnings | `warehouse/check/`; `warehouse/check/shut_in.rs` |
 //! | where people walk | `warehouse/walkway/` |
 //! | which observations are believed; what a deviation is | `human/track.rs`; `human/deviation.rs` |
 //! | poses are thinned (rate limit) | `api/feed/thin.rs` |

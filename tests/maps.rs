@@ -2,7 +2,7 @@
 //!
 //! `UPDATE_MAPS=1 cargo test --test maps` writes the maps anew after a generator has changed.
 
-use giveway::warehouse::{Warehouse, formats, kiva, lab, mixed, thesis};
+use giveway::warehouse::{ShutIn, Warehouse, formats, kiva, lab, mixed, shut_in, shut_in_text, thesis};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -40,6 +40,20 @@ fn a_shipped_map_reads_back_as_it_was_written_and_is_no_mebibyte() {
         assert_eq!((&again.nodes, &again.arcs), (&w.nodes, &w.arcs));
         assert_eq!(formats::json::write(&again), text);
     }
+}
+
+#[test]
+fn a_robot_that_breaks_down_shuts_others_in_on_the_shipped_maps_only_so() {
+    let found = |w: &Warehouse| {
+        let (stations, ends): (Vec<ShutIn>, Vec<ShutIn>) =
+            shut_in(w).into_iter().partition(|s| !s.stations.is_empty());
+        let most = |all: &[ShutIn]| all.iter().map(|s| s.shut_in.len()).max().unwrap_or(0);
+        (stations.len(), most(&stations), ends.len(), most(&ends))
+    };
+    // At stations: how many findings, nodes of the largest; the same for dead ends.
+    assert_eq!(shipped().map(|w| found(&w)), [(1, 2, 0, 0), (2, 6, 0, 0), (60, 13, 110, 11), (2, 7, 0, 0)]);
+    let lines = shut_in_text(&shut_in(&kiva()));
+    assert!(lines.len() <= 13, "few lines: {lines:#?}");
 }
 
 #[test]

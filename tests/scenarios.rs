@@ -13,11 +13,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Each scenario with the seconds for which it is run here.
-const RUNS: [(&str, i64); 17] = [
+const RUNS: [(&str, i64); 18] = [
     ("lab", 300),
     ("thesis-20", 300),
     ("thesis-faults", 3600),
     ("breakdowns", 1800),
+    ("tenth-failed", 3600),
     ("kiva-50", 150),
     ("kiva-100", 60),
     ("orders", 60),
@@ -120,6 +121,19 @@ fn twenty_breakdowns_an_hour_and_robot_never_bring_the_floor_to_a_standstill() {
         let end = setup.run();
         assert_eq!((end.drained, end.law_violations), (Some(true), 0), "seed {seed}: {:?}", end.broken);
         assert!(end.counts.robot_deliveries > 80, "seed {seed}: {} racks", end.counts.robot_deliveries);
+    }
+}
+
+#[test]
+fn a_fleet_of_which_a_tenth_is_failed_delivers() {
+    holds("tenth-failed");
+    let mut setup = Setup::read("tenth-failed");
+    // In these a station was blocked for ten minutes, and robots held racks for it that others could not get past.
+    for seed in [3, 29, 40] {
+        setup.scenario.seed = seed;
+        let end = setup.run();
+        assert_eq!((end.drained, end.law_violations), (Some(true), 0), "seed {seed}: {:?}", end.broken);
+        assert!(end.counts.robot_deliveries > 200, "seed {seed}: {} racks", end.counts.robot_deliveries);
     }
 }
 

@@ -45,7 +45,10 @@ pub fn words(map: &Warehouse, robot: impl Fn(RobotId) -> String, displacement: D
         }
         Displacement::Load { carries: None, expected: Some(k) } => {
             let k = rack(k);
-            format!("carries no rack, but rack {k} was on it: set rack {k} onto it; it goes on by itself")
+            format!(
+                "carries no rack, but rack {k} was on it: set rack {k} onto it, and it goes on by itself; or set the \
+                 rack down in storage and say where with POST /v1/racks/{k}/taken"
+            )
         }
         Displacement::Load { carries: Some(k), expected: None } => {
             let k = rack(k);

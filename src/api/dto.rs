@@ -6,7 +6,8 @@
 use super::displaced;
 use super::text::{closure_name, job_name, round3, time_text, worker_name};
 use crate::fleet::{
-    Counts, Doing, Fault, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotState, View, Why,
+    Counts, Doing, Fault, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotState, RobotView, View,
+    Why,
 };
 use crate::id::{Dense, NodeId, RobotId};
 use crate::timeline::Holder;
@@ -186,7 +187,7 @@ impl Names<'_> {
             battery: round3(r.battery),
             granted: r.granted.iter().map(|n| n.ix()).collect(),
             held: r.held.iter().map(|n| n.ix()).collect(),
-            why: r.why.map(|why| self.why(why)),
+            why: r.why.map(|why| self.why_of(r, why)),
         };
         self.view.robots.iter().map(robot).collect()
     }
@@ -271,6 +272,11 @@ impl Names<'_> {
         let station = |s| self.map.stations.get(s).map_or_else(|| format!("{s:?}"), |s| s.name.clone());
         match why {
             JobWhy::After(job) => format!("waiting for {} to be over", job_name(job)),
+            JobWhy::RackBusy(k, r, _) if self.trouble(r).is_some() => {
+                let is_on = self.view.robots.get(r.ix()).is_some_and(|robot| robot.rack == Some(k));
+                let at = if is_on { "which is on" } else { "which was to be fetched by" };
+                format!("waiting for rack {}, {at} {}", rack(k), self.with_trouble(r))
+            }
             JobWhy::RackBusy(k, r, Some(job)) => {
                 format!("waiting for rack {}, which {} moves for {}", rack(k), self.robot(r), job_name(job))
             }
@@ -290,13 +296,56 @@ impl Names<'_> {
             }
             JobWhy::StationPaused(s) => format!("waiting for {} to resume: it is paused", station(s)),
             JobWhy::ClosedOff => "waiting for a closure on the way to its rack or destination to end".into(),
+            JobWhy::StationBlocked(s, r) => {
+                format!(
+                    "waiting for the way to or from {}, on which stands {}",
+                    station(s),
+                    self.with_trouble(r)
+                )
+            }
+            JobWhy::WayBlocked(r) => {
+                format!(
+                    "waiting for the only way to its rack or destination, on which stands {}",
+                    self.with_trouble(r)
+                )
+            }
             JobWhy::RackBlocked(k, r) => {
-                format!("waiting for rack {}: {} stands beneath it", rack(k), self.robot(r))
+                format!("waiting for rack {}, beneath which stands {}", rack(k), self.with_trouble(r))
             }
             JobWhy::NoPlace(NodeKind::Charger) => "waiting for a charger: all are taken or closed".into(),
             JobWhy::NoPlace(_) => "waiting for a parking place: all are taken or closed".into(),
             JobWhy::RobotLow(r) => format!("waiting for {} to charge", self.robot(r)),
-            JobWhy::Robot(r, why) => format!("{}: {}", self.robot(r), self.why(why)),
+            JobWhy::Robot(r, why) => match self.view.robots.get(r.ix()) {
+                Some(robot) => format!("{}: {}", robot.name, self.why_of(robot, why)),
+                None => self.why(why),
+            },
+        }
+    }
+
+    /// What is wrong with a robot itself, if something is.
+    fn trouble(&self, r: RobotId) -> Option<Why> {
+        self.view.robots.get(r.ix())?.why.filter(|why| why.is_by_itself())
+    }
+
+    /// A robot, with what is wrong with it.
+    fn with_trouble(&self, r: RobotId) -> String {
+        let robot = self.view.robots.get(r.ix());
+        let trouble = robot.and_then(|robot| Some(self.why_of(robot, self.trouble(r)?)));
+        self.robot(r) + &trouble.map(|words| format!(" ({words})")).unwrap_or_default()
+    }
+
+    /// Why a robot does not go on, in words, with what becomes of its rack.
+    pub fn why_of(&self, robot: &RobotView, why: Why) -> String {
+        let rack = robot.rack.and_then(|r| self.map.racks.get(r));
+        match (why, rack) {
+            (Why::Failed, Some(rack)) => {
+                let name = &rack.name;
+                format!(
+                    "cannot drive, and has rack {name} on it: repair it, or push it onto a free node; or set the rack \
+                     down in storage by hand and say where with POST /v1/racks/{name}/taken"
+                )
+            }
+            _ => self.why(why),
         }
     }
 
@@ -316,7 +365,9 @@ impl Names<'_> {
                 None => "the queue of its station is full".into(),
             },
             Why::NoRoute => "no route found yet; trying again".into(),
-            Why::Failed => "cannot drive".into(),
+            Why::Failed => {
+                "cannot drive: repair it, push it onto a free node, or take it off the floor".into()
+            }
             Why::EmergencyStop => {
                 "stopped: its emergency stop is pressed; release it when the way is clear".into()
             }
@@ -335,7 +386,9 @@ impl Names<'_> {
             }
             Why::Unplugged => "gets no current from its charger: check the plug and the charger".into(),
             Why::Displaced(displacement) => displaced::words(self.map, |r| self.robot(r), displacement),
-            Why::BlockedBy(r) => format!("waiting for {} to be moved out of its way", self.robot(r)),
+            Why::BlockedBy(r) => {
+                format!("waiting for {} to be repaired or moved out of its way", self.robot(r))
+            }
             Why::Silent => "no telemetry".into(),
             Why::Paused => PAUSED.into(),
             Why::Maintenance => "in maintenance".into(),

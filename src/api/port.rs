@@ -10,7 +10,7 @@ use crate::fleet::{
     Waiting, Why,
 };
 use crate::history::{History, LoopTimes};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
 use std::pin::Pin;
@@ -59,6 +59,8 @@ pub enum What {
     Maintain(RobotId, bool),
     /// That a robot leaves the floor.
     Retire(RobotId),
+    /// That people took a rack off a robot that cannot drive and set it down here.
+    TakeRack(RackId, NodeId),
     /// A worker to be known, by name.
     Hire(String),
     /// That nobody is where this worker was lost.

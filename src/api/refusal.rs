@@ -71,6 +71,8 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         Refusal::NoKindFor(rack) => field("kind", no_kind_for(map, rack)),
         Refusal::NotForKind(n) => field("place", not_for_kind(&node(n))),
         Refusal::PlaceTaken(n) => place_taken(&node(n)),
+        Refusal::RackIsStored(_) => rack_is_stored(),
+        Refusal::RobotCanDrive(_) => robot_can_drive(),
         Refusal::EmptyArea => {
             field("outline", "an area needs at least three corners, and `until` must be after `from`".into())
         }
@@ -84,6 +86,16 @@ const NO_SUCH_KIND: &str =
 fn robot_is_gone() -> Problem {
     let detail = "the robot has left the floor: register it again with POST /v1/robots";
     Problem::conflict("robot-is-gone", "The robot has left the floor", detail)
+}
+
+fn rack_is_stored() -> Problem {
+    let detail = "the rack is on no robot: GET /v1/racks says where it stands";
+    Problem::conflict("rack-is-stored", "The rack is on no robot", detail)
+}
+
+fn robot_can_drive() -> Problem {
+    let detail = "the robot with the rack can drive: send the rack to a node with a job of kind relocate";
+    Problem::conflict("robot-can-drive", "The robot can drive", detail)
 }
 
 fn no_kind_for(map: &Warehouse, rack: RackId) -> String {

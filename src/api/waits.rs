@@ -6,6 +6,7 @@ use super::dto::Names;
 use super::port::WaitChain;
 use super::text::{closure_name, job_name, round3, time_text, worker_name};
 use crate::fleet::{Act, Because, JobWhy, Waiting, Who, Why};
+use crate::id::Dense;
 use crate::time::Time;
 use crate::timeline::Holder;
 use serde::Serialize;
@@ -99,7 +100,8 @@ impl Names<'_> {
                     Why::WaitsFor(r, _) => Some(self.map.resource_name(r)),
                     _ => None,
                 };
-                LinkDto { resource, ..link(cause, by, active(&self.why(why))) }
+                let text = self.why_of_party(waiting.who, why);
+                LinkDto { resource, ..link(cause, by, active(&text)) }
             }
             Because::Job(why) => {
                 let (cause, by) = match why {
@@ -109,12 +111,14 @@ impl Names<'_> {
                         ("robot", Some((self.robot(r), "robot")))
                     }
                     JobWhy::NoRobot | JobWhy::NoKind => ("no_robot", None),
-                    JobWhy::StationFull(s) | JobWhy::StationPaused(s) => {
+                    JobWhy::StationFull(s) | JobWhy::StationPaused(s) | JobWhy::StationBlocked(s, _) => {
                         let name = self.map.stations.get(s).map(|s| (s.name.clone(), "station"));
                         ("station", name)
                     }
                     JobWhy::ClosedOff => ("closed", None),
-                    JobWhy::RackBlocked(_, r) => ("blocked", Some((self.robot(r), "robot"))),
+                    JobWhy::RackBlocked(_, r) | JobWhy::WayBlocked(r) => {
+                        ("blocked", Some((self.robot(r), "robot")))
+                    }
                     JobWhy::NoPlace(_) => ("place", None),
                     JobWhy::RobotLow(r) => ("battery", Some((self.robot(r), "robot"))),
                 };
@@ -134,6 +138,15 @@ impl Names<'_> {
             Because::Stands => link("stands", None, "stands, and may walk on or not".into()),
             Because::Lost => link("lost", None, "cannot be placed: the headset has lost its place".into()),
         }
+    }
+
+    /// Why a robot does not go on, in words.
+    fn why_of_party(&self, who: Who, why: Why) -> String {
+        let robot = match who {
+            Who::Robot(r) => self.view.robots.get(r.ix()),
+            Who::Job(_) | Who::Worker(_) => None,
+        };
+        robot.map_or_else(|| self.why(why), |robot| self.why_of(robot, why))
     }
 
     fn about(&self, why: Why) -> (&'static str, Option<(String, &'static str)>) {

@@ -4,8 +4,11 @@
 
 use super::{read, read_map, write};
 use crate::time::Span;
-use crate::warehouse::{Blocks, formats, room_for, summary, to_svg};
+use crate::warehouse::{
+    Blocks, MapSummary, ShutIn, formats, room_for, shut_in, shut_in_text, summary, to_svg,
+};
 use clap::{Args, Subcommand};
+use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -33,6 +36,15 @@ pub struct CheckArgs {
     /// Print JSON.
     #[arg(long)]
     json: bool,
+}
+
+/// What `map check --json` prints of a good map.
+#[derive(Serialize)]
+struct Checked {
+    #[serde(flatten)]
+    summary: MapSummary,
+    /// Where a broken robot would shut others in.
+    findings: Vec<ShutIn>,
 }
 
 /// Arguments of `map show`.
@@ -124,11 +136,12 @@ impl CheckArgs {
         if let Some(robots) = self.robots {
             room_for(&warehouse, robots).map_err(|e| anyhow::anyhow!("{}:\n{e}", self.map.display()))?;
         }
-        let summary = summary(&warehouse);
+        let (summary, findings) = (summary(&warehouse), shut_in(&warehouse));
         if self.json {
-            println!("{}", serde_json::to_string_pretty(&summary)?);
+            println!("{}", serde_json::to_string_pretty(&Checked { summary, findings })?);
         } else {
             println!("{summary}");
+            shut_in_text(&findings).iter().for_each(|line| println!("warning: {line}"));
         }
         Ok(ExitCode::SUCCESS)
     }

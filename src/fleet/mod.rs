@@ -49,7 +49,7 @@ use state::floor::Floor;
 use state::heard::WorkerInput;
 use std::sync::Arc;
 use traffic::state::Traffic;
-use traffic::{closures, displaced, fence};
+use traffic::{closures, displaced, failure, fence};
 use yielding::state::Yielding;
 
 /// The fleet.
@@ -142,6 +142,7 @@ impl Fleet {
         closures::note_closing(core, now);
         displaced::close_displaced(core, now);
         traffic.close_obstructed(core, now);
+        failure::note_cut_off(core, now);
         yielding.turn_halfway(core, people, traffic, now);
         yielding.limit_robots(core, people, traffic, now);
         yielding.revoke_grants(core, people, traffic, now);

@@ -131,6 +131,7 @@ fn input(token: u64, what: What) -> Input {
         What::Register(name, kind, node) => Input::Register { token, name, kind, node },
         What::Maintain(robot, begins) => Input::Maintain { token, robot, begins },
         What::Retire(robot) => Input::Retire { token, robot },
+        What::TakeRack(rack, node) => Input::TakeRack { token, rack, node },
         What::Hire(name) => Input::RegisterWorker { token, name },
         What::Clear(worker) => Input::ClearWorker { token, worker },
         What::Assign(worker, request) => Input::Assign { token, worker, request },

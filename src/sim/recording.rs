@@ -117,6 +117,7 @@ enum Other {
     RegisterAs(String, u32, String),
     Maintain(u64, u32, bool),
     Retire(u64, u32),
+    TakeRack(u64, u32, u32),
     Submit {
         token: u64,
         kind: LineKind,
@@ -276,6 +277,7 @@ fn asked(input: &Input) -> Other {
         Input::Register { name, kind, node, .. } => Other::RegisterAs(name.clone(), node.0, kind.clone()),
         Input::Maintain { token, robot, begins } => Other::Maintain(*token, robot.0, *begins),
         Input::Retire { token, robot } => Other::Retire(*token, robot.0),
+        Input::TakeRack { token, rack, node } => Other::TakeRack(*token, rack.0, node.0),
         Input::Submit { token, request } => submit(*token, request),
         Input::Cancel { token, job } => Other::Cancel(*token, job.0),
         Input::RegisterWorker { token, name } => Other::RegisterWorker(*token, name.clone()),
@@ -422,6 +424,9 @@ fn other(o: Other) -> Input {
         Other::RegisterAs(name, node, kind) => joins(name, kind, node),
         Other::Maintain(token, robot, begins) => Input::Maintain { token, robot: RobotId(robot), begins },
         Other::Retire(token, robot) => Input::Retire { token, robot: RobotId(robot) },
+        Other::TakeRack(token, rack, node) => {
+            Input::TakeRack { token, rack: RackId(rack), node: NodeId(node) }
+        }
         Other::Halt(token, robot) => Input::Halt { token, robot: robot.map(RobotId) },
         Other::Release(token, robot) => Input::Release { token, robot: robot.map(RobotId) },
         Other::Prioritise(token, job, priority) => Input::Prioritise { token, job: JobId(job), priority },

@@ -27,7 +27,6 @@ use std::sync::Arc;
 
 /// Robots of the scenario join with this token.
 const JOINS: u64 = FIRST_TOKEN | 1 << 60;
-
 /// Robots and people live side by side in steps of this length at most.
 const TICK: Span = Span::from_millis(20);
 
@@ -296,9 +295,8 @@ impl World {
     /// Puts a robot somewhere, for tests of what happens then.
     #[cfg(test)]
     pub fn put(&mut self, robot: RobotId, at: Point) {
-        let nodes = self.warehouse.nodes.pairs();
-        let nearest = nodes.min_by(|(_, a), (_, b)| (a.at - at).norm().total_cmp(&(b.at - at).norm()));
-        let nearest = nearest.expect("maps have nodes").0;
+        let off = |n: &NodeId| (self.warehouse.nodes[*n].at - at).norm();
+        let nearest = self.warehouse.nodes.ids().min_by(|a, b| off(a).total_cmp(&off(b))).expect("some node");
         let robot = &mut self.robots[robot.ix()];
         robot.body.put(at, nearest);
         robot.push_on = Some(self.now + Span::from_secs_f64(self.faults.repair_s));
@@ -310,6 +308,13 @@ impl World {
     pub fn load(&mut self, robot: RobotId, rack: Option<RackId>) {
         let robot = &mut self.robots[robot.ix()];
         (robot.body.rack, robot.had) = (rack, rack);
+    }
+
+    /// People take the rack off a robot and set it down, for tests of what happens then.
+    #[cfg(test)]
+    pub fn take_rack(&mut self, (rack, robot): (RackId, RobotId), node: NodeId) {
+        self.racks[rack] = RackAt::Stored(node);
+        self.load(robot, None);
     }
 
     /// Customers want nothing new from now on.

@@ -9,7 +9,7 @@ use super::people_record::{
 };
 use super::route_record::{BookingRecord, KeptRecord, MovedRecord};
 use crate::fleet::{Booking, Fact, KeptRoute, Moved, USUAL_KIND};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
 
@@ -157,6 +157,12 @@ enum Record {
         node: u32,
         at: i64,
     },
+    RackTaken {
+        robot: u32,
+        rack: u32,
+        node: u32,
+        at: i64,
+    },
     Hired {
         worker: u32,
         name: String,
@@ -270,9 +276,8 @@ impl From<&Fact> for Record {
             Fact::Retired { robot, at } => Record::Retired { robot: robot.0, at: at.0 },
             Fact::Left { robot, at } => Record::Left { robot: robot.0, at: at.0 },
             Fact::Returned { robot, kind, node, at } => record_returned(*robot, kind, *node, *at),
-            Fact::WorkerRegistered { worker, name, at } => {
-                Record::Hired { worker: worker.0, name: name.clone(), at: at.0 }
-            }
+            Fact::RackTaken { robot, rack, node, at } => record_taken(*robot, *rack, *node, *at),
+            Fact::WorkerRegistered { worker, name, at } => record_hired(*worker, name, *at),
             Fact::Assigned { assignment, worker, request: r, at } => {
                 Record::Assigned { assignment: assignment.0, worker: worker.0, request: r.into(), at: at.0 }
             }
@@ -318,6 +323,18 @@ fn maintenance(robot: u32, since: Option<i64>) -> Fact {
 
 fn returned(robot: u32, kind: String, node: u32, at: i64) -> Fact {
     Fact::Returned { robot: RobotId(robot), kind, node: NodeId(node), at: Time(at) }
+}
+
+fn record_hired(worker: WorkerId, name: &str, at: Time) -> Record {
+    Record::Hired { worker: worker.0, name: name.to_owned(), at: at.0 }
+}
+
+fn record_taken(robot: RobotId, rack: RackId, node: NodeId, at: Time) -> Record {
+    Record::RackTaken { robot: robot.0, rack: rack.0, node: node.0, at: at.0 }
+}
+
+fn rack_taken(robot: u32, rack: u32, node: u32, at: i64) -> Fact {
+    Fact::RackTaken { robot: RobotId(robot), rack: RackId(rack), node: NodeId(node), at: Time(at) }
 }
 
 fn kept(records: Vec<KeptRecord>) -> Vec<KeptRoute> {
@@ -367,6 +384,7 @@ impl From<Record> for Fact {
             Record::Retired { robot, at } => Fact::Retired { robot: RobotId(robot), at: Time(at) },
             Record::Left { robot, at } => Fact::Left { robot: RobotId(robot), at: Time(at) },
             Record::Returned { robot, kind, node, at } => returned(robot, kind, node, at),
+            Record::RackTaken { robot, rack, node, at } => rack_taken(robot, rack, node, at),
             Record::Hired { worker, name, at } => {
                 Fact::WorkerRegistered { worker: WorkerId(worker), name, at: Time(at) }
             }

@@ -19,7 +19,7 @@ pub mod walkway;
 
 pub use body::{Body, MOST_BODIES};
 pub use build::{Draft, DraftLane, DraftNode, DraftRack, DraftStation};
-pub use check::{Finding, Findings, room_for};
+pub use check::{Finding, Findings, ShutIn, room_for, shut_in, shut_in_text};
 pub use footprint::{Footprint, Hull};
 pub use generate::{Blocks, kiva, lab, mixed, thesis};
 pub use sketch::sketch;

@@ -111,3 +111,23 @@ fn map_check_lists_wrong_names_and_a_wrong_floor_at_once() {
     assert!(findings[0].ends_with("there is no node nowhere; add the node or correct the name"), "{said}");
     assert_eq!(findings[1], "nodes island: no lane touches them; add lanes or remove them");
 }
+
+#[test]
+fn map_check_warns_where_a_broken_robot_shuts_others_in_and_the_map_is_good_all_the_same() {
+    let folder = Folder::new();
+    let path = folder.path().join("lab.json");
+    std::fs::write(&path, formats::json::write(&map())).unwrap();
+    let checked = giveway(&["map", "check", path.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&checked.stdout);
+    assert_eq!(checked.status.code(), Some(0), "{said}");
+    let warnings: Vec<&str> = said.lines().filter(|l| l.starts_with("warning: ")).collect();
+    assert_eq!(warnings.len(), 1, "{said}");
+    assert!(
+        warnings[0].contains("if a robot breaks down there") && warnings[0].contains("add a lane"),
+        "{said}"
+    );
+    let checked = giveway(&["map", "check", path.to_str().unwrap(), "--json"]);
+    let found = &json_of(&checked)["findings"][0];
+    assert_eq!(found["shut_in"].as_array().map(Vec::len), Some(2), "{found}");
+    assert_eq!(json_of(&checked)["stations"], 1);
+}

@@ -65,6 +65,7 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(lists::stations))
         .routes(routes!(lists::robots, robots::register))
         .routes(routes!(robots::retire))
+        .routes(routes!(robots::take_rack))
         .routes(routes!(robots::maintain, robots::work_again))
         .routes(routes!(kinds::kinds))
         .routes(routes!(kinds::put, kinds::remove))

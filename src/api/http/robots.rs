@@ -1,7 +1,9 @@
 //! `POST /v1/robots`, `DELETE /v1/robots/{id}` and maintenance: robots that join, go to maintenance and come back, and
 //! leave.
 //!
-//! Main type: [`NewRobot`]. Refuses: to let a robot join where another one is, or is to be.
+//! Also what people do with the rack of a robot that cannot drive.
+//!
+//! Main types: [`NewRobot`], [`TakenRack`]. Refuses: to let a robot join where another one is, or is to be.
 
 use super::halt::done;
 use super::why::parse_robot;
@@ -33,6 +35,15 @@ pub struct NewRobot {
     kind: String,
     /// Id of the node on which it stands.
     #[schema(example = "C1-15")]
+    node: String,
+}
+
+/// Where people set a rack down.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TakenRack {
+    /// Id of the storage node on which it stands now.
+    #[schema(example = "s3")]
     node: String,
 }
 
@@ -121,4 +132,29 @@ pub async fn maintain(State(api): State<Api>, PathPart(id): PathPart) -> Result<
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn work_again(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     done(&api, What::Maintain(parse_robot(&api, &id)?, false)).await
+}
+
+/// Say that people took a rack off a robot that cannot drive, and where in storage it stands now. A delivery with this
+/// rack waits for another robot, and the robot can be taken off the floor.
+#[utoipa::path(post, path = "/v1/racks/{id}/taken", tag = "floor", request_body = TakenRack,
+    params(("id" = String, Path, example = "rack-1")), responses(
+    (status = 204, description = "It stands there, and that is durable"),
+    (status = 404, description = "There is no such rack", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 409, description = "The rack is on no robot, its robot can drive, or the node is taken", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, description = "There is no such node, or it is not a storage node", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn take_rack(
+    State(api): State<Api>,
+    PathPart(id): PathPart,
+    JsonBody(taken): JsonBody<TakenRack>,
+) -> Result<StatusCode, Problem> {
+    let unknown = || Problem::unknown("rack", format!("there is no rack {id:?}; GET /v1/racks lists all"));
+    let rack = api.map.rack_named(&id).ok_or_else(unknown)?;
+    let detail = || format!("there is no node {:?}; GET /v1/map lists them", taken.node);
+    let node = api.map.node_named(&taken.node);
+    let node = node.ok_or_else(|| Problem::invalid(vec![FieldError::new("node", detail())]))?;
+    done(&api, What::TakeRack(rack, node)).await
 }

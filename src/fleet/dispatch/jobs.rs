@@ -3,6 +3,7 @@
 //! Refuses: first come, first served; and to give a job to a robot that should charge first.
 
 use crate::fleet::dispatch::assignment::{NEVER, least_cost};
+use crate::fleet::dispatch::blocked::give_back_blocked;
 use crate::fleet::dispatch::charging::{give_back_jobs, rest};
 use crate::fleet::dispatch::leaving::let_leave;
 use crate::fleet::dispatch::maintenance::send_to_maintenance;
@@ -59,6 +60,7 @@ pub(in crate::fleet) fn assign(
 ) -> Vec<RobotId> {
     core.ledger.advance_queue(now);
     give_back_jobs(core, now);
+    give_back_blocked(core, needs, now);
     let_leave(core, now);
     send_to_maintenance(core, now);
     assign_named(core, planners, now);
@@ -66,7 +68,7 @@ pub(in crate::fleet) fn assign(
     let charger_is_free = floor.a_charger_is_free();
     let idle = floor.idle_robots(now).into_iter();
     let (working, mut resting): (Vec<RobotId>, Vec<RobotId>) =
-        idle.partition(|r| floor.is_charged(*r, charger_is_free));
+        idle.partition(|r| floor.is_charged(*r, charger_is_free) && !floor.is_shut_in(*r));
     resting.extend(assign_racks(core, needs, working, now));
     rest(core, resting, now)
 }
@@ -160,20 +162,20 @@ fn candidates(
         }
         let is_open = |id: &JobId| !floor.job_is_closed_off(&floor.ledger.jobs[id].request.kind, node);
         // Only relocations in one line have goals of their own: behind one that is closed may be one that is not.
-        let is_shut = floor.is_closing(node) || floor.ledger.jobs[&id].request.kind.station().is_some();
+        let is_shut = floor.is_shut_off(node) || floor.ledger.jobs[&id].request.kind.station().is_some();
         let others = queue.behind(id).take_while(|_| !is_shut);
         if let Some(id) = std::iter::once(id).chain(others).find(is_open) {
             seen.insert(rack);
             found.push((id, rack, node, queue.urgency_ms(id, now, &oldest)));
-        } else if floor.is_closing(node) {
+        } else if floor.is_shut_off(node) {
             seen.insert(rack);
         }
     }
     found
 }
 
-/// Stations for which enough robots wait with their racks, or which are paused: fetching another rack now would
-/// leave its robot waiting while others need it.
+/// Stations for which enough robots wait with their racks, or which are paused, or blocked for long by a robot that
+/// cannot drive: fetching another rack now would leave its robot waiting while others need it.
 pub(in crate::fleet) fn stations_with_enough(
     floor: Floor<'_>,
     needs: &Needs,
@@ -189,7 +191,8 @@ pub(in crate::fleet) fn stations_with_enough(
     let enough = |s: StationId, longest: Span| enough(places(s), needs.set_off.get(&s).copied(), longest);
     let paused = floor.ledger.paused_stations.keys().copied();
     let full = waiting.pairs().filter(|(s, w)| w.0 >= enough(*s, w.1)).map(|(s, _)| s);
-    full.chain(paused).collect()
+    let blocked = floor.restrictions.cut_off.blocked_for_long(now);
+    full.chain(paused).chain(blocked).collect()
 }
 
 impl Floor<'_> {
@@ -208,11 +211,12 @@ impl Floor<'_> {
     }
 
     /// How long the robot's way to a rack takes, milliseconds; nothing if another robot stands there for ever, or the
-    /// robot is not of a kind for the job, or its charge does not last for it.
+    /// robot is not of a kind for the job, or its charge does not last for it, or a broken robot stands between.
     fn way_ms(&self, robot: RobotId, job: JobId, (rack, node): (RackId, NodeId)) -> Option<i64> {
         let kind = &self.ledger.jobs[&job].request.kind;
         if self.ledger.resident(node).is_some_and(|r| r != robot)
             || !kind.is_for(self.warehouse(), self.body(robot), (rack, node))
+            || !self.restrictions.cut_off.may_fetch(self.ledger.node_of(robot), node)
         {
             return None;
         }

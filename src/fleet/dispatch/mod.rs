@@ -4,6 +4,7 @@
 //! Refuses: to plan routes, and to keep anything in mind from step to step.
 
 pub(in crate::fleet) mod assignment;
+pub(in crate::fleet) mod blocked;
 pub(in crate::fleet) mod charging;
 pub(in crate::fleet) mod idle;
 pub(in crate::fleet) mod jobs;

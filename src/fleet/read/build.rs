@@ -28,7 +28,9 @@ impl Fleet {
         let (workers, closures) = (self.worker_views(now), self.floor().closure_views());
         let charger_is_free = self.floor().a_charger_is_free();
         let idle = self.floor().idle_robots(now).into_iter();
-        let free = idle.filter(|r| self.floor().is_charged(*r, charger_is_free));
+        let works =
+            |r: &RobotId| self.floor().is_charged(*r, charger_is_free) && !self.floor().is_shut_in(*r);
+        let free = idle.filter(works);
         let mut of_kind: BTreeMap<BodyId, usize> = BTreeMap::new();
         free.for_each(|r| *of_kind.entry(self.floor().body(r)).or_default() += 1);
         let kinds = self.core.ledger.present().map(|r| self.floor().body(r)).collect();
@@ -36,6 +38,7 @@ impl Fleet {
         let (blocked, stopped) = (self.floor().blocked(), self.core.ledger.stopped);
         let full = stations_with_enough(self.floor(), &self.traffic.needs, now);
         let paused_stations = self.core.ledger.paused_stations.clone();
+        let cut_off = self.core.restrictions.cut_off.clone();
         let closing = self.core.restrictions.closing_nodes();
         View {
             now,
@@ -48,6 +51,7 @@ impl Fleet {
             kinds,
             free: of_kind,
             full,
+            cut_off,
             paused_stations,
             closing,
             stopped,

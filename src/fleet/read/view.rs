@@ -3,6 +3,7 @@
 //! Main types: [`View`], [`RobotView`], [`JobWhy`]. Made on demand by [`crate::fleet::Fleet::view`], since
 //! a simulation of an hour needs none of the 36 000 it could have. Refuses: to be an input of any decision.
 
+use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::job::{Job, JobKind, JobState};
@@ -15,6 +16,7 @@ use crate::id::{BodyId, Dense, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::Time;
 use crate::warehouse::{NodeKind, Warehouse};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// The fleet at one moment.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -39,6 +41,8 @@ pub struct View {
     pub free: BTreeMap<BodyId, usize>,
     /// Stations for which no more racks are fetched at present.
     pub full: BTreeSet<StationId>,
+    /// What robots that cannot drive cut off.
+    pub cut_off: Arc<CutOff>,
     /// Stations at which nobody picks, since when.
     pub paused_stations: BTreeMap<StationId, Time>,
     /// Nodes that are closed, or will be soon.
@@ -172,10 +176,14 @@ pub enum JobWhy {
     StationFull(StationId),
     /// Nobody picks at the station.
     StationPaused(StationId),
+    /// A robot that cannot drive stands at the station, in its queue or on the way out.
+    StationBlocked(StationId, RobotId),
     /// The rack, or where it is to go, is closed off, or will be soon.
     ClosedOff,
     /// A robot that cannot take the job stands beneath the rack.
     RackBlocked(RackId, RobotId),
+    /// A robot that cannot drive stands on the only way to the rack, or to where it is to go.
+    WayBlocked(RobotId),
     /// No charger, or no parking place, is free.
     NoPlace(NodeKind),
     /// The robot that the customer named has too little charge for it.
@@ -228,6 +236,12 @@ impl View {
             JobKind::Deliver { station, .. } if self.paused_stations.contains_key(station) => {
                 return Some(JobWhy::StationPaused(*station));
             }
+            JobKind::Deliver { station, .. }
+                if self.cut_off.blocks_for_long(*station, self.now).is_some() =>
+            {
+                let robot = self.cut_off.blocks_for_long(*station, self.now)?;
+                return Some(JobWhy::StationBlocked(*station, robot));
+            }
             JobKind::Deliver { station, .. } if self.full.contains(station) => {
                 return Some(JobWhy::StationFull(*station));
             }
@@ -235,9 +249,23 @@ impl View {
             _ if closed(&node) => return Some(JobWhy::ClosedOff),
             _ => {}
         }
+        if let Some(robot) = self.cut_off.blocks_job(map, kind, node) {
+            return Some(JobWhy::WayBlocked(robot));
+        }
         let stays = |r: &RobotView| r.held.last().or(r.granted.last()) == Some(&node);
         let blocked = self.robots.iter().position(stays).map(|r| JobWhy::RackBlocked(rack, RobotId::at(r)));
-        blocked.or((!self.free.keys().any(fits)).then_some(JobWhy::NoRobot))
+        blocked
+            .or((!self.free.keys().any(fits)).then_some(JobWhy::NoRobot))
+            .or_else(|| self.out_of_reach(map, node))
+    }
+
+    /// Whether all robots without a task are cut off from a rack.
+    fn out_of_reach(&self, map: &Warehouse, node: NodeId) -> Option<JobWhy> {
+        let idle =
+            self.robots.iter().filter(|r| r.task == Task::Idle && !r.why.is_some_and(Why::is_by_itself));
+        let mut places = idle.filter_map(|r| r.granted.first());
+        let none = !self.cut_off.is_empty() && places.all(|here| !self.cut_off.may_fetch(*here, node));
+        if none { self.cut_off.first_met(map, node).map(JobWhy::WayBlocked) } else { None }
     }
 
     /// The robot that carries a rack, or is on its way to it.

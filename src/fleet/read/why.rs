@@ -128,6 +128,7 @@ impl Fleet {
                 Some(robot)
             }
             JobWhy::RackBlocked(_, robot) | JobWhy::RobotLow(robot) => Some(robot),
+            JobWhy::StationBlocked(_, robot) | JobWhy::WayBlocked(robot) => Some(robot),
             JobWhy::After(_)
             | JobWhy::NoRobot
             | JobWhy::NoKind

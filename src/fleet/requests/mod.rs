@@ -1,5 +1,5 @@
 //! What is asked for becomes a fact or a refusal: jobs, robots that join, workers and their assignments, closures, what
-//! operators and stations say.
+//! operators, stations and people beside broken robots say.
 //!
 //! Main function: [`absorb()`]; it gives what others are to hear, [`Heard`](crate::fleet::state::heard::Heard).
 //! Refuses: to decide anything about robots.
@@ -8,6 +8,7 @@ mod absorb;
 mod enrolment;
 mod intake;
 mod operator;
+mod racks;
 mod station;
 mod workers;
 

@@ -33,6 +33,7 @@ impl Intake<'_> {
             }
             Input::Maintain { token, robot, begins } => (token, self.maintain(token, robot, begins, now)),
             Input::Retire { token, robot } => (token, self.retire(token, robot, now)),
+            Input::TakeRack { token, rack, node } => (token, self.take_rack_off(token, rack, node, now)),
             Input::Prioritise { token, job, priority } => (token, self.prioritise(token, job, priority, now)),
             _ => unreachable!("telemetry, sightings and jobs are taken in elsewhere"),
         };

@@ -278,6 +278,18 @@ pub enum Fact {
         /// When.
         at: Time,
     },
+    /// People took the rack off a robot that cannot drive, and set it down on a storage node. What the robot was to do
+    /// with it is not done any more.
+    RackTaken {
+        /// The robot.
+        robot: RobotId,
+        /// The rack.
+        rack: RackId,
+        /// Where it stands now.
+        node: NodeId,
+        /// When.
+        at: Time,
+    },
 }
 
 /// Visits of one robot that have other times now.
@@ -459,7 +471,8 @@ impl Fact {
             | Fact::Maintenance { robot, .. }
             | Fact::Retired { robot, .. }
             | Fact::Left { robot, .. }
-            | Fact::Returned { robot, .. } => Some(*robot),
+            | Fact::Returned { robot, .. }
+            | Fact::RackTaken { robot, .. } => Some(*robot),
             Fact::Routed { bookings } => match &bookings[..] {
                 [only] => Some(only.robot),
                 _ => None,

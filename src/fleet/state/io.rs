@@ -48,6 +48,15 @@ pub enum Input {
         /// Which.
         robot: RobotId,
     },
+    /// People took a rack off a robot that cannot drive, and set it down.
+    TakeRack {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        rack: RackId,
+        /// The storage node where it stands now.
+        node: NodeId,
+    },
     /// A customer wants a job done.
     Submit {
         /// Comes back with the reply.
@@ -159,6 +168,7 @@ impl Input {
             Input::Register { token, .. }
             | Input::Maintain { token, .. }
             | Input::Retire { token, .. }
+            | Input::TakeRack { token, .. }
             | Input::Submit { token, .. }
             | Input::Cancel { token, .. }
             | Input::RegisterWorker { token, .. }
@@ -418,6 +428,10 @@ pub enum Refusal {
     RobotIsGone(RobotId),
     /// Another robot holds the node, or is promised it.
     PlaceTaken(NodeId),
+    /// The rack is on no robot.
+    RackIsStored(RackId),
+    /// The robot with the rack can drive: it sets it down itself.
+    RobotCanDrive(RobotId),
 }
 
 /// What one step did.

@@ -135,8 +135,8 @@ pub fn next(kind: &JobKind, from: JobStage, event: JobEvent) -> Option<JobStage>
         (Put, Carrying, JobEvent::SetDown) => Done,
         (Send, Assigned, JobEvent::Arrived) => Done,
         (_, Assigned, JobEvent::GivenBack) => Waiting,
-        // Its robot was to go on to another station with the rack, but set it down before it found a way there.
-        (Deliver, Carrying, JobEvent::GivenBack) => Waiting,
+        // The robot found no way on, to a station or past one that cannot drive, and set the rack down in storage.
+        (Deliver | Put, Carrying, JobEvent::GivenBack) => Waiting,
         _ => return None,
     };
     Some(to)

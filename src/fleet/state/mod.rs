@@ -6,6 +6,7 @@
 pub(in crate::fleet) mod binding;
 pub(in crate::fleet) mod closed_areas;
 pub(in crate::fleet) mod core;
+pub mod cut_off;
 pub mod displaced;
 pub mod fact;
 pub(in crate::fleet) mod fault;

@@ -15,7 +15,8 @@ pub(in crate::fleet) struct Need {
     pub tries: u32,
     /// Since when searches have failed, while it was its turn.
     pub fails_since: Option<Time>,
-    /// The robot most in the way of the route that it would have if others made way, when that was looked at last.
+    /// The robot most in the way of the route that it would have if others made way, when that was looked at last; one
+    /// that cannot drive if there is no route past it.
     pub behind: Option<RobotId>,
 }
 

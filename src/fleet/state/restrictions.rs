@@ -4,12 +4,14 @@
 //! Main type: [`Restrictions`]. Refuses: to say what a robot does about it.
 
 use crate::fleet::state::closed_areas::Areas;
+use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::regions::{KindConditions, KindRegions};
 use crate::human::Whereabouts;
 use crate::id::{IdVec, NodeId, WorkerId};
 use crate::time::Time;
 use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// Where robots may not go, or only at a price, from now on.
 #[derive(Clone, Debug)]
@@ -21,6 +23,8 @@ pub(in crate::fleet) struct Restrictions {
     /// Nodes that are as good as closed, with when that began: a person or a displaced robot has been standing there
     /// for long, or a robot found the node obstructed.
     pub closing: BTreeMap<NodeId, Time>,
+    /// What robots that cannot drive cut off.
+    pub cut_off: Arc<CutOff>,
     /// Where each worker is, if on the floor.
     pub workers: IdVec<WorkerId, Option<Whereabouts>>,
     /// Workers who stand to let a robot pass.
@@ -34,6 +38,7 @@ impl Restrictions {
             conditions: KindConditions::none(warehouse, regions),
             areas: Areas::default(),
             closing: BTreeMap::new(),
+            cut_off: Arc::default(),
             workers: IdVec::new(),
             let_pass: BTreeSet::new(),
         }

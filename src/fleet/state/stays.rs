@@ -15,7 +15,7 @@ impl Floor<'_> {
     /// The storage node for a rack that comes from `from`: the way there now, plus the way from there to a station
     /// as often as the rack is wanted, minus what the place is worth to other racks. `choice` counts down the list,
     /// for a robot that found no way to the first. The robot's own place is among the candidates; places that are
-    /// closed by hand, or will be soon, come last.
+    /// closed by hand, or will be soon, and those that a broken robot cuts off come last.
     pub(in crate::fleet) fn best_storage(
         &self,
         robot: RobotId,
@@ -25,7 +25,8 @@ impl Floor<'_> {
     ) -> NodeId {
         let heat = self.ledger.wishes.heat(rack);
         let at = |n: NodeId| self.warehouse().nodes[n].at;
-        let closed = |n: NodeId| if self.is_closing(n) { CLOSED_M } else { 0.0 };
+        let shut = |n: NodeId| self.is_closing(n) || self.is_cut_off_from(robot, n);
+        let closed = |n: NodeId| if shut(n) { CLOSED_M } else { 0.0 };
         let cost =
             |n: NodeId| along_axes(at(from), at(n)) + (heat - 1.0) * self.storage.to_station_m[n] + closed(n);
         let free = self.storage.nodes.iter().copied().filter(|n| self.may_be_at(robot, *n));
@@ -59,7 +60,8 @@ impl Floor<'_> {
             None => &[NodeKind::Parking, NodeKind::Charger, NodeKind::Storage],
         };
         let free = kinds.iter().flat_map(|kind| self.ledger.index().places.free_for(robot, *kind));
-        let free = free.filter(|n| !self.is_closing(*n) && self.may_be_at(robot, *n));
+        let is_open = |n: NodeId| !self.is_closing(n) && !self.is_cut_off_from(robot, n);
+        let free = free.filter(|n| is_open(*n) && self.may_be_at(robot, *n));
         let room = |n: &NodeId| rack.is_none_or(|k| !self.is_taken_storage(*n, k, robot));
         let mut near: Vec<(i64, NodeId)> = free.filter(room).map(|n| (far(n), n)).collect();
         near.sort_unstable();
@@ -69,6 +71,7 @@ impl Floor<'_> {
     fn nearest_free(&self, robot: RobotId, kind: NodeKind, fits: impl Fn(NodeId) -> bool) -> Option<NodeId> {
         let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;
         let free = self.ledger.index().places.free_for(robot, kind).filter(|n| !self.is_closing(*n));
+        let free = free.filter(|n| !self.is_cut_off_from(robot, *n));
         let free = free.filter(|n| self.may_be_at(robot, *n) && fits(*n));
         free.min_by_key(|n| ((along_axes(here, self.warehouse().nodes[*n].at) * 1000.0) as i64, *n))
     }
@@ -91,6 +94,11 @@ impl Floor<'_> {
         let places = &self.ledger.index().places;
         let empty = |n: NodeId| places.rack_on(n).is_none() && !places.is_wanted(n);
         self.nearest_free(robot, NodeKind::Storage, empty)
+    }
+
+    /// Whether a robot that cannot drive stands between a robot and a storage node.
+    fn is_cut_off_from(&self, robot: RobotId, node: NodeId) -> bool {
+        self.restrictions.cut_off.is_between(self.ledger.node_of(robot), node)
     }
 
     /// Whether a storage node cannot be promised to `rack` on `robot`.

@@ -49,14 +49,26 @@ impl Floor<'_> {
         here == NodeKind::Charger && !gets_none()
     }
 
-    /// Whether a job leads to a place that is closed, or will be soon.
+    /// Whether robots that cannot drive cut a robot off from all stations.
+    pub fn is_shut_in(&self, robot: RobotId) -> bool {
+        let (here, loaded) = (self.ledger.node_of(robot), self.ledger.rack_on(robot).is_some());
+        self.restrictions.cut_off.is_shut_in(here, loaded)
+    }
+
+    /// Whether a place is closed, or will be soon, or is storage that broken robots cut off from all stations.
+    pub fn is_shut_off(&self, node: NodeId) -> bool {
+        self.is_closing(node) || self.restrictions.cut_off.storage().contains_key(&node)
+    }
+
+    /// Whether a job leads to a place that is closed, or will be soon, or is cut off.
     pub fn job_is_closed_off(&self, kind: &JobKind, rack_at: NodeId) -> bool {
         let goal = match *kind {
             JobKind::Deliver { station, .. } => Some(self.warehouse().stations[station].node),
             JobKind::Relocate { node, .. } => Some(node),
             _ => None,
         };
-        self.is_closing(rack_at) || goal.is_some_and(|n| self.is_closing(n))
+        let is_blocked = || self.restrictions.cut_off.blocks_job(self.warehouse(), kind, rack_at).is_some();
+        self.is_shut_off(rack_at) || goal.is_some_and(|n| self.is_shut_off(n)) || is_blocked()
     }
 
     /// What a robot does at the stop where it is, if that is not done yet.
@@ -84,6 +96,12 @@ impl Floor<'_> {
                 !record.stops.iter().any(|s| s.act == Act::Arrive && at(s.serial) == Some(goal))
             }
         }
+    }
+
+    /// Whether a robot stands at the end of its route.
+    pub fn rests(&self, robot: RobotId) -> bool {
+        let chain = self.ledger.chain(robot);
+        chain.first() + 1 == chain.end()
     }
 
     /// The station that a robot carries its rack to.

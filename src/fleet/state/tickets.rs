@@ -128,7 +128,7 @@ impl Floor<'_> {
                 _ => None,
             };
             let under_way = || self.station_of(robot).filter(|_| !failed && !self.lacks_route(robot));
-            if let Some(station) = there.or_else(under_way) {
+            if let Some(station) = under_way().or(there) {
                 bound[station] += 1;
             }
         }

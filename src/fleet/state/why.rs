@@ -31,7 +31,7 @@ pub enum Why {
     Unplugged,
     /// It stands where nothing is held for it, or does not carry what it should.
     Displaced(Displacement),
-    /// This displaced robot stands on its way.
+    /// This robot, which is displaced or cannot drive, stands on its way, and it finds no way round.
     BlockedBy(RobotId),
     /// Something stands on this node on its way, as another robot reported.
     WayObstructed(NodeId),

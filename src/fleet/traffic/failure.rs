@@ -1,4 +1,5 @@
-//! Robots that stand for good: what others take over from them, and which robots' routes that changes.
+//! Robots that stand for good: what others take over from them, which robots' routes that changes, and what they cut
+//! off.
 //!
 //! Refuses: to say when a robot has failed.
 
@@ -34,4 +35,11 @@ pub(in crate::fleet) fn give_up(core: &mut Core, robot: RobotId, now: Time) {
         }
     }
     truncate_behind(core, robot);
+}
+
+/// Notes which stations and storage nodes robots that cannot drive cut off. To be called in every step.
+pub(in crate::fleet) fn note_cut_off(core: &mut Core, now: Time) {
+    if let Some(anew) = core.restrictions.cut_off.anew(&core.ledger, &core.scene, now) {
+        core.restrictions.cut_off = anew.into();
+    }
 }

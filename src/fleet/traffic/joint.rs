@@ -6,6 +6,7 @@
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::traffic::state::Traffic;
+use crate::fleet::traffic::truncate::robot_of;
 use crate::id::RobotId;
 use crate::route::Route;
 use crate::time::Time;
@@ -25,9 +26,9 @@ impl Traffic {
             return false;
         }
         let start = (core.settings.stopwatch)();
-        let others = self.influencers(core, robot, now);
+        let (others, broken) = self.influencers(core, robot, now);
         if let Some(need) = self.needs.waiting.get_mut(&robot) {
-            need.behind = others.first().copied();
+            need.behind = others.first().copied().or(broken);
         }
         assert!(others.len() <= OTHERS && !others.contains(&robot), "{robot:?} moves {others:?}");
         let mut best: Option<(i64, Vec<Found>)> = None;
@@ -50,8 +51,8 @@ impl Traffic {
     }
 
     /// Robots whose holds meet the windows of the route that `robot` would have if they all made way, most in the way
-    /// first.
-    fn influencers(&mut self, core: &mut Core, robot: RobotId, now: Time) -> Vec<RobotId> {
+    /// first. If no route is left then, the robot that cannot drive and is in the way of one.
+    fn influencers(&mut self, core: &mut Core, robot: RobotId, now: Time) -> (Vec<RobotId>, Option<RobotId>) {
         let fit = |r: &RobotId| !core.ledger.robots[*r].failed && core.scene.fit(*r, now).is_some();
         let busy = |r: &RobotId| core.floor().next_stop_is_granted(*r);
         let movable = |r: &RobotId| *r != robot && fit(r) && !busy(r) && !core.floor().waits_for_room(*r);
@@ -60,7 +61,9 @@ impl Traffic {
         for r in movable.iter().chain([&robot]) {
             without.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);
         }
-        let Some(route) = self.search_on(core, &without, robot, now) else { return Vec::new() };
+        let Some(route) = self.search_on(core, &without, robot, now) else {
+            return (Vec::new(), self.broken_in_the_way(core, without, robot, now));
+        };
         let mut met: BTreeMap<RobotId, usize> = BTreeMap::new();
         for visit in &route.visits {
             let (timeline, own) = (core.ledger.timeline(), Holder::Robot(robot));
@@ -75,7 +78,35 @@ impl Traffic {
         ranked.retain(|(_, r)| movable.contains(r));
         // A robot that stands in the way for ever meets few windows, but no order helps while it does.
         ranked.sort_by_key(|(n, r)| (!core.floor().lacks_route(*r), std::cmp::Reverse(*n), *r));
-        ranked.into_iter().take(OTHERS).map(|(_, r)| r).collect()
+        (ranked.into_iter().take(OTHERS).map(|(_, r)| r).collect(), None)
+    }
+
+    /// The first robot that cannot drive on the route that a robot would have if there were none of these, on a
+    /// timeline without those that can.
+    fn broken_in_the_way(
+        &mut self,
+        core: &mut Core,
+        mut without: Timeline,
+        robot: RobotId,
+        now: Time,
+    ) -> Option<RobotId> {
+        let broken: Vec<RobotId> = core.ledger.present().filter(|r| core.ledger.robots[*r].failed).collect();
+        if broken.is_empty() {
+            return None;
+        }
+        broken.iter().for_each(|r| without.remove(Holder::Robot(*r)));
+        let route = self.search_on(core, &without, robot, now)?;
+        let (timeline, own) = (core.ledger.timeline(), Holder::Robot(robot));
+        let on = |node| {
+            let line = timeline.line(
+                own,
+                core.ledger.rack_on(robot).is_some(),
+                core.warehouse().node_resource(node),
+            );
+            let held = timeline.held_by_others(line, own).map(|h| robot_of(h.holder));
+            held.filter(|r| broken.contains(r)).min()
+        };
+        route.visits.iter().find_map(|v| on(v.node))
     }
 
     /// Plans robots one after the other, each against those before it; gives the sum of their arrivals.

@@ -130,7 +130,12 @@ impl Traffic {
                 (best != store).then_some(Task::Deliver { job, rack, station, store: best })
             }
             Task::Store { job, rack, store } if tries > 0 && !core.floor().is_relocation(job) => {
-                let best = core.floor().best_storage(robot, rack, core.ledger.node_of(robot), tries);
+                let here = core.ledger.node_of(robot);
+                // Where it stands already, it can set the rack down whatever is in its way.
+                if store == here {
+                    return;
+                }
+                let best = core.floor().best_storage(robot, rack, here, tries);
                 (best != store).then_some(Task::Store { job, rack, store: best })
             }
             _ => None,

@@ -43,12 +43,14 @@ impl Traffic {
         robots.iter().for_each(|robot| truncate_behind(core, *robot));
     }
 
-    /// A robot whose turn has not come leaves for a place to stay if it stands where it may not.
+    /// A robot whose turn has not come, and that has lost its route, leaves for a place to stay if it stands where it may
+    /// not: it waits where it is in the way of no other.
     pub(super) fn wait_for_turn(&mut self, core: &mut Core, robot: RobotId, now: Time) {
         let need = self.needs.waiting.get_mut(&robot).expect("it is in need");
         need.fails_since = None;
-        let may_stay = core.warehouse().kind(core.ledger.node_of(robot)).is_lasting();
-        if !may_stay && !core.floor().is_in_line(robot) {
+        let here = core.warehouse().kind(core.ledger.node_of(robot));
+        let may_stay = here.is_lasting() || matches!(here, NodeKind::Station(_));
+        if !may_stay && core.floor().rests(robot) {
             need.next_try = now + AGAIN;
             self.step_out(core, robot, None, now);
         }

@@ -97,7 +97,14 @@ impl<'a> RobotWaits<'a> {
         let needs = &self.traffic.needs;
         let is_full = |_: &StationId| !needs.has_its_turn(self.floor, robot, &self.bound, self.now);
         let full = self.floor.station_of(robot).filter(is_full);
-        full.map(Why::QueueFull).or_else(|| needs.failed_before(robot).then_some(Why::NoRoute))
+        let in_vain = || needs.failed_before(robot).then(|| self.no_route(robot));
+        full.map(Why::QueueFull).or_else(in_vain)
+    }
+
+    /// Its searches fail: because of a robot that cannot drive, or of others that can.
+    fn no_route(&self, robot: RobotId) -> Why {
+        let broken = self.in_the_way(robot).filter(|r| self.floor.ledger.robots[*r].failed);
+        broken.map_or(Why::NoRoute, Why::BlockedBy)
     }
 
     /// It was told to stand for a worker.
@@ -177,12 +184,6 @@ impl<'a> RobotWaits<'a> {
 }
 
 impl Floor<'_> {
-    /// Whether a robot stands at the end of its route.
-    fn rests(&self, robot: RobotId) -> bool {
-        let chain = self.ledger.chain(robot);
-        chain.first() + 1 == chain.end()
-    }
-
     /// Robots at stations, in their queues and on their way there: by station, foremost first.
     fn turns_at_stations(&self) -> Vec<(StationId, usize, RobotId)> {
         let mut turns = Vec::new();
@@ -194,7 +195,10 @@ impl Floor<'_> {
                     let here = self.ledger.node_of(robot);
                     Some((s, 1 + queue.iter().position(|n| *n == here).unwrap_or(queue.len())))
                 }
-                _ => self.station_of(robot).filter(|_| !self.lacks_route(robot)).map(|s| (s, usize::MAX)),
+                _ => {
+                    let drives = !self.lacks_route(robot) && !self.ledger.robots[robot].failed;
+                    self.station_of(robot).filter(|_| drives).map(|s| (s, usize::MAX))
+                }
             };
             turns.extend(turn.map(|(station, place)| (station, place, robot)));
         }

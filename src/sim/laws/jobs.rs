@@ -179,6 +179,7 @@ fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) 
             let there = w_station(fleet, station);
             ledger.present().any(|r| ledger.node_of(r) == there || works(r))
         }
+        JobWhy::StationBlocked(_, robot) | JobWhy::WayBlocked(robot) => ledger.robots[robot].failed,
         JobWhy::StationPaused(station) => ledger.paused_stations.contains_key(&station),
         JobWhy::ClosedOff => {
             let displaced = || ledger.present().any(|r| fleet.displacement(r).is_some());

@@ -1,16 +1,18 @@
 //! The law that no robot stands for ever: one with a task gets on with it, or waits its turn in a line that moves.
 //!
-//! Main type: [`ProgressLaws`]. Refuses: to excuse a robot because it has a reason; a line that stands is no excuse.
+//! Main type: [`ProgressLaws`]. A robot behind one that truly cannot drive waits for the person who repairs that one.
+//! Refuses: to excuse a robot because it has any other reason; a line that stands is no excuse.
 
 use super::violation::{STUCK, Violation};
-use crate::fleet::{Fleet, Task, Why};
+use crate::fleet::{Edge, Fleet, Party, Task, Why};
 use crate::id::{RobotId, StationId};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
 
 /// Every how many steps lines at stations are looked at.
 const LOOKS_EVERY: u64 = 100;
-/// A robot's turn at a station comes within this, however many racks are wanted there.
+/// A robot's turn at a station comes within this, however many racks are wanted there; so does the repair of one that
+/// is in its way.
 const TURN: Span = Span::from_secs(3600);
 
 /// How far each robot has come, and which stations serve.
@@ -55,7 +57,8 @@ impl ProgressLaws {
         broken
     }
 
-    /// A robot that waits with its rack until its station has room waits its turn while the station serves others.
+    /// A robot that waits with its rack until its station has room waits its turn while the station serves others. One
+    /// behind a broken robot waits for the repair.
     fn look_at_lines(&mut self, now: Time, fleet: &Fleet) {
         for (station, served) in fleet.ledger().served.pairs() {
             let known = self.served.entry(station).or_insert((*served, now));
@@ -67,11 +70,25 @@ impl ProgressLaws {
             if now - stood.since > TURN || stood.unexcused == now {
                 continue;
             }
-            if let Some(Why::QueueFull(station)) = fleet.why(*robot)
-                && now - self.served[&station].1 < STUCK
-            {
+            let in_line = |s: &StationId| now - self.served[s].1 < STUCK;
+            let in_moving_line =
+                matches!(fleet.why(*robot), Some(Why::QueueFull(station)) if in_line(&station));
+            if in_moving_line || is_behind_broken(fleet, *robot) {
                 stood.unexcused = now;
             }
         }
     }
+}
+
+/// Whether what a robot waits for leads to one that cannot drive.
+fn is_behind_broken(fleet: &Fleet, robot: RobotId) -> bool {
+    let mut at = robot;
+    for _ in 0..fleet.ledger().robots.len() {
+        match fleet.wait(Party::Robot(at)).edge {
+            Edge::On(Party::Robot(next)) if fleet.ledger().robots[next].failed => return true,
+            Edge::On(Party::Robot(next)) => at = next,
+            _ => return false,
+        }
+    }
+    false
 }

@@ -93,6 +93,7 @@ fn untrue(fleet: &Fleet, robot: RobotId) -> Option<Why> {
             let turn = ledger.timeline().waits_for(Holder::Robot(robot), ledger.chain(robot).granted());
             turn == Some((resource, holder))
         }
+        Why::BlockedBy(other) => ledger.robots[other].failed || fleet.displacement(other).is_some(),
         _ => true,
     };
     (!is_so).then_some(why)

@@ -1,16 +1,19 @@
 //! What is wrong with a map: every problem at once, each with its place and its remedy.
 //!
 //! Main types: [`Finding`], [`Findings`]. `draft` looks at names and numbers before ids exist; `floor` looks
-//! at the finished graph and asks whether robots can always get on (DESIGN §5, invariant a). Refuses: to
-//! stop at the first problem, and to mend anything itself.
+//! at the finished graph and asks whether robots can always get on (DESIGN §5, invariant a); `shut_in` warns of places
+//! from which robots cannot leave past one that broke down. Refuses: to stop at the first problem, and to mend anything
+//! itself.
 
 mod draft;
 mod floor;
+mod shut_in;
 #[cfg(test)]
 mod tests;
 
 pub(super) use draft::{names_and_numbers, without_bad_parts};
 pub(super) use floor::well_formed;
+pub use shut_in::{ShutIn, shut_in, shut_in_text};
 
 use super::Warehouse;
 use std::collections::BTreeSet;

@@ -8,7 +8,7 @@ use crate::fleet::state::fact::{Act, Booking, Fact, KeptRoute, Task};
 use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState};
 use crate::fleet::state::life::{self, JobStage, Work};
 use crate::fleet::state::worker::{Assignment, AssignmentRequest, AssignmentState};
-use crate::id::{AssignmentId, JobId, NodeId, RobotId, WorkerId};
+use crate::id::{AssignmentId, JobId, NodeId, RackId, RobotId, WorkerId};
 use crate::time::Time;
 use crate::timeline::{self, Holder, Visit};
 
@@ -105,6 +105,7 @@ impl Ledger {
             }
             Fact::Left { robot, at } => self.leave(*robot, *at),
             Fact::Returned { robot, kind, node, at } => self.come_back(*robot, kind, *node, *at),
+            Fact::RackTaken { robot, rack, node, .. } => self.take_rack(*robot, *rack, *node),
             Fact::Halted { robot, at } => *self.halted(*robot) = Some(*at),
             Fact::Released { robot, .. } => {
                 *self.halted(*robot) = None;
@@ -301,6 +302,14 @@ impl Ledger {
             }
             Act::Pick(_) | Act::Arrive => {}
         }
+    }
+
+    /// People set a rack down that was on a robot.
+    fn take_rack(&mut self, robot: RobotId, rack: RackId, node: NodeId) {
+        assert_eq!(self.promises.racks[rack], RackAt::On(robot), "{robot:?} had {rack:?} on it");
+        assert_eq!(self.index.places.rack_on(node), None, "one rack on a node");
+        self.promises.racks[rack] = RackAt::Stored(node);
+        self.promises.robots[robot].stops.clear();
     }
 
     fn truncate(&mut self, robots: &[KeptRoute]) {

@@ -54,7 +54,11 @@ impl Ledger {
 
     /// The rack that a fact lifts or sets down. To be asked before the fact is taken in.
     pub(super) fn rack_moved_by(&self, fact: &Fact) -> Option<RackId> {
-        let Fact::Acted { robot, .. } = fact else { return None };
+        let robot = match fact {
+            Fact::Acted { robot, .. } => robot,
+            Fact::RackTaken { rack, .. } => return Some(*rack),
+            _ => return None,
+        };
         match self.promises.robots[*robot].stops.first()?.act {
             Act::Lift(rack) | Act::Set(rack) => Some(rack),
             Act::Pick(_) | Act::Arrive => None,

@@ -1,0 +1,68 @@
+//! People take a rack off a robot that cannot drive, and say where they set it down.
+//!
+//! Main function: `take_rack_off`. The rack is in storage from then on, and its job goes on from there: a delivery
+//! waits for another robot, a rack that was to be stored there is. Refuses: to take a rack from a robot that can
+//! drive, and a node that is taken, or that a robot is to drive over.
+
+use crate::fleet::requests::intake::Intake;
+use crate::fleet::state::fact::{Fact, Task};
+use crate::fleet::state::io::{Refusal, Reply};
+use crate::fleet::state::job::{JobKind, JobState};
+use crate::fleet::state::ledger::RackAt;
+use crate::id::{Dense, NodeId, RackId, RobotId};
+use crate::time::{Time, Window};
+use crate::timeline::Holder;
+use crate::warehouse::NodeKind;
+
+impl Intake<'_> {
+    /// A rack stands on a storage node now, and not on the robot any more.
+    pub(in crate::fleet) fn take_rack_off(
+        &mut self,
+        token: u64,
+        rack: RackId,
+        node: NodeId,
+        now: Time,
+    ) -> Result<Reply, Refusal> {
+        let robot = self.robot_to_unload(rack, node, now)?;
+        self.core.record(Fact::RackTaken { robot, rack, node, at: now });
+        match self.core.ledger.robots[robot].task.job() {
+            None => self.core.record(Fact::Tasked { robot, task: Task::Idle }),
+            Some(job) => {
+                let record = &self.core.ledger.jobs[&job];
+                if matches!(record.state, JobState::Picking { .. }) {
+                    self.core.progress(job, JobState::Carrying { robot }, None, now);
+                }
+                let is_done = match self.core.ledger.jobs[&job].request.kind {
+                    JobKind::Return { .. } => true,
+                    JobKind::Relocate { node: goal, .. } => goal == node,
+                    _ => false,
+                };
+                let state = if is_done { JobState::Done } else { JobState::Waiting };
+                self.core.progress(job, state, Some((robot, Task::Idle)), now);
+            }
+        }
+        Ok(Reply::Done { token })
+    }
+
+    /// The robot that has a rack on it, if people may have set that down on a node.
+    fn robot_to_unload(&self, rack: RackId, node: NodeId, now: Time) -> Result<RobotId, Refusal> {
+        let (ledger, floor) = (&self.core.ledger, self.core.floor());
+        if rack.ix() >= ledger.racks.len() || node.ix() >= self.core.warehouse().nodes.len() {
+            return Err(Refusal::UnknownPlace);
+        }
+        let RackAt::On(robot) = ledger.racks[rack] else { return Err(Refusal::RackIsStored(rack)) };
+        if !ledger.robots[robot].failed && self.core.scene.fit(robot, now).is_some() {
+            return Err(Refusal::RobotCanDrive(robot));
+        }
+        if self.core.warehouse().kind(node) != NodeKind::Storage {
+            return Err(Refusal::NotStorage(node));
+        }
+        let (own, ever) = (Holder::Robot(robot), Window::new(Time(i64::MIN), Time::MAX));
+        let line = ledger.timeline().line(own, true, self.core.warehouse().node_resource(node));
+        let is_held = ledger.timeline().holders_during(line, ever, own).next().is_some();
+        if floor.storage_taken(node, rack) || is_held {
+            return Err(Refusal::StorageTaken(node));
+        }
+        Ok(robot)
+    }
+}

@@ -1,0 +1,261 @@
+//! What robots that cannot drive cut off: stations to which no rack comes past them, and storage whose racks do not
+//! come out.
+//!
+//! Main type: [`CutOff`]. It is found out anew only when a robot breaks down, is repaired or stands elsewhere: a few
+//! walks over the floor, which leave out what these robots hold. Kinds of robots are not told apart, and lanes that
+//! are in conflict with a hold count as open. Refuses: to plan: that a place is not cut off is no promise of a route.
+
+use crate::fleet::state::job::JobKind;
+use crate::fleet::state::ledger::Ledger;
+use crate::fleet::state::scene::Scene;
+use crate::id::{ArcId, IdVec, NodeId, RobotId, StationId};
+use crate::time::{Span, Time};
+use crate::warehouse::{Arc, NodeKind, Warehouse};
+use std::collections::{BTreeMap, VecDeque};
+
+/// A station that has been blocked for this long is blocked for long: racks for it wait in storage, not on robots.
+const LONG: Span = Span::from_secs(60);
+
+/// A robot that cannot drive, and since when it has blocked a station.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Blocker {
+    robot: RobotId,
+    since: Time,
+}
+
+/// What robots that cannot drive cut off.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CutOff {
+    /// Nodes on which such a robot may stand, or which it blocks.
+    held: BTreeMap<NodeId, RobotId>,
+    /// Stations to which no rack comes, or from which none gets away.
+    blocked: BTreeMap<StationId, Blocker>,
+    /// What the others are joined to.
+    open: BTreeMap<StationId, Region>,
+    storage: BTreeMap<NodeId, RobotId>,
+}
+
+/// What a station is joined to: nodes from which robots get there, without and with a rack, and to which they get from
+/// there without one.
+#[derive(Clone, Debug, PartialEq)]
+struct Region {
+    from: [IdVec<NodeId, bool>; 2],
+    to: IdVec<NodeId, bool>,
+}
+
+impl CutOff {
+    /// Looks again; nothing if nothing has changed.
+    pub(in crate::fleet) fn anew(&self, ledger: &Ledger, scene: &Scene, now: Time) -> Option<CutOff> {
+        let held = held_by_failed(ledger, scene);
+        if held == self.held {
+            return None;
+        }
+        let mut found = CutOff { held, ..CutOff::default() };
+        if found.held.is_empty() {
+            return Some(found);
+        }
+        let w = ledger.warehouse();
+        let walks = FloorWalks { w, held: &found.held, into: incoming(w) };
+        for station in w.stations.ids() {
+            match walks.blocks(station) {
+                Some(robot) => {
+                    let since = self.blocked.get(&station).map_or(now, |b| b.since);
+                    found.blocked.insert(station, Blocker { robot, since });
+                }
+                None => found.open.extend([(station, walks.region(station))]),
+            }
+        }
+        found.storage = walks.storage(&found.open);
+        Some(found)
+    }
+
+    /// The robot that has blocked a station for long.
+    pub fn blocks_for_long(&self, station: StationId, now: Time) -> Option<RobotId> {
+        self.blocked.get(&station).filter(|b| now - b.since > LONG).map(|b| b.robot)
+    }
+
+    /// Stations that have been blocked for long.
+    pub fn blocked_for_long(&self, now: Time) -> impl Iterator<Item = StationId> + '_ {
+        self.blocked.keys().copied().filter(move |s| self.blocks_for_long(*s, now).is_some())
+    }
+
+    /// Storage nodes that are cut off from all stations, with the robot that cuts each off.
+    pub fn storage(&self) -> &BTreeMap<NodeId, RobotId> {
+        &self.storage
+    }
+
+    /// Whether no robot holds anything that it cannot leave.
+    pub fn is_empty(&self) -> bool {
+        self.held.is_empty()
+    }
+
+    /// Whether a robot is cut off from all stations.
+    pub fn is_shut_in(&self, here: NodeId, loaded: bool) -> bool {
+        !self.open.is_empty() && !self.open.values().any(|r| r.from[usize::from(loaded)][here])
+    }
+
+    /// Whether a robot with a rack is cut off from a storage node. Robots that are cut off from all stations may get to
+    /// any that is, too.
+    pub fn is_between(&self, here: NodeId, storage: NodeId) -> bool {
+        let is_joined = |r: &Region| r.from[1][here] && r.from[1][storage];
+        !self.open.is_empty() && !self.is_shut_in(here, true) && !self.open.values().any(is_joined)
+    }
+
+    /// Whether a robot without a rack gets to a rack, as far as is known.
+    pub fn may_fetch(&self, here: NodeId, node: NodeId) -> bool {
+        self.open.is_empty() || self.open.values().any(|r| r.from[0][here] && r.to[node])
+    }
+
+    /// The robot that stands between a rack and where a job is to bring it. A blocked station is another matter.
+    pub fn blocks_job(&self, w: &Warehouse, kind: &JobKind, rack_at: NodeId) -> Option<RobotId> {
+        if let Some(robot) = self.storage.get(&rack_at) {
+            return Some(*robot);
+        }
+        let goes_on = match *kind {
+            JobKind::Deliver { station, .. } => self.open.get(&station).is_none_or(|r| r.from[1][rack_at]),
+            JobKind::Relocate { node, .. } => !self.is_between(rack_at, node),
+            _ => true,
+        };
+        if goes_on { None } else { self.first_met(w, rack_at) }
+    }
+
+    /// The first of these robots on the ways of a rack from a node, else any.
+    pub fn first_met(&self, w: &Warehouse, node: NodeId) -> Option<RobotId> {
+        let walks = FloorWalks { w, held: &self.held, into: IdVec::new() };
+        walks.walk([node], LaneSense::Forward, true, |_| false).met.or(self.held.values().next().copied())
+    }
+}
+
+/// Nodes on which robots that cannot drive may stand, or which they block.
+fn held_by_failed(ledger: &Ledger, scene: &Scene) -> BTreeMap<NodeId, RobotId> {
+    let w = ledger.warehouse();
+    let mut held = BTreeMap::new();
+    for robot in ledger.present().filter(|r| ledger.robots[*r].failed) {
+        let chain = ledger.chain(robot);
+        let granted = (chain.granted() - chain.first()) as usize;
+        let own = chain.visits().take(granted).map(|v| v.node);
+        let off = scene.displaced(robot).map_or(&[][..], |d| &d.nodes);
+        for node in own.chain(off.iter().copied()) {
+            let beside = w.conflicts(w.node_resource(node)).iter().filter_map(|r| w.resource(*r).ok());
+            held.extend(beside.chain([node]).map(|n| (n, robot)));
+        }
+    }
+    held
+}
+
+/// FloorWalks over the floor that leave out what robots which cannot drive hold.
+struct FloorWalks<'a> {
+    w: &'a Warehouse,
+    held: &'a BTreeMap<NodeId, RobotId>,
+    /// The arcs that end at each node.
+    into: IdVec<NodeId, Vec<ArcId>>,
+}
+
+/// Which way along the lanes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum LaneSense {
+    Forward,
+    Back,
+}
+
+impl FloorWalks<'_> {
+    /// The robot past which no rack comes from storage to a station, or from there to storage.
+    fn blocks(&self, station: StationId) -> Option<RobotId> {
+        let node = self.w.stations[station].node;
+        let is_end = |n: NodeId| self.w.kind(n) == NodeKind::Storage;
+        [LaneSense::Forward, LaneSense::Back].into_iter().find_map(|along| {
+            let walk = self.walk([node], along, true, is_end);
+            if walk.ended { None } else { walk.met }
+        })
+    }
+
+    /// What a station is joined to.
+    fn region(&self, station: StationId) -> Region {
+        let seen = |along, loaded| self.walk([self.w.stations[station].node], along, loaded, |_| false).seen;
+        let from = [false, true].map(|loaded| seen(LaneSense::Back, loaded));
+        Region { from, to: seen(LaneSense::Forward, false) }
+    }
+
+    /// Storage nodes from which no rack comes to a station that is open, or which no robot reaches from there; with the
+    /// robot that is in the way. If no station is open, those that robots hold.
+    fn storage(&self, open: &BTreeMap<StationId, Region>) -> BTreeMap<NodeId, RobotId> {
+        let is_storage = |n: &NodeId| self.w.kind(*n) == NodeKind::Storage;
+        let held = self.held.iter().filter(|(n, _)| is_storage(n));
+        let mut cut_off: BTreeMap<NodeId, RobotId> = held.map(|(n, r)| (*n, *r)).collect();
+        let is_joined = |n: NodeId| open.is_empty() || open.values().any(|r| r.from[1][n] && r.to[n]);
+        for n in self.w.nodes.ids().filter(|n| is_storage(n) && !is_joined(*n)) {
+            let out = self.walk([n], LaneSense::Forward, true, |_| false);
+            let met = out.met.or_else(|| self.walk([n], LaneSense::Back, false, |_| false).met);
+            // If no robot was met, no way leads there on a floor without broken robots either.
+            cut_off.extend(met.map(|robot| (n, robot)));
+        }
+        cut_off
+    }
+
+    /// Where lanes lead from some nodes on, or from where to them.
+    fn walk(
+        &self,
+        starts: impl IntoIterator<Item = NodeId>,
+        along: LaneSense,
+        loaded: bool,
+        is_end: impl Fn(NodeId) -> bool,
+    ) -> FloorWalk {
+        let w = self.w;
+        let mut walk = FloorWalk { seen: IdVec::filled(false, w.nodes.len()), met: None, ended: false };
+        let starts: Vec<NodeId> = starts.into_iter().collect();
+        let mut next: VecDeque<NodeId> = starts.iter().copied().collect();
+        while let Some(n) = next.pop_front() {
+            if walk.seen[n] {
+                continue;
+            }
+            if let Some(robot) = self.held.get(&n) {
+                walk.met = walk.met.or(Some(*robot));
+                continue;
+            }
+            walk.seen[n] = true;
+            if is_end(n) {
+                walk.ended = true;
+                return walk;
+            }
+            // A loaded robot begins and ends at storage, and does not pass it.
+            if loaded && w.kind(n) == NodeKind::Storage && !starts.contains(&n) {
+                continue;
+            }
+            let theirs = |a: &&Arc| is_way(w, a, along, loaded);
+            match along {
+                LaneSense::Forward => next.extend(w.out(n).map(|(_, a)| a).filter(theirs).map(|a| a.to)),
+                LaneSense::Back => {
+                    next.extend(self.into[n].iter().map(|a| &w.arcs[*a]).filter(theirs).map(|a| a.from));
+                }
+            }
+        }
+        walk
+    }
+}
+
+/// What a walk found.
+struct FloorWalk {
+    seen: IdVec<NodeId, bool>,
+    /// The first robot that it met.
+    met: Option<RobotId>,
+    /// Whether it came to where it was to end.
+    ended: bool,
+}
+
+/// The places of a station are for robots bound for it, and on their way out of it.
+fn is_way(w: &Warehouse, a: &Arc, along: LaneSense, loaded: bool) -> bool {
+    let (from, to) = (w.kind(a.from).reserved_for(), w.kind(a.to).reserved_for());
+    let is_theirs = match along {
+        LaneSense::Forward => to.is_none() || to == from,
+        LaneSense::Back => from.is_none() || to == from,
+    };
+    a.users.allows(loaded) && is_theirs
+}
+
+fn incoming(w: &Warehouse) -> IdVec<NodeId, Vec<ArcId>> {
+    let mut into = IdVec::filled(Vec::new(), w.nodes.len());
+    for (id, arc) in w.arcs.pairs() {
+        into[arc.to].push(id);
+    }
+    into
+}
