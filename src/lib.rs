@@ -187,8 +187,9 @@
 //!   to no other robot. The robots that were promised it, and those behind them, lose what was not granted yet.
 //! - *A robot whose grant is revoked* (`fleet/traffic/revoke.rs`) only holds again what it had been granted. It is
 //!   first in the order of all these holds, and no robot can come before a hold that began in the past, so it waits for
-//!   no other robot there. If it stands between two nodes, both stay granted to it, and it can go on to either: no
-//!   robot is before it there, and a person who keeps it from the one need not keep it from the other.
+//!   no other robot there. If it stands between two nodes, both stay granted to it, and both are first steps of the
+//!   next search (`fleet/traffic/first_step.rs`): no robot is before it there, and a person who keeps it from the one
+//!   need not keep it from the other.
 //!
 //! The argument is about robots that have routes. One whose route was truncated holds the node where it stands without
 //! end, and finds no new route while other robots stand on its way for the same reason: after a repair, robots around a
@@ -215,6 +216,13 @@
 //!   there is none, asked to make room.
 //! - *A robot finds no route* past robots that wait likewise. They are planned together, or leave one after the other
 //!   (the argument above).
+//!
+//! People who come and go before a robot make no standstill, and it can wait without end all the same. So the graph also
+//! knows how long people have kept each robot in one place, and after 90 seconds those in its way stand aside until it
+//! has passed, for 30 seconds at most (`fleet/people/lets_pass.rs`). Robots that carry racks to one station have tickets
+//! in the order in which they lifted them (`fleet/state/tickets.rs`): none overtakes another unless that one lies still,
+//! and a place that was promised to a robot without a prospect of getting there lapses (`fleet/traffic/turns.rs`), as
+//! one at a charger does. So a robot that cannot go on keeps no other from its turn.
 //!
 //! In each of them the one that has waited longest is first, and no other is sent where it would wait for that one, so
 //! the number that wait for the root of a chain falls. That this always ends is measured (`docs/robustness.md`) and
@@ -244,6 +252,7 @@
 //! | the search, its order, its bounds | `route/search.rs`, `route/label.rs`, `route/estimate.rs` |
 //! | joint replanning (insertion) | `fleet/traffic/joint.rs` |
 //! | how far ahead robots are granted (base, horizon) | `fleet/traffic/grant.rs` |
+//! | whose turn it is at a station; places that lapse | `fleet/state/tickets.rs`; `fleet/traffic/turns.rs` |
 //! | a grant is revoked, a route is truncated | `fleet/traffic/revoke.rs`; `fleet/traffic/truncate.rs` |
 //! | delays, going on early, breakdowns | `timeline/delay.rs`, `advance.rs`; `fleet/traffic/truncate.rs` |
 //! | what a broken robot cuts off; jobs given back | `fleet/state/cut_off.rs`; `fleet/dispatch/blocked.rs` |
@@ -266,6 +275,7 @@
 //! | when a route is kept, and when changed | `aware/safe_space.rs` |
 //! | a closure reroutes robots | `fleet/traffic/closures.rs`; `fleet/state/closed_areas.rs` |
 //! | worker registration, worker's assignment | `fleet/requests/workers.rs`; `api/http/workers.rs`, `assignments.rs` |
+//! | people who let a robot pass | `fleet/people/lets_pass.rs` |
 //! | where workers are led, what they are told | `fleet/people/routing.rs`, `fleet/people/guidance.rs` |
 //! | how a person's intent is inferred | `fleet/people/intent.rs`, `human/intention/`; stories: `experiment/stories/` |
 //! | where people will be (forecast) | `human/forecast.rs`, `human/motion/`; learned: `experiment/learning/` |

@@ -21,8 +21,13 @@ use std::collections::BTreeSet;
 
 /// A robot that has come no farther for this long because of people is first.
 const STARVES: Span = Span::from_secs(90);
+/// So is one for which people have stood aside within [`LATELY`], after this: it is still in the same crowd.
+const STARVES_AGAIN: Span = Span::from_secs(20);
+const LATELY: Span = Span::from_secs(300);
 /// Nobody stands aside for longer than this.
-const AT_MOST: Span = Span::from_secs(40);
+const AT_MOST: Span = Span::from_secs(30);
+/// A person who has waited for this long for the fleet already is not asked to stand there for longer.
+const WAITED: Span = Span::from_secs(20);
 /// Nobody is asked to let a robot pass again within this.
 const AGAIN: Span = Span::from_secs(60);
 /// So many nodes ahead of a robot are what it is about to drive.
@@ -58,7 +63,11 @@ impl HumanState {
                 self.go_on(core, yielding, worker, now);
             }
         }
-        for (robot, worker) in core.floor().waits.starving(now, STARVES) {
+        self.passed.retain(|_, last| now - *last < LATELY);
+        for (robot, worker, since) in core.floor().waits.starving(now, STARVES_AGAIN) {
+            if now - since < STARVES && !self.passed.contains_key(&robot) {
+                continue;
+            }
             let mut in_the_way = core.floor().in_the_way_of(robot);
             in_the_way.insert(worker);
             for worker in in_the_way {
@@ -102,14 +111,23 @@ impl HumanState {
         let is_aside = ahead.iter().all(|p| (p - place.at).norm() > enough_m);
         let reached = floor.ledger.chain(robot).first();
         let lets_pass = LetsPass { robot, reached, until: now + AT_MOST, is_aside };
+        let has_waited = floor.waits.worker(worker).since.is_some_and(|since| now - since > WAITED);
+        if is_aside && has_waited {
+            return;
+        }
         if !is_aside {
             let cut = self.edges_blocked_for_long(floor, yielding, now);
-            let Some(points) = self.place_aside(floor, &ahead, place.at, enough_m, &cut) else { return };
+            let Some(points) = self.place_aside(floor, &ahead, place.at, enough_m, &cut) else {
+                tracing::debug!(?worker, ?robot, enough_m, "there is no place aside");
+                return;
+            };
             let person = &mut self.people[worker];
             person.give(points, None, Span::ZERO, now);
             person.mode = WalkMode::Redirected;
         }
+        tracing::debug!(?worker, ?robot, is_aside, "lets a robot pass");
         self.people[worker].lets_pass = Some(lets_pass);
+        self.passed.insert(robot, now);
     }
 
     /// Follows a person who lets a robot pass: stands at the end of the way aside.

@@ -14,6 +14,7 @@ use crate::id::{AssignmentId, IdVec, RobotId, WorkerId};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use crate::warehouse::walkway::Walkways;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A worker this near to the end of the path is there, metres.
@@ -116,6 +117,8 @@ pub(in crate::fleet) struct HumanState {
     pub people: IdVec<WorkerId, Person>,
     /// Whether forecasts hold.
     pub coverage: Coverage,
+    /// Robots for which people have stood aside lately, with when they were asked last.
+    pub passed: BTreeMap<RobotId, Time>,
     /// What people mean for robots of each kind, in this step.
     pub(super) conditions: KindConditions,
 }
@@ -130,6 +133,7 @@ impl HumanState {
             walkways,
             people: IdVec::new(),
             coverage: Coverage::default(),
+            passed: BTreeMap::new(),
             conditions: KindConditions::none(warehouse, regions),
         }
     }

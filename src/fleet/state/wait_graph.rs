@@ -192,8 +192,8 @@ impl WaitGraph {
     }
 
     /// Robots that wait for workers and have come no farther for so long, the longest waiting first, each with the worker
-    /// that it waits for now: also where those workers walk, so that no chain stands still.
-    pub fn starving(&self, now: Time, long: Span) -> Vec<(RobotId, WorkerId)> {
+    /// that it waits for now and since when it has come no farther: also where those workers walk, so that no chain stands still.
+    pub fn starving(&self, now: Time, long: Span) -> Vec<(RobotId, WorkerId, Time)> {
         let kept = |(robot, wait): (RobotId, &Wait)| {
             let Edge::On(Party::Worker(worker)) = wait.edge else { return None };
             let (_, since, _) = wait.kept.filter(|(_, since, _)| now - *since > long)?;
@@ -201,7 +201,7 @@ impl WaitGraph {
         };
         let mut starving: Vec<_> = self.robots.pairs().filter_map(kept).collect();
         starving.sort_unstable();
-        starving.into_iter().map(|(_, robot, worker)| (robot, worker)).collect()
+        starving.into_iter().map(|(since, robot, worker)| (robot, worker, since)).collect()
     }
 
     /// Notes what a robot waits for at a visit, and why. To be called for each robot, then [`WaitGraph::find_ends`].
