@@ -217,12 +217,12 @@
 //! - *A robot finds no route* past robots that wait likewise. They are planned together, or leave one after the other
 //!   (the argument above).
 //!
-//! People who come and go before a robot make no standstill, and it can wait without end all the same. So the graph also
-//! knows how long people have kept each robot in one place, and after 90 seconds those in its way stand aside until it
-//! has passed, for 30 seconds at most (`fleet/people/lets_pass.rs`). Robots that carry racks to one station have tickets
-//! in the order in which they lifted them (`fleet/state/tickets.rs`): none overtakes another unless that one lies still,
-//! and a place that was promised to a robot without a prospect of getting there lapses (`fleet/traffic/turns.rs`), as
-//! one at a charger does. So a robot that cannot go on keeps no other from its turn.
+//! People who come and go before a robot make no standstill, and it can wait without end all the same. So the graph
+//! also knows how long people have kept each robot in one place, and after 90 seconds those in its way stand aside
+//! until it has passed, for 30 seconds at most (`fleet/people/lets_pass.rs`). Robots that carry racks to one station
+//! have tickets in the order in which they lifted them (`fleet/state/tickets.rs`): none overtakes another unless that
+//! one lies still, and a place that was promised to a robot without a prospect of getting there lapses
+//! (`fleet/traffic/turns.rs`), as one at a charger does. So a robot that cannot go on keeps no other from its turn.
 //!
 //! In each of them the one that has waited longest is first, and no other is sent where it would wait for that one, so
 //! the number that wait for the root of a chain falls. That this always ends is measured (`docs/robustness.md`) and

@@ -1,16 +1,17 @@
 //! People who let a robot pass: the last resort for a robot that people have kept in one place for long, though each of
 //! them walks on.
 //!
-//! Where people come and go, no chain of waiting stands still, and a robot can wait without end all the same. So one that
-//! has got nowhere for [`STARVES`] is first: those in its way are led to a place aside, or told to stand where they are if
-//! that is aside already, until it has passed or [`AT_MOST`] is over. A person who stands as told is a standing obstacle,
-//! which a slow robot passes at the distance at which it can still stop. Refuses: to keep a person for longer, and to ask
-//! the same person again within [`AGAIN`].
+//! Where people come and go, no chain of waiting stands still, and a robot can wait without end all the same. So one
+//! that has got nowhere for [`STARVES`] is first: those in its way are led to a place aside, or told to stand where
+//! they are if that is aside already, until it has passed or [`AT_MOST`] is over. A person who stands as told is a
+//! standing obstacle, which a slow robot passes at the distance at which it can still stop. Refuses: to keep a person
+//! for longer, and to ask the same person again within [`AGAIN`].
 
 use crate::aware::HumanAwarePolicy;
-use crate::fleet::people::state::{HumanState, WalkMode};
+use crate::fleet::people::state::{HumanState, LetsPass, WalkMode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::wait_graph::Edge;
 use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::Point;
 use crate::human::{Presence, Whereabouts};
@@ -26,8 +27,6 @@ const STARVES_AGAIN: Span = Span::from_secs(20);
 const LATELY: Span = Span::from_secs(300);
 /// Nobody stands aside for longer than this.
 const AT_MOST: Span = Span::from_secs(30);
-/// A person who has waited for this long for the fleet already is not asked to stand there for longer.
-const WAITED: Span = Span::from_secs(20);
 /// Nobody is asked to let a robot pass again within this.
 const AGAIN: Span = Span::from_secs(60);
 /// So many nodes ahead of a robot are what it is about to drive.
@@ -36,19 +35,6 @@ const AHEAD: usize = 5;
 const ROOM_M: f64 = 0.4;
 /// Where a person has stood for this long, that person stands.
 const STANDS_STILL: Span = Span::from_secs(1);
-
-/// One person lets one robot pass.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) struct LetsPass {
-    /// The robot.
-    pub robot: RobotId,
-    /// The visit at which the robot was.
-    reached: u64,
-    /// Until when, at the latest.
-    pub until: Time,
-    /// Whether the person is to stand now; else on the way to a place aside.
-    pub is_aside: bool,
-}
 
 impl HumanState {
     /// Lets people go on who have let a robot pass, and asks those in the way of robots that wait for long.
@@ -103,7 +89,9 @@ impl HumanState {
         };
         let person = &self.people[worker];
         let lately = person.let_pass_at.is_some_and(|at| now - at < AGAIN);
-        if person.lets_pass.is_some() || lately {
+        // One who stands where robots wait is asked to make room (`routing.rs`).
+        let walks = floor.waits.worker(worker).edge == Edge::Moves;
+        if person.lets_pass.is_some() || lately || !walks {
             return;
         }
         let ahead = floor.about_to_drive(robot);
@@ -111,10 +99,6 @@ impl HumanState {
         let is_aside = ahead.iter().all(|p| (p - place.at).norm() > enough_m);
         let reached = floor.ledger.chain(robot).first();
         let lets_pass = LetsPass { robot, reached, until: now + AT_MOST, is_aside };
-        let has_waited = floor.waits.worker(worker).since.is_some_and(|since| now - since > WAITED);
-        if is_aside && has_waited {
-            return;
-        }
         if !is_aside {
             let cut = self.edges_blocked_for_long(floor, yielding, now);
             let Some(points) = self.place_aside(floor, &ahead, place.at, enough_m, &cut) else {

@@ -4,7 +4,6 @@
 
 use crate::aware::Afoot;
 use crate::fleet::people::intents::Intents;
-use crate::fleet::people::lets_pass::LetsPass;
 use crate::fleet::state::regions::{KindConditions, KindRegions};
 use crate::fleet::state::worker::Guidance;
 use crate::geometry::Point;
@@ -94,6 +93,19 @@ pub(in crate::fleet) struct Person {
     pub let_pass_at: Option<Time>,
     /// What was told last, and when.
     pub told: Option<(Guidance, Time)>,
+}
+
+/// One person lets one robot pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::fleet) struct LetsPass {
+    /// The robot.
+    pub robot: RobotId,
+    /// The visit at which the robot was.
+    pub reached: u64,
+    /// Until when, at the latest.
+    pub until: Time,
+    /// Whether the person is to stand now; else on the way to a place aside.
+    pub is_aside: bool,
 }
 
 /// Where the published procedure leads a worker.

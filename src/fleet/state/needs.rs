@@ -2,8 +2,9 @@
 //!
 //! Main type: [`Needs`]. Refuses: to look for routes.
 
-use super::tickets::Tickets;
-use crate::id::{RobotId, StationId};
+use super::floor::Floor;
+use super::tickets::{LAPSE, Ticket, Tickets};
+use crate::id::{IdVec, RobotId, StationId};
 use crate::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -34,6 +35,50 @@ pub(in crate::fleet) struct Needs {
 }
 
 impl Needs {
+    /// The robots without a route to a station that come before this one there, the oldest ticket first.
+    pub fn ahead<'a>(
+        &'a self,
+        floor: Floor<'a>,
+        robot: RobotId,
+        now: Time,
+    ) -> impl Iterator<Item = RobotId> + 'a {
+        let own = self.tickets.of(robot);
+        let is_ahead = move |(other, ticket): &(RobotId, Ticket)| {
+            own.is_some_and(|own| own.station == ticket.station && ticket.turn(*other) < own.turn(robot))
+        };
+        let expects_one =
+            move |other: &RobotId| floor.lacks_route(*other) && !self.lies_still(floor, *other, now);
+        let mut ahead: Vec<_> = self.tickets.all().filter(is_ahead).map(|(r, t)| t.turn(r)).collect();
+        ahead.sort_unstable();
+        ahead.into_iter().map(|(_, _, other)| other).filter(expects_one)
+    }
+
+    /// Whether a robot without a route is not expected to have one soon.
+    fn lies_still(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> bool {
+        let fails = self.waiting.get(&robot).and_then(|need| need.fails_since);
+        let is_fit = floor.scene.fit(robot, now).is_some() && !floor.ledger.robots[robot].failed;
+        !is_fit || floor.is_halted(robot) || fails.is_some_and(|since| now - since > LAPSE)
+    }
+
+    /// Whether a loaded robot may set off to its station: the station has a place for it and for all robots that come
+    /// before it, so whatever happens there, no robot on its way has to wait outside. `bound` says how many places of
+    /// each station are taken. True for robots that go to none.
+    pub fn has_its_turn(
+        &self,
+        floor: Floor<'_>,
+        robot: RobotId,
+        bound: &IdVec<StationId, usize>,
+        now: Time,
+    ) -> bool {
+        let Some(station) = floor.station_of(robot).filter(|_| !floor.settings.without_conflicts) else {
+            return true;
+        };
+        let places = floor.warehouse().stations[station].queue.len() + 1;
+        let left = places.saturating_sub(bound[station]);
+        let is_paused = floor.ledger.paused_stations.contains_key(&station);
+        !is_paused && left > 0 && self.ahead(floor, robot, now).take(left).count() < left
+    }
+
     /// Whether a search for this robot failed lately.
     pub fn failed_before(&self, robot: RobotId) -> bool {
         self.waiting.get(&robot).is_some_and(|n| n.tries > 0)

@@ -1,12 +1,11 @@
 //! Turns at stations: each robot that has lifted a rack for a station has a ticket, in the order of lifting.
 //!
-//! Main types: [`Tickets`], [`Ticket`]. A station has as many places as its queue and one more. A place goes to the robot
-//! with the oldest ticket, and no robot overtakes another unless that one lies still. Lost at a restart: robots that
-//! carry racks then get new tickets, in the order of their numbers. Refuses: to look for routes, and to take away a
-//! place for which a robot has a route.
+//! Main types: [`Tickets`], [`Ticket`]. A station has as many places as its queue and one more. A place goes to the
+//! robot with the oldest ticket, and no robot overtakes another unless that one lies still. Lost at a restart: robots
+//! that carry racks then get new tickets, in the order of their numbers. Refuses: to look for routes, and to take away
+//! a place for which a robot has a route.
 
 use super::floor::Floor;
-use super::needs::Needs;
 use crate::id::{IdVec, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
@@ -25,6 +24,13 @@ pub(in crate::fleet) struct Ticket {
     pub since: Time,
     /// When its place lapsed. It comes after all others until as long has passed as it lay still.
     lapsed: Option<Time>,
+}
+
+impl Ticket {
+    /// What a robot's turn is ordered by.
+    pub fn turn(&self, robot: RobotId) -> (bool, Time, RobotId) {
+        (self.lapsed.is_some(), self.since, robot)
+    }
 }
 
 /// The tickets of all robots that carry racks to stations.
@@ -48,6 +54,11 @@ impl Tickets {
         self.0.get(&robot).map(|ticket| ticket.since)
     }
 
+    /// The ticket of a robot.
+    pub fn of(&self, robot: RobotId) -> Option<Ticket> {
+        self.0.get(&robot).copied()
+    }
+
     /// All tickets, by robot.
     pub fn all(&self) -> impl Iterator<Item = (RobotId, Ticket)> {
         self.0.iter().map(|(robot, ticket)| (*robot, *ticket))
@@ -60,53 +71,6 @@ impl Tickets {
     }
 }
 
-impl Needs {
-    /// The robots without a route to a station that come before this one there, the oldest ticket first.
-    pub fn ahead<'a>(
-        &'a self,
-        floor: Floor<'a>,
-        robot: RobotId,
-        now: Time,
-    ) -> impl Iterator<Item = RobotId> + 'a {
-        let turn = |robot: RobotId, t: Ticket| (t.lapsed.is_some(), t.since, robot);
-        let own = self.tickets.0.get(&robot).copied();
-        let is_ahead = move |(other, ticket): &(RobotId, Ticket)| {
-            own.is_some_and(|own| own.station == ticket.station && turn(*other, *ticket) < turn(robot, own))
-        };
-        let expects_one =
-            move |other: &RobotId| floor.lacks_route(*other) && !self.lies_still(floor, *other, now);
-        let mut ahead: Vec<_> = self.tickets.all().filter(is_ahead).map(|(r, t)| turn(r, t)).collect();
-        ahead.sort_unstable();
-        ahead.into_iter().map(|(_, _, other)| other).filter(expects_one)
-    }
-
-    /// Whether a robot without a route is not expected to have one soon.
-    fn lies_still(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> bool {
-        let fails = self.waiting.get(&robot).and_then(|need| need.fails_since);
-        let is_fit = floor.scene.fit(robot, now).is_some() && !floor.ledger.robots[robot].failed;
-        !is_fit || floor.is_halted(robot) || fails.is_some_and(|since| now - since > LAPSE)
-    }
-
-    /// Whether a loaded robot may set off to its station: the station has a place for it and for all robots that come
-    /// before it, so whatever happens there, no robot on its way has to wait outside. `bound` says how many places of
-    /// each station are taken. True for robots that go to none.
-    pub fn has_its_turn(
-        &self,
-        floor: Floor<'_>,
-        robot: RobotId,
-        bound: &IdVec<StationId, usize>,
-        now: Time,
-    ) -> bool {
-        let Some(station) = floor.station_of(robot).filter(|_| !floor.settings.without_conflicts) else {
-            return true;
-        };
-        let places = floor.warehouse().stations[station].queue.len() + 1;
-        let left = places.saturating_sub(bound[station]);
-        let is_paused = floor.ledger.paused_stations.contains_key(&station);
-        !is_paused && left > 0 && self.ahead(floor, robot, now).take(left).count() < left
-    }
-}
-
 impl Floor<'_> {
     /// Whether a robot has stood for long, nothing that it waits for goes on by itself, and it is not to do anything
     /// where it stands.
@@ -116,8 +80,8 @@ impl Floor<'_> {
         !self.next_stop_is_granted(robot) && long.is_some_and(|since| now - since > LAPSE)
     }
 
-    /// For each station, how many of its places are taken: by robots that stand there, that have a route there, and that
-    /// have failed in its queue. A robot that has failed elsewhere takes none until it can go on.
+    /// For each station, how many of its places are taken: by robots that stand there, that have a route there, and
+    /// that have failed in its queue. A robot that has failed elsewhere takes none until it can go on.
     pub fn bound_for_stations(&self) -> IdVec<StationId, usize> {
         let mut bound = IdVec::filled(0, self.warehouse().stations.len());
         for robot in self.ledger.present() {

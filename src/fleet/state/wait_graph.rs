@@ -191,8 +191,9 @@ impl WaitGraph {
         cycle
     }
 
-    /// Robots that wait for workers and have come no farther for so long, the longest waiting first, each with the worker
-    /// that it waits for now and since when it has come no farther: also where those workers walk, so that no chain stands still.
+    /// Robots that wait for workers and have come no farther for so long, the longest waiting first, each with the
+    /// worker that it waits for now and since when it has come no farther: also where those workers walk, so that no
+    /// chain stands still.
     pub fn starving(&self, now: Time, long: Span) -> Vec<(RobotId, WorkerId, Time)> {
         let kept = |(robot, wait): (RobotId, &Wait)| {
             let Edge::On(Party::Worker(worker)) = wait.edge else { return None };

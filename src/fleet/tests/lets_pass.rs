@@ -3,8 +3,8 @@
 use super::*;
 use crate::geometry::Point;
 
-/// Seconds after which the first delivery is over although a person paces up and down where the robot has to pass, if it
-/// is within so many; the longest time that the person was told to stand for a robot, and whether it was led aside.
+/// Seconds after which the first delivery is over although a person paces up and down where the robot has to pass, if
+/// it is within so many; the longest time that the person was told to stand for a robot, and whether it was led aside.
 fn paced(seconds: i64, obeys: bool) -> (Option<i64>, Span, bool) {
     let mut floor = TestFloor::lab(1);
     floor.submit(request(deliver(3)));

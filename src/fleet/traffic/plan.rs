@@ -72,8 +72,8 @@ impl Traffic {
         }
     }
 
-    /// Robots whose task asks for a route that they do not have, longest waiting first: since they lifted their racks if
-    /// they go to a station.
+    /// Robots whose task asks for a route that they do not have, longest waiting first: since they lifted their racks
+    /// if they go to a station.
     fn in_need(&mut self, core: &mut Core, now: Time) -> Vec<RobotId> {
         for robot in core.ledger.present() {
             if core.floor().lacks_route(robot) {

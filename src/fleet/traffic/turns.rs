@@ -2,8 +2,8 @@
 //!
 //! A place is promised with a route. If the robot cannot drive on, and nothing says that it will, the place would stay
 //! empty while others wait with their racks. So the promise lapses: the robot keeps its rack, its task and its ticket,
-//! and gets a place again as soon as those that could go have gone. Refuses: to take a place from a robot that stands in
-//! the queue or drives.
+//! and gets a place again as soon as those that could go have gone. Refuses: to take a place from a robot that stands
+//! in the queue or drives.
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
@@ -43,8 +43,8 @@ impl Traffic {
         robots.iter().for_each(|robot| truncate_behind(core, *robot));
     }
 
-    /// A robot whose turn has not come, and that has lost its route, leaves for a place to stay if it stands where it may
-    /// not: it waits where it is in the way of no other.
+    /// A robot whose turn has not come, and that has lost its route, leaves for a place to stay if it stands where it
+    /// may not: it waits where it is in the way of no other.
     pub(super) fn wait_for_turn(&mut self, core: &mut Core, robot: RobotId, now: Time) {
         let need = self.needs.waiting.get_mut(&robot).expect("it is in need");
         need.fails_since = None;

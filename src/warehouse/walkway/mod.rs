@@ -163,8 +163,8 @@ impl Walkways {
         self.floor.nearest_free(p, OFF_FLOOR_M)
     }
 
-    /// Places where a person can stand no farther than `radius` (metres) from `p` as the crow flies, half a metre apart, the
-    /// nearest first. Middle lines lead through the middle of the floor; these are also at its edges.
+    /// Places where a person can stand no farther than `radius` (metres) from `p` as the crow flies, half a metre
+    /// apart, the nearest first. Middle lines lead through the middle of the floor; these are also at its edges.
     pub fn standing_places(&self, p: Point, radius: f64) -> Vec<Point> {
         let steps = (radius / STANDING_PITCH_M).floor() as i64;
         let along =

@@ -22,39 +22,13 @@ impl KnownFailure {
     }
 }
 
-const NOT_TOLD: &str =
-    "the worker rests where a robot wants to pass, no place aside is found, and nobody tells the worker";
-const TOLD_TO_STOP: &str = "the worker is told to stop for want of a way, where robots want to pass";
 const FACE_TO_FACE: &str = "a robot waits for the worker, who is told to walk on and does not get anywhere";
 
 /// All that are known.
-pub(super) const KNOWN: &[KnownFailure] = &[
-    KnownFailure {
-        floor: "station, 3",
-        worker: (Manner::Obeys, true),
-        way: "",
-        obeys: true,
-        what: TOLD_TO_STOP,
-    },
-    KnownFailure {
-        floor: "station, 3",
-        worker: (Manner::Wanders, false),
-        way: "",
-        obeys: true,
-        what: NOT_TOLD,
-    },
-    KnownFailure {
-        floor: "station, 3",
-        worker: (Manner::Wanders, true),
-        way: "",
-        obeys: true,
-        what: TOLD_TO_STOP,
-    },
-    KnownFailure {
-        floor: "ring, 2",
-        worker: (Manner::Wanders, true),
-        way: "11>9,9 10>6,9 11>3,9",
-        obeys: true,
-        what: FACE_TO_FACE,
-    },
-];
+pub(super) const KNOWN: &[KnownFailure] = &[KnownFailure {
+    floor: "ring, 2",
+    worker: (Manner::Wanders, true),
+    way: "11>9,9 10>6,9 11>3,9",
+    obeys: true,
+    what: FACE_TO_FACE,
+}];
