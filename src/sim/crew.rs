@@ -218,7 +218,7 @@ impl Crew {
                 if now >= member.enters && now < member.leaves && free && member.id.is_some() {
                     member.walker =
                         Some(Walker::new(&self.workers, self.seed, i as u64, door, self.start, now));
-                    member.device = Some(Device::new(self.workers.sensor, self.seed, i as u64, now));
+                    member.device = Some(Device::new(self.workers.sensor_of(i), self.seed, i as u64, now));
                     member.heard = 0;
                 }
             }

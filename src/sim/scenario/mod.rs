@@ -277,6 +277,26 @@ mod tests {
         assert_eq!(e.to_string(), "`duration_s` is -1, but must be from 1 to 10000000");
     }
 
+    #[test]
+    fn a_bad_headset_among_good_ones_is_named_with_how_many_wear_it() {
+        let workers = |of: &str| with(&format!(r#", "workers": {{"count": 3, {of}}}"#));
+        let s = workers(r#""liars": 1, "liar_sensor": {"loss": 0.5}"#).unwrap();
+        assert_eq!([0, 1, 2].map(|i| s.workers.sensor_of(i).loss), [0.5, 0.0, 0.0]);
+        let refused = |of: &str| workers(of).unwrap_err();
+        assert_eq!(
+            refused(r#""liars": 4, "liar_sensor": {}"#),
+            "`workers.liars`: 4 of 3 workers: name no more than there are"
+        );
+        assert_eq!(
+            refused(r#""liars": 1"#),
+            "`workers.liar_sensor`: say how the first `liars` workers are seen"
+        );
+        assert_eq!(
+            refused(r#""liars": 1, "liar_sensor": {"loss": 2}"#),
+            "`workers.liar_sensor.loss` is 2, but must be from 0 to 1"
+        );
+    }
+
     fn with(fleet: &str) -> Result<Scenario, String> {
         let text = format!(r#"{{"giveway_scenario": 1, "name": "x", "map": "m.json", "robots": 7{fleet}}}"#);
         Scenario::parse(&text).map_err(|e| e.to_string())
