@@ -17,6 +17,8 @@ use crate::time::Time;
 pub(in crate::fleet) struct PeopleReport<'a> {
     /// Where each worker is, if on the floor.
     pub places: IdVec<WorkerId, Option<Whereabouts>>,
+    /// Where else they may be.
+    pub others: Vec<(WorkerId, Whereabouts)>,
     /// What workers mean for the search and for grants, for each kind of robots.
     pub conditions: &'a KindConditions,
     /// What workers are told now.
@@ -37,6 +39,6 @@ impl HumanState {
         self.restrict(core.floor(), now);
         let guidance = self.guide(core.floor(), now);
         let places = self.people.iter().map(|p| p.track.whereabouts(now)).collect();
-        PeopleReport { places, conditions: &self.conditions, guidance }
+        PeopleReport { places, others: self.others(now), conditions: &self.conditions, guidance }
     }
 }

@@ -15,7 +15,7 @@ pub use closures::Closing;
 pub use faults::Faults;
 pub use habits::Habits;
 pub use kinds::KindShare;
-pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, Sensor, Source, Workers};
+pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, SecondTag, Sensor, Source, Workers};
 
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::{Closure, RobotKind, fitted};
@@ -294,6 +294,18 @@ mod tests {
         assert_eq!(
             refused(r#""liars": 1, "liar_sensor": {"loss": 2}"#),
             "`workers.liar_sensor.loss` is 2, but must be from 0 to 1"
+        );
+    }
+
+    #[test]
+    fn a_tag_besides_the_headset_has_an_accuracy_and_a_period_that_can_be() {
+        let tag = |of: &str| with(&format!(r#", "workers": {{"count": 1, "tag": {of}}}"#));
+        assert_eq!(tag("null").unwrap().workers.tag, None);
+        let sensor = tag(r#"{"period_s": 0.5}"#).unwrap().workers.tag.unwrap().sensor();
+        assert_eq!((sensor.source, sensor.rate(), sensor.sigma()), (Source::Tag, 2.0, 0.25));
+        assert_eq!(
+            tag(r#"{"period_s": 0}"#).unwrap_err(),
+            "`workers.tag.period_s` is 0, but must be from 0.02 to 2"
         );
     }
 

@@ -26,6 +26,8 @@ pub struct Workers {
     pub liars: usize,
     /// How those are seen; needed where there are any.
     pub liar_sensor: Option<Sensor>,
+    /// A tag that every worker wears besides; nothing for none.
+    pub tag: Option<SecondTag>,
     /// How they take robots, in shares of all workers.
     pub personas: Personas,
     /// Radius within which a moving robot counts as met, metres.
@@ -215,6 +217,43 @@ impl Sensor {
     }
 }
 
+/// A tag that a worker wears besides the device: positions without faults, less exact than a headset's.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SecondTag {
+    /// One standard deviation of each position, metres.
+    pub accuracy_m: f64,
+    /// From one position to the next, seconds.
+    pub period_s: f64,
+    /// Age of a position when it comes in, milliseconds.
+    pub delay_ms: f64,
+}
+
+impl Default for SecondTag {
+    fn default() -> SecondTag {
+        SecondTag { accuracy_m: 0.25, period_s: 0.2, delay_ms: 60.0 }
+    }
+}
+
+impl SecondTag {
+    /// As what a worker carries.
+    pub(in crate::sim) fn sensor(self) -> Sensor {
+        Sensor {
+            source: Source::Tag,
+            rate_hz: Some(1.0 / self.period_s),
+            sigma_m: Some(self.accuracy_m),
+            delay_ms: self.delay_ms,
+            ..Sensor::default()
+        }
+    }
+
+    fn check(&self) -> Result<(), ScenarioError> {
+        check("workers.tag.accuracy_m", self.accuracy_m, 0.0..=5.0, "from 0 to 5")?;
+        check("workers.tag.period_s", self.period_s, 0.02..=2.0, "from 0.02 to 2")?;
+        check("workers.tag.delay_ms", self.delay_ms, 0.0..=5000.0, "from 0 to 5000")
+    }
+}
+
 /// How workers take robots, in shares of all workers.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -246,6 +285,7 @@ impl Default for Workers {
             sensor: Sensor::default(),
             liars: 0,
             liar_sensor: None,
+            tag: None,
             personas: Personas::default(),
             encounter_m: 1.5,
         }
@@ -274,6 +314,7 @@ impl Workers {
         check("workers.personas", shares.iter().sum(), 0.999..=1.001, "shares that add up to 1")?;
         self.deviations.causes.rates().check()?;
         self.sensor.check("workers.sensor")?;
+        self.tag.map_or(Ok(()), |tag| tag.check())?;
         self.check_liars()
     }
 
