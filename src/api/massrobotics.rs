@@ -8,7 +8,7 @@
 use super::feed::align::Alignment;
 use super::text::parse_time;
 use crate::geometry::{Point, Vector, wrap_angle};
-use crate::human::{Quality, Sighting};
+use crate::human::{Quality, Sighting, SourceId};
 use crate::id::WorkerId;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -145,7 +145,8 @@ impl Interop {
             _ => Quality::Tracked,
         };
         let (heading, accuracy_m) = (Some(wrap_angle(datum.heading(yaw))), USUAL_ACCURACY_M);
-        Ok(Some(Sighting { worker, seen, epoch: 0, seq: 0, at, heading, accuracy_m, quality }))
+        let (source, epoch, at_marks, seq) = (SourceId::Interop, 0, false, 0);
+        Ok(Some(Sighting { worker, source, seen, epoch, at_marks, seq, at, heading, accuracy_m, quality }))
     }
 }
 

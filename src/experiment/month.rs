@@ -5,7 +5,7 @@
 
 use crate::fleet::{AssignmentRequest, Closure, Fleet, Input, JobKind, JobRequest};
 use crate::geometry::{Point, Spot};
-use crate::human::{Quality, Sighting};
+use crate::human::{Quality, Sighting, SourceId};
 use crate::id::{AssignmentId, Dense, JobId, NodeId, RackId, StationId, WorkerId};
 use crate::sim::{Scenario, World};
 use crate::time::{Span, Time, Window};
@@ -115,11 +115,13 @@ fn people(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
             let seq = s.unsigned_abs();
             let (heading, accuracy_m, quality) = (Some(0.0), 0.05, Quality::Tracked);
             let seen = now;
-            let epoch = 1;
+            let (source, epoch, at_marks) = (SourceId::Headset, 1, true);
             inputs.push(Input::Sighted(Sighting {
                 worker,
+                source,
                 seen,
                 epoch,
+                at_marks,
                 seq,
                 at,
                 heading,

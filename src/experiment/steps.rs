@@ -6,7 +6,7 @@
 
 use crate::fleet::{AssignmentRequest, Closure, Fleet, Input, JobKind, JobRequest};
 use crate::geometry::Spot;
-use crate::human::{Quality, Sighting};
+use crate::human::{Quality, Sighting, SourceId};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::sim::{Scenario, World};
 use crate::time::{Span, Time, Window};
@@ -161,5 +161,17 @@ fn sighting(warehouse: &Warehouse, worker: usize, seq: u64, now: Time) -> Input 
     let at = warehouse.nodes[aisles[(worker + 1) * aisles.len() / (WORKERS + 2)]].at;
     let worker = WorkerId::at(worker);
     let (heading, accuracy_m, quality) = (Some(0.0), 0.05, Quality::Tracked);
-    Input::Sighted(Sighting { worker, seen: now, epoch: 1, seq, at, heading, accuracy_m, quality })
+    let (source, at_marks) = (SourceId::Headset, true);
+    Input::Sighted(Sighting {
+        worker,
+        source,
+        seen: now,
+        epoch: 1,
+        at_marks,
+        seq,
+        at,
+        heading,
+        accuracy_m,
+        quality,
+    })
 }

@@ -133,7 +133,8 @@ impl Fleet {
         let Fleet { core, people, yielding, traffic, .. } = self;
         closures::begin_restrictions(core, now);
         let report = people.evaluate(core, heard, &yielding.state, now);
-        (core.restrictions.workers, core.restrictions.let_pass) = (report.places, report.let_pass);
+        (core.restrictions.workers, core.restrictions.others) = (report.places, report.others);
+        core.restrictions.let_pass = report.let_pass;
         core.restrictions.conditions.include(report.conditions);
         core.out.guidance = report.guidance;
         if let Some((worker, led)) = yielding.follow_procedure(core, people, traffic, now) {

@@ -16,6 +16,7 @@ mod model;
 pub mod motion;
 mod passage;
 mod sighting;
+mod source;
 mod track;
 mod way;
 
@@ -28,6 +29,6 @@ pub use intention::{Belief, Intention, Method};
 pub use mixture::{Mixture, PLACES, Part};
 pub use model::{Model, ModelError};
 pub use passage::{Band, Hypothesis, Passage, passages};
-pub use sighting::{Quality, Sighting};
-pub use track::{FeedCounts, Presence, STALE, SightingOutcome, Track, WALK_MPS, Whereabouts};
+pub use sighting::{Quality, Sighting, SourceId};
+pub use track::{FeedCounts, LOST, Presence, STALE, SightingOutcome, Track, WALK_MPS, Whereabouts};
 pub use way::{common_prefix, straight_on, towards_goal};

@@ -1,6 +1,6 @@
 //! One observed pose of a worker, in the map's frame and in the server's time.
 //!
-//! Main types: [`Sighting`], [`Quality`]. Refuses: frames of devices and their clocks; the program that receives
+//! Main types: [`Sighting`], [`SourceId`], [`Quality`]. Refuses: frames of devices and their clocks; the program that receives
 //! poses aligns them first.
 
 use crate::geometry::Point;
@@ -19,16 +19,38 @@ pub enum Quality {
     Lost,
 }
 
+/// Which source of a worker's says so. A worker has one of each at most: a second headset continues what the first said.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum SourceId {
+    /// A headset, a phone or a gateway with a connection of its own.
+    #[default]
+    Headset,
+    /// A tag, whose positions somebody reports.
+    Tag,
+    /// A device that reports like a robot (MassRobotics).
+    Interop,
+}
+
+impl SourceId {
+    /// All of them: a worker has no more sources.
+    pub const ALL: [SourceId; 3] = [SourceId::Headset, SourceId::Tag, SourceId::Interop];
+}
+
 /// A pose of a worker, as one source saw it. Sightings may be late, repeated, out of order or wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sighting {
     /// Who.
     pub worker: WorkerId,
+    /// Which of the worker's sources says so.
+    pub source: SourceId,
     /// When this was so, in the server's time.
     pub seen: Time,
     /// The alignment of the source's frame. Within one epoch a displacement is a movement; across epochs it
     /// is not.
     pub epoch: u32,
+    /// Whether this epoch began with marks that were touched: only then is a place that nobody can have walked to
+    /// believed at once.
+    pub at_marks: bool,
     /// Number of the message within its epoch.
     pub seq: u64,
     /// Where, metres.

@@ -1,35 +1,26 @@
-//! Where one worker is, from what sources say: the newest that can be true wins, and silence widens it.
+//! Where one worker is, from what sources say: those that agree give one place, those that do not give several, and
+//! silence widens it.
 //!
 //! Main types: [`Track`], [`SightingOutcome`], [`Presence`], [`Whereabouts`]. Every kind of bad sighting has one
-//! answer: late and repeated ones are ignored; jumps are ignored until several agree on the new place; what
-//! cannot be true is refused; silence grows the disc in which the worker may be. Refuses: to guess where
-//! anybody is going.
+//! answer: late and repeated ones are ignored; jumps are ignored until several agree on the new place, and then the
+//! worker is held to be at both; what cannot be true is refused; silence grows the disc in which the worker may be. One
+//! source leads, the most trusted and then the most exact; one that knows nothing is not missed while another one does.
+//! Refuses: to guess where anybody is going.
 
-use super::sighting::{Quality, Sighting};
+use super::sighting::{Sighting, SourceId};
+use super::source::{HELD, SourceTrack, SourceVerdict, is_near};
 use crate::geometry::{Point, Vector};
 use crate::time::{Span, Time};
-use std::collections::VecDeque;
 
-/// Silence up to here is normal (headsets send at 10 to 60 Hz).
-const FRESH: Span = Span::from_millis(300);
-/// Silence up to here widens the disc; beyond it nobody guesses where the worker is going.
-pub const STALE: Span = Span::from_secs(1);
-/// After this much silence the worker is lost.
-pub const LOST: Span = Span::from_secs(3);
+pub use super::source::{LOST, STALE};
+
 /// Walking speed that is assumed of everybody who might walk, metres per second (ISO 13855).
 pub const WALK_MPS: f64 = 1.6;
-/// Nobody runs faster than this in a warehouse, metres per second.
-const RUN_MPS: f64 = 3.0;
 /// Clocks and predicted display times may be ahead by this.
 const AHEAD: Span = Span::from_millis(150);
-/// So many sightings in a row that agree with one another move a worker to a place that cannot be reached.
-const AGREE: usize = 5;
-/// A source that claims to know better than this is not believed, metres.
-const BEST_M: f64 = 0.01;
-/// What a guessed position is taken to be off by, metres.
-const GUESSED_M: f64 = 0.5;
-/// Positions are remembered this long for the speed.
-const MEMORY: Span = Span::from_millis(1600);
+/// Another source of equal trust takes the lead if it is better by this factor and so many metres more: so the lead does
+/// not go to and fro.
+const BETTER: (f64, f64) = (1.5, 0.1);
 
 /// How well a worker's place is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -70,13 +61,26 @@ pub struct FeedCounts {
     pub absurd: u64,
 }
 
+impl FeedCounts {
+    fn add(&mut self, verdict: SourceVerdict) {
+        match verdict {
+            SourceVerdict::Late => self.late += 1,
+            SourceVerdict::Doubted => self.jumps += 1,
+            SourceVerdict::Jumped => (self.jumps, self.taken) = (self.jumps + 1, self.taken + 1),
+            SourceVerdict::Lost | SourceVerdict::Moved | SourceVerdict::Relocated => self.taken += 1,
+        }
+    }
+}
+
 /// What became of a sighting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SightingOutcome {
     /// The worker has moved.
     Moved,
-    /// The worker is somewhere else, without having walked there: a new frame, or a jump that proved true.
+    /// The worker is somewhere else, without having walked there: a new frame, or a jump that lasted.
     Relocated,
+    /// Taken in, but another source has the lead.
+    Noted,
     /// Ignored.
     Ignored,
 }
@@ -101,12 +105,9 @@ pub struct Whereabouts {
 /// All that is known about where a worker is.
 #[derive(Clone, Debug, Default)]
 pub struct Track {
-    newest: Option<Sighting>,
-    /// Since when the source says that it does not know.
-    lost_since: Option<Time>,
-    memory: VecDeque<(Time, Point)>,
-    /// Sightings that could not be, one after another.
-    doubted: Vec<Sighting>,
+    sources: [SourceTrack; SourceId::ALL.len()],
+    /// The source whose place counts most.
+    lead: SourceId,
     counts: FeedCounts,
 }
 
@@ -116,9 +117,9 @@ impl Track {
         self.counts
     }
 
-    /// The newest sighting that was taken in.
+    /// The newest sighting of the source that leads.
     pub fn newest(&self) -> Option<&Sighting> {
-        self.newest.as_ref()
+        self.of(self.lead).newest()
     }
 
     /// The worker has left the floor, or somebody vouches for it.
@@ -133,111 +134,118 @@ impl Track {
             self.counts.absurd += 1;
             return SightingOutcome::Ignored;
         }
-        let Some(last) = self.newest else { return self.accept(s, SightingOutcome::Relocated) };
-        if (s.epoch, s.seq) <= (last.epoch, last.seq) || s.seen <= last.seen {
-            self.counts.late += 1;
-            return SightingOutcome::Ignored;
-        }
-        if s.quality == Quality::Lost {
-            self.lost_since.get_or_insert(s.seen);
-            self.counts.taken += 1;
-            return SightingOutcome::Ignored;
-        }
-        if s.epoch != last.epoch {
-            return self.accept(s, SightingOutcome::Relocated);
-        }
-        if is_reachable(&last, s) {
-            return self.accept(s, SightingOutcome::Moved);
-        }
-        self.doubt(s)
-    }
-
-    fn accept(&mut self, s: &Sighting, taken: SightingOutcome) -> SightingOutcome {
-        if taken == SightingOutcome::Relocated {
-            self.memory.clear();
-        }
-        self.counts.taken += 1;
-        self.doubted.clear();
-        if s.quality == Quality::Lost {
-            self.lost_since.get_or_insert(s.seen);
-        } else {
-            self.lost_since = None;
-            self.memory.push_back((s.seen, s.at));
-        }
-        while self.memory.front().is_some_and(|(t, _)| s.seen - *t > MEMORY) {
-            self.memory.pop_front();
-        }
-        self.newest = Some(Sighting { accuracy_m: s.accuracy_m.max(BEST_M), ..*s });
-        taken
-    }
-
-    /// A place that cannot have been reached. If several sightings agree on it, it was the old one that was
-    /// wrong.
-    fn doubt(&mut self, s: &Sighting) -> SightingOutcome {
-        self.counts.jumps += 1;
-        if self.doubted.last().is_some_and(|d| !is_reachable(d, s)) {
-            self.doubted.clear();
-        }
-        self.doubted.push(*s);
-        if self.doubted.len() < AGREE {
-            return SightingOutcome::Ignored;
-        }
-        self.accept(s, SightingOutcome::Relocated)
-    }
-
-    /// Where the worker is now, as far as anybody knows.
-    pub fn whereabouts(&self, now: Time) -> Option<Whereabouts> {
-        let last = self.newest?;
-        let silent = (now - self.lost_since.map_or(last.seen, |t| t.min(last.seen))).max(Span::ZERO);
-        let presence = match silent {
-            _ if self.lost_since.is_some() => Presence::Lost,
-            s if s <= FRESH => Presence::Tracked,
-            s if s <= LOST => Presence::Stale,
-            _ => Presence::Lost,
+        let before = self.newest().copied();
+        let verdict = self.sources[s.source as usize].see(s);
+        self.counts.add(verdict);
+        let taken = match verdict {
+            SourceVerdict::Late => return SightingOutcome::Ignored,
+            SourceVerdict::Lost | SourceVerdict::Doubted => SightingOutcome::Ignored,
+            SourceVerdict::Moved => SightingOutcome::Moved,
+            SourceVerdict::Relocated | SourceVerdict::Jumped => SightingOutcome::Relocated,
         };
-        let reach_m = if silent <= FRESH { 0.0 } else { WALK_MPS * silent.as_secs_f64() };
-        let velocity = self.velocity();
-        let course = (velocity.norm() > 0.3).then(|| velocity.y.atan2(velocity.x));
-        let guessed = if last.quality == Quality::Emulated { GUESSED_M } else { 0.0 };
-        Some(Whereabouts {
-            at: last.at,
-            sigma_m: last.accuracy_m + guessed,
-            reach_m,
-            velocity,
-            heading: last.heading.or(course),
-            presence,
-        })
-    }
-
-    /// Velocity over the last moments: the worse the source, the longer they are.
-    fn velocity(&self) -> Vector {
-        let (Some(last), Some((t, at))) = (&self.newest, self.memory.back()) else { return Vector::zeros() };
-        let span = Span::from_secs_f64((0.4 + 4.0 * last.accuracy_m).clamp(0.4, 1.5));
-        let old = self.memory.iter().rev().find(|(s, _)| *t - *s >= span).or(self.memory.front());
-        match old {
-            Some((s, from)) if *t - *s >= Span::from_millis(150) => (at - from) / (*t - *s).as_secs_f64(),
-            _ => Vector::zeros(),
+        if taken != SightingOutcome::Ignored {
+            self.compare(now);
+        }
+        let led = self.lead;
+        self.lead = self.leader(now);
+        match before {
+            _ if taken == SightingOutcome::Ignored => taken,
+            _ if self.lead != s.source => SightingOutcome::Noted,
+            // Another source goes on where the one before it was.
+            Some(before) if led != s.source => {
+                let reach_m = self.of(led).whereabouts(now).map_or(0.0, |w| w.reach_m);
+                let goes_on = is_near(&before, s, reach_m);
+                if goes_on { SightingOutcome::Moved } else { SightingOutcome::Relocated }
+            }
+            _ => taken,
         }
     }
-}
 
-/// Whether somebody seen as `a` can be where `b` says, by then.
-fn is_reachable(a: &Sighting, b: &Sighting) -> bool {
-    let time = (b.seen - a.seen).as_secs_f64().max(0.0);
-    let doubt = 3.0 * (a.accuracy_m + b.accuracy_m) + 0.3;
-    (b.at - a.at).norm() <= RUN_MPS * time + doubt
+    /// Sources that have jumped hear those that have not.
+    fn compare(&mut self, now: Time) {
+        if self.sources.iter().filter(|s| s.newest().is_some()).count() < 2 {
+            return;
+        }
+        for witness in SourceId::ALL {
+            let Some(said) = self.of(witness).newest().copied().filter(|_| self.of(witness).is_witness(now))
+            else {
+                continue;
+            };
+            for other in SourceId::ALL.into_iter().filter(|o| *o != witness) {
+                self.sources[other as usize].hear_witness(&said, now);
+            }
+        }
+    }
+
+    /// The source that is to lead: the most trusted, then the most exact; the one that leads where there is little in it.
+    fn leader(&self, now: Time) -> SourceId {
+        let rank = |id: SourceId| {
+            let (source, place) = (self.of(id), self.of(id).whereabouts(now)?);
+            let lost = place.presence == Presence::Lost;
+            Some(((lost, source.is_suspected(), source.is_jumpy(now)), place.sigma_m + place.reach_m))
+        };
+        let others = SourceId::ALL.into_iter().filter(|id| *id != self.lead);
+        let mut best = (self.lead, rank(self.lead));
+        for id in others {
+            let Some((trust, spread_m)) = rank(id) else { continue };
+            let leads =
+                best.1.is_none_or(|(t, m)| trust < t || trust == t && spread_m * BETTER.0 + BETTER.1 < m);
+            if leads {
+                best = (id, Some((trust, spread_m)));
+            }
+        }
+        best.0
+    }
+
+    fn of(&self, id: SourceId) -> &SourceTrack {
+        &self.sources[id as usize]
+    }
+
+    /// Where the worker is now, as far as anybody knows: as the source says that leads.
+    pub fn whereabouts(&self, now: Time) -> Option<Whereabouts> {
+        self.of(self.lead).whereabouts(now)
+    }
+
+    /// Where else the worker may be: where other sources say that do not agree, and the places that a source left
+    /// without a walk. At most eight: two of each source, and two other sources.
+    pub fn others(&self, now: Time) -> Vec<Whereabouts> {
+        let Some((lead, best)) = self.newest().zip(self.whereabouts(now)) else { return Vec::new() };
+        let knows = best.presence != Presence::Lost;
+        let mut found = Vec::new();
+        for id in SourceId::ALL {
+            let source = self.of(id);
+            if source.is_suspected() && knows {
+                continue;
+            }
+            found.extend(source.left(now));
+            let Some((said, place)) =
+                source.newest().zip(source.whereabouts(now)).filter(|_| id != self.lead)
+            else {
+                continue;
+            };
+            // One that is silent for long contradicts no more.
+            let is_over = source.silent(now).is_none_or(|s| s > HELD) && knows;
+            if !is_over && !is_near(lead, said, best.reach_m + place.reach_m) {
+                found.push(place);
+            }
+        }
+        found
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::human::Quality;
     use crate::id::WorkerId;
 
     fn sighting(ms: i64, x: f64) -> Sighting {
         Sighting {
             worker: WorkerId(0),
+            source: SourceId::Headset,
             seen: Time(ms * 1000),
             epoch: 0,
+            at_marks: false,
             seq: ms as u64,
             at: Point::new(x, 0.0),
             heading: None,
@@ -302,7 +310,15 @@ mod tests {
         assert_eq!(after(900).presence, Presence::Stale);
         assert!((after(900).reach_m - 1.44).abs() < 1e-9);
         assert_eq!(after(4000).presence, Presence::Lost);
-        assert!((after(10_000).reach_m - 16.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn distrust_widens_slowly_after_the_first_seconds_and_no_farther_than_it_may() {
+        let (track, now) = walked();
+        let reach = |s: f64| track.whereabouts(now + Span::from_secs_f64(s)).unwrap().reach_m;
+        assert!((reach(3.0) - 4.8).abs() < 1e-9, "straight on at walking speed");
+        assert!((reach(6.0) - 4.8 * 2f64.sqrt()).abs() < 1e-9, "then anywhere: the square root of time");
+        assert_eq!([reach(30.0), reach(3600.0)], [8.0, 8.0]);
     }
 
     #[test]
@@ -323,9 +339,112 @@ mod tests {
     #[test]
     fn a_new_frame_moves_a_worker_without_a_walk() {
         let (mut track, now) = walked();
-        let s = Sighting { epoch: 1, seq: 0, ..sighting(1050, 8.0) };
+        let s = Sighting { epoch: 1, seq: 0, at_marks: true, ..sighting(1050, 8.0) };
         assert_eq!(track.see(&s, now, |_| true), SightingOutcome::Relocated);
         assert_eq!(track.whereabouts(now).unwrap().velocity, Vector::zeros());
+        assert!(track.others(now).is_empty(), "marks were touched: the old place is over");
+    }
+
+    /// Sightings every 50 ms from `from` on.
+    fn stands(track: &mut Track, from: i64, until: i64, s: impl Fn(i64) -> Sighting) -> Vec<SightingOutcome> {
+        (from..until).step_by(50).map(|ms| track.see(&s(ms), Time(ms * 1000), |_| true)).collect()
+    }
+
+    fn tag(ms: i64, x: f64) -> Sighting {
+        Sighting { source: SourceId::Tag, accuracy_m: 0.25, ..sighting(ms, x) }
+    }
+
+    fn other_places(track: &Track, ms: i64) -> Vec<f64> {
+        track.others(Time(ms * 1000)).iter().map(|w| w.at.x).collect()
+    }
+
+    #[test]
+    fn a_new_epoch_without_marks_is_no_new_place_and_no_new_person() {
+        let (mut track, now) = walked();
+        let again = |ms: i64, x: f64| Sighting { epoch: 1, ..sighting(ms, x) };
+        assert_eq!(track.see(&again(1050, 1.25), now, |_| true), SightingOutcome::Moved, "goes on");
+        let far = stands(&mut track, 1100, 1350, |ms| Sighting { epoch: 2, ..sighting(ms, 30.0) });
+        assert_eq!(far[..4], [SightingOutcome::Ignored; 4]);
+        assert_eq!(far[4], SightingOutcome::Relocated);
+        assert_eq!(other_places(&track, 1350), [1.25], "held to where the worker was, too");
+    }
+
+    #[test]
+    fn a_source_that_jumps_is_held_to_both_places_until_marks_are_touched_or_half_a_minute_is_over() {
+        let (mut track, _) = walked();
+        stands(&mut track, 1050, 11_000, |ms| sighting(ms, 30.0));
+        let held = track.others(Time(11_000_000));
+        assert_eq!(held.len(), 1);
+        assert!((held[0].at.x - 1.2).abs() < 1e-9 && held[0].reach_m < 0.01, "nobody walked since: {held:?}");
+        let mut aligned = track.clone();
+        let marks = Sighting { epoch: 1, at_marks: true, ..sighting(11_050, 30.0) };
+        aligned.see(&marks, Time(11_050_000), |_| true);
+        assert!(other_places(&aligned, 11_050).is_empty());
+        let mut walks = track.clone();
+        stands(&mut walks, 11_050, 13_050, |ms| sighting(ms, 30.0 + (ms - 11_000) as f64 / 1000.0));
+        let reach_m = walks.others(Time(13_000_000))[0].reach_m;
+        assert!((reach_m - 2.0).abs() < 0.01, "as far as the source saw a walk: {reach_m}");
+        stands(&mut track, 11_050, 32_000, |ms| sighting(ms, 30.0));
+        assert!(other_places(&track, 32_000).is_empty(), "half a minute is over");
+    }
+
+    #[test]
+    fn a_source_that_jumps_to_and_fro_is_held_to_the_place_that_it_leaves() {
+        let (mut track, _) = walked();
+        stands(&mut track, 1050, 2000, |ms| sighting(ms, 30.0));
+        assert_eq!(other_places(&track, 2000).len(), 1);
+        stands(&mut track, 2000, 3000, |ms| sighting(ms, 1.2));
+        assert_eq!(other_places(&track, 3000), [30.0], "it came back: that place is not left any more");
+    }
+
+    #[test]
+    fn another_source_says_which_of_two_places_is_the_right_one() {
+        for (truth, leads) in [(1.2, SourceId::Tag), (30.0, SourceId::Headset)] {
+            let (mut track, _) = walked();
+            stands(&mut track, 1050, 2000, |ms| sighting(ms, 30.0));
+            track.see(&tag(2000, truth), Time(2_000_000), |_| true);
+            assert!(other_places(&track, 2000).is_empty(), "the truth is {truth}");
+            assert!((track.whereabouts(Time(2_000_000)).unwrap().at.x - truth).abs() < 1e-9);
+            assert_eq!(track.newest().unwrap().source, leads, "the one that was right");
+        }
+    }
+
+    #[test]
+    fn sources_that_agree_are_one_place_and_the_more_exact_one_leads() {
+        let (mut track, now) = walked();
+        assert_eq!(track.see(&tag(1000, 1.5), now, |_| true), SightingOutcome::Noted);
+        assert!(track.others(now).is_empty());
+        assert_eq!(track.newest().unwrap().source, SourceId::Headset);
+        // Orders of sources are their own: an older number of another source is not late.
+        assert_eq!(track.see(&sighting(1010, 1.2), now, |_| true), SightingOutcome::Moved);
+        assert_eq!(track.counts().late, 0);
+    }
+
+    #[test]
+    fn sources_that_do_not_agree_hold_a_worker_to_both_places() {
+        let (mut track, now) = walked();
+        track.see(&tag(1000, 9.0), now, |_| true);
+        assert_eq!(track.whereabouts(now).unwrap().at.x, 1.2);
+        assert_eq!(other_places(&track, 1000), [9.0]);
+    }
+
+    #[test]
+    fn a_source_that_is_silent_or_lost_is_not_missed_while_another_one_knows() {
+        let (mut track, _) = walked();
+        let mut taken = Vec::new();
+        for ms in (1000..40_000).step_by(200) {
+            taken.push(track.see(&tag(ms, 1.2), Time(ms * 1000), |_| true));
+        }
+        let w = track.whereabouts(Time(39_900_000)).unwrap();
+        assert_eq!((w.presence, w.reach_m), (Presence::Tracked, 0.0));
+        assert!(track.others(Time(39_900_000)).is_empty());
+        assert!(!taken.contains(&SightingOutcome::Relocated), "it goes on where the headset was");
+        // The headset is back, and better.
+        let back = stands(&mut track, 40_000, 40_100, |ms| sighting(ms, 1.3));
+        assert_eq!(back, [SightingOutcome::Moved; 2]);
+        assert_eq!(track.newest().unwrap().source, SourceId::Headset);
+        track.see(&Sighting { quality: Quality::Lost, ..sighting(40_100, 1.3) }, Time(40_100_000), |_| true);
+        assert_eq!(track.whereabouts(Time(40_100_000)).unwrap().presence, Presence::Tracked);
     }
 
     #[test]

@@ -456,6 +456,8 @@ mod tests {
             worker: WorkerId(0),
             seen: now + Span::from_millis(10 * seq as i64),
             epoch: seq as u32,
+            at_marks: true,
+            source: crate::human::SourceId::Headset,
             seq,
             at,
             heading: None,

@@ -6,7 +6,7 @@
 use super::customers::FIRST_TOKEN;
 use super::link::{Link, LinkFaults};
 use super::random::Stream;
-use super::scenario::{Assignments, Workers};
+use super::scenario::{Assignments, SecondTag, Workers};
 use super::scenario::{Faults, Scenario};
 use super::sensor::Device;
 use super::walker::{Errand, RobotNear, Shown, Walker, WalkerSurroundings, WorkKnowledge, ease};
@@ -41,6 +41,8 @@ struct Member {
     leaves: Time,
     walker: Option<Walker>,
     device: Option<Device>,
+    /// What it wears besides.
+    tag: Option<Device>,
     tasks: Stream,
     asked: u64,
     done: BTreeSet<AssignmentId>,
@@ -117,11 +119,15 @@ impl Crew {
             if let Some(device) = &mut member.device {
                 inputs.extend(device.arrivals(now).into_iter().map(Input::Sighted));
             }
+            if let Some(tag) = &mut member.tag {
+                inputs.extend(tag.arrivals(now).into_iter().map(Input::Sighted));
+            }
             if let (Some(worker), Some(walker)) = (member.id, &member.walker)
                 && walker.is_gone()
                 && let Some(device) = member.device.take()
             {
                 add(&mut self.counts, device.counts());
+                member.tag = None;
                 inputs.push(Input::ClearWorker { token: self.token(), worker });
             }
         }
@@ -218,7 +224,9 @@ impl Crew {
                 if now >= member.enters && now < member.leaves && free && member.id.is_some() {
                     member.walker =
                         Some(Walker::new(&self.workers, self.seed, i as u64, door, self.start, now));
-                    member.device = Some(Device::new(self.workers.sensor, self.seed, i as u64, now));
+                    member.device = Some(Device::new(self.workers.sensor_of(i), self.seed, i as u64, now));
+                    let second = |tag: SecondTag| Device::second(tag.sensor(), self.seed, i as u64, now);
+                    member.tag = self.workers.tag.map(second);
                     member.heard = 0;
                 }
             }
@@ -235,7 +243,7 @@ impl Crew {
             let work = WorkKnowledge { job, known: &member.known, colleagues: &colleagues[i] };
             walker.tick(now, dt, &around, &work);
             member.done.extend(walker.finished.drain(..));
-            if let Some(device) = &mut member.device {
+            for device in member.device.iter_mut().chain(&mut member.tag) {
                 device.look(now, worker, walker.pose(now), walker.walked_m());
             }
         }
@@ -296,6 +304,7 @@ impl Member {
             leaves: workers.leave_s.map_or(Time::MAX, |s| now + Span::from_secs_f64(s)),
             walker: None,
             device: None,
+            tag: None,
             tasks: Stream::new(seed, 20, who),
             asked: 0,
             done: BTreeSet::new(),

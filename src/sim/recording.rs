@@ -8,7 +8,7 @@ use crate::fleet::{
     AssignmentRequest, Closure, Fault, Input, JobKind, JobRequest, StationOrder, Telemetry, USUAL_KIND,
 };
 use crate::geometry::{Point, Pose, Spot};
-use crate::human::{Quality, Sighting};
+use crate::human::{Quality, Sighting, SourceId};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time, Window};
 use serde::{Deserialize, Serialize};
@@ -104,7 +104,8 @@ enum Wrong {
     Broken(bool),
     Other(String),
 }
-/// Worker, seen, epoch, number, x, y, heading, accuracy, quality (0 tracked, 1 emulated, 2 lost).
+/// Worker, seen, epoch, number, x, y, heading, accuracy, and quality (0 tracked, 1 emulated, 2 lost) with 4 for a tag or
+/// 8 for a device that reports like a robot, and 16 where the epoch did not begin with marks.
 type SightingRow = (u32, i64, u32, u64, f64, f64, Option<f64>, f64, u8);
 
 #[derive(Serialize, Deserialize)]
@@ -266,6 +267,7 @@ fn sighted(s: &Sighting) -> SightingRow {
         Quality::Emulated => 1,
         Quality::Lost => 2,
     };
+    let quality = quality + 4 * s.source as u8 + if s.at_marks { 0 } else { 16 };
     (s.worker.0, s.seen.0, s.epoch, s.seq, s.at.x, s.at.y, s.heading, s.accuracy_m, quality)
 }
 
@@ -404,13 +406,14 @@ fn heard(s: TelemetryRow, recalls: u64) -> Telemetry {
 
 fn glimpsed(s: SightingRow) -> Sighting {
     let (worker, seen, epoch, seq, x, y, heading, accuracy_m, quality) = s;
-    let quality = match quality {
+    let (source, at_marks) = (SourceId::ALL[usize::from(quality >> 2 & 3).min(2)], quality & 16 == 0);
+    let quality = match quality & 3 {
         0 => Quality::Tracked,
         1 => Quality::Emulated,
         _ => Quality::Lost,
     };
     let (worker, seen, at) = (WorkerId(worker), Time(seen), Point::new(x, y));
-    Sighting { worker, seen, epoch, seq, at, heading, accuracy_m, quality }
+    Sighting { worker, source, seen, epoch, at_marks, seq, at, heading, accuracy_m, quality }
 }
 
 /// A robot joins. The answer was given when this was recorded.

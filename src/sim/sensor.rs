@@ -6,10 +6,13 @@
 use super::random::Stream;
 use super::scenario::{Sensor, Source};
 use crate::geometry::{Point, Pose, Vector, wrap_angle};
-use crate::human::{Quality, Sighting};
+use crate::human::{Quality, Sighting, SourceId};
 use crate::id::WorkerId;
 use crate::time::{Span, Time};
 use nalgebra::Rotation2;
+
+/// Purposes of the second device's streams are these of the first and so many more.
+const SECOND: u64 = 100;
 
 /// How long a device that lost itself says so before the new frame begins.
 const LOST: Span = Span::from_millis(300);
@@ -76,7 +79,15 @@ pub(super) struct Device {
 impl Device {
     /// The device of worker number `who`, switched on at `now`.
     pub fn new(sensor: Sensor, seed: u64, who: u64, now: Time) -> Device {
-        let stream = |purpose| Stream::new(seed, purpose, who);
+        Device::drawing(sensor, |purpose| Stream::new(seed, purpose, who), now)
+    }
+
+    /// What worker number `who` wears besides it. It draws numbers of its own, so that the device sees the same with it.
+    pub fn second(sensor: Sensor, seed: u64, who: u64, now: Time) -> Device {
+        Device::drawing(sensor, |purpose| Stream::new(seed, purpose + SECOND, who), now)
+    }
+
+    fn drawing(sensor: Sensor, stream: impl Fn(u64) -> Stream, now: Time) -> Device {
         Device {
             noise: stream(50),
             radio: stream(51),
@@ -143,13 +154,17 @@ impl Device {
         let yaw = self.noise.normal() * self.sensor.yaw_sigma_deg.to_radians();
         let heading = wrap_angle(pose.heading + self.anchor_turn + yaw);
         let lost = self.resets.lasts(now);
+        let tag = self.sensor.source == Source::Tag;
         Sighting {
             worker,
+            source: if tag { SourceId::Tag } else { SourceId::Headset },
             seen: now,
             epoch: self.epoch,
+            // A headset's frame begins where it knows an anchor.
+            at_marks: !tag,
             seq: self.seq,
             at: turned + noise + self.drift * drift + jump,
-            heading: (self.sensor.source == Source::Headset).then_some(heading),
+            heading: (!tag).then_some(heading),
             accuracy_m: (sigma.powi(2) + drift.powi(2)).sqrt().max(0.01),
             quality: if lost { Quality::Lost } else { Quality::Tracked },
         }

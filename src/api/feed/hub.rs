@@ -1,16 +1,18 @@
 //! Where poses of all sources and guidance for all workers meet.
 //!
-//! Main types: [`Feeds`], [`Connection`] (its place), [`HeardSighting`], [`Told`]. A worker has one source at a time:
-//! a new connection takes the place of an old one, and reports of tags count while no headset talks. A change of
-//! source is a change of frame, so it begins an epoch. Guidance is the newest or none: there is no queue. Refuses:
-//! to know what is right for a worker.
+//! Main types: [`Feeds`], [`Connection`] (its place), [`HeardSighting`], [`Told`]. A worker has one headset at a time: a
+//! new connection takes the place of an old one. It may have another frame, so it begins an epoch; but it is the same
+//! worker, and only marks that were touched prove a new place. Reports of tags and of devices that report like robots
+//! count beside the headset. Guidance is the newest or none: there is no queue. Refuses: to know what is right for a
+//! worker, and to choose between sources.
 
+use super::align::PointPair;
 use super::intake::Senses;
 use super::thin::RateLimiter;
 use crate::api::error::Problem;
 use crate::api::text::parse_worker_name;
 use crate::fleet::{FeedCounts, Guidance, View};
-use crate::human::Sighting;
+use crate::human::{Sighting, SourceId};
 use crate::id::{Dense, IdVec, WorkerId};
 use crate::time::{Span, Time};
 use std::sync::{Mutex, MutexGuard};
@@ -20,7 +22,7 @@ use tokio::sync::{mpsc, watch};
 /// takes four times as long as it should.
 pub const WAITING: usize = 12_000;
 
-/// Reports of tags count when a headset has been silent for so long.
+/// What a headset said of gaze, hands and battery is forgotten when only reports have come for so long.
 const HEADSET_SILENT: Span = Span::from_secs(3);
 
 /// A sighting, with the time at which it was received.
@@ -74,30 +76,27 @@ pub struct Connection {
 pub enum Untaken {
     /// There is no such worker.
     Unknown,
-    /// A headset says where the worker is, and it knows better.
-    Headset,
     /// Too much is waiting.
     Full,
 }
 
-/// Which source the last sighting came from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum SightingSource {
-    /// None came yet.
-    None,
-    /// A connection, in one of its epochs.
-    Feed(u64, u32),
-    Reports,
+/// Reports of one source of a worker.
+#[derive(Debug, Default)]
+struct ReportQueue {
+    count: u64,
+    /// Reports that come too fast; the newest waits.
+    limiter: RateLimiter<HeardSighting>,
 }
 
 #[derive(Debug)]
 struct WorkerSlot {
     name: String,
-    source: SightingSource,
+    /// The connection that the last pose came from, in which of its epochs, and when.
+    feed: Option<(u64, u32, Time)>,
     epoch: u32,
-    reports: u64,
-    /// Reports that come too fast; the newest waits.
-    limiter: RateLimiter<HeardSighting>,
+    /// The marks that a headset was aligned with last.
+    marks: Vec<PointPair>,
+    reports: [ReportQueue; SourceId::ALL.len()],
     taken: watch::Sender<u64>,
     told: watch::Sender<Told>,
     carried: CarriedSenses,
@@ -134,8 +133,8 @@ impl Feeds {
         for name in names.iter().skip(slots.len()) {
             let (taken, told) = (watch::Sender::new(0), watch::Sender::new(Told::default()));
             let (name, carried) = (name.clone(), CarriedSenses::default());
-            let (source, limiter) = (SightingSource::None, RateLimiter::default());
-            slots.push(WorkerSlot { name, source, epoch: 0, reports: 0, limiter, taken, told, carried });
+            let (feed, epoch, marks, reports) = (None, 0, Vec::new(), Default::default());
+            slots.push(WorkerSlot { name, feed, epoch, marks, reports, taken, told, carried });
         }
     }
 
@@ -185,15 +184,18 @@ impl Feeds {
     ) -> bool {
         let mut slots = self.slots();
         let slot = &mut slots[sighting.worker];
-        slot.switch(SightingSource::Feed(connection.number, sighting.epoch));
+        // Another connection, or another alignment of its frame, begins an epoch.
+        let begins = slot.feed.is_none_or(|(n, epoch, _)| (n, epoch) != (connection.number, sighting.epoch));
+        slot.epoch += u32::from(begins);
+        slot.feed = Some((connection.number, sighting.epoch, received));
         sighting.epoch = slot.epoch;
         (slot.carried.senses, slot.carried.received) = (senses, Some(received));
         drop(slots);
         self.inbox.try_send(HeardSighting { received, sighting }).is_ok()
     }
 
-    /// Takes a report of a tag, whose epoch and number are of no importance. What comes faster than sixty times a
-    /// second is thinned, the newest wins.
+    /// Takes a report of a tag or the like, whose epoch and number are of no importance. What comes faster than sixty
+    /// times a second is thinned, the newest of each source wins.
     ///
     /// # Errors
     /// Why it is not taken.
@@ -203,15 +205,14 @@ impl Feeds {
             return Err(Untaken::Unknown);
         }
         let slot = &mut slots[sighting.worker];
-        let lately = slot.carried.received.is_some_and(|t| received - t < HEADSET_SILENT);
-        if matches!(slot.source, SightingSource::Feed(..)) && lately {
-            return Err(Untaken::Headset);
+        if slot.feed.is_none_or(|(.., at)| received - at >= HEADSET_SILENT) {
+            slot.carried.senses = Senses::default();
         }
-        slot.switch(SightingSource::Reports);
-        slot.reports += 1;
-        (sighting.epoch, sighting.seq) = (slot.epoch, slot.reports);
-        (slot.carried.senses, slot.carried.received) = (Senses::default(), Some(received));
-        let passes = slot.limiter.offer(HeardSighting { received, sighting }, received);
+        slot.carried.received = Some(received);
+        let queue = &mut slot.reports[sighting.source as usize];
+        queue.count += 1;
+        (sighting.epoch, sighting.seq) = (0, queue.count);
+        let passes = queue.limiter.offer(HeardSighting { received, sighting }, received);
         drop(slots);
         passes.map_or(Ok(()), |heard| self.inbox.try_send(heard).map_err(|_| Untaken::Full))
     }
@@ -219,14 +220,25 @@ impl Feeds {
     /// Hands on reports that had to wait and may pass now. How many were left out since the last call.
     pub fn pass(&self, now: Time) -> u64 {
         let mut left_out = 0;
-        for slot in self.slots().iter_mut() {
-            left_out += std::mem::take(&mut slot.limiter.thinned);
-            if let Some(heard) = slot.limiter.ready(now) {
+        for queue in self.slots().iter_mut().flat_map(|slot| &mut slot.reports) {
+            left_out += std::mem::take(&mut queue.limiter.thinned);
+            if let Some(heard) = queue.limiter.ready(now) {
                 // If there is no room, the source is told so at its next report.
                 let _ = self.inbox.try_send(heard);
             }
         }
         left_out
+    }
+
+    /// Whether a worker's headset was not aligned with exactly these marks before: then somebody touched them now. A
+    /// client that connects again sends the marks that it remembers, to the last digit, and they prove nothing.
+    pub fn are_new_marks(&self, worker: WorkerId, marks: &[PointPair]) -> bool {
+        self.slots()[worker].marks != marks
+    }
+
+    /// A worker's headset was aligned with these marks.
+    pub fn note_marks(&self, worker: WorkerId, marks: Vec<PointPair>) {
+        self.slots()[worker].marks = marks;
     }
 
     /// The headset shows the guidance of this version.
@@ -278,21 +290,10 @@ impl Feeds {
     }
 }
 
-impl WorkerSlot {
-    /// Begins an epoch where the source is another one than before.
-    fn switch(&mut self, source: SightingSource) {
-        if self.source != source {
-            (self.source, self.epoch) = (source, self.epoch + 1);
-            // What waits is of the old source.
-            self.limiter.forget();
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Point;
+    use crate::geometry::{Point, Vector};
     use crate::human::Quality;
 
     const ANNA: WorkerId = WorkerId(0);
@@ -300,8 +301,10 @@ mod tests {
     fn sighting(epoch: u32, seq: u64) -> Sighting {
         Sighting {
             worker: ANNA,
+            source: SourceId::Headset,
             seen: Time(0),
             epoch,
+            at_marks: false,
             seq,
             at: Point::origin(),
             heading: None,
@@ -321,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn every_change_of_source_or_alignment_begins_an_epoch_and_none_comes_back() {
+    fn every_new_connection_or_alignment_begins_an_epoch_and_reports_come_beside_them() {
         let (feeds, mut heard) = feeds();
         let hand = |connection: &Connection, epoch, ms: i64| {
             assert!(feeds.hand(connection, sighting(epoch, 1), Senses::default(), Time(ms * 1000)));
@@ -332,20 +335,25 @@ mod tests {
         hand(&first, 2, 2);
         let second = feeds.sit(ANNA).unwrap();
         hand(&second, 1, 3);
-        feeds.report(sighting(9, 9), Time(4_000_000)).unwrap();
-        feeds.report(sighting(9, 9), Time(4_100_000)).unwrap();
+        let tag = Sighting { source: SourceId::Tag, ..sighting(9, 9) };
+        feeds.report(tag, Time(4_000_000)).unwrap();
+        feeds.report(tag, Time(4_100_000)).unwrap();
         hand(&second, 1, 4200);
-        assert_eq!(epochs(&mut heard), [1, 1, 2, 3, 4, 4, 5]);
+        hand(&second, 2, 4300);
+        assert_eq!(epochs(&mut heard), [1, 1, 2, 3, 0, 0, 3, 4]);
     }
 
     #[test]
-    fn a_tag_is_silent_while_a_headset_talks() {
-        let (feeds, _heard) = feeds();
-        feeds.report(sighting(0, 0), Time(0)).unwrap();
+    fn a_tag_counts_beside_a_headset_and_each_has_numbers_of_its_own() {
+        let (feeds, mut heard) = feeds();
+        let tag = Sighting { source: SourceId::Tag, ..sighting(0, 0) };
+        feeds.report(tag, Time(0)).unwrap();
         let connection = feeds.sit(ANNA).unwrap();
         feeds.hand(&connection, sighting(1, 1), Senses::default(), Time(1_000_000));
-        assert_eq!(feeds.report(sighting(0, 0), Time(2_000_000)), Err(Untaken::Headset));
-        assert_eq!(feeds.report(sighting(0, 0), Time(4_000_000)), Ok(()));
+        assert_eq!(feeds.report(tag, Time(2_000_000)), Ok(()));
+        let heard = std::iter::from_fn(|| heard.try_recv().ok()).map(|h| (h.sighting.source, h.sighting.seq));
+        let (headset, tag) = (SourceId::Headset, SourceId::Tag);
+        assert_eq!(heard.collect::<Vec<_>>(), [(tag, 1), (headset, 1), (tag, 2)]);
         let nobody = Sighting { worker: WorkerId(7), ..sighting(0, 0) };
         assert_eq!(feeds.report(nobody, Time(0)), Err(Untaken::Unknown));
     }
@@ -369,6 +377,24 @@ mod tests {
         assert!((60..=72).contains(&annas.len()), "{}", annas.len());
         assert_eq!(annas.last().unwrap().sighting.seq, 1000, "the newest");
         assert_eq!(left_out + annas.len() as u64, 1000);
+    }
+
+    #[test]
+    fn marks_that_a_client_remembers_prove_nothing_when_it_connects_again() {
+        let (feeds, _heard) = feeds();
+        let pair = |x: f64| PointPair {
+            device: Vector::new(x, 0.0),
+            map: Point::new(x, 1.0),
+            weight: 1.0,
+            turn: None,
+        };
+        assert!(feeds.are_new_marks(ANNA, &[pair(1.0), pair(2.0)]), "touched for the first time");
+        feeds.note_marks(ANNA, vec![pair(1.0), pair(2.0)]);
+        assert!(!feeds.are_new_marks(ANNA, &[pair(1.0), pair(2.0)]), "sent again");
+        assert!(
+            feeds.are_new_marks(ANNA, &[pair(1.001), pair(2.0)]),
+            "touched again: no two touches are equal"
+        );
     }
 
     #[test]

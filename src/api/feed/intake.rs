@@ -10,7 +10,7 @@ use super::clock::ClockSync;
 use super::pose::{self, Gaze, Hand, facing, plan, rotation};
 use super::wire::{AnchorSaid, PoseFrame, PoseSaid, QualitySaid};
 use crate::geometry::{Point, Vector};
-use crate::human::{Quality, Sighting};
+use crate::human::{Quality, Sighting, SourceId};
 use crate::id::WorkerId;
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
@@ -39,6 +39,8 @@ pub struct PoseIntake {
     pub clock: ClockSync,
     alignment: Option<Alignment>,
     epoch: u32,
+    /// Whether this epoch began with marks that were touched for it.
+    at_marks: bool,
     last_seq: Option<u64>,
     /// The latest moment on the device's clock, milliseconds, and when that was.
     latest: Option<(f64, Time)>,
@@ -154,6 +156,7 @@ impl PoseIntake {
             clock: ClockSync::default(),
             alignment: (frame == PoseFrame::Map).then(Alignment::identity),
             epoch: 1,
+            at_marks: false,
             last_seq: None,
             latest: None,
             stood: None,
@@ -174,13 +177,15 @@ impl PoseIntake {
     }
 
     /// Aligns the device's frame anew; poses of the old epoch count no more. Where the marks do not fit, the old
-    /// alignment stands.
+    /// alignment stands. `touched` says whether the wearer touched these marks now, which proves the new place; marks
+    /// that a client remembers prove nothing.
     ///
     /// # Errors
     /// Why the marks do not fit.
-    pub fn align(&mut self, pairs: &[PointPair]) -> Result<&Alignment, Misfit> {
+    pub fn align(&mut self, pairs: &[PointPair], touched: bool) -> Result<&Alignment, Misfit> {
         let alignment = Alignment::fit(pairs)?;
         self.begin_epoch();
+        self.at_marks = touched;
         Ok(self.alignment.insert(alignment))
     }
 
@@ -193,7 +198,7 @@ impl PoseIntake {
     fn begin_epoch(&mut self) {
         self.epoch += 1;
         (self.last_seq, self.stood, self.faced) = (None, None, None);
-        (self.strode, self.walked_m) = (None, 0.0);
+        (self.strode, self.walked_m, self.at_marks) = (None, 0.0, false);
         self.clock.resync();
     }
 
@@ -234,7 +239,9 @@ impl PoseIntake {
         (self.stood, self.faced) = (Some(device), faced);
         let quality = quality(said.quality);
         let (worker, epoch, seq) = (self.worker, self.epoch, said.seq);
-        let sighting = Sighting { worker, seen, epoch, seq, at, heading, accuracy_m, quality };
+        let (source, at_marks) = (SourceId::Headset, self.at_marks);
+        let sighting =
+            Sighting { worker, source, seen, epoch, at_marks, seq, at, heading, accuracy_m, quality };
         Ok(TakenPose { sighting, senses, fault })
     }
 
@@ -416,13 +423,14 @@ mod tests {
             weight: 1.0,
             turn: Some(quarter),
         };
-        intake.align(&[mark]).unwrap();
+        intake.align(&[mark], true).unwrap();
         assert_eq!(intake.take(&pose(1), NOW), Err(PoseFault::OldEpoch));
         let taken = intake.take(&PoseSaid { epoch: 2, ..pose(1) }, NOW).unwrap();
         let s = taken.sighting;
         assert!((s.at - Point::new(7.0, 7.0)).norm() < 1e-9, "{s:?}");
         assert!((s.heading.unwrap().abs() - std::f64::consts::PI).abs() < 1e-9, "{s:?}");
         assert_eq!((s.worker, s.epoch, s.seq), (WorkerId(3), 2, 1));
+        assert!(s.at_marks, "they were touched for this epoch");
         assert!((s.seen - NOW).0.abs() <= 2000, "{:?}", s.seen - NOW);
         assert!(
             s.accuracy_m > 0.12 && s.accuracy_m < 0.15,
@@ -505,7 +513,7 @@ mod tests {
             weight: 1.0,
             turn: None,
         };
-        intake.align(&marks.map(pair)).unwrap();
+        intake.align(&marks.map(pair), true).unwrap();
         let (mut seq, mut at) = (0, 0.0);
         let mut stand = |intake: &mut PoseIntake, x: f64| {
             seq += 1;

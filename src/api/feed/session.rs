@@ -380,9 +380,16 @@ impl Session<'_> {
 
     async fn align(&mut self, said: &[AnchorSaid]) -> Result<(), SessionEnd> {
         let fit = pairs(said, &self.api.map).map_err(|text| (text, "correct the message"));
-        let fit = fit.and_then(|pairs| match self.intake.align(&pairs) {
-            Ok(alignment) => Ok(alignment.clone()),
-            Err(misfit) => Err((misfit.to_string(), misfit.remedy())),
+        let fit = fit.and_then(|pairs| {
+            let touched = self.api.feeds.are_new_marks(self.worker, &pairs);
+            match self.intake.align(&pairs, touched) {
+                Ok(alignment) => Ok((alignment.clone(), pairs)),
+                Err(misfit) => Err((misfit.to_string(), misfit.remedy())),
+            }
+        });
+        let fit = fit.map(|(alignment, pairs)| {
+            self.api.feeds.note_marks(self.worker, pairs);
+            alignment
         });
         let answer = match fit {
             Ok(a) => json!({

@@ -1,7 +1,7 @@
 //! `/v1/workers/{id}/position` and `/v1/positions`: where tags say that workers are.
 //!
 //! Main types: [`NewPosition`], [`NewPositions`]. A position is an observation: it is taken in or not, and nothing is
-//! written down. Refuses: tags that contradict a headset, times that cannot be.
+//! written down. Refuses: times that cannot be.
 
 use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
@@ -11,7 +11,7 @@ use crate::api::feed::hub::Untaken;
 use crate::api::massrobotics::USUAL_ACCURACY_M;
 use crate::api::text::{parse_time, worker_name};
 use crate::geometry::Point;
-use crate::human::{Quality, Sighting};
+use crate::human::{Quality, Sighting, SourceId};
 use crate::id::WorkerId;
 use crate::time::{Span, Time};
 use axum::Json;
@@ -79,8 +79,6 @@ pub struct TakenDto {
     params(("id" = String, Path, example = "w1")), responses(
     (status = 202, description = "Accepted; the fleet evaluates it in its next step"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "A headset reports where the worker is", body = Problem,
-     content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn one(
@@ -126,11 +124,6 @@ pub fn report(api: &Api, sighting: Sighting, now: Time) -> Result<(), Problem> {
     let worker = worker_name(sighting.worker);
     api.feeds.report(sighting, now).map_err(|why| match why {
         Untaken::Unknown => Problem::unknown("worker", format!("{worker} does not exist")),
-        Untaken::Headset => {
-            let detail =
-                format!("{worker}'s headset says where the worker is; tags count only while it is silent");
-            Problem::conflict("headset", "A headset reports this worker", detail)
-        }
         Untaken::Full => {
             api.metrics.refused("full");
             Problem::unavailable("too many positions are waiting: send only the newest of each worker", 1)
@@ -173,6 +166,7 @@ impl NewPosition {
             },
         };
         let (at, heading, quality) = (Point::new(self.x, self.y), self.heading, Quality::Tracked);
-        Ok(Sighting { worker, seen, epoch: 0, seq: 0, at, heading, accuracy_m, quality })
+        let (source, epoch, at_marks, seq) = (SourceId::Tag, 0, false, 0);
+        Ok(Sighting { worker, source, seen, epoch, at_marks, seq, at, heading, accuracy_m, quality })
     }
 }

@@ -32,8 +32,6 @@ const SEND: Duration = Duration::from_secs(2);
     (status = 202, description = "Accepted; the fleet evaluates it in its next step"),
     (status = 404, description = "No worker is known under this uuid", body = Problem,
      content_type = "application/problem+json"),
-    (status = 409, description = "A headset reports where the worker is", body = Problem,
-     content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn post(
@@ -90,7 +88,6 @@ fn kind_of(status: u16) -> &'static str {
     match status {
         400 => "malformed",
         404 => "unknown",
-        409 => "headset",
         422 => "invalid",
         _ => "unavailable",
     }

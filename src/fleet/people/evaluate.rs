@@ -35,7 +35,7 @@ impl HumanState {
         let person = self.person(s.worker);
         let taken = person.track.see(s, now, is_on_map);
         match taken {
-            SightingOutcome::Ignored => return,
+            SightingOutcome::Ignored | SightingOutcome::Noted => return,
             SightingOutcome::Moved => person.fresh = true,
             SightingOutcome::Relocated => (person.fresh, person.relocated) = (true, true),
         }
@@ -116,12 +116,16 @@ impl HumanState {
     pub(super) fn restrict(&mut self, floor: Floor<'_>, now: Time) {
         let ours = floor.settings.policy == HumanAwarePolicy::Giveway;
         let present = self.present(now);
+        let others = if ours { self.others(now) } else { Vec::new() };
         let mut all = std::mem::take(&mut self.conditions);
         all.all_mut().for_each(Conditions::clear);
         for (conditions, regions) in all.with_regions(floor.regions) {
             let effects = Effects { warehouse: floor.warehouse(), regions, afoot: &self.afoot, now };
             for (worker, place) in &present {
                 self.restrict_around(&effects, conditions, (*worker, place), ours);
+            }
+            for (worker, place) in &others {
+                effects.presence(conditions, *worker, place, Span::ZERO);
             }
         }
         self.conditions = all;

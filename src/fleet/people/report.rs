@@ -18,6 +18,8 @@ use std::collections::BTreeSet;
 pub(in crate::fleet) struct PeopleReport<'a> {
     /// Where each worker is, if on the floor.
     pub places: IdVec<WorkerId, Option<Whereabouts>>,
+    /// Where else they may be.
+    pub others: Vec<(WorkerId, Whereabouts)>,
     /// What workers mean for the search and for grants, for each kind of robots.
     pub conditions: &'a KindConditions,
     /// Workers who stand to let a robot pass.
@@ -40,7 +42,12 @@ impl HumanState {
         self.restrict(core.floor(), now);
         let guidance = self.guide(core.floor(), now);
         let places = self.people.iter().map(|p| p.track.whereabouts(now)).collect();
-        let let_pass = self.standing_aside(now);
-        PeopleReport { places, conditions: &self.conditions, let_pass, guidance }
+        PeopleReport {
+            places,
+            others: self.others(now),
+            conditions: &self.conditions,
+            let_pass: self.standing_aside(now),
+            guidance,
+        }
     }
 }

@@ -163,7 +163,18 @@ impl HumanState {
         self.people.get(worker)?.track.whereabouts(now)
     }
 
-    /// Every worker on the floor.
+    /// Where else workers may be, if their sources do not agree.
+    pub fn others(&self, now: Time) -> Vec<(WorkerId, Whereabouts)> {
+        let people = self.people.pairs();
+        people.flat_map(|(w, p)| p.track.others(now).into_iter().map(move |place| (w, place))).collect()
+    }
+
+    /// All places where workers may be: robots are slow near each of them.
+    pub fn places(&self, now: Time) -> Vec<(WorkerId, Whereabouts)> {
+        self.present(now).into_iter().chain(self.others(now)).collect()
+    }
+
+    /// Every worker on the floor, where the worker most probably is.
     pub fn present(&self, now: Time) -> Vec<(WorkerId, Whereabouts)> {
         let people = self.people.pairs();
         people.filter_map(|(w, p)| Some((w, p.track.whereabouts(now)?))).collect()

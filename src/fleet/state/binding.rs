@@ -39,7 +39,7 @@ impl Floor<'_> {
     /// The exemption with which a robot on a node may go wherever it comes no nearer to what it is to leave.
     pub(in crate::fleet) fn exemption_from(&self, node: NodeId, from: Cause) -> Option<Exemption> {
         let at = match from {
-            Cause::Worker(worker) => self.restrictions.whereabouts(worker)?.at,
+            Cause::Worker(worker) => self.restrictions.nearest_place(worker, self.at(node))?,
             Cause::Closure(_) => self.at(node),
             Cause::Robot(robot) => self.place_of(robot),
             Cause::Obstruction(there) => self.at(there),

@@ -6,6 +6,7 @@
 use crate::fleet::state::closed_areas::Areas;
 use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::regions::{KindConditions, KindRegions};
+use crate::geometry::Point;
 use crate::human::Whereabouts;
 use crate::id::{IdVec, NodeId, WorkerId};
 use crate::time::Time;
@@ -29,6 +30,8 @@ pub(in crate::fleet) struct Restrictions {
     pub workers: IdVec<WorkerId, Option<Whereabouts>>,
     /// Workers who stand to let a robot pass.
     pub let_pass: BTreeSet<WorkerId>,
+    /// Where else they may be, if their sources do not agree.
+    pub others: Vec<(WorkerId, Whereabouts)>,
 }
 
 impl Restrictions {
@@ -41,12 +44,20 @@ impl Restrictions {
             cut_off: Arc::default(),
             workers: IdVec::new(),
             let_pass: BTreeSet::new(),
+            others: Vec::new(),
         }
     }
 
     /// Where a worker is, if on the floor.
     pub fn whereabouts(&self, worker: WorkerId) -> Option<&Whereabouts> {
         self.workers.get(worker)?.as_ref()
+    }
+
+    /// The place nearest to a point of those where a worker may be, if on the floor.
+    pub fn nearest_place(&self, worker: WorkerId, to: Point) -> Option<Point> {
+        let others = self.others.iter().filter(|(w, _)| *w == worker).map(|(_, place)| place.at);
+        let all = self.whereabouts(worker).map(|w| w.at).into_iter().chain(others);
+        all.min_by(|a, b| (a - to).norm().total_cmp(&(b - to).norm()))
     }
 
     /// Since when, or from when on, a node is closed, if it is or will be soon.

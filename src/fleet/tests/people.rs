@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::geometry::Point;
-use crate::human::{Quality, Sighting};
+use crate::human::{Quality, Sighting, SourceId};
 use crate::id::{BodyId, WorkerId};
 
 const STEP_S: f64 = 0.1;
@@ -26,6 +26,8 @@ impl Puppet {
             worker: self.worker,
             seen: now,
             epoch: self.epoch,
+            at_marks: true,
+            source: SourceId::Headset,
             seq: self.seq,
             at: self.at,
             heading: None,

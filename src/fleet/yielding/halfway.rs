@@ -23,7 +23,7 @@ impl Yielding {
         if robots.is_empty() {
             return;
         }
-        let present = people.present(now);
+        let present = people.places(now);
         for robot in robots {
             let stands = core.scene.robot(robot).is_some_and(Telemetry::stands);
             if !stands && traffic.direction(robot).is_some() {

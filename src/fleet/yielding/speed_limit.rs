@@ -62,7 +62,7 @@ impl Yielding {
         traffic: &Traffic,
         now: Time,
     ) {
-        let present = people.present(now);
+        let present = people.places(now);
         for robot in core.ledger.present().collect::<Vec<_>>() {
             let Some(seen) = core.scene.robot(robot).copied() else { continue };
             let (limit, because) = self.limits(core, people, traffic).limit_for(robot, &present, now);
@@ -170,7 +170,7 @@ impl SpeedLimits<'_> {
         let mut slowest: (Option<f64>, Option<WorkerId>) = (None, None);
         for (worker, w) in present {
             let distance = (at - w.at).norm() - w.reach_m;
-            if distance > FAR_M {
+            if distance > FAR_M || w.reach_m > 0.0 && !self.is_within_reach(robot, *worker, w) {
                 continue;
             }
             let off = w.presence != Presence::Lost && self.drives_away(robot, at, w.at, now);
@@ -195,6 +195,20 @@ impl SpeedLimits<'_> {
         slowest
     }
 
+    /// Whether a person who is not seen can come near a robot on foot: racks and walls are no way through. A person
+    /// seen a moment ago is near as the crow flies.
+    fn is_within_reach(&self, robot: RobotId, worker: WorkerId, w: &Whereabouts) -> bool {
+        let is_cause =
+            |n: NodeId| self.floor.conditions(robot).of(n).iter().any(|c| c.cause == Cause::Worker(worker));
+        w.presence != Presence::Lost || self.nodes_here(robot).any(is_cause)
+    }
+
+    /// The node that a robot reached last, and the next.
+    fn nodes_here(&self, robot: RobotId) -> impl Iterator<Item = NodeId> {
+        let (chain, reached) = (self.floor.ledger.chain(robot), self.floor.reached(robot));
+        (reached..).map_while(move |serial| chain.get(serial)).take(2).map(|v| v.node)
+    }
+
     /// Where a robot drives back to, if it does.
     fn drives_back_to(&self, robot: RobotId) -> Option<Point> {
         match self.direction {
@@ -214,8 +228,7 @@ impl SpeedLimits<'_> {
         now: Time,
     ) -> Option<f64> {
         let loaded = self.floor.ledger.rack_on(robot).is_some();
-        let (chain, reached) = (self.floor.ledger.chain(robot), self.floor.reached(robot));
-        let nodes = (reached..).map_while(|serial| chain.get(serial)).take(2).map(|v| v.node);
+        let nodes = self.nodes_here(robot);
         if self.floor.settings.policy == HumanAwarePolicy::Giveway {
             if self.is_caught_up(robot, worker, w, now) {
                 return Some(0.0);

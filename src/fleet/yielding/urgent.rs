@@ -38,7 +38,7 @@ impl Yielding {
             return s.worker.ix() < floor.ledger.workers.len();
         };
         let mut track = person.track.clone();
-        if track.see(s, now, floor.is_on_map()) == SightingOutcome::Ignored {
+        if matches!(track.see(s, now, floor.is_on_map()), SightingOutcome::Ignored | SightingOutcome::Noted) {
             return false;
         }
         let Some(place) = track.whereabouts(now) else { return false };

@@ -15,7 +15,7 @@ pub use closures::Closing;
 pub use faults::Faults;
 pub use habits::Habits;
 pub use kinds::KindShare;
-pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, Sensor, Source, Workers};
+pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, SecondTag, Sensor, Source, Workers};
 
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::{Closure, RobotKind, fitted};
@@ -275,6 +275,38 @@ mod tests {
         let e =
             Scenario::parse(&GOOD.replace("\"robots\": 2", "\"robots\": 2, \"duration_s\": -1")).unwrap_err();
         assert_eq!(e.to_string(), "`duration_s` is -1, but must be from 1 to 10000000");
+    }
+
+    #[test]
+    fn a_bad_headset_among_good_ones_is_named_with_how_many_wear_it() {
+        let workers = |of: &str| with(&format!(r#", "workers": {{"count": 3, {of}}}"#));
+        let s = workers(r#""liars": 1, "liar_sensor": {"loss": 0.5}"#).unwrap();
+        assert_eq!([0, 1, 2].map(|i| s.workers.sensor_of(i).loss), [0.5, 0.0, 0.0]);
+        let refused = |of: &str| workers(of).unwrap_err();
+        assert_eq!(
+            refused(r#""liars": 4, "liar_sensor": {}"#),
+            "`workers.liars`: 4 of 3 workers: name no more than there are"
+        );
+        assert_eq!(
+            refused(r#""liars": 1"#),
+            "`workers.liar_sensor`: say how the first `liars` workers are seen"
+        );
+        assert_eq!(
+            refused(r#""liars": 1, "liar_sensor": {"loss": 2}"#),
+            "`workers.liar_sensor.loss` is 2, but must be from 0 to 1"
+        );
+    }
+
+    #[test]
+    fn a_tag_besides_the_headset_has_an_accuracy_and_a_period_that_can_be() {
+        let tag = |of: &str| with(&format!(r#", "workers": {{"count": 1, "tag": {of}}}"#));
+        assert_eq!(tag("null").unwrap().workers.tag, None);
+        let sensor = tag(r#"{"period_s": 0.5}"#).unwrap().workers.tag.unwrap().sensor();
+        assert_eq!((sensor.source, sensor.rate(), sensor.sigma()), (Source::Tag, 2.0, 0.25));
+        assert_eq!(
+            tag(r#"{"period_s": 0}"#).unwrap_err(),
+            "`workers.tag.period_s` is 0, but must be from 0.02 to 2"
+        );
     }
 
     fn with(fleet: &str) -> Result<Scenario, String> {

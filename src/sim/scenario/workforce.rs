@@ -22,6 +22,12 @@ pub struct Workers {
     pub deviations: Deviations,
     /// How they are seen.
     pub sensor: Sensor,
+    /// So many of them, the first ones, are seen by [`Workers::liar_sensor`] instead.
+    pub liars: usize,
+    /// How those are seen; needed where there are any.
+    pub liar_sensor: Option<Sensor>,
+    /// A tag that every worker wears besides; nothing for none.
+    pub tag: Option<SecondTag>,
     /// How they take robots, in shares of all workers.
     pub personas: Personas,
     /// Radius within which a moving robot counts as met, metres.
@@ -211,6 +217,43 @@ impl Sensor {
     }
 }
 
+/// A tag that a worker wears besides the device: positions without faults, less exact than a headset's.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SecondTag {
+    /// One standard deviation of each position, metres.
+    pub accuracy_m: f64,
+    /// From one position to the next, seconds.
+    pub period_s: f64,
+    /// Age of a position when it comes in, milliseconds.
+    pub delay_ms: f64,
+}
+
+impl Default for SecondTag {
+    fn default() -> SecondTag {
+        SecondTag { accuracy_m: 0.25, period_s: 0.2, delay_ms: 60.0 }
+    }
+}
+
+impl SecondTag {
+    /// As what a worker carries.
+    pub(in crate::sim) fn sensor(self) -> Sensor {
+        Sensor {
+            source: Source::Tag,
+            rate_hz: Some(1.0 / self.period_s),
+            sigma_m: Some(self.accuracy_m),
+            delay_ms: self.delay_ms,
+            ..Sensor::default()
+        }
+    }
+
+    fn check(&self) -> Result<(), ScenarioError> {
+        check("workers.tag.accuracy_m", self.accuracy_m, 0.0..=5.0, "from 0 to 5")?;
+        check("workers.tag.period_s", self.period_s, 0.02..=2.0, "from 0.02 to 2")?;
+        check("workers.tag.delay_ms", self.delay_ms, 0.0..=5000.0, "from 0 to 5000")
+    }
+}
+
 /// How workers take robots, in shares of all workers.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -240,6 +283,9 @@ impl Default for Workers {
             assignments: Assignments::Random { stay_s: 15.0 },
             deviations: Deviations::default(),
             sensor: Sensor::default(),
+            liars: 0,
+            liar_sensor: None,
+            tag: None,
             personas: Personas::default(),
             encounter_m: 1.5,
         }
@@ -267,7 +313,29 @@ impl Workers {
         }
         check("workers.personas", shares.iter().sum(), 0.999..=1.001, "shares that add up to 1")?;
         self.deviations.causes.rates().check()?;
-        self.sensor.check()
+        self.sensor.check("workers.sensor")?;
+        self.tag.map_or(Ok(()), |tag| tag.check())?;
+        self.check_liars()
+    }
+
+    fn check_liars(&self) -> Result<(), ScenarioError> {
+        let wrong = |key, message: String| Err(ScenarioError::Wrong { key, message });
+        if self.liars > self.count {
+            let message = format!("{} of {} workers: name no more than there are", self.liars, self.count);
+            return wrong("workers.liars", message);
+        }
+        match &self.liar_sensor {
+            Some(sensor) => sensor.check("workers.liar_sensor"),
+            None if self.liars > 0 => {
+                wrong("workers.liar_sensor", "say how the first `liars` workers are seen".to_owned())
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// How worker number `i` is seen.
+    pub(in crate::sim) fn sensor_of(&self, i: usize) -> Sensor {
+        self.liar_sensor.filter(|_| i < self.liars).unwrap_or(self.sensor)
     }
 }
 
@@ -289,21 +357,25 @@ impl Rates {
 }
 
 impl Sensor {
-    fn check(&self) -> Result<(), ScenarioError> {
-        let rare = 0.0..=3600.0;
-        check("workers.sensor.rate_hz", self.rate(), 0.5..=50.0, "from 0.5 to 50")?;
-        check("workers.sensor.sigma_m", self.sigma(), 0.0..=5.0, "from 0 to 5")?;
-        check("workers.sensor.yaw_sigma_deg", self.yaw_sigma_deg, 0.0..=180.0, "from 0 to 180")?;
-        check("workers.sensor.delay_ms", self.delay_ms, 0.0..=5000.0, "from 0 to 5000")?;
-        check("workers.sensor.jitter_ms", self.jitter_ms, 0.0..=5000.0, "from 0 to 5000")?;
-        check("workers.sensor.loss", self.loss, 0.0..=1.0, "from 0 to 1")?;
-        check("workers.sensor.repeat", self.repeat, 0.0..=1.0, "from 0 to 1")?;
-        check("workers.sensor.drift", self.drift, 0.0..=1.0, "from 0 to 1")?;
-        check("workers.sensor.anchor_m", self.anchor_m, 1.0..=1e6, "from 1 to 1000000")?;
-        check("workers.sensor.anchor_deg", self.anchor_deg, 0.0..=180.0, "from 0 to 180")?;
-        check("workers.sensor.jumps_per_hour", self.jumps_per_hour, rare.clone(), "from 0 to 3600")?;
-        check("workers.sensor.resets_per_hour", self.resets_per_hour, rare.clone(), "from 0 to 3600")?;
-        check("workers.sensor.silences_per_hour", self.silences_per_hour, rare, "from 0 to 3600")?;
-        check("workers.sensor.silence_s", self.silence_s, 0.0..=3600.0, "from 0 to 3600")
+    fn check(&self, of: &str) -> Result<(), ScenarioError> {
+        let (rare, once) = ((0.0..=3600.0), (0.0..=1.0));
+        let all = [
+            ("rate_hz", self.rate(), 0.5..=50.0, "from 0.5 to 50"),
+            ("sigma_m", self.sigma(), 0.0..=5.0, "from 0 to 5"),
+            ("yaw_sigma_deg", self.yaw_sigma_deg, 0.0..=180.0, "from 0 to 180"),
+            ("delay_ms", self.delay_ms, 0.0..=5000.0, "from 0 to 5000"),
+            ("jitter_ms", self.jitter_ms, 0.0..=5000.0, "from 0 to 5000"),
+            ("loss", self.loss, once.clone(), "from 0 to 1"),
+            ("repeat", self.repeat, once.clone(), "from 0 to 1"),
+            ("drift", self.drift, once, "from 0 to 1"),
+            ("anchor_m", self.anchor_m, 1.0..=1e6, "from 1 to 1000000"),
+            ("anchor_deg", self.anchor_deg, 0.0..=180.0, "from 0 to 180"),
+            ("jumps_per_hour", self.jumps_per_hour, rare.clone(), "from 0 to 3600"),
+            ("resets_per_hour", self.resets_per_hour, rare.clone(), "from 0 to 3600"),
+            ("silences_per_hour", self.silences_per_hour, rare.clone(), "from 0 to 3600"),
+            ("silence_s", self.silence_s, rare, "from 0 to 3600"),
+        ];
+        all.into_iter()
+            .try_for_each(|(key, found, range, wanted)| check(&format!("{of}.{key}"), found, range, wanted))
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::fleet::{Act, Command, Guidance, GuidanceState, Telemetry, Waypoint};
 use crate::geometry::{Point, Pose, axis_distance};
-use crate::human::{Quality, Sighting};
+use crate::human::{Quality, Sighting, SourceId};
 use crate::id::{NodeId, RackId, RobotId, WorkerId};
 use crate::time::Time;
 use crate::warehouse::Warehouse;
@@ -296,6 +296,8 @@ impl FootWorker {
             worker: self.worker,
             seen: now,
             epoch: 0,
+            at_marks: true,
+            source: SourceId::Headset,
             seq: self.seq,
             at: if halfway { nalgebra::center(&self.was_at, &self.at) } else { self.at },
             heading: None,
