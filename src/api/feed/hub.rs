@@ -301,8 +301,10 @@ mod tests {
     fn sighting(epoch: u32, seq: u64) -> Sighting {
         Sighting {
             worker: ANNA,
+            source: SourceId::Headset,
             seen: Time(0),
             epoch,
+            at_marks: false,
             seq,
             at: Point::origin(),
             heading: None,
@@ -321,8 +323,12 @@ mod tests {
         std::iter::from_fn(|| heard.try_recv().ok()).map(|h| h.sighting.epoch).collect()
     }
 
+    fn report(worker: WorkerId) -> Sighting {
+        Sighting { worker, source: SourceId::Tag, ..sighting(9, 9) }
+    }
+
     #[test]
-    fn every_change_of_source_or_alignment_begins_an_epoch_and_none_comes_back() {
+    fn every_connection_and_alignment_begins_an_epoch_and_reports_end_none() {
         let (feeds, mut heard) = feeds();
         let hand = |connection: &Connection, epoch, ms: i64| {
             assert!(feeds.hand(connection, sighting(epoch, 1), Senses::default(), Time(ms * 1000)));
@@ -333,22 +339,41 @@ mod tests {
         hand(&first, 2, 2);
         let second = feeds.sit(ANNA).unwrap();
         hand(&second, 1, 3);
-        feeds.report(sighting(9, 9), Time(4_000_000)).unwrap();
-        feeds.report(sighting(9, 9), Time(4_100_000)).unwrap();
+        feeds.report(report(ANNA), Time(4_000_000)).unwrap();
+        feeds.report(report(ANNA), Time(4_100_000)).unwrap();
         hand(&second, 1, 4200);
-        assert_eq!(epochs(&mut heard), [1, 1, 2, 3, 4, 4, 5]);
+        assert_eq!(epochs(&mut heard), [1, 1, 2, 3, 0, 0, 3]);
     }
 
     #[test]
-    fn a_tag_is_silent_while_a_headset_talks() {
-        let (feeds, _heard) = feeds();
-        feeds.report(sighting(0, 0), Time(0)).unwrap();
+    fn a_tag_counts_beside_a_headset_and_does_not_hide_what_the_headset_senses() {
+        let (feeds, mut heard) = feeds();
         let connection = feeds.sit(ANNA).unwrap();
-        feeds.hand(&connection, sighting(1, 1), Senses::default(), Time(1_000_000));
-        assert_eq!(feeds.report(sighting(0, 0), Time(2_000_000)), Err(Untaken::Headset));
-        assert_eq!(feeds.report(sighting(0, 0), Time(4_000_000)), Ok(()));
-        let nobody = Sighting { worker: WorkerId(7), ..sighting(0, 0) };
-        assert_eq!(feeds.report(nobody, Time(0)), Err(Untaken::Unknown));
+        let senses = Senses { battery: Some(0.5), ..Senses::default() };
+        feeds.hand(&connection, sighting(1, 1), senses, Time(1_000_000));
+        assert_eq!(feeds.report(report(ANNA), Time(2_000_000)), Ok(()));
+        let sources: Vec<SourceId> =
+            std::iter::from_fn(|| heard.try_recv().ok()).map(|h| h.sighting.source).collect();
+        assert_eq!(sources, [SourceId::Headset, SourceId::Tag]);
+        assert_eq!(feeds.carried(ANNA).unwrap().senses.battery, Some(0.5));
+        assert_eq!(feeds.report(report(ANNA), Time(4_000_000)), Ok(()));
+        assert_eq!(feeds.carried(ANNA).unwrap().senses.battery, None, "long ago");
+        assert_eq!(feeds.report(report(WorkerId(7)), Time(0)), Err(Untaken::Unknown));
+    }
+
+    #[test]
+    fn marks_that_a_client_remembers_are_no_new_marks() {
+        let (feeds, _heard) = feeds();
+        let mark = |x: f64| PointPair {
+            device: crate::geometry::Vector::new(x, 0.0),
+            map: Point::origin(),
+            weight: 1.0,
+            turn: Some(0.0),
+        };
+        assert!(feeds.are_new_marks(ANNA, &[mark(1.0)]), "the first ones");
+        feeds.note_marks(ANNA, vec![mark(1.0)]);
+        assert!(!feeds.are_new_marks(ANNA, &[mark(1.0)]), "sent again by another connection");
+        assert!(feeds.are_new_marks(ANNA, &[mark(1.01)]), "touched again");
     }
 
     #[test]
@@ -357,10 +382,10 @@ mod tests {
         feeds.know(&IdVec::from(vec!["anna".to_owned(), "ben".to_owned()]));
         let mut left_out = 0;
         for ms in 0..1000 {
-            feeds.report(sighting(0, 0), Time(ms * 1000)).unwrap();
+            feeds.report(report(ANNA), Time(ms * 1000)).unwrap();
             left_out += feeds.pass(Time(ms * 1000));
         }
-        feeds.report(Sighting { worker: WorkerId(1), ..sighting(0, 0) }, Time(999_000)).unwrap();
+        feeds.report(report(WorkerId(1)), Time(999_000)).unwrap();
         left_out += feeds.pass(Time(1_100_000));
         let all: Vec<HeardSighting> = std::iter::from_fn(|| heard.try_recv().ok()).collect();
         let of =
