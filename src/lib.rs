@@ -31,7 +31,7 @@
 //!   that something is held.
 //! - [`route`]: the one search, over free windows.
 //! - [`human`]: people as beliefs. Where they are, whether they keep to their path, which goals are theirs, where they
-//!   will be when. Every kind of bad sighting has one answer (`human/track.rs`). Forecasts are mixtures whose figures
+//!   will be when. Every kind of bad sighting has one answer (`human/source.rs`). Forecasts are mixtures whose figures
 //!   were learned from recorded people (`human/forecast.rs`, `human/model.rs`) and are judged while the system runs.
 //! - [`aware`]: what people mean for robots: conditions on nodes for the search and the grants, regions for speeds,
 //!   encounters. There is no second planner.
@@ -264,9 +264,10 @@
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
 //! | which maps are refused; warnings | `warehouse/check/`; `warehouse/check/shut_in.rs` |
 //! | where people walk | `warehouse/walkway/` |
-//! | which observations are believed; what a deviation is | `human/track.rs`; `human/deviation.rs` |
+//! | which observations are believed; what a deviation is | `human/source.rs`; `human/deviation.rs` |
+//! | which of several sources is believed, and where else a worker may be | `human/track.rs` |
 //! | poses are thinned (rate limit) | `api/feed/thin.rs` |
-//! | a headset that is silent, a worker who is lost | `human/track.rs`; `aware/effects.rs` (the region grows) |
+//! | a headset that is silent, a worker who is lost | `human/source.rs`; `aware/effects.rs` (the region grows) |
 //! | radii of regions | `aware/regions.rs` |
 //! | robots go slow or stop near a person | `fleet/yielding/speed_limit.rs` |
 //! | what people mean for the search (soft cost, no entry) | `aware/effects.rs`; `route/search/constrained.rs` |
@@ -327,6 +328,15 @@
 //!   with them the order that keeps robots from getting stuck. Workers enter as conditions, made anew in every step.
 //! - *Regions 2 and 3 are measured on foot*, round the racks, since they say how far a person walks meanwhile; region 1
 //!   is as the crow flies. They are between centres: the separation distance plus half a person and half a robot.
+//! - *The region of a worker who is not seen does not widen at walking speed for ever* (`human/source.rs`). For three
+//!   seconds it does. Then a person is taken to turn anywhere after each such piece of way, so the distance grows with
+//!   the square root of time, up to eight metres on foot; after half a minute a supervisor is asked. At walking speed,
+//!   one dead headset closed a hall within ten seconds, and robots stood behind racks that the worker could not have
+//!   walked round. The wearer is told to stand meanwhile, and robots see a person who walked farther as they see
+//!   everybody without a headset: Giveway is no safety function.
+//! - *A worker may be at several places.* Sources that contradict one another, and the places before and after a jump,
+//!   all keep robots away ([`human::Track::others`]). [`human::Whereabouts`] is the best one: forecasts, encounters and
+//!   guidance know only that.
 
 #[cfg(feature = "edge")]
 pub mod api;

@@ -22,7 +22,7 @@ pub use read::rows::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JobQuery, JobRow,
 };
 pub use read::view::{Counts, Doing, JobWhy, RobotState, RobotView, StationView, View};
-pub use read::why::{Because, Standstill, Waiting, Who};
+pub use read::why::{Because, LostWorker, Standstill, Waiting, Who};
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 pub use state::fact::{Act, Booking, Fact, KeptRoute, Moved, Purpose, Stop, Task};
 pub use state::fault::Fault;

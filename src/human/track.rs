@@ -206,6 +206,11 @@ impl Track {
         self.of(self.lead).whereabouts(now)
     }
 
+    /// For how long no source has known where the worker is.
+    pub fn silent(&self, now: Time) -> Option<Span> {
+        SourceId::ALL.into_iter().filter_map(|id| self.of(id).silent(now)).min()
+    }
+
     /// Where else the worker may be: where other sources say that do not agree, and the places that a source left
     /// without a walk. At most eight: two of each source, and two other sources.
     pub fn others(&self, now: Time) -> Vec<Whereabouts> {

@@ -7,7 +7,7 @@
 use super::start::panic_text;
 use crate::api::displaced::words;
 use crate::api::port::Alarms;
-use crate::fleet::{ChainEnd, Fault, Fleet, Ledger, Party, Standstill, Task};
+use crate::fleet::{ChainEnd, Fault, Fleet, Ledger, LostWorker, Party, Standstill, Task};
 use crate::id::RobotId;
 use crate::sim::laws::STUCK;
 use crate::time::{Span, Time};
@@ -22,12 +22,16 @@ const STANDSTILL: &str = "standstill";
 const BEYOND: &str = "grant";
 /// The alarm while a robot stands where it is not booked.
 const DISPLACED: &str = "displaced";
+/// The alarm while nobody knows where a worker is.
+const LOST: &str = "worker";
 /// The alarm while a robot says that something is wrong that only a person can put right.
 const FAULTS: &str = "faults";
 /// The alarm when what was promised contradicts itself.
 const UNSOUND: &str = "ledger";
 /// A standstill that the fleet did not end within this is an alarm.
 const LASTS: Span = Span::from_secs(60);
+/// A worker whom no source has known for so long has to be looked for.
+const LOST_LONG: Span = Span::from_secs(30);
 /// Robots are looked at this often.
 const LOOKS: Span = Span::from_secs(5);
 /// So many facts are taken in between two looks at everything that was promised.
@@ -59,6 +63,13 @@ impl Watchdog {
         set(alarms, STANDSTILL, now, &standing, |found| {
             format!(
                 "nobody gets on by themselves: {found}. GET /v1/robots/NAME/why says what each waits for."
+            )
+        });
+        let lost = lost_workers(fleet, now);
+        set(alarms, LOST, now, &lost, |found| {
+            format!(
+                "nobody knows where a worker is: {found}. Look there, and POST /v1/workers/ID/clear if the worker has \
+                 left."
             )
         });
         let displaced = displaced(fleet);
@@ -105,6 +116,23 @@ fn standstills(fleet: &Fleet, now: Time) -> Vec<String> {
     };
     let found = fleet.standstills().into_iter().filter(|s| now - s.since > LASTS);
     found.map(|s| in_words(&s, name)).collect()
+}
+
+/// Workers whom no source has known for long, each with how many robots wait for that.
+fn lost_workers(fleet: &Fleet, now: Time) -> Vec<String> {
+    let workers = &fleet.ledger().workers;
+    let words = |lost: LostWorker| {
+        let name =
+            workers.get(lost.worker).cloned().unwrap_or_else(|| format!("worker {}", lost.worker.0 + 1));
+        let robots = match lost.waiting.len() {
+            0 => "no robot waits".to_owned(),
+            1 => "1 robot waits".to_owned(),
+            n => format!("{n} robots wait"),
+        };
+        let seconds = LOST_LONG.0 / 1_000_000;
+        format!("{name} (w{}) for more than {seconds} s, {robots}", lost.worker.0 + 1)
+    };
+    fleet.lost_workers(LOST_LONG, now).into_iter().map(words).collect()
 }
 
 /// What stands still, with names.
@@ -295,6 +323,40 @@ mod tests {
             alarms.list().len()
         };
         assert_eq!((look(10, false), look(20, true), look(40, false)), (0, 1, 0));
+    }
+
+    #[test]
+    fn a_worker_who_is_lost_is_one_alarm_until_seen_again() {
+        let mut fleet = Fleet::new(Arc::new(lab()), Settings::default());
+        let (alarms, mut watchdog) = (Alarms::default(), Watchdog::default());
+        let joins = Input::RegisterWorker { token: 0, name: "ana".into() };
+        fleet.step(Time(1), vec![joins]);
+        let at = fleet.warehouse().nodes[fleet.warehouse().node_named("R32").unwrap()].at;
+        let mut look = |s: i64, seen: bool| {
+            let now = Time(s * 1_000_000);
+            let sighting = crate::human::Sighting {
+                worker: crate::id::WorkerId(0),
+                source: crate::human::SourceId::Tag,
+                seen: now,
+                epoch: 0,
+                at_marks: false,
+                seq: s.unsigned_abs(),
+                at,
+                heading: None,
+                accuracy_m: 0.2,
+                quality: crate::human::Quality::Tracked,
+            };
+            fleet.step(now, seen.then_some(Input::Sighted(sighting)).into_iter().collect());
+            watchdog.look(&fleet, now, &alarms);
+            alarms.list().iter().map(|a| a.text.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!((look(1, true), look(25, false)), (vec![], vec![]));
+        let told = look(40, false);
+        assert!(
+            told.len() == 1 && told[0].contains("ana (w1) for more than 30 s, no robot waits"),
+            "{told:?}"
+        );
+        assert_eq!(look(50, true), [""; 0]);
     }
 
     #[test]

@@ -37,6 +37,6 @@ pub use laws::Violation;
 pub use run::{JobTally, Outcome, People, Simulation};
 pub use scenario::{
     Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, KindShare, Personas, Rates, Scenario,
-    ScenarioError, Sensor, Source, Workers,
+    ScenarioError, SecondTag, Sensor, Source, Workers,
 };
 pub use world::{World, starting_places};

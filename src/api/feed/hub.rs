@@ -293,7 +293,7 @@ impl Feeds {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Point, Vector};
+    use crate::geometry::Point;
     use crate::human::Quality;
 
     const ANNA: WorkerId = WorkerId(0);
@@ -323,8 +323,12 @@ mod tests {
         std::iter::from_fn(|| heard.try_recv().ok()).map(|h| h.sighting.epoch).collect()
     }
 
+    fn report(worker: WorkerId) -> Sighting {
+        Sighting { worker, source: SourceId::Tag, ..sighting(9, 9) }
+    }
+
     #[test]
-    fn every_new_connection_or_alignment_begins_an_epoch_and_reports_come_beside_them() {
+    fn every_connection_and_alignment_begins_an_epoch_and_reports_end_none() {
         let (feeds, mut heard) = feeds();
         let hand = |connection: &Connection, epoch, ms: i64| {
             assert!(feeds.hand(connection, sighting(epoch, 1), Senses::default(), Time(ms * 1000)));
@@ -335,27 +339,41 @@ mod tests {
         hand(&first, 2, 2);
         let second = feeds.sit(ANNA).unwrap();
         hand(&second, 1, 3);
-        let tag = Sighting { source: SourceId::Tag, ..sighting(9, 9) };
-        feeds.report(tag, Time(4_000_000)).unwrap();
-        feeds.report(tag, Time(4_100_000)).unwrap();
+        feeds.report(report(ANNA), Time(4_000_000)).unwrap();
+        feeds.report(report(ANNA), Time(4_100_000)).unwrap();
         hand(&second, 1, 4200);
-        hand(&second, 2, 4300);
-        assert_eq!(epochs(&mut heard), [1, 1, 2, 3, 0, 0, 3, 4]);
+        assert_eq!(epochs(&mut heard), [1, 1, 2, 3, 0, 0, 3]);
     }
 
     #[test]
-    fn a_tag_counts_beside_a_headset_and_each_has_numbers_of_its_own() {
+    fn a_tag_counts_beside_a_headset_and_does_not_hide_what_the_headset_senses() {
         let (feeds, mut heard) = feeds();
-        let tag = Sighting { source: SourceId::Tag, ..sighting(0, 0) };
-        feeds.report(tag, Time(0)).unwrap();
         let connection = feeds.sit(ANNA).unwrap();
-        feeds.hand(&connection, sighting(1, 1), Senses::default(), Time(1_000_000));
-        assert_eq!(feeds.report(tag, Time(2_000_000)), Ok(()));
-        let heard = std::iter::from_fn(|| heard.try_recv().ok()).map(|h| (h.sighting.source, h.sighting.seq));
-        let (headset, tag) = (SourceId::Headset, SourceId::Tag);
-        assert_eq!(heard.collect::<Vec<_>>(), [(tag, 1), (headset, 1), (tag, 2)]);
-        let nobody = Sighting { worker: WorkerId(7), ..sighting(0, 0) };
-        assert_eq!(feeds.report(nobody, Time(0)), Err(Untaken::Unknown));
+        let senses = Senses { battery: Some(0.5), ..Senses::default() };
+        feeds.hand(&connection, sighting(1, 1), senses, Time(1_000_000));
+        assert_eq!(feeds.report(report(ANNA), Time(2_000_000)), Ok(()));
+        let sources: Vec<SourceId> =
+            std::iter::from_fn(|| heard.try_recv().ok()).map(|h| h.sighting.source).collect();
+        assert_eq!(sources, [SourceId::Headset, SourceId::Tag]);
+        assert_eq!(feeds.carried(ANNA).unwrap().senses.battery, Some(0.5));
+        assert_eq!(feeds.report(report(ANNA), Time(4_000_000)), Ok(()));
+        assert_eq!(feeds.carried(ANNA).unwrap().senses.battery, None, "long ago");
+        assert_eq!(feeds.report(report(WorkerId(7)), Time(0)), Err(Untaken::Unknown));
+    }
+
+    #[test]
+    fn marks_that_a_client_remembers_are_no_new_marks() {
+        let (feeds, _heard) = feeds();
+        let mark = |x: f64| PointPair {
+            device: crate::geometry::Vector::new(x, 0.0),
+            map: Point::origin(),
+            weight: 1.0,
+            turn: Some(0.0),
+        };
+        assert!(feeds.are_new_marks(ANNA, &[mark(1.0)]), "the first ones");
+        feeds.note_marks(ANNA, vec![mark(1.0)]);
+        assert!(!feeds.are_new_marks(ANNA, &[mark(1.0)]), "sent again by another connection");
+        assert!(feeds.are_new_marks(ANNA, &[mark(1.01)]), "touched again");
     }
 
     #[test]
@@ -364,10 +382,10 @@ mod tests {
         feeds.know(&IdVec::from(vec!["anna".to_owned(), "ben".to_owned()]));
         let mut left_out = 0;
         for ms in 0..1000 {
-            feeds.report(sighting(0, 0), Time(ms * 1000)).unwrap();
+            feeds.report(report(ANNA), Time(ms * 1000)).unwrap();
             left_out += feeds.pass(Time(ms * 1000));
         }
-        feeds.report(Sighting { worker: WorkerId(1), ..sighting(0, 0) }, Time(999_000)).unwrap();
+        feeds.report(report(WorkerId(1)), Time(999_000)).unwrap();
         left_out += feeds.pass(Time(1_100_000));
         let all: Vec<HeardSighting> = std::iter::from_fn(|| heard.try_recv().ok()).collect();
         let of =
@@ -377,24 +395,6 @@ mod tests {
         assert!((60..=72).contains(&annas.len()), "{}", annas.len());
         assert_eq!(annas.last().unwrap().sighting.seq, 1000, "the newest");
         assert_eq!(left_out + annas.len() as u64, 1000);
-    }
-
-    #[test]
-    fn marks_that_a_client_remembers_prove_nothing_when_it_connects_again() {
-        let (feeds, _heard) = feeds();
-        let pair = |x: f64| PointPair {
-            device: Vector::new(x, 0.0),
-            map: Point::new(x, 1.0),
-            weight: 1.0,
-            turn: None,
-        };
-        assert!(feeds.are_new_marks(ANNA, &[pair(1.0), pair(2.0)]), "touched for the first time");
-        feeds.note_marks(ANNA, vec![pair(1.0), pair(2.0)]);
-        assert!(!feeds.are_new_marks(ANNA, &[pair(1.0), pair(2.0)]), "sent again");
-        assert!(
-            feeds.are_new_marks(ANNA, &[pair(1.001), pair(2.0)]),
-            "touched again: no two touches are equal"
-        );
     }
 
     #[test]

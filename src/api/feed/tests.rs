@@ -8,6 +8,7 @@ use crate::fleet::{
     JobQuery, JobRow, View,
 };
 use crate::geometry::Point;
+use crate::human::{SightingOutcome, Track};
 use crate::id::{AssignmentId, IdVec, JobId, WorkerId};
 use crate::time::{Span, Time};
 use futures_util::{SinkExt, StreamExt};
@@ -176,6 +177,30 @@ async fn guidance_that_does_not_change_leaves_four_times_a_second_and_only_the_n
     stage.clock.fetch_add(Span::from_millis(300).0, Ordering::Relaxed);
     stage.feeds.refresh(&View { now: stage.now(), ..View::default() });
     assert_eq!(anna.next("guidance").await["state"], "idle");
+}
+
+#[tokio::test]
+async fn a_new_socket_is_no_new_person() {
+    let mut stage = TestServer::new().await;
+    let mut track = Track::default();
+    let mut seen = Vec::new();
+    // Two devices one after the other; the second says that the worker is ten metres away.
+    for (x, poses) in [(3.0, 3), (13.0, 4)] {
+        let mut anna = stage.connect("map").await;
+        anna.next("clock").await;
+        for seq in 1..=poses {
+            // The client's clock stands: only the number tells poses apart.
+            let t = 5000.0 + seq as f64;
+            anna.say(json!({"type": "pose", "epoch": 1, "seq": seq, "t": t, "at": [x, 4.0]})).await;
+            let heard = stage.heard.recv().await.unwrap();
+            assert!(!heard.sighting.at_marks);
+            seen.push(track.see(&heard.sighting, heard.received, |_| true));
+        }
+    }
+    let (moved, ignored) = (SightingOutcome::Moved, SightingOutcome::Ignored);
+    assert_eq!(seen[1..], [moved, moved, ignored, ignored, ignored, ignored]);
+    let (place, counts) = (track.whereabouts(stage.now()).unwrap(), track.counts());
+    assert_eq!((place.at, counts.jumps), (Point::new(3.0, 4.0), 4), "it neither moved her nor began anew");
 }
 
 #[tokio::test]

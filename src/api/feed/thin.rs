@@ -48,11 +48,6 @@ impl<T> RateLimiter<T> {
         if self.waiting.is_some() && self.permit(now) { self.waiting.take() } else { None }
     }
 
-    /// Leaves the waiting one out.
-    pub fn forget(&mut self) {
-        self.thinned += u64::from(self.waiting.take().is_some());
-    }
-
     fn permit(&mut self, now: Time) -> bool {
         let full = now - PERMIT * MOST;
         let empty = self.empty.map_or(full, |e| e.max(full));

@@ -13,12 +13,23 @@ use crate::fleet::state::wait_graph::{ChainEnd, Edge, Party, Wait};
 use crate::fleet::state::why::Why;
 use crate::fleet::traffic::state::Withheld;
 use crate::id::{JobId, ResourceId, RobotId, WorkerId};
-use crate::time::Time;
+use crate::time::{Span, Time};
 use crate::timeline::Holder;
 use std::collections::BTreeSet;
 
 /// So many links at most; a chain is seldom longer than the queue of a station.
 const LONGEST: usize = 40;
+
+/// A worker whom no source knows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LostWorker {
+    /// Who.
+    pub worker: WorkerId,
+    /// For how long.
+    pub silent: Span,
+    /// Robots that wait for that worker, the longest waiting first.
+    pub waiting: Vec<RobotId>,
+}
 
 /// One link of the chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -226,6 +237,17 @@ impl Fleet {
     /// What a robot or a worker waits for, as of the last step.
     pub fn wait(&self, party: Party) -> Wait {
         self.core.waits.of(party)
+    }
+
+    /// Workers whom no source has known for this long: robots stay out of all that each may have reached.
+    pub fn lost_workers(&self, long: Span, now: Time) -> Vec<LostWorker> {
+        let people = self.people.people.pairs();
+        let lost = people.filter_map(|(worker, person)| {
+            let silent = person.track.silent(now).filter(|s| *s > long)?;
+            let waiting = self.core.waits.waiting_for(worker);
+            Some(LostWorker { worker, silent, waiting })
+        });
+        lost.collect()
     }
 
     /// What robots and workers wait for without anything that would set them free, as of the last step.

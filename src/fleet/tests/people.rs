@@ -292,7 +292,7 @@ fn robots_keep_out_of_a_closed_area_until_it_is_open_again() {
 }
 
 #[test]
-fn a_worker_of_whom_nothing_is_heard_stops_robots_in_a_growing_disc_until_cleared() {
+fn a_worker_of_whom_nothing_is_heard_stops_robots_nearby_on_foot_until_cleared_and_no_others() {
     let mut floor = TestFloor::thesis(6);
     floor.submit_batch(40);
     floor.run(20);
@@ -300,8 +300,13 @@ fn a_worker_of_whom_nothing_is_heard_stops_robots_in_a_growing_disc_until_cleare
     let mut ana = floor.hire(middle);
     floor.walk(&mut ana);
     floor.run(25);
-    let moving = floor.world.truth().filter(|(_, t)| t.speed_mps > 0.0).count();
-    assert_eq!(moving, 0, "after 25 s she may be anywhere");
+    let warehouse = floor.fleet.warehouse().clone();
+    let reached = floor.fleet.people.afoot.nodes_within(&warehouse, middle, 8.0);
+    let is_reached = |n: NodeId| reached.iter().any(|(m, _)| *m == n);
+    let moves = |r: &RobotId| floor.world.truth().any(|(robot, t)| robot == *r && t.speed_mps > 0.0);
+    let ledger = floor.fleet.ledger();
+    let within: Vec<RobotId> = ledger.present().filter(|r| is_reached(ledger.node_of(*r))).collect();
+    assert!(!within.is_empty() && !within.iter().any(moves), "after 25 s she may be there");
     let before = floor.fleet.ledger().counts.robot_deliveries;
     assert!(floor.fleet.yielding.state.giving_way().next().is_some(), "robots wait because of her");
     floor.step(vec![Input::ClearWorker { token: 4, worker: ana.worker }]);
