@@ -1,7 +1,7 @@
 //! One observed pose of a worker, in the map's frame and in the server's time.
 //!
-//! Main types: [`Sighting`], [`SourceId`], [`Quality`]. Refuses: frames of devices and their clocks; the program that receives
-//! poses aligns them first.
+//! Main types: [`Sighting`], [`SourceId`], [`Quality`]. Refuses: frames of devices and their clocks; the program that
+//! receives poses aligns them first.
 
 use crate::geometry::Point;
 use crate::id::WorkerId;
@@ -19,7 +19,8 @@ pub enum Quality {
     Lost,
 }
 
-/// Which source of a worker's says so. A worker has one of each at most: a second headset continues what the first said.
+/// Which source of a worker's says so. A worker has one of each at most: a second headset continues what the first
+/// said.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum SourceId {
     /// A headset, a phone or a gateway with a connection of its own.

@@ -18,8 +18,8 @@ pub use super::source::{LOST, STALE};
 pub const WALK_MPS: f64 = 1.6;
 /// Clocks and predicted display times may be ahead by this.
 const AHEAD: Span = Span::from_millis(150);
-/// Another source of equal trust takes the lead if it is better by this factor and so many metres more: so the lead does
-/// not go to and fro.
+/// Another source of equal trust takes the lead if it is better by this factor and so many metres more: so the lead
+/// does not go to and fro.
 const BETTER: (f64, f64) = (1.5, 0.1);
 
 /// How well a worker's place is known.
@@ -177,7 +177,8 @@ impl Track {
         }
     }
 
-    /// The source that is to lead: the most trusted, then the most exact; the one that leads where there is little in it.
+    /// The source that is to lead: the most trusted, then the most exact; the one that leads where there is little in
+    /// it.
     fn leader(&self, now: Time) -> SourceId {
         let rank = |id: SourceId| {
             let (source, place) = (self.of(id), self.of(id).whereabouts(now)?);
