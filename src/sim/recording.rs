@@ -104,8 +104,8 @@ enum Wrong {
     Broken(bool),
     Other(String),
 }
-/// Worker, seen, epoch, number, x, y, heading, accuracy, and quality (0 tracked, 1 emulated, 2 lost) with 4 for a tag or
-/// 8 for a device that reports like a robot, and 16 where the epoch did not begin with marks.
+/// Worker, seen, epoch, number, x, y, heading, accuracy, and quality (0 tracked, 1 emulated, 2 lost) with 4 for a tag
+/// or 8 for a device that reports like a robot, and 16 where the epoch did not begin with marks.
 type SightingRow = (u32, i64, u32, u64, f64, f64, Option<f64>, f64, u8);
 
 #[derive(Serialize, Deserialize)]

@@ -82,7 +82,8 @@ impl Device {
         Device::drawing(sensor, |purpose| Stream::new(seed, purpose, who), now)
     }
 
-    /// What worker number `who` wears besides it. It draws numbers of its own, so that the device sees the same with it.
+    /// What worker number `who` wears besides it. It draws numbers of its own, so that the device sees the same with
+    /// it.
     pub fn second(sensor: Sensor, seed: u64, who: u64, now: Time) -> Device {
         Device::drawing(sensor, |purpose| Stream::new(seed, purpose + SECOND, who), now)
     }

@@ -1,7 +1,7 @@
 //! Where poses of all sources and guidance for all workers meet.
 //!
-//! Main types: [`Feeds`], [`Connection`] (its place), [`HeardSighting`], [`Told`]. A worker has one headset at a time: a
-//! new connection takes the place of an old one. It may have another frame, so it begins an epoch; but it is the same
+//! Main types: [`Feeds`], [`Connection`] (its place), [`HeardSighting`], [`Told`]. A worker has one headset at a time:
+//! a new connection takes the place of an old one. It may have another frame, so it begins an epoch; but it is the same
 //! worker, and only marks that were touched prove a new place. Reports of tags and of devices that report like robots
 //! count beside the headset. Guidance is the newest or none: there is no queue. Refuses: to know what is right for a
 //! worker, and to choose between sources.
