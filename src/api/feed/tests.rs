@@ -185,12 +185,13 @@ async fn a_new_socket_is_no_new_person() {
     let mut track = Track::default();
     let mut seen = Vec::new();
     // Two devices one after the other; the second says that the worker is ten metres away.
-    for (x, poses) in [(3.0, 3), (13.0, 4)] {
+    for (x, poses, later) in [(3.0, 3, 0.0), (13.0, 4, 20.0)] {
         let mut anna = stage.connect("map").await;
         anna.next("clock").await;
         for seq in 1..=poses {
-            // The client's clock stands: only the number tells poses apart.
-            let t = 5000.0 + seq as f64;
+            // The client's clock stands: only the number tells poses apart. The second device may be asked for its
+            // clock within the same millisecond as the first.
+            let t = 5000.0 + later + seq as f64;
             anna.say(json!({"type": "pose", "epoch": 1, "seq": seq, "t": t, "at": [x, 4.0]})).await;
             let heard = stage.heard.recv().await.unwrap();
             assert!(!heard.sighting.at_marks);
