@@ -31,8 +31,10 @@ impl Fleet {
         let works =
             |r: &RobotId| self.floor().is_charged(*r, charger_is_free) && !self.floor().is_shut_in(*r);
         let free = idle.filter(works);
+        let free_at: Vec<(BodyId, NodeId)> =
+            free.map(|r| (self.floor().body(r), self.core.ledger.node_of(r))).collect();
         let mut of_kind: BTreeMap<BodyId, usize> = BTreeMap::new();
-        free.for_each(|r| *of_kind.entry(self.floor().body(r)).or_default() += 1);
+        free_at.iter().for_each(|(body, _)| *of_kind.entry(*body).or_default() += 1);
         let kinds = self.core.ledger.present().map(|r| self.floor().body(r)).collect();
         let forecast_coverage = self.people.coverage.forecast_coverage().to_vec();
         let (blocked, stopped) = (self.floor().blocked(), self.core.ledger.stopped);
@@ -50,6 +52,7 @@ impl Fleet {
             blocked,
             kinds,
             free: of_kind,
+            free_at,
             full,
             cut_off,
             paused_stations,

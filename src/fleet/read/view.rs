@@ -39,6 +39,8 @@ pub struct View {
     pub kinds: BTreeSet<BodyId>,
     /// Of each kind how many robots could take a job now, if any.
     pub free: BTreeMap<BodyId, usize>,
+    /// Where each of these stands, with its kind.
+    pub free_at: Vec<(BodyId, NodeId)>,
     /// Stations for which no more racks are fetched at present.
     pub full: BTreeSet<StationId>,
     /// What robots that cannot drive cut off.
@@ -256,15 +258,13 @@ impl View {
         let blocked = self.robots.iter().position(stays).map(|r| JobWhy::RackBlocked(rack, RobotId::at(r)));
         blocked
             .or((!self.free.keys().any(fits)).then_some(JobWhy::NoRobot))
-            .or_else(|| self.out_of_reach(map, node))
+            .or_else(|| self.out_of_reach(map, node, fits))
     }
 
-    /// Whether all robots without a task are cut off from a rack.
-    fn out_of_reach(&self, map: &Warehouse, node: NodeId) -> Option<JobWhy> {
-        let idle =
-            self.robots.iter().filter(|r| r.task == Task::Idle && !r.why.is_some_and(Why::is_by_itself));
-        let mut places = idle.filter_map(|r| r.granted.first());
-        let none = !self.cut_off.is_empty() && places.all(|here| !self.cut_off.may_fetch(*here, node));
+    /// Whether all robots that could take a job for a rack are cut off from it.
+    fn out_of_reach(&self, map: &Warehouse, node: NodeId, fits: impl Fn(&BodyId) -> bool) -> Option<JobWhy> {
+        let mut free = self.free_at.iter().filter(|(body, _)| fits(body));
+        let none = !self.cut_off.is_empty() && free.all(|(_, here)| !self.cut_off.may_fetch(*here, node));
         if none { self.cut_off.first_met(map, node).map(JobWhy::WayBlocked) } else { None }
     }
 
