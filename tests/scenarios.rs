@@ -300,7 +300,7 @@ fn every_scenario_file_has_its_test() {
 /// Cases that once ended in a panic or stood, as `giveway swarm` prints them: seed, minutes, robots, workers, what is
 /// switched off.
 type OldFailure = (u64, u32, Option<usize>, Option<usize>, &'static str);
-const OLD_FAILURES: [OldFailure; 7] = [
+const OLD_FAILURES: [OldFailure; 6] = [
     (
         77,
         1,
@@ -317,8 +317,6 @@ const OLD_FAILURES: [OldFailure; 7] = [
         "loss,delay,jitter,skew,manual,unplugged,chargers,stations,pushes,closures,returns,relocations,\
          parks,goes,departures,causes,fleet",
     ),
-    // A headset had a person elsewhere; the robot's own scanner kept it from driving, and the fleet did not notice.
-    (81, 10, None, None, ""),
     // No robot made room at parking places.
     (118, 10, None, None, ""),
     // A person was led to and fro between two places aside.

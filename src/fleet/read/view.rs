@@ -247,6 +247,9 @@ impl View {
             JobKind::Deliver { station, .. } if self.full.contains(station) => {
                 return Some(JobWhy::StationFull(*station));
             }
+            JobKind::Deliver { station, .. } if closed(&map.stations[*station].node) => {
+                return Some(JobWhy::ClosedOff);
+            }
             JobKind::Relocate { node, .. } if closed(node) => return Some(JobWhy::ClosedOff),
             _ if closed(&node) => return Some(JobWhy::ClosedOff),
             _ => {}
