@@ -19,6 +19,10 @@ impl Traffic {
         now: Time,
     ) -> Direction {
         let floor = core.floor();
+        if floor.ledger.robots[robot].failed {
+            // It can drive again, and the ledger learns that later in this step.
+            return Direction::Forward;
+        }
         let stages = floor.stages_left(robot);
         let chain = floor.ledger.chain(robot);
         let back = chain.get(chain.first()).cloned();

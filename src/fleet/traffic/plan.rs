@@ -66,7 +66,8 @@ impl Traffic {
     /// Robots whose stop ended before it was to end look for an earlier route.
     fn plan_early(&mut self, core: &mut Core, now: Time, budget: &mut u32) {
         for robot in std::mem::take(&mut self.needs.early) {
-            if !core.floor().lacks_route(robot) && core.scene.fit(robot, now).is_some() {
+            let is_fit = core.scene.fit(robot, now).is_some() && !core.ledger.robots[robot].failed;
+            if is_fit && !core.floor().lacks_route(robot) {
                 *budget = budget.saturating_sub(self.improve_one(core, robot, now));
             }
         }
