@@ -140,7 +140,7 @@ impl HumanState {
         ours: bool,
     ) {
         let (person, now) = (&self.people[worker], effects.now);
-        if self.stands_aside(worker, now) {
+        if self.stands_aside(worker, now) && place.presence != Presence::Lost {
             effects.stands_aside(conditions, worker, place);
         } else if ours || place.presence == Presence::Lost {
             let stood = person.stands_since.filter(|_| ours).map_or(Span::ZERO, |t| now - t);
