@@ -300,7 +300,7 @@ fn every_scenario_file_has_its_test() {
 /// Cases that once ended in a panic or stood, as `giveway swarm` prints them: seed, minutes, robots, workers, what is
 /// switched off.
 type OldFailure = (u64, u32, Option<usize>, Option<usize>, &'static str);
-const OLD_FAILURES: [OldFailure; 6] = [
+const OLD_FAILURES: [OldFailure; 8] = [
     (
         77,
         1,
@@ -325,6 +325,9 @@ const OLD_FAILURES: [OldFailure; 6] = [
     (362, 10, None, None, ""),
     // A person and a robot in a dead end: only the person could make room.
     (628, 10, None, None, ""),
+    // A robot between two nodes went on to the one before which somebody stood whom the fleet did not see.
+    (81, 10, None, None, ""),
+    (4087, 10, None, None, ""),
 ];
 
 #[test]

@@ -295,7 +295,7 @@ impl Names<'_> {
                 format!("waiting for room at {}: enough racks are bound for it already", station(s))
             }
             JobWhy::StationPaused(s) => format!("waiting for {} to resume: it is paused", station(s)),
-            JobWhy::ClosedOff => "waiting for a closure on the way to its rack or destination to end".into(),
+            JobWhy::ClosedOff => "waiting for a closed or obstructed place at its rack or destination".into(),
             JobWhy::StationBlocked(s, r) => {
                 format!(
                     "waiting for the way to or from {}, on which stands {}",

@@ -286,9 +286,15 @@ fn reason(reason: GuidanceReason, names: Names<'_>) -> String {
         GuidanceReason::RobotPasses(r) => {
             format!("{} has waited for long: stay where you are until it has passed", names.robot(r))
         }
+        GuidanceReason::PlaceUnsure(r) => format!(
+            "{} waits because the headset knows badly where you are: stand still, and touch the marks again",
+            names.robot(r)
+        ),
         GuidanceReason::CutsOff => "you stand where robots have work: please make room".into(),
         GuidanceReason::NoWay => "no path to the place is free".into(),
-        GuidanceReason::NotTracked => "the headset does not know where it is".into(),
+        GuidanceReason::NotTracked => {
+            "the headset does not know where you are: stand still, and touch the marks again".into()
+        }
     }
 }
 

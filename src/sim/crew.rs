@@ -10,7 +10,10 @@ use super::scenario::{Assignments, SecondTag, Workers};
 use super::scenario::{Faults, Scenario};
 use super::sensor::Device;
 use super::walker::{Errand, RobotNear, Shown, Walker, WalkerSurroundings, WorkKnowledge, ease};
-use crate::fleet::{Assignment, AssignmentRequest, AssignmentState, Fleet, Guidance, GuidanceState, Input};
+use crate::fleet::Input;
+use crate::fleet::{
+    Assignment, AssignmentRequest, AssignmentState, Fleet, Guidance, GuidanceReason, GuidanceState,
+};
 use crate::geometry::{Point, Pose};
 use crate::id::{AssignmentId, NodeId, WorkerId};
 use crate::time::{Span, Time};
@@ -31,6 +34,8 @@ const DOOR_M: f64 = 1.5;
 const DOOR_S: f64 = 2.5;
 /// What has not come through, either way, is sent again after this.
 const AGAIN: Span = Span::from_millis(300);
+/// So long after somebody was told that the headset does not know where it is, marks have been touched.
+const TOUCHES_MARKS: Span = Span::from_secs(15);
 
 /// One worker with device and radio.
 #[derive(Debug)]
@@ -57,6 +62,8 @@ struct Member {
     /// What it may do next, and places that everybody knows.
     job: Option<Errand>,
     known: Vec<Point>,
+    /// Since when it has been told that the headset does not know, or knows badly, where it is.
+    asked_for_marks: Option<Time>,
 }
 
 /// All simulated workers.
@@ -243,8 +250,10 @@ impl Crew {
             let work = WorkKnowledge { job, known: &member.known, colleagues: &colleagues[i] };
             walker.tick(now, dt, &around, &work);
             member.done.extend(walker.finished.drain(..));
+            let (pose, walked_m) = (walker.pose(now), walker.walked_m());
+            member.touch_marks(now);
             for device in member.device.iter_mut().chain(&mut member.tag) {
-                device.look(now, worker, walker.pose(now), walker.walked_m());
+                device.look(now, worker, pose, walked_m);
             }
         }
     }
@@ -316,6 +325,15 @@ impl Member {
             pressed: now,
             job: None,
             known: Vec::new(),
+            asked_for_marks: None,
+        }
+    }
+
+    /// A worker who has been told for a while that the headset does not know where it is touches marks again.
+    fn touch_marks(&mut self, now: Time) {
+        if self.asked_for_marks.is_some_and(|since| now - since >= TOUCHES_MARKS) {
+            self.asked_for_marks = None;
+            self.device.iter_mut().for_each(Device::touch_marks);
         }
     }
 
@@ -334,6 +352,11 @@ impl Member {
                 if let Some(walker) = &mut self.walker {
                     walker.hear(now, shown(&guidance));
                 }
+                let asked = matches!(
+                    guidance.reason,
+                    Some(GuidanceReason::NotTracked | GuidanceReason::PlaceUnsure(_))
+                );
+                self.asked_for_marks = asked.then(|| self.asked_for_marks.unwrap_or(now));
             }
         }
     }
@@ -400,6 +423,8 @@ mod tests {
     use super::*;
     use crate::fleet::Settings;
     use crate::geometry::Vector;
+    use crate::human::Presence;
+    use crate::sim::scenario::Sensor;
     use crate::warehouse::thesis;
 
     #[test]
@@ -453,5 +478,30 @@ mod tests {
         assert!(!told.1.contains(&open[0]));
         let later = (0..20).map(|_| done(&mut crew)).last().expect("twenty times");
         assert_eq!((later.0, later.2), (1, told.2), "said once, whatever was lost before");
+    }
+
+    #[test]
+    fn a_worker_whose_headset_is_off_the_map_touches_marks_and_is_seen_again() {
+        let warehouse = Arc::new(thesis());
+        let sensor = Sensor { drift: 50.0, ..Sensor::default() };
+        let workers = Workers { count: 1, enter_s: 0.0, sensor, ..Workers::default() };
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 60}"#;
+        let scenario = Scenario { workers, ..Scenario::parse(text).expect("it is one") };
+        let mut fleet = Fleet::new(warehouse.clone(), Settings::default());
+        let mut crew = Crew::new(&warehouse, &scenario, 1, Time::ZERO).expect("it has a worker");
+        let mut seen = Vec::new();
+        for i in 1..1200 {
+            let now = Time(i * 100_000);
+            let inputs = crew.say(now, &fleet);
+            let step = fleet.step(now, inputs);
+            step.guidance.into_iter().for_each(|(worker, guidance)| crew.tell(now, worker, guidance));
+            crew.tick(now, 0.1, &[]);
+            let presence = fleet.view(now).workers.first().map(|w| w.presence);
+            if seen.last() != Some(&presence) {
+                seen.push(presence);
+            }
+        }
+        let found = |w: &[Option<Presence>]| w == [Some(Presence::Lost), Some(Presence::Tracked)];
+        assert!(seen.windows(2).filter(|w| found(w)).count() >= 2, "{seen:?}");
     }
 }

@@ -116,13 +116,18 @@ impl Device {
         self.next += Span::from_secs_f64(1.0 / self.sensor.rate());
         self.silence.begins(now, 0.5 * self.sensor.silence_s, self.sensor.silence_s);
         if self.resets.begins(now, LOST.as_secs_f64(), LOST.as_secs_f64()) {
-            (self.epoch, self.seq, self.anchor) = (self.epoch + 1, 0, None);
+            self.touch_marks();
         }
         let sighting = self.measure(now, worker, pose, walked_m);
         self.seq += 1;
         if !self.silence.lasts(now) {
             self.send(now, sighting);
         }
+    }
+
+    /// Its wearer shows it where it is: a new frame begins at the next look, without the errors of the one before.
+    pub fn touch_marks(&mut self) {
+        (self.epoch, self.seq, self.anchor) = (self.epoch + 1, 0, None);
     }
 
     /// How often it was silent, was off by far, and began a new frame.

@@ -3,7 +3,7 @@
 //!
 //! Refuses: to decide where a worker is to go.
 
-use crate::fleet::people::state::{HumanState, Person, WalkMode};
+use crate::fleet::people::state::{HumanState, LetsPassStage, Person, WalkMode};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{Guidance, GuidanceReason, GuidanceState, NearRobot};
 use crate::geometry::{Point, Vector};
@@ -91,9 +91,12 @@ impl HumanState {
         }
         if let Some(lets_pass) = person.lets_pass {
             let robot = lets_pass.robot;
-            return match lets_pass.is_aside {
-                true => (GuidanceState::Stop, Some(GuidanceReason::RobotPasses(robot))),
-                false => (GuidanceState::Redirected, Some(GuidanceReason::RobotWaits(robot))),
+            return match lets_pass.stage {
+                LetsPassStage::TouchesMarks => {
+                    (GuidanceState::Stop, Some(GuidanceReason::PlaceUnsure(robot)))
+                }
+                LetsPassStage::Walks => (GuidanceState::Redirected, Some(GuidanceReason::RobotWaits(robot))),
+                LetsPassStage::Stands => (GuidanceState::Stop, Some(GuidanceReason::RobotPasses(robot))),
             };
         }
         match person.mode {

@@ -4,17 +4,18 @@
 //! Where people come and go, no chain of waiting stands still, and a robot can wait without end all the same. So one
 //! that has got nowhere for [`STARVES`] is first: those in its way are led to a place aside, or told to stand where
 //! they are if that is aside already, until it has passed or [`AT_MOST`] is over. A person who stands as told is a
-//! standing obstacle, which a slow robot passes at the distance at which it can still stop. Refuses: to keep a person
-//! for longer, and to ask the same person again within [`AGAIN`].
+//! standing obstacle, which a slow robot passes at the distance at which it can still stop. A person whose headset
+//! knows its place badly closes more floor than the person does, and is asked to touch marks first. Refuses: to keep a
+//! person for longer, and to ask the same person again within [`AGAIN`].
 
 use crate::aware::HumanAwarePolicy;
-use crate::fleet::people::state::{HumanState, LetsPass, WalkMode};
+use crate::fleet::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::wait_graph::Edge;
 use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::Point;
-use crate::human::{Presence, Whereabouts};
+use crate::human::{Presence, SourceId, Whereabouts};
 use crate::id::{RobotId, WorkerId};
 use crate::route::{Cause, Effect};
 use crate::time::{Span, Time};
@@ -22,17 +23,27 @@ use std::collections::BTreeSet;
 
 /// A robot that has come no farther for this long because of people is first.
 const STARVES: Span = Span::from_secs(90);
+/// So is one that has waited for people for this long since it acted last, wherever: it may be driving to and fro.
+const STARVES_ON_ITS_WAY: Span = Span::from_secs(180);
 /// So is one for which people have stood aside within [`LATELY`], after this: it is still in the same crowd.
 const STARVES_AGAIN: Span = Span::from_secs(20);
 const LATELY: Span = Span::from_secs(300);
 /// Nobody stands aside for longer than this.
 const AT_MOST: Span = Span::from_secs(30);
+/// The fleet keeps nobody in one spot for longer than this to let robots pass, whatever else it kept the person for.
+const KEEPS_AT_MOST: Span = Span::from_secs(50);
+/// A shorter time lets no robot pass.
+const AT_LEAST: Span = Span::from_secs(10);
 /// Nobody is asked to let a robot pass again within this.
 const AGAIN: Span = Span::from_secs(60);
 /// So many nodes ahead of a robot are what it is about to drive.
 const AHEAD: usize = 5;
 /// A person aside is so much farther from the robot's way than where the robot would stop, metres.
 const ROOM_M: f64 = 0.4;
+/// A headset that knows its place worse than this is to touch marks, one standard deviation, metres.
+const UNSURE_M: f64 = 0.4;
+/// Nobody is asked for marks for a robot again within this.
+const MARKS_AGAIN: Span = Span::from_secs(300);
 /// Where a person has stood for this long, that person stands.
 const STANDS_STILL: Span = Span::from_secs(1);
 
@@ -44,14 +55,17 @@ impl HumanState {
         }
         for worker in self.people.ids() {
             let place = self.whereabouts(worker, now);
-            let lets_pass = self.people[worker].lets_pass;
-            if lets_pass.is_some_and(|l| core.floor().has_passed(&l, place.as_ref(), now)) {
+            let Some(lets_pass) = self.people[worker].lets_pass else { continue };
+            let knows = place.as_ref().is_some_and(|p| p.sigma_m <= UNSURE_M);
+            if core.floor().has_passed(&lets_pass, place.as_ref(), now) {
                 self.go_on(core, yielding, worker, now);
+            } else if lets_pass.stage == LetsPassStage::TouchesMarks && knows {
+                self.people[worker].lets_pass = None;
             }
         }
         self.passed.retain(|_, last| now - *last < LATELY);
-        for (robot, worker, since) in core.floor().waits.starving(now, STARVES_AGAIN) {
-            if now - since < STARVES && !self.passed.contains_key(&robot) {
+        for (robot, worker, waited) in core.floor().waits.starving(now, STARVES_AGAIN, STARVES_ON_ITS_WAY) {
+            if waited < STARVES && !self.passed.contains_key(&robot) {
                 continue;
             }
             let mut in_the_way = core.floor().in_the_way_of(robot);
@@ -89,17 +103,37 @@ impl HumanState {
         };
         let person = &self.people[worker];
         let lately = person.let_pass_at.is_some_and(|at| now - at < AGAIN);
-        // One who stands where robots wait is asked to make room (`routing.rs`).
-        let walks = floor.waits.worker(worker).edge == Edge::Moves;
-        if person.lets_pass.is_some() || lately || !walks {
+        // One who stands where robots wait and has no way to go is asked to make room (`routing.rs`).
+        let has_a_way = person.plan.is_some() && !matches!(person.mode, WalkMode::Stopped { .. });
+        let to_touch_marks = self.has_to_touch_marks(worker, &place, now);
+        let is_free = match floor.waits.worker(worker).edge {
+            Edge::Moves => true,
+            Edge::Still => has_a_way || to_touch_marks,
+            _ => false,
+        };
+        if person.lets_pass.is_some() || lately || !is_free {
             return;
         }
         let ahead = floor.about_to_drive(robot);
         let enough_m = floor.regions(robot).stop_radius_m(true, place.sigma_m) + ROOM_M;
         let is_aside = ahead.iter().all(|p| (p - place.at).norm() > enough_m);
         let reached = floor.ledger.chain(robot).first();
-        let lets_pass = LetsPass { robot, reached, until: now + AT_MOST, is_aside };
-        if !is_aside {
+        let stage = match is_aside {
+            _ if to_touch_marks => LetsPassStage::TouchesMarks,
+            true => LetsPassStage::Stands,
+            false => LetsPassStage::Walks,
+        };
+        let mut longest = AT_MOST;
+        if stage != LetsPassStage::Walks {
+            longest = longest.min(KEEPS_AT_MOST - floor.waits.kept_in_one_spot(worker));
+            if longest < AT_LEAST {
+                return;
+            }
+        }
+        if stage == LetsPassStage::TouchesMarks {
+            self.people[worker].marks_asked = Some(now);
+        }
+        if stage == LetsPassStage::Walks {
             let cut = self.edges_blocked_for_long(floor, yielding, now);
             let Some(points) = self.place_aside(floor, &ahead, place.at, enough_m, &cut) else {
                 tracing::debug!(?worker, ?robot, enough_m, "there is no place aside");
@@ -109,9 +143,17 @@ impl HumanState {
             person.give(points, None, Span::ZERO, now);
             person.mode = WalkMode::Redirected;
         }
-        tracing::debug!(?worker, ?robot, is_aside, "lets a robot pass");
-        self.people[worker].lets_pass = Some(lets_pass);
+        tracing::debug!(?worker, ?robot, ?stage, "lets a robot pass");
+        self.people[worker].lets_pass = Some(LetsPass { robot, reached, until: now + longest, stage });
         self.passed.insert(robot, now);
+    }
+
+    /// Whether a person's headset knows its place so badly that marks are to be touched first.
+    fn has_to_touch_marks(&self, worker: WorkerId, place: &Whereabouts, now: Time) -> bool {
+        let person = &self.people[worker];
+        let asked = person.marks_asked.is_some_and(|at| now - at < MARKS_AGAIN);
+        let by_headset = person.track.newest().is_some_and(|s| s.source == SourceId::Headset);
+        place.sigma_m > UNSURE_M && by_headset && !asked
     }
 
     /// Follows a person who lets a robot pass: stands at the end of the way aside.
@@ -124,8 +166,11 @@ impl HumanState {
             }
             _ => true,
         };
-        if let Some(lets_pass) = &mut person.lets_pass {
-            lets_pass.is_aside |= arrived;
+        if let Some(lets_pass) = &mut person.lets_pass
+            && lets_pass.stage == LetsPassStage::Walks
+            && arrived
+        {
+            lets_pass.stage = LetsPassStage::Stands;
         }
     }
 
@@ -133,7 +178,7 @@ impl HumanState {
     pub(super) fn stands_aside(&self, worker: WorkerId, now: Time) -> bool {
         let person = &self.people[worker];
         let stands = person.stands_since.is_some_and(|since| now - since >= STANDS_STILL);
-        person.lets_pass.is_some_and(|l| l.is_aside) && stands
+        person.lets_pass.is_some_and(|l| l.stage == LetsPassStage::Stands) && stands
     }
 
     /// People who stand to let robots pass.

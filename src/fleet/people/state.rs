@@ -91,6 +91,8 @@ pub(in crate::fleet) struct Person {
     pub lets_pass: Option<LetsPass>,
     /// When the worker let a robot pass last.
     pub let_pass_at: Option<Time>,
+    /// When the worker was asked last to touch marks for a robot.
+    pub marks_asked: Option<Time>,
     /// What was told last, and when.
     pub told: Option<(Guidance, Time)>,
 }
@@ -104,8 +106,19 @@ pub(in crate::fleet) struct LetsPass {
     pub reached: u64,
     /// Until when, at the latest.
     pub until: Time,
-    /// Whether the person is to stand now; else on the way to a place aside.
-    pub is_aside: bool,
+    /// What the person does for that now.
+    pub stage: LetsPassStage,
+}
+
+/// What a person does who lets a robot pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::fleet) enum LetsPassStage {
+    /// Shows the headset where it is, since what it does not know closes more floor than the person.
+    TouchesMarks,
+    /// Walks to a place aside.
+    Walks,
+    /// Stands there.
+    Stands,
 }
 
 /// Where the published procedure leads a worker.

@@ -250,6 +250,11 @@ impl Fleet {
         lost.collect()
     }
 
+    /// Whether any place is closed for a while because a robot could not get there.
+    pub fn has_obstructions(&self) -> bool {
+        self.traffic.has_obstructions()
+    }
+
     /// What robots and workers wait for without anything that would set them free, as of the last step.
     pub fn standstills(&self) -> Vec<Standstill> {
         let mut by_root: Vec<Standstill> = Vec::new();

@@ -7,6 +7,7 @@
 //! and to end a standstill.
 
 use crate::fleet::state::why::Why;
+use crate::geometry::Point;
 use crate::id::{Dense, IdVec, RobotId, WorkerId};
 use crate::time::{Span, Time};
 
@@ -17,6 +18,9 @@ const MOMENT: Span = Span::from_secs(3);
 /// Robots that wait for the same worker again within this wait for one thing: one that tries another way in vain comes
 /// back.
 const AGAIN: Span = Span::from_secs(15);
+
+/// A person within this is in the same spot, metres.
+const SPOT_M: f64 = 0.75;
 
 /// A robot or a worker: a node of the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -79,6 +83,8 @@ pub struct Wait {
     pub standstill: Option<Time>,
     /// While people keep a robot where it is: the visit at which it is, since when, and when one was seen to last.
     kept: Option<(u64, Time, Time)>,
+    /// How long people have kept a robot, all in all, on its way to where it acts next.
+    on_its_way: OnItsWay,
     /// The last standstill: since when, and when it was seen last.
     stood: Option<(Time, Time)>,
 }
@@ -88,6 +94,24 @@ impl Wait {
     pub fn is_for_an_operator(&self) -> bool {
         self.end == ChainEnd::Operator
     }
+}
+
+/// How long people have kept a robot since it acted last: lifted or set down a rack, or was picked from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct OnItsWay {
+    acted: Option<u64>,
+    waited: Span,
+    /// Since when it has been waiting for a worker, or when that was counted last.
+    from: Option<Time>,
+}
+
+/// Where a robot is in its work.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::fleet) struct WorkProgress {
+    /// The visit at which it is.
+    pub visit: u64,
+    /// The visit at which it acted last, if it did.
+    pub acted: Option<u64>,
 }
 
 /// Who waits for a worker.
@@ -102,6 +126,16 @@ struct WaitedFor {
     last: Time,
 }
 
+/// How long a worker has been kept in one spot.
+#[derive(Clone, Copy, Debug)]
+struct InOneSpot {
+    spot: Point,
+    /// For how long of the time there the worker has waited for a robot, for a way, or to let a robot pass.
+    waited: Span,
+    /// When that was looked at last.
+    looked: Time,
+}
+
 /// A party for which nothing was noted yet.
 const FRESH: Wait = Wait {
     why: None,
@@ -110,6 +144,7 @@ const FRESH: Wait = Wait {
     end: ChainEnd::Moves,
     standstill: None,
     kept: None,
+    on_its_way: OnItsWay { acted: None, waited: Span::ZERO, from: None },
     stood: None,
 };
 
@@ -120,6 +155,8 @@ pub(in crate::fleet) struct WaitGraph {
     workers: IdVec<WorkerId, Wait>,
     /// For each worker, who waits for that worker, if any robot does.
     waited_for: IdVec<WorkerId, Option<WaitedFor>>,
+    /// How long the fleet has kept each worker in one spot.
+    spots: IdVec<WorkerId, Option<InOneSpot>>,
     /// Reused: which walk came by a party, while ends are looked for.
     walks: Vec<u32>,
     /// Reused: the parties of one walk.
@@ -191,41 +228,67 @@ impl WaitGraph {
         cycle
     }
 
-    /// Robots that wait for workers and have come no farther for so long, the longest waiting first, each with the
-    /// worker that it waits for now and since when it has come no farther: also where those workers walk, so that no
-    /// chain stands still.
-    pub fn starving(&self, now: Time, long: Span) -> Vec<(RobotId, WorkerId, Time)> {
+    /// Robots that wait for workers and have come no farther for longer than `here`, or have waited for longer than
+    /// `on_its_way` since they acted last; the longest waiting first, each with the worker that it waits for now and for
+    /// how long. Also where those workers walk, so that no chain stands still, and where a robot drives to and fro.
+    pub fn starving(&self, now: Time, here: Span, on_its_way: Span) -> Vec<(RobotId, WorkerId, Span)> {
         let kept = |(robot, wait): (RobotId, &Wait)| {
             let Edge::On(Party::Worker(worker)) = wait.edge else { return None };
-            let (_, since, _) = wait.kept.filter(|(_, since, _)| now - *since > long)?;
-            Some((since, robot, worker))
+            let here = wait.kept.map(|(_, since, _)| now - since).filter(|waited| *waited > here);
+            let on_its_way = Some(wait.on_its_way.waited).filter(|waited| *waited > on_its_way);
+            Some((here.max(on_its_way)?, robot, worker))
         };
         let mut starving: Vec<_> = self.robots.pairs().filter_map(kept).collect();
-        starving.sort_unstable();
-        starving.into_iter().map(|(since, robot, worker)| (robot, worker, since)).collect()
+        starving.sort_unstable_by_key(|(waited, robot, _)| (std::cmp::Reverse(*waited), *robot));
+        starving.into_iter().map(|(waited, robot, worker)| (robot, worker, waited)).collect()
     }
 
     /// Notes what a robot waits for at a visit, and why. To be called for each robot, then [`WaitGraph::find_ends`].
-    pub fn note_robot(&mut self, robot: RobotId, at: u64, (why, edge): (Option<Why>, Edge), now: Time) {
+    pub fn note_robot(
+        &mut self,
+        robot: RobotId,
+        progress: WorkProgress,
+        (why, edge): (Option<Why>, Edge),
+        now: Time,
+    ) {
         while self.robots.get(robot).is_none() {
             self.robots.push(FRESH);
         }
         let wait = &mut self.robots[robot];
         note(wait, (why, edge), why.is_some(), now);
-        let before = wait.kept.filter(|(visit, _, last)| *visit == at && now - *last <= AGAIN);
-        wait.kept = match edge {
-            Edge::On(Party::Worker(_)) => Some((at, before.map_or(now, |(_, since, _)| since), now)),
-            _ => before,
+        let visit = progress.visit;
+        let before = wait.kept.filter(|(at, _, last)| *at == visit && now - *last <= AGAIN);
+        let on_worker = matches!(edge, Edge::On(Party::Worker(_)));
+        wait.kept = match on_worker {
+            true => Some((visit, before.map_or(now, |(_, since, _)| since), now)),
+            false => before,
         };
+        wait.on_its_way.note(progress.acted, on_worker, now);
     }
 
-    /// Notes what a worker waits for, likewise.
-    pub fn note_worker(&mut self, worker: WorkerId, edge: Edge, now: Time) {
+    /// Notes what a worker waits for, likewise, and where: nowhere if the worker is not on the floor.
+    pub fn note_worker(&mut self, worker: WorkerId, at: Option<Point>, edge: Edge, now: Time) {
         while self.workers.get(worker).is_none() {
             self.workers.push(FRESH);
+            self.spots.push(None);
         }
         let wait = &mut self.workers[worker];
         note(wait, (None, edge), matches!(edge, Edge::On(_) | Edge::NoWay), now);
+        let is_kept = matches!(edge, Edge::On(_) | Edge::NoWay | Edge::Until(_));
+        self.spots[worker] = at.map(|at| {
+            let before = self.spots[worker].filter(|s| (s.spot - at).norm() <= SPOT_M);
+            let mut here = before.unwrap_or(InOneSpot { spot: at, waited: Span::ZERO, looked: now });
+            if is_kept {
+                here.waited += now - here.looked;
+            }
+            here.looked = now;
+            here
+        });
+    }
+
+    /// For how long the fleet has kept a worker in the spot where the worker is, all in all.
+    pub fn kept_in_one_spot(&self, worker: WorkerId) -> Span {
+        self.spots.get(worker).copied().flatten().map_or(Span::ZERO, |s| s.waited)
     }
 
     /// Where each chain ends, and since when it has ended in a standstill. O(robots and workers).
@@ -317,6 +380,16 @@ impl WaitGraph {
     }
 }
 
+impl OnItsWay {
+    fn note(&mut self, acted: Option<u64>, on_worker: bool, now: Time) {
+        if self.acted != acted {
+            *self = OnItsWay { acted, ..OnItsWay::default() };
+        }
+        self.waited += self.from.map_or(Span::ZERO, |from| now - from);
+        self.from = on_worker.then_some(now);
+    }
+}
+
 fn note(wait: &mut Wait, (why, edge): (Option<Why>, Edge), waits: bool, now: Time) {
     (wait.why, wait.edge) = (why, edge);
     wait.since = waits.then(|| wait.since.unwrap_or(now));
@@ -339,9 +412,9 @@ mod tests {
             match party(i) {
                 Party::Robot(r) => {
                     let why = (*edge != Edge::Moves).then_some(Why::NoRoute);
-                    graph.note_robot(r, 0, (why, *edge), now);
+                    graph.note_robot(r, WorkProgress::default(), (why, *edge), now);
                 }
-                Party::Worker(w) => graph.note_worker(w, *edge, now),
+                Party::Worker(w) => graph.note_worker(w, None, *edge, now),
             }
         }
         graph.find_ends(now);
@@ -395,6 +468,51 @@ mod tests {
                 prop_assert_eq!(found.of(party(i)).end, walked(&edges, i), "of {:?} in {:?}", party(i), edges);
             }
         }
+    }
+
+    #[test]
+    fn a_robot_starves_by_waiting_at_one_visit_or_on_the_whole_way_to_where_it_acts_next() {
+        let (mut found, robot) = (WaitGraph::default(), RobotId(0));
+        let (here, way) = (Span::from_secs(90), Span::from_secs(180));
+        let worker = Edge::On(party(ROBOTS));
+        // What it is at the end of so many seconds in each of which it was looked at.
+        let mut at = 0;
+        let mut noted = |seconds: i64, visit: u64, acted: Option<u64>, edge: Edge| {
+            let mut longest = None;
+            for _ in 0..seconds {
+                let now = Time(at * 1_000_000);
+                found.note_robot(robot, WorkProgress { visit, acted }, (None, edge), now);
+                longest = found.starving(now, here, way).first().map(|(_, _, waited)| waited.as_secs_f64());
+                at += 1;
+            }
+            longest
+        };
+        assert_eq!(noted(91, 1, None, worker), None);
+        assert_eq!(noted(1, 1, None, worker), Some(91.0));
+        assert_eq!(noted(20, 2, None, Edge::Moves), None, "it drives on");
+        assert_eq!(noted(80, 1, None, worker), None);
+        assert_eq!(noted(20, 2, None, Edge::Moves), None);
+        assert_eq!(noted(20, 1, None, worker), Some(191.0), "to and fro");
+        assert_eq!(noted(1, 1, Some(1), worker), None, "it has acted");
+    }
+
+    #[test]
+    fn a_wait_in_one_spot_adds_up_though_it_is_interrupted_and_ends_where_the_person_leaves() {
+        let (mut found, worker) = (WaitGraph::default(), WorkerId(0));
+        let mut kept = |s: i64, x: Option<f64>, edge: Edge| {
+            found.note_worker(worker, x.map(|x| Point::new(x, 0.0)), edge, Time(s * 1_000_000));
+            found.kept_in_one_spot(worker)
+        };
+        let seconds = Span::from_secs;
+        assert_eq!(kept(0, Some(0.0), Edge::NoWay), Span::ZERO);
+        assert_eq!(kept(10, Some(0.5), Edge::On(party(0))), seconds(10));
+        assert_eq!(kept(20, Some(-0.5), Edge::Moves), seconds(10), "it walks");
+        assert_eq!(kept(30, Some(0.0), Edge::Until(Time(9))), seconds(20));
+        assert_eq!(kept(40, Some(1.0), Edge::NoWay), Span::ZERO, "somewhere else");
+        assert_eq!(
+            (kept(50, Some(1.0), Edge::NoWay), kept(60, None, Edge::Moves)),
+            (seconds(10), Span::ZERO)
+        );
     }
 
     #[test]

@@ -177,6 +177,8 @@ pub enum GuidanceReason {
     RobotWaits(RobotId),
     /// A robot has waited for long and passes now: the worker stands aside for a moment.
     RobotPasses(RobotId),
+    /// A robot has waited for long because the headset knows badly where it is: its wearer touches marks.
+    PlaceUnsure(RobotId),
     /// The worker stands where a rack or a station is that waiting jobs need, or on the only way there.
     CutsOff,
     /// No way to the place is free.

@@ -49,3 +49,43 @@ fn a_person_who_does_not_let_a_robot_pass_is_not_driven_up_to() {
     let (delivered, _, was_led) = paced(500, false);
     assert_eq!((delivered, was_led), (None, true));
 }
+
+#[test]
+fn a_person_whose_headset_knows_its_place_badly_is_asked_for_marks_before_robots_pass() {
+    for touches in [true, false] {
+        let mut floor = TestFloor::lab(1);
+        floor.submit(request(deliver(3)));
+        let station = floor.fleet.warehouse().stations[StationId(0)].node;
+        let at: Point = floor.fleet.warehouse().nodes[station].at;
+        let ends = [at + nalgebra::Vector2::new(0.0, 1.0), at + nalgebra::Vector2::new(1.5, 1.0)];
+        let mut ana = floor.hire(ends[0]);
+        ana.accuracy_m = 1.2;
+        let (mut next, mut reasons) = (0, Vec::new());
+        for _ in 0..4000 {
+            let told = floor.fleet.view(floor.now).workers[0].guidance.reason;
+            if told != reasons.last().copied() {
+                reasons.extend(told);
+            }
+            let asked = matches!(told, Some(GuidanceReason::RobotWaits(_) | GuidanceReason::RobotPasses(_)));
+            // She trusts what she is told once the headset knows where she is.
+            ana.own = !(asked && ana.accuracy_m < 0.1);
+            if matches!(told, Some(GuidanceReason::PlaceUnsure(_))) {
+                ana.way.clear();
+                if touches {
+                    ana.accuracy_m = 0.02;
+                }
+            } else if ana.own && ana.way.is_empty() {
+                next = 1 - next;
+                ana.way = vec![ends[next]];
+            }
+            floor.walk(&mut ana);
+        }
+        let asked = reasons.iter().position(|r| matches!(r, GuidanceReason::PlaceUnsure(_)));
+        let asked = asked.unwrap_or_else(|| panic!("nobody asked: {reasons:?}"));
+        let again =
+            reasons[asked + 1..].iter().filter(|r| matches!(r, GuidanceReason::PlaceUnsure(_))).count();
+        assert!(again <= usize::from(!touches), "touches {touches}: {reasons:?}");
+        let delivered = floor.fleet.ledger().counts.robot_deliveries;
+        assert!(!touches || delivered == 1, "{reasons:?}");
+    }
+}

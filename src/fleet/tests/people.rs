@@ -17,6 +17,8 @@ pub(super) struct Puppet {
     epoch: u32,
     seq: u64,
     pub waited_s: f64,
+    /// What the headset says of its accuracy, one standard deviation, metres.
+    pub accuracy_m: f64,
 }
 
 impl Puppet {
@@ -31,7 +33,7 @@ impl Puppet {
             seq: self.seq,
             at: self.at,
             heading: None,
-            accuracy_m: 0.02,
+            accuracy_m: self.accuracy_m,
             quality: Quality::Tracked,
         })
     }
@@ -75,7 +77,7 @@ impl TestFloor {
     pub(super) fn hire_as(&mut self, name: &str, at: Point) -> Puppet {
         let reply = self.step(vec![Input::RegisterWorker { token: 1, name: name.into() }]).replies.remove(0);
         let Reply::WorkerRegistered { worker, .. } = reply else { panic!("not hired: {reply:?}") };
-        Puppet { worker, at, way: vec![], own: false, epoch: 0, seq: 0, waited_s: 0.0 }
+        Puppet { worker, at, way: vec![], own: false, epoch: 0, seq: 0, waited_s: 0.0, accuracy_m: 0.02 }
     }
 
     pub(super) fn assign(&mut self, puppet: &Puppet, place: NodeId, stay_s: i64) -> crate::id::AssignmentId {

@@ -48,6 +48,11 @@ impl Traffic {
         }
     }
 
+    /// Whether any node is closed because a robot could not get there.
+    pub(in crate::fleet) fn has_obstructions(&self) -> bool {
+        !self.obstructions.is_empty()
+    }
+
     /// Until when an obstructed node is closed, if it is.
     pub(in crate::fleet) fn obstructed_until(&self, node: NodeId) -> Option<Time> {
         self.obstructions.get(&node).copied()

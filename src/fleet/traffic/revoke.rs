@@ -79,12 +79,8 @@ impl Traffic {
         robot: RobotId,
         now: Time,
     ) -> [Direction; 2] {
-        let chain = floor.ledger.chain(robot);
-        let ahead = chain.get(chain.first() + 1).map(|v| v.node);
         match self.directions.get(&robot) {
-            None if ahead.is_some_and(|n| self.obstructions.contains_key(&n)) => {
-                [Direction::Back, Direction::Forward]
-            }
+            None if self.is_obstructed_ahead(floor, robot) => [Direction::Back, Direction::Forward],
             Some((Direction::Back, since)) if now - *since < PATIENCE => {
                 [Direction::Back, Direction::Forward]
             }
@@ -93,6 +89,13 @@ impl Traffic {
             }
             _ => [Direction::Forward, Direction::Back],
         }
+    }
+
+    /// Whether something stood before the next node of a robot lately.
+    pub(in crate::fleet) fn is_obstructed_ahead(&self, floor: Floor<'_>, robot: RobotId) -> bool {
+        let chain = floor.ledger.chain(robot);
+        let ahead = chain.get(chain.first() + 1);
+        ahead.is_some_and(|v| self.obstructions.contains_key(&v.node))
     }
 
     /// Has a robot go on in a direction from between two nodes, or stay there.

@@ -9,6 +9,7 @@ mod workers;
 
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::core::Core;
+use crate::fleet::state::wait_graph::WorkProgress;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::yielding::state::Yielding;
 use crate::time::Time;
@@ -29,10 +30,15 @@ pub(in crate::fleet) fn note_waits(
     for robot in floor.ledger.robots.ids() {
         let why = waits.why(robot);
         let edge = waits.edge(robot, why);
-        graph.note_robot(robot, floor.ledger.chain(robot).first(), (why, edge), now);
+        let progress = WorkProgress {
+            visit: floor.ledger.chain(robot).first(),
+            acted: floor.ledger.robots[robot].acted,
+        };
+        graph.note_robot(robot, progress, (why, edge), now);
     }
     for worker in people.people.ids() {
-        graph.note_worker(worker, people.edge(worker, now), now);
+        let at = people.whereabouts(worker, now).map(|place| place.at);
+        graph.note_worker(worker, at, people.edge(worker, now), now);
     }
     graph.find_ends(now);
     core.waits = graph;

@@ -2,7 +2,7 @@
 //!
 //! Refuses: to say of a worker who stands for a moment that nothing will happen.
 
-use crate::fleet::people::state::{HumanState, WalkMode};
+use crate::fleet::people::state::{HumanState, LetsPassStage, WalkMode};
 use crate::fleet::state::wait_graph::{Edge, Party};
 use crate::fleet::state::yielding::STANDS;
 use crate::human::Presence;
@@ -22,7 +22,10 @@ impl HumanState {
             return Edge::Operator;
         }
         if let Some(lets_pass) = person.lets_pass {
-            return Edge::Until(lets_pass.until);
+            return match lets_pass.stage {
+                LetsPassStage::Walks => Edge::Moves,
+                LetsPassStage::TouchesMarks | LetsPassStage::Stands => Edge::Until(lets_pass.until),
+            };
         }
         // Of a worker who is not seen well it is not known what is in the way.
         let blocked = person.blocked_since.filter(|_| place.presence == Presence::Tracked);

@@ -34,10 +34,11 @@ impl Yielding {
                 let limits = SpeedLimits { direction: Some(direction), ..limits };
                 limits.limit_for(robot, &present, now).0 != Some(0.0)
             };
+            let obstructed = traffic.is_obstructed_ahead(core.floor(), robot);
             let open = traffic.directions_for(core.floor(), robot, now).map(|d| may_go(d).then_some(d));
             let chosen = match open {
                 // Nothing keeps it from either: whichever gets it to its next stop earlier.
-                [Some(_), Some(_)] if traffic.direction(robot).is_none() => {
+                [Some(_), Some(_)] if traffic.direction(robot).is_none() && !obstructed => {
                     Some(traffic.better_direction(core, robot, now))
                 }
                 [first, second] => first.or(second),

@@ -183,7 +183,8 @@ fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) 
         JobWhy::StationPaused(station) => ledger.paused_stations.contains_key(&station),
         JobWhy::ClosedOff => {
             let displaced = || ledger.present().any(|r| fleet.displacement(r).is_some());
-            !ledger.closures.is_empty() || !ledger.workers.is_empty() || displaced()
+            let people = || !ledger.workers.is_empty();
+            !ledger.closures.is_empty() || people() || displaced() || fleet.has_obstructions()
         }
         JobWhy::RackBlocked(rack, robot) => {
             let last = ledger.chain(robot).last().map(|v| v.node);
