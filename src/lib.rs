@@ -259,7 +259,7 @@
 //! | people take a rack off a broken robot | `fleet/requests/racks.rs`; `api/http/robots.rs` (`take_rack`) |
 //! | faults of robots, e-stop; a blocked path | `fleet/state/fault.rs`; `fleet/traffic/obstruction.rs` |
 //! | robots that people pushed elsewhere | `fleet/traffic/displaced.rs`; in words: `api/displaced.rs` |
-//! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog.rs` |
+//! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog/` |
 //! | what waits for what (wait-for graph) | `fleet/state/wait_graph.rs`; who waits, and why: `fleet/waits/` |
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
 //! | which maps are refused; warnings | `warehouse/check/`; `warehouse/check/shut_in.rs` |
@@ -290,7 +290,7 @@
 //! | occupancy (timelines) of an area | `fleet/read/occupancy.rs`; `api/http/timelines.rs` |
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
 //! | a key of scenario files | `sim/scenario/`, `docs/scenarios.md` |
-//! | what every simulation must keep (laws) | `sim/laws/`; in the server: `server/watchdog.rs` |
+//! | what every simulation must keep (laws) | `sim/laws/`; in the server: `server/watchdog/` |
 //! | what the swarm draws, how it shrinks, prints | `sim/swarm/draw.rs`, `maps.rs`; `shrink.rs`; `cli/swarm.rs` |
 //! | what a recording holds | `sim/recording.rs` |
 //! | what simulated robots, radios, customers do | `sim/robot.rs`, `sim/link.rs`, `sim/customers/` |

@@ -259,7 +259,7 @@ impl DriveLoop {
         self.feeds.refresh(&view);
         self.alarms.note(&view);
         self.note_fences(now);
-        self.watchdog.look(&self.fleet, now, &self.alarms);
+        self.watchdog.look(&self.fleet, &view, &self.alarms);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let time_s = (now - self.clock.started()).as_secs_f64();
         let forecasts = self.ahead.of(&self.fleet, now);

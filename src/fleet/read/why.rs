@@ -250,6 +250,13 @@ impl Fleet {
         lost.collect()
     }
 
+    /// People whom the fleet has kept in one spot for longer than this: waiting for a robot, for a way, or to let a robot
+    /// pass.
+    pub fn kept_workers(&self, long: Span) -> Vec<(WorkerId, Span)> {
+        let waited = |worker| (worker, self.core.waits.kept_in_one_spot(worker));
+        self.people.people.ids().map(waited).filter(|(_, waited)| *waited > long).collect()
+    }
+
     /// Whether any place is closed for a while because a robot could not get there.
     pub fn has_obstructions(&self) -> bool {
         self.traffic.has_obstructions()

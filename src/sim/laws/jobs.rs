@@ -4,8 +4,9 @@
 //! that the floor does not show.
 
 use super::super::world::World;
+use super::deliveries::Deliveries;
 use super::violation::{DELIVERS, OVERDUE, Violation};
-use crate::fleet::{Fact, Fleet, Job, JobKind, JobState, JobWhy, RackAt, Task, Why};
+use crate::fleet::{Fact, Fleet, Job, JobKind, JobState, JobWhy, RackAt, Task};
 use crate::id::{BodyId, JobId, RobotId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
@@ -20,7 +21,7 @@ pub(super) struct JobLaws {
     open: BTreeMap<JobId, (JobKind, JobState, Time)>,
     /// Jobs without a true reason when they were looked at last.
     suspects: BTreeSet<JobId>,
-    delivered: (u64, Time),
+    deliveries: Deliveries,
     steps: u64,
 }
 
@@ -31,7 +32,7 @@ impl JobLaws {
         JobLaws {
             open: open.collect(),
             suspects: BTreeSet::new(),
-            delivered: (fleet.ledger().counts.robot_deliveries, Time::ZERO),
+            deliveries: Deliveries::default(),
             steps: 0,
         }
     }
@@ -109,25 +110,9 @@ impl JobLaws {
     }
 
     fn delivers(&mut self, now: Time, fleet: &Fleet) -> Option<Violation> {
-        let ledger = fleet.ledger();
-        let delivered = ledger.counts.robot_deliveries;
-        let paused = |k: &JobKind| match k {
-            JobKind::Deliver { station, .. } => ledger.paused_stations.contains_key(station),
-            _ => true,
-        };
-        let wanted = (ledger.jobs.values()).any(|j| {
-            !paused(&j.request.kind) && !j.request.after.iter().any(|a| ledger.jobs.contains_key(a))
-        });
-        let picking = ledger.jobs.values().any(|j| matches!(j.state, JobState::Picking { .. }));
-        let view = fleet.view(now);
-        let drives = |why: Option<Why>| !why.is_some_and(Why::is_by_itself);
-        let can = view.robots.iter().any(|r| drives(r.why) && r.battery >= r.critical);
-        if delivered != self.delivered.0 || !wanted || picking || !can {
-            self.delivered = (delivered, now);
-        }
-        let late = now - self.delivered.1 > DELIVERS;
+        let late = self.deliveries.note(fleet, &fleet.view(now)) > DELIVERS;
         if late {
-            self.delivered.1 = now;
+            self.deliveries.restart(now);
         }
         late.then_some(Violation::NothingDelivered)
     }

@@ -3,16 +3,19 @@
 //! Main types: [`Laws`], [`Violation`]. They look at where robots truly are, not at what the fleet believes.
 //! Refuses: to mend anything; one violation fails the run.
 
+mod deliveries;
 mod jobs;
 mod places;
 mod progress;
 mod violation;
 mod waits;
 
+pub use deliveries::Deliveries;
 pub(super) use jobs::undrained;
 use places::PlaceLaws;
 use progress::ProgressLaws;
-pub use violation::{STUCK, Violation};
+pub use violation::{DELIVERS, KEPT, OVERDUE, STUCK, Violation};
+pub use waits::untrue;
 
 use super::world::World;
 use crate::fleet::{Fact, Fleet, JobState, Ledger};

@@ -10,14 +10,14 @@ use std::fmt;
 /// A robot with a task, but without any progress for this long, is stuck.
 pub const STUCK: Span = Span::from_secs(600);
 /// A job in one state for longer than this has a reason that is true.
-pub(in crate::sim) const OVERDUE: Span = Span::from_secs(600);
+pub const OVERDUE: Span = Span::from_secs(600);
 /// While jobs wait and robots can drive, something is delivered within this.
-pub(in crate::sim) const DELIVERS: Span = Span::from_secs(1200);
+pub const DELIVERS: Span = Span::from_secs(1200);
 
 /// No robots and workers wait for one another for longer than this.
 pub(in crate::sim) const CIRCLE: Span = Span::from_secs(60);
 /// Nobody stands in one spot because of the fleet for longer than this.
-pub(in crate::sim) const KEPT: Span = Span::from_secs(60);
+pub const KEPT: Span = Span::from_secs(60);
 
 /// A broken law.
 #[derive(Clone, Debug, PartialEq)]

@@ -84,7 +84,7 @@ impl WaitLaws {
 }
 
 /// What a robot waits for although it does not keep the robot: a closed area that was opened, a turn that is its own.
-fn untrue(fleet: &Fleet, robot: RobotId) -> Option<Why> {
+pub fn untrue(fleet: &Fleet, robot: RobotId) -> Option<Why> {
     let why = fleet.why(robot)?;
     let ledger = fleet.ledger();
     let is_so = match why {

@@ -1,18 +1,23 @@
 //! The laws of the simulation that make sense live, cheap and sampled: a broken one is an alarm.
 //!
-//! Main types: [`Watchdog`] (progress of robots, grants), [`Auditor`] (reservations, and jobs against the robots that
-//! serve them, looked at where the journal's task folds what is durable, so that the control loop pays nothing).
-//! Refuses: to mend anything, and to look at everything in one turn of the loop.
+//! Main types: [`Watchdog`] (robots, people and jobs), [`Auditor`] (reservations, and jobs against the robots that serve
+//! them). Refuses: to mend anything, and to look at everything in one turn of the loop.
 
-use super::start::panic_text;
-use crate::api::displaced::words;
+mod auditor;
+mod found;
+mod jobs;
+
+pub use auditor::Auditor;
+
 use crate::api::port::Alarms;
-use crate::fleet::{ChainEnd, Fault, Fleet, Ledger, LostWorker, Party, Standstill, Task};
+use crate::api::text::job_name;
+use crate::fleet::{Fleet, Task, View};
 use crate::id::RobotId;
-use crate::sim::laws::STUCK;
+use crate::sim::laws::{DELIVERS, KEPT, STUCK};
 use crate::time::{Span, Time};
+use found::{beyond_grant, displaced, faults, kept_workers, lost_workers, standstills, waits_in_vain};
+use jobs::JobWatch;
 use std::collections::BTreeMap;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// The alarm while a robot makes no progress.
 const STANDS: &str = "progress";
@@ -26,16 +31,16 @@ const DISPLACED: &str = "displaced";
 const LOST: &str = "worker";
 /// The alarm while a robot says that something is wrong that only a person can put right.
 const FAULTS: &str = "faults";
-/// The alarm when what was promised contradicts itself.
-const UNSOUND: &str = "ledger";
-/// A standstill that the fleet did not end within this is an alarm.
-const LASTS: Span = Span::from_secs(60);
-/// A worker whom no source has known for so long has to be looked for.
-const LOST_LONG: Span = Span::from_secs(30);
+/// The alarm while the fleet keeps a person in one spot.
+const KEPT_LONG: &str = "kept";
+/// The alarm while robots wait for what does not keep them.
+const IN_VAIN: &str = "waits";
+/// The alarm while nothing is delivered.
+const UNDELIVERED: &str = "deliveries";
+/// The alarm while jobs wait without a reason.
+const WITHOUT_REASON: &str = "jobs";
 /// Robots are looked at this often.
 const LOOKS: Span = Span::from_secs(5);
-/// So many facts are taken in between two looks at everything that was promised.
-const AUDIT_AFTER: usize = 20_000;
 
 /// What a robot had last done, and since when it has done nothing more.
 type Progress = (u64, Option<u64>, Time);
@@ -45,15 +50,25 @@ type Progress = (u64, Option<u64>, Time);
 pub struct Watchdog {
     looked: Option<Time>,
     progress: BTreeMap<RobotId, Progress>,
+    /// Robots that waited in vain at the last look.
+    in_vain: Vec<String>,
+    jobs: JobWatch,
 }
 
 impl Watchdog {
-    /// Raises and ends alarms about robots; every few seconds, whatever it is called.
-    pub fn look(&mut self, fleet: &Fleet, now: Time, alarms: &Alarms) {
+    /// Raises and ends alarms about robots, people and jobs; every few seconds, however often it is called.
+    pub fn look(&mut self, fleet: &Fleet, view: &View, alarms: &Alarms) {
+        let now = view.now;
         if self.looked.is_some_and(|at| now - at < LOOKS) {
             return;
         }
         self.looked = Some(now);
+        self.look_at_robots(fleet, now, alarms);
+        self.look_at_people(fleet, now, alarms);
+        self.look_at_jobs(fleet, view, alarms);
+    }
+
+    fn look_at_robots(&mut self, fleet: &Fleet, now: Time, alarms: &Alarms) {
         let stands = self.without_progress(fleet, now);
         set(alarms, STANDS, now, &stands, |names| {
             let seconds = STUCK.0 / 1_000_000;
@@ -65,13 +80,6 @@ impl Watchdog {
                 "nobody gets on by themselves: {found}. GET /v1/robots/NAME/why says what each waits for."
             )
         });
-        let lost = lost_workers(fleet, now);
-        set(alarms, LOST, now, &lost, |found| {
-            format!(
-                "nobody knows where a worker is: {found}. Look there, and POST /v1/workers/ID/clear if the worker has \
-                 left."
-            )
-        });
         let displaced = displaced(fleet);
         set(alarms, DISPLACED, now, &displaced, str::to_owned);
         let faults = faults(fleet, now);
@@ -79,6 +87,50 @@ impl Watchdog {
         let beyond = beyond_grant(fleet);
         set(alarms, BEYOND, now, &beyond, |names| {
             format!("robots report more than they were granted: {names}. Stop them and check where they are.")
+        });
+        // What ended in this very step is forgiven.
+        let before = std::mem::replace(&mut self.in_vain, waits_in_vain(fleet));
+        let both: Vec<String> = self.in_vain.iter().filter(|r| before.contains(r)).cloned().collect();
+        set(alarms, IN_VAIN, now, &both, |names| {
+            format!(
+                "robots wait for what does not keep them: {names}. Pause and resume them, and report this."
+            )
+        });
+    }
+
+    fn look_at_people(&self, fleet: &Fleet, now: Time, alarms: &Alarms) {
+        let lost = lost_workers(fleet, now);
+        set(alarms, LOST, now, &lost, |found| {
+            format!(
+                "nobody knows where a worker is: {found}. Look there, and POST /v1/workers/ID/clear if the worker has \
+                 left."
+            )
+        });
+        let kept = kept_workers(fleet);
+        set(alarms, KEPT_LONG, now, &kept, |found| {
+            let seconds = KEPT.0 / 1_000_000;
+            format!(
+                "robots have kept people in one spot for more than {seconds} s: {found}. Tell them to walk on."
+            )
+        });
+    }
+
+    fn look_at_jobs(&mut self, fleet: &Fleet, view: &View, alarms: &Alarms) {
+        let undelivered = self.jobs.undelivered(fleet, view);
+        let minutes = format!("{:.0} min", undelivered.as_secs_f64() / 60.0);
+        let late: Vec<String> = (undelivered > DELIVERS).then_some(minutes).into_iter().collect();
+        set(alarms, UNDELIVERED, view.now, &late, |minutes| {
+            format!(
+                "jobs wait and robots can drive, but nothing has been delivered for {minutes}. GET \
+                 /v1/jobs?state=waiting lists them, GET /v1/jobs/ID/why says what each waits for."
+            )
+        });
+        let jobs = self.jobs.without_reason(fleet, view);
+        let names: Vec<String> = jobs.into_iter().map(job_name).collect();
+        set(alarms, WITHOUT_REASON, view.now, &names, |names| {
+            format!(
+                "jobs wait for long, and nothing keeps them: {names}. Cancel and submit them again, and report this."
+            )
         });
     }
 
@@ -107,91 +159,6 @@ impl Watchdog {
     }
 }
 
-/// Standstills that have lasted for long, each in words.
-fn standstills(fleet: &Fleet, now: Time) -> Vec<String> {
-    let ledger = fleet.ledger();
-    let name = |party: &Party| match party {
-        Party::Robot(r) => ledger.robots[*r].name.clone(),
-        Party::Worker(w) => ledger.workers.get(*w).cloned().unwrap_or_else(|| format!("worker {}", w.0 + 1)),
-    };
-    let found = fleet.standstills().into_iter().filter(|s| now - s.since > LASTS);
-    found.map(|s| in_words(&s, name)).collect()
-}
-
-/// Workers whom no source has known for long, each with how many robots wait for that.
-fn lost_workers(fleet: &Fleet, now: Time) -> Vec<String> {
-    let workers = &fleet.ledger().workers;
-    let words = |lost: LostWorker| {
-        let name =
-            workers.get(lost.worker).cloned().unwrap_or_else(|| format!("worker {}", lost.worker.0 + 1));
-        let robots = match lost.waiting.len() {
-            0 => "no robot waits".to_owned(),
-            1 => "1 robot waits".to_owned(),
-            n => format!("{n} robots wait"),
-        };
-        let seconds = LOST_LONG.0 / 1_000_000;
-        format!("{name} (w{}) for more than {seconds} s, {robots}", lost.worker.0 + 1)
-    };
-    fleet.lost_workers(LOST_LONG, now).into_iter().map(words).collect()
-}
-
-/// What stands still, with names.
-fn in_words(found: &Standstill, name: impl Fn(&Party) -> String) -> String {
-    let roots: Vec<String> = found.root.iter().map(&name).collect();
-    let root = roots.join(" and ");
-    let behind = match &found.behind[..] {
-        [] => String::new(),
-        [one] => format!("; {} waits for that", name(one)),
-        [first, others @ ..] => format!("; {} and {} more wait for that", name(first), others.len()),
-    };
-    match found.root.first() {
-        Some(_) if matches!(found.end, ChainEnd::Cycle(_)) => format!("{root} wait for one another{behind}"),
-        Some(Party::Worker(_)) => format!("{root} stands in the way{behind}"),
-        _ => format!("{root} has no way to go{behind}"),
-    }
-}
-
-/// Robots that cannot go on from where they stand, each with why and what to do.
-fn displaced(fleet: &Fleet) -> Vec<String> {
-    let (ledger, map) = (fleet.ledger(), fleet.warehouse());
-    let name = |r: RobotId| ledger.robots[r].name.clone();
-    let found = ledger.present().filter_map(|r| Some((r, fleet.displacement(r)?)));
-    found.map(|(r, why)| format!("{} {}", name(r), words(map, name, why))).collect()
-}
-
-/// Robots that a person has to look after, each with why. A robot that is broken counts as failed and is listed as
-/// that; one that is driven by hand has a person with it; an obstructed one looks for another way.
-fn faults(fleet: &Fleet, now: Time) -> Vec<String> {
-    let words = |robot: RobotId| match fleet.telemetry(robot)?.fault? {
-        Fault::EmergencyStop => Some("emergency stop pressed"),
-        Fault::Unplugged => Some("no current from its charger"),
-        Fault::Broken | Fault::Manual | Fault::Obstructed => None,
-    };
-    let robots = fleet.ledger().robots.pairs();
-    robots
-        .filter_map(|(r, record)| {
-            Some(format!("{} ({})", record.name, back(fleet, r, now).or_else(|| words(r))?))
-        })
-        .collect()
-}
-
-/// A robot that has left and can be heard: other robots do not make way for it.
-fn back(fleet: &Fleet, robot: RobotId, now: Time) -> Option<&'static str> {
-    let heard = fleet.telemetry(robot).is_some_and(|t| now - t.seen <= LOOKS + LOOKS);
-    (fleet.ledger().robots[robot].is_gone() && heard)
-        .then_some("has left the floor but still reports: register it again")
-}
-
-/// Robots that say that they reached, or know of, more than they were granted.
-fn beyond_grant(fleet: &Fleet) -> Vec<String> {
-    let ledger = fleet.ledger();
-    let beyond = |r: &RobotId| {
-        let granted = ledger.chain(*r).granted();
-        fleet.telemetry(*r).is_some_and(|t| t.reached.max(t.known) >= granted)
-    };
-    ledger.present().filter(beyond).map(|r| ledger.robots[r].name.clone()).collect()
-}
-
 fn set(alarms: &Alarms, id: &'static str, now: Time, names: &[String], text: impl Fn(&str) -> String) {
     if names.is_empty() {
         alarms.clear(id);
@@ -204,44 +171,15 @@ fn set(alarms: &Alarms, id: &'static str, now: Time, names: &[String], text: imp
     }
 }
 
-/// Looks at everything that was promised, after so many facts.
-#[derive(Debug, Default)]
-pub struct Auditor {
-    facts: usize,
-}
-
-impl Auditor {
-    /// So many facts were taken in.
-    pub fn note(&mut self, facts: usize, ledger: &Ledger, now: Time, alarms: &Alarms) {
-        self.facts += facts;
-        if self.facts < AUDIT_AFTER {
-            return;
-        }
-        self.facts = 0;
-        match catch_unwind(AssertUnwindSafe(|| ledger.assert_sound())) {
-            Ok(()) => _ = alarms.clear(UNSOUND),
-            Err(panic) => {
-                let said = panic_text(&*panic);
-                let text = format!(
-                    "the ledger contradicts itself: {said}. Keep a copy of the database and restart Giveway."
-                );
-                if alarms.raise(UNSOUND, text.clone(), now) {
-                    tracing::error!("{text}");
-                }
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::{Fact, Input, JobKind, JobRequest, Settings, Telemetry};
+    use crate::fleet::{Fact, Fault, Input, JobKind, JobRequest, Settings, Telemetry};
     use crate::id::{JobId, NodeId};
     use crate::warehouse::lab;
     use std::sync::Arc;
 
-    fn fleet() -> Fleet {
+    pub(super) fn fleet() -> Fleet {
         let map = Arc::new(lab());
         let node = map.node_named("R118").expect("a charger of the laboratory");
         let robot = RobotId(0);
@@ -270,15 +208,15 @@ mod tests {
     fn a_robot_that_makes_no_progress_is_an_alarm_until_it_does() {
         let (fleet, alarms, mut watchdog) = (fleet(), Alarms::default(), Watchdog::default());
         let at = |s: i64| Time(s * 1_000_000);
-        watchdog.look(&fleet, at(0), &alarms);
-        watchdog.look(&fleet, at(599), &alarms);
+        watchdog.look(&fleet, &fleet.view(at(0)), &alarms);
+        watchdog.look(&fleet, &fleet.view(at(599)), &alarms);
         assert!(alarms.list().is_empty());
-        watchdog.look(&fleet, at(606), &alarms);
+        watchdog.look(&fleet, &fleet.view(at(606)), &alarms);
         let listed = alarms.list();
         assert!(listed.len() == 1 && listed[0].text.contains("robot-1"), "{listed:?}");
         // It is let off as soon as it has nothing to do.
         let idle = Fleet::new(fleet.warehouse().clone(), Settings::default());
-        watchdog.look(&idle, at(612), &alarms);
+        watchdog.look(&idle, &idle.view(at(612)), &alarms);
         assert!(alarms.list().is_empty());
     }
 
@@ -319,7 +257,7 @@ mod tests {
             let now = Time(s * 1_000_000);
             let said = reports.then(|| Input::Telemetry(report(&fleet, now, None)));
             fleet.step(now, said.into_iter().collect());
-            watchdog.look(&fleet, now, &alarms);
+            watchdog.look(&fleet, &fleet.view(now), &alarms);
             alarms.list().len()
         };
         assert_eq!((look(10, false), look(20, true), look(40, false)), (0, 1, 0));
@@ -347,7 +285,7 @@ mod tests {
                 quality: crate::human::Quality::Tracked,
             };
             fleet.step(now, seen.then_some(Input::Sighted(sighting)).into_iter().collect());
-            watchdog.look(&fleet, now, &alarms);
+            watchdog.look(&fleet, &fleet.view(now), &alarms);
             alarms.list().iter().map(|a| a.text.clone()).collect::<Vec<_>>()
         };
         assert_eq!((look(1, true), look(25, false)), (vec![], vec![]));
@@ -367,7 +305,7 @@ mod tests {
             let seen = Time(s * 1_000_000);
             let said = report(&fleet, seen, fault);
             fleet.step(seen, vec![Input::Telemetry(said)]);
-            watchdog.look(&fleet, seen, &alarms);
+            watchdog.look(&fleet, &fleet.view(seen), &alarms);
             alarms.list().iter().map(|a| a.text.clone()).collect::<Vec<_>>()
         };
         assert_eq!(says(1, None), [""; 0]);
@@ -380,38 +318,28 @@ mod tests {
     }
 
     #[test]
-    fn a_standstill_is_told_with_names() {
-        let (robot, worker) = (Party::Robot(RobotId(3)), Party::Worker(crate::id::WorkerId(0)));
-        let name = |p: &Party| if *p == worker { "Ana".to_owned() } else { "robot-4".to_owned() };
-        let told = |end, root: &[Party], behind: &[Party]| {
-            in_words(&Standstill { end, root: root.into(), behind: behind.into(), since: Time(1) }, name)
+    fn a_floor_that_delivers_nothing_is_an_alarm_until_nothing_is_wanted() {
+        let kind =
+            JobKind::Deliver { rack: crate::id::RackId(0), station: crate::id::StationId(0), pick: None };
+        let request = JobRequest { kind, priority: 0, deadline: None, after: vec![], key: None };
+        let mut fleet = resting([Fact::Accepted { job: JobId(1), request, at: Time(1) }]);
+        let (alarms, mut watchdog) = (Alarms::default(), Watchdog::default());
+        let mut told = |from: i64, to: i64, inputs: Vec<Input>| {
+            let mut inputs = Some(inputs);
+            for s in (from..to).step_by(5) {
+                let now = Time(s * 1_000_000);
+                // It says that it stands where it stood: whatever it is granted, it does not drive.
+                let said = report(&fleet, now, None);
+                let mut all = inputs.take().unwrap_or_default();
+                all.push(Input::Telemetry(said));
+                fleet.step(now, all);
+                watchdog.look(&fleet, &fleet.view(now), &alarms);
+            }
+            alarms.list().into_iter().find(|a| a.id == UNDELIVERED).map(|a| a.text)
         };
-        assert_eq!(
-            told(ChainEnd::Cycle(robot), &[robot, worker], &[]),
-            "robot-4 and Ana wait for one another"
-        );
-        assert_eq!(
-            told(ChainEnd::Still(worker), &[worker], &[robot]),
-            "Ana stands in the way; robot-4 waits for that"
-        );
-        assert_eq!(
-            told(ChainEnd::Still(robot), &[robot], &[robot, robot, robot]),
-            "robot-4 has no way to go; robot-4 and 2 more wait for that"
-        );
-    }
-
-    #[test]
-    fn promises_that_contradict_each_other_are_an_alarm() {
-        let (fleet, alarms, mut auditor) = (fleet(), Alarms::default(), Auditor::default());
-        auditor.note(AUDIT_AFTER, fleet.ledger(), Time(1), &alarms);
-        assert!(alarms.list().is_empty());
-        let mut parts = fleet.ledger().to_parts();
-        parts.promises.robots[RobotId(0)].task = Task::Idle;
-        let (warehouse, clearance) = (fleet.warehouse().clone(), fleet.settings().clearance());
-        let broken = Ledger::from_parts(warehouse, clearance, parts).expect("it says nothing of jobs");
-        auditor.note(1, &broken, Time(1), &alarms);
-        assert!(alarms.list().is_empty(), "not every time");
-        auditor.note(AUDIT_AFTER, &broken, Time(1), &alarms);
-        assert_eq!(alarms.list()[0].id, UNSOUND);
+        assert_eq!(told(5, 1200, vec![]), None);
+        let text = told(1200, 1230, vec![]).expect("nothing was delivered");
+        assert!(text.contains("nothing has been delivered for 20 min"), "{text}");
+        assert_eq!(told(1230, 1240, vec![Input::Cancel { token: 1, job: JobId(1) }]), None);
     }
 }
