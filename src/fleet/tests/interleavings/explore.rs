@@ -32,6 +32,9 @@ pub(super) struct StateBounds {
     pub leaves: bool,
 }
 
+/// The worker is told again within this, if robots wait.
+const TOLD_AGAIN: Span = Span::from_secs(20);
+
 /// How it goes on from a state.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Verdict {
@@ -182,59 +185,78 @@ fn follow(world: &TinyWorld, end: WorkerEnd) -> (Verdict, Span) {
     }
     let (began, mut longest) = (world.now, Span::ZERO);
     world.progress = began;
-    let mut gave_way = BTreeMap::new();
+    let mut lately = Lately::default();
     while !world.is_over() {
         let since = world.progress;
         let moves = vec![true; world.robots.len()];
         world.take(&TinyMove { moves, worker });
         world.assert_lawful();
-        note_giving_way(&world, &mut gave_way);
+        lately.note(&world);
         if world.now - world.progress > PATIENCE || world.now - began > DRAIN {
-            return (judge_end(&world, &gave_way, end), longest);
+            return (judge_end(&world, &lately, end), longest);
         }
         longest = longest.max(world.now - since - Span::from_secs(QUANTUM_S));
     }
     (Verdict::Ends, longest)
 }
 
-/// Notes which robots give way to the worker, and wait for nothing else, or stand since their scanners see somebody.
-fn note_giving_way(world: &TinyWorld, gave_way: &mut BTreeMap<RobotId, Time>) {
-    for robot in world.robots.iter().map(|r| r.id) {
-        let root = world.fleet.waits(robot, world.now).last().map(|l| l.who);
-        let gives_way = matches!(root, Some(Who::Worker(_)));
-        if gives_way || world.is_scanning(robot) {
-            gave_way.insert(robot, world.now);
+/// What was so when last, while a state is followed to its end.
+#[derive(Debug, Default)]
+struct Lately {
+    /// When robots gave way to the worker, and waited for nothing else, or stood since their scanners saw somebody.
+    gave_way: BTreeMap<RobotId, Time>,
+    /// When the worker was told something, and asked to make room.
+    told: Option<Time>,
+    asked: Option<Time>,
+}
+
+impl Lately {
+    fn note(&mut self, world: &TinyWorld) {
+        for robot in world.robots.iter().map(|r| r.id) {
+            let root = world.fleet.waits(robot, world.now).last().map(|l| l.who);
+            let gives_way = matches!(root, Some(Who::Worker(_)));
+            if gives_way || world.is_scanning(robot) {
+                self.gave_way.insert(robot, world.now);
+            }
+        }
+        let Some(told) = world.worker.as_ref().map(|p| (p.told.state, p.told.reason)) else { return };
+        if told != (GuidanceState::Idle, None) {
+            self.told = Some(world.now);
+        }
+        if matches!(told.1, Some(GuidanceReason::RobotWaits(_) | GuidanceReason::CutsOff)) {
+            self.asked = Some(world.now);
         }
     }
 }
 
 /// Whether all robots with something to do have waited for the worker alone lately, who is told something. They may
 /// try another way now and then.
-fn judge_end(world: &TinyWorld, gave_way: &BTreeMap<RobotId, Time>, end: WorkerEnd) -> Verdict {
-    let lately = |r: &RobotId| gave_way.get(r).is_some_and(|t| world.now - *t < PATIENCE);
-    let busy: Vec<RobotId> = world.robots.iter().map(|r| r.id).filter(|r| !world.is_idle(*r)).collect();
-    let told = world.worker.as_ref().map(|p| (p.told.state, p.told.reason));
-    let is_told = told.is_some_and(|(state, reason)| state != GuidanceState::Idle || reason.is_some());
-    // One who obeys is asked to make room, but no place aside is known: leaving the floor is up to the worker.
-    let is_asked = told.is_some_and(|(_, reason)| {
-        matches!(reason, Some(GuidanceReason::RobotWaits(_) | GuidanceReason::CutsOff))
-    });
+fn judge_end(world: &TinyWorld, lately: &Lately, end: WorkerEnd) -> Verdict {
+    let gave_way = |r: &RobotId| lately.gave_way.get(r).is_some_and(|t| world.now - *t < PATIENCE);
+    // One that has no job makes room, or looks for a place to park, while the worker keeps the others waiting.
+    let has_a_job = |r: &RobotId| world.fleet.ledger().robots[*r].task.job().is_some();
+    let is_busy = |r: &RobotId| !world.is_idle(*r) && has_a_job(r);
+    let busy: Vec<RobotId> = world.robots.iter().map(|r| r.id).filter(is_busy).collect();
+    // Between two requests a moment passes.
+    let just_now = |at: Option<Time>| at.is_some_and(|t| world.now - t < TOLD_AGAIN);
     let waits = match end {
-        WorkerEnd::Stands => is_told,
-        WorkerEnd::Obeys => is_asked,
+        WorkerEnd::Stands => just_now(lately.told),
+        // One who obeys is asked to make room, but no place aside is known: leaving the floor is up to the worker.
+        WorkerEnd::Obeys => just_now(lately.asked),
         WorkerEnd::Leaves => false,
     };
-    if busy.iter().all(lately) && waits {
+    if busy.iter().all(gave_way) && waits {
         return Verdict::WaitsForWorker;
     }
     let person = world.worker.as_ref().map(|p| p.at);
+    let told = world.worker.as_ref().map(|p| (p.told.state, p.told.reason));
     let path = world.worker.as_ref().map(|p| &p.told.path);
     let mut text = format!("worker {end:?} at {person:?}, told {told:?} {path:?}");
     for robot in world.robots.iter().filter(|r| !world.is_idle(r.id)) {
         let waits = world.fleet.waits(robot.id, world.now);
         let links: Vec<_> = waits.iter().map(|l| (l.who, l.because)).collect();
         let at = robot.at(&world.warehouse());
-        let lately = lately(&robot.id);
+        let lately = gave_way(&robot.id);
         let task = world.fleet.ledger().robots[robot.id].task;
         text += &format!(
             "; {:?} at {},{} visit {} gave way lately {lately} limit {:?} {task:?} {links:?}",
