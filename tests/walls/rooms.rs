@@ -44,6 +44,7 @@ const DOORS: [(&str, &str, &[&str]); 2] = [
             "direct",
             "direction",
             "directions_for",
+            "is_obstructed_ahead",
             "drives_back_to",
             "drives_into",
             "forget_revoked",

@@ -250,8 +250,8 @@ impl Fleet {
         lost.collect()
     }
 
-    /// People whom the fleet has kept in one spot for longer than this: waiting for a robot, for a way, or to let a robot
-    /// pass.
+    /// People whom the fleet has kept in one spot for longer than this: waiting for a robot, for a way, or to let a
+    /// robot pass.
     pub fn kept_workers(&self, long: Span) -> Vec<(WorkerId, Span)> {
         let waited = |worker| (worker, self.core.waits.kept_in_one_spot(worker));
         self.people.people.ids().map(waited).filter(|(_, waited)| *waited > long).collect()

@@ -229,8 +229,8 @@ impl WaitGraph {
     }
 
     /// Robots that wait for workers and have come no farther for longer than `here`, or have waited for longer than
-    /// `on_its_way` since they acted last; the longest waiting first, each with the worker that it waits for now and for
-    /// how long. Also where those workers walk, so that no chain stands still, and where a robot drives to and fro.
+    /// `on_its_way` since they acted last; the longest waiting first, each with the worker that it waits for now and
+    /// for how long. Also where those workers walk, so that no chain stands still, and where a robot drives to and fro.
     pub fn starving(&self, now: Time, here: Span, on_its_way: Span) -> Vec<(RobotId, WorkerId, Span)> {
         let kept = |(robot, wait): (RobotId, &Wait)| {
             let Edge::On(Party::Worker(worker)) = wait.edge else { return None };

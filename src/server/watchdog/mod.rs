@@ -1,7 +1,7 @@
 //! The laws of the simulation that make sense live, cheap and sampled: a broken one is an alarm.
 //!
-//! Main types: [`Watchdog`] (robots, people and jobs), [`Auditor`] (reservations, and jobs against the robots that serve
-//! them). Refuses: to mend anything, and to look at everything in one turn of the loop.
+//! Main types: [`Watchdog`] (robots, people and jobs), [`Auditor`] (reservations, and jobs against the robots that
+//! serve them). Refuses: to mend anything, and to look at everything in one turn of the loop.
 
 mod auditor;
 mod found;
