@@ -19,8 +19,9 @@ const MOMENT: Span = Span::from_secs(3);
 /// back.
 const AGAIN: Span = Span::from_secs(15);
 
-/// A person within this is in the same spot, metres.
-const SPOT_M: f64 = 0.75;
+/// A person within this is in the same spot, metres: twice what the law of simulations has, since tags are off by a few
+/// decimetres.
+const SPOT_M: f64 = 1.5;
 
 /// A robot or a worker: a node of the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
