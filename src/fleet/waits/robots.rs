@@ -128,7 +128,11 @@ impl<'a> RobotWaits<'a> {
             Withheld::Condition(Cause::Closure(c), _) => Some(Why::Closed(c)),
             Withheld::Condition(Cause::Robot(other), _) => Some(Why::BlockedBy(other)),
             Withheld::Condition(Cause::Obstruction(node), _) => Some(Why::WayObstructed(node)),
-            Withheld::Turn(resource, holder) => Some(Why::WaitsFor(resource, holder)),
+            // Whose turn it is may have changed since it was asked: grants to robots after this one move chains.
+            Withheld::Turn(..) => {
+                let turn = self.floor.ledger.timeline().waits_for(Holder::Robot(robot), chain.granted());
+                turn.map(|(resource, holder)| Why::WaitsFor(resource, holder))
+            }
             Withheld::End | Withheld::Stop | Withheld::Early => None,
         }
     }
