@@ -509,9 +509,9 @@ mod tests {
         assert_eq!(kept(10, Some(0.5), Edge::On(party(0))), seconds(10));
         assert_eq!(kept(20, Some(-0.5), Edge::Moves), seconds(10), "it walks");
         assert_eq!(kept(30, Some(0.0), Edge::Until(Time(9))), seconds(20));
-        assert_eq!(kept(40, Some(1.0), Edge::NoWay), Span::ZERO, "somewhere else");
+        assert_eq!(kept(40, Some(2.0), Edge::NoWay), Span::ZERO, "somewhere else");
         assert_eq!(
-            (kept(50, Some(1.0), Edge::NoWay), kept(60, None, Edge::Moves)),
+            (kept(50, Some(2.0), Edge::NoWay), kept(60, None, Edge::Moves)),
             (seconds(10), Span::ZERO)
         );
     }
