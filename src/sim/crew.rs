@@ -10,9 +10,8 @@ use super::scenario::{Assignments, SecondTag, Workers};
 use super::scenario::{Faults, Scenario};
 use super::sensor::Device;
 use super::walker::{Errand, RobotNear, Shown, Walker, WalkerSurroundings, WorkKnowledge, ease};
-use crate::fleet::Input;
 use crate::fleet::{
-    Assignment, AssignmentRequest, AssignmentState, Fleet, Guidance, GuidanceReason, GuidanceState,
+    Assignment, AssignmentRequest, AssignmentState, Fleet, Guidance, GuidanceReason, GuidanceState, Input,
 };
 use crate::geometry::{Point, Pose};
 use crate::id::{AssignmentId, NodeId, WorkerId};
@@ -34,7 +33,7 @@ const DOOR_M: f64 = 1.5;
 const DOOR_S: f64 = 2.5;
 /// What has not come through, either way, is sent again after this.
 const AGAIN: Span = Span::from_millis(300);
-/// So long after somebody was told that the headset does not know where it is, marks have been touched.
+/// Workers who are told that the headset does not know where it is have touched marks after this.
 const TOUCHES_MARKS: Span = Span::from_secs(15);
 
 /// One worker with device and radio.
@@ -333,7 +332,7 @@ impl Member {
     fn touch_marks(&mut self, now: Time) {
         if self.asked_for_marks.is_some_and(|since| now - since >= TOUCHES_MARKS) {
             self.asked_for_marks = None;
-            self.device.iter_mut().for_each(Device::touch_marks);
+            self.device.iter_mut().for_each(Device::begin_frame);
         }
     }
 

@@ -116,7 +116,7 @@ impl Device {
         self.next += Span::from_secs_f64(1.0 / self.sensor.rate());
         self.silence.begins(now, 0.5 * self.sensor.silence_s, self.sensor.silence_s);
         if self.resets.begins(now, LOST.as_secs_f64(), LOST.as_secs_f64()) {
-            self.touch_marks();
+            self.begin_frame();
         }
         let sighting = self.measure(now, worker, pose, walked_m);
         self.seq += 1;
@@ -125,8 +125,9 @@ impl Device {
         }
     }
 
-    /// Its wearer shows it where it is: a new frame begins at the next look, without the errors of the one before.
-    pub fn touch_marks(&mut self) {
+    /// Begins a new frame at an anchor where its wearer is, without the errors of the one before: it lost its position,
+    /// or marks were touched.
+    pub fn begin_frame(&mut self) {
         (self.epoch, self.seq, self.anchor) = (self.epoch + 1, 0, None);
     }
 

@@ -50,7 +50,7 @@ const STANDS_STILL: Span = Span::from_secs(1);
 impl HumanState {
     /// Lets people go on who have let a robot pass, and asks those in the way of robots that wait for long.
     pub(super) fn let_robots_pass(&mut self, core: &Core, yielding: &YieldingState, now: Time) {
-        if core.settings.policy != HumanAwarePolicy::Giveway {
+        if core.settings.policy != HumanAwarePolicy::Giveway || self.people.is_empty() {
             return;
         }
         for worker in self.people.ids() {

@@ -1,17 +1,24 @@
 //! People who walk on in front of a robot without end, until they are asked to let it pass.
 
+use super::people::Puppet;
 use super::*;
 use crate::geometry::Point;
 
-/// Seconds after which the first delivery is over although a person paces up and down where the robot has to pass, if
-/// it is within so many; the longest time that the person was told to stand for a robot, and whether it was led aside.
-fn paced(seconds: i64, obeys: bool) -> (Option<i64>, Span, bool) {
+/// A floor with one delivery, and a person near its station with the two ends of a way before it.
+fn before_the_station() -> (TestFloor, Puppet, [Point; 2]) {
     let mut floor = TestFloor::lab(1);
     floor.submit(request(deliver(3)));
     let station = floor.fleet.warehouse().stations[StationId(0)].node;
     let at: Point = floor.fleet.warehouse().nodes[station].at;
     let ends = [at + nalgebra::Vector2::new(0.0, 1.0), at + nalgebra::Vector2::new(1.5, 1.0)];
-    let mut ana = floor.hire(ends[0]);
+    let ana = floor.hire(ends[0]);
+    (floor, ana, ends)
+}
+
+/// Seconds after which the first delivery is over although a person paces up and down where the robot has to pass, if
+/// it is within so many; the longest time that the person was told to stand for a robot, and whether it was led aside.
+fn paced(seconds: i64, obeys: bool) -> (Option<i64>, Span, bool) {
+    let (mut floor, mut ana, ends) = before_the_station();
     let (mut next, mut stood, mut longest, mut was_led) = (0, Span::ZERO, Span::ZERO, false);
     for step in 0..seconds * 10 {
         let told = floor.fleet.view(floor.now).workers[0].guidance.reason;
@@ -53,12 +60,7 @@ fn a_person_who_does_not_let_a_robot_pass_is_not_driven_up_to() {
 #[test]
 fn a_person_whose_headset_knows_its_place_badly_is_asked_for_marks_before_robots_pass() {
     for touches in [true, false] {
-        let mut floor = TestFloor::lab(1);
-        floor.submit(request(deliver(3)));
-        let station = floor.fleet.warehouse().stations[StationId(0)].node;
-        let at: Point = floor.fleet.warehouse().nodes[station].at;
-        let ends = [at + nalgebra::Vector2::new(0.0, 1.0), at + nalgebra::Vector2::new(1.5, 1.0)];
-        let mut ana = floor.hire(ends[0]);
+        let (mut floor, mut ana, ends) = before_the_station();
         ana.accuracy_m = 1.2;
         let (mut next, mut reasons) = (0, Vec::new());
         for _ in 0..4000 {

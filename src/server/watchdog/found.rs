@@ -12,14 +12,14 @@ use crate::time::{Span, Time};
 /// A standstill that the fleet did not end within this is an alarm.
 const LASTS: Span = Span::from_secs(60);
 /// A worker whom no source has known for so long has to be looked for.
-pub(super) const LOST_LONG: Span = Span::from_secs(30);
+const LOST_LONG: Span = Span::from_secs(30);
 
 /// Standstills that have lasted for long, each in words.
 pub(super) fn standstills(fleet: &Fleet, now: Time) -> Vec<String> {
     let ledger = fleet.ledger();
     let name = |party: &Party| match party {
         Party::Robot(r) => ledger.robots[*r].name.clone(),
-        Party::Worker(w) => ledger.workers.get(*w).cloned().unwrap_or_else(|| format!("worker {}", w.0 + 1)),
+        Party::Worker(w) => worker_name(fleet, *w),
     };
     let found = fleet.standstills().into_iter().filter(|s| now - s.since > LASTS);
     found.map(|s| in_words(&s, name)).collect()
@@ -27,10 +27,8 @@ pub(super) fn standstills(fleet: &Fleet, now: Time) -> Vec<String> {
 
 /// Workers whom no source has known for long, each with how many robots wait for that.
 pub(super) fn lost_workers(fleet: &Fleet, now: Time) -> Vec<String> {
-    let workers = &fleet.ledger().workers;
     let words = |lost: LostWorker| {
-        let name =
-            workers.get(lost.worker).cloned().unwrap_or_else(|| format!("worker {}", lost.worker.0 + 1));
+        let name = worker_name(fleet, lost.worker);
         let robots = match lost.waiting.len() {
             0 => "no robot waits".to_owned(),
             1 => "1 robot waits".to_owned(),
@@ -109,9 +107,8 @@ pub(super) fn kept_workers(fleet: &Fleet) -> Vec<String> {
 
 /// Robots that wait for what does not keep them.
 pub(super) fn waits_in_vain(fleet: &Fleet) -> Vec<String> {
-    let robots = fleet.ledger().present();
-    let name = |r: RobotId| fleet.ledger().robots[r].name.clone();
-    robots.filter_map(|r| Some(format!("{} ({:?})", name(r), untrue(fleet, r)?))).collect()
+    let in_vain = fleet.ledger().present().filter(|r| untrue(fleet, *r).is_some());
+    in_vain.map(|r| fleet.ledger().robots[r].name.clone()).collect()
 }
 
 fn worker_name(fleet: &Fleet, worker: WorkerId) -> String {
