@@ -58,9 +58,10 @@ impl StepsArgs {
         for (name, robots, case) in cases {
             let setup = StepSetup { robots, settle: self.settle, steps: self.steps };
             let out = run(&warehouse, case, &setup, stopwatch);
-            rows.push(
-                json!({"case": name, "robots": robots, "open": out.open, "step_us": quantiles(&out.step_ns)}),
-            );
+            rows.push(json!({
+                "case": name, "robots": robots, "open": out.open,
+                "step_us": quantiles(&out.step_ns), "waits_us": quantiles(&out.waits_ns),
+            }));
             bar.inc(1);
         }
         bar.finish_and_clear();
@@ -76,6 +77,7 @@ impl StepsArgs {
             ("closures", all, StepsCase::Closures(self.closures)),
             ("waiting after another job", all, StepsCase::WaitingAfter(self.jobs)),
             ("waiting for one rack", all, StepsCase::WaitingRack(self.jobs)),
+            ("all at work", all, StepsCase::Waiting(all * 4)),
             ("busy, few jobs wait", busy, StepsCase::Waiting(busy * 4)),
             ("busy, many jobs wait", busy, StepsCase::Waiting(self.jobs)),
             ("few assignments", busy, StepsCase::Assignments(10)),
@@ -103,19 +105,21 @@ impl StepsArgs {
         }
         println!("{command}");
         println!(
-            "{:28} {:>6} {:>8} {:>9} {:>9} {:>9}",
-            "microseconds a step", "robots", "open", "p50", "p99", "max"
+            "{:28} {:>6} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}",
+            "microseconds a step", "robots", "open", "p50", "p99", "max", "waits p50", "p99"
         );
         for row in rows {
-            let (name, us) = (row["case"].as_str().unwrap_or_default(), &row["step_us"]);
-            let figure = |key: &str| us[key].as_f64().unwrap_or_default();
+            let name = row["case"].as_str().unwrap_or_default();
+            let figure = |of: &str, key: &str| row[of][key].as_f64().unwrap_or_default();
             println!(
-                "{name:28} {:>6} {:>8} {:>9.1} {:>9.1} {:>9.1}",
+                "{name:28} {:>6} {:>8} {:>9.1} {:>9.1} {:>9.1} {:>9.1} {:>9.1}",
                 row["robots"].to_string(),
                 row["open"].to_string(),
-                figure("p50"),
-                figure("p99"),
-                figure("max")
+                figure("step_us", "p50"),
+                figure("step_us", "p99"),
+                figure("step_us", "max"),
+                figure("waits_us", "p50"),
+                figure("waits_us", "p99")
             );
         }
         Ok(())

@@ -4,7 +4,7 @@
 //! those of the simulator; only [`Fleet::step`] is timed. Refuses: to look at a clock itself; the caller passes a
 //! stopwatch in.
 
-use crate::fleet::{AssignmentRequest, Closure, Fleet, Input, JobKind, JobRequest};
+use crate::fleet::{AssignmentRequest, Closure, Fleet, Input, JobKind, JobRequest, Settings};
 use crate::geometry::Spot;
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
@@ -42,6 +42,8 @@ pub enum StepsCase {
 pub struct Measured {
     /// Durations of steps, nanoseconds, ascending.
     pub step_ns: Vec<u64>,
+    /// What of them it took to note why robots and people wait, nanoseconds, ascending.
+    pub waits_ns: Vec<u64>,
     /// Jobs, closures and assignments that were open at the end.
     pub open: usize,
 }
@@ -74,7 +76,7 @@ pub fn run(
     let scenario = Scenario::parse(&text).expect("the text is a scenario");
     // Hours after zero, so that areas can be over already.
     let mut now = Time::ZERO + Span::from_secs(4 * 3600);
-    let mut fleet = Fleet::new(warehouse.clone(), scenario.settings());
+    let mut fleet = Fleet::new(warehouse.clone(), Settings { stopwatch, ..scenario.settings() });
     let mut world = World::new(warehouse.clone(), &scenario, &[], 1, &fleet, now);
     let mut requests = requests(warehouse, case, now).into_iter();
     let mut measured = Measured::default();
@@ -92,6 +94,7 @@ pub fn run(
         let spent = stopwatch() - start;
         if step >= filling + setup.settle {
             measured.step_ns.push(spent);
+            measured.waits_ns.push(fleet.waits_ns());
         }
         world.command(now, done.urgent);
         world.command(now, done.commands);
@@ -100,6 +103,7 @@ pub fn run(
     let ledger = fleet.ledger();
     measured.open = ledger.jobs.len() + ledger.closures.len() + ledger.assignments.len();
     measured.step_ns.sort_unstable();
+    measured.waits_ns.sort_unstable();
     measured
 }
 

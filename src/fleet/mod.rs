@@ -48,7 +48,7 @@ use state::core::Core;
 use state::floor::Floor;
 use state::heard::WorkerInput;
 use std::sync::Arc;
-use traffic::state::Traffic;
+use traffic::state::{Effort, Traffic};
 use traffic::{closures, displaced, failure, fence};
 use yielding::state::Yielding;
 
@@ -59,6 +59,8 @@ pub struct Fleet {
     people: HumanState,
     yielding: Yielding,
     traffic: Traffic,
+    /// How long the last step took to note why robots and people wait, nanoseconds by the stopwatch of the settings.
+    waits_ns: u64,
     /// A robot over which the next step panics: for tests of what happens then.
     #[cfg(test)]
     pub trap: Option<RobotId>,
@@ -90,13 +92,13 @@ impl Fleet {
     pub fn resume(mut ledger: Ledger, settings: Settings, facts: impl IntoIterator<Item = Fact>) -> Fleet {
         facts.into_iter().for_each(|fact| ledger.evolve(&fact));
         let warehouse = ledger.warehouse().clone();
-        let traffic = Traffic::new(&warehouse, &settings.kinds, ledger.present().collect());
         let core = Core::new(ledger, settings);
         let mut fleet = Fleet {
             people: HumanState::new(&warehouse, &core.regions),
             yielding: Yielding::default(),
-            traffic,
+            traffic: Traffic::new(&core),
             core,
+            waits_ns: 0,
             #[cfg(test)]
             trap: None,
         };
@@ -106,12 +108,15 @@ impl Fleet {
     }
 
     fn note_waits(&mut self, now: Time) {
+        let start = (self.core.settings.stopwatch)();
         waits::note_waits(&mut self.core, &self.people, &self.yielding, &self.traffic, now);
+        self.waits_ns = (self.core.settings.stopwatch)() - start;
     }
 
     /// Takes all inputs in, then decides once from what is known now.
     pub fn step(&mut self, now: Time, inputs: Vec<Input>) -> Step {
         self.core.at_hand = None;
+        self.traffic.effort = Effort::of_a_step(&self.core);
         let heard = requests::absorb(&mut self.core, &self.people.walkways, now, inputs);
         #[cfg(test)]
         self.spring();
@@ -164,11 +169,11 @@ impl Fleet {
     /// drive into a closed area, meet people or wait for others, where a better one is found.
     fn plan(&mut self, now: Time) {
         let Fleet { core, yielding, traffic, .. } = self;
-        let mut budget = traffic.plan_needed(core, now);
-        yielding.plan_interrupted(core, traffic, now, &mut budget);
-        traffic.route_round_closures(core, now, &mut budget);
-        yielding.give_way(core, traffic, now, &mut budget);
-        traffic.improve(core, now, budget);
+        traffic.plan_needed(core, now);
+        yielding.plan_interrupted(core, traffic, now);
+        traffic.route_round_closures(core, now);
+        yielding.give_way(core, traffic, now);
+        traffic.improve(core, now);
     }
 
     /// The floor as it is now, for questions.
@@ -199,6 +204,11 @@ impl Fleet {
     /// How long the searches since the last call took, nanoseconds by the stopwatch of the settings.
     pub fn take_plan_times(&mut self) -> Vec<u64> {
         std::mem::take(&mut self.traffic.plan_times)
+    }
+
+    /// How long the last step took to note why robots and people wait, nanoseconds by the stopwatch of the settings.
+    pub fn waits_ns(&self) -> u64 {
+        self.waits_ns
     }
 
     /// The robot that was being dealt with when a step ended in a panic, if it was one.

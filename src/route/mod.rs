@@ -173,6 +173,11 @@ impl Planner {
         search::plan(&mut self.estimates, &mut self.scratch, ask, timeline, self.weight)
     }
 
+    /// Labels that the last search expanded, whether or not it found a route.
+    pub fn expanded(&self) -> u32 {
+        self.scratch.expanded()
+    }
+
     /// How long the stages would take on an empty floor, from standing at a node.
     pub fn free_flow(&mut self, from: NodeId, stages: &[Stage]) -> Option<Span> {
         let mut total = Span::ZERO;

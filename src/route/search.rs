@@ -32,6 +32,14 @@ use std::sync::Arc;
 pub(super) struct Scratch {
     labels: Labels,
     open: Open,
+    expanded: u32,
+}
+
+impl Scratch {
+    /// Labels that the last search expanded.
+    pub fn expanded(&self) -> u32 {
+        self.expanded
+    }
 }
 
 /// Lower bounds of the arrivals at the first and at the last goal; among equals the label nearest to the
@@ -98,6 +106,7 @@ pub(super) fn plan(
     timeline: &Timeline,
     weight: f64,
 ) -> Result<Route, NoRoute> {
+    scratch.expanded = 0;
     assert!(!ask.stages.is_empty() && ask.stages.len() < 16, "a route has one to fifteen stages");
     let tables: Vec<_> = ask.stages.iter().map(|s| estimates.table(s.goal, s.loaded)).collect();
     let between = bounds_between(estimates, ask.stages, &tables)?;
@@ -130,12 +139,12 @@ pub(super) fn plan(
         weight,
         anytime: false,
     };
-    let Scratch { labels, open } = scratch;
+    let Scratch { labels, open, expanded } = scratch;
     labels.clear();
     open.clear();
     search.start(labels, open)?;
-    let (goal, expansions) = search.run(labels, open)?;
-    Ok(trace::route(labels, goal, ask, &pace, &warehouse, expansions))
+    let goal = search.run(labels, open, expanded)?;
+    Ok(trace::route(labels, goal, ask, &pace, &warehouse, *expanded))
 }
 
 fn bounds_between(
@@ -229,8 +238,7 @@ impl Search<'_> {
     }
 
     /// Expands labels in order of their bounds until one stays at the last goal for ever.
-    fn run(&mut self, labels: &mut Labels, open: &mut Open) -> Result<(u32, u32), NoRoute> {
-        let mut expansions = 0;
+    fn run(&mut self, labels: &mut Labels, open: &mut Open, expanded: &mut u32) -> Result<u32, NoRoute> {
         while let Some(Reverse((_, _, _, index))) = open.pop() {
             let label = *labels.get(index);
             if label.dominated {
@@ -241,14 +249,14 @@ impl Search<'_> {
                 if usize::from(label.stage) + 1 < self.ask.stages.len() {
                     self.finish_stage(labels, open, index, label, stage.stay);
                 } else if label.free.end.is_forever() || self.is_brief_stay(&label) {
-                    return Ok((index, expansions));
+                    return Ok(index);
                 }
             }
-            expansions += 1;
-            if expansions > self.ask.budget {
+            *expanded += 1;
+            if *expanded > self.ask.budget {
                 return Err(NoRoute::BudgetSpent);
             }
-            if expansions == self.ask.budget / 2 {
+            if *expanded == self.ask.budget / 2 {
                 self.search_anytime(labels, open);
             }
             self.expand(labels, open, index, label);

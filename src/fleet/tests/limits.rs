@@ -67,3 +67,27 @@ fn one_closure_too_many_is_refused_until_another_is_taken_back_and_one_with_too_
     let full = Some(Refusal::TooMany(Bounded::Closures, 1));
     assert_eq!(why, [Some(Refusal::TooManyCorners(4)), None, full, None, None]);
 }
+
+#[test]
+fn searches_of_one_step_expand_no_more_than_a_step_may_and_the_last_search() {
+    let faults = Faults { failures_per_hour: 60.0, repair_s: 40.0, ..Faults::default() };
+    let scenario = Scenario { faults, ..scenario(20) };
+    let settings = Settings { expansions_per_step: 1_200, expansions_per_plan: 500, ..scenario.settings() };
+    let warehouse = scenario.fit(&Arc::new(thesis())).expect("the map is for these robots");
+    let fleet = Fleet::new(warehouse.clone(), settings);
+    let world = World::new(warehouse, &scenario, &[], 1, &fleet, Time::ZERO);
+    let laws = Laws::new(&fleet);
+    let mut floor = TestFloor { fleet, world, laws, now: Time::ZERO, facts: Vec::new() };
+    floor.step(vec![]);
+    floor.submit_batch(60);
+    let mut met = 0;
+    for _ in 0..6_000 {
+        floor.step(vec![]);
+        let effort = floor.fleet.traffic.effort;
+        met += u32::from(effort.is_spent());
+        // A search counts the label that it may not expand.
+        assert!(effort.spent <= 1_200 + 501, "{effort:?} at {}", floor.now);
+    }
+    assert!(met > 0, "the limit was never met, so nothing was shown");
+    assert!(floor.done() > 10, "{} deliveries done", floor.done());
+}

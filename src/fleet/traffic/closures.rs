@@ -57,29 +57,29 @@ pub(in crate::fleet) fn note_closing(core: &mut Core, now: Time) {
 
 impl Traffic {
     /// Robots whose promised way leads through a closed area, or ends in one, get another one.
-    pub(in crate::fleet) fn route_round_closures(&mut self, core: &mut Core, now: Time, budget: &mut u32) {
+    pub(in crate::fleet) fn route_round_closures(&mut self, core: &mut Core, now: Time) {
         if core.restrictions.closing.is_empty() && core.restrictions.areas.is_empty() {
             return;
         }
         for robot in core.ledger.present() {
             let looked = self.looked_round.get(&robot).is_some_and(|t| now - *t < AGAIN);
-            if *budget == 0 || looked || !core.floor().can_be_routed_round(robot, now) {
+            if self.effort.is_spent() || looked || !core.floor().can_be_routed_round(robot, now) {
                 continue;
             }
             let floor = core.floor();
             let ends_there = floor.task_elsewhere(robot) != floor.ledger.robots[robot].task;
             if ends_there || floor.fetches_too_late(robot, now) || floor.leads_into_closed(robot, now) {
                 self.looked_round.insert(robot, now);
-                *budget = budget.saturating_sub(self.route_round(core, robot, now));
+                self.route_round(core, robot, now);
             }
         }
     }
 
     /// Another route for the rest of the task, to another place where that is closed. The old route stands where
-    /// there is none. Gives the expansions spent.
-    fn route_round(&mut self, core: &mut Core, robot: RobotId, now: Time) -> u32 {
+    /// there is none.
+    fn route_round(&mut self, core: &mut Core, robot: RobotId, now: Time) {
         if gives_job_back(core, robot, now) {
-            return 0;
+            return;
         }
         let old = core.ledger.robots[robot].task;
         let task = core.floor().task_elsewhere(robot);
@@ -89,17 +89,9 @@ impl Traffic {
         let stages = core.floor().stages_left(robot);
         self.tally.replans += 1;
         match self.search(core, robot, &stages, now) {
-            Ok(route) => {
-                let spent = route.expansions;
-                commit(core, robot, route);
-                spent
-            }
-            Err(_) => {
-                if task != old {
-                    core.record(Fact::Tasked { robot, task: old });
-                }
-                core.settings.expansions_per_plan / 4
-            }
+            Ok(route) => commit(core, robot, route),
+            Err(_) if task != old => core.record(Fact::Tasked { robot, task: old }),
+            Err(_) => {}
         }
     }
 }

@@ -27,17 +27,15 @@ const PATIENCE: Span = Span::from_secs(4);
 pub(super) const WORTH: Span = Span::from_secs(1);
 
 impl Traffic {
-    /// Routes for robots that need one, longest waiting first, and earlier ones for those that may go on earlier. Gives
-    /// the expansions that are left of the step's budget.
-    pub(in crate::fleet) fn plan_needed(&mut self, core: &mut Core, now: Time) -> u32 {
-        let mut budget = core.settings.expansions_per_step;
+    /// Routes for robots that need one, longest waiting first, and earlier ones for those that may go on earlier.
+    pub(in crate::fleet) fn plan_needed(&mut self, core: &mut Core, now: Time) {
         self.needs.tickets.note(core.floor(), now);
         self.lapse_places(core, now);
         let in_need = self.in_need(core, now);
         let mut bound = if in_need.is_empty() { IdVec::new() } else { core.floor().bound_for_stations() };
         for robot in in_need {
-            if budget == 0 {
-                return 0;
+            if self.effort.is_spent() {
+                return;
             }
             // What is granted is done before anything else is planned: the robot may be at it already.
             let fit = core.scene.fit(robot, now).is_some() && !core.floor().next_stop_is_granted(robot);
@@ -51,24 +49,22 @@ impl Traffic {
                 continue;
             }
             let waited = self.needs.waited(robot, now);
-            let spent = self.plan_one(core, robot, now);
-            budget = budget.saturating_sub(spent);
+            self.plan_one(core, robot, now);
             if let Some(station) = core.floor().station_of(robot).filter(|_| !core.floor().lacks_route(robot))
             {
                 self.needs.set_off.insert(station, waited);
                 bound[station] += 1;
             }
         }
-        self.plan_early(core, now, &mut budget);
-        budget
+        self.plan_early(core, now);
     }
 
     /// Robots whose stop ended before it was to end look for an earlier route.
-    fn plan_early(&mut self, core: &mut Core, now: Time, budget: &mut u32) {
+    fn plan_early(&mut self, core: &mut Core, now: Time) {
         for robot in std::mem::take(&mut self.needs.early) {
             let is_fit = core.scene.fit(robot, now).is_some() && !core.ledger.robots[robot].failed;
             if is_fit && !core.floor().lacks_route(robot) {
-                *budget = budget.saturating_sub(self.improve_one(core, robot, now));
+                self.improve_one(core, robot, now);
             }
         }
     }
@@ -91,17 +87,15 @@ impl Traffic {
         robots.into_iter().map(|(_, r)| r).collect()
     }
 
-    /// One robot, one search; gives the expansions spent.
-    fn plan_one(&mut self, core: &mut Core, robot: RobotId, now: Time) -> u32 {
+    /// One robot, one search; after some that failed, others make way, or it does.
+    fn plan_one(&mut self, core: &mut Core, robot: RobotId, now: Time) {
         debug_assert!(core.floor().lacks_route(robot), "{robot:?} has the route that its task asks for");
         self.choose_storage(core, robot);
         let stages = core.floor().stages(robot);
         match self.search(core, robot, &stages, now) {
             Ok(route) => {
-                let spent = route.expansions;
                 commit(core, robot, route);
                 self.needs.waiting.remove(&robot);
-                spent
             }
             Err(why) => {
                 self.tally.failures += 1;
@@ -117,7 +111,6 @@ impl Traffic {
                         self.step_out(core, robot, None, now);
                     }
                 }
-                if why == NoRoute::BudgetSpent { core.settings.expansions_per_plan } else { 1_000 }
             }
         }
     }
@@ -167,6 +160,9 @@ impl Traffic {
         stages: &[Stage],
         now: Time,
     ) -> Result<Route, NoRoute> {
+        if self.effort.is_spent() {
+            return Err(NoRoute::BudgetSpent);
+        }
         core.at_hand = Some(robot);
         debug_assert!(!core.ledger.robots[robot].failed, "{robot:?} has failed and goes nowhere");
         let holder = Holder::Robot(robot);
@@ -179,6 +175,7 @@ impl Traffic {
         let planner = self.planners.of_mut(kind);
         let start = (core.settings.stopwatch)();
         let found = core.ledger.without(&[holder], |others| planner.plan(&ask, others));
+        self.effort.spend(planner.expanded());
         self.plan_times.push((core.settings.stopwatch)() - start);
         self.tally.plans += 1;
         found
@@ -187,9 +184,9 @@ impl Traffic {
     /// Robots that wait for others look for a better way now and then: that is how the order on a resource is
     /// changed where keeping it would hand one robot's delay on to the fleet. The new windows fit between the
     /// holds of all robots, so the order of all stays free of cycles.
-    pub(in crate::fleet) fn improve(&mut self, core: &mut Core, now: Time, mut budget: u32) {
+    pub(in crate::fleet) fn improve(&mut self, core: &mut Core, now: Time) {
         for robot in core.ledger.present() {
-            if budget == 0 {
+            if self.effort.is_spent() {
                 return;
             }
             let looked = self.needs.looked.get(&robot).copied().unwrap_or(Time::ZERO);
@@ -197,78 +194,53 @@ impl Traffic {
                 continue;
             }
             self.needs.looked.insert(robot, now);
-            budget = budget.saturating_sub(self.improve_one(core, robot, now));
+            self.improve_one(core, robot, now);
         }
     }
 
-    fn improve_one(&mut self, core: &mut Core, robot: RobotId, now: Time) -> u32 {
-        let Some(stop) = core.ledger.robots[robot].stops.first().copied() else { return 0 };
+    fn improve_one(&mut self, core: &mut Core, robot: RobotId, now: Time) {
+        let Some(stop) = core.ledger.robots[robot].stops.first().copied() else { return };
         let chain = core.ledger.chain(robot);
-        let Some(planned) = chain.get(stop.serial).map(|v| v.arrive) else { return 0 };
+        let Some(planned) = chain.get(stop.serial).map(|v| v.arrive) else { return };
         if stop.serial < chain.granted() {
-            return 0;
+            return;
         }
         let stages = core.floor().stages_left(robot);
         match self.search(core, robot, &stages, now) {
-            Ok(route) if reached(&route) + WORTH < planned => {
-                let spent = route.expansions;
-                commit(core, robot, route);
-                spent
-            }
-            Ok(route) => route.expansions,
-            Err(_) => core.settings.expansions_per_plan / 4,
+            Ok(route) if reached(&route) + WORTH < planned => commit(core, robot, route),
+            Ok(_) | Err(_) => {}
         }
     }
 
     /// Looks for a route that avoids people; takes it where it is earlier than what is left of the old one after the
-    /// wait. Whether it was taken, and the expansions spent.
+    /// wait. Whether it was taken.
     pub(in crate::fleet) fn reroute(
         &mut self,
         core: &mut Core,
         robot: RobotId,
         waited: Span,
         now: Time,
-    ) -> (bool, u32) {
-        let Some(stop) = core.ledger.robots[robot].stops.first().copied() else { return (false, 0) };
+    ) -> bool {
+        let Some(stop) = core.ledger.robots[robot].stops.first().copied() else { return false };
         let planned = core.floor().expected(robot, stop.serial, waited, now);
         let stages = core.floor().stages_left(robot);
-        match self.search(core, robot, &stages, now) {
-            Ok(route) => {
-                let spent = route.expansions;
-                let is_worth_it = reached(&route) + WORTH < planned;
-                if is_worth_it {
-                    commit(core, robot, route);
-                    self.tally.replans += 1;
-                }
-                (is_worth_it, spent)
-            }
-            Err(_) => (false, core.settings.expansions_per_plan / 4),
-        }
+        let found = self.search(core, robot, &stages, now).ok();
+        let Some(route) = found.filter(|route| reached(route) + WORTH < planned) else { return false };
+        commit(core, robot, route);
+        self.tally.replans += 1;
+        true
     }
 
-    /// Plans an interrupted robot anew; the old route stands where the new one is no earlier. Gives the
-    /// expansions spent.
-    pub(in crate::fleet) fn plan_again(
-        &mut self,
-        core: &mut Core,
-        robot: RobotId,
-        waited: Span,
-        now: Time,
-    ) -> u32 {
+    /// Plans an interrupted robot anew; the old route stands where the new one is no earlier.
+    pub(in crate::fleet) fn plan_again(&mut self, core: &mut Core, robot: RobotId, waited: Span, now: Time) {
         let stop = core.ledger.robots[robot].stops.first().copied();
-        let Some(stop) = stop.filter(|s| s.serial >= core.ledger.chain(robot).granted()) else { return 0 };
+        let Some(stop) = stop.filter(|s| s.serial >= core.ledger.chain(robot).granted()) else { return };
         let planned = core.floor().expected(robot, stop.serial, waited, now);
         let stages = core.floor().stages_left(robot);
         self.tally.replans += 1;
         match self.search(core, robot, &stages, now) {
-            Ok(route) => {
-                let spent = route.expansions;
-                if reached(&route) < planned {
-                    commit(core, robot, route);
-                }
-                spent
-            }
-            Err(_) => core.settings.expansions_per_plan / 4,
+            Ok(route) if reached(&route) < planned => commit(core, robot, route),
+            Ok(_) | Err(_) => {}
         }
     }
 

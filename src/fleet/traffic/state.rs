@@ -2,16 +2,14 @@
 //!
 //! Main types: [`Traffic`], [`Withheld`]. Refuses: to decide.
 
-use crate::fleet::state::kind::RobotKind;
+use crate::fleet::state::core::Core;
 use crate::fleet::state::needs::Needs;
 use crate::fleet::state::planners::Planners;
 use crate::id::{IdVec, NodeId, ResourceId, RobotId};
 use crate::route::Cause;
 use crate::time::Time;
 use crate::timeline::Holder;
-use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
 
 /// Why the visit after the last granted one was not granted. The grant itself finds it, and *why waiting* reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,12 +44,36 @@ pub(in crate::fleet) struct SearchCounts {
     pub replans: u64,
 }
 
+/// Labels that the searches of one step have expanded, and how many they may together. A search that has begun may use
+/// all that one search may.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::fleet) struct Effort {
+    pub spent: u32,
+    pub whole: u32,
+}
+
+impl Effort {
+    /// None of what one step may take is spent.
+    pub fn of_a_step(core: &Core) -> Effort {
+        Effort { spent: 0, whole: core.settings.expansions_per_step }
+    }
+
+    pub fn spend(&mut self, labels: u32) {
+        self.spent += labels;
+    }
+
+    pub fn is_spent(self) -> bool {
+        self.spent >= self.whole
+    }
+}
+
 /// What is kept in mind about routes and grants, from step to step. Lost at a restart, and found out again.
 #[derive(Clone, Debug)]
 pub(in crate::fleet) struct Traffic {
     pub planners: Planners,
     pub needs: Needs,
     pub tally: SearchCounts,
+    pub effort: Effort,
     /// How long searches took, nanoseconds by the stopwatch of the settings.
     pub plan_times: Vec<u64>,
     /// Robots of which the ledger knew at the start and that have not been heard of since.
@@ -72,14 +94,15 @@ pub(in crate::fleet) struct Traffic {
 }
 
 impl Traffic {
-    /// Nothing is planned. `unheard` are the robots that a ledger knows.
-    pub fn new(warehouse: &Arc<Warehouse>, kinds: &[RobotKind], unheard: BTreeSet<RobotId>) -> Traffic {
+    /// Nothing is planned, and no robot was heard of.
+    pub fn new(core: &Core) -> Traffic {
         Traffic {
-            planners: Planners::new(warehouse, kinds),
+            planners: Planners::new(core.warehouse(), &core.settings.kinds),
             needs: Needs::default(),
             tally: SearchCounts::default(),
+            effort: Effort::of_a_step(core),
             plan_times: Vec::new(),
-            unheard,
+            unheard: core.ledger.present().collect(),
             started: None,
             withheld: IdVec::new(),
             revoked: BTreeMap::new(),

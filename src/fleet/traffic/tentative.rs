@@ -54,13 +54,19 @@ impl Traffic {
         exemptions: &[Exemption],
         now: Time,
     ) -> Option<Route> {
+        if self.effort.is_spent() {
+            return None;
+        }
         let (from, heading) = core.floor().grant_end(robot);
         let ready = now.max(from.arrive) + core.settings.period;
         let (budget, conditions) = (core.settings.expansions_per_plan, core.floor().conditions(robot));
         let ask = Ask { from: &from, heading, ready, stages, budget, conditions, exemptions };
         self.tally.plans += 1;
         let kind = core.settings.kind(&core.ledger.robots[robot].kind);
-        self.planners.of_mut(kind).plan(&ask, timeline).ok()
+        let planner = self.planners.of_mut(kind);
+        let found = planner.plan(&ask, timeline).ok();
+        self.effort.spend(planner.expanded());
+        found
     }
 
     /// A route to the nearest place where a robot may stay, other than where it rests, on some other timeline.

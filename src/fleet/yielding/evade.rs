@@ -37,13 +37,7 @@ pub(in crate::fleet) enum Decision {
 
 impl Yielding {
     /// Looks at all robots whose holds a worker touches, and changes the routes of those that would wait for long.
-    pub(in crate::fleet) fn give_way(
-        &mut self,
-        core: &mut Core,
-        traffic: &mut Traffic,
-        now: Time,
-        budget: &mut u32,
-    ) {
+    pub(in crate::fleet) fn give_way(&mut self, core: &mut Core, traffic: &mut Traffic, now: Time) {
         if core.restrictions.conditions.is_empty() {
             // There is nobody to give way to: what was noted of earlier waiting says nothing about the next one.
             self.state.no_worker_is_near();
@@ -56,11 +50,11 @@ impl Yielding {
         }
         for robot in core.ledger.present() {
             self.note_holding(core, robot, now);
-            if *budget == 0 || core.settings.policy != HumanAwarePolicy::Giveway {
+            if traffic.effort.is_spent() || core.settings.policy != HumanAwarePolicy::Giveway {
                 continue;
             }
             if let Decision::Change(worker) = self.decide(core.floor(), robot, now) {
-                *budget = budget.saturating_sub(self.change_route(core, traffic, robot, worker, now));
+                self.change_route(core, traffic, robot, worker, now);
             }
         }
     }
@@ -130,8 +124,7 @@ impl Yielding {
         })
     }
 
-    /// Looks for a route that does not meet the worker, and takes it where it is better than waiting. Gives the
-    /// expansions spent.
+    /// Looks for a route that does not meet the worker, and takes it where it is better than waiting.
     fn change_route(
         &mut self,
         core: &mut Core,
@@ -139,15 +132,15 @@ impl Yielding {
         robot: RobotId,
         worker: WorkerId,
         now: Time,
-    ) -> u32 {
+    ) {
         let last = self.state.of(robot).rerouted;
         if last.is_some_and(|t| now - t < AGAIN) || core.ledger.robots[robot].failed {
-            return 0;
+            return;
         }
         let at_stop = core.ledger.robots[robot].stops.first().map(|s| s.serial);
         let granted = core.ledger.chain(robot).granted();
         if at_stop.is_some_and(|s| s < granted) {
-            return 0;
+            return;
         }
         self.state.of_mut(robot).rerouted = Some(now);
         let floor = core.floor();
@@ -155,11 +148,9 @@ impl Yielding {
             return self.evade(core, traffic, robot, worker, now);
         }
         let waited = self.state.of(robot).waited(now);
-        let (rerouted, spent) = traffic.reroute(core, robot, waited, now);
-        if rerouted {
+        if traffic.reroute(core, robot, waited, now) {
             self.gives_way(core, robot, worker, Reaction::Rerouted, now);
         }
-        spent
     }
 
     /// Whether the next hold of a robot may be granted although it is too near to a person.
@@ -180,14 +171,7 @@ pub(in crate::fleet) const TRIES: usize = 3;
 
 impl Yielding {
     /// Drives out of a worker's way to the nearest place where nobody is expected, and on with the task from there.
-    fn evade(
-        &mut self,
-        core: &mut Core,
-        traffic: &mut Traffic,
-        robot: RobotId,
-        worker: WorkerId,
-        now: Time,
-    ) -> u32 {
+    fn evade(&mut self, core: &mut Core, traffic: &mut Traffic, robot: RobotId, worker: WorkerId, now: Time) {
         let circle = core.floor().waits_in_a_circle_with(robot, now);
         let stuck_with = circle.or(self.state.stuck_with(robot, now));
         if let Some(worker) = stuck_with {
@@ -205,7 +189,6 @@ impl Yielding {
         if left || insert || steps_out(traffic, core) {
             self.gives_way(core, robot, worker, Reaction::Rerouted, now);
         }
-        core.settings.expansions_per_plan
     }
 }
 

@@ -183,20 +183,13 @@ impl Yielding {
     }
 
     /// Plans interrupted robots anew, a few in each step; a robot that finds nothing better goes on as before.
-    pub(in crate::fleet) fn plan_interrupted(
-        &mut self,
-        core: &mut Core,
-        traffic: &mut Traffic,
-        now: Time,
-        budget: &mut u32,
-    ) {
+    pub(in crate::fleet) fn plan_interrupted(&mut self, core: &mut Core, traffic: &mut Traffic, now: Time) {
         if self.procedure.ended == Some(now) {
             return;
         }
-        while *budget > 0 {
+        while !traffic.effort.is_spent() {
             let Some(robot) = self.procedure.again.pop_first() else { return };
-            let spent = traffic.plan_again(core, robot, self.state.of(robot).waited(now), now);
-            *budget = budget.saturating_sub(spent);
+            traffic.plan_again(core, robot, self.state.of(robot).waited(now), now);
         }
     }
 }
