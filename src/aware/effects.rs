@@ -133,8 +133,7 @@ impl Effects<'_> {
         let keep_out = self.regions.keep_out_radius_m(true, 0.0);
         let slow = self.regions.slow_radius_m(true, 0.0);
         passages(0, path, band, self.now, Span::from_secs(120), |p| {
-            for node in self.warehouse.nodes_within(p.at, slow) {
-                let distance = (self.warehouse.nodes[node].at - p.at).norm();
+            for (node, distance) in self.afoot.nodes_within(self.warehouse, p.at, slow) {
                 let effect = match distance {
                     d if d <= self.beside_m() => Effect::Closed,
                     d if d <= keep_out => Effect::NoEntryOrExit,

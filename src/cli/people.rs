@@ -7,7 +7,7 @@ use crate::aware::HumanAwarePolicy;
 use crate::experiment::statistics::{Paired, Summary};
 use crate::experiment::table::{Column, RunRow, TableSetup};
 use crate::sim::detection::{Score, TO_GOAL_S};
-use crate::sim::{Sensor, Source};
+use crate::sim::{Causes, Sensor, Source};
 use crate::warehouse::{Warehouse, room_for, thesis};
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
@@ -86,6 +86,28 @@ pub struct TableArgs {
     /// Arms.
     #[arg(long, value_enum, value_delimiter = ',', default_values = ["nhir", "shir", "phir", "giveway"])]
     arms: Vec<ArmArgument>,
+    /// Why workers leave their paths besides the six departures of the published experiment: not at all, or for all
+    /// causes that scenarios know.
+    #[arg(long, value_enum, default_value = "all")]
+    causes: CausesArgument,
+}
+
+/// Causes, on the command line.
+#[derive(Clone, Copy, ValueEnum)]
+enum CausesArgument {
+    /// Only the six departures: the published condition.
+    None,
+    /// All.
+    All,
+}
+
+impl CausesArgument {
+    fn causes(self) -> Causes {
+        match self {
+            CausesArgument::None => Causes::None,
+            CausesArgument::All => Causes::All,
+        }
+    }
 }
 
 /// Arguments of `experiment detection`.
@@ -164,6 +186,7 @@ impl TableArgs {
             workers,
             seconds: self.runs.seconds,
             sensor: Sensor::default(),
+            causes: self.causes.causes(),
         };
         let cases: Vec<(TableSetup, HumanAwarePolicy)> =
             self.workers.iter().flat_map(|w| arms.iter().map(|a| (setup(*w), *a))).collect();
@@ -254,6 +277,7 @@ impl DetectionArgs {
             workers: self.workers,
             seconds: self.runs.seconds,
             sensor,
+            causes: Causes::All,
         };
         let cases: Vec<(TableSetup, HumanAwarePolicy)> =
             sensors.iter().map(|(_, sensor)| (setup(*sensor), self.arm.arm())).collect();

@@ -34,6 +34,8 @@ pub struct TableSetup {
     pub seconds: f64,
     /// How people are seen.
     pub sensor: Sensor,
+    /// Why people leave their paths besides the six departures of the published experiment.
+    pub causes: Causes,
 }
 
 /// What one run came to.
@@ -49,6 +51,8 @@ pub struct RunRow {
     pub interruptions_per_deviation: f64,
     /// Routes planned anew because of workers.
     pub replans: f64,
+    /// Share of the workers' time in which one was kept in one spot, of those times that lasted a minute.
+    pub standstill_share: f64,
     /// How well deviations were noticed.
     pub score: Score,
     /// Broken laws, in words.
@@ -72,17 +76,20 @@ pub enum Column {
     InterruptionsPerDeviation,
     /// Routes planned anew because of workers.
     Replans,
+    /// Share of the workers' time in which robots kept them in one spot for a minute.
+    StandstillShare,
 }
 
 impl Column {
     /// All of them, in the order of the table.
-    pub const ALL: [Column; 6] = [
+    pub const ALL: [Column; 7] = [
         Column::RobotDeliveries,
         Column::HumanDeliveries,
         Column::TotalDeliveries,
         Column::EncountersPerWorkerMinute,
         Column::InterruptionsPerDeviation,
         Column::Replans,
+        Column::StandstillShare,
     ];
 
     /// The word for it in reports.
@@ -94,6 +101,7 @@ impl Column {
             Column::EncountersPerWorkerMinute => "encounters_per_worker_minute",
             Column::InterruptionsPerDeviation => "interruptions_per_deviation",
             Column::Replans => "replans",
+            Column::StandstillShare => "standstill_share",
         }
     }
 
@@ -106,6 +114,7 @@ impl Column {
             Column::EncountersPerWorkerMinute => row.encounters_per_worker_minute,
             Column::InterruptionsPerDeviation => row.interruptions_per_deviation,
             Column::Replans => row.replans,
+            Column::StandstillShare => row.standstill_share,
         }
     }
 
@@ -124,7 +133,7 @@ impl Column {
 impl TableSetup {
     /// The scenario of one run.
     pub fn scenario(&self, arm: HumanAwarePolicy, seed: u64) -> Scenario {
-        let deviations = Deviations { at_s: DEVIATE_S.to_vec(), causes: Causes::All };
+        let deviations = Deviations { at_s: DEVIATE_S.to_vec(), causes: self.causes };
         let workers = Workers {
             count: self.workers,
             enter_s: ENTER_S,
@@ -174,6 +183,7 @@ impl RunRow {
             encounters_per_worker_minute: per(people.figures.encounters, minutes),
             interruptions_per_deviation: per(counts.interruptions, people.score.deviations() as f64),
             replans: counts.replans as f64,
+            standstill_share: per(people.standstills, minutes),
             score: people.score.clone(),
             broken: outcome.broken.clone(),
             law_violations: outcome.law_violations,
@@ -188,7 +198,14 @@ mod tests {
 
     fn setup() -> TableSetup {
         let warehouse = Arc::new(thesis());
-        TableSetup { warehouse, robots: 8, workers: 1, seconds: 340.0, sensor: Sensor::default() }
+        TableSetup {
+            warehouse,
+            robots: 8,
+            workers: 1,
+            seconds: 340.0,
+            sensor: Sensor::default(),
+            causes: Causes::All,
+        }
     }
 
     #[test]

@@ -75,6 +75,8 @@ pub struct People {
     pub completed: u64,
     /// How well the fleet knew what they did.
     pub score: Score,
+    /// How often one was kept in one spot for a minute by robots, or without a way; for each minute of it.
+    pub standstills: u64,
 }
 
 impl Simulation {
@@ -194,6 +196,7 @@ impl Simulation {
             figures: self.world.figures().clone(),
             completed: self.world.completed(),
             score: self.watch.score(logs, self.now),
+            standstills: self.laws.standstills(),
         }
     }
 }

@@ -150,6 +150,9 @@ impl HumanState {
             if !self.coverage.is_trusted() {
                 effects.reachable(conditions, worker, place.at);
             }
+        } else if let WalkMode::Stopped { since } = person.mode {
+            // Who was told to stop stands, and does not walk the path that was given before.
+            effects.presence(conditions, worker, place, now - since);
         } else if let Some(path) = person.rest_of_path(place.at) {
             let stay = person.plan.as_ref().map(|p| p.stay);
             let path = Hypothesis { probability: 1.0, path, stay };

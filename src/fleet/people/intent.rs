@@ -6,7 +6,7 @@
 //! workers whose place is only guessed.
 
 use crate::aware::HumanAwarePolicy;
-use crate::fleet::people::intents::{PLACES, goal_of};
+use crate::fleet::people::intents::{DOORS, PLACES, goal_of};
 use crate::fleet::people::state::{HumanState, WalkMode};
 use crate::fleet::state::floor::Floor;
 use crate::human::{
@@ -110,11 +110,15 @@ impl HumanState {
         intention.observe(seen.seen, seen.at, seen.heading, &mind.distances);
     }
 
-    /// The goals that a worker may have, with their weights: the own task first.
+    /// The goals that a worker may have, with their weights: the own task first. As published, the corners of the hall
+    /// and the end of the path, none before another.
     fn goals_of(&self, floor: Floor<'_>, worker: WorkerId) -> BTreeMap<GoalId, f64> {
-        let mut goals: BTreeMap<GoalId, f64> = self.intents.fixed.iter().map(|g| (*g, 1.0)).collect();
+        let as_published = floor.settings.policy == HumanAwarePolicy::Phir;
+        let fixed = self.intents.fixed.iter().filter(|g| !as_published || g.0 < DOORS);
+        let mut goals: BTreeMap<GoalId, f64> = fixed.map(|g| (*g, 1.0)).collect();
         if let Some(id) = floor.next_assignment(worker) {
-            goals.insert(goal_of(floor.ledger.assignments[&id].request.place), OWN_TASK);
+            let weight = if as_published { 1.0 } else { OWN_TASK };
+            goals.insert(goal_of(floor.ledger.assignments[&id].request.place), weight);
         }
         if floor.settings.policy == HumanAwarePolicy::Giveway {
             // Tasks of others, oldest first: people help one another, and pick up what is on the way.

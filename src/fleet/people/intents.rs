@@ -12,7 +12,8 @@ use crate::warehouse::{NodeKind, Warehouse};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Numbers of goals: corners and doors first, places of tasks from here on.
+/// Numbers of goals: corners first, doors from here on, places of tasks from there on.
+pub(super) const DOORS: u64 = 4;
 pub(super) const PLACES: u64 = 1000;
 
 /// Everything about intentions.

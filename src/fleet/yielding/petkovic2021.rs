@@ -221,8 +221,9 @@ fn evasions(
         if exemptions.iter().all(|a| a.from != Cause::Worker(worker)) {
             exemptions.extend(core.floor().exemption_from(core.ledger.node_of(robot), Cause::Worker(worker)));
         }
-        let mut places = core.floor().places_out_of_the_way(robot, worker).into_iter().take(TRIES);
-        let route = places.find_map(|place| {
+        let mut places = core.floor().places_out_of_the_way(robot, worker);
+        core.floor().sort_by_goal(&mut places, robot);
+        let route = places.into_iter().take(TRIES).find_map(|place| {
             let route = traffic.way_aside(core, &scratch, robot, (place, &exemptions), now)?;
             core.floor().leaves_in_time(robot, &route, place, worker).then_some(route)
         })?;
@@ -281,6 +282,14 @@ fn most_probable_segment(
 }
 
 impl Floor<'_> {
+    /// The places nearest to where the robot is bound for come first (Petković 2021, section 4.3.3).
+    fn sort_by_goal(&self, places: &mut [NodeId], robot: RobotId) {
+        let at = |n: NodeId| self.warehouse().nodes[n].at;
+        let end = self.ledger.chain(robot).last().map(|v| v.node);
+        let Some(goal) = self.ledger.robots[robot].task.destination().or(end).map(at) else { return };
+        places.sort_by(|a, b| (at(*a) - goal).norm().total_cmp(&(at(*b) - goal).norm()));
+    }
+
     /// Whether a robot is off the path before a slow walker would be through: later, the worker would wait for
     /// the robot and the robot for the worker.
     fn leaves_in_time(&self, robot: RobotId, route: &Route, place: NodeId, worker: WorkerId) -> bool {

@@ -74,6 +74,11 @@ impl Laws {
         }
     }
 
+    /// How often people were kept in one spot for a minute.
+    pub fn standstills(&self) -> u64 {
+        self.waits.standstills()
+    }
+
     fn break_law(&mut self, now: Time, violation: Violation) {
         self.count += 1;
         if self.broken.len() < 100 {

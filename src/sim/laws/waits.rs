@@ -23,6 +23,8 @@ const SPOT_M: f64 = 0.75;
 pub(super) struct WaitLaws {
     circles: BTreeMap<Party, Time>,
     kept: BTreeMap<WorkerId, KeptPerson>,
+    /// How often people were kept in one spot for [`KEPT`]; one who is kept on counts again.
+    standstills: u64,
 }
 
 /// A person in one spot.
@@ -36,11 +38,18 @@ struct KeptPerson {
 }
 
 impl WaitLaws {
+    /// How often people were kept in one spot for a minute, by whatever policy.
+    pub fn standstills(&self) -> u64 {
+        self.standstills
+    }
+
     pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet) -> Vec<Violation> {
         let mut broken = Vec::new();
+        self.look_at_people(now, world, fleet, &mut broken);
         if fleet.settings().policy == HumanAwarePolicy::Giveway {
             self.look_at_circles(now, fleet, &mut broken);
-            self.look_at_people(now, world, fleet, &mut broken);
+        } else {
+            broken.clear();
         }
         let robots = fleet.ledger().present();
         broken.extend(robots.filter_map(|r| Some(Violation::NotSo(r, untrue(fleet, r)?))));
@@ -77,6 +86,7 @@ impl WaitLaws {
             kept.looked = now;
             if kept.waited > KEPT {
                 *kept = fresh;
+                self.standstills += 1;
                 broken.push(Violation::Kept(worker, because));
             }
         }
