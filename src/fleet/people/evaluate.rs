@@ -164,9 +164,13 @@ impl HumanState {
     pub(in crate::fleet) fn lead(&mut self, worker: WorkerId, led: Led, now: Time) {
         let person = &mut self.people[worker];
         match led {
-            Led::Along(path, mode) => {
+            Led::AsExpected(path) => {
+                person.expect(path, now);
+                person.mode = WalkMode::Following;
+            }
+            Led::Redirected(path) => {
                 person.give(path, None, Span::ZERO, now);
-                person.mode = mode;
+                person.mode = WalkMode::Redirected;
             }
             Led::Stopped { by } => {
                 person.blocked_since = by.map(|r| (r, now));

@@ -61,7 +61,7 @@ impl HumanState {
             None | Some(GuidanceReason::NoWay) => self.is_asked(floor, worker, now).or(reason),
             Some(_) => reason,
         };
-        let plan = person.plan.as_ref();
+        let plan = person.plan.as_ref().filter(|plan| plan.is_shown);
         let path: Vec<Point> = plan.map_or(Vec::new(), |p| p.follower.ahead().to_vec());
         let length = length_of(place.at, &path);
         Guidance {

@@ -58,6 +58,8 @@ pub(in crate::fleet) struct Plan {
     pub stay: Span,
     /// When it was made.
     pub made: Time,
+    /// Whether the worker knows of it. A path that is only expected of a worker binds robots, and is not shown.
+    pub is_shown: bool,
 }
 
 /// One worker.
@@ -124,8 +126,10 @@ pub(in crate::fleet) enum LetsPassStage {
 /// Where the published procedure leads a worker.
 #[derive(Clone, Debug)]
 pub(in crate::fleet) enum Led {
-    /// Along this path, which is the one expected or another.
-    Along(Vec<Point>, WalkMode),
+    /// Where it is expected to walk anyway: robots leave it this path.
+    AsExpected(Vec<Point>),
+    /// Along another path, which it is told.
+    Redirected(Vec<Point>),
     /// Nowhere: a robot is in the way.
     Stopped {
         /// Which, if it is one.
@@ -212,8 +216,15 @@ impl Person {
     pub fn give(&mut self, points: Vec<Point>, assignment: Option<AssignmentId>, stay: Span, now: Time) {
         let left = self.plan.as_ref().and_then(|p| p.assignment).zip(self.there_since.take());
         self.was_there = left.map(|(id, since)| (id, now - since)).or(self.was_there);
-        self.plan = Some(Plan { follower: Follower::new(points), assignment, stay, made: now });
+        let follower = Follower::new(points);
+        self.plan = Some(Plan { follower, assignment, stay, made: now, is_shown: true });
         self.version += 1;
+    }
+
+    /// Expects the worker to walk along a path, without a word about it.
+    pub fn expect(&mut self, points: Vec<Point>, now: Time) {
+        self.give(points, None, Span::ZERO, now);
+        self.plan.as_mut().expect("just given").is_shown = false;
     }
 
     /// The rest of the path, from where the worker is.

@@ -3,7 +3,6 @@
 //! Main types: [`YieldingState`], [`RobotYielding`] (one robot). Refuses: to decide; it says what was noted, and what
 //! follows from that alone.
 
-use crate::aware::HumanAwarePolicy;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::Reaction;
 use crate::id::{IdVec, NodeId, RobotId, WorkerId};
@@ -127,8 +126,7 @@ impl YieldingState {
     pub fn faces(&self, floor: Floor<'_>, robot: RobotId, node: NodeId, now: Time) -> Option<WorkerId> {
         let standing = self.of(robot).stands?;
         let lets_pass = floor.restrictions.let_pass.contains(&standing.worker);
-        let is_ours = floor.settings.policy == HumanAwarePolicy::Giveway;
-        if now - standing.facing_since <= STANDS || lets_pass || !is_ours {
+        if now - standing.facing_since <= STANDS || lets_pass {
             return None;
         }
         let w = floor.restrictions.whereabouts(standing.worker)?.at;

@@ -50,10 +50,21 @@ impl Yielding {
         }
         for robot in core.ledger.present() {
             self.note_holding(core, robot, now);
-            if traffic.effort.is_spent() || core.settings.policy != HumanAwarePolicy::Giveway {
+            if traffic.effort.is_spent() {
                 continue;
             }
-            if let Decision::Change(worker) = self.decide(core.floor(), robot, now) {
+            let floor = core.floor();
+            let from = match floor.settings.policy {
+                HumanAwarePolicy::Giveway => match self.decide(floor, robot, now) {
+                    Decision::Change(worker) => Some(worker),
+                    Decision::Keep | Decision::Wait => None,
+                },
+                // The published policies change routes by their procedure alone; a robot that stands before a person
+                // for long may leave.
+                _ if self.procedure.holds(robot) || floor.scene.fit(robot, now).is_none() => None,
+                _ => self.has_stood_for_long(floor, robot, now),
+            };
+            if let Some(worker) = from {
                 self.change_route(core, traffic, robot, worker, now);
             }
         }
@@ -106,14 +117,10 @@ impl Yielding {
 
     /// The worker on whose path the robot stands, if it can be asked to go at all.
     fn must_leave(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> Option<WorkerId> {
-        let chain = floor.ledger.chain(robot);
-        if chain.first() + 1 != chain.granted() || floor.ledger.robots[robot].failed {
+        if !floor.could_be_sent_off(robot) {
             return None;
         }
-        let long = self.state.stood_for(robot, now).or(self.state.stuck_with(robot, now));
-        let lets_pass = |w: &WorkerId| floor.restrictions.let_pass.contains(w);
-        let long = long.or_else(|| floor.waits_in_a_circle_with(robot, now));
-        if let Some(worker) = long.filter(|w| !lets_pass(w)) {
+        if let Some(worker) = self.has_stood_for_long(floor, robot, now) {
             return Some(worker);
         }
         let node = floor.ledger.node_of(robot);
@@ -122,6 +129,16 @@ impl Yielding {
             (Effect::Closed, Cause::Worker(w)) if c.window.overlaps(soon) => Some(w),
             _ => None,
         })
+    }
+
+    /// The worker for whom a robot has stood at the end of its grants for so long that it had better go elsewhere.
+    fn has_stood_for_long(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> Option<WorkerId> {
+        if !floor.could_be_sent_off(robot) {
+            return None;
+        }
+        let long = self.state.stood_for(robot, now).or(self.state.stuck_with(robot, now));
+        let long = long.or_else(|| floor.waits_in_a_circle_with(robot, now));
+        long.filter(|w| !floor.restrictions.let_pass.contains(w))
     }
 
     /// Looks for a route that does not meet the worker, and takes it where it is better than waiting.
@@ -204,6 +221,12 @@ fn close_before(core: &mut Core, robot: RobotId, worker: WorkerId, now: Time) {
 }
 
 impl Floor<'_> {
+    /// Whether a robot is at the end of what it was granted, and can drive.
+    fn could_be_sent_off(&self, robot: RobotId) -> bool {
+        let chain = self.ledger.chain(robot);
+        chain.first() + 1 == chain.granted() && !self.ledger.robots[robot].failed
+    }
+
     /// The worker for whom a robot waits and who waits for it, directly or behind others, for longer than a moment.
     fn waits_in_a_circle_with(&self, robot: RobotId, now: Time) -> Option<WorkerId> {
         let (worker, since) = self.waits.circle_with(robot)?;

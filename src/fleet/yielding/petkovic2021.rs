@@ -28,8 +28,8 @@ use crate::timeline::{Holder, Visit};
 
 /// A robot that has not come to rest after this long is taken as it is.
 const REST: Span = Span::from_secs(6);
-/// A worker who was told to stop is tried again after this long.
-const AGAIN: Span = Span::from_secs(5);
+/// For a worker who was told to stop and is still in robots' way, all are interrupted again after this long.
+const AGAIN: Span = Span::from_secs(30);
 /// How far a path is predicted, metres.
 const FAR_M: f64 = 30.0;
 const STRAIGHT_M: f64 = 10.0;
@@ -46,6 +46,9 @@ impl Yielding {
     ) -> Option<(WorkerId, Led)> {
         if core.settings.policy == HumanAwarePolicy::Giveway {
             return None;
+        }
+        if let Some(led) = self.lets_go_on(core.floor(), people, now) {
+            return Some(led);
         }
         for worker in people.people.ids() {
             if self.calls_for_procedure(core.floor(), people, worker, now) {
@@ -66,6 +69,20 @@ impl Yielding {
         self.procedure.again = core.ledger.present().collect();
         self.procedure.ended = Some(now);
         Some((worker, self.plan_for(core, people, traffic, worker, now)?))
+    }
+
+    /// A worker who was told to stop, and whose expected path no robot is on by now: it needs no interruption.
+    fn lets_go_on(&self, floor: Floor<'_>, people: &HumanState, now: Time) -> Option<(WorkerId, Led)> {
+        let running = self.procedure.running.map(|(w, _)| w);
+        people.people.ids().filter(|w| running != Some(*w)).find_map(|worker| {
+            if !matches!(people.people[worker].mode, WalkMode::Stopped { since } if since < now) {
+                return None;
+            }
+            let at = people.whereabouts(worker, now).filter(|w| w.presence != Presence::Lost)?.at;
+            let path = predicted_segment(floor, people, worker, at, now);
+            let is_free = path.len() > 1 && floor.robots_on(&path).is_empty();
+            is_free.then_some((worker, Led::AsExpected(path)))
+        })
     }
 
     /// Whether a robot will not move any more without a grant, or while a person is near.
@@ -130,7 +147,7 @@ impl Yielding {
         let end = segment.last().copied()?;
         let in_the_way = core.floor().robots_on(&segment);
         if in_the_way.is_empty() {
-            return Some(Led::Along(segment, WalkMode::Following));
+            return Some(Led::AsExpected(segment));
         }
         let mut cut = people.walkways.no_edges();
         for robot in core.ledger.present() {
@@ -141,7 +158,7 @@ impl Yielding {
         }
         let other = people.walkways.path(place.at, end, &cut).map(|w| w.points);
         if let Some(path) = other.filter(|p| core.floor().robots_on(p).is_empty()) {
-            return Some(Led::Along(path, WalkMode::Redirected));
+            return Some(Led::Redirected(path));
         }
         let mut conditions = core.restrictions.conditions.clone();
         conditions.withdraw(Cause::Worker(worker));
@@ -151,7 +168,7 @@ impl Yielding {
             effects.plan(conditions, worker, &way, Band::ANY);
         }
         if self.all_leave(core, traffic, conditions, worker, &in_the_way, now) {
-            return Some(Led::Along(segment, WalkMode::Following));
+            return Some(Led::AsExpected(segment));
         }
         Some(Led::Stopped { by: in_the_way.first().copied() })
     }

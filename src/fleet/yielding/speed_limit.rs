@@ -92,9 +92,6 @@ impl Yielding {
         traffic: &mut Traffic,
         now: Time,
     ) {
-        if core.settings.policy != HumanAwarePolicy::Giveway {
-            return;
-        }
         for robot in self.state.standing() {
             let stood_for = self.state.stood_for(robot, now);
             let stood_for = stood_for.filter(|w| !core.restrictions.let_pass.contains(w));
