@@ -1,4 +1,4 @@
-//! Counting encounters: a moving robot comes into region 1 of a worker.
+//! Counting encounters: a moving robot comes into region 1 of a worker, or drives nearer after it stood in it.
 //!
 //! Main types: [`Meter`], [`Meeting`]. An encounter ends when the robot is out of the region by a hysteresis
 //! of 0.3 m; the same pair meets again after 2 s at the earliest (DESIGN §8). The same meter measures what
@@ -14,7 +14,9 @@ const HYSTERESIS_M: f64 = 0.3;
 /// The same pair does not meet twice within this.
 const REARM: Span = Span::from_secs(2);
 /// A robot slower than this does not move, metres per second.
-const MOVES_MPS: f64 = 0.05;
+pub const MOVES_MPS: f64 = 0.05;
+/// A robot that comes so much nearer from one look to the next drives nearer, metres.
+const NEARER_M: f64 = 0.003;
 
 /// A robot near a worker, at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +27,8 @@ pub struct Near {
     pub robot: RobotId,
     /// Where the worker is.
     pub at: Point,
+    /// Where the robot is.
+    pub robot_at: Point,
     /// Radius of region 1, metres.
     pub radius_m: f64,
     /// Between the centres, metres.
@@ -33,6 +37,13 @@ pub struct Near {
     pub robot_mps: f64,
     /// Speed of the worker.
     pub worker_mps: f64,
+}
+
+impl Near {
+    /// Whether the robot is nearer to where the worker is now than it would be if it had not moved from there.
+    fn has_come_nearer_from(&self, before: Point) -> bool {
+        (self.robot_at - self.at).norm() < (before - self.at).norm() - NEARER_M
+    }
 }
 
 /// An encounter.
@@ -53,7 +64,8 @@ pub struct Meeting {
 pub struct Meter {
     open: BTreeMap<(WorkerId, RobotId), Meeting>,
     over: BTreeMap<(WorkerId, RobotId), Time>,
-    inside: BTreeMap<(WorkerId, RobotId), bool>,
+    /// Whether each pair that is near was inside at the last look, and where the robot was.
+    near: BTreeMap<(WorkerId, RobotId), (bool, Point)>,
     seen: Option<Time>,
     begun: u64,
 }
@@ -73,13 +85,14 @@ impl Meter {
     pub fn observe(&mut self, now: Time, near: &[Near]) -> Vec<Meeting> {
         let passed = self.seen.map_or(Span::ZERO, |t| now - t);
         self.seen = Some(now);
-        let mut still: BTreeMap<(WorkerId, RobotId), bool> = BTreeMap::new();
+        let mut still: BTreeMap<(WorkerId, RobotId), (bool, Point)> = BTreeMap::new();
         for n in near {
             let pair = (n.worker, n.robot);
-            let was_inside = self.inside.get(&pair).copied().unwrap_or(false);
+            let before = self.near.get(&pair).copied();
+            let was_inside = before.is_some_and(|(inside, _)| inside);
             let limit = if was_inside { n.radius_m + HYSTERESIS_M } else { n.radius_m };
             let inside = n.distance_m <= limit;
-            still.insert(pair, inside);
+            still.insert(pair, (inside, n.robot_at));
             if !inside {
                 continue;
             }
@@ -87,15 +100,18 @@ impl Meter {
             if let Some(meeting) = self.open.get_mut(&pair) {
                 meeting.closest_m = meeting.closest_m.min(n.distance_m);
                 meeting.stood += if moves { Span::ZERO } else { passed };
-            } else if moves && !was_inside && self.over.get(&pair).is_none_or(|t| now - *t >= REARM) {
+            } else if moves
+                && (!was_inside || before.is_some_and(|(_, from)| n.has_come_nearer_from(from)))
+                && self.over.get(&pair).is_none_or(|t| now - *t >= REARM)
+            {
                 let meeting = Meeting { start: *n, began: now, closest_m: n.distance_m, stood: Span::ZERO };
                 self.open.insert(pair, meeting);
                 self.begun += 1;
             }
         }
-        self.inside = still;
-        let ended: Vec<_> =
-            self.open.keys().filter(|p| !self.inside.get(p).copied().unwrap_or(false)).copied().collect();
+        self.near = still;
+        let is_out = |p: &&(WorkerId, RobotId)| !self.near.get(p).is_some_and(|(inside, _)| *inside);
+        let ended: Vec<_> = self.open.keys().filter(is_out).copied().collect();
         self.over.retain(|_, t| now - *t < REARM);
         ended
             .into_iter()
@@ -116,6 +132,7 @@ mod tests {
             worker: WorkerId(0),
             robot: RobotId(0),
             at: Point::origin(),
+            robot_at: Point::new(distance_m, 0.0),
             radius_m: 1.2,
             distance_m,
             robot_mps,
@@ -144,8 +161,28 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_that_stands_meets_nobody_even_if_it_starts_then() {
+    fn a_robot_that_stands_meets_nobody_even_if_it_leaves_then() {
         assert_eq!(count(&[(2.0, 0.0), (1.0, 0.0), (0.8, 0.0), (0.9, 0.5), (2.0, 1.0)]), (0, 0));
+    }
+
+    #[test]
+    fn a_robot_that_stood_within_and_drives_nearer_meets() {
+        assert_eq!(count(&[(2.0, 0.0), (1.0, 0.0), (1.0, 0.0), (0.9, 0.5), (2.0, 1.0)]), (1, 1));
+    }
+
+    #[test]
+    fn a_worker_who_walks_nearer_to_a_robot_that_drives_off_is_not_met() {
+        let mut meter = Meter::default();
+        for (step, worker_m) in [0.0, 0.3, 0.6].into_iter().enumerate() {
+            let (at, robot_at) = (Point::new(worker_m, 0.0), Point::new(1.0 + step as f64 * 0.1, 0.0));
+            let robot_mps = if step == 0 { 0.0 } else { 0.2 };
+            let distance_m = (at - robot_at).norm();
+            meter.observe(
+                Time(step as i64 * 500_000),
+                &[Near { at, robot_at, ..near(distance_m, robot_mps) }],
+            );
+        }
+        assert_eq!(meter.begun(), 0);
     }
 
     #[test]

@@ -15,7 +15,7 @@ pub mod safe_space;
 pub use afoot::Afoot;
 pub use collision::{BEYOND, Swept, THRESHOLD, collision};
 pub use effects::{Effects, nodes_in};
-pub use encounter::{Meeting, Meter, Near};
+pub use encounter::{MOVES_MPS, Meeting, Meter, Near};
 pub use passing::{Drive, Walk, moves_within};
 pub use regions::{BODY_M, Regions, SLOW_MPS};
 pub use safe_space::{Answer, Zone};

@@ -19,6 +19,7 @@ mod people;
 mod recorded;
 mod recording;
 mod replay;
+mod rings;
 mod safe_space;
 mod serve;
 mod sim;

@@ -2,11 +2,12 @@
 //!
 //! Main types: [`TableArgs`], [`DetectionArgs`]. Refuses: results that depend on the order in which runs end.
 
-use super::{progress, read_map};
+use super::{progress, read_map, rings};
 use crate::aware::HumanAwarePolicy;
 use crate::experiment::statistics::{Paired, Summary};
 use crate::experiment::table::{Column, RunRow, TableSetup};
 use crate::sim::detection::{Score, TO_GOAL_S};
+use crate::sim::encounter::EncounterFigures;
 use crate::sim::{Causes, Sensor, Source};
 use crate::warehouse::{Warehouse, room_for, thesis};
 use clap::{Args, ValueEnum};
@@ -212,26 +213,30 @@ impl TableArgs {
 fn scenario(workers: usize, arms: &[HumanAwarePolicy], rows: &[Vec<RunRow>]) -> Value {
     let mut by_arm = Map::new();
     for (arm, rows) in arms.iter().zip(rows) {
-        let columns = Column::ALL.map(|c| (c.word().to_owned(), summary(c.summary(rows))));
-        by_arm.insert(arm.word().to_owned(), Map::from_iter(columns).into());
+        let mut columns =
+            Map::from_iter(Column::ALL.map(|c| (c.word().to_owned(), summary(c.summary(rows)))));
+        columns.insert("encounters".to_owned(), rings::of_runs(&met(rows)));
+        by_arm.insert(arm.word().to_owned(), columns.into());
     }
     let mut paired = Map::new();
     for (ours, theirs) in PAIRS {
         let rows = |arm| arms.iter().position(|a| *a == arm).map(|i| &rows[i]);
         if let Some((a, b)) = rows(ours).zip(rows(theirs)) {
-            let columns = Column::ALL.map(|c| (c.word().to_owned(), interval(c.paired(a, b))));
-            paired.insert(format!("{}-{}", ours.word(), theirs.word()), Map::from_iter(columns).into());
+            let mut columns =
+                Map::from_iter(Column::ALL.map(|c| (c.word().to_owned(), rings::interval(c.paired(a, b)))));
+            columns.insert("encounters".to_owned(), rings::paired(&met(a), &met(b)));
+            paired.insert(format!("{}-{}", ours.word(), theirs.word()), columns.into());
         }
     }
     json!({"workers": workers, "arms": by_arm, "paired": paired})
 }
 
-fn summary(s: Summary) -> Value {
-    json!({"mean": s.mean, "sd": s.sd})
+fn met(rows: &[RunRow]) -> Vec<&EncounterFigures> {
+    rows.iter().map(|row| &row.met).collect()
 }
 
-fn interval(p: Paired) -> Value {
-    json!({"mean": p.mean, "ci95": p.ci95.map(|(low, high)| [low, high])})
+fn summary(s: Summary) -> Value {
+    json!({"mean": s.mean, "sd": s.sd})
 }
 
 fn print_table(workers: usize, arms: &[HumanAwarePolicy], rows: &[Vec<RunRow>], runs: &Runs) {
@@ -246,6 +251,8 @@ fn print_table(workers: usize, arms: &[HumanAwarePolicy], rows: &[Vec<RunRow>], 
         };
         println!("{:30}{}", column.word(), rows.iter().map(cell).collect::<String>());
     }
+    let curves: Vec<_> = arms.iter().zip(rows).map(|(arm, rows)| (arm.word(), met(rows))).collect();
+    rings::print(&curves);
     println!("differences of pairs with one seed: mean [95 % interval]");
     for (ours, theirs) in PAIRS {
         let rows = |arm| arms.iter().position(|a| *a == arm).map(|i| &rows[i]);

@@ -4,7 +4,7 @@
 
 use super::frames::FrameWriter;
 use super::learn::read_model;
-use super::{progress, read, read_map, stopwatch};
+use super::{progress, read, read_map, rings, stopwatch};
 use crate::human::Model;
 use crate::sim::recording::{Header, Recorder};
 use crate::sim::{Demand, JobTally, OrderLine, Outcome, Scenario, Simulation};
@@ -206,6 +206,8 @@ fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) 
         "encounters_recorded": o.counts.encounters,
         "closest_m": met.closest_m,
         "contacts": met.contacts,
+        "encounters_within": rings::of_run(met),
+        "driven_m": met.driven_m,
         "worker_minutes": met.worker_time.as_secs_f64() / 60.0,
         "interruptions": o.counts.interruptions,
         "deviations": o.counts.deviations,

@@ -15,6 +15,7 @@ pub mod month;
 pub mod planning;
 pub mod plot;
 pub mod recorded;
+pub mod rings;
 pub mod safe_space;
 pub mod statistics;
 pub mod steps;

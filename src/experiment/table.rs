@@ -9,6 +9,7 @@ use crate::aware::HumanAwarePolicy;
 use crate::fleet::Charging;
 use crate::route::Kinematics;
 use crate::sim::detection::Score;
+use crate::sim::encounter::EncounterFigures;
 use crate::sim::{
     Causes, Demand, Deviations, Faults, Habits, KindShare, Outcome, Scenario, Sensor, Simulation, Workers,
 };
@@ -53,6 +54,8 @@ pub struct RunRow {
     pub replans: f64,
     /// Share of the workers' time in which one was kept in one spot, of those times that lasted a minute.
     pub standstill_share: f64,
+    /// Meetings with robots, as a curve.
+    pub met: EncounterFigures,
     /// How well deviations were noticed.
     pub score: Score,
     /// Broken laws, in words.
@@ -184,6 +187,7 @@ impl RunRow {
             interruptions_per_deviation: per(counts.interruptions, people.score.deviations() as f64),
             replans: counts.replans as f64,
             standstill_share: per(people.standstills, minutes),
+            met: people.figures.clone(),
             score: people.score.clone(),
             broken: outcome.broken.clone(),
             law_violations: outcome.law_violations,

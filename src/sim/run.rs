@@ -193,7 +193,7 @@ impl Simulation {
     fn people(&self) -> People {
         let logs = self.world.walkers().map(|(id, w)| (id, w.log()));
         People {
-            figures: self.world.figures().clone(),
+            figures: self.world.figures(),
             completed: self.world.completed(),
             score: self.watch.score(logs, self.now),
             standstills: self.laws.standstills(),

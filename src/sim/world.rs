@@ -413,7 +413,7 @@ impl World {
         crew.tick(to, (to - from).as_secs_f64(), &robots);
         let people: Vec<TrueWorker> = crew.present(to).collect();
         let places: Vec<Point> = people.iter().map(|p| p.pose.at).collect();
-        self.meter.pass_time(people.len(), to - from);
+        self.meter.pass_time(people.len(), &robots, to - from);
         for (robot, near) in self.robots.iter_mut().filter(|r| !r.off).zip(&robots) {
             robot.body.scan(to, near.half_m, &places);
             let (id, speed, brakes) = (robot.body.id, robot.body.speed_mps, robot.body.is_guarded());
@@ -435,8 +435,8 @@ impl World {
     }
 
     /// Meetings of robots and people so far, measured where both truly are.
-    pub fn figures(&self) -> &EncounterFigures {
-        &self.meter.figures
+    pub fn figures(&self) -> EncounterFigures {
+        self.meter.so_far()
     }
 
     /// Robots that drove on into a worker, with the number of the worker: for the laws.

@@ -53,6 +53,7 @@ const DOORS: [(&str, &str, &[&str]); 2] = [
             "halfway",
             "insert",
             "is_revoked",
+            "is_spent",
             "last_reached",
             "plan_again",
             "reroute",

@@ -27,7 +27,8 @@ fn walked_up_to(apart_m: f64) -> Vec<(Near, Option<f64>)> {
         let (_, t) = floor.world.truth().next().expect("there is one");
         let distance_m = (t.pose.at - ana.at).norm();
         let (worker, at, radius_m) = (ana.worker, ana.at, 1.4);
-        let near = Near { worker, robot, at, radius_m, distance_m, robot_mps: t.speed_mps, worker_mps: 1.2 };
+        let (robot_at, robot_mps, worker_mps) = (t.pose.at, t.speed_mps, 1.2);
+        let near = Near { worker, robot, at, robot_at, radius_m, distance_m, robot_mps, worker_mps };
         seen.push((near, t.limit_mps));
     }
     seen

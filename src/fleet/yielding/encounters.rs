@@ -48,7 +48,8 @@ impl Yielding {
                 let loaded = core.ledger.rack_on(robot).is_some();
                 let radius_m = core.floor().regions(robot).stop_radius_m(loaded, 0.0);
                 let (robot_mps, worker_mps) = (seen.speed_mps, w.velocity.norm());
-                near.push(Near { worker, robot, at: w.at, radius_m, distance_m, robot_mps, worker_mps });
+                let (at, robot_at) = (w.at, seen.pose.at);
+                near.push(Near { worker, robot, at, robot_at, radius_m, distance_m, robot_mps, worker_mps });
             }
         }
         for meeting in self.meter.observe(now, &near) {

@@ -33,6 +33,11 @@ const AGAIN: Span = Span::from_secs(30);
 /// How far a path is predicted, metres.
 const FAR_M: f64 = 30.0;
 const STRAIGHT_M: f64 = 10.0;
+/// A worker who has moved less since then still stands where that was, metres.
+const STOOD_M: f64 = 1.0;
+/// A worker who was told to stop goes on when so much of the expected path is free, metres: robots farther along it
+/// have the time to leave.
+const CLEAR_M: f64 = 5.0;
 
 impl Yielding {
     /// Starts, and carries on with, the published procedure. Where it ends, the worker for whom it ran and where that
@@ -71,7 +76,8 @@ impl Yielding {
         Some((worker, self.plan_for(core, people, traffic, worker, now)?))
     }
 
-    /// A worker who was told to stop, and whose expected path no robot is on by now: it needs no interruption.
+    /// A worker who was told to stop, and who has a way by now, so that no robot need be interrupted: no robot is on
+    /// the beginning of the expected path and none is broken on the rest, or another way is free.
     fn lets_go_on(&self, floor: Floor<'_>, people: &HumanState, now: Time) -> Option<(WorkerId, Led)> {
         let running = self.procedure.running.map(|(w, _)| w);
         people.people.ids().filter(|w| running != Some(*w)).find_map(|worker| {
@@ -79,9 +85,16 @@ impl Yielding {
                 return None;
             }
             let at = people.whereabouts(worker, now).filter(|w| w.presence != Presence::Lost)?.at;
-            let path = predicted_segment(floor, people, worker, at, now);
-            let is_free = path.len() > 1 && floor.robots_on(&path).is_empty();
-            is_free.then_some((worker, Led::AsExpected(path)))
+            // Who stands gives no new direction.
+            let before = self.procedure.stopped.get(&worker).filter(|path| (path[0] - at).norm() < STOOD_M);
+            let path = before.cloned().unwrap_or_else(|| predicted_segment(floor, people, worker, at, now));
+            let end = *path.last()?;
+            let cannot_leave = |r: &RobotId| floor.ledger.robots[*r].failed;
+            let begins_free = path.len() > 1 && floor.robots_on(&beginning(&path, CLEAR_M)).is_empty();
+            if begins_free && !floor.robots_on(&path).iter().any(cannot_leave) {
+                return Some((worker, Led::AsExpected(path)));
+            }
+            Some((worker, Led::Redirected(floor.way_between_robots(people, at, end)?)))
         })
     }
 
@@ -149,15 +162,7 @@ impl Yielding {
         if in_the_way.is_empty() {
             return Some(Led::AsExpected(segment));
         }
-        let mut cut = people.walkways.no_edges();
-        for robot in core.ledger.present() {
-            let (at, reach) = (core.floor().place_of(robot), core.floor().beside_m(robot, BODY_M));
-            people.walkways.edges_within(at, reach).into_iter().for_each(|e| {
-                cut.insert(e);
-            });
-        }
-        let other = people.walkways.path(place.at, end, &cut).map(|w| w.points);
-        if let Some(path) = other.filter(|p| core.floor().robots_on(p).is_empty()) {
+        if let Some(path) = core.floor().way_between_robots(people, place.at, end) {
             return Some(Led::Redirected(path));
         }
         let mut conditions = core.restrictions.conditions.clone();
@@ -170,6 +175,7 @@ impl Yielding {
         if self.all_leave(core, traffic, conditions, worker, &in_the_way, now) {
             return Some(Led::AsExpected(segment));
         }
+        self.procedure.stopped.insert(worker, segment);
         Some(Led::Stopped { by: in_the_way.first().copied() })
     }
 
@@ -298,12 +304,27 @@ fn most_probable_segment(
     path(best.0)
 }
 
+/// The first metres of a path.
+fn beginning(path: &[Point], metres: f64) -> Vec<Point> {
+    let mut far_m = 0.0;
+    let mut taken = Vec::new();
+    for point in path {
+        far_m += taken.last().map_or(0.0, |last: &Point| (point - last).norm());
+        taken.push(*point);
+        if far_m >= metres {
+            break;
+        }
+    }
+    taken
+}
+
 impl Floor<'_> {
     /// The places nearest to where the robot is bound for come first (Petković 2021, section 4.3.3).
     fn sort_by_goal(&self, places: &mut [NodeId], robot: RobotId) {
         let at = |n: NodeId| self.warehouse().nodes[n].at;
-        let end = self.ledger.chain(robot).last().map(|v| v.node);
-        let Some(goal) = self.ledger.robots[robot].task.destination().or(end).map(at) else { return };
+        let chain = self.ledger.chain(robot);
+        let stop = self.ledger.robots[robot].stops.first().and_then(|stop| chain.get(stop.serial));
+        let Some(goal) = stop.or(chain.last()).map(|visit| at(visit.node)) else { return };
         places.sort_by(|a, b| (at(*a) - goal).norm().total_cmp(&(at(*b) - goal).norm()));
     }
 
@@ -317,6 +338,19 @@ impl Floor<'_> {
             closed.all(|c| visit.leave <= c.window.end())
         };
         std::iter::once(&route.kept).chain(&route.visits).take_while(|v| v.node != place).all(gone)
+    }
+
+    /// A way on which no robot stands.
+    fn way_between_robots(&self, people: &HumanState, from: Point, to: Point) -> Option<Vec<Point>> {
+        let mut cut = people.walkways.no_edges();
+        for robot in self.ledger.present() {
+            let (at, reach) = (self.place_of(robot), self.beside_m(robot, BODY_M));
+            people.walkways.edges_within(at, reach).into_iter().for_each(|e| {
+                cut.insert(e);
+            });
+        }
+        let way = people.walkways.path(from, to, &cut).map(|w| w.points)?;
+        self.robots_on(&way).is_empty().then_some(way)
     }
 
     /// Robots that stand where a path leads.

@@ -4,9 +4,10 @@
 
 use crate::aware::Meter;
 use crate::fleet::state::yielding::YieldingState;
+use crate::geometry::Point;
 use crate::id::{RobotId, WorkerId};
 use crate::time::Time;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What is kept in mind about giving way, from step to step. Lost at a restart, and found out again.
 #[derive(Clone, Debug, Default)]
@@ -26,6 +27,8 @@ pub(in crate::fleet) struct Procedure {
     pub(super) running: Option<(WorkerId, Time)>,
     /// Workers who left their path meanwhile.
     pub(super) queue: BTreeSet<WorkerId>,
+    /// The path that was expected of each worker who was told to stop.
+    pub(super) stopped: BTreeMap<WorkerId, Vec<Point>>,
     /// Robots that are planned anew after it.
     pub(super) again: BTreeSet<RobotId>,
     /// When it ended last: what the worker was told then binds robots from the next step on.
