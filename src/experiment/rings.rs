@@ -1,7 +1,7 @@
 //! Encounters as a curve over the distance that counts as near: how often, how long and how fast robots drove up.
 //!
 //! Main types: [`RingColumn`]. A figure within one radius says little: a policy whose robots stand where others drive
-//! looks good close by and bad farther out. Refuses: to choose the radius at which somebody looks best.
+//! looks good close by and bad farther out. Refuses: to choose the radius at which one policy looks best.
 
 use crate::sim::encounter::EncounterFigures;
 

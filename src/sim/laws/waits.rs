@@ -44,12 +44,12 @@ impl WaitLaws {
     }
 
     pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet) -> Vec<Violation> {
+        // Standstills of people are counted for every policy, and are a broken law for ours alone.
+        let kept = self.look_at_people(now, world, fleet);
         let mut broken = Vec::new();
-        self.look_at_people(now, world, fleet, &mut broken);
         if fleet.settings().policy == HumanAwarePolicy::Giveway {
+            broken = kept;
             self.look_at_circles(now, fleet, &mut broken);
-        } else {
-            broken.clear();
         }
         let robots = fleet.ledger().present();
         broken.extend(robots.filter_map(|r| Some(Violation::NotSo(r, untrue(fleet, r)?))));
@@ -71,7 +71,8 @@ impl WaitLaws {
         }
     }
 
-    fn look_at_people(&mut self, now: Time, world: &World, fleet: &Fleet, broken: &mut Vec<Violation>) {
+    fn look_at_people(&mut self, now: Time, world: &World, fleet: &Fleet) -> Vec<Violation> {
+        let mut broken = Vec::new();
         for (worker, walker) in world.walkers().filter(|(_, w)| !w.is_gone()) {
             let at = walker.pose(now).at;
             let fresh = KeptPerson { spot: at, waited: Span::ZERO, looked: now };
@@ -90,6 +91,7 @@ impl WaitLaws {
                 broken.push(Violation::Kept(worker, because));
             }
         }
+        broken
     }
 }
 
