@@ -3,6 +3,7 @@
 //! Main type: [`Experiment`]. Refuses: to print a figure that depends on chance without its seed.
 
 use super::people::{DetectionArgs, TableArgs};
+use super::price::PriceArgs;
 use super::recorded::{EncountersArgs, ForecastArgs, PurposeArgs};
 use super::safe_space::SafeSpaceArgs;
 use super::write;
@@ -21,6 +22,8 @@ pub enum Experiment {
     /// Robots and people together, by four ways of giving way (Petković 2021, table 4.1).
     #[command(name = "table-4-1")]
     Table(TableArgs),
+    /// What people on a floor cost the robots, and the robots the people.
+    Price(PriceArgs),
     /// How soon and how surely the fleet notices that people leave their path.
     Detection(DetectionArgs),
     /// Where recorded people will be within five seconds: errors, regions, calibration.
@@ -81,6 +84,7 @@ impl Experiment {
         match self {
             Experiment::Story(story) => story.run(),
             Experiment::Table(table) => table.run(),
+            Experiment::Price(price) => price.run(),
             Experiment::Detection(detection) => detection.run(),
             Experiment::Forecast(forecast) => forecast.run(),
             Experiment::Intention(purpose) => purpose.run(),

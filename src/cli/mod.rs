@@ -16,6 +16,7 @@ mod frames;
 mod learn;
 mod map;
 mod people;
+mod price;
 mod recorded;
 mod recording;
 mod replay;

@@ -4,7 +4,7 @@
 
 use super::{progress, read_map, rings};
 use crate::aware::HumanAwarePolicy;
-use crate::experiment::statistics::{Paired, Summary};
+use crate::experiment::statistics::{Interval, Summary};
 use crate::experiment::table::{Column, RunRow, TableSetup};
 use crate::sim::detection::{Score, TO_GOAL_S};
 use crate::sim::encounter::EncounterFigures;
@@ -28,7 +28,7 @@ const PAIRS: [(HumanAwarePolicy, HumanAwarePolicy); 5] = [
 
 /// An arm, on the command line.
 #[derive(Clone, Copy, ValueEnum)]
-enum ArmArgument {
+pub enum ArmArgument {
     /// No prediction.
     Nhir,
     /// Straight ahead.
@@ -40,7 +40,8 @@ enum ArmArgument {
 }
 
 impl ArmArgument {
-    fn arm(self) -> HumanAwarePolicy {
+    /// The arm of that name.
+    pub fn arm(self) -> HumanAwarePolicy {
         match self {
             ArmArgument::Nhir => HumanAwarePolicy::Nhir,
             ArmArgument::Shir => HumanAwarePolicy::Shir,
@@ -95,7 +96,7 @@ pub struct TableArgs {
 
 /// Causes, on the command line.
 #[derive(Clone, Copy, ValueEnum)]
-enum CausesArgument {
+pub enum CausesArgument {
     /// Only the six departures: the published condition.
     None,
     /// All.
@@ -103,7 +104,8 @@ enum CausesArgument {
 }
 
 impl CausesArgument {
-    fn causes(self) -> Causes {
+    /// The causes of that name.
+    pub fn causes(self) -> Causes {
         match self {
             CausesArgument::None => Causes::None,
             CausesArgument::All => Causes::All,
@@ -134,35 +136,44 @@ impl Runs {
         Ok(hall)
     }
 
-    /// All runs of all cases: for each case the rows, seed by seed.
     fn run(&self, cases: &[(TableSetup, HumanAwarePolicy)]) -> Vec<Vec<RunRow>> {
-        let total = cases.len() * self.runs as usize;
-        let rows: Vec<Mutex<Option<RunRow>>> = (0..total).map(|_| Mutex::new(None)).collect();
-        let next = AtomicUsize::new(0);
-        let bar = progress(total as u64, "runs");
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        std::thread::scope(|scope| {
-            for _ in 0..self.jobs.unwrap_or(cores).clamp(1, total) {
-                scope.spawn(|| {
-                    while let Some(slot) = rows.get(next.fetch_add(1, Ordering::Relaxed)) {
-                        let i = rows.element_offset(slot).expect("it is one of them");
-                        let (setup, arm) = &cases[i / self.runs as usize];
-                        let row = setup.run(*arm, self.seed + i as u64 % self.runs);
-                        *slot.lock().expect("nobody panics while holding it") = Some(row);
-                        bar.inc(1);
-                    }
-                });
-            }
-        });
-        bar.finish_and_clear();
-        let rows = rows.into_iter().map(|r| r.into_inner().expect("all are done").expect("all were run"));
-        let rows: Vec<RunRow> = rows.collect();
-        rows.chunks(self.runs as usize).map(<[RunRow]>::to_vec).collect()
+        run_all(cases, self.runs, self.seed, self.jobs)
     }
 }
 
+/// All runs of all cases, `jobs` at a time: for each case the rows, seed by seed.
+pub fn run_all(
+    cases: &[(TableSetup, HumanAwarePolicy)],
+    runs: u64,
+    seed: u64,
+    jobs: Option<usize>,
+) -> Vec<Vec<RunRow>> {
+    let total = cases.len() * runs as usize;
+    let rows: Vec<Mutex<Option<RunRow>>> = (0..total).map(|_| Mutex::new(None)).collect();
+    let next = AtomicUsize::new(0);
+    let bar = progress(total as u64, "runs");
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..jobs.unwrap_or(cores).clamp(1, total) {
+            scope.spawn(|| {
+                while let Some(slot) = rows.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let i = rows.element_offset(slot).expect("it is one of them");
+                    let (setup, arm) = &cases[i / runs as usize];
+                    let row = setup.run(*arm, seed + i as u64 % runs);
+                    *slot.lock().expect("nobody panics while holding it") = Some(row);
+                    bar.inc(1);
+                }
+            });
+        }
+    });
+    bar.finish_and_clear();
+    let rows = rows.into_iter().map(|r| r.into_inner().expect("all are done").expect("all were run"));
+    let rows: Vec<RunRow> = rows.collect();
+    rows.chunks(runs as usize).map(<[RunRow]>::to_vec).collect()
+}
+
 /// Says which laws were broken; how many.
-fn violations<'a>(rows: impl Iterator<Item = &'a RunRow>) -> u64 {
+pub fn violations<'a>(rows: impl Iterator<Item = &'a RunRow>) -> u64 {
     rows.map(|row| {
         row.broken.iter().for_each(|b| eprintln!("broken law at {b}"));
         row.law_violations
@@ -170,7 +181,8 @@ fn violations<'a>(rows: impl Iterator<Item = &'a RunRow>) -> u64 {
     .sum()
 }
 
-fn exit(violations: u64) -> ExitCode {
+/// Whether all laws were kept, for scripts.
+pub fn exit(violations: u64) -> ExitCode {
     if violations == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
@@ -258,7 +270,7 @@ fn print_table(workers: usize, arms: &[HumanAwarePolicy], rows: &[Vec<RunRow>], 
         let rows = |arm| arms.iter().position(|a| *a == arm).map(|i| &rows[i]);
         let Some((a, b)) = rows(ours).zip(rows(theirs)) else { continue };
         for column in [Column::TotalDeliveries, Column::EncountersPerWorkerMinute] {
-            let Paired { mean, ci95 } = column.paired(a, b);
+            let Interval { mean, ci95 } = column.paired(a, b);
             let (low, high) = ci95.unwrap_or((f64::NAN, f64::NAN));
             let names = format!("{} - {}", ours.word(), theirs.word());
             println!("{names:20}{:30}{:8.2} [{low:.2}, {high:.2}]", column.word(), mean.unwrap_or(0.0));

@@ -3,7 +3,7 @@
 //! Main functions: [`of_run`], [`of_runs`], [`print()`]. Refuses: to measure.
 
 use crate::experiment::rings::{RingColumn, closest_quantiles};
-use crate::experiment::statistics::{Paired, Summary};
+use crate::experiment::statistics::{Interval, Summary};
 use crate::sim::encounter::{EncounterFigures, RINGS_M};
 use serde_json::{Map, Value, json};
 
@@ -47,14 +47,14 @@ pub fn paired(ours: &[&EncounterFigures], theirs: &[&EncounterFigures]) -> Value
             let both =
                 ours.iter().zip(theirs).filter_map(|(a, b)| Some((column.of(a, ring)?, column.of(b, ring)?)));
             let (ours, theirs): (Vec<f64>, Vec<f64>) = both.unzip();
-            (column.word().to_owned(), interval(Paired::of(&ours, &theirs)))
+            (column.word().to_owned(), interval(Interval::of_pairs(&ours, &theirs)))
         }))
         .into()
     })
 }
 
 /// A difference with its interval.
-pub fn interval(p: Paired) -> Value {
+pub fn interval(p: Interval) -> Value {
     json!({"mean": p.mean, "ci95": p.ci95.map(|(low, high)| [low, high])})
 }
 

@@ -3,7 +3,7 @@
 //! Main modules: [`grid`] (benchmark floors as text), [`lifelong`] (goals reached per step under pebble rules),
 //! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions
 //! recognised), [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four ways
-//! of giving way), [`steps`] (what a step costs), [`month`] (what it keeps), [`statistics`].
+//! of giving way), [`price`] (what people cost robots, and robots people), [`steps`] (what a step costs), [`month`] (what it keeps), [`statistics`].
 //! Refuses: to read files or clocks; the caller passes texts in and takes figures out.
 
 mod dice;
@@ -14,6 +14,7 @@ pub mod lifelong;
 pub mod month;
 pub mod planning;
 pub mod plot;
+pub mod price;
 pub mod recorded;
 pub mod rings;
 pub mod safe_space;

@@ -1,6 +1,6 @@
 //! Means, deviations and intervals of small samples.
 //!
-//! Main types: [`Summary`], [`Paired`]. Refuses: samples of different lengths as pairs.
+//! Main types: [`Summary`], [`Interval`]. Refuses: samples of different lengths as pairs.
 
 /// A sample in two numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,13 +11,12 @@ pub struct Summary {
     pub sd: Option<f64>,
 }
 
-/// The mean of differences with its interval.
+/// A mean with its interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Paired {
-    /// Mean difference; nothing without pairs.
+pub struct Interval {
+    /// The mean; nothing of an empty sample.
     pub mean: Option<f64>,
-    /// In 95 of 100 such samples this interval holds the true mean difference (Student 1908); nothing of fewer than
-    /// two pairs.
+    /// In 95 of 100 such samples this interval holds the true mean (Student 1908); nothing of fewer than two.
     pub ci95: Option<(f64, f64)>,
 }
 
@@ -34,20 +33,25 @@ impl Summary {
     }
 }
 
-impl Paired {
+impl Interval {
+    /// Of these numbers.
+    pub fn of(sample: &[f64]) -> Interval {
+        let Summary { mean, sd } = Summary::of(sample);
+        let ci95 = mean.zip(sd).map(|(mean, sd)| {
+            let half = student975(sample.len() - 1) * sd / (sample.len() as f64).sqrt();
+            (mean - half, mean + half)
+        });
+        Interval { mean, ci95 }
+    }
+
     /// Of `ours − theirs`, pair by pair.
     ///
     /// # Panics
     /// If there are not as many of both.
-    pub fn of(ours: &[f64], theirs: &[f64]) -> Paired {
+    pub fn of_pairs(ours: &[f64], theirs: &[f64]) -> Interval {
         assert_eq!(ours.len(), theirs.len(), "every number has its pair");
         let differences: Vec<f64> = ours.iter().zip(theirs).map(|(a, b)| a - b).collect();
-        let Summary { mean, sd } = Summary::of(&differences);
-        let ci95 = mean.zip(sd).map(|(mean, sd)| {
-            let half = student975(differences.len() - 1) * sd / (differences.len() as f64).sqrt();
-            (mean - half, mean + half)
-        });
-        Paired { mean, ci95 }
+        Interval::of(&differences)
     }
 }
 
@@ -103,7 +107,7 @@ mod tests {
     #[test]
     fn the_interval_of_paired_differences_is_the_one_worked_out_by_hand() {
         // Differences 1, 2, 3: mean 2, deviation 1, half width 4.303 / √3 = 2.484.
-        let paired = Paired::of(&[2.0, 4.0, 6.0], &[1.0, 2.0, 3.0]);
+        let paired = Interval::of_pairs(&[2.0, 4.0, 6.0], &[1.0, 2.0, 3.0]);
         let (low, high) = paired.ci95.unwrap();
         assert!((paired.mean.unwrap() - 2.0).abs() < 1e-12);
         assert!((low + 0.484).abs() < 1e-3 && (high - 4.484).abs() < 1e-3, "{low} {high}");
@@ -111,7 +115,7 @@ mod tests {
 
     #[test]
     fn one_pair_has_no_interval_and_no_numbers_have_no_mean() {
-        assert_eq!(Paired::of(&[2.0], &[1.0]), Paired { mean: Some(1.0), ci95: None });
+        assert_eq!(Interval::of_pairs(&[2.0], &[1.0]), Interval { mean: Some(1.0), ci95: None });
         assert_eq!(Summary::of(&[]), Summary { mean: None, sd: None });
         assert_eq!(Summary::of(&[1.0, 3.0]).sd, Some(2f64.sqrt()));
     }

@@ -4,7 +4,7 @@
 //! does not depend on the arm. Refuses: threads and files; the caller runs [`TableSetup::run`] as often, and on as
 //! many cores, as it likes.
 
-use super::statistics::{Paired, Summary};
+use super::statistics::{Interval, Summary};
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::Charging;
 use crate::route::Kinematics;
@@ -13,12 +13,12 @@ use crate::sim::encounter::EncounterFigures;
 use crate::sim::{
     Causes, Demand, Deviations, Faults, Habits, KindShare, Outcome, Scenario, Sensor, Simulation, Workers,
 };
-use crate::time::Span;
+use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use std::sync::Arc;
 
 /// When workers come in, seconds (Petković 2021, figure 4.8).
-const ENTER_S: f64 = 250.0;
+pub const ENTER_S: f64 = 250.0;
 /// When they deviate, seconds (the same).
 const DEVIATE_S: [f64; 6] = [300.0, 320.0, 420.0, 450.0, 500.0, 625.0];
 
@@ -44,6 +44,8 @@ pub struct TableSetup {
 pub struct RunRow {
     /// Racks served at stations.
     pub robot_deliveries: f64,
+    /// Those of them that were served after the workers came in.
+    pub deliveries_beside_workers: f64,
     /// Assignments that workers truly completed.
     pub human_deliveries: f64,
     /// Meetings of moving robots with workers, per minute of workers on the floor.
@@ -56,6 +58,8 @@ pub struct RunRow {
     pub standstill_share: f64,
     /// Meetings with robots, as a curve.
     pub met: EncounterFigures,
+    /// For how many minutes workers were kept in one spot, of those times that lasted a minute.
+    pub standstills: u64,
     /// How well deviations were noticed.
     pub score: Score,
     /// Broken laws, in words.
@@ -127,9 +131,9 @@ impl Column {
     }
 
     /// Differences of this column between two arms, seed by seed.
-    pub fn paired(self, ours: &[RunRow], theirs: &[RunRow]) -> Paired {
+    pub fn paired(self, ours: &[RunRow], theirs: &[RunRow]) -> Interval {
         let all = |rows: &[RunRow]| rows.iter().map(|r| self.of(r)).collect::<Vec<_>>();
-        Paired::of(&all(ours), &all(theirs))
+        Interval::of_pairs(&all(ours), &all(theirs))
     }
 }
 
@@ -168,26 +172,34 @@ impl TableSetup {
     pub fn run(&self, arm: HumanAwarePolicy, seed: u64) -> RunRow {
         let scenario = self.scenario(arm, seed);
         let mut sim = Simulation::new(self.warehouse.clone(), &scenario, &[], seed, false, || 0);
+        let enter = Time::from_secs_f64(ENTER_S);
+        let mut before = 0;
         while !sim.is_over() {
+            if sim.now() <= enter {
+                before = sim.robot_deliveries();
+            }
             sim.step();
         }
-        RunRow::of(&sim.outcome())
+        RunRow::of(&sim.outcome(), before)
     }
 }
 
 impl RunRow {
-    fn of(outcome: &Outcome) -> RunRow {
+    /// Of a run in which so many racks had been served when the workers came in.
+    fn of(outcome: &Outcome, before: u64) -> RunRow {
         let Outcome { counts, people, .. } = outcome;
         let minutes = people.figures.worker_time.as_secs_f64() / 60.0;
         let per = |n: u64, of: f64| if of > 0.0 { n as f64 / of } else { 0.0 };
         RunRow {
             robot_deliveries: counts.robot_deliveries as f64,
+            deliveries_beside_workers: (counts.robot_deliveries - before) as f64,
             human_deliveries: people.completed as f64,
             encounters_per_worker_minute: per(people.figures.encounters, minutes),
             interruptions_per_deviation: per(counts.interruptions, people.score.deviations() as f64),
             replans: counts.replans as f64,
             standstill_share: per(people.standstills, minutes),
             met: people.figures.clone(),
+            standstills: people.standstills,
             score: people.score.clone(),
             broken: outcome.broken.clone(),
             law_violations: outcome.law_violations,

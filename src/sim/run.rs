@@ -161,6 +161,11 @@ impl Simulation {
         &self.laws.broken
     }
 
+    /// Racks that were served so far.
+    pub fn robot_deliveries(&self) -> u64 {
+        self.fleet.ledger().counts.robot_deliveries
+    }
+
     /// The digest of all facts so far.
     pub fn trace_hash(&self) -> u64 {
         self.trace.value()
