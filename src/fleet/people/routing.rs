@@ -272,23 +272,16 @@ impl HumanState {
     /// lead to where no robot is, even if the walkway there is cut by the one in front.
     fn way_past(&self, floor: Floor<'_>, at: Point, goal: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
         let walkways = &self.walkways;
-        let robots = |only: &dyn Fn(&RobotId) -> bool| -> Vec<(Point, f64)> {
-            let robots = floor.ledger.present().filter(only);
-            robots.map(|r| (floor.place_of(r), floor.beside_m(r, BODY_M))).collect()
-        };
-        let is_clear = |robots: &[(Point, f64)], to: Point| {
+        if let Some(way) = walkways.path(at, goal, cut) {
+            return Some(way.points);
+        }
+        let robots = floor.ledger.present().map(|r| (floor.place_of(r), floor.beside_m(r, BODY_M)));
+        let robots: Vec<(Point, f64)> = robots.collect();
+        let is_clear = |to: Point| {
             let step = Segment { a: at, b: to };
             let leaves = |r: &Point| (to - r).norm() > (at - r).norm() + 0.3;
             robots.iter().all(|(r, reach)| step.distance_to(*r) >= *reach || leaves(r))
         };
-        // Cut edges say nothing of the step from beside a walkway onto it: a robot may stand on that very piece.
-        let standing = robots(&|r| floor.stands(*r));
-        let way = walkways.path(at, goal, cut).map(|way| way.points);
-        if let Some(points) = way.filter(|p| p.get(1).is_none_or(|to| is_clear(&standing, *to))) {
-            return Some(points);
-        }
-        let robots = robots(&|_| true);
-        let is_clear = |to: Point| is_clear(&robots, to);
         let steps = walkways.near(at, 1.8).into_iter().map(|(n, _)| walkways.nodes()[n].at);
         let ways = steps.filter(|p| is_clear(*p)).filter_map(|p| {
             let way = walkways.path(p, goal, cut)?;
