@@ -271,6 +271,7 @@ pub fn guidance(told: Option<&Guidance>, beside: GuidanceContext<'_>) -> Value {
         "type": "guidance", "state": g.state.word(), "reason": g.reason.map(|r| reason(r, beside.names)),
         "version": g.version, "path": line(&g.path), "next": g.next.map(corner),
         "eta_s": g.eta.map(|t| round3((t - beside.now).as_secs_f64())),
+        "wait_s": g.wait.map(|t| round3((t - beside.now).as_secs_f64().max(0.0))),
         "assignment": g.assignment.map(assignment_name), "near": g.near.iter().map(near).collect::<Vec<_>>(),
     })
 }
@@ -285,6 +286,9 @@ fn reason(reason: GuidanceReason, names: Names<'_>) -> String {
         GuidanceReason::RobotWaits(r) => format!("{} waits for you: please make room", names.robot(r)),
         GuidanceReason::RobotPasses(r) => {
             format!("{} has waited for long: stay where you are until it has passed", names.robot(r))
+        }
+        GuidanceReason::RobotCrosses(r) => {
+            format!("{} crosses your path: wait a moment, this way is still the fastest", names.robot(r))
         }
         GuidanceReason::PlaceUnsure(r) => format!(
             "{} waits because the headset knows badly where you are: stand still, and touch the marks again",
@@ -478,6 +482,7 @@ mod tests {
             path: vec![],
             next: None,
             eta: Some(Time(5_000_000)),
+            wait: Some(Time(4_500_000)),
             assignment: None,
             near: vec![near],
         };
@@ -490,6 +495,7 @@ mod tests {
         let expected = std::f64::consts::TAU - 6.0;
         assert_eq!(text["near"][0]["bearing"], json!(round3(expected)), "{text}");
         assert_eq!((text["eta_s"].clone(), text["state"].clone()), (json!(2.0), json!("stop")));
+        assert_eq!(text["wait_s"], json!(1.5));
         assert_eq!(guidance(Some(&told), beside(None))["near"][0]["bearing"], Value::Null);
         assert_eq!(guidance(None, beside(None))["state"], "idle");
     }

@@ -134,6 +134,7 @@ fn told(state: GuidanceState, version: u64) -> Guidance {
         path: vec![Point::new(1.0, 2.0)],
         next: None,
         eta: None,
+        wait: None,
         assignment: None,
         near: vec![],
     }

@@ -5,7 +5,7 @@
 
 use crate::aware::{Effects, HumanAwarePolicy};
 use crate::fleet::people::routing::REDIRECT;
-use crate::fleet::people::state::{HumanState, Led, Person, STROLL_MPS, WalkMode};
+use crate::fleet::people::state::{HumanState, Led, LetsPassStage, Person, STROLL_MPS, WalkMode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::heard::WorkerInput;
@@ -64,7 +64,7 @@ impl HumanState {
     /// Follows one worker: assignment, path, deviation.
     fn watch(&mut self, core: &mut Core, yielding: &YieldingState, worker: WorkerId, now: Time) {
         let Some(place) = self.whereabouts(worker, now) else { return };
-        if self.people[worker].lets_pass.is_none() {
+        if self.people[worker].lets_pass.is_none_or(|l| l.stage == LetsPassStage::Waits) {
             self.take_up_work(core, yielding, worker, place.at, now);
         }
         let person = &mut self.people[worker];
@@ -79,8 +79,12 @@ impl HumanState {
         person.note_place(place.at, now);
         let stands = place.velocity.norm() < STROLL_MPS;
         person.stands_since = stands.then(|| person.stands_since.unwrap_or(now));
-        if person.lets_pass.is_some() {
+        if person.lets_pass.is_some() && person.waits().is_none() {
             return self.watch_aside(worker, &place);
+        }
+        let cut = self.edges_blocked_for_long(core.floor(), yielding, now);
+        if self.keep_on_time(core.floor(), worker, &place, &cut, now) {
+            return;
         }
         self.look_ahead(core, yielding, worker, &place, now);
         self.make_room(core.floor(), yielding, worker, place.at, now);

@@ -71,6 +71,7 @@ impl HumanState {
             next: path.first().copied(),
             eta: (!path.is_empty()).then(|| now + Span::from_secs_f64(length / USUAL_MPS)),
             path,
+            wait: person.waits().map(|w| w.until),
             assignment: plan.and_then(|p| p.assignment),
             near,
         }
@@ -97,6 +98,7 @@ impl HumanState {
                 }
                 LetsPassStage::Walks => (GuidanceState::Redirected, Some(GuidanceReason::RobotWaits(robot))),
                 LetsPassStage::Stands => (GuidanceState::Stop, Some(GuidanceReason::RobotPasses(robot))),
+                LetsPassStage::Waits => (GuidanceState::Stop, Some(GuidanceReason::RobotCrosses(robot))),
             };
         }
         match person.mode {

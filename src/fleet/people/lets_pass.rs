@@ -31,7 +31,7 @@ const LATELY: Span = Span::from_secs(300);
 /// Nobody stands aside for longer than this.
 const AT_MOST: Span = Span::from_secs(30);
 /// The fleet keeps nobody in one spot for longer than this to let robots pass, whatever else it kept the person for.
-const KEEPS_AT_MOST: Span = Span::from_secs(50);
+pub(super) const KEEPS_AT_MOST: Span = Span::from_secs(50);
 /// A shorter time lets no robot pass.
 const AT_LEAST: Span = Span::from_secs(10);
 /// Nobody is asked to let a robot pass again within this.
@@ -44,6 +44,8 @@ const ROOM_M: f64 = 0.4;
 const UNSURE_M: f64 = 0.4;
 /// Nobody is asked for marks for a robot again within this.
 const MARKS_AGAIN: Span = Span::from_secs(300);
+/// A person who waits on its way and is not seen for this long beyond the end of that does not wait any more.
+const UNSEEN: Span = Span::from_secs(1);
 /// Where a person has stood for this long, that person stands.
 const STANDS_STILL: Span = Span::from_secs(1);
 
@@ -56,6 +58,13 @@ impl HumanState {
         for worker in self.people.ids() {
             let place = self.whereabouts(worker, now);
             let Some(lets_pass) = self.people[worker].lets_pass else { continue };
+            if lets_pass.stage == LetsPassStage::Waits {
+                // One who is not seen any more is not told to go on either.
+                if now >= lets_pass.until + UNSEEN {
+                    self.people[worker].lets_pass = None;
+                }
+                continue;
+            }
             let knows = place.as_ref().is_some_and(|p| p.sigma_m <= UNSURE_M);
             if core.floor().has_passed(&lets_pass, place.as_ref(), now) {
                 self.go_on(core, yielding, worker, now);
@@ -109,9 +118,11 @@ impl HumanState {
         let is_free = match floor.waits.worker(worker).edge {
             Edge::Moves => true,
             Edge::Still => has_a_way || to_touch_marks,
+            Edge::Until(_) => person.waits().is_some(),
             _ => false,
         };
-        if person.lets_pass.is_some() || lately || !is_free {
+        let lets_pass = person.lets_pass.is_some() && person.waits().is_none();
+        if lets_pass || lately || !is_free {
             return;
         }
         let ahead = floor.about_to_drive(robot);
@@ -144,7 +155,8 @@ impl HumanState {
             person.mode = WalkMode::Redirected;
         }
         tracing::debug!(?worker, ?robot, ?stage, "lets a robot pass");
-        self.people[worker].lets_pass = Some(LetsPass { robot, reached, until: now + longest, stage });
+        self.people[worker].lets_pass =
+            Some(LetsPass { robot, reached, since: now, until: now + longest, stage });
         self.passed.insert(robot, now);
     }
 
@@ -175,10 +187,11 @@ impl HumanState {
     }
 
     /// Whether a person was told to let a robot pass, and stands.
-    pub(super) fn stands_aside(&self, worker: WorkerId, now: Time) -> bool {
+    pub(in crate::fleet) fn stands_aside(&self, worker: WorkerId, now: Time) -> bool {
         let person = &self.people[worker];
         let stands = person.stands_since.is_some_and(|since| now - since >= STANDS_STILL);
-        person.lets_pass.is_some_and(|l| l.stage == LetsPassStage::Stands) && stands
+        let told = person.lets_pass.map(|l| l.stage);
+        matches!(told, Some(LetsPassStage::Stands | LetsPassStage::Waits)) && stands
     }
 
     /// People who stand to let robots pass.

@@ -91,8 +91,15 @@ impl HumanState {
         let (goal, stay) = (core.warehouse().nodes[request.place].at, request.stay);
         let cut = self.edges_blocked_for_long(core.floor(), yielding, now);
         let free = self.walkways.no_edges();
+        let ours = core.settings.policy == HumanAwarePolicy::Giveway;
+        let on_time = || self.way_on_time(core.floor(), (worker, at), goal, &cut, now).map(|way| way.points);
         let way = |cut| self.walkways.path(at, goal, cut).map(|way| way.points);
-        let way = way(&cut).or_else(|| way(&free)).or_else(|| self.way_from_beside(at, goal));
+        let way = ours
+            .then(on_time)
+            .flatten()
+            .or_else(|| way(&cut))
+            .or_else(|| way(&free))
+            .or_else(|| self.way_from_beside(at, goal));
         let person = &mut self.people[worker];
         match way {
             Some(mut points) => {

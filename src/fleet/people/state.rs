@@ -93,6 +93,10 @@ pub(in crate::fleet) struct Person {
     pub lets_pass: Option<LetsPass>,
     /// When the worker let a robot pass last.
     pub let_pass_at: Option<Time>,
+    /// When the worker's way was compared last with what robots are granted.
+    pub on_time_at: Option<Time>,
+    /// When the worker had waited on its way for robots for as long as anybody may.
+    pub waited_at: Option<Time>,
     /// When the worker was asked last to touch marks for a robot.
     pub marks_asked: Option<Time>,
     /// What was told last, and when.
@@ -106,6 +110,8 @@ pub(in crate::fleet) struct LetsPass {
     pub robot: RobotId,
     /// The visit at which the robot was.
     pub reached: u64,
+    /// Since when.
+    pub since: Time,
     /// Until when, at the latest.
     pub until: Time,
     /// What the person does for that now.
@@ -121,6 +127,8 @@ pub(in crate::fleet) enum LetsPassStage {
     Walks,
     /// Stands there.
     Stands,
+    /// Waits on its way until the robot has passed, because that is earliest (`on_time.rs`).
+    Waits,
 }
 
 /// Where the published procedure leads a worker.
@@ -225,6 +233,11 @@ impl Person {
     pub fn expect(&mut self, points: Vec<Point>, now: Time) {
         self.give(points, None, Span::ZERO, now);
         self.plan.as_mut().expect("just given").is_shown = false;
+    }
+
+    /// The robot for which the worker waits on its way.
+    pub fn waits(&self) -> Option<LetsPass> {
+        self.lets_pass.filter(|l| l.stage == LetsPassStage::Waits)
     }
 
     /// The rest of the path, from where the worker is.

@@ -38,6 +38,8 @@ pub struct Settings {
     pub policy: HumanAwarePolicy,
     /// How our own policy recognises intentions.
     pub method: Method,
+    /// What a second of a worker is worth, in seconds of a robot.
+    pub worker_price: f64,
     /// What was learned about people.
     pub model: Arc<Model>,
     /// Robots pass through one another: only for the bound on throughput.
@@ -62,6 +64,7 @@ impl Default for Settings {
             corners_max: 100,
             policy: HumanAwarePolicy::default(),
             method: Method::Detour,
+            worker_price: 3.0,
             model: Model::builtin(),
             without_conflicts: false,
             stopwatch: || 0,

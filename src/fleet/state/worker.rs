@@ -129,6 +129,8 @@ pub struct Guidance {
     pub next: Option<Point>,
     /// When the end of the path is reached at usual speed.
     pub eta: Option<Time>,
+    /// Until when, about, the worker waits for a robot to pass, if it is told to.
+    pub wait: Option<Time>,
     /// What the path is for.
     pub assignment: Option<AssignmentId>,
     /// Robots nearby, nearest first.
@@ -177,6 +179,8 @@ pub enum GuidanceReason {
     RobotWaits(RobotId),
     /// A robot has waited for long and passes now: the worker stands aside for a moment.
     RobotPasses(RobotId),
+    /// A robot takes the way ahead for a few seconds: waiting for it is there earlier than any other way.
+    RobotCrosses(RobotId),
     /// A robot has waited for long because the headset knows badly where it is: its wearer touches marks.
     PlaceUnsure(RobotId),
     /// The worker stands where a rack or a station is that waiting jobs need, or on the only way there.

@@ -24,7 +24,9 @@ impl HumanState {
         if let Some(lets_pass) = person.lets_pass {
             return match lets_pass.stage {
                 LetsPassStage::Walks => Edge::Moves,
-                LetsPassStage::TouchesMarks | LetsPassStage::Stands => Edge::Until(lets_pass.until),
+                LetsPassStage::TouchesMarks | LetsPassStage::Stands | LetsPassStage::Waits => {
+                    Edge::Until(lets_pass.until)
+                }
             };
         }
         // Of a worker who is not seen well it is not known what is in the way.

@@ -99,7 +99,7 @@ impl Yielding {
                 continue;
             };
             let at = core.floor().place_of(robot);
-            if !self.limits(core, people, traffic).drives_away(robot, at, w.at, now) {
+            if !self.limits(core, people, traffic).drives_away(robot, at, &w, now) {
                 traffic.revoke_grant(core, robot, now);
             }
         }
@@ -170,7 +170,7 @@ impl SpeedLimits<'_> {
             if distance > FAR_M || w.reach_m > 0.0 && !self.is_within_reach(robot, *worker, w) {
                 continue;
             }
-            let off = w.presence != Presence::Lost && self.drives_away(robot, at, w.at, now);
+            let off = w.presence != Presence::Lost && self.drives_away(robot, at, w, now);
             // A robot that drives away needs no room to brake, and braking would let the person catch up.
             let towards_mps = if off { 0.0 } else { speed };
             let stop = self.floor.regions(robot).stop_radius_at_m(towards_mps, loaded, w.sigma_m);
@@ -231,7 +231,7 @@ impl SpeedLimits<'_> {
                 return Some(0.0);
             }
             // The separation distance counts speed towards the person, and there is none.
-            if self.drives_away(robot, at, w.at, now) {
+            if self.drives_away(robot, at, w, now) {
                 return None;
             }
         }
@@ -291,6 +291,9 @@ impl SpeedLimits<'_> {
     ) -> Walk {
         let person = &self.people.people[worker];
         let speed = w.velocity.norm();
+        if self.people.stands_aside(worker, now) {
+            return Walk { way: vec![w.at], speed_mps: 0.0, waits_s: 0.0 };
+        }
         if let (Some(since), Some(plan)) = (person.there_since, &person.plan)
             && speed < STROLL_MPS
             && now - (since + plan.stay) < STANDS
@@ -303,7 +306,7 @@ impl SpeedLimits<'_> {
         // A person who has stopped on the way may set off again, unless it was to let the robot leave. A person who has
         // stood for long waits for something, maybe for the robot to go on.
         let lately = person.stands_since.is_none_or(|t| now - t < STANDS);
-        let sets_off = path.is_some() && lately && !self.drives_away(robot, at, w.at, now);
+        let sets_off = path.is_some() && lately && !self.drives_away(robot, at, w, now);
         let way = path.unwrap_or_else(|| vec![w.at, w.at + w.velocity * 5.0]);
         Walk { way, speed_mps: if sets_off && speed < STROLL_MPS { GAIT_MPS } else { speed }, waits_s: 0.0 }
     }
@@ -319,10 +322,18 @@ impl SpeedLimits<'_> {
         w.velocity.norm() < STROLL_MPS && leaves_room
     }
 
-    /// Whether a robot's next piece of way leads away from a place: what it was granted, or back where it is called to.
-    /// A robot that drives back, or has yielded there for long, may also pass, if that is no nearer than it is
-    /// already.
-    pub(in crate::fleet) fn drives_away(&self, robot: RobotId, at: Point, from: Point, now: Time) -> bool {
+    /// Whether a robot's next piece of way leads away from a person: what it was granted, or back where it is called
+    /// to. A robot that drives back, or has yielded there for long, may also pass, if that is no nearer than it is
+    /// already; so may any robot past a person who stands, since neither gets anywhere while the robot stands in the
+    /// way.
+    pub(in crate::fleet) fn drives_away(
+        &self,
+        robot: RobotId,
+        at: Point,
+        w: &Whereabouts,
+        now: Time,
+    ) -> bool {
+        let from = w.at;
         let next = self.floor.granted_ahead(robot).next();
         let back = self.drives_back_to(robot);
         let Some(there) = back.or(next.map(|v| self.floor.warehouse().nodes[v.node].at)) else {
@@ -333,7 +344,8 @@ impl SpeedLimits<'_> {
             let nearest = Segment { a: at, b: there }.distance_to(from);
             nearest > off.norm() - NEARER_M && (there - from).norm() > off.norm()
         };
-        let lax = back.is_some() || self.yielding.stood_for(robot, now).is_some();
+        let stands = w.presence == Presence::Tracked && w.velocity.norm() < STROLL_MPS;
+        let lax = stands || back.is_some() || self.yielding.stood_for(robot, now).is_some();
         on.dot(&off) > 0.5 * on.norm() * off.norm() || lax && passes()
     }
 

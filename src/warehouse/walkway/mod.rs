@@ -10,12 +10,14 @@ mod floor;
 mod path;
 mod reach;
 mod thin;
+mod timed;
 mod trace;
 
 #[cfg(test)]
 mod tests;
 
 pub use path::WalkPath;
+pub use timed::{Occupied, TimedPath};
 
 use super::near::PointIndex;
 use super::{NodeKind, Warehouse};

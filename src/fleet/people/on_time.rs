@@ -1,0 +1,259 @@
+//! Workers on the timelines: a worker's way is planned between what robots are granted, as routes are planned between
+//! reservations (Petković 2021, section 4.2.3, plans for people and robots on the same timelines).
+//!
+//! What robots were granted they drive; what they were not, they leave to the worker, who has precedence. So only what
+//! is granted takes walkways here, besides what a robot needs to come clear that waits for the worker, if that costs
+//! the worker less than waiting costs robots ([`Settings::worker_price`](crate::fleet::state::settings::Settings)).
+//! The worker waits a few seconds for a robot to pass, or takes another aisle, whichever is there earlier. Refuses: to
+//! keep a worker waiting for longer than [`WAITS_AT_MOST`] in a row.
+
+use crate::aware::{BODY_M, HumanAwarePolicy, SLOW_MPS};
+use crate::fleet::people::lets_pass::KEEPS_AT_MOST;
+use crate::fleet::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::wait_graph::{Edge, Party};
+use crate::geometry::{Point, Segment};
+use crate::human::{Presence, Whereabouts};
+use crate::id::{RobotId, WorkerId};
+use crate::time::{Span, Time, Window};
+use crate::warehouse::walkway::{EdgeSet, Occupied, TimedPath};
+
+/// How fast workers are taken to walk to their tasks, metres per second.
+const WALKS_MPS: f64 = 1.2;
+/// What robots farther from a worker do changes before the worker is there, metres.
+const FAR_M: f64 = 12.0;
+/// Labels that one search may look at.
+const LABELS: usize = 4000;
+/// A way is compared with what robots are granted this often.
+const AGAIN: Span = Span::from_millis(400);
+/// Robots are a little early and late, seconds on either side of a window.
+const ABOUT: Span = Span::from_millis(300);
+/// Room between a robot and a person who walks past, metres.
+const BESIDE_M: f64 = 0.05;
+/// Another way is shown only if it is there so much earlier: who is led to and fro gets nowhere.
+const BETTER: Span = Span::from_secs(3);
+/// A worker waits where this far ahead a robot takes the way, metres …
+const AHEAD_M: f64 = 1.5;
+/// … for longer than this: less is no more than walking slowly.
+const LEAST: Span = Span::from_millis(800);
+/// Nobody waits for longer in a row …
+const WAITS_AT_MOST: Span = Span::from_secs(12);
+/// … nor again within this.
+const GOES_FIRST: Span = Span::from_secs(10);
+/// A robot that waits for a worker goes first only if it is clear of the worker's way after so many metres …
+const CLEAR_M: f64 = 5.0;
+/// … of the next part of that way, metres.
+const WAY_M: f64 = 6.0;
+/// From a worker being told to stand to a robot that waited setting off.
+const SETS_OFF: Span = Span::from_millis(2500);
+/// A worker for whom a robot waits is taken to keep it waiting for no longer than this.
+const KEPT_AT_MOST: Span = Span::from_secs(30);
+
+impl HumanState {
+    /// The earliest way to a place between what robots are granted.
+    pub(super) fn way_on_time(
+        &self,
+        floor: Floor<'_>,
+        (worker, at): (WorkerId, Point),
+        goal: Point,
+        cut: &EdgeSet,
+        now: Time,
+    ) -> Option<TimedPath> {
+        let occupied = self.occupied(floor, worker, at, now);
+        self.walkways.timed_path((at, goal), cut, &occupied, (now, WALKS_MPS), LABELS)
+    }
+
+    /// Has a worker wait for whom waiting a moment is the earliest way, or shows another way that is there earlier.
+    /// Whether the worker waits.
+    pub(super) fn keep_on_time(
+        &mut self,
+        floor: Floor<'_>,
+        worker: WorkerId,
+        place: &Whereabouts,
+        cut: &EdgeSet,
+        now: Time,
+    ) -> bool {
+        let person = &self.people[worker];
+        let waits = person.waits();
+        let is_on_its_way = matches!(person.mode, WalkMode::Following | WalkMode::Redirected);
+        let plan = person.plan.as_ref().filter(|p| is_on_its_way && !p.is_there(place.at));
+        let plan = plan.filter(|_| place.presence == Presence::Tracked);
+        let ours = floor.settings.policy == HumanAwarePolicy::Giveway;
+        let Some(plan) = plan.filter(|_| ours) else {
+            if waits.is_some() {
+                self.people[worker].lets_pass = None;
+            }
+            return false;
+        };
+        if person.on_time_at.is_some_and(|t| now - t < AGAIN) {
+            return waits.is_some();
+        }
+        let (goal, assignment, stay) = (plan.follower.goal(), plan.assignment, plan.stay);
+        let path = person.rest_of_path(place.at).expect("there is a plan");
+        let occupied = self.occupied(floor, worker, place.at, now);
+        let along = self.walkways.time_along(&path, &occupied, (now, WALKS_MPS));
+        let best = self.walkways.timed_path((place.at, goal), cut, &occupied, (now, WALKS_MPS), LABELS);
+        let other = match (&along, best) {
+            (Some(a), Some(b)) => Some(b).filter(|b| b.arrival() + BETTER < a.arrival()),
+            (None, best) => best,
+            (Some(_), None) => None,
+        };
+        let first_wait = other.as_ref().or(along.as_ref()).and_then(|way| first_wait(way, now));
+        let person = &mut self.people[worker];
+        person.on_time_at = Some(now);
+        if let Some(other) = other {
+            person.give(other.points, assignment, stay, now);
+            person.mode = WalkMode::Redirected;
+        }
+        self.wait_for(floor, worker, first_wait, now)
+    }
+
+    /// Has a worker wait for a robot until then, if for any and not for too long already. Whether it does.
+    fn wait_for(
+        &mut self,
+        floor: Floor<'_>,
+        worker: WorkerId,
+        first: Option<(RobotId, Time)>,
+        now: Time,
+    ) -> bool {
+        let person = &mut self.people[worker];
+        let waited = person.waits();
+        person.lets_pass = None;
+        let Some((robot, until)) = first else { return false };
+        let since = waited.map_or(now, |w| w.since);
+        let lately = person.waited_at.is_some_and(|t| now - t < GOES_FIRST);
+        let spent =
+            now - since >= WAITS_AT_MOST || floor.waits.kept_in_one_spot(worker) + LEAST >= KEEPS_AT_MOST;
+        if lately || spent {
+            if waited.is_some() {
+                person.waited_at = Some(now);
+            }
+            return false;
+        }
+        let (reached, stage) = (floor.ledger.chain(robot).first(), LetsPassStage::Waits);
+        let until = until.min(since + WAITS_AT_MOST);
+        person.lets_pass = Some(LetsPass { robot, reached, since, until, stage });
+        true
+    }
+
+    /// When robots near a worker take which points of the walkways, as far as they were granted it.
+    fn occupied(&self, floor: Floor<'_>, worker: WorkerId, at: Point, now: Time) -> Occupied {
+        let mut occupied = Occupied::default();
+        for robot in floor.ledger.present().filter(|r| (floor.place_of(*r) - at).norm() <= FAR_M) {
+            let reach = floor.beside_m(robot, BODY_M) + BESIDE_M;
+            let mut take = |p: Point, window: Window| {
+                self.walkways.around(p, reach).for_each(|n| occupied.add(n, window, robot));
+            };
+            floor.takes(robot, now).for_each(|(p, window)| take(p, window));
+            if let Some((way, until)) = self.goes_first(floor, robot, (worker, at), now) {
+                way.into_iter().for_each(|p| take(p, Window::new(now, until)));
+            }
+        }
+        occupied.sort();
+        occupied
+    }
+
+    /// The way of a robot that waits for a worker and goes first, and until when it takes it: it is soon clear of the
+    /// worker's way, does not come near the worker, and waiting costs the worker less than it costs the robots.
+    fn goes_first(
+        &self,
+        floor: Floor<'_>,
+        robot: RobotId,
+        (worker, at): (WorkerId, Point),
+        now: Time,
+    ) -> Option<(Vec<Point>, Time)> {
+        let waits = floor.waits.robot(robot).edge == Edge::On(Party::Worker(worker));
+        if !waits || floor.scene.fit(robot, now).is_none() || floor.is_halted(robot) {
+            return None;
+        }
+        let sigma_m = self.whereabouts(worker, now)?.sigma_m;
+        let (way, length_m) = self.until_clear(floor, robot, (worker, at))?;
+        let near_m = floor.regions(robot).stop_radius_m(true, sigma_m);
+        if way.iter().any(|p| (p - at).norm() <= near_m) {
+            return None;
+        }
+        let takes = SETS_OFF + Span::from_secs_f64(length_m / SLOW_MPS);
+        let kept = floor.waits_until(robot, now).map_or(Span::ZERO, |t| (t - now).min(KEPT_AT_MOST));
+        let behind = Edge::On(Party::Robot(robot));
+        let robots = 1 + floor.waits.parties().filter(|(_, wait)| wait.edge == behind).count();
+        let costs_worker = floor.settings.worker_price * takes.as_secs_f64();
+        (costs_worker < kept.as_secs_f64() * robots as f64).then_some((way, now + takes))
+    }
+
+    /// The way of a robot until it is clear of the next part of a worker's way, and its length in metres; nothing
+    /// where it is not on it, or not clear of it soon.
+    fn until_clear(
+        &self,
+        floor: Floor<'_>,
+        robot: RobotId,
+        (worker, at): (WorkerId, Point),
+    ) -> Option<(Vec<Point>, f64)> {
+        let path = self.people[worker].rest_of_path(at)?;
+        let mut left = WAY_M;
+        let near = path.windows(2).map(|s| Segment { a: s[0], b: s[1] }).take_while(|s| {
+            left -= s.length();
+            left + s.length() > 0.0
+        });
+        let near: Vec<Segment> = near.collect();
+        let reach = floor.beside_m(robot, BODY_M) + BESIDE_M;
+        let is_on = |p: &Point| near.iter().any(|s| s.distance_to(*p) < reach);
+        let ahead = floor.ledger.chain(robot).visits().skip(1).map(|v| floor.warehouse().nodes[v.node].at);
+        let mut way = vec![floor.place_of(robot)];
+        let (mut length_m, mut was_on) = (0.0, is_on(&way[0]));
+        for p in ahead {
+            let from = *way.last().expect("it is somewhere");
+            way.push(p);
+            length_m += (p - from).norm();
+            if length_m > CLEAR_M {
+                return None;
+            }
+            let on = is_on(&p);
+            if was_on && !on {
+                return Some((way, length_m));
+            }
+            was_on |= on;
+        }
+        None
+    }
+}
+
+impl Floor<'_> {
+    /// Where a robot is and what it was granted, with the times at which it takes that; later by as much as it is late.
+    fn takes(self, robot: RobotId, now: Time) -> impl Iterator<Item = (Point, Window)> {
+        let chain = self.ledger.chain(robot);
+        let record = &self.ledger.robots[robot];
+        let stays = record.failed || record.interrupted;
+        let reached = self.reached(robot);
+        let next = chain.get(reached + 1);
+        let late = next.map_or(Span::ZERO, |v| (now - v.enter).max(Span::ZERO));
+        let until = move |leave: Time| match leave.is_forever() || stays {
+            true => Time::MAX,
+            false => (leave + late).max(now) + ABOUT,
+        };
+        let leaves = chain.get(reached).map_or(Time::MAX, |v| until(v.leave));
+        let here = (self.place_of(robot), Window::new(now, leaves));
+        let granted = (reached + 1..chain.granted()).filter_map(move |serial| chain.get(serial));
+        let ahead = granted.map(move |v| {
+            let enter = (v.enter + late - ABOUT).max(now);
+            (self.warehouse().nodes[v.node].at, Window::new(enter, until(v.leave).max(enter + ABOUT)))
+        });
+        std::iter::once(here).chain(ahead)
+    }
+}
+
+/// The robot for which one waits on the first metres of a way, and until when.
+fn first_wait(way: &TimedPath, now: Time) -> Option<(RobotId, Time)> {
+    let mut walked = 0.0;
+    for i in 1..way.points.len() {
+        if walked >= AHEAD_M {
+            return None;
+        }
+        let length = (way.points[i] - way.points[i - 1]).norm();
+        let sets_off = way.arrivals[i] - Span::from_secs_f64(length / WALKS_MPS);
+        if let Some(robot) = way.waits_for[i].filter(|_| sets_off - way.arrivals[i - 1] > LEAST) {
+            return Some((robot, sets_off.max(now + LEAST)));
+        }
+        walked += length;
+    }
+    None
+}
