@@ -14,6 +14,8 @@ export interface Ink {
   close: Colour;
   mark: Colour;
   stop: Colour;
+  /** What the narrow view masks. */
+  outside: Colour;
 }
 
 /** Numbers of one corner: x, y, z, red, green, blue, alpha. */
