@@ -167,7 +167,7 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
         const shown = wearer.shown();
         const [title, detail] = board(shown, wearer);
         const marking = wearer.marking.kind === 'taking' || wearer.marking.kind === 'refused';
-        return { shown, alignment: wearer.alignment, marking, narrow: false, title, detail };
+        return { shown, alignment: wearer.alignment, marking, narrow: false, board: 'eyes', title, detail };
       },
       drew: (target: Aim | null) => {
         wearer.drawn();

@@ -13,6 +13,8 @@ export interface Scene {
   alignment: Alignment | null;
   /** While marks are taken, a ring shows where a confirmation would take one. */
   marking: boolean;
+  /** A window has its board at the lower edge, small; before the eyes there is no such edge. */
+  board: 'eyes' | 'window';
   /** Only what the display of the published experiments would show is seen. */
   narrow: boolean;
   title: string;
@@ -42,6 +44,8 @@ export interface Head {
 
 /** Labels change their colour with robots closer than this, metres. */
 const CLOSE_M = 2;
+/** Between the board and the edge of a window, one metre ahead. */
+const EDGE_M = 0.02;
 
 export class Overlay {
   readonly painter: Painter;
@@ -58,7 +62,7 @@ export class Overlay {
 
   /** A frame with a pose. Answers where the next point is. */
   draw(target: WebGLFramebuffer | null, head: Head, sights: readonly Eyesight[], scene: Scene, pointed: Vec3 | null): Aim | null {
-    const { shown, alignment, marking, narrow, title, detail } = scene;
+    const { shown, alignment, marking, narrow, board, title, detail } = scene;
     const first = sights[0];
     if (!first) return null;
     const half = sight(first.projection, narrow);
@@ -81,7 +85,7 @@ export class Overlay {
       this.painter.flat(ring, world);
       if (alignment && from) near.forEach((robot, i) => this.#label(toDevice(alignment, robotAt(from, robot), head.floor + 1.35), head.at, world, i));
       this.painter.flat(before, viewer);
-      this.#board(shown, half, viewer);
+      this.#board(shown, half, viewer, narrow ? 'eyes' : board);
       this.painter.flat(masked, viewer);
       this.#eyes.push({ viewer, port });
     }
@@ -96,7 +100,7 @@ export class Overlay {
     for (const { viewer, port } of this.#eyes) {
       this.painter.gl.viewport(port.x, port.y, port.width, port.height);
       this.painter.flat(before, viewer);
-      this.#board(shown, this.#half, viewer);
+      this.#board(shown, this.#half, viewer, 'eyes');
     }
   }
 
@@ -112,11 +116,12 @@ export class Overlay {
     this.painter.sprite({ matrix, centre: at, right: [(dz / d) * size, 0, (-dx / d) * size], up: [0, size * 0.19, 0], piece: labelPiece(i) });
   }
 
-  #board(shown: Shown, half: Vec2, matrix: Mat4): void {
+  #board(shown: Shown, half: Vec2, matrix: Mat4, where: Scene['board']): void {
     const stop = shown.kind === 'stop';
     // Low in the view while all is well, in the middle when it matters.
-    const wide = Math.min(half[0] * (stop ? 0.8 : 0.55), stop ? 0.6 : 0.44);
-    const centre = [0, stop ? 0 : -half[1] * 0.62, -1] as const;
-    this.painter.sprite({ matrix, centre, right: [wide, 0, 0], up: [0, (wide * BOARD_PIECE[3]) / BOARD_PIECE[2], 0], piece: BOARD_PIECE });
+    const wide = stop ? Math.min(half[0] * 0.8, 0.6) : Math.min(half[0] * 0.55, where === 'window' ? 0.24 : 0.44);
+    const high = (wide * BOARD_PIECE[3]) / BOARD_PIECE[2];
+    const low = where === 'window' ? half[1] - high - EDGE_M : half[1] * 0.62;
+    this.painter.sprite({ matrix, centre: [0, stop ? 0 : -low, -1], right: [wide, 0, 0], up: [0, high, 0], piece: BOARD_PIECE });
   }
 }

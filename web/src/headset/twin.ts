@@ -10,7 +10,7 @@ import { canStand } from './polygon';
 import { board, Screen } from './screen';
 import type { Server } from './server';
 import { steer } from './steer';
-import { drag, headingOf, matricesOf, onMap, perspective, poseOf, seated, shifted, step, turned, walked, type Eye, type Free } from './walk';
+import { drag, headingOf, LONG_SIDE, matricesOf, onMap, perspective, poseOf, seated, shifted, step, turned, walked, type Eye, type Free } from './walk';
 import { Wearer, type WearerOptions } from './wearer';
 import { offers, RoomView } from './xr';
 import { Api, Link, type FloorMap } from '../wire';
@@ -145,7 +145,7 @@ export class Twin {
 
   #scene(alignment: Alignment | null): Scene {
     const [title, detail] = this.#words();
-    return { shown: this.#wearer.shown(), alignment, marking: false, narrow: this.#narrow, title, detail };
+    return { shown: this.#wearer.shown(), alignment, marking: false, narrow: this.#narrow, board: this.#vr === null ? 'window' : 'eyes', title, detail };
   }
 
   // --- In the window ---
@@ -184,7 +184,7 @@ export class Twin {
   /** Of the view one metre ahead. */
   #metresPerPixel(): number {
     const { clientWidth, clientHeight } = this.#canvas;
-    return 2 / Math.max(1, clientWidth, clientHeight);
+    return (2 * LONG_SIDE) / Math.max(1, clientWidth, clientHeight);
   }
 
   // --- Around the wearer ---

@@ -26,8 +26,8 @@ const TURN_RPS = 1.5;
 const STEEPEST = 1.4;
 /** A frame that took longer, because the page was hidden, is no long step: seconds. */
 const LONGEST_STEP_S = 0.1;
-/** A right angle of field of view along the longer side of the window. */
-const LONG_SIDE = 1;
+/** Half of what the longer side of a window shows, one metre ahead: 80°. */
+export const LONG_SIDE = Math.tan((40 * Math.PI) / 180);
 const [NEAR_M, FAR_M] = [0.1, 400];
 
 /** A step of a walker, who slides along what cannot be walked through. */
