@@ -29,6 +29,12 @@ export async function tap(context) {
         robot.x = (Math.round(robot.x * 1_000) + dx) / 1_000;
         robot.y = (Math.round(robot.y * 1_000) + dy) / 1_000;
       });
+      for (const [i, left, granted, stay, ...after] of message.ways ?? []) {
+        const robot = floor.robots[i];
+        if (!robot) continue;
+        const way = [...robot.granted, ...robot.held].slice(left, left + stay).concat(after);
+        [robot.granted, robot.held] = [way.slice(0, granted), way.slice(granted)];
+      }
       numbers(message.walks, floor.workers, 4, (worker, [x, y]) => {
         [worker.x, worker.y] = [x, y].map((n) => (n === null ? null : n / 1_000));
       });
