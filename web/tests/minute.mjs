@@ -99,11 +99,22 @@ const likely = async () => {
 };
 
 await page.goto(url);
+const map = await ask('/v1/map');
 await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
-/** What was seen of this minute, in seconds of the floor. */
-const seen = { worker: '', deviated: null, goal: null, yielding: null };
+/** What the page was told in this minute, picture by picture: `t` in seconds of the floor. */
+const story = () => page.evaluate(() => globalThis.story);
+const when = async (what, so) => {
+  for (const began = Date.now(); Date.now() - began < PATIENCE;) {
+    const found = await so();
+    if (found) return found;
+    await page.waitForTimeout(100);
+  }
+  throw new Error(`${what} is not shown; the page was told ${JSON.stringify((await story()).at(-1))}, the card says ${await card.innerText().catch(() => 'nothing')}`);
+};
+let worker = '';
+let began = 0;
 
-await check('A headset comes to the floor, gets a task, and follows its path', async () => {
+await check('A headset comes to the floor, gets a task, and the dashboard shows it on its path', async () => {
   await headset.goto(new URL('/headset', url).href);
   await headset.getByLabel('Name of the wearer').fill(NAME);
   await headset.getByLabel('Begin at').selectOption(START);
@@ -111,32 +122,120 @@ await check('A headset comes to the floor, gets a task, and follows its path', a
   await headset.locator('#headset[data-twin="window"][data-link="live"]').waitFor({ timeout: PATIENCE });
   await headset.getByRole('button', { name: 'Enter VR' }).click();
   await headset.locator('#headset[data-twin="vr"]').waitFor({ timeout: PATIENCE });
-  seen.worker = (await ask('/v1/workers')).items[0].id;
-  await ask(`/v1/workers/${seen.worker}/assignments`, { place: TASK, stay_s: 600 });
+  worker = (await ask('/v1/workers')).items[0].id;
+  await ask(`/v1/workers/${worker}/assignments`, { place: TASK, stay_s: 600 });
   await headset.locator('#headset[data-shown="following"]').waitFor({ timeout: PATIENCE });
-  await find(NAME).then(() => card.getByRole('heading', { name: NAME }).waitFor({ timeout: 5_000 })).catch(() => find(seen.worker));
-  await card.getByText('On the path').waitFor({ timeout: PATIENCE });
-  // From here it is a minute.
-  globalThis.began = await page.evaluate(() => globalThis.floor.time_s);
+  await page.waitForFunction((id) => globalThis.floor.workers.some((w) => w.id === id && w.state === 'following'), worker, { timeout: PATIENCE });
+  await find(worker);
+  await card.getByText(/^On the path for/).waitFor({ timeout: PATIENCE });
   await page.evaluate((id) => {
-    // What the page was told, second by second.
     globalThis.story = [];
+    let version = null;
     const look = () => {
       const { floor } = globalThis;
-      const worker = floor.workers.find((w) => w.id === id);
+      const { state, goals, x, y } = floor.workers.find((w) => w.id === id);
       const yields = floor.robots.filter((r) => r.why === `giving way to worker ${id}`).map((r) => r.id);
-      globalThis.story.push({ t: floor.time_s, state: worker.state, goal: worker.goals[0] ?? null, yields, at: [worker.x, worker.y] });
+      if (floor.version !== version) globalThis.story.push({ t: floor.time_s, state, goal: goals[0] ?? null, yields, at: [x, y], deviations: floor.counters.deviations });
+      version = floor.version;
       requestAnimationFrame(look);
     };
     look();
-  }, seen.worker);
+  }, worker);
+  began = await page.evaluate(() => globalThis.floor.time_s);
   await headset.evaluate(([places, speed]) => globalThis.walk(places, speed), [AHEAD, WALK_MPS]);
-  return `${seen.worker} at ${await sees('at')}`;
+  await card.getByText(/^On the path for/).waitFor({ timeout: PATIENCE });
+  return `${worker} at ${await sees('at')}`;
 });
-const story = () => page.evaluate(() => globalThis.story.filter((one, i, all) => i === 0 || JSON.stringify([one.state, one.goal, one.yields]) !== JSON.stringify([all[i - 1].state, all[i - 1].goal, all[i - 1].yields])));
-await headset.evaluate(([places, speed]) => globalThis.walk(places, speed), [ASTRAY, WALK_MPS]);
-console.log((await story()).map((s) => JSON.stringify(s)).join('\n'));
-console.log(await likely(), await card.innerText());
-await page.screenshot({ path: `${SHOTS}minute-live.png` });
+const astray = headset.evaluate(([places, speed]) => globalThis.walk(places, speed), [ASTRAY, WALK_MPS]);
+await check('When the headset walks off the path, the dashboard shows the deviation', async () => {
+  await card.getByText(/^(Off the path|On a new path) for/).waitFor({ timeout: PATIENCE });
+  await card.getByText('you left the path', { exact: true }).first().waitFor({ timeout: PATIENCE });
+  await page.getByRole('region', { name: 'Counters' }).getByText('Deviations').waitFor({ timeout: PATIENCE });
+  await when('a deviation', async () => (await story()).at(-1).deviations >= 1);
+  return (await card.locator('p').first().innerText()).trim();
+});
+await check('It shows where the worker is going now', async () => {
+  const top = await when(`the way to ${DOOR}`, async () => {
+    const first = await likely();
+    return first?.name === DOOR ? first : null;
+  });
+  await page.screenshot({ path: `${SHOTS}minute-live.png` });
+  return `${top.name}: ${top.share} %`;
+});
+await check('It shows a robot that gives way, with the reason', async () => {
+  const robot = page.getByRole('region', { name: 'Robot', exact: true });
+  const words = await when('a robot that gives way', async () => {
+    const id = (await story()).at(-1).yields[0];
+    if (id === undefined) return null;
+    await find(id);
+    const text = robot.getByText(new RegExp(`(giving|gives) way to .*(${worker}|${NAME})`)).first();
+    return text.waitFor({ timeout: 1_500 }).then(async () => `${id}: ${(await text.innerText()).trim()}`, () => null);
+  });
+  await page.screenshot({ path: `${SHOTS}minute-yields.png` });
+  await find(worker);
+  return words;
+});
+await astray;
+await page.waitForFunction((end) => globalThis.floor.time_s >= end, began + MINUTE_S, { timeout: 2 * MINUTE_S * 1_000 });
+
+const told = await story();
+const deviated = told.find((s) => s.state === 'deviating' || s.state === 'redirected');
+/** The moment in which a goal was the likeliest, when that was so just before and just after as well. */
+const steady = told.filter((s, i) => [i - 3, i, i + 3].every((k) => isDoor(told[k])) && i >= 3).sort((a, b) => b.goal.p - a.goal.p)[0];
+const yielding = told.find((s, i) => s.t > (deviated?.t ?? Infinity) && s.yields[0] && [i - 3, i + 3].every((k) => told[k]?.yields.includes(s.yields[0])));
+
+const slider = page.getByRole('slider', { name: 'Moment' });
+const seek = async (t) => {
+  await slider.evaluate((input, value) => {
+    input.value = String(value);
+    input.dispatchEvent(new Event('input', { bubbles: true }));
+  }, t);
+  await page.waitForTimeout(700);
+};
+await check('The replay has a bookmark of the same deviation, at the same second', async () => {
+  await page.getByRole('button', { name: 'Replay', exact: true }).click();
+  const mark = page.getByRole('region', { name: 'Bookmarks' }).getByRole('button', { name: /Off the path/ }).first();
+  await mark.waitFor({ timeout: PATIENCE });
+  const words = (await mark.innerText()).replaceAll(/\s+/g, ' ');
+  const { bookmarks } = await ask('/v1/past');
+  const first = bookmarks.find((one) => one.kind === 'deviation' && one.who.includes(worker));
+  assert(deviated && Math.abs(first.at_s - deviated.t) < 1, `the bookmark is of ${first.at_s} s, the page was told at ${deviated?.t} s`);
+  await mark.click();
+  await page.getByRole('button', { name: 'Pause', exact: true }).click({ timeout: 3_000 }).catch(() => {});
+  await seek(first.at_s + 0.5);
+  await card.getByText(/^(Off the path|On a new path) for/).waitFor({ timeout: PATIENCE });
+  await card.getByText('you left the path', { exact: true }).first().waitFor({ timeout: PATIENCE });
+  await page.screenshot({ path: `${SHOTS}minute-replay.png` });
+  return `${words}; ${first.at_s} s and ${deviated.t} s`;
+});
+await check('Before it, the worker was on the path', async () => {
+  await seek(deviated.t - 1);
+  await card.getByText(/^On the path for/).waitFor({ timeout: PATIENCE });
+});
+await check('It shows the same goal with the same probability at the same moment', async () => {
+  assert(steady, `${DOOR} was never the likeliest for long`);
+  await seek(steady.t);
+  const top = await when(`the way to ${DOOR}`, async () => {
+    const first = await likely();
+    return first?.name === DOOR ? first : null;
+  });
+  assert(Math.abs(top.share - 100 * steady.goal.p) <= 6, `${top.share} %, and ${steady.goal.p} live`);
+  return `${top.name}: ${top.share} % at ${steady.t} s, ${Math.round(100 * steady.goal.p)} % live`;
+});
+await check('It shows the same robot giving way at the same moment', async () => {
+  assert(yielding, 'no robot gave way for long');
+  await seek(yielding.t);
+  await find(yielding.yields[0]);
+  const text = page.getByRole('region', { name: 'Robot', exact: true }).getByText(new RegExp(`(giving|gives) way to .*(${worker}|${NAME})`)).first();
+  await text.waitFor({ timeout: PATIENCE });
+  return `${yielding.yields[0]}: ${(await text.innerText()).trim()}`;
+});
+await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
+
 await stop();
 await finish(browser);
+
+function isDoor(one) {
+  const door = map.nodes.find((n) => n.id === DOOR);
+  return one?.goal && Math.hypot(one.goal.x - door.x, one.goal.y - door.y) < 0.5;
+}

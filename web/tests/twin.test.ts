@@ -183,7 +183,7 @@ describe('outlines', () => {
 describe('the hall', () => {
   const c: Colour = [1, 1, 1, 1];
   const ink: HallInk = {
-    void: c, floor: c, edge: c, lane: c, blocked: c, closed: [1, 0, 0, 1], places: { charger: [0, 1, 0, 1] }, frame: c, goods: [c, c],
+    sky: c, floor: c, edge: c, lane: c, blocked: c, closed: [1, 0, 0, 1], places: { charger: [0, 1, 0, 1] }, frame: c, goods: [c, c],
     states: { idle: c, busy: c, free: c, interrupted: c, failed: c, gone: c, charging: c }, nose: c, person: c, region: c,
   };
   const row = { heading: 0, speed: 0, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null, rack: null, job: null, battery: 1, granted: [], held: [], why: null };

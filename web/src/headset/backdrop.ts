@@ -27,8 +27,8 @@ export class Hall implements Backdrop {
   #racked: { rows: Mirror['racks']; from: Vec2 } | null = null;
 
   constructor(map: FloorMap, ink: HallInk) {
-    [this.#map, this.#ink, this.sky] = [map, ink, ink.void];
-    this.#haze = { colour: ink.void, metres: SEEN_M };
+    [this.#map, this.#ink, this.sky] = [map, ink, ink.sky];
+    this.#haze = { colour: ink.sky, metres: SEEN_M };
   }
 
   get mirror(): Mirror {

@@ -6,8 +6,8 @@ import { area, beside, box, column, edge, line, placeAt } from './solids';
 import type { Closure, FloorMap, Footprint, Mirror, NodeKind, Robot, RobotKind, Worker } from '../wire';
 
 export interface HallInk {
-  /** Around the floor. */
-  void: Colour;
+  /** Around and above the floor, and in the distance. */
+  sky: Colour;
   floor: Colour;
   edge: Colour;
   lane: Colour;

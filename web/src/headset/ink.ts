@@ -39,7 +39,7 @@ export function roomInk(): Ink {
 export function hallInk(): HallInk {
   const of = colourOf;
   return {
-    void: of('map-void'), floor: of('map-floor'), edge: of('map-edge'), lane: of('map-lane'), blocked: of('twin-blocked'), closed: of('map-closed'),
+    sky: of('twin-sky'), floor: of('map-floor'), edge: of('map-edge'), lane: of('map-lane'), blocked: of('twin-blocked'), closed: of('map-closed'),
     places: { station: of('map-station'), queue: of('map-queue'), charger: of('map-charger'), parking: of('map-parking'), exit: of('map-exit') },
     frame: of('twin-frame'), goods: ['twin-goods-1', 'twin-goods-2', 'twin-goods-3'].map(of),
     states: {

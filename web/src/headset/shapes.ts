@@ -31,6 +31,8 @@ const CLOSE_M = 2;
 /** The path begins at the next point; up to so far from it, it is drawn from the feet: metres. */
 const FEET_M = 2.5;
 const ROUND = 28;
+/** How large the arrow at the edge of a small view is, by half the height of that view. */
+const ARROW_SHARE = 3;
 
 export class Shapes {
   #numbers: number[] = [];
@@ -142,7 +144,9 @@ export function eyes(shown: Shown, target: Aim | null, half: Vec2, ink: Ink): Sh
   if (shown.kind === 'stop') shapes.quad([-9, -9, -1], [9, -9, -1], [9, 9, -1], [-9, 9, -1], ink.stop);
   if (target?.kind !== 'off view' || shown.kind === 'stop') return shapes;
   const [x, y] = [target.x * half[0], target.y * half[1]];
-  const [c, s] = [Math.cos(target.angle), Math.sin(target.angle)];
+  // In a narrow view it is smaller, so that all of it is seen.
+  const size = Math.min(1, ARROW_SHARE * half[1]);
+  const [c, s] = [size * Math.cos(target.angle), size * Math.sin(target.angle)];
   const at = (along: number, across: number): Vec3 => [x + c * along - s * across, y + s * along + c * across, -1];
   shapes.triangle(at(0.09, 0), at(-0.04, 0.07), at(-0.04, -0.07), ink.next);
   shapes.quad(at(-0.04, 0.025), at(-0.12, 0.025), at(-0.12, -0.025), at(-0.04, -0.025), ink.next);
