@@ -4,7 +4,7 @@ import { toDevice, toMap, type Alignment, type Vec2, type Vec3 } from './frame';
 import type { Painter } from './gl';
 import type { Shown } from './guide';
 import { mask, sight, straight } from './mask';
-import { eyes, reticle, robotAt, room, type Colour, type Ink } from './shapes';
+import { eyes, POST_M, reticle, robotAt, room, type Colour, type Ink } from './shapes';
 import { BOARD_PIECE, labelPiece, MOST_LABELS, Sheet, type Writing } from './sheet';
 
 /** What is to be drawn now. */
@@ -13,7 +13,7 @@ export interface Scene {
   alignment: Alignment | null;
   /** While marks are taken, a ring shows where a confirmation would take one. */
   marking: boolean;
-  /** A window has its board at the lower edge, small; before the eyes there is no such edge. */
+  /** A window, and the narrow view, have their board at the lower edge; a display worn before the eyes has none. */
   board: 'eyes' | 'window';
   /** Only what the display of the published experiments would show is seen. */
   narrow: boolean;
@@ -44,8 +44,8 @@ export interface Head {
 
 /** Labels change their colour with robots closer than this, metres. */
 const CLOSE_M = 2;
-/** Between the board and the edge of a window, one metre ahead. */
-const EDGE_M = 0.02;
+/** Between the board and the lower edge of a window, as a share of half of its height. */
+const EDGE = 0.04;
 
 export class Overlay {
   readonly painter: Painter;
@@ -67,7 +67,7 @@ export class Overlay {
     if (!first) return null;
     const half = sight(first.projection, narrow);
     const from = alignment ? toMap(alignment, head.at) : null;
-    const next = alignment && shown.next ? aim(toDevice(alignment, shown.next, head.floor), head.inverse, straight(first.projection, half)) : null;
+    const next = alignment && shown.next ? aim(toDevice(alignment, shown.next, head.floor + POST_M), head.inverse, straight(first.projection, half)) : null;
     const inRoom = alignment && from ? room(shown, alignment, head.floor, from, this.#ink).corners : new Float32Array();
     const ring = marking && pointed ? reticle(pointed, this.#ink).corners : new Float32Array();
     const before = eyes(shown, next, half, this.#ink).corners;
@@ -85,7 +85,7 @@ export class Overlay {
       this.painter.flat(ring, world);
       if (alignment && from) near.forEach((robot, i) => this.#label(toDevice(alignment, robotAt(from, robot), head.floor + 1.35), head.at, world, i));
       this.painter.flat(before, viewer);
-      this.#board(shown, half, viewer, narrow ? 'eyes' : board);
+      this.#board(shown, half, viewer, narrow ? 'window' : board);
       this.painter.flat(masked, viewer);
       this.#eyes.push({ viewer, port });
     }
@@ -121,7 +121,7 @@ export class Overlay {
     // Low in the view while all is well, in the middle when it matters.
     const wide = stop ? Math.min(half[0] * 0.8, 0.6) : Math.min(half[0] * 0.55, where === 'window' ? 0.24 : 0.44);
     const high = (wide * BOARD_PIECE[3]) / BOARD_PIECE[2];
-    const low = where === 'window' ? half[1] - high - EDGE_M : half[1] * 0.62;
+    const low = where === 'window' ? half[1] * (1 - EDGE) - high : half[1] * 0.62;
     this.painter.sprite({ matrix, centre: [0, stop ? 0 : -low, -1], right: [wide, 0, 0], up: [0, high, 0], piece: BOARD_PIECE });
   }
 }

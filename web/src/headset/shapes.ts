@@ -23,6 +23,8 @@ export const STRIDE = 7;
 /** Above the floor, so that the two do not flicker; metres. */
 const LIFT_M = 0.012;
 const RIBBON_M = 0.26;
+/** The height of the post at the next point, which is what the wearer looks for. */
+export const POST_M = 1.2;
 const CHEVRON_EVERY_M = 0.9;
 const ROBOT_RING_M = 0.7;
 const MARK_RING_M = 0.16;
@@ -118,7 +120,7 @@ export function room(shown: Shown, alignment: Alignment, floor: number, from: Ve
   if (shown.next) {
     const next = place(shown.next);
     shapes.ring(next, 0.17, 0.24, ink.next);
-    shapes.post(next, 1.2, ink.next);
+    shapes.post(next, POST_M, ink.next);
   }
   for (const robot of shown.near) {
     const at = place(robotAt(from, robot));
