@@ -33,7 +33,7 @@ listen(page, complaints);
 /** The middle of the lower right aisle, through which most robots come to a station, metres: x0, y0, x1, y1. */
 const AREA = [11.7, 1.7, 12.3, 5.3];
 /** Robots are seen to cross it for so long at most, and to keep out of it for so long. */
-const [BEFORE_S, AFTER_S] = [90, 30];
+const [BEFORE_S, AFTER_S] = [90, 25];
 /** What was granted before the closure is driven: so many seconds at most. */
 const OUT_S = 25;
 const host = page.getByRole('application', { name: 'Map of the floor' });
