@@ -175,7 +175,7 @@ describe('the arrow', () => {
 
 describe('shapes', () => {
   const c = [0, 0, 0, 1] as const;
-  const ink: Ink = { path: c, chevron: c, next: c, robot: c, close: c, mark: c, stop: c };
+  const ink: Ink = { path: c, chevron: c, next: c, robot: c, close: c, mark: c, stop: c, outside: c };
   test('the ribbon covers the path, corners too, and goes no further', () => {
     const shapes = new Shapes();
     ribbon(shapes, [[0, 0, 0], [2, 0, 0], [2, 0, 2]], ink);
@@ -223,7 +223,7 @@ class World {
   wearer: Wearer;
   constructor(frame: 'device' | 'map') {
     this.wearer = new Wearer({
-      frame, random: () => 1, onChange: () => {}, marks: [{ name: 'A', at: [0, 0] }, { name: 'B', at: [10, 0] }],
+      frame, poses: frame === 'map' ? 'placed' : 'tracked', random: () => 1, onChange: () => {}, marks: [{ name: 'A', at: [0, 0] }, { name: 'B', at: [10, 0] }],
       open: (events) => {
         const line = { events, sent: [] as Record<string, unknown>[], shut: false };
         this.lines.push(line);

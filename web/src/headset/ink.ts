@@ -1,4 +1,5 @@
 // Colours, read from the style sheet, where each is written once.
+import type { HallInk } from './hall';
 import type { Colour, Ink } from './shapes';
 
 const known = new Map<string, string>();
@@ -18,12 +19,33 @@ export function inkOf(name: string): string {
   return colour;
 }
 
-/** Colours for WebGL. */
+/** A colour for WebGL, by its name in app.css. */
+function colourOf(name: string): Colour {
+  const numbers = inkOf(name).match(/[\d.]+/g)?.map(Number) ?? [];
+  const [r = 255, g = 255, b = 255, a = 1] = numbers;
+  return [r / 255, g / 255, b / 255, a];
+}
+
+/** The colours of guidance. */
 export function roomInk(): Ink {
-  const of = (name: string): Colour => {
-    const numbers = inkOf(`xr-${name}`).match(/[\d.]+/g)?.map(Number) ?? [];
-    const [r = 255, g = 255, b = 255, a = 1] = numbers;
-    return [r / 255, g / 255, b / 255, a];
+  const of = (name: string): Colour => colourOf(`xr-${name}`);
+  return {
+    path: of('path'), chevron: of('chevron'), next: of('next'), robot: of('robot'), close: of('close'), mark: of('mark'), stop: of('stop'),
+    outside: of('outside'),
   };
-  return { path: of('path'), chevron: of('chevron'), next: of('next'), robot: of('robot'), close: of('close'), mark: of('mark'), stop: of('stop') };
+}
+
+/** The colours of the twin: those of the map where it has them. */
+export function hallInk(): HallInk {
+  const of = colourOf;
+  return {
+    sky: of('twin-sky'), floor: of('map-floor'), edge: of('map-edge'), lane: of('map-lane'), blocked: of('twin-blocked'), closed: of('map-closed'),
+    places: { station: of('map-station'), queue: of('map-queue'), charger: of('map-charger'), parking: of('map-parking'), exit: of('map-exit') },
+    frame: of('twin-frame'), goods: ['twin-goods-1', 'twin-goods-2', 'twin-goods-3'].map(of),
+    states: {
+      idle: of('state-idle'), busy: of('state-busy'), free: of('state-free'), interrupted: of('state-interrupted'), failed: of('state-failed'),
+      gone: of('state-idle'), charging: of('state-charging'),
+    },
+    nose: of('twin-nose'), person: of('map-person'), region: of('map-region'),
+  };
 }

@@ -1,4 +1,4 @@
-// The page of a wearer: sign in, choose marks, then the view into the room, or a map on a phone.
+// The page of a wearer: sign in, choose marks, then the view into the room, a map on a phone, or the twin.
 import '../app.css';
 import './headset.css';
 import { applyTheme, storedTheme } from '../parts';
@@ -6,12 +6,15 @@ import type { FloorMap } from '../wire';
 import { suggest, type Place } from './align';
 import type { Aim } from './arrow';
 import { field, make } from './dom';
+import { Painter } from './gl';
 import { inkOf, roomInk } from './ink';
+import { Overlay } from './overlay';
 import { drawMap, onMap, type Lens, type Self } from './phone';
+import { canStand } from './polygon';
 import { board, refusal, Screen, write } from './screen';
 import { Server } from './server';
 import { Wearer, PLACED_MS } from './wearer';
-import { hasRoomView, RoomView } from './xr';
+import { offers, RoomView } from './xr';
 
 applyTheme(storedTheme());
 const host = document.getElementById('headset');
@@ -23,13 +26,15 @@ const clock = { now: () => performance.now(), after: (ms: number, run: () => voi
 interface Kept {
   name: string;
   marks: string[];
+  /** Where the twin begins. */
+  start: string;
 }
 const kept = (): Kept => {
   try {
     const read = JSON.parse(localStorage.getItem(KEPT) ?? '{}') as Partial<Kept>;
-    return { name: read.name ?? '', marks: read.marks ?? [] };
+    return { name: read.name ?? '', marks: read.marks ?? [], start: read.start ?? '' };
   } catch {
-    return { name: '', marks: [] };
+    return { name: '', marks: [], start: '' };
   }
 };
 const keep = (now: Kept): void => {
@@ -42,7 +47,7 @@ const keep = (now: Kept): void => {
 
 /** The first screen: who wears this, and by which marks. `ended` says why a session before is over. */
 async function signIn(ended = ''): Promise<void> {
-  const [canSee, map, workers] = await Promise.all([hasRoomView(), server.map(), server.workers()]);
+  const [canSee, map, workers] = await Promise.all([offers('immersive-ar'), server.map(), server.workers()]);
   if (!host) return;
   if (map.kind !== 'ok') return void host.replaceChildren(locked(map.kind === 'locked', map.kind === 'refused' ? map.text : ''));
   const old = kept();
@@ -61,7 +66,11 @@ async function signIn(ended = ''): Promise<void> {
     select.value = first[i] ?? (i === 2 ? '' : (places[i]?.name ?? ''));
     return select;
   });
+  const standing = places.filter((p) => canStand(map.value, p.at));
+  const start = make('select', { id: 'start', name: 'start' }, ...standing.map((p) => make('option', { value: p.name, textContent: p.name })));
+  start.value = standing.some((p) => p.name === old.start) ? old.start : (standing[0]?.name ?? '');
   const error = make('p', { className: 'error', role: 'alert', textContent: ended });
+  const twin = make('button', { type: 'button', textContent: 'Enter the twin', disabled: standing.length === 0 });
   const room = make('button', { type: 'submit', className: 'main', textContent: 'Enter the room view', disabled: !canSee });
   const flat = make('button', { type: 'button', textContent: 'Use as a phone: map and text', className: canSee ? '' : 'main' });
   const why = isSecureContext ? 'This browser has no room view (WebXR). ' : 'The room view needs HTTPS: open this page with https://. ';
@@ -75,20 +84,24 @@ async function signIn(ended = ''): Promise<void> {
         ...marks.map((m, i) => field(i === 2 ? 'Third mark (more reliable)' : i === 0 ? 'First mark' : 'Second mark', m)))]
       : [make('p', { className: 'dim', textContent: `${why}A phone shows the same guidance on a map.` })]),
     error, make('div', { className: 'row wrap' }, flat, ...(canSee ? [room] : [])),
+    make('fieldset', {}, make('legend', { textContent: 'The twin: the floor in three dimensions' }),
+      make('p', { className: 'dim', textContent: 'Walk through the floor in this window or with a VR headset, to try things out or to train. Robots give way to you as to anybody on the floor.' }),
+      field('Begin at', start), make('div', { className: 'row' }, twin)),
     make('p', { className: 'dim small', textContent: 'This page uses and sends no camera images. The server receives positions and keeps those of encounters with robots.' }),
     make('p', { className: 'small' }, make('a', { href: '/', textContent: 'To the dashboard' })));
-  const begin = async (view: 'room' | 'phone'): Promise<void> => {
+  const begin = async (view: 'room' | 'phone' | 'twin'): Promise<void> => {
     const chosen = marks.map((m) => m.value).filter((m) => m !== '');
     if (!form.reportValidity()) return;
     if (view === 'room' && new Set(chosen).size < chosen.length) return void (error.textContent = 'Choose different marks.');
     error.textContent = '';
     // The room needs a click that is fresh: what else is to be asked is asked after it is open.
     const hired = server.hire(name.value.trim());
-    keep({ name: name.value.trim(), marks: chosen });
-    if (view === 'phone') {
+    keep({ name: name.value.trim(), marks: chosen, start: start.value });
+    if (view !== 'room') {
       const worker = await hired;
-      if (worker.kind === 'ok') return phone(map.value, worker.value.id, worker.value.name);
-      return void (error.textContent = words(worker));
+      if (worker.kind !== 'ok') return void (error.textContent = words(worker));
+      const { id, name: known } = worker.value;
+      return view === 'phone' ? phone(map.value, id, known) : enterTwin(map.value, { id, name: known }, standing.find((p) => p.name === start.value) ?? standing[0]!);
     }
     const failed = await seeRoom(hired, chosen.map((m) => known.get(m)!), name.value.trim());
     if (failed) error.textContent = failed;
@@ -98,6 +111,7 @@ async function signIn(ended = ''): Promise<void> {
     void begin(canSee ? 'room' : 'phone');
   });
   flat.addEventListener('click', () => void begin('phone'));
+  twin.addEventListener('click', () => void begin('twin'));
   host.dataset['screen'] = 'sign-in';
   host.replaceChildren(make('main', {}, form));
 }
@@ -127,7 +141,7 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
   let id = '';
   let over = false;
   const wearer: Wearer = new Wearer({
-    frame: 'device', clock, random: Math.random, marks, open: (events) => server.open(id, events), onChange: () => refresh(),
+    frame: 'device', poses: 'tracked', clock, random: Math.random, marks, open: (events) => server.open(id, events), onChange: () => refresh(),
   });
   const screen = new Screen(host, wearer);
   const refresh = (): void => {
@@ -137,7 +151,7 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
   };
   let view: RoomView;
   try {
-    view = await RoomView.enter(canvas, roomInk(), inkOf, {
+    view = await RoomView.enter('immersive-ar', new Overlay(new Painter(canvas), roomInk(), inkOf, null), {
       sample: (sample) => wearer.frame(sample),
       confirm: (at) => wearer.confirm(at),
       held: () => wearer.remark(),
@@ -153,7 +167,7 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
         const shown = wearer.shown();
         const [title, detail] = board(shown, wearer);
         const marking = wearer.marking.kind === 'taking' || wearer.marking.kind === 'refused';
-        return { shown, alignment: wearer.alignment, marking, title, detail };
+        return { shown, alignment: wearer.alignment, marking, narrow: false, board: 'eyes', title, detail };
       },
       drew: (target: Aim | null) => {
         wearer.drawn();
@@ -184,6 +198,21 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
   return '';
 }
 
+/** The twin, which is fetched only when somebody enters it. */
+async function enterTwin(map: FloorMap, worker: { id: string; name: string }, start: Place): Promise<void> {
+  if (!host) return;
+  const [{ Twin }, kinds] = await Promise.all([import('./twin'), server.kinds()]);
+  try {
+    const twin = new Twin({
+      host, server, map: { ...map, kinds: kinds.kind === 'ok' ? kinds.value : [] }, worker, start: start.at, clock, safety: SAFETY,
+      left: () => leave(worker.id, worker.name),
+    });
+    await twin.open();
+  } catch (error) {
+    await signIn(`The twin did not open: ${error instanceof Error ? error.message : String(error)}`);
+  }
+}
+
 /** After the view: robots go on keeping away, until somebody says that nobody is there. */
 async function left(id: string, name: string, wrong = ''): Promise<void> {
   if (!host || id === '') return signIn();
@@ -203,11 +232,16 @@ async function left(id: string, name: string, wrong = ''): Promise<void> {
     error, make('div', { className: 'row wrap' }, gone, again))));
 }
 
+/** Says that nobody is there any more. Robots go on keeping away unless the server has heard it. */
+function leave(id: string, name: string): void {
+  void server.clear(id).then((answer) => (answer.kind === 'ok' ? signIn(`${name} has left the floor.`) : left(id, name, words(answer))));
+}
+
 /** The map on a phone. */
 function phone(map: FloorMap, id: string, name: string): void {
   if (!host) return;
   const canvas = make('canvas', { className: 'map', role: 'img', ariaLabel: 'Map with your path' });
-  const wearer: Wearer = new Wearer({ frame: 'map', clock, random: Math.random, marks: [], open: (events) => server.open(id, events), onChange: () => refresh() });
+  const wearer: Wearer = new Wearer({ frame: 'map', poses: 'placed', clock, random: Math.random, marks: [], open: (events) => server.open(id, events), onChange: () => refresh() });
   const screen = new Screen(host, wearer);
   const where = make('p', { className: 'where' });
   const near = make('ul', { className: 'near', ariaLabel: 'Robots nearby' });
@@ -249,8 +283,7 @@ function phone(map: FloorMap, id: string, name: string): void {
   gone.addEventListener('click', () => {
     beats.forEach(clearInterval);
     screen.close();
-    // Robots go on keeping away unless the server has heard it.
-    void server.clear(id).then((answer) => (answer.kind === 'ok' ? signIn(`${name} has left the floor.`) : left(id, name, words(answer))));
+    leave(id, name);
   });
   host.dataset['screen'] = 'phone';
   host.replaceChildren(make('main', { className: 'phone' }, screen.banner, canvas, where, near, screen.note, screen.stop,

@@ -80,7 +80,7 @@ export function board(shown: Shown, wearer: Wearer): readonly [title: string, de
       return ['The marks do not fit', `${marking.text} Confirm to take them again.`];
     case 'done':
       if (wearer.due() !== null) return [shown.title, `${shown.detail} ${refusal(wearer)}Done here? Pinch, pull the trigger or tap.`.trim()];
-      return [shown.title, shown.kind === 'idle' ? `${shown.detail} Marks fit within ${metres(marking.rms_m)}; hold the trigger to take them again.` : shown.detail];
+      return [shown.title, shown.kind === 'idle' && names.length > 0 ? `${shown.detail} Marks fit within ${metres(marking.rms_m)}; hold the trigger to take them again.` : shown.detail];
   }
 }
 

@@ -1,6 +1,6 @@
 // Requests of this page to the public API, with the token where one is wanted.
 import type { Line, LineEvents } from './feed';
-import type { FloorMap, Problem, Worker } from '../wire';
+import type { FloorMap, Problem, RobotKind, Worker } from '../wire';
 
 export type Answer<T> = { kind: 'ok'; value: T } | { kind: 'locked' } | { kind: 'refused'; text: string } | { kind: 'unreachable' };
 
@@ -16,6 +16,7 @@ export class Server {
   }
 
   map = () => this.#ask<FloorMap>('GET', '/v1/map');
+  kinds = () => this.#ask<RobotKind[]>('GET', '/v1/kinds');
   workers = () => this.#ask<{ items: Worker[] }>('GET', '/v1/workers?limit=200');
   worker = (id: string) => this.#ask<Worker>('GET', `/v1/workers/${encodeURIComponent(id)}`);
   /** The same name is the same worker. */

@@ -14,6 +14,8 @@ export interface Ink {
   close: Colour;
   mark: Colour;
   stop: Colour;
+  /** What the narrow view masks. */
+  outside: Colour;
 }
 
 /** Numbers of one corner: x, y, z, red, green, blue, alpha. */
@@ -21,6 +23,8 @@ export const STRIDE = 7;
 /** Above the floor, so that the two do not flicker; metres. */
 const LIFT_M = 0.012;
 const RIBBON_M = 0.26;
+/** The height of the post at the next point, which is what the wearer looks for. */
+export const POST_M = 1.2;
 const CHEVRON_EVERY_M = 0.9;
 const ROBOT_RING_M = 0.7;
 const MARK_RING_M = 0.16;
@@ -29,6 +33,8 @@ const CLOSE_M = 2;
 /** The path begins at the next point; up to so far from it, it is drawn from the feet: metres. */
 const FEET_M = 2.5;
 const ROUND = 28;
+/** How large the arrow at the edge of a small view is, by half the height of that view. */
+const ARROW_SHARE = 3;
 
 export class Shapes {
   #numbers: number[] = [];
@@ -114,7 +120,7 @@ export function room(shown: Shown, alignment: Alignment, floor: number, from: Ve
   if (shown.next) {
     const next = place(shown.next);
     shapes.ring(next, 0.17, 0.24, ink.next);
-    shapes.post(next, 1.2, ink.next);
+    shapes.post(next, POST_M, ink.next);
   }
   for (const robot of shown.near) {
     const at = place(robotAt(from, robot));
@@ -140,7 +146,9 @@ export function eyes(shown: Shown, target: Aim | null, half: Vec2, ink: Ink): Sh
   if (shown.kind === 'stop') shapes.quad([-9, -9, -1], [9, -9, -1], [9, 9, -1], [-9, 9, -1], ink.stop);
   if (target?.kind !== 'off view' || shown.kind === 'stop') return shapes;
   const [x, y] = [target.x * half[0], target.y * half[1]];
-  const [c, s] = [Math.cos(target.angle), Math.sin(target.angle)];
+  // In a narrow view it is smaller, so that all of it is seen.
+  const size = Math.min(1, ARROW_SHARE * half[1]);
+  const [c, s] = [size * Math.cos(target.angle), size * Math.sin(target.angle)];
   const at = (along: number, across: number): Vec3 => [x + c * along - s * across, y + s * along + c * across, -1];
   shapes.triangle(at(0.09, 0), at(-0.04, 0.07), at(-0.04, -0.07), ink.next);
   shapes.quad(at(-0.04, 0.025), at(-0.12, 0.025), at(-0.12, -0.025), at(-0.04, -0.025), ink.next);

@@ -9,6 +9,8 @@ import { Pump, type Sample } from './pump';
 export interface WearerOptions extends Pick<FeedOptions, 'frame' | 'open' | 'clock' | 'random'> {
   /** Names of the marks that the wearer will show, and where the map has them. */
   marks: readonly { name: string; at: Vec2 }[];
+  /** Poses of frames, as from a headset; or places that the wearer points out on a map. */
+  poses: 'tracked' | 'placed';
   onChange(): void;
 }
 
@@ -46,7 +48,9 @@ export class Wearer {
 
   constructor(options: WearerOptions) {
     this.#options = options;
-    this.marking = { kind: 'taking', names: options.marks.map((m) => m.name), taken: [] };
+    const names = options.marks.map((m) => m.name);
+    // In the frame of the map there is nothing to align.
+    this.marking = options.frame === 'map' ? { kind: 'done', names, taken: [], rms_m: 0 } : { kind: 'taking', names, taken: [] };
     this.#feed = new Feed({
       ...options,
       onState: (state) => {
@@ -81,7 +85,7 @@ export class Wearer {
   /** Called a few times a second, with and without frames. */
   tick(): void {
     const now = this.#options.clock.now();
-    if (this.#options.frame === 'device') {
+    if (this.#options.poses === 'tracked') {
       const message = this.pump.missing(now);
       if (message) this.#send(message);
     } else if (this.placed && now - this.placed.since >= PLACED_MS) {
@@ -107,7 +111,7 @@ export class Wearer {
     const assignment = this.guidance?.assignment ?? null;
     const guided = ['following', 'deviating', 'redirected'].includes(this.shown().kind);
     if (!guided || assignment === null || assignment === this.#reported) return null;
-    return this.#options.frame === 'map' || lengthOf(this.guidance?.path ?? []) < THERE_M ? assignment : null;
+    return this.#options.poses === 'placed' || lengthOf(this.guidance?.path ?? []) < THERE_M ? assignment : null;
   }
   done(): void {
     const due = this.due();
@@ -140,7 +144,7 @@ export class Wearer {
 
   shown(): Shown {
     const now = this.#options.clock.now();
-    const tracking = this.#options.frame === 'map' ? 'none' : this.pump.isLost(now) ? 'lost' : this.#quality;
+    const tracking = this.#options.poses === 'placed' ? 'none' : this.pump.isLost(now) ? 'lost' : this.#quality;
     const link: Standing['link'] = this.feed.kind;
     const age_ms = this.#heardAt === null ? null : now - this.#heardAt;
     return show(this.guidance, { age_ms, link, tracking, aligned: this.#options.frame === 'map' || this.alignment !== null });
