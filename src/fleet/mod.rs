@@ -37,7 +37,7 @@ pub use state::why::Why;
 pub use state::wishes::Wishes;
 pub use state::worker::{
     Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
-    FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
+    FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerEpisode, WorkerView,
 };
 
 use crate::id::RobotId;
@@ -94,7 +94,7 @@ impl Fleet {
         let warehouse = ledger.warehouse().clone();
         let core = Core::new(ledger, settings);
         let mut fleet = Fleet {
-            people: HumanState::new(&warehouse, &core.regions),
+            people: HumanState::new(&warehouse, &core.regions, core.settings.method),
             yielding: Yielding::default(),
             traffic: Traffic::new(&core),
             core,

@@ -36,7 +36,7 @@ pub use digest::Digest;
 pub use laws::Violation;
 pub use run::{JobTally, Outcome, People, Simulation};
 pub use scenario::{
-    Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, KindShare, Personas, Rates, Scenario,
+    Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, KindShare, MethodWord, Personas, Rates, Scenario,
     ScenarioError, SecondTag, Sensor, Source, Workers,
 };
 pub use world::{World, starting_places};

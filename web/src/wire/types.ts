@@ -397,6 +397,15 @@ export interface WorkerDetail {
   age_s: number | null;
   accuracy: number;
   feed: { taken: number; late: number; jumps: number; absurd: number };
+  /** The oldest first. */
+  sequence: Episode[];
+}
+/** A stretch of time in which a worker was most probably up to the same thing. */
+export interface Episode {
+  state: 'goal' | 'undecided' | 'elsewhere';
+  x: number | null;
+  y: number | null;
+  since: string;
 }
 
 /** RFC 9457, with the field each error belongs to. */
