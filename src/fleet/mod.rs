@@ -17,10 +17,12 @@ mod yielding;
 
 pub use people::forecast::{AHEAD_S, Expected};
 pub use read::backlog::{Backlog, Pending};
-pub use read::occupancy::{Area, MOST_NODES, NodeOccupancy};
+pub use read::area::Area;
+pub use read::occupancy::{MOST_NODES, NodeOccupancy};
 pub use read::rows::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JobQuery, JobRow,
 };
+pub use read::safety_regions::{RegionStay, SafetyRegion};
 pub use read::view::{Counts, Doing, JobWhy, RobotState, RobotView, StationView, View};
 pub use read::why::{Because, LostWorker, Standstill, Waiting, Who};
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
@@ -39,6 +41,7 @@ pub use state::worker::{
     Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
     FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerEpisode, WorkerView,
 };
+pub use traffic::state::InsertionCounts;
 
 use crate::id::RobotId;
 use crate::time::Time;

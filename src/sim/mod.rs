@@ -6,6 +6,7 @@
 //! to show the fleet anything that a real floor would not.
 
 mod announce;
+mod consistency;
 mod crew;
 mod customers;
 pub mod detection;
@@ -35,6 +36,7 @@ pub use customers::{FIRST_TOKEN, OrderLine};
 pub use digest::Digest;
 pub use laws::Violation;
 pub use run::{JobTally, Outcome, People, Simulation};
+pub use consistency::{Consistency, NeesFigures};
 pub use scenario::{
     Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, KindShare, MethodWord, Personas, Rates, Scenario,
     ScenarioError, SecondTag, Sensor, Source, Workers,

@@ -7,6 +7,7 @@ import { CHARTS, gaps, gridOf, runs, valuesOf } from '../src/charts/series';
 import { replayOf, sorted } from '../src/encounters/encounters';
 import { placeNear } from '../src/floor/scene/places';
 import { feedWords } from '../src/people/feedwords';
+import { sequenceLines } from '../src/people/sequence';
 import { forecastsOf } from '../src/floor/paint/heat';
 import { borders, cellsOf, heatOfPlaces, words } from '../src/floor/paint/heatmap';
 import { EMPTY, reduce, type Mirror } from '../src/wire/mirror';

@@ -77,6 +77,7 @@ impl Fleet {
             failed: sums.failed,
             plans: tally.plans,
             plan_failures: tally.failures,
+            insertions: tally.insertions,
             encounters: sums.encounters,
             deviations: sums.deviations,
             interruptions: sums.interruptions,

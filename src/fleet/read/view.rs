@@ -3,6 +3,7 @@
 //! Main types: [`View`], [`RobotView`], [`JobWhy`]. Made on demand by [`crate::fleet::Fleet::view`], since
 //! a simulation of an hour needs none of the 36 000 it could have. Refuses: to be an input of any decision.
 
+use crate::fleet::traffic::state::InsertionCounts;
 use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
@@ -302,6 +303,8 @@ pub struct Counts {
     pub plans: u64,
     /// Searches that found none.
     pub plan_failures: u64,
+    /// Routes that were inserted by moving others.
+    pub insertions: InsertionCounts,
     /// Encounters of robots and workers.
     pub encounters: u64,
     /// How often a worker left the path.

@@ -5,11 +5,11 @@
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
-use crate::fleet::traffic::state::Traffic;
+use crate::fleet::traffic::state::{InsertionCounts, Traffic};
 use crate::fleet::traffic::truncate::robot_of;
 use crate::id::RobotId;
 use crate::route::Route;
-use crate::time::Time;
+use crate::time::{Span, Time};
 use crate::timeline::{Holder, Timeline};
 use std::collections::BTreeMap;
 
@@ -30,13 +30,17 @@ impl Traffic {
         if let Some(need) = self.needs.waiting.get_mut(&robot) {
             need.behind = others.first().copied().or(broken);
         }
+        self.tally.insertions.tried += 1;
         assert!(others.len() <= OTHERS && !others.contains(&robot), "{robot:?} moves {others:?}");
         let mut best: Option<(i64, Vec<Found>)> = None;
+        let mut behind: Option<i64> = None;
         for size in 1..=others.len() {
             for order in orders(robot, &others[..size]) {
-                if let Some((cost, routes)) = self.plan_in_order(core, &order, now)
-                    && best.as_ref().is_none_or(|(c, _)| cost < *c)
-                {
+                let Some((cost, routes)) = self.plan_in_order(core, &order, now) else { continue };
+                if order[..size] == others[..size] {
+                    behind = Some(cost);
+                }
+                if best.as_ref().is_none_or(|(c, _)| cost < *c) {
                     best = Some((cost, routes));
                 }
             }
@@ -45,7 +49,8 @@ impl Traffic {
             }
         }
         self.plan_times.push((core.settings.stopwatch)() - start);
-        let Some((_, routes)) = best else { return false };
+        let Some((cost, routes)) = best else { return false };
+        self.tally.insertions.count(cost, behind);
         commit_all(core, routes);
         true
     }
@@ -114,6 +119,17 @@ impl Traffic {
         let routes = in_turn(core, order, |core, timeline, r| self.search_on(core, timeline, r, now))?;
         let cost = routes.iter().map(|(_, route)| (route.arrival - now).0).sum();
         Some((cost, routes))
+    }
+}
+
+impl InsertionCounts {
+    /// One that worked: the sum of all arrivals, and what it would be with the robot behind the others.
+    fn count(&mut self, cost_us: i64, behind_us: Option<i64>) {
+        self.succeeded += 1;
+        match behind_us {
+            Some(behind) => self.gain += Span(behind - cost_us),
+            None => self.only_way += 1,
+        }
     }
 }
 

@@ -9,7 +9,7 @@ mod mode;
 use crate::geometry::{Point, Vector};
 use crate::time::{Span, Time};
 use mode::{KinematicState, Mat5, MotionMode, Vec5};
-use nalgebra::{Matrix2, Matrix5x2};
+use nalgebra::{Matrix2, Matrix4, Matrix5x2, Vector4};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{LN_2, TAU};
 
@@ -110,6 +110,35 @@ pub struct Ahead {
     pub modes: [f64; 3],
 }
 
+/// What the filter knows at its newest fix: a Gaussian over place and velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionEstimate {
+    /// When the newest fix was so.
+    pub seen: Time,
+    /// Place and velocity, metres and metres per second.
+    pub mean: Vector4<f64>,
+    /// Their covariance.
+    pub cov: Matrix4<f64>,
+}
+
+impl MotionEstimate {
+    /// The normalised estimation error squared of place and velocity: chi-square with four degrees of freedom where the
+    /// filter knows how wrong it is (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
+    pub fn nees(&self, at: Point, velocity: Vector) -> f64 {
+        let error = Vector4::new(at.x, at.y, velocity.x, velocity.y) - self.mean;
+        let inverse = self.cov.try_inverse().expect("the covariance of an estimate has an inverse");
+        error.dot(&(inverse * error))
+    }
+
+    /// The same of the place alone: two degrees of freedom.
+    pub fn nees_of_place(&self, at: Point) -> f64 {
+        let error = Vector::new(at.x - self.mean[0], at.y - self.mean[1]);
+        let place = self.cov.fixed_view::<2, 2>(0, 0).into_owned();
+        let inverse = place.try_inverse().expect("the covariance of a place has an inverse");
+        error.dot(&(inverse * error))
+    }
+}
+
 /// Squared Mahalanobis distance beyond which a fix is doubted (one in two million true ones).
 const GATE: f64 = 29.0;
 /// So many doubted fixes in a row are right, and the filter is wrong.
@@ -142,6 +171,13 @@ impl Motion {
     /// When the newest fix was so.
     pub fn seen(&self) -> Option<Time> {
         self.seen
+    }
+
+    /// What is known at the newest fix; nothing before the first.
+    pub fn estimate(&self) -> Option<MotionEstimate> {
+        let (seen, s) = (self.seen?, blend(&self.states, &self.chances));
+        let mean = s.mean.fixed_rows::<4>(0).into_owned();
+        Some(MotionEstimate { seen, mean, cov: s.cov.fixed_view::<4, 4>(0, 0).into_owned() })
     }
 
     /// How likely all fixes were, as a sum of logarithms (density per m²), and how many they were.

@@ -302,6 +302,16 @@ export interface Strip {
   y: number;
   holds: Hold[];
   conditions: Condition[];
+  regions: RegionStay[];
+}
+/** The place is in the safety region of a robot or a worker for a time. */
+export interface RegionStay {
+  of: string;
+  kind: 'robot' | 'worker';
+  /** 2: nothing is planned into it; 3: robots are slow. */
+  region: 2 | 3;
+  from_s: number;
+  to_s: number | null;
 }
 export interface Hold {
   by: string;
