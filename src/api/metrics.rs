@@ -176,7 +176,8 @@ impl Metrics {
         r.register("insertions", "Routes that were inserted by moving others", self.insertions.clone());
         let only = "Of these, routes of robots that would have had none behind the others";
         r.register("insertions_only_way", only, self.insertions_only_way.clone());
-        let gain = "By how much all robots together arrive earlier than with the inserted robot behind the others";
+        let gain =
+            "By how much all robots together arrive earlier than with the inserted robot behind the others";
         r.register_with_unit("insertion_gain", gain, Unit::Seconds, self.insertion_gain.clone());
     }
 

@@ -5,9 +5,9 @@
 use super::frames::FrameWriter;
 use super::learn::read_model;
 use super::{progress, read, read_map, rings, stopwatch};
+use crate::fleet::InsertionCounts;
 use crate::human::Model;
 use crate::sim::recording::{Header, Recorder};
-use crate::fleet::InsertionCounts;
 use crate::sim::{Consistency, Demand, JobTally, NeesFigures, OrderLine, Outcome, Scenario, Simulation};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;

@@ -16,8 +16,8 @@ mod waits;
 mod yielding;
 
 pub use people::forecast::{AHEAD_S, Expected};
-pub use read::backlog::{Backlog, Pending};
 pub use read::area::Area;
+pub use read::backlog::{Backlog, Pending};
 pub use read::occupancy::{MOST_NODES, NodeOccupancy};
 pub use read::rows::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JobQuery, JobRow,
@@ -39,7 +39,8 @@ pub use state::why::Why;
 pub use state::wishes::Wishes;
 pub use state::worker::{
     Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
-    FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerEpisode, WorkerView,
+    FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerEpisode,
+    WorkerView,
 };
 pub use traffic::state::InsertionCounts;
 

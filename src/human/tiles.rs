@@ -1,10 +1,11 @@
-//! A small floor as tiles, with how good it is for somebody with a goal to be on each of them: a Markov decision process.
+//! A small floor as tiles, with how good it is for somebody with a goal to be on each of them: a Markov decision
+//! process.
 //!
-//! Main types: [`Tiles`] (the grid with the state values of each goal), [`Stand`], [`Action`]. Petković 2021, section 3.2,
-//! eq. 3.2 to 3.10. Differences from the print: among shortest paths the one seen most is taken by comparing (steps,
-//! −tiles seen), since the heuristic of eq. 3.1 is not admissible; bearings are absolute (eq. 3.3); where no tile of the
-//! path is seen the reward is −(ε + π); eq. 3.9 discounts by 0.9. Refuses: floors that change, and floors of more tiles
-//! than the published one: state values would take longer than a step of the fleet may.
+//! Main types: [`Tiles`] (the grid with the state values of each goal), [`Stand`], [`Action`]. Petković 2021, section
+//! 3.2, eq. 3.2 to 3.10. Differences from the print: among shortest paths the one seen most is taken by comparing
+//! (steps, −tiles seen), since the heuristic of eq. 3.1 is not admissible; bearings are absolute (eq. 3.3); where no
+//! tile of the path is seen the reward is −(ε + π); eq. 3.9 discounts by 0.9. Refuses: floors that change, and floors
+//! of more tiles than the published one: state values would take longer than a step of the fleet may.
 
 use crate::geometry::{Point, turn_between};
 use crate::id::GoalId;
@@ -284,8 +285,9 @@ impl Tiles {
             dy.atan2(dx)
         };
         let heading = s.eighth as f64 * FRAC_PI_4;
-        let sees =
-            |i: usize| i != here && self.seen[here][i] && turn_between(heading, bearing(i)) <= HALF_VIEW + 1e-9;
+        let sees = |i: usize| {
+            i != here && self.seen[here][i] && turn_between(heading, bearing(i)) <= HALF_VIEW + 1e-9
+        };
         // The most tiles seen from each tile on to the goal, nearest to the goal first.
         let mut most = vec![0_usize; self.free.len()];
         for &i in order.iter().take_while(|i| steps[**i] < steps[here]) {
@@ -359,8 +361,8 @@ impl Tiles {
         }
     }
 
-    /// How good an action is for each of some goals: 1 for the best there is in that state, 0 for the worst; 0 for a goal
-    /// that is on no tile.
+    /// How good an action is for each of some goals: 1 for the best there is in that state, 0 for the worst; 0 for a
+    /// goal that is on no tile.
     pub fn validate(&self, s: Stand, action: Action, goals: &[GoalId]) -> Vec<f64> {
         let gain = |values: &[f64], a: Action| -> f64 {
             self.outcomes(s, a).iter().map(|(i, p)| p * values[*i]).sum()

@@ -531,7 +531,9 @@ fn a_rack_is_not_lifted_while_a_robot_stands_too_near_for_one_with_a_rack() {
 /// Figure 4.3b of Petković 2021: the node C is in conflict with B, D and E. The way of Blue to B leads over C.
 fn figure() -> Arc<Warehouse> {
     let mut draft = Draft { name: "figure 4.3".into(), footprint_m: 0.9, ..Draft::default() };
-    for (name, x, y) in [("A", -1.4, 0.0), ("B", 0.8, 0.0), ("C", 0.0, 0.0), ("D", -0.35, 0.6), ("E", -0.35, -0.6)] {
+    for (name, x, y) in
+        [("A", -1.4, 0.0), ("B", 0.8, 0.0), ("C", 0.0, 0.0), ("D", -0.35, 0.6), ("E", -0.35, -0.6)]
+    {
         draft.nodes.push(DraftNode { name: name.into(), at: Point::new(x, y) });
     }
     for to in ["A", "B"] {

@@ -1,8 +1,8 @@
 //! Whether the filter of people's motion knows how wrong it is: its errors against the truth, in units of what it says.
 //!
-//! Main types: [`Consistency`] (collects errors), [`NeesFigures`]. The normalised estimation error squared has a chi-square
-//! distribution where the filter is consistent (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). Refuses: to tell the
-//! fleet anything.
+//! Main types: [`Consistency`] (collects errors), [`NeesFigures`]. The normalised estimation error squared has a
+//! chi-square distribution where the filter is consistent (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). Refuses:
+//! to tell the fleet anything.
 
 use super::world::World;
 use crate::fleet::Fleet;

@@ -143,7 +143,8 @@ impl HumanState {
         // Who is undecided is on the way to one of several goals: by as much to each as it is probable.
         let known: f64 = belief.goals.iter().map(|g| g.1).sum();
         let shared = if known > NEGLIGIBLE { belief.undecided / known } else { 0.0 };
-        let likely = belief.goals.iter().map(|(g, p)| (*g, p * (1.0 + shared))).filter(|(_, p)| *p >= NEGLIGIBLE);
+        let likely =
+            belief.goals.iter().map(|(g, p)| (*g, p * (1.0 + shared))).filter(|(_, p)| *p >= NEGLIGIBLE);
         let mut all: Vec<Hypothesis> = likely
             .filter_map(|(goal, probability)| {
                 let path = towards_goal(&mind.distances, goal, place.at, FAR_M)?;

@@ -35,7 +35,8 @@ impl Intents {
         let mut distances = Distances::over(walkways.clone());
         if method == Method::Chapter3Tiles {
             let tiles = Tiles::of(warehouse, &walkways);
-            distances = distances.with_tiles(tiles.expect("a floor that is too large is refused with its method"));
+            distances =
+                distances.with_tiles(tiles.expect("a floor that is too large is refused with its method"));
         }
         let (low, high) = warehouse.bounds();
         let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];

@@ -4,11 +4,11 @@
 
 use crate::fleet::Fleet;
 use crate::fleet::dispatch::jobs::stations_with_enough;
+use crate::fleet::people::intents::task_place;
 use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView, View};
 use crate::fleet::state::fact::{Act, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::ledger::Service;
-use crate::fleet::people::intents::task_place;
 use crate::fleet::state::worker::{ClosureView, Presence, WorkerEpisode, WorkerView};
 use crate::geometry::{Point, Pose};
 use crate::human::{Belief, IntentState};

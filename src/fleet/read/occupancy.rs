@@ -37,7 +37,8 @@ impl Fleet {
     /// How many nodes there are, where they are too many.
     pub fn occupancy(&self, area: Area, ahead: Span, now: Time) -> Result<Vec<NodeOccupancy>, usize> {
         let nodes = &self.core.warehouse().nodes;
-        let mut found: Vec<NodeId> = nodes.pairs().filter(|(_, n)| area.contains(n.at)).map(|(id, _)| id).collect();
+        let mut found: Vec<NodeId> =
+            nodes.pairs().filter(|(_, n)| area.contains(n.at)).map(|(id, _)| id).collect();
         if found.len() > MOST_NODES {
             return Err(found.len());
         }

@@ -1,10 +1,10 @@
 //! Which nodes are in the safety regions of which robots and people, and when: layers of the timelines (Petković 2021,
 //! section 4.2.3).
 //!
-//! Main types: [`RegionStay`], [`SafetyRegion`]. A node is in region 2 of a person while a robot on it would be too near,
-//! and in region 2 of a robot while a person on it would be; region 3 is what lies around region 2. Of robots, all windows
-//! of their reservations count; of people, what they may walk within the time shown. For readers only. Refuses: to bind
-//! anybody; conditions do that, from the same radii.
+//! Main types: [`RegionStay`], [`SafetyRegion`]. A node is in region 2 of a person while a robot on it would be too
+//! near, and in region 2 of a robot while a person on it would be; region 3 is what lies around region 2. Of robots,
+//! all windows of their reservations count; of people, what they may walk within the time shown. For readers only.
+//! Refuses: to bind anybody; conditions do that, from the same radii.
 
 use crate::fleet::Fleet;
 use crate::fleet::people::state::Person;

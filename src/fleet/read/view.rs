@@ -3,7 +3,6 @@
 //! Main types: [`View`], [`RobotView`], [`JobWhy`]. Made on demand by [`crate::fleet::Fleet::view`], since
 //! a simulation of an hour needs none of the 36 000 it could have. Refuses: to be an input of any decision.
 
-use crate::fleet::traffic::state::InsertionCounts;
 use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
@@ -11,6 +10,7 @@ use crate::fleet::state::job::{Job, JobKind, JobState};
 use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::why::Why;
 use crate::fleet::state::worker::{ClosureView, WorkerView};
+use crate::fleet::traffic::state::InsertionCounts;
 use crate::geometry::Pose;
 use crate::human::HorizonCoverage;
 use crate::id::{BodyId, Dense, JobId, NodeId, RackId, RobotId, StationId};

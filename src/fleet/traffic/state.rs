@@ -54,8 +54,8 @@ pub struct InsertionCounts {
     pub succeeded: u64,
     /// How often, of these, the robot would have had no route behind the others, so that nothing compares.
     pub only_way: u64,
-    /// By how much all of them arrive earlier, in sum, than if the others had been planned first and the robot last; over
-    /// the insertions for which that was possible.
+    /// By how much all of them arrive earlier, in sum, than if the others had been planned first and the robot last;
+    /// over the insertions for which that was possible.
     pub gain: Span,
 }
 

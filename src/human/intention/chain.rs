@@ -1,8 +1,8 @@
 //! Hidden Markov models over goals.
 //!
 //! Main type: [`IntentBelief`] (forward filter and most probable sequence side by side). The published text calls the
-//! scores of Viterbi's algorithm probabilities; they are none (the maximum keeps one past per state), so posteriors come
-//! from sums here and the sequence from maxima (`sequence.rs`). Refuses: to know what is observed.
+//! scores of Viterbi's algorithm probabilities; they are none (the maximum keeps one past per state), so posteriors
+//! come from sums here and the sequence from maxima (`sequence.rs`). Refuses: to know what is observed.
 
 use super::Belief;
 use super::sequence::{IntentSequence, IntentState};

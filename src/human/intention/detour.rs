@@ -156,8 +156,7 @@ impl Detour {
     /// The sequence, before anything was seen.
     fn begin_sequence(&mut self) {
         let states = self.goals.keys().map(|g| IntentState::Goal(*g)).chain([IntentState::Elsewhere]);
-        let shares: Vec<f64> =
-            self.goals.values().map(|p| p.iter().sum()).chain([self.elsewhere]).collect();
+        let shares: Vec<f64> = self.goals.values().map(|p| p.iter().sum()).chain([self.elsewhere]).collect();
         self.sequence = IntentSequence::new(states.collect(), &shares, UNLIKELY);
     }
 
@@ -261,8 +260,8 @@ impl Detour {
         self.weights.iter().map(|(g, w)| (*g, w * factor(g))).collect()
     }
 
-    /// How probable it is that somebody has the same goal still, or none as before: who has arrived leaves, unless there
-    /// is work to do.
+    /// How probable it is that somebody has the same goal still, or none as before: who has arrived leaves, unless
+    /// there is work to do.
     fn keeps(&self, goal: Option<GoalId>, passed: Span) -> f64 {
         let dt = passed.as_secs_f64();
         let keeps = (-self.model.changes_per_s * dt).exp();
@@ -323,8 +322,8 @@ impl Detour {
         }
     }
 
-    /// A step of `step` metres; `ways` says how far each goal was before and is now. Gives how probable the step was for
-    /// each goal, against one in any direction.
+    /// A step of `step` metres; `ways` says how far each goal was before and is now. Gives how probable the step was
+    /// for each goal, against one in any direction.
     fn weigh(&mut self, step: f64, ways: impl Fn(GoalId) -> Option<(f64, f64)>) -> BTreeMap<GoalId, f64> {
         let (before, mut fits) = (self.degrees(), BTreeMap::new());
         for (goal, p) in &mut self.goals {

@@ -1,8 +1,8 @@
 //! The most probable sequence of states of a hidden Markov model (Viterbi 1967).
 //!
-//! Main types: [`IntentSequence`], [`IntentEpisode`] (a stretch of it), [`IntentState`]. Its scores are no probabilities
-//! of states, since the maximum keeps one past for each of them: posteriors come from a forward filter beside it.
-//! Refuses: to know what is observed.
+//! Main types: [`IntentSequence`], [`IntentEpisode`] (a stretch of it), [`IntentState`]. Its scores are no
+//! probabilities of states, since the maximum keeps one past for each of them: posteriors come from a forward filter
+//! beside it. Refuses: to know what is observed.
 
 use crate::id::GoalId;
 use crate::time::Time;

@@ -8,8 +8,7 @@ use crate::warehouse::walkway::Walkways;
 use crate::warehouse::{Warehouse, lab, thesis};
 use std::sync::Arc;
 
-const METHODS: [Method; 4] =
-    [Method::Chapter3, Method::Chapter3Tiles, Method::Chapter4, Method::Detour];
+const METHODS: [Method; 4] = [Method::Chapter3, Method::Chapter3Tiles, Method::Chapter4, Method::Detour];
 
 fn p(x: f64, y: f64) -> Point {
     Point::new(x, y)

@@ -115,7 +115,8 @@ impl TileWalker {
     }
 
     pub fn observe(&mut self, seen: Time, at: Point, heading: Option<f64>, tiles: &Tiles) {
-        let course = self.before.filter(|b| (at - b).norm() >= SWAY_M).map(|b| Segment { a: b, b: at }.heading());
+        let course =
+            self.before.filter(|b| (at - b).norm() >= SWAY_M).map(|b| Segment { a: b, b: at }.heading());
         if course.is_some() || self.before.is_none() {
             self.before = Some(at);
         }

@@ -15,7 +15,9 @@ pub use closures::Closing;
 pub use faults::Faults;
 pub use habits::Habits;
 pub use kinds::KindShare;
-pub use workforce::{Assignments, Causes, Deviations, MethodWord, Personas, Rates, SecondTag, Sensor, Source, Workers};
+pub use workforce::{
+    Assignments, Causes, Deviations, MethodWord, Personas, Rates, SecondTag, Sensor, Source, Workers,
+};
 
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::{Closure, RobotKind, fitted};

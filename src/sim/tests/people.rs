@@ -48,7 +48,11 @@ fn a_fleet_keeps_its_laws_with_every_method_of_recognising_goals() {
     let (usual, never, states) = run(&method("detour"));
     assert!(!never && states.contains("goal") && usual.counts.deviations > 0, "{states:?}");
     let plain = hall(240, 8, r#", "count": 2, "deviations": {"causes": "all"}"#);
-    assert_eq!(run(&plain).0.trace_hash, usual.trace_hash, "it is the method that holds unless another is named");
+    assert_eq!(
+        run(&plain).0.trace_hash,
+        usual.trace_hash,
+        "it is the method that holds unless another is named"
+    );
     for word in ["chapter3", "chapter3_tiles"] {
         let (outcome, undecided, states) = run(&method(word));
         assert!(undecided && states.contains("goal") && states.contains("undecided"), "{word}: {states:?}");
@@ -69,7 +73,8 @@ fn a_method_is_refused_where_it_has_no_room_or_no_use() {
     for word in ["chapter3", "chapter3_tiles", "detour"] {
         assert_eq!(method(word).check_method(&thesis()), Ok(()));
     }
-    let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "workers": {"method": "magic"}}"#;
+    let text =
+        r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "workers": {"method": "magic"}}"#;
     let unknown = Scenario::parse(text).expect_err("there is no such method").to_string();
     assert!(unknown.contains("magic") && unknown.contains("chapter3_tiles"), "{unknown}");
 }
