@@ -8,7 +8,8 @@ use crate::warehouse::kiva;
 fn hall(seconds: u32, robots: usize, workers: &str) -> Scenario {
     let text = format!(
         r#"{{"giveway_scenario": 1, "name": "t", "map": "", "robots": {robots}, "duration_s": {seconds},
-            "jobs": {{"backlog": {}}}, "workers": {{"enter_s": 5, "assignments": {{"random": {{"stay_s": 5}}}}{workers}}}}}"#,
+            "jobs": {{"backlog": {}}},
+            "workers": {{"enter_s": 5, "assignments": {{"random": {{"stay_s": 5}}}}{workers}}}}}"#,
         2 * robots
     );
     Scenario::parse(&text).expect("it is one")
@@ -79,17 +80,18 @@ fn a_method_is_refused_where_it_has_no_room_or_no_use() {
     assert!(unknown.contains("magic") && unknown.contains("chapter3_tiles"), "{unknown}");
 }
 
+/// The filter is not consistent in the strict sense (docs/forecasts.md has the figures, and why it was left so): these
+/// limits keep it from getting worse either way.
 #[test]
-fn the_filter_of_motion_knows_how_wrong_it_is_where_sensors_are_honest() {
-    let scenario = hall(900, 4, r#", "count": 3"#);
-    let mut sim = simulation(&scenario, 1);
+fn the_filter_of_motion_is_about_as_wrong_as_it_says_where_sensors_are_honest() {
+    let mut sim = simulation(&hall(900, 4, r#", "count": 3"#), 1);
     while !sim.is_over() {
         sim.step();
     }
     let [place, motion] = sim.outcome().people.consistency.figures().map(|f| f.expect("people were seen"));
-    eprintln!("NEES {place:?}\n{motion:?}");
-    assert!(place.samples > 1000, "{place:?}");
-    assert!(false);
+    assert!(place.samples > 1000 && motion.samples == place.samples, "{place:?}");
+    assert!((1.5..3.0).contains(&place.mean) && place.within > 0.85, "{place:?}");
+    assert!((3.0..7.5).contains(&motion.mean) && motion.within > 0.7, "{motion:?}");
 }
 
 #[test]
@@ -100,7 +102,6 @@ fn routes_that_move_others_are_counted_with_what_they_gain() {
     }
     let counts = sim.outcome().counts;
     let found = counts.insertions;
-    eprintln!("INS {found:?}");
     assert!(found.tried > 0 && found.succeeded > 0 && found.succeeded <= found.tried, "{found:?}");
     assert!(found.only_way <= found.succeeded && found.gain >= Span::ZERO, "{found:?}");
     assert!(found.tried <= counts.plan_failures, "only a robot that found no route moves others: {counts:?}");
