@@ -279,6 +279,7 @@
 //! | people who let a robot pass | `fleet/people/lets_pass.rs` |
 //! | where workers are led, what they are told | `fleet/people/routing.rs`, `fleet/people/guidance.rs` |
 //! | how a person's intent is inferred | `fleet/people/intent.rs`, `human/intention/`; stories: `experiment/stories/` |
+//! | which method does that (`method`), goals on tiles | `sim/scenario/workforce.rs`; `human/tiles.rs` |
 //! | where people will be (forecast) | `human/forecast.rs`, `human/motion/`; learned: `experiment/learning/` |
 //! | whether forecasts hold | `human/coverage.rs`; which robots brake: `fleet/yielding/speed_limit.rs` |
 //! | stop of the whole fleet, pause of a robot | `fleet/requests/operator.rs`; `api/http/halt.rs` |
@@ -288,6 +289,7 @@
 //! | conflicts where two kinds meet | the rule and its cost: `warehouse/body.rs` |
 //! | the view; why a robot or a job waits | `fleet/read/build.rs`, `view.rs`; `fleet/read/why.rs` |
 //! | occupancy (timelines) of an area | `fleet/read/occupancy.rs`; `api/http/timelines.rs` |
+//! | safety regions in the timelines | `fleet/read/safety_regions.rs`; radii: `aware/regions.rs` |
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
 //! | a key of scenario files | `sim/scenario/`, `docs/scenarios.md` |
 //! | what every simulation must keep (laws) | `sim/laws/`; in the server: `server/watchdog/` |

@@ -5,7 +5,7 @@
 
 use super::dto::{JobCountsDto, state_word};
 use super::port::Moment;
-use crate::fleet::{FeedCounts, Presence};
+use crate::fleet::{FeedCounts, InsertionCounts, Presence};
 use prometheus_client::encoding::EncodeLabelSet;
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::counter::Counter;
@@ -88,6 +88,10 @@ pub struct Metrics {
     workers: Family<StateLabel, Gauge>,
     plans: Gauge,
     plan_failures: Gauge,
+    insertions_tried: Gauge,
+    insertions: Gauge,
+    insertions_only_way: Gauge,
+    insertion_gain: Gauge<f64, AtomicU64>,
     deliveries_per_hour: Gauge<f64, AtomicU64>,
     /// Of forecasts of people, by horizon: how many, share covered, factor of regions, whether trusted.
     forecasts: Family<HorizonLabel, Gauge>,
@@ -127,6 +131,10 @@ impl Default for Metrics {
             workers: Family::default(),
             plans: Gauge::default(),
             plan_failures: Gauge::default(),
+            insertions_tried: Gauge::default(),
+            insertions: Gauge::default(),
+            insertions_only_way: Gauge::default(),
+            insertion_gain: Gauge::default(),
             deliveries_per_hour: Gauge::default(),
             forecasts: Family::default(),
             forecast_covered: Family::default(),
@@ -134,6 +142,7 @@ impl Default for Metrics {
             forecast_trusted: Family::default(),
         };
         m.register();
+        m.register_insertions();
         m.register_people();
         m.register_forecasts();
         m
@@ -158,6 +167,18 @@ impl Metrics {
         r.register("plans", "Routes planned", self.plans.clone());
         r.register("plan_failures", "Searches that found no route", self.plan_failures.clone());
         r.register("deliveries_per_hour", "Racks served per hour, lately", self.deliveries_per_hour.clone());
+    }
+
+    fn register_insertions(&mut self) {
+        let r = &mut self.registry;
+        let tried = "Times that a robot without a route looked for one that moves others";
+        r.register("insertions_tried", tried, self.insertions_tried.clone());
+        r.register("insertions", "Routes that were inserted by moving others", self.insertions.clone());
+        let only = "Of these, routes of robots that would have had none behind the others";
+        r.register("insertions_only_way", only, self.insertions_only_way.clone());
+        let gain =
+            "By how much all robots together arrive earlier than with the inserted robot behind the others";
+        r.register_with_unit("insertion_gain", gain, Unit::Seconds, self.insertion_gain.clone());
     }
 
     fn register_people(&mut self) {
@@ -206,6 +227,13 @@ impl Metrics {
         self.poses_refused.get_or_create(&ReasonLabel { reason }).inc();
     }
 
+    fn look_at_insertions(&self, counts: InsertionCounts) {
+        self.insertions_tried.set(counts.tried.cast_signed());
+        self.insertions.set(counts.succeeded.cast_signed());
+        self.insertions_only_way.set(counts.only_way.cast_signed());
+        self.insertion_gain.set(counts.gain.as_secs_f64());
+    }
+
     fn look_at_people(&self, moment: &Moment) {
         let counts = moment.view.counts;
         let workers = &moment.view.workers;
@@ -248,6 +276,7 @@ impl Metrics {
         self.human_deliveries.set(counts.human_deliveries.cast_signed());
         self.look_at_people(moment);
         self.look_at_forecasts(moment);
+        self.look_at_insertions(counts.insertions);
         self.plans.set(counts.plans.cast_signed());
         self.plan_failures.set(counts.plan_failures.cast_signed());
         self.deliveries_per_hour.set(moment.measured.deliveries_per_hour);

@@ -9,9 +9,10 @@ use super::feed::hub::CarriedSenses;
 use super::text::{assignment_name, closure_name, round3, time_text, worker_name};
 use crate::fleet::{
     AssignmentRow, AssignmentState, Closure, EncounterRow, Guidance, GuidanceReason, GuidanceState,
-    NearRobot, Reaction, WorkerView,
+    NearRobot, Reaction, WorkerEpisode, WorkerView,
 };
 use crate::geometry::{Point, inside, wrap_angle};
+use crate::human::IntentState;
 use crate::id::{ClosureId, Dense, NodeId, WorkerId};
 use crate::time::Time;
 use serde::Serialize;
@@ -104,9 +105,37 @@ pub struct WorkerDetailDto {
     pub clock_error_ms: Option<f64>,
     /// How long ago the newest pose was seen, seconds.
     pub age_s: Option<f64>,
+    /// What the worker has most probably been up to over the last hundred metres or so, the oldest first: the most
+    /// probable sequence, which may differ from the goal that is most probable at any one moment.
+    pub sequence: Vec<EpisodeDto>,
     /// Gaze, hands and charge.
     #[serde(flatten)]
     pub senses: SensesDto,
+}
+
+/// A stretch of time in which a worker was most probably up to the same thing.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct EpisodeDto {
+    /// goal: on the way to the place; undecided: on the way to one of several; elsewhere: to no known place.
+    pub state: &'static str,
+    /// Metres; null if it is no goal.
+    pub x: Option<f64>,
+    /// Metres.
+    pub y: Option<f64>,
+    /// Since when, RFC 3339.
+    pub since: String,
+}
+
+impl From<&WorkerEpisode> for EpisodeDto {
+    fn from(e: &WorkerEpisode) -> EpisodeDto {
+        let state = match e.state {
+            IntentState::Goal(_) => "goal",
+            IntentState::Undecided => "undecided",
+            IntentState::Elsewhere => "elsewhere",
+        };
+        let (x, y) = (e.place.map(|p| round3(p.x)), e.place.map(|p| round3(p.y)));
+        EpisodeDto { state, x, y, since: time_text(e.since) }
+    }
 }
 
 /// What a headset reports besides its pose. No decision of the fleet depends on it.

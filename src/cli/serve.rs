@@ -29,6 +29,10 @@ impl Serve {
         let mut setup = Setup::read(&config.scenario, None, None)
             .context("there is nothing to run: name a scenario with --scenario")?;
         setup.use_model(self.model.as_deref())?;
+        if let Some(method) = config.method {
+            setup.scenario.workers.method = method;
+            setup.scenario.check_method(&setup.warehouse).context("the setting `method` is refused")?;
+        }
         let Setup { scenario, warehouse, lines, .. } = setup;
         let floor = SimulatedFloor { scenario, map: warehouse, lines };
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;

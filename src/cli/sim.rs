@@ -5,9 +5,10 @@
 use super::frames::FrameWriter;
 use super::learn::read_model;
 use super::{progress, read, read_map, rings, stopwatch};
+use crate::fleet::InsertionCounts;
 use crate::human::Model;
 use crate::sim::recording::{Header, Recorder};
-use crate::sim::{Demand, JobTally, OrderLine, Outcome, Scenario, Simulation};
+use crate::sim::{Consistency, Demand, JobTally, NeesFigures, OrderLine, Outcome, Scenario, Simulation};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use anyhow::Context;
@@ -92,6 +93,7 @@ impl Setup {
         let warehouse = scenario
             .fit(&warehouse)
             .map_err(|e| anyhow::anyhow!("the map is not for the robots of {}:\n{e}", path.display()))?;
+        scenario.check_method(&warehouse).with_context(|| format!("{} is refused", path.display()))?;
         scenario.areas(&warehouse, Time::ZERO).with_context(|| format!("{} is refused", path.display()))?;
         if let Some(model) = &scenario.model {
             scenario.learned = read_model(Some(&beside(model)))?;
@@ -214,6 +216,8 @@ fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) 
         "replans": o.counts.replans,
         "plan_us": quantiles(&o.plan_ns),
         "plan_failures": o.counts.plan_failures,
+        "insertions": insertions(&o.counts.insertions),
+        "filter_nees": nees(&o.people.consistency),
         "step_us": quantiles(&o.step_ns),
         "jobs": o.jobs.iter().map(|(kind, t)| (kind.to_string(), tally(t))).collect::<serde_json::Map<_, _>>(),
         "drained": o.drained,
@@ -221,6 +225,31 @@ fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) 
         "law_violations": o.law_violations,
         "trace_hash": format!("{:016x}", o.trace_hash),
     })
+}
+
+/// Routes that were inserted by moving others.
+fn insertions(counts: &InsertionCounts) -> Value {
+    json!({
+        "tried": counts.tried,
+        "succeeded": counts.succeeded,
+        "only_way": counts.only_way,
+        "gain_s": counts.gain.as_secs_f64(),
+    })
+}
+
+/// Whether the filter of people's motion knows how wrong it is; nothing where nobody was seen.
+fn nees(c: &Consistency) -> Value {
+    let figures = |n: &NeesFigures| {
+        json!({
+            "degrees_of_freedom": n.freedom,
+            "samples": n.samples,
+            "mean": n.mean,
+            "mean_bounds_95": n.mean_bounds,
+            "within_95": n.within,
+        })
+    };
+    let [place, motion] = c.figures();
+    json!({ "place": place.as_ref().map(figures), "place_and_velocity": motion.as_ref().map(figures) })
 }
 
 /// What became of jobs of one kind.

@@ -16,11 +16,13 @@ mod waits;
 mod yielding;
 
 pub use people::forecast::{AHEAD_S, Expected};
+pub use read::area::Area;
 pub use read::backlog::{Backlog, Pending};
-pub use read::occupancy::{Area, MOST_NODES, NodeOccupancy};
+pub use read::occupancy::{MOST_NODES, NodeOccupancy};
 pub use read::rows::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JobQuery, JobRow,
 };
+pub use read::safety_regions::{RegionStay, SafetyRegion};
 pub use read::view::{Counts, Doing, JobWhy, RobotState, RobotView, StationView, View};
 pub use read::why::{Because, LostWorker, Standstill, Waiting, Who};
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
@@ -37,8 +39,10 @@ pub use state::why::Why;
 pub use state::wishes::Wishes;
 pub use state::worker::{
     Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
-    FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
+    FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerEpisode,
+    WorkerView,
 };
+pub use traffic::state::InsertionCounts;
 
 use crate::id::RobotId;
 use crate::time::Time;
@@ -94,7 +98,7 @@ impl Fleet {
         let warehouse = ledger.warehouse().clone();
         let core = Core::new(ledger, settings);
         let mut fleet = Fleet {
-            people: HumanState::new(&warehouse, &core.regions),
+            people: HumanState::new(&warehouse, &core.regions, core.settings.method),
             yielding: Yielding::default(),
             traffic: Traffic::new(&core),
             core,

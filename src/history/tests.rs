@@ -48,6 +48,7 @@ fn worker(presence: Presence) -> WorkerView {
         goals: vec![],
         undecided: 1.0,
         elsewhere: 0.0,
+        episodes: Vec::new(),
         feed: Default::default(),
     }
 }

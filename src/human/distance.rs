@@ -1,10 +1,11 @@
 //! How far it is on foot from anywhere to each goal, as the floor is now.
 //!
 //! Main types: [`Distances`] (goals × nodes of the walkways; the matrix F of Petković 2021, section 3.3, kept up to
-//! date by repair instead of computed anew), [`Vantage`] (one place, from which many goals are looked at). Refuses: to
-//! know whose goals they are, and why edges are cut.
+//! date by repair instead of computed anew), [`Vantage`] (one place, from which many goals are looked at). On a small
+//! floor, tiles with the same goals can lie beneath. Refuses: to know whose goals they are, and why edges are cut.
 
 use super::field::{Field, Graph};
+use super::tiles::Tiles;
 use crate::geometry::{Point, Segment};
 use crate::id::{Dense, GoalId, WalkEdgeId, WalkNodeId};
 use crate::warehouse::walkway::{EdgeSet, Walkways};
@@ -26,6 +27,8 @@ pub struct Distances {
     graph: Graph,
     cut: EdgeSet,
     goals: BTreeMap<GoalId, GoalCells>,
+    /// The same floor as tiles, if somebody asked for them.
+    tiles: Option<Tiles>,
 }
 
 #[derive(Clone, Debug)]
@@ -40,13 +43,24 @@ impl Distances {
         let edges: Vec<(usize, usize, f64)> =
             walkways.edges().iter().map(|e| (e.a.ix(), e.b.ix(), e.length_m)).collect();
         let graph = Graph::new(walkways.nodes().len(), &edges);
-        Distances { cut: walkways.no_edges(), walkways: Some(walkways), graph, goals: BTreeMap::new() }
+        let (cut, goals) = (walkways.no_edges(), BTreeMap::new());
+        Distances { cut, walkways: Some(walkways), graph, goals, tiles: None }
+    }
+
+    /// With tiles of the same floor, which get the goals that are added from now on.
+    pub fn with_tiles(self, tiles: Tiles) -> Distances {
+        Distances { tiles: Some(tiles), ..self }
+    }
+
+    /// The tiles, if there are any.
+    pub fn tiles(&self) -> Option<&Tiles> {
+        self.tiles.as_ref()
     }
 
     /// A floor without walls: everything is as far as the crow flies. For recordings without a map.
     pub fn in_the_open() -> Distances {
         let graph = Graph::new(0, &[]);
-        Distances { cut: EdgeSet::default(), walkways: None, graph, goals: BTreeMap::new() }
+        Distances { cut: EdgeSet::default(), walkways: None, graph, goals: BTreeMap::new(), tiles: None }
     }
 
     /// The walkways beneath; nothing in the open.
@@ -63,11 +77,17 @@ impl Distances {
     pub fn add_goal(&mut self, goal: GoalId, at: Point) {
         let field = Field::new(&self.graph, &self.seeds(at), |e| !self.cut.contains(WalkEdgeId::at(e)));
         self.goals.insert(goal, GoalCells { at, field });
+        if let Some(tiles) = &mut self.tiles {
+            tiles.add_goal(goal, at);
+        }
     }
 
     /// Forgets a goal.
     pub fn remove_goal(&mut self, goal: GoalId) {
         self.goals.remove(&goal);
+        if let Some(tiles) = &mut self.tiles {
+            tiles.remove_goal(goal);
+        }
     }
 
     /// All goals and where they are.

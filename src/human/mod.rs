@@ -1,9 +1,10 @@
 //! People as beliefs: where they are, whether they keep to their path, where they are going.
 //!
 //! Main types: [`Sighting`] (what a source says), [`Track`] (where a worker is), [`Follower`] (progress along the
-//! assigned path), [`Distances`] (from anywhere to each goal, repaired as robots block the way), [`Intention`] (where a
-//! person is going, with what probability), [`Hypothesis`] and [`Passage`] (where a person will be, and when).
-//! Refuses: to know robots' routes, and to decide anything; modules that know both people and routes are in `aware`.
+//! assigned path), [`Distances`] (from anywhere to each goal, repaired as robots block the way), [`tiles`] (how good
+//! places and headings are for each goal on a small floor), [`Intention`] (where a person is going, with what
+//! probability), [`Hypothesis`] and [`Passage`] (where a person will be, and when). Refuses: to know robots' routes,
+//! and to decide anything; modules that know both people and routes are in `aware`.
 
 mod coverage;
 mod deviation;
@@ -17,6 +18,7 @@ pub mod motion;
 mod passage;
 mod sighting;
 mod source;
+pub mod tiles;
 mod track;
 mod way;
 
@@ -25,7 +27,7 @@ pub use deviation::{Conduct, Follower, NODE_M};
 pub use distance::{Distances, Vantage};
 pub use field::{Field, Graph};
 pub use forecast::Forecast;
-pub use intention::{Belief, Intention, Method};
+pub use intention::{Belief, IntentEpisode, IntentState, Intention, Method};
 pub use mixture::{Mixture, PLACES, Part};
 pub use model::{Model, ModelError};
 pub use passage::{Band, Hypothesis, Passage, passages};

@@ -8,6 +8,7 @@ use super::certificate::{self, CertificateLocation};
 use crate::api::auth::Gate;
 use crate::api::massrobotics::Interop;
 use crate::api::recording::Limits;
+use crate::sim::MethodWord;
 use anyhow::{Context, bail, ensure};
 use figment::Figment;
 use figment::providers::{Format, Serialized, Toml};
@@ -16,8 +17,9 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 /// Settings that the environment may give.
-const FROM_ENVIRONMENT: [&str; 11] = [
+const FROM_ENVIRONMENT: [&str; 12] = [
     "scenario",
+    "method",
     "listen",
     "database",
     "past_hours",
@@ -47,6 +49,11 @@ pub struct Flags {
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenario: Option<PathBuf>,
+    /// How workers' goals are recognised: detour, chapter3 or chapter3_tiles (docs/intention.md) [default: the
+    /// scenario's] [env: GIVEWAY_METHOD]
+    #[arg(long, value_name = "METHOD")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<String>,
     /// Address and port; port 0 takes any [default: 127.0.0.1:8080] [env: GIVEWAY_LISTEN]
     #[arg(long, value_name = "HOST:PORT")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -103,6 +110,8 @@ pub struct Flags {
 pub struct Config {
     /// What to run.
     pub scenario: PathBuf,
+    /// How goals of workers are recognised, instead of as the scenario says.
+    pub method: Option<MethodWord>,
     /// Where to listen.
     pub listen: String,
     /// The database.
@@ -138,6 +147,7 @@ impl Default for Config {
     fn default() -> Config {
         Config {
             scenario: "scenarios/kiva-50.json".into(),
+            method: None,
             listen: "127.0.0.1:8080".into(),
             database: "giveway.sqlite".into(),
             new: false,

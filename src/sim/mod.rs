@@ -6,6 +6,7 @@
 //! to show the fleet anything that a real floor would not.
 
 mod announce;
+mod consistency;
 mod crew;
 mod customers;
 pub mod detection;
@@ -31,12 +32,13 @@ mod tests;
 pub mod walker;
 mod world;
 
+pub use consistency::{Consistency, NeesFigures};
 pub use customers::{FIRST_TOKEN, OrderLine};
 pub use digest::Digest;
 pub use laws::Violation;
 pub use run::{JobTally, Outcome, People, Simulation};
 pub use scenario::{
-    Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, KindShare, Personas, Rates, Scenario,
-    ScenarioError, SecondTag, Sensor, Source, Workers,
+    Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, KindShare, MethodWord, Personas, Rates,
+    Scenario, ScenarioError, SecondTag, Sensor, Source, Workers,
 };
 pub use world::{World, starting_places};

@@ -52,6 +52,7 @@ impl Player {
         }
         let warehouse = formats::json::parse(&header.map).map_err(|e| broken(format!("map: {e}")))?;
         let warehouse = scenario.fit(&Arc::new(warehouse)).map_err(|e| broken(format!("map: {e}")))?;
+        scenario.check_method(&warehouse).map_err(|e| broken(format!("scenario: {e}")))?;
         let settings = Settings { stopwatch, ..scenario.settings() };
         let fleet = Fleet::new(warehouse, settings);
         Ok(Player { fleet, scenario, lines, playback, digest: Digest::default(), steps: 0 })

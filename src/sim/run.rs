@@ -3,6 +3,7 @@
 //! Main types: [`Simulation`], [`Outcome`]. Refuses: clocks; step times are measured with a stopwatch that
 //! the caller passes in, and decide nothing.
 
+use super::consistency::Consistency;
 use super::customers::OrderLine;
 use super::detection::{Score, Watch};
 use super::digest::Digest;
@@ -37,6 +38,7 @@ pub struct Simulation {
     step_ns: Vec<u64>,
     trace: Digest,
     watch: Watch,
+    consistency: Consistency,
 }
 
 /// What came out.
@@ -77,6 +79,8 @@ pub struct People {
     pub score: Score,
     /// How often one was kept in one spot for a minute by robots, or without a way; for each minute of it.
     pub standstills: u64,
+    /// Whether the filter of their motion knew how wrong it was.
+    pub consistency: Consistency,
 }
 
 impl Simulation {
@@ -110,6 +114,7 @@ impl Simulation {
             step_ns: Vec::new(),
             trace: Digest::default(),
             watch: Watch::default(),
+            consistency: Consistency::default(),
         }
     }
 
@@ -149,6 +154,7 @@ impl Simulation {
         self.world.answer(self.now, &step.replies);
         self.watch.note(self.now, &step.facts, &step.guidance);
         self.watch.look(self.now, &self.fleet);
+        self.consistency.note(self.now, &self.world, &self.fleet);
         self.world.command(self.now, step.urgent.clone());
         self.world.command(self.now, step.commands.clone());
         self.world.tell(self.now, step.guidance.clone());
@@ -202,6 +208,7 @@ impl Simulation {
             completed: self.world.completed(),
             score: self.watch.score(logs, self.now),
             standstills: self.laws.standstills(),
+            consistency: self.consistency.clone(),
         }
     }
 }

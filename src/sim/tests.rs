@@ -1,5 +1,7 @@
 //! Faults of scenarios: wrong clocks, late messages, stations and chargers out of order, and their end.
 
+mod people;
+
 use super::*;
 use crate::fleet::{Charging, Fact, Fault, Input, JobKind, JobRequest};
 use crate::id::RobotId;

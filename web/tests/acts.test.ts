@@ -82,6 +82,10 @@ describe('the picture of what the planner sees', () => {
       { by: 'robot-3', kind: 'robot', from_s: 3, to_s: 4, granted: false, conflict: true },
     ],
     conditions: [{ by: 'w1', kind: 'worker', from_s: 0, to_s: 2, effect: 'closed', limit_mps: null, price_s: null }],
+    regions: [
+      { of: 'w1', kind: 'worker', region: 2, from_s: 0, to_s: 4 },
+      { of: 'robot-1', kind: 'robot', region: 3, from_s: -2, to_s: null },
+    ],
   };
   it('puts now a little inside and what is for ever up to the end', () => {
     const [row] = rows([strip], 60);
@@ -90,6 +94,13 @@ describe('the picture of what the planner sees', () => {
     expect(of('robot-1').left).toBeCloseTo((3 / 65) * 100);
     expect(of('robot-2').left + of('robot-2').width).toBe(100);
     expect(row!.bars.map((b) => b.look)).toEqual(['closed', 'conflict', 'granted', 'held']);
+  });
+  it('shows safety regions below all else if they are wanted, region 2 on region 3', () => {
+    const bars = rows([strip], 60, true)[0]!.bars;
+    expect(bars.map((b) => b.look)).toEqual(['region3', 'region2', 'closed', 'conflict', 'granted', 'held']);
+    expect(bars[0]!.words).toBe('R1: in region 3 of robot-1 (robots are slow in it), from now on');
+    expect(bars[1]!.words).toBe('R1: in region 2 of w1 (nothing is planned into it), from now to +4.0 s');
+    expect(bars[1]).toMatchObject({ by: 'w1', kind: 'worker' });
   });
   it('leaves out what is over, and says the rest in words', () => {
     const old: Strip = { ...strip, conditions: [], holds: [{ ...strip.holds[0]!, from_s: -9, to_s: -6 }] };

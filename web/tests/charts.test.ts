@@ -7,10 +7,11 @@ import { CHARTS, gaps, gridOf, runs, valuesOf } from '../src/charts/series';
 import { replayOf, sorted } from '../src/encounters/encounters';
 import { placeNear } from '../src/floor/scene/places';
 import { feedWords } from '../src/people/feedwords';
+import { sequenceLines } from '../src/people/sequence';
 import { forecastsOf } from '../src/floor/paint/heat';
 import { borders, cellsOf, heatOfPlaces, words } from '../src/floor/paint/heatmap';
 import { EMPTY, reduce, type Mirror } from '../src/wire/mirror';
-import type { Bucket, Encounter, HistoryPage, WorkerDetail } from '../src/wire/types';
+import type { Bucket, Encounter, Episode, HistoryPage, WorkerDetail } from '../src/wire/types';
 import { snapshot, worker } from './samples';
 
 describe('scales', () => {
@@ -142,7 +143,7 @@ describe('chances', () => {
 
 describe('the feed of somebody in words', () => {
   const look = (taken: number, more: Partial<WorkerDetail> = {}): WorkerDetail => ({
-    id: 'w1', connected: true, clock_error_ms: 3.2, age_s: 0.05, accuracy: 0.1, feed: { taken, late: 0, jumps: 0, absurd: 0 }, ...more,
+    id: 'w1', connected: true, clock_error_ms: 3.2, age_s: 0.05, accuracy: 0.1, feed: { taken, late: 0, jumps: 0, absurd: 0 }, sequence: [], ...more,
   });
   test('a good feed is said to be well in all that is known', () => {
     const all = feedWords({ before: look(100), now: look(140), apart_s: 2 }, 0);
@@ -154,6 +155,21 @@ describe('the feed of somebody in words', () => {
     const all = feedWords({ before: look(100), now: bad, apart_s: 2 }, 0.4);
     expect(all.filter((w) => w.well)).toEqual([]);
     expect(all.find((w) => w.name === 'Refused')?.text).toBe('26 % of 136: 30 late, 5 jumps');
+  });
+});
+
+describe('the most probable sequence of somebody', () => {
+  const places = [{ id: 'R1', x: 0, y: 0, kind: 'storage' as const }, { id: 'R2', x: 5, y: 0, kind: 'storage' as const }];
+  test('the newest comes first, with the place it leads to', () => {
+    const all: Episode[] = [
+      { state: 'undecided', x: null, y: null, since: '2026-01-01T10:00:00Z' },
+      { state: 'goal', x: 0.1, y: 0, since: '2026-01-01T10:00:05Z' },
+      { state: 'goal', x: 5, y: 0.2, since: '2026-01-01T10:00:09Z' },
+      { state: 'elsewhere', x: null, y: null, since: '2026-01-01T10:00:12Z' },
+    ];
+    expect(sequenceLines(all, places).map((l) => l.text)).toEqual(['elsewhere', 'to R2', 'to R1', 'undecided']);
+    expect(sequenceLines(all, places, 2).map((l) => l.text)).toEqual(['elsewhere', 'to R2']);
+    expect(sequenceLines(all, places)[0]!.since).toMatch(/\d\d:\d\d:12/);
   });
 });
 

@@ -10,7 +10,7 @@ use crate::api::extract::Params;
 use crate::api::feed::FAR_M;
 use crate::api::port::Question;
 use crate::api::text::{closure_name, round3, time_text, worker_name};
-use crate::fleet::{Area, MOST_NODES, NodeOccupancy};
+use crate::fleet::{Area, MOST_NODES, NodeOccupancy, RegionStay, SafetyRegion};
 use crate::geometry::Point;
 use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
@@ -68,6 +68,25 @@ pub struct StripDto {
     pub holds: Vec<HoldDto>,
     /// What people and closures impose there.
     pub conditions: Vec<ConditionDto>,
+    /// In whose safety regions it is, and when.
+    pub regions: Vec<RegionStayDto>,
+}
+
+/// A stay of a node in a safety region.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct RegionStayDto {
+    /// The robot, or the worker, around whom the region is.
+    #[schema(example = "robot-2")]
+    pub of: String,
+    /// robot or worker.
+    pub kind: &'static str,
+    /// 2: nothing is planned into it; 3: around that, robots are slow. Around a robot: where a person would be in those
+    /// regions of the robot.
+    pub region: u8,
+    /// Seconds from `at`; below 0 if it has begun.
+    pub from_s: f64,
+    /// Seconds from `at`; null if it has no end.
+    pub to_s: Option<f64>,
 }
 
 /// One hold.
@@ -161,14 +180,29 @@ fn strip(names: Names, strip: &NodeOccupancy, at: Time) -> StripDto {
         y: round3(place.y),
         holds: strip.holds.iter().map(|h| hold(names, h, at)).collect(),
         conditions: strip.conditions.iter().map(|c| condition(names, c, at)).collect(),
+        regions: strip.regions.iter().map(|r| region_stay(names, r, at)).collect(),
     }
 }
 
-fn hold(names: Names, held: &Held, at: Time) -> HoldDto {
-    let (by, kind) = match held.holder {
+fn holder(names: Names, holder: Holder) -> (String, &'static str) {
+    match holder {
         Holder::Robot(r) => (names.robot(r), "robot"),
         Holder::Worker(w) => (worker_name(w), "worker"),
+    }
+}
+
+fn region_stay(names: Names, stay: &RegionStay, at: Time) -> RegionStayDto {
+    let (of, kind) = holder(names, stay.of);
+    let region = match stay.region {
+        SafetyRegion::KeepOut => 2,
+        SafetyRegion::Slow => 3,
     };
+    let (from_s, to_s) = seconds(stay.window, at);
+    RegionStayDto { of, kind, region, from_s, to_s }
+}
+
+fn hold(names: Names, held: &Held, at: Time) -> HoldDto {
+    let (by, kind) = holder(names, held.holder);
     let (from_s, to_s) = seconds(held.window, at);
     HoldDto { by, kind, from_s, to_s, granted: held.granted, conflict: held.layer == Layer::Conflict }
 }

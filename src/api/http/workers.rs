@@ -7,7 +7,7 @@ use crate::api::Api;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, Params, PathPart};
-use crate::api::people::{SensesDto, WorkerDetailDto, WorkerDto};
+use crate::api::people::{EpisodeDto, SensesDto, WorkerDetailDto, WorkerDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{round3, worker_name};
@@ -53,13 +53,15 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
     let carried = api.feeds.carried(id).unwrap_or_default();
     let name = api.feeds.name(id).unwrap_or_default();
     let moment = api.moment();
-    let seen = moment.view.workers.get(id.ix()).and_then(|w| w.seen);
+    let viewed = moment.view.workers.get(id.ix());
+    let seen = viewed.and_then(|w| w.seen);
     Ok(Json(WorkerDetailDto {
         worker: worker(&api, id, name),
         clock_error_ms: carried.clock_error.map(|e| round3(e.0 as f64 / 1000.0)),
         age_s: seen.map(|seen| round3((moment.view.now - seen).as_secs_f64())),
         connected: carried.connected,
         acknowledged: carried.acknowledged,
+        sequence: viewed.map(|w| w.episodes.iter().map(EpisodeDto::from).collect()).unwrap_or_default(),
         senses: SensesDto::from(&carried),
     }))
 }

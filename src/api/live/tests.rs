@@ -44,6 +44,7 @@ fn anna() -> WorkerView {
         goals: vec![],
         undecided: 1.0,
         elsewhere: 0.0,
+        episodes: Vec::new(),
         feed: Default::default(),
     }
 }

@@ -57,6 +57,7 @@ impl Recogniser {
             Recogniser::Method(Method::Detour) => "giveway",
             Recogniser::Method(Method::Chapter4) => "thesis",
             Recogniser::Method(Method::Chapter3) => "thesis_chapter_3",
+            Recogniser::Method(Method::Chapter3Tiles) => "thesis_chapter_3_tiles",
             Recogniser::ByHand => "by_hand",
             Recogniser::Heading => "heading",
             Recogniser::Nearest => "nearest",

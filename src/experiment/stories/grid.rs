@@ -3,7 +3,8 @@
 //! Main function: [`tell`]. The drawing of the original floor is lost; this one has the same choices in the same order.
 
 use super::{Story, StoryEvent};
-use crate::human::intention::tiles::{Action, Stand, TileIntention, Tiles};
+use crate::human::intention::TileIntention;
+use crate::human::tiles::{Action, Stand, Tiles};
 
 /// North up. Goal 0 is the northern one (Goal 1 of the thesis), goal 1 the eastern one (Goal 2), goal 2 the southern
 /// one (Goal 3). A ring of streets with branches to all of them, and one to a dead end in the north.
@@ -87,7 +88,10 @@ pub(super) fn tell() -> Story {
 mod tests {
     use super::*;
     use crate::human::intention::IntentState;
+    use crate::human::{Belief, Distances, Intention, Method, Model};
     use crate::id::GoalId;
+    use crate::time::Time;
+    use std::f64::consts::FRAC_PI_4;
 
     #[test]
     fn the_order_of_events_is_that_of_the_thesis() {
@@ -110,5 +114,50 @@ mod tests {
         let end = story.at(at("stands there"));
         assert!(end.elsewhere > 0.9, "{end:?}");
         assert!(story.beliefs.iter().all(|(_, b)| (b.sum() - 1.0).abs() < 1e-9));
+    }
+
+    /// The belief after each act of the story, as the method has it that a fleet may choose: from poses, ten a second.
+    fn from_poses() -> Vec<Belief> {
+        let tiles = Tiles::drawn(FLOOR);
+        let floor = Distances::in_the_open().with_tiles(tiles.clone());
+        let mut person = Intention::new(Method::Chapter3Tiles, &Model::builtin());
+        tiles.goals().for_each(|g| person.add_goal(g, 1.0).expect("three goals"));
+        let (mut stand, mut tick, mut beliefs) = (Stand { x: 5, y: 5, eighth: 6 }, 0, Vec::new());
+        let mut heading = 6.0 * FRAC_PI_4;
+        for (letters, _) in ACTS {
+            for letter in letters.chars() {
+                let next = tiles.after(stand, action(letter)).expect("the story keeps to free tiles");
+                let turn = match letter {
+                    'L' => FRAC_PI_4,
+                    'R' => -FRAC_PI_4,
+                    _ => 0.0,
+                };
+                for k in 1..=10 {
+                    let u = f64::from(k) / 10.0;
+                    let at = tiles.place(stand) + (tiles.place(next) - tiles.place(stand)) * u;
+                    tick += 1;
+                    person.observe(Time(tick * 100_000), at, Some(heading + turn * u), &floor);
+                }
+                (stand, heading) = (next, heading + turn);
+            }
+            beliefs.push(person.belief());
+        }
+        beliefs
+    }
+
+    #[test]
+    fn poses_of_the_story_mean_the_actions_of_the_story() {
+        let (story, after) = (tell(), from_poses());
+        let mut steps = 0;
+        for ((letters, what), seen) in ACTS.iter().zip(&after).take(ACTS.len() - 1) {
+            steps += letters.len();
+            let told = &story.beliefs[steps].1;
+            let close = |a: f64, b: f64| (a - b).abs() < 1e-9;
+            let goals = told.goals.iter().all(|(g, p)| close(*p, seen.of(*g)));
+            assert!(goals && close(told.elsewhere, seen.elsewhere), "{what}: {told:?} {seen:?}");
+        }
+        assert!(after[1].of(GoalId(2)) > 0.3 && after[5].elsewhere > 0.9, "{after:?}");
+        // Who stands in the dead end is judged by the second, not by the letter.
+        assert!(after[6].elsewhere > after[5].elsewhere, "{after:?}");
     }
 }

@@ -108,6 +108,7 @@ impl Story {
 fn name(method: Method) -> &'static str {
     match method {
         Method::Chapter3 => "Petković 2021, chapter 3",
+        Method::Chapter3Tiles => "Petković 2021, chapter 3, on tiles",
         Method::Chapter4 => "Petković 2021, chapter 4",
         Method::Detour => "detour likelihood",
     }

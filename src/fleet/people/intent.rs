@@ -82,7 +82,7 @@ impl HumanState {
     }
 
     fn infer_one(&mut self, floor: Floor<'_>, worker: WorkerId, place: &Whereabouts, method: Method) {
-        let goals = self.goals_of(floor, worker);
+        let goals = self.goals_of(floor, worker, method);
         let task = floor.next_assignment(worker).map(|a| goal_of(floor.ledger.assignments[&a].request.place));
         let person = &self.people[worker];
         let Some(seen) = person.track.newest().filter(|_| person.fresh).copied() else { return };
@@ -111,16 +111,16 @@ impl HumanState {
     }
 
     /// The goals that a worker may have, with their weights: the own task first. As published, the corners of the hall
-    /// and the end of the path, none before another.
-    fn goals_of(&self, floor: Floor<'_>, worker: WorkerId) -> BTreeMap<GoalId, f64> {
-        let as_published = floor.settings.policy == HumanAwarePolicy::Phir;
+    /// and the end of the path, none before another: five, which is as many as chapter 3 tells apart well.
+    fn goals_of(&self, floor: Floor<'_>, worker: WorkerId, method: Method) -> BTreeMap<GoalId, f64> {
+        let as_published = method != Method::Detour;
         let fixed = self.intents.fixed.iter().filter(|g| !as_published || g.0 < DOORS);
         let mut goals: BTreeMap<GoalId, f64> = fixed.map(|g| (*g, 1.0)).collect();
         if let Some(id) = floor.next_assignment(worker) {
             let weight = if as_published { 1.0 } else { OWN_TASK };
             goals.insert(goal_of(floor.ledger.assignments[&id].request.place), weight);
         }
-        if floor.settings.policy == HumanAwarePolicy::Giveway {
+        if !as_published {
             // Tasks of others, oldest first: people help one another, and pick up what is on the way.
             let others = self.intents.early.iter().filter(|(_, w)| *w != worker).take(OTHERS);
             for (id, _) in others {
@@ -140,14 +140,19 @@ impl HumanState {
         }
         let mind = &self.intents;
         let Some(belief) = mind.belief(worker) else { return self.elsewhere(place, 1.0) };
-        let likely = belief.goals.iter().filter(|(_, p)| *p >= NEGLIGIBLE);
+        // Who is undecided is on the way to one of several goals: by as much to each as it is probable.
+        let known: f64 = belief.goals.iter().map(|g| g.1).sum();
+        let shared = if known > NEGLIGIBLE { belief.undecided / known } else { 0.0 };
+        let likely =
+            belief.goals.iter().map(|(g, p)| (*g, p * (1.0 + shared))).filter(|(_, p)| *p >= NEGLIGIBLE);
         let mut all: Vec<Hypothesis> = likely
-            .filter_map(|(goal, p)| {
-                let path = towards_goal(&mind.distances, *goal, place.at, FAR_M)?;
-                Some(Hypothesis { probability: *p, path, stay: Some(Span::from_secs(3)) })
+            .filter_map(|(goal, probability)| {
+                let path = towards_goal(&mind.distances, goal, place.at, FAR_M)?;
+                Some(Hypothesis { probability, path, stay: Some(Span::from_secs(3)) })
             })
             .collect();
-        all.extend(self.elsewhere(place, belief.elsewhere + belief.undecided));
+        let nobody_knows = if shared > 0.0 { 0.0 } else { belief.undecided };
+        all.extend(self.elsewhere(place, belief.elsewhere + nobody_knows));
         all
     }
 

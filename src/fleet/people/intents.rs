@@ -4,7 +4,8 @@
 //! everything else (Petković 2021, section 4.3.2). Refuses: to look at anything that is seen.
 
 use crate::geometry::Point;
-use crate::human::{Belief, Distances, Intention};
+use crate::human::tiles::Tiles;
+use crate::human::{Belief, Distances, IntentEpisode, Intention, Method};
 use crate::id::{AssignmentId, Dense, GoalId, NodeId, WorkerId};
 use crate::time::Time;
 use crate::warehouse::walkway::Walkways;
@@ -28,8 +29,15 @@ pub(in crate::fleet) struct Intents {
 }
 
 impl Intents {
-    pub fn new(warehouse: &Warehouse, walkways: Arc<Walkways>) -> Intents {
+    /// # Panics
+    /// If the method judges people on tiles and the floor has too many: [`Tiles::fit`] says so beforehand.
+    pub fn new(warehouse: &Warehouse, walkways: Arc<Walkways>, method: Method) -> Intents {
         let mut distances = Distances::over(walkways.clone());
+        if method == Method::Chapter3Tiles {
+            let tiles = Tiles::of(warehouse, &walkways);
+            distances =
+                distances.with_tiles(tiles.expect("a floor that is too large is refused with its method"));
+        }
         let (low, high) = warehouse.bounds();
         let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
         let corners = corners.map(|(x, y)| Point::new(x, y));
@@ -52,10 +60,20 @@ impl Intents {
         self.intentions.get(&worker).map(|(i, _)| i.belief())
     }
 
+    /// What a worker has most probably been up to, and since when; the oldest first.
+    pub fn episodes(&self, worker: WorkerId) -> Vec<IntentEpisode> {
+        self.intentions.get(&worker).map(|(i, _)| i.episodes()).unwrap_or_default()
+    }
+
     /// Forgets what was believed of a worker: the next sighting starts anew.
     pub fn forget(&mut self, worker: WorkerId) {
         self.intentions.remove(&worker);
     }
+}
+
+/// The node at which a goal is that is the place of a task.
+pub(in crate::fleet) fn task_place(goal: GoalId) -> Option<NodeId> {
+    goal.0.checked_sub(PLACES).map(|n| NodeId::at(n as usize))
 }
 
 /// The goal that is the place of a task.

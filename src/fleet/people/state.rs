@@ -8,7 +8,7 @@ use crate::fleet::state::regions::{KindConditions, KindRegions};
 use crate::fleet::state::worker::Guidance;
 use crate::geometry::Point;
 use crate::human::motion::Motion;
-use crate::human::{Coverage, Follower, Hypothesis, Track, Whereabouts};
+use crate::human::{Coverage, Follower, Hypothesis, Method, Track, Whereabouts};
 use crate::id::{AssignmentId, IdVec, RobotId, WorkerId};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
@@ -162,10 +162,10 @@ pub(in crate::fleet) struct HumanState {
 
 impl HumanState {
     /// Nothing is known of any worker.
-    pub fn new(warehouse: &Warehouse, regions: &KindRegions) -> HumanState {
+    pub fn new(warehouse: &Warehouse, regions: &KindRegions, method: Method) -> HumanState {
         let walkways = Arc::new(Walkways::of(warehouse));
         HumanState {
-            intents: Intents::new(warehouse, walkways.clone()),
+            intents: Intents::new(warehouse, walkways.clone(), method),
             afoot: Afoot::new(warehouse, walkways.clone()),
             walkways,
             people: IdVec::new(),

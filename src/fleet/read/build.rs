@@ -4,13 +4,14 @@
 
 use crate::fleet::Fleet;
 use crate::fleet::dispatch::jobs::stations_with_enough;
+use crate::fleet::people::intents::task_place;
 use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView, View};
 use crate::fleet::state::fact::{Act, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::ledger::Service;
-use crate::fleet::state::worker::{ClosureView, Presence, WorkerView};
+use crate::fleet::state::worker::{ClosureView, Presence, WorkerEpisode, WorkerView};
 use crate::geometry::{Point, Pose};
-use crate::human::Belief;
+use crate::human::{Belief, IntentState};
 use crate::id::{BodyId, JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
@@ -76,6 +77,7 @@ impl Fleet {
             failed: sums.failed,
             plans: tally.plans,
             plan_failures: tally.failures,
+            insertions: tally.insertions,
             encounters: sums.encounters,
             deviations: sums.deviations,
             interruptions: sums.interruptions,
@@ -135,8 +137,25 @@ impl Fleet {
             goals: self.goals_view(&belief),
             undecided: belief.undecided,
             elsewhere: belief.elsewhere,
+            episodes: self.episodes_view(worker),
             feed: person.map(|p| p.track.counts()).unwrap_or_default(),
         }
+    }
+
+    fn episodes_view(&self, worker: WorkerId) -> Vec<WorkerEpisode> {
+        let place = |state| match state {
+            // The place of a task that is over is no goal any more, and still where the worker went.
+            IntentState::Goal(g) => self.people.intents.distances.place(g).or_else(|| {
+                let node = task_place(g)?;
+                self.core.warehouse().nodes.get(node).map(|n| n.at)
+            }),
+            IntentState::Undecided | IntentState::Elsewhere => None,
+        };
+        let episodes = self.people.intents.episodes(worker);
+        episodes
+            .into_iter()
+            .map(|e| WorkerEpisode { state: e.state, place: place(e.state), since: e.since })
+            .collect()
     }
 
     fn goals_view(&self, belief: &Belief) -> Vec<(Point, f64)> {

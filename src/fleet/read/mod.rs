@@ -1,12 +1,15 @@
-//! What outsiders see: the view, why something waits, occupancy of an area, the jobs that wait, rows of lists.
+//! What outsiders see: the view, why something waits, occupancy of an area and safety regions in it, the jobs that
+//! wait, rows of lists.
 //!
 //! Main types: [`view::View`], `why::Waiting`, `occupancy::NodeOccupancy`, `backlog::Backlog`, `rows::JobRow`. Refuses:
 //! to be an input of any decision.
 
+pub(in crate::fleet) mod area;
 pub(in crate::fleet) mod backlog;
 pub(in crate::fleet) mod build;
 pub(in crate::fleet) mod occupancy;
 mod questions;
 pub(in crate::fleet) mod rows;
+pub(in crate::fleet) mod safety_regions;
 pub mod view;
 pub(in crate::fleet) mod why;

@@ -4,7 +4,8 @@
 //! since nobody could read them, and lanes, whose holds are those of the nodes at their ends.
 
 use crate::fleet::Fleet;
-use crate::geometry::Point;
+use crate::fleet::read::area::Area;
+use crate::fleet::read::safety_regions::RegionStay;
 use crate::id::NodeId;
 use crate::route::Condition;
 use crate::time::{Span, Time, Window};
@@ -25,15 +26,8 @@ pub struct NodeOccupancy {
     pub holds: Vec<Held>,
     /// What people and closures mean there.
     pub conditions: Vec<Condition>,
-}
-
-/// An upright rectangle, metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Area {
-    /// Its lower left corner.
-    pub low: Point,
-    /// Its upper right corner.
-    pub high: Point,
+    /// In whose safety regions it is, and when.
+    pub regions: Vec<RegionStay>,
 }
 
 impl Fleet {
@@ -42,17 +36,21 @@ impl Fleet {
     /// # Errors
     /// How many nodes there are, where they are too many.
     pub fn occupancy(&self, area: Area, ahead: Span, now: Time) -> Result<Vec<NodeOccupancy>, usize> {
-        let within =
-            |p: Point| (area.low.x..=area.high.x).contains(&p.x) && (area.low.y..=area.high.y).contains(&p.y);
         let nodes = &self.core.warehouse().nodes;
-        let mut found: Vec<NodeId> = nodes.pairs().filter(|(_, n)| within(n.at)).map(|(id, _)| id).collect();
+        let mut found: Vec<NodeId> =
+            nodes.pairs().filter(|(_, n)| area.contains(n.at)).map(|(id, _)| id).collect();
         if found.len() > MOST_NODES {
             return Err(found.len());
         }
         let place = |n: &NodeId| nodes[*n].at;
         found.sort_by(|a, b| place(b).y.total_cmp(&place(a).y).then(place(a).x.total_cmp(&place(b).x)));
         let window = Window::new(now - BACK, now + ahead);
-        Ok(found.into_iter().map(|node| self.node_occupancy(node, window)).collect())
+        let mut stays = self.region_stays(area, window, now);
+        let occupancy = |node| {
+            let regions = stays.remove(&node).unwrap_or_default();
+            NodeOccupancy { regions, ..self.node_occupancy(node, window) }
+        };
+        Ok(found.into_iter().map(occupancy).collect())
     }
 
     fn node_occupancy(&self, node: NodeId, window: Window) -> NodeOccupancy {
@@ -64,6 +62,6 @@ impl Fleet {
                 conditions.push(*condition);
             }
         }
-        NodeOccupancy { node, holds, conditions }
+        NodeOccupancy { node, holds, conditions, regions: Vec::new() }
     }
 }

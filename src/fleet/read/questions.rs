@@ -7,7 +7,8 @@ use crate::fleet::people::forecast::Expected;
 use crate::fleet::state::displaced::Displacement;
 use crate::fleet::state::io::Telemetry;
 use crate::human::Sighting;
-use crate::id::RobotId;
+use crate::human::motion::MotionEstimate;
+use crate::id::{RobotId, WorkerId};
 use crate::time::Time;
 
 impl Fleet {
@@ -30,6 +31,12 @@ impl Fleet {
     /// forecasts have none.
     pub fn expectations(&self, now: Time) -> Vec<Expected> {
         self.people.expectations(self.floor(), now)
+    }
+
+    /// What is known of how each worker moves, at the newest pose that was taken in.
+    pub fn motion_estimates(&self) -> impl Iterator<Item = (WorkerId, MotionEstimate)> {
+        let people = self.people.people.pairs();
+        people.filter_map(|(worker, p)| Some((worker, p.motion.as_ref()?.estimate()?)))
     }
 
     /// Whether a step that took in this sighting now would, as things were seen last, stop a robot that drives, or tell

@@ -10,6 +10,7 @@ use crate::fleet::state::job::{Job, JobKind, JobState};
 use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::why::Why;
 use crate::fleet::state::worker::{ClosureView, WorkerView};
+use crate::fleet::traffic::state::InsertionCounts;
 use crate::geometry::Pose;
 use crate::human::HorizonCoverage;
 use crate::id::{BodyId, Dense, JobId, NodeId, RackId, RobotId, StationId};
@@ -302,6 +303,8 @@ pub struct Counts {
     pub plans: u64,
     /// Searches that found none.
     pub plan_failures: u64,
+    /// Routes that were inserted by moving others.
+    pub insertions: InsertionCounts,
     /// Encounters of robots and workers.
     pub encounters: u64,
     /// How often a worker left the path.

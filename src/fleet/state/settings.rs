@@ -36,7 +36,7 @@ pub struct Settings {
     pub corners_max: usize,
     /// How the fleet deals with people.
     pub policy: HumanAwarePolicy,
-    /// How our own policy recognises intentions.
+    /// How our own policy recognises intentions; [`Method::Chapter3Tiles`] on floors that fit it only.
     pub method: Method,
     /// What a second of a worker is worth, in seconds of a robot.
     pub worker_price: f64,

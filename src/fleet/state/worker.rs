@@ -6,6 +6,7 @@
 pub use crate::human::{FeedCounts, Presence};
 
 use crate::geometry::{Point, Pose, Spot};
+use crate::human::IntentState;
 use crate::id::{AssignmentId, ClosureId, NodeId, RobotId, WorkerId};
 use crate::time::{Span, Time, Window};
 
@@ -286,8 +287,21 @@ pub struct WorkerView {
     pub undecided: f64,
     /// Probability of going somewhere else.
     pub elsewhere: f64,
+    /// What the worker has most probably been up to, the oldest first.
+    pub episodes: Vec<WorkerEpisode>,
     /// What became of the sightings.
     pub feed: FeedCounts,
+}
+
+/// A stretch of time in which a worker was most probably up to the same thing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorkerEpisode {
+    /// What.
+    pub state: IntentState,
+    /// Where the goal is, if it is one.
+    pub place: Option<Point>,
+    /// Since when.
+    pub since: Time,
 }
 
 /// An area that robots keep out of, as outsiders see it.

@@ -197,6 +197,9 @@ fn strips_say_who_holds_the_nodes_of_an_area_and_what_is_closed_there() {
     assert_eq!((found.len(), found[0].node), (1, node));
     let hold = found[0].holds.iter().find(|h| h.holder == Holder::Robot(robot)).expect("it stands there");
     assert!(hold.granted && hold.window.contains(floor.now), "{hold:?}");
+    let own = |r: &&RegionStay| r.of == Holder::Robot(robot) && r.window.contains(floor.now);
+    let own = found[0].regions.iter().find(own).expect("where it stands a person would be too near");
+    assert_eq!(own.region, SafetyRegion::KeepOut);
     assert_eq!(found[0].conditions.len(), 1, "{:?}", found[0].conditions);
     assert!(strips(&floor, 20).unwrap()[0].conditions.is_empty(), "it begins later than that");
     let all = Area { low: Point::new(-1e3, -1e3), high: Point::new(1e3, 1e3) };

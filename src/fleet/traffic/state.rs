@@ -7,7 +7,7 @@ use crate::fleet::state::needs::Needs;
 use crate::fleet::state::planners::Planners;
 use crate::id::{IdVec, NodeId, ResourceId, RobotId};
 use crate::route::Cause;
-use crate::time::Time;
+use crate::time::{Span, Time};
 use crate::timeline::Holder;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -42,6 +42,21 @@ pub(in crate::fleet) struct SearchCounts {
     pub plans: u64,
     pub failures: u64,
     pub replans: u64,
+    pub insertions: InsertionCounts,
+}
+
+/// How often a route was inserted by moving others, and what that gained.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Hash)]
+pub struct InsertionCounts {
+    /// How often a robot without a route looked for one that moves others.
+    pub tried: u64,
+    /// How often all of them got routes.
+    pub succeeded: u64,
+    /// How often, of these, the robot would have had no route behind the others, so that nothing compares.
+    pub only_way: u64,
+    /// By how much all of them arrive earlier, in sum, than if the others had been planned first and the robot last;
+    /// over the insertions for which that was possible.
+    pub gain: Span,
 }
 
 /// Labels that the searches of one step have expanded, and how many they may together. A search that has begun may use

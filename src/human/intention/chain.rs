@@ -1,45 +1,35 @@
 //! Hidden Markov models over goals.
 //!
-//! Main types: [`IntentBelief`] (forward filter and most probable sequence side by side), [`IntentState`]. The
-//! published text calls the scores of Viterbi's algorithm probabilities; they are none (the maximum keeps one past per
-//! state), so posteriors come from sums here and the sequence from maxima. Refuses: to know what is observed.
+//! Main type: [`IntentBelief`] (forward filter and most probable sequence side by side). The published text calls the
+//! scores of Viterbi's algorithm probabilities; they are none (the maximum keeps one past per state), so posteriors
+//! come from sums here and the sequence from maxima (`sequence.rs`). Refuses: to know what is observed.
 
 use super::Belief;
+use super::sequence::{IntentSequence, IntentState};
 use crate::id::GoalId;
-use std::collections::VecDeque;
+use crate::time::Time;
 
 /// No observation makes a state impossible: one odd step must not wipe out a goal for ever.
 const FLOOR: f64 = 1e-6;
-/// So many updates are remembered for the sequence.
-const MEMORY: usize = 512;
-
-/// What a person may be up to (Petković 2021, table 3.1). In the order of the chain's rows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum IntentState {
-    /// On the way to this goal.
-    Goal(GoalId),
-    /// On the way to one of several; written G? there.
-    Undecided,
-    /// On the way to none of them, or nowhere; written Gx there.
-    Elsewhere,
-}
 
 /// The chain's present state of belief.
 #[derive(Clone, Debug)]
 pub(super) struct IntentBelief {
     states: Vec<IntentState>,
     probability: Vec<f64>,
-    /// Log-probability of the best sequence that ends in each state.
-    best: Vec<f64>,
-    /// For each update each state with the best state before it.
-    past: VecDeque<Vec<(IntentState, IntentState)>>,
+    sequence: IntentSequence,
 }
 
 impl IntentBelief {
     /// The chain with these states (sorted) and probabilities.
     pub fn new(states: Vec<IntentState>, probability: Vec<f64>) -> IntentBelief {
-        let best = probability.iter().map(|p| p.max(FLOOR).ln()).collect();
-        IntentBelief { states, probability, best, past: VecDeque::new() }
+        let sequence = IntentSequence::new(states.clone(), &probability, FLOOR);
+        IntentBelief { states, probability, sequence }
+    }
+
+    /// The chain of chapter 3 without goals: *undecided* is certain (eq. 3.19).
+    pub fn undecided() -> IntentBelief {
+        IntentBelief::new(vec![IntentState::Undecided, IntentState::Elsewhere], vec![1.0, 0.0])
     }
 
     pub fn states(&self) -> &[IntentState] {
@@ -55,7 +45,12 @@ impl IntentBelief {
     }
 
     /// One update: `transition(from, to)` and one emission per state. Both need not sum to one.
-    pub fn update(&mut self, transition: impl Fn(IntentState, IntentState) -> f64, emission: &[f64]) {
+    pub fn update(
+        &mut self,
+        transition: impl Fn(IntentState, IntentState) -> f64,
+        emission: &[f64],
+        seen: Time,
+    ) {
         let n = self.states.len();
         let total: f64 = emission.iter().map(|e| e.max(0.0)).sum();
         let emit = |i: usize| (emission[i].max(0.0) / total.max(FLOOR)).max(FLOOR);
@@ -64,21 +59,8 @@ impl IntentBelief {
             .map(|to| emit(to) * (0..n).map(|from| self.probability[from] * step(from, to)).sum::<f64>())
             .collect();
         normalise(&mut next);
-        let (mut best, mut before) = (Vec::with_capacity(n), Vec::with_capacity(n));
-        for to in 0..n {
-            let via = (0..n).map(|from| (self.best[from] + step(from, to).max(1e-12).ln(), from));
-            let (score, from) =
-                via.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).expect("a chain has states");
-            best.push(score + emit(to).ln());
-            before.push((self.states[to], self.states[from]));
-        }
-        let highest = best.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        best.iter_mut().for_each(|b| *b -= highest);
-        (self.probability, self.best) = (next, best);
-        self.past.push_back(before);
-        if self.past.len() > MEMORY {
-            self.past.pop_front();
-        }
+        self.sequence.update(seen, &transition, |i| emit(i).ln());
+        self.probability = next;
     }
 
     /// Adds a goal with a share of the probability: the smallest that any goal has, but not less than 0.1.
@@ -91,7 +73,7 @@ impl IntentBelief {
         let share = if share.is_finite() { share.max(0.1) } else { 0.1 };
         self.states.insert(at, state);
         self.probability.insert(at, share);
-        self.best.insert(at, share.ln());
+        self.sequence.add(state, share);
         normalise(&mut self.probability);
     }
 
@@ -99,7 +81,7 @@ impl IntentBelief {
     pub fn remove_goal(&mut self, goal: GoalId, heir: IntentState) {
         let Some(at) = self.index(IntentState::Goal(goal)) else { return };
         self.states.remove(at);
-        self.best.remove(at);
+        self.sequence.remove(IntentState::Goal(goal));
         let share = self.probability.remove(at);
         if let Some(heir) = self.index(heir) {
             self.probability[heir] += share;
@@ -116,19 +98,9 @@ impl IntentBelief {
         }
     }
 
-    /// The most probable sequence of states (Viterbi), the oldest first, one per update and the start.
-    pub fn sequence(&self) -> Vec<IntentState> {
-        let last = (0..self.states.len()).max_by(|a, b| self.best[*a].total_cmp(&self.best[*b]));
-        let Some(mut state) = last.map(|i| self.states[i]) else { return Vec::new() };
-        let mut out = vec![state];
-        for before in self.past.iter().rev() {
-            // A goal that came later was not known then.
-            let known = before.iter().find(|(to, _)| *to == state);
-            state = known.map_or(IntentState::Undecided, |(_, from)| *from);
-            out.push(state);
-        }
-        out.reverse();
-        out
+    /// The most probable sequence beside the probabilities.
+    pub fn sequence(&self) -> &IntentSequence {
+        &self.sequence
     }
 }
 
@@ -157,10 +129,10 @@ mod tests {
         };
         // The first observation acts on the prior itself.
         let still = |from: IntentState, to: IntentState| if from == to { 1.0 } else { 0.0 };
-        chain.update(still, &[0.5, 0.1]);
-        chain.update(hold, &[0.4, 0.3]);
-        chain.update(hold, &[0.1, 0.6]);
-        assert_eq!(chain.sequence()[1..], [A, A, B]);
+        chain.update(still, &[0.5, 0.1], Time(1));
+        chain.update(hold, &[0.4, 0.3], Time(2));
+        chain.update(hold, &[0.1, 0.6], Time(3));
+        assert_eq!(chain.sequence().states()[1..], [A, A, B]);
         // By hand: .30/.04 → .0904/.0342 → .007696/.028584, to be normalised.
         let p = chain.belief().goals[0].1;
         assert!((p - 0.007696 / (0.007696 + 0.028584)).abs() < 1e-9, "{p}");
@@ -181,7 +153,7 @@ mod tests {
         assert_eq!(belief.goals.len(), 1);
         assert!((belief.undecided - 0.9 / 1.5).abs() < 1e-12);
         assert!((belief.sum() - 1.0).abs() < 1e-12);
-        chain.update(|_, _| 0.25, &[0.0, 0.0, 0.0]);
+        chain.update(|_, _| 0.25, &[0.0, 0.0, 0.0], Time(1));
         assert!((chain.belief().sum() - 1.0).abs() < 1e-12, "an impossible observation says nothing");
     }
 }

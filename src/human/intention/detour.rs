@@ -8,6 +8,7 @@
 //! means nothing. Refuses: an undecided state; an undecided posterior is flat, and its entropy says so.
 
 use super::Belief;
+use super::sequence::{IntentSequence, IntentState};
 use crate::geometry::{Point, turn_between};
 use crate::human::Distances;
 use crate::human::motion::{Fix, Motion, MotionModel, Use};
@@ -34,6 +35,9 @@ const TEMPER_PER_S: f64 = 0.02;
 /// So much of what steps say about resoluteness counts: those of one straight leg are one piece of evidence. Taken
 /// for many, they would make the model too sure of a person who turns at the end of it.
 const EVIDENCE: f64 = 0.25;
+
+/// No goal is less probable than this.
+const UNLIKELY: f64 = 1e-12;
 
 /// Figures of the recogniser.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -94,6 +98,8 @@ pub(super) struct Detour {
     /// Joint probabilities of goals and degrees.
     goals: BTreeMap<GoalId, [f64; DEGREES]>,
     elsewhere: f64,
+    /// The most probable sequence of goals, by what each step says for each goal, however resolute the person is.
+    sequence: IntentSequence,
     /// What the course of the moment says for each goal, as a factor.
     course: BTreeMap<GoalId, f64>,
     /// Place and time of the last step that was taken in.
@@ -110,8 +116,10 @@ pub(super) struct Detour {
 impl Detour {
     pub fn new(model: Arc<PurposeModel>, motion: MotionModel) -> Detour {
         let elsewhere = model.elsewhere;
+        let sequence = IntentSequence::new(vec![IntentState::Elsewhere], &[1.0], UNLIKELY);
         Detour {
             model,
+            sequence,
             weights: BTreeMap::new(),
             next: BTreeMap::new(),
             goals: BTreeMap::new(),
@@ -133,14 +141,27 @@ impl Detour {
             self.elsewhere = self.model.elsewhere;
             let known = 1.0 - self.model.elsewhere;
             self.goals.values_mut().flatten().for_each(|p| *p *= known);
+            self.begin_sequence();
         } else {
             // A new goal takes its prior share from all others.
             let share = self.weights[&goal] / total * (1.0 - self.model.elsewhere);
             self.goals.values_mut().flatten().for_each(|p| *p *= 1.0 - share);
             self.elsewhere *= 1.0 - share;
             self.goals.insert(goal, self.spread(share));
+            self.sequence.add(IntentState::Goal(goal), share);
         }
         self.normalise();
+    }
+
+    /// The sequence, before anything was seen.
+    fn begin_sequence(&mut self) {
+        let states = self.goals.keys().map(|g| IntentState::Goal(*g)).chain([IntentState::Elsewhere]);
+        let shares: Vec<f64> = self.goals.values().map(|p| p.iter().sum()).chain([self.elsewhere]).collect();
+        self.sequence = IntentSequence::new(states.collect(), &shares, UNLIKELY);
+    }
+
+    pub fn sequence(&self) -> &IntentSequence {
+        &self.sequence
     }
 
     fn spread(&self, share: f64) -> [f64; DEGREES] {
@@ -150,6 +171,7 @@ impl Detour {
     pub fn remove_goal(&mut self, goal: GoalId) {
         self.weights.remove(&goal);
         self.course.remove(&goal);
+        self.sequence.remove(IntentState::Goal(goal));
         let share = self.goals.remove(&goal).map_or(0.0, |p| p.iter().sum());
         if self.there == Some(goal) {
             // It is done: on to something else, nobody knows to what.
@@ -196,13 +218,15 @@ impl Detour {
             self.last = Some((seen, now.at));
             self.change_minds(passed);
             let start = distances.from(from);
-            self.weigh(step, |goal| Some((start.to_goal(goal)?, here.to_goal(goal)?)));
+            let fits = self.weigh(step, |goal| Some((start.to_goal(goal)?, here.to_goal(goal)?)));
+            self.continue_sequence(seen, passed, &fits);
             self.visit(now.at, distances);
             self.normalise();
         } else if passed >= PAUSE {
             // Whoever stands goes nowhere: time passes, and the place from which the next step counts stays.
             self.last = Some((seen, from));
             self.change_minds(passed);
+            self.continue_sequence(seen, passed, &BTreeMap::new());
             self.normalise();
         }
         self.look(now.velocity.norm(), now.velocity.y.atan2(now.velocity.x), |goal| here.towards(goal));
@@ -236,17 +260,48 @@ impl Detour {
         self.weights.iter().map(|(g, w)| (*g, w * factor(g))).collect()
     }
 
+    /// How probable it is that somebody has the same goal still, or none as before: who has arrived leaves, unless
+    /// there is work to do.
+    fn keeps(&self, goal: Option<GoalId>, passed: Span) -> f64 {
+        let dt = passed.as_secs_f64();
+        let keeps = (-self.model.changes_per_s * dt).exp();
+        let leaves = goal.is_some() && self.there == goal && self.work != goal;
+        keeps * if leaves { (-dt / self.model.dwell_s).exp() } else { 1.0 }
+    }
+
+    /// Takes the same update into the most probable sequence; `fits` says how well a step fits to each goal.
+    fn continue_sequence(&mut self, seen: Time, passed: Span, fits: &BTreeMap<GoalId, f64>) {
+        let prior = self.prior();
+        let (total, nobody) = (prior.values().sum::<f64>(), self.model.elsewhere);
+        let known = if prior.is_empty() { 0.0 } else { 1.0 - nobody };
+        let fresh = |state: IntentState| match state {
+            IntentState::Goal(g) => known * prior.get(&g).map_or(0.0, |p| p / total),
+            IntentState::Undecided | IntentState::Elsewhere => 1.0 - known,
+        };
+        let goal_of = |state: IntentState| match state {
+            IntentState::Goal(g) => Some(g),
+            IntentState::Undecided | IntentState::Elsewhere => None,
+        };
+        let kept: BTreeMap<Option<GoalId>, f64> =
+            self.goals.keys().map(|g| Some(*g)).chain([None]).map(|g| (g, self.keeps(g, passed))).collect();
+        let step = |from: IntentState, to: IntentState| {
+            let kept = kept[&goal_of(from)];
+            (1.0 - kept) * fresh(to) + if from == to { kept } else { 0.0 }
+        };
+        let states: Vec<Option<GoalId>> = kept.keys().skip(1).copied().chain([None]).collect();
+        let fit = |i: usize| states[i].and_then(|g| fits.get(&g)).map_or(0.0, |f| f.max(UNLIKELY).ln());
+        self.sequence.update(seen, step, fit);
+    }
+
     /// Minds change with time: to the prior, and from a goal that was reached to another one.
     fn change_minds(&mut self, passed: Span) {
-        let dt = passed.as_secs_f64();
-        let (keeps, same) = ((-self.model.changes_per_s * dt).exp(), (-TEMPER_PER_S * dt).exp());
-        let rests = (-dt / self.model.dwell_s).exp();
+        let same = (-TEMPER_PER_S * passed.as_secs_f64()).exp();
+        let keeps = self.keeps(None, passed);
+        let kept: Vec<f64> = self.goals.keys().map(|g| self.keeps(Some(*g), passed)).collect();
         let mut free = self.elsewhere * (1.0 - keeps);
         self.elsewhere *= keeps;
-        for (goal, p) in &mut self.goals {
+        for (p, kept) in self.goals.values_mut().zip(kept) {
             let sum: f64 = p.iter().sum();
-            let leaves = self.there == Some(*goal) && self.work != Some(*goal);
-            let kept = keeps * if leaves { rests } else { 1.0 };
             for (q, share) in p.iter_mut().zip(self.model.beta_shares) {
                 *q = kept * (same * *q + (1.0 - same) * share * sum);
             }
@@ -267,18 +322,22 @@ impl Detour {
         }
     }
 
-    /// A step of `step` metres; `ways` says how far each goal was before and is now.
-    fn weigh(&mut self, step: f64, ways: impl Fn(GoalId) -> Option<(f64, f64)>) {
-        let before = self.degrees();
+    /// A step of `step` metres; `ways` says how far each goal was before and is now. Gives how probable the step was
+    /// for each goal, against one in any direction.
+    fn weigh(&mut self, step: f64, ways: impl Fn(GoalId) -> Option<(f64, f64)>) -> BTreeMap<GoalId, f64> {
+        let (before, mut fits) = (self.degrees(), BTreeMap::new());
         for (goal, p) in &mut self.goals {
             // Nobody can say how far it is: neither for nor against.
             let Some((then, now)) = ways(*goal) else { continue };
             let detour = (step + now - then).clamp(0.0, 2.0 * step);
+            let sum: f64 = p.iter().sum();
             for (q, beta) in p.iter_mut().zip(self.model.betas_per_m) {
                 *q *= (-beta * detour).exp() / bessel0e(beta * step);
             }
+            fits.insert(*goal, p.iter().sum::<f64>() / sum);
         }
         self.temper(before);
+        fits
     }
 
     /// Probabilities of the degrees, whatever the goal.
@@ -321,8 +380,8 @@ impl Detour {
     fn normalise(&mut self) {
         let total: f64 = self.goals.values().flatten().sum::<f64>() + self.elsewhere;
         assert!(total > 0.0 && total.is_finite(), "beliefs have a sum: {total}");
-        self.goals.values_mut().flatten().for_each(|p| *p = (*p / total).max(1e-12));
-        self.elsewhere = (self.elsewhere / total).max(1e-12);
+        self.goals.values_mut().flatten().for_each(|p| *p = (*p / total).max(UNLIKELY));
+        self.elsewhere = (self.elsewhere / total).max(UNLIKELY);
     }
 }
 

@@ -1,22 +1,24 @@
 //! Where a person is going, with what probability.
 //!
 //! Main types: [`Intention`] (one person's recogniser; [`Method`] chooses which), [`Belief`] (what it
-//! believes), [`tiles`] (the published static method on small grids). Refuses: to decide anything. A belief
-//! is honest only as far as its goals are known; *elsewhere* is the rest.
+//! believes), [`TileIntention`] (the published static method on small grids, for actions). Refuses: to decide
+//! anything. A belief is honest only as far as its goals are known; *elsewhere* is the rest.
 
 mod chain;
 mod detour;
 mod motion;
 mod published;
 mod report;
-pub mod tiles;
+mod sequence;
+mod tile;
 
 #[cfg(test)]
 mod tests;
 
-pub use chain::IntentState;
 pub use detour::{DetourPlace, PurposeModel};
 pub use report::{Credible, reported_goals};
+pub use sequence::{IntentEpisode, IntentState};
+pub use tile::TileIntention;
 
 use super::{Distances, Model};
 use crate::geometry::Point;
@@ -24,12 +26,17 @@ use crate::id::GoalId;
 use crate::time::Time;
 use detour::Detour;
 use published::{Chapter, Published};
+use sequence::IntentSequence;
+use tile::TileWalker;
 
 /// Which recogniser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Petković 2021, sections 3.3 and 3.4: states for goals, *undecided* and *elsewhere*; nine goals at most.
     Chapter3,
+    /// The same states, with steps judged by a Markov decision process on tiles (section 3.2): small floors only, and
+    /// robots block nothing.
+    Chapter3Tiles,
     /// Petković 2021, section 4.3.2: states for goals only, among them the end of the person's own path.
     Chapter4,
     /// Ours: metres of detour as log-likelihood, changes of mind per time, the worker's task as prior,
@@ -43,6 +50,13 @@ pub enum Method {
 pub struct TooManyGoals {
     /// How many it has room for.
     pub at_most: usize,
+}
+
+impl Method {
+    /// Whether it is chapter 3 of the thesis, with one validator or the other.
+    pub fn is_chapter_three(self) -> bool {
+        matches!(self, Method::Chapter3 | Method::Chapter3Tiles)
+    }
 }
 
 /// Probabilities that sum to one.
@@ -65,6 +79,7 @@ pub struct Intention {
 #[derive(Clone, Debug)]
 enum Inner {
     Published(Box<Published>),
+    Tiles(Box<TileWalker>),
     Detour(Box<Detour>),
 }
 
@@ -73,6 +88,7 @@ impl Intention {
     pub fn new(method: Method, model: &Model) -> Intention {
         let inner = match method {
             Method::Chapter3 => Inner::Published(Box::new(Published::new(Chapter::Three))),
+            Method::Chapter3Tiles => Inner::Tiles(Box::new(TileWalker::new())),
             Method::Chapter4 => Inner::Published(Box::new(Published::new(Chapter::Four))),
             Method::Detour => Inner::Detour(Box::new(Detour::new(model.purpose.clone(), model.motion))),
         };
@@ -84,6 +100,7 @@ impl Intention {
     pub fn add_goal(&mut self, goal: GoalId, weight: f64) -> Result<(), TooManyGoals> {
         match &mut self.inner {
             Inner::Published(p) => p.add_goal(goal),
+            Inner::Tiles(t) => t.person_mut().add_goal(goal),
             Inner::Detour(d) => {
                 d.add_goal(goal, weight);
                 Ok(())
@@ -95,6 +112,7 @@ impl Intention {
     pub fn remove_goal(&mut self, goal: GoalId) {
         match &mut self.inner {
             Inner::Published(p) => p.remove_goal(goal),
+            Inner::Tiles(t) => t.person_mut().remove_goal(goal),
             Inner::Detour(d) => d.remove_goal(goal),
         }
     }
@@ -109,16 +127,27 @@ impl Intention {
 
     /// Whether there are more goals than the method was found to tell apart well.
     pub fn is_doubtful(&self) -> bool {
-        matches!(&self.inner, Inner::Published(p) if p.is_doubtful())
+        match &self.inner {
+            Inner::Published(p) => p.is_doubtful(),
+            Inner::Tiles(t) => t.person().chain().goals().count() > published::GOALS_WELL,
+            Inner::Detour(_) => false,
+        }
     }
 
     /// Takes in a pose. Poses may come at any rate; most change nothing until the person has moved on.
     ///
     /// Goals must be known to `distances`, too; `heading` is where the person faces, radians, if anybody
     /// knows. Chapter 3 reads it; ours reads the course that is walked, because heads look aside.
+    ///
+    /// # Panics
+    /// If the method needs tiles and the distances have none.
     pub fn observe(&mut self, seen: Time, at: Point, heading: Option<f64>, distances: &Distances) {
         match &mut self.inner {
             Inner::Published(p) => p.observe(seen, at, heading, distances),
+            Inner::Tiles(t) => {
+                let tiles = distances.tiles().expect("the method was chosen for a floor with tiles");
+                t.observe(seen, at, heading, tiles);
+            }
             Inner::Detour(d) => d.observe(seen, at, distances),
         }
     }
@@ -134,16 +163,27 @@ impl Intention {
     /// What it believes now.
     pub fn belief(&self) -> Belief {
         match &self.inner {
-            Inner::Published(p) => p.belief(),
+            Inner::Published(p) => p.chain().belief(),
+            Inner::Tiles(t) => t.person().belief(),
             Inner::Detour(d) => d.belief(),
         }
     }
 
-    /// The most probable sequence of states up to now, the oldest first; only the published methods keep one.
+    /// The most probable sequence of states, one before the first update and one for each, the oldest first.
     pub fn sequence(&self) -> Vec<IntentState> {
+        self.best().states()
+    }
+
+    /// The same as stretches of one state, with their times.
+    pub fn episodes(&self) -> Vec<IntentEpisode> {
+        self.best().episodes()
+    }
+
+    fn best(&self) -> &IntentSequence {
         match &self.inner {
-            Inner::Published(p) => p.sequence(),
-            Inner::Detour(_) => Vec::new(),
+            Inner::Published(p) => p.chain().sequence(),
+            Inner::Tiles(t) => t.person().chain().sequence(),
+            Inner::Detour(d) => d.sequence(),
         }
     }
 }

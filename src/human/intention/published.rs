@@ -4,8 +4,9 @@
 //! `motion.rs`, `chain.rs`). Updates come with displacement, not with messages, so that a fast stream of poses does
 //! not shorten the memory. Refuses: prior knowledge of the worker's task, which these methods have no place for.
 
-use super::chain::{IntentBelief, IntentState};
-use super::{Belief, TooManyGoals, motion};
+use super::chain::IntentBelief;
+use super::sequence::IntentState;
+use super::{TooManyGoals, motion};
 use crate::geometry::{Point, turn_between};
 use crate::human::Distances;
 use crate::id::GoalId;
@@ -23,7 +24,7 @@ const STAY: f64 = 0.823;
 /// Eq. 3.20: more goals would leave the undecided state a negative probability to stay.
 const GOALS_MAX: usize = ((1.0 - GAMMA) / BETA) as usize;
 /// With more, the thesis found, the model hardly ever decides.
-const GOALS_WELL: usize = 5;
+pub(super) const GOALS_WELL: usize = 5;
 /// An update every so many metres …
 const GATE_M: f64 = 0.25;
 /// Share of a new value in the low-pass filter.
@@ -56,23 +57,17 @@ pub(super) struct Published {
 impl Published {
     pub fn new(chapter: Chapter) -> Published {
         let chain = match chapter {
-            // Eq. 3.19.
-            Chapter::Three => {
-                IntentBelief::new(vec![IntentState::Undecided, IntentState::Elsewhere], vec![1.0, 0.0])
-            }
+            Chapter::Three => IntentBelief::undecided(),
             Chapter::Four => IntentBelief::new(Vec::new(), Vec::new()),
         };
         Published { chapter, chain, last: None, smooth: BTreeMap::new(), evidence: Evidence::new(PATIENCE) }
     }
 
     pub fn add_goal(&mut self, goal: GoalId) -> Result<(), TooManyGoals> {
-        let known = self.chain.goals().count();
-        if self.chapter == Chapter::Three && known >= GOALS_MAX && self.chain.goals().all(|g| g != goal) {
-            return Err(TooManyGoals { at_most: GOALS_MAX });
-        }
-        match (self.chapter, self.last) {
+        match self.chapter {
+            Chapter::Three => return add_goal_of_chapter_three(&mut self.chain, goal, self.last.is_none()),
             // Before anything was seen all goals are alike; the print's 1/g is meant to be 1/(g + 1) for g + 1 states.
-            (Chapter::Four, None) => {
+            Chapter::Four if self.last.is_none() => {
                 let mut states: Vec<IntentState> =
                     self.chain.goals().chain([goal]).map(IntentState::Goal).collect();
                 states.sort_unstable();
@@ -80,15 +75,7 @@ impl Published {
                 let share = 1.0 / states.len() as f64;
                 self.chain = IntentBelief::new(states.clone(), vec![share; states.len()]);
             }
-            (Chapter::Three, None) => {
-                let mut states: Vec<IntentState> = self.chain.states().to_vec();
-                states.extend([IntentState::Goal(goal)]);
-                states.sort_unstable();
-                states.dedup();
-                let start = |s: &IntentState| if *s == IntentState::Undecided { 1.0 } else { 0.0 };
-                self.chain = IntentBelief::new(states.clone(), states.iter().map(start).collect());
-            }
-            _ => self.chain.add_goal(goal),
+            Chapter::Four => self.chain.add_goal(goal),
         }
         Ok(())
     }
@@ -102,12 +89,8 @@ impl Published {
         self.chapter == Chapter::Three && self.chain.goals().count() > GOALS_WELL
     }
 
-    pub fn belief(&self) -> Belief {
-        self.chain.belief()
-    }
-
-    pub fn sequence(&self) -> Vec<IntentState> {
-        self.chain.sequence()
+    pub fn chain(&self) -> &IntentBelief {
+        &self.chain
     }
 
     pub fn observe(&mut self, seen: Time, at: Point, heading: Option<f64>, distances: &Distances) {
@@ -135,7 +118,7 @@ impl Published {
         match self.chapter {
             Chapter::Three => {
                 let goes_nowhere = self.evidence.add(seen, goals.iter().copied().zip(raw).collect());
-                weigh_chapter_three(&mut self.chain, &smooth, goes_nowhere);
+                weigh_chapter_three(&mut self.chain, &smooth, goes_nowhere, seen);
             }
             Chapter::Four => {
                 let others = (self.chain.states().len() - 1).max(1) as f64;
@@ -143,15 +126,43 @@ impl Published {
                     if from == to { STAY } else { (1.0 - STAY) / others }
                 };
                 let emission: Vec<f64> = smooth.iter().map(|v| v.tanh()).collect();
-                self.chain.update(step, &emission);
+                self.chain.update(step, &emission, seen);
             }
         }
     }
 }
 
+/// Adds a goal to a chain of chapter 3; `is_new` says that nothing was seen yet, so that *undecided* is certain
+/// (eq. 3.19).
+pub(super) fn add_goal_of_chapter_three(
+    chain: &mut IntentBelief,
+    goal: GoalId,
+    is_new: bool,
+) -> Result<(), TooManyGoals> {
+    if chain.goals().count() >= GOALS_MAX && chain.goals().all(|g| g != goal) {
+        return Err(TooManyGoals { at_most: GOALS_MAX });
+    }
+    if !is_new {
+        chain.add_goal(goal);
+        return Ok(());
+    }
+    let mut states: Vec<IntentState> = chain.states().to_vec();
+    states.push(IntentState::Goal(goal));
+    states.sort_unstable();
+    states.dedup();
+    let start = |s: &IntentState| if *s == IntentState::Undecided { 1.0 } else { 0.0 };
+    *chain = IntentBelief::new(states.clone(), states.iter().map(start).collect());
+    Ok(())
+}
+
 /// One update of the chain of chapter 3 (eq. 3.16 to 3.18). `goes_nowhere` is the best average of late, where that
 /// is too little for any goal.
-pub(super) fn weigh_chapter_three(chain: &mut IntentBelief, v: &[f64], goes_nowhere: Option<f64>) {
+pub(super) fn weigh_chapter_three(
+    chain: &mut IntentBelief,
+    v: &[f64],
+    goes_nowhere: Option<f64>,
+    seen: Time,
+) {
     let goals = v.len() as f64;
     let step = move |from: IntentState, to: IntentState| match (from, to) {
         (IntentState::Goal(a), IntentState::Goal(b)) => f64::from(a == b) * (1.0 - ALPHA),
@@ -173,7 +184,7 @@ pub(super) fn weigh_chapter_three(chain: &mut IntentBelief, v: &[f64], goes_nowh
         }
         Some(best) => v.iter().map(|_| 0.0).chain([DOUBT.tanh(), (1.0 - best).tanh()]).collect(),
     };
-    chain.update(step, &emission);
+    chain.update(step, &emission, seen);
 }
 
 /// How well a person has been moving towards each goal of late.

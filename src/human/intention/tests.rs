@@ -2,19 +2,22 @@
 
 use super::*;
 use crate::geometry::{Segment, Vector};
+use crate::human::tiles::Tiles;
 use crate::time::Span;
 use crate::warehouse::walkway::Walkways;
 use crate::warehouse::{Warehouse, lab, thesis};
 use std::sync::Arc;
 
-const METHODS: [Method; 3] = [Method::Chapter3, Method::Chapter4, Method::Detour];
+const METHODS: [Method; 4] = [Method::Chapter3, Method::Chapter3Tiles, Method::Chapter4, Method::Detour];
 
 fn p(x: f64, y: f64) -> Point {
     Point::new(x, y)
 }
 
 fn floor(w: &Warehouse, goals: &[Point]) -> Distances {
-    let mut distances = Distances::over(Arc::new(Walkways::of(w)));
+    let walkways = Arc::new(Walkways::of(w));
+    let tiles = Tiles::of(w, &walkways).expect("a small floor");
+    let mut distances = Distances::over(walkways).with_tiles(tiles);
     goals.iter().enumerate().for_each(|(i, at)| distances.add_goal(GoalId(i as u64), *at));
     distances
 }
@@ -112,6 +115,13 @@ fn beliefs_sum_to_one_and_the_goal_that_is_walked_to_wins() {
             }
             let (first, last) = (&beliefs[0], person.belief());
             let id = GoalId(i as u64);
+            if method == Method::Chapter3Tiles {
+                // On the last tiles everything is nearly as good as going on, and the published method doubts again.
+                let sure = |b: &&Belief| b.top() == IntentState::Goal(id) && b.of(id) > 0.6;
+                assert!(beliefs.iter().any(|b| sure(&b)), "to {goal}: {beliefs:?}");
+                assert!(last.goals.iter().all(|g| g.0 == id || g.1 < last.of(id)), "to {goal}: {last:?}");
+                continue;
+            }
             assert_eq!(last.top(), IntentState::Goal(id), "{method:?} to {goal}: {last:?}");
             assert!(last.of(id) > 0.6 && last.of(id) > first.of(id), "{method:?} to {goal}: {last:?}");
         }
@@ -172,7 +182,9 @@ fn goals_come_and_go_while_a_person_walks() {
         let fresh = person.belief();
         assert!((fresh.sum() - 1.0).abs() < 1e-9 && fresh.of(GoalId(9)) > 0.02, "{method:?} {fresh:?}");
         walk(&mut person, &[p(3.0, 7.0), p(3.0, 1.0)], Span::from_millis(100), &all);
-        assert_eq!(person.belief().top(), IntentState::Goal(GoalId(9)), "{method:?} {:?}", person.belief());
+        let last = person.belief();
+        let others = last.goals.iter().filter(|g| g.0 != GoalId(9));
+        assert!(others.map(|g| g.1).sum::<f64>() < 0.5 * last.of(GoalId(9)), "{method:?} {last:?}");
         person.remove_goal(GoalId(9));
         all.remove_goal(GoalId(9));
         let left = person.belief();
@@ -197,4 +209,30 @@ fn chapter_three_has_room_for_nine_goals_and_doubts_more_than_five() {
 fn chapter_four_begins_with_all_goals_alike() {
     let belief = recogniser(Method::Chapter4, 5).belief();
     assert!(belief.goals.iter().all(|g| (g.1 - 0.2).abs() < 1e-12));
+}
+
+#[test]
+fn the_most_probable_sequence_has_the_goals_in_the_order_in_which_they_were_walked_to() {
+    // To the south-western corner first, half of the way; then to the north-eastern one.
+    let goals = [p(0.0, 0.0), p(12.0, 10.0)];
+    let all = floor(&thesis(), &goals);
+    for method in METHODS {
+        let mut person = recogniser(method, goals.len());
+        let walkways = all.walkways().expect("a floor");
+        let (start, turn) = (p(6.0, 7.0), p(3.0, 4.0));
+        let mut corners = walkways.path(start, turn, all.cut()).expect("a way").points;
+        let back = walkways.path(turn, goals[1], all.cut()).expect("a way").points;
+        corners.extend(back.into_iter().skip(1));
+        walk(&mut person, &corners, Span::from_millis(100), &all);
+        let episodes = person.episodes();
+        let to: Vec<u64> = episodes
+            .iter()
+            .filter_map(|e| if let IntentState::Goal(g) = e.state { Some(g.0) } else { None })
+            .collect();
+        let mut order = to.clone();
+        order.dedup();
+        assert_eq!(order, [0, 1], "{method:?}: {episodes:?}");
+        assert!(episodes.windows(2).all(|e| e[0].since <= e[1].since && e[0].state != e[1].state));
+        assert_eq!(person.belief().top(), IntentState::Goal(GoalId(1)), "{method:?}");
+    }
 }

@@ -9,7 +9,7 @@ mod mode;
 use crate::geometry::{Point, Vector};
 use crate::time::{Span, Time};
 use mode::{KinematicState, Mat5, MotionMode, Vec5};
-use nalgebra::{Matrix2, Matrix5x2};
+use nalgebra::{Matrix2, Matrix4, Matrix5x2, Vector4};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{LN_2, TAU};
 
@@ -110,6 +110,35 @@ pub struct Ahead {
     pub modes: [f64; 3],
 }
 
+/// What the filter knows at its newest fix: a Gaussian over place and velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionEstimate {
+    /// When the newest fix was so.
+    pub seen: Time,
+    /// Place and velocity, metres and metres per second.
+    pub mean: Vector4<f64>,
+    /// Their covariance.
+    pub cov: Matrix4<f64>,
+}
+
+impl MotionEstimate {
+    /// The normalised estimation error squared of place and velocity: chi-square with four degrees of freedom where the
+    /// filter knows how wrong it is (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
+    pub fn nees(&self, at: Point, velocity: Vector) -> f64 {
+        let error = Vector4::new(at.x, at.y, velocity.x, velocity.y) - self.mean;
+        let inverse = self.cov.try_inverse().expect("the covariance of an estimate has an inverse");
+        error.dot(&(inverse * error))
+    }
+
+    /// The same of the place alone: two degrees of freedom.
+    pub fn nees_of_place(&self, at: Point) -> f64 {
+        let error = Vector::new(at.x - self.mean[0], at.y - self.mean[1]);
+        let place = self.cov.fixed_view::<2, 2>(0, 0).into_owned();
+        let inverse = place.try_inverse().expect("the covariance of a place has an inverse");
+        error.dot(&(inverse * error))
+    }
+}
+
 /// Squared Mahalanobis distance beyond which a fix is doubted (one in two million true ones).
 const GATE: f64 = 29.0;
 /// So many doubted fixes in a row are right, and the filter is wrong.
@@ -142,6 +171,13 @@ impl Motion {
     /// When the newest fix was so.
     pub fn seen(&self) -> Option<Time> {
         self.seen
+    }
+
+    /// What is known at the newest fix; nothing before the first.
+    pub fn estimate(&self) -> Option<MotionEstimate> {
+        let (seen, s) = (self.seen?, blend(&self.states, &self.chances));
+        let mean = s.mean.fixed_rows::<4>(0).into_owned();
+        Some(MotionEstimate { seen, mean, cov: s.cov.fixed_view::<4, 4>(0, 0).into_owned() })
     }
 
     /// How likely all fixes were, as a sum of logarithms (density per m²), and how many they were.
@@ -284,5 +320,65 @@ impl Surprise {
     fn update(&self, s: &KinematicState) -> KinematicState {
         let cov = s.cov - self.gain * self.spread * self.gain.transpose();
         KinematicState { mean: s.mean + self.gain * self.innovation, cov: (cov + cov.transpose()) / 2.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers with a normal distribution, the same every time (Box and Muller 1958).
+    struct Normal(u64);
+
+    impl Normal {
+        fn uniform(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+        }
+
+        fn draw(&mut self) -> f64 {
+            (-2.0 * self.uniform().ln()).sqrt() * (TAU * self.uniform()).cos()
+        }
+    }
+
+    /// The mean error of many people who move as the filter takes people to move, three seconds after the first fix.
+    fn mean_nees(believed: MotionModel, true_psd: f64, people: usize) -> [f64; 2] {
+        let (dt, sigma_m, mut dice, mut sums) = (0.1_f64, 0.05, Normal(7), [0.0, 0.0]);
+        for _ in 0..people {
+            let mut filter = Motion::new(believed);
+            let (mut at, mut velocity) = (Point::origin(), Vector::new(dice.draw(), dice.draw()) * SPEED_MPS);
+            for k in 0..=30 {
+                if k > 0 {
+                    let push = Vector::new(dice.draw(), dice.draw()) * (true_psd * dt).sqrt();
+                    let stray = Vector::new(dice.draw(), dice.draw()) * (true_psd * dt.powi(3) / 12.0).sqrt();
+                    at += velocity * dt + push * (dt / 2.0) + stray;
+                    velocity += push;
+                }
+                let seen = at + Vector::new(dice.draw(), dice.draw()) * sigma_m;
+                let used = filter.see(Fix { seen: Time(k * 100_000), at: seen, sigma_m });
+                assert_eq!(used, Use::Taken);
+            }
+            let estimate = filter.estimate().expect("it was seen");
+            sums = [sums[0] + estimate.nees_of_place(at), sums[1] + estimate.nees(at, velocity)];
+        }
+        sums.map(|s| s / people as f64)
+    }
+
+    #[test]
+    fn the_filter_is_consistent_with_people_who_move_as_it_takes_them_to_move() {
+        let psd = 0.15;
+        let straight = MotionModel {
+            changes_per_s: 1e-4,
+            shares: [1e-6, 1.0 - 2e-6, 1e-6],
+            accel_psd: [psd; 3],
+            sway_m: 0.0,
+            ..MotionModel::default()
+        };
+        // 95 % bounds of the mean of 400 chi-square variables of two and of four degrees of freedom.
+        let [place, motion] = mean_nees(straight, psd, 400);
+        assert!((1.81..2.20).contains(&place) && (3.73..4.28).contains(&motion), "{place} {motion}");
+        // Who is pushed about four times as hard is farther off than the filter says.
+        let [_, surprised] = mean_nees(straight, 4.0 * psd, 400);
+        assert!(surprised > 5.5, "{surprised}");
     }
 }

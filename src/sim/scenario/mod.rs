@@ -15,11 +15,14 @@ pub use closures::Closing;
 pub use faults::Faults;
 pub use habits::Habits;
 pub use kinds::KindShare;
-pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, SecondTag, Sensor, Source, Workers};
+pub use workforce::{
+    Assignments, Causes, Deviations, MethodWord, Personas, Rates, SecondTag, Sensor, Source, Workers,
+};
 
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::{Closure, RobotKind, fitted};
 use crate::human::Model;
+use crate::human::tiles::Tiles;
 use crate::time::{Span, Time};
 use crate::warehouse::{Findings, Warehouse};
 use check::check;
@@ -230,11 +233,33 @@ impl Scenario {
         fitted(warehouse, &kinds)
     }
 
+    /// Whether the policy and the floor have room for the method by which goals of workers are recognised.
+    ///
+    /// # Errors
+    /// What has none, and what to do.
+    pub fn check_method(&self, warehouse: &Warehouse) -> Result<(), ScenarioError> {
+        let wrong = |message| Err(ScenarioError::Wrong { key: "workers.method", message });
+        if self.workers.method == MethodWord::default() {
+            return Ok(());
+        }
+        if self.policy != HumanAwarePolicy::Giveway {
+            let arm = self.policy.word();
+            return wrong(format!("the arm {arm} recognises goals in its own way: leave the method out"));
+        }
+        match Tiles::fit(warehouse) {
+            Err(e) if self.workers.method == MethodWord::Chapter3Tiles => {
+                wrong(format!("{e}: take \"chapter3\", which has no such limit, or \"detour\""))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The settings of the core for this scenario.
     pub fn settings(&self) -> crate::fleet::Settings {
         let Scenario { period, policy, .. } = *self;
+        let method = self.workers.method.into();
         let (kinds, model) = (self.kinds.iter().map(|k| k.kind.clone()).collect(), self.learned.clone());
-        crate::fleet::Settings { kinds, period, policy, model, ..Default::default() }
+        crate::fleet::Settings { kinds, period, policy, method, model, ..Default::default() }
     }
 
     /// The kind of robot number `i`, from 0: the robots are of the kinds in turn.

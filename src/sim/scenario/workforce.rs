@@ -4,7 +4,8 @@
 //! that cannot be, and to simulate anybody.
 
 use super::check::{ScenarioError, check};
-use serde::Deserialize;
+use crate::human::Method;
+use serde::{Deserialize, Serialize};
 
 /// The people of a scenario.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -32,6 +33,31 @@ pub struct Workers {
     pub personas: Personas,
     /// Radius within which a moving robot counts as met, metres.
     pub encounter_m: f64,
+    /// How the fleet recognises where they are going.
+    pub method: MethodWord,
+}
+
+/// [`Method`] as files name it. That of chapter 4 belongs to a policy of its own (`phir`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MethodWord {
+    /// Metres of detour.
+    #[default]
+    Detour,
+    /// Chapter 3 of the thesis, over the walkways.
+    Chapter3,
+    /// Chapter 3 of the thesis, over tiles.
+    Chapter3Tiles,
+}
+
+impl From<MethodWord> for Method {
+    fn from(word: MethodWord) -> Method {
+        match word {
+            MethodWord::Detour => Method::Detour,
+            MethodWord::Chapter3 => Method::Chapter3,
+            MethodWord::Chapter3Tiles => Method::Chapter3Tiles,
+        }
+    }
 }
 
 /// What workers are to do.
@@ -288,6 +314,7 @@ impl Default for Workers {
             tag: None,
             personas: Personas::default(),
             encounter_m: 1.5,
+            method: MethodWord::default(),
         }
     }
 }

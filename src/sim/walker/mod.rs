@@ -189,6 +189,11 @@ impl Walker {
         Pose { at: self.legs.trunk(now), heading: self.legs.heading + self.head_turn(now) }
     }
 
+    /// Where it truly is on its way, without the sway of its trunk.
+    pub fn way_at(&self) -> Point {
+        self.legs.at
+    }
+
     /// How fast it truly walks, metres per second.
     pub fn speed_mps(&self) -> f64 {
         self.legs.speed_mps

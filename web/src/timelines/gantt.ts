@@ -1,5 +1,5 @@
 // The picture of what the planner sees, without its looks: bars with places in percent, and what each means in words.
-import type { Condition, Hold, Strip } from '../wire';
+import type { Condition, Hold, RegionStay, Strip } from '../wire';
 
 /** A moment ago is shown, too, so that the line of now stands a little inside. */
 export const BACK_S = 5;
@@ -7,7 +7,7 @@ export const BACK_S = 5;
 export interface Bar {
   readonly by: string;
   readonly kind: 'robot' | 'worker' | 'closure' | 'obstruction';
-  readonly look: 'granted' | 'held' | 'conflict' | 'closed' | 'still' | 'slow' | 'price';
+  readonly look: 'granted' | 'held' | 'conflict' | 'closed' | 'still' | 'slow' | 'price' | 'region2' | 'region3';
   readonly from_s: number;
   readonly to_s: number | null;
   /** Percent of the width. */
@@ -44,8 +44,13 @@ export function conditionWords(node: string, c: Condition): string {
   return `${node}: ${EFFECT_WORDS[c.effect] ?? c.effect} ${why}${limit}${price}, ${when(c.from_s, c.to_s)}`;
 }
 
-/** One row for each node, conditions below holds. */
-export function rows(strips: readonly Strip[], ahead: number): Row[] {
+export function regionWords(node: string, stay: RegionStay): string {
+  const what = stay.region === 2 ? 'nothing is planned into it' : 'robots are slow in it';
+  return `${node}: in region ${stay.region} of ${stay.of} (${what}), ${when(stay.from_s, stay.to_s)}`;
+}
+
+/** One row for each node, conditions below holds; safety regions, if they are wanted, below all. */
+export function rows(strips: readonly Strip[], ahead: number, regions = false): Row[] {
   const at = (from: number, to: number | null) => {
     const left = place(from, ahead);
     return { left, width: Math.max(0, place(to ?? Infinity, ahead) - left) };
@@ -54,12 +59,16 @@ export function rows(strips: readonly Strip[], ahead: number): Row[] {
     const conditions = strip.conditions.map((c): Bar => ({
       by: c.by, kind: c.kind, look: c.effect, from_s: c.from_s, to_s: c.to_s, ...at(c.from_s, c.to_s), words: conditionWords(strip.id, c),
     }));
+    // Region 3 is wider, so that region 2 lies on it.
+    const stays = (regions ? strip.regions : []).toSorted((a, b) => b.region - a.region).map((s): Bar => ({
+      by: s.of, kind: s.kind, look: `region${s.region}`, from_s: s.from_s, to_s: s.to_s, ...at(s.from_s, s.to_s), words: regionWords(strip.id, s),
+    }));
     const holds = strip.holds.map((h): Bar => ({
       by: h.by, kind: h.kind, look: h.conflict ? 'conflict' : h.granted ? 'granted' : 'held', from_s: h.from_s, to_s: h.to_s,
       ...at(h.from_s, h.to_s), words: holdWords(strip.id, h),
     }));
     // What is only in conflict goes below what is held itself.
-    const bars = [...conditions, ...holds.filter((b) => b.look === 'conflict'), ...holds.filter((b) => b.look !== 'conflict')];
+    const bars = [...stays, ...conditions, ...holds.filter((b) => b.look === 'conflict'), ...holds.filter((b) => b.look !== 'conflict')];
     return { id: strip.id, bars: bars.filter((b) => b.width > 0) };
   });
 }

@@ -92,7 +92,7 @@ export class HeldThen {
   }
 
   #strips(t: number, to: number): Strip[] {
-    const strips = new Map([...this.#places].map(([node, place]): [number, Strip] => [node, { ...place, holds: [], conditions: [] }]));
+    const strips = new Map([...this.#places].map(([node, place]): [number, Strip] => [node, { ...place, holds: [], conditions: [], regions: [] }]));
     // What was only announced, to one robot after the other, lies below what was granted.
     const inOrder = this.#holds.toSorted((a, b) => Math.max(a.from, this.#from) - Math.max(b.from, this.#from) || (a.by < b.by ? -1 : 1));
     for (const granted of [false, true]) {

@@ -302,6 +302,16 @@ export interface Strip {
   y: number;
   holds: Hold[];
   conditions: Condition[];
+  regions: RegionStay[];
+}
+/** The place is in the safety region of a robot or a worker for a time. */
+export interface RegionStay {
+  of: string;
+  kind: 'robot' | 'worker';
+  /** 2: nothing is planned into it; 3: robots are slow. */
+  region: 2 | 3;
+  from_s: number;
+  to_s: number | null;
 }
 export interface Hold {
   by: string;
@@ -397,6 +407,15 @@ export interface WorkerDetail {
   age_s: number | null;
   accuracy: number;
   feed: { taken: number; late: number; jumps: number; absurd: number };
+  /** The oldest first. */
+  sequence: Episode[];
+}
+/** A stretch of time in which a worker was most probably up to the same thing. */
+export interface Episode {
+  state: 'goal' | 'undecided' | 'elsewhere';
+  x: number | null;
+  y: number | null;
+  since: string;
 }
 
 /** RFC 9457, with the field each error belongs to. */

@@ -1,19 +1,19 @@
-//! The published static method: a Markov decision process on a small grid of tiles judges the person's actions.
+//! A small floor as tiles, with how good it is for somebody with a goal to be on each of them: a Markov decision
+//! process.
 //!
-//! Main types: [`Tiles`] (the grid with the state values of each goal), [`TileIntention`] (the recogniser). Petković
-//! 2021, section 3.2, eq. 3.2 to 3.10. Differences from the print: among shortest paths the one seen most is taken by
-//! comparing (steps, −tiles seen), since the heuristic of eq. 3.1 is not admissible; bearings are absolute (eq. 3.3);
-//! where no tile of the path is seen the reward is −(ε + π); eq. 3.9 discounts by 0.9. Refuses: floors that change,
-//! and more than a few thousand tiles.
+//! Main types: [`Tiles`] (the grid with the state values of each goal), [`Stand`], [`Action`]. Petković 2021, section
+//! 3.2, eq. 3.2 to 3.10. Differences from the print: among shortest paths the one seen most is taken by comparing
+//! (steps, −tiles seen), since the heuristic of eq. 3.1 is not admissible; bearings are absolute (eq. 3.3); where no
+//! tile of the path is seen the reward is −(ε + π); eq. 3.9 discounts by 0.9. Refuses: floors that change, and floors
+//! of more tiles than the published one: state values would take longer than a step of the fleet may.
 
-use super::chain::{IntentBelief, IntentState};
-use super::published::{Evidence, weigh_chapter_three};
-use super::{Belief, TooManyGoals};
-use crate::geometry::turn_between;
+use crate::geometry::{Point, turn_between};
 use crate::id::GoalId;
-use crate::time::{Span, Time};
-use std::collections::VecDeque;
+use crate::warehouse::Warehouse;
+use crate::warehouse::walkway::Walkways;
+use std::collections::{BTreeMap, VecDeque};
 use std::f64::consts::{FRAC_PI_4, PI};
+use std::sync::Arc;
 
 /// How often an action goes wrong to either side (ε of eq. 3.7).
 const SLIP: f64 = 0.1;
@@ -25,8 +25,22 @@ const DISCOUNT: f64 = 0.9;
 const STOP: f64 = 0.01;
 /// Half of the field of view, radians.
 const HALF_VIEW: f64 = FRAC_PI_4;
-/// Actions to judge before a person is called irrational, one a second.
-const PATIENCE: i64 = 3;
+/// Side of a tile of a warehouse, metres; about the spacing of nodes.
+const TILE_M: f64 = 1.0;
+/// As many as the published floor has: 20 × 20.
+const TILES_MAX: usize = 400;
+/// A place that is on no free tile belongs to one whose middle is at most so far away, metres.
+const BESIDE_M: f64 = 1.5;
+
+/// The floor has too many tiles for state values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the floor has {columns} × {rows} tiles of a metre, and there is room for {TILES_MAX} in all")]
+pub struct TooManyTiles {
+    /// How many from west to east.
+    pub columns: usize,
+    /// How many from south to north.
+    pub rows: usize,
+}
 
 /// A tile and a heading in eighths of a turn, anticlockwise from the east.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,12 +85,22 @@ const ACTIONS: [Action; 7] = [
 /// A grid of tiles with goals, and how good it is to be where for each goal.
 #[derive(Clone, Debug)]
 pub struct Tiles {
+    /// The middle of the tile in the south-west.
+    origin: Point,
     columns: usize,
     rows: usize,
     free: Vec<bool>,
-    goals: Vec<usize>,
-    /// For each goal the value of each tile and heading.
-    values: Vec<Vec<f64>>,
+    /// Which tiles can be seen from which, whatever the heading.
+    seen: Arc<Vec<Vec<bool>>>,
+    goals: BTreeMap<GoalId, TileGoal>,
+}
+
+#[derive(Clone, Debug)]
+struct TileGoal {
+    /// Its tile; nothing where there is no free one near.
+    tile: Option<usize>,
+    /// The value of each tile and heading.
+    values: Arc<[f64]>,
 }
 
 impl Tiles {
@@ -90,16 +114,93 @@ impl Tiles {
         let mut goals: Vec<(char, usize)> =
             (0..rows * columns).map(|i| (at(i), i)).filter(|(c, _)| c.is_ascii_digit()).collect();
         goals.sort_unstable();
-        let goals = goals.into_iter().map(|(_, i)| i).collect();
-        let mut tiles = Tiles { columns, rows, free, goals, values: Vec::new() };
-        let seen = tiles.seen();
-        tiles.values = (0..tiles.goals.len()).map(|g| tiles.iterate(g, &seen)).collect();
+        let mut tiles = Tiles::laid(Point::origin(), (columns, rows), free);
+        for (g, (_, i)) in goals.into_iter().enumerate() {
+            tiles.add_goal(GoalId(g as u64), tiles.middle(i));
+        }
         tiles
     }
 
-    /// How many goals.
-    pub fn goals(&self) -> usize {
-        self.goals.len()
+    /// Tiles over a building, free where people may walk, with a node in the middle of a tile. No goals yet.
+    ///
+    /// # Errors
+    /// If there are more than can be judged.
+    pub fn of(w: &Warehouse, walkways: &Walkways) -> Result<Tiles, TooManyTiles> {
+        let (origin, (columns, rows)) = Tiles::over(w)?;
+        let middle = |i: usize| tile_middle(origin, columns, i);
+        let free = (0..columns * rows).map(|i| walkways.is_free(middle(i))).collect();
+        Ok(Tiles::laid(origin, (columns, rows), free))
+    }
+
+    /// Whether a building has few enough tiles.
+    ///
+    /// # Errors
+    /// If there are more than can be judged.
+    pub fn fit(w: &Warehouse) -> Result<(), TooManyTiles> {
+        Tiles::over(w).map(|_| ())
+    }
+
+    /// Where tiles begin, and how many there are each way.
+    fn over(w: &Warehouse) -> Result<(Point, (usize, usize)), TooManyTiles> {
+        let (low, high) = w.bounds();
+        let node = w.nodes.iter().map(|n| n.at).next().unwrap_or(low);
+        // The last middle west and south of the corner, in step with the nodes.
+        let first = |low: f64, node: f64| node - ((node - low) / TILE_M - 1e-9).ceil() * TILE_M;
+        let origin = Point::new(first(low.x, node.x), first(low.y, node.y));
+        let count = |low: f64, high: f64| ((high - low) / TILE_M + 1e-9).ceil().max(0.0) as usize + 1;
+        let (columns, rows) = (count(origin.x, high.x), count(origin.y, high.y));
+        if columns.saturating_mul(rows) > TILES_MAX {
+            return Err(TooManyTiles { columns, rows });
+        }
+        Ok((origin, (columns, rows)))
+    }
+
+    fn laid(origin: Point, (columns, rows): (usize, usize), free: Vec<bool>) -> Tiles {
+        let mut tiles =
+            Tiles { origin, columns, rows, free, seen: Arc::new(Vec::new()), goals: BTreeMap::new() };
+        tiles.seen = Arc::new(tiles.look_around());
+        tiles
+    }
+
+    /// Adds a goal, or moves it, and works out the state values for it.
+    pub fn add_goal(&mut self, goal: GoalId, at: Point) {
+        let tile = self.tile_at(at);
+        let values = tile.map_or_else(Vec::new, |tile| self.iterate(tile)).into();
+        self.goals.insert(goal, TileGoal { tile, values });
+    }
+
+    /// Forgets a goal.
+    pub fn remove_goal(&mut self, goal: GoalId) {
+        self.goals.remove(&goal);
+    }
+
+    /// The goals, sorted.
+    pub fn goals(&self) -> impl Iterator<Item = GoalId> {
+        self.goals.keys().copied()
+    }
+
+    /// The middle of tile number `i`.
+    fn middle(&self, i: usize) -> Point {
+        tile_middle(self.origin, self.columns, i)
+    }
+
+    /// The middle of a tile, in metres.
+    pub fn place(&self, s: Stand) -> Point {
+        self.middle(s.y * self.columns + s.x)
+    }
+
+    /// The free tile of a place: the one beneath it, or the nearest beside it.
+    fn tile_at(&self, p: Point) -> Option<usize> {
+        let free = (0..self.free.len()).filter(|i| self.free[*i]);
+        let away = |i: &usize| (self.middle(*i) - p).norm();
+        free.min_by(|a, b| away(a).total_cmp(&away(b))).filter(|i| away(i) <= BESIDE_M)
+    }
+
+    /// Where somebody stands who is at a place and faces somewhere; nothing where no free tile is near.
+    pub fn stand_at(&self, p: Point, heading: f64) -> Option<Stand> {
+        let tile = self.tile_at(p)?;
+        let eighth = (heading / FRAC_PI_4).round().rem_euclid(8.0) as usize % 8;
+        Some(Stand { x: tile % self.columns, y: tile / self.columns, eighth })
     }
 
     /// Columns and rows.
@@ -110,11 +211,6 @@ impl Tiles {
     /// Whether a tile is free.
     pub fn is_free(&self, x: usize, y: usize) -> bool {
         x < self.columns && y < self.rows && self.free[y * self.columns + x]
-    }
-
-    /// Where a goal is.
-    pub fn goal(&self, g: usize) -> (usize, usize) {
-        (self.goals[g] % self.columns, self.goals[g] / self.columns)
     }
 
     /// Where an action leads, or nothing where a taken tile or the border is in the way.
@@ -142,8 +238,7 @@ impl Tiles {
         Stand { x: i / 8 % self.columns, y: i / 8 / self.columns, eighth: i % 8 }
     }
 
-    /// Which tiles can be seen from which, whatever the heading.
-    fn seen(&self) -> Vec<Vec<bool>> {
+    fn look_around(&self) -> Vec<Vec<bool>> {
         let n = self.columns * self.rows;
         let row = |i: usize| (0..n).map(|j| self.free[i] && self.free[j] && self.sees(i, j)).collect();
         (0..n).map(row).collect()
@@ -183,15 +278,16 @@ impl Tiles {
 
     /// The mean bearing of the tiles that the person sees of the shortest path that it sees most of (eq. 3.2);
     /// nothing where it sees none.
-    fn bearing(&self, s: Stand, steps: &[usize], order: &[usize], seen: &[Vec<bool>]) -> Option<f64> {
+    fn bearing(&self, s: Stand, steps: &[usize], order: &[usize]) -> Option<f64> {
         let here = s.y * self.columns + s.x;
         let bearing = |i: usize| {
             let (dx, dy) = ((i % self.columns) as f64 - s.x as f64, (i / self.columns) as f64 - s.y as f64);
             dy.atan2(dx)
         };
         let heading = s.eighth as f64 * FRAC_PI_4;
-        let sees =
-            |i: usize| i != here && seen[here][i] && turn_between(heading, bearing(i)) <= HALF_VIEW + 1e-9;
+        let sees = |i: usize| {
+            i != here && self.seen[here][i] && turn_between(heading, bearing(i)) <= HALF_VIEW + 1e-9
+        };
         // The most tiles seen from each tile on to the goal, nearest to the goal first.
         let mut most = vec![0_usize; self.free.len()];
         for &i in order.iter().take_while(|i| steps[**i] < steps[here]) {
@@ -209,9 +305,9 @@ impl Tiles {
         (sum != (0.0, 0.0)).then(|| sum.0.atan2(sum.1))
     }
 
-    /// The immediate rewards for one goal (eq. 3.8).
-    fn rewards(&self, g: usize, seen: &[Vec<bool>]) -> Vec<f64> {
-        let steps = self.steps_to(self.goals[g]);
+    /// The immediate rewards for a goal on one tile (eq. 3.8).
+    fn rewards(&self, goal: usize) -> Vec<f64> {
+        let steps = self.steps_to(goal);
         let mut order: Vec<usize> = (0..steps.len()).filter(|i| steps[*i] != usize::MAX).collect();
         order.sort_by_key(|i| steps[*i]);
         let reward = |i: usize| {
@@ -220,7 +316,7 @@ impl Tiles {
                 0 => PI,
                 usize::MAX => -(STEP_COST + PI),
                 _ => {
-                    let off = self.bearing(s, &steps, &order, seen);
+                    let off = self.bearing(s, &steps, &order);
                     let off = off.map_or(PI, |b| turn_between(b, s.eighth as f64 * FRAC_PI_4));
                     -(STEP_COST + off)
                 }
@@ -244,8 +340,8 @@ impl Tiles {
     }
 
     /// Value iteration (eq. 3.9, 3.10). The value of a state holds its own reward.
-    fn iterate(&self, g: usize, seen: &[Vec<bool>]) -> Vec<f64> {
-        let rewards = self.rewards(g, seen);
+    fn iterate(&self, goal: usize) -> Vec<f64> {
+        let rewards = self.rewards(goal);
         let states: Vec<usize> = (0..rewards.len()).filter(|i| self.free[i / 8]).collect();
         let ways: Vec<[[(usize, f64); 3]; 7]> =
             states.iter().map(|i| ACTIONS.map(|a| self.outcomes(self.stand(*i), a))).collect();
@@ -265,65 +361,32 @@ impl Tiles {
         }
     }
 
-    /// How good an action is for each goal: 1 for the best there is in that state, 0 for the worst.
-    pub fn validate(&self, s: Stand, action: Action) -> Vec<f64> {
+    /// How good an action is for each of some goals: 1 for the best there is in that state, 0 for the worst; 0 for a
+    /// goal that is on no tile.
+    pub fn validate(&self, s: Stand, action: Action, goals: &[GoalId]) -> Vec<f64> {
         let gain = |values: &[f64], a: Action| -> f64 {
             self.outcomes(s, a).iter().map(|(i, p)| p * values[*i]).sum()
         };
-        let judge = |values: &Vec<f64>| {
+        let judge = |values: &[f64]| {
             let gains = ACTIONS.map(|a| gain(values, a));
             let (low, high) = gains.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
             if high > low { (gain(values, action) - low) / (high - low) } else { 0.5 }
         };
-        self.values.iter().map(judge).collect()
+        let known = |g: &GoalId| self.goals.get(g).filter(|goal| goal.tile.is_some());
+        goals.iter().map(|g| known(g).map_or(0.0, |goal| judge(&goal.values))).collect()
     }
 }
 
-/// The recogniser for actions on tiles. Goal `i` of the drawing is `GoalId(i)`.
-#[derive(Clone, Debug)]
-pub struct TileIntention {
-    chain: IntentBelief,
-    evidence: Evidence,
-    steps: i64,
-}
-
-impl TileIntention {
-    /// Nothing was seen yet.
-    pub fn new(tiles: &Tiles) -> Result<TileIntention, TooManyGoals> {
-        if tiles.goals() > 9 {
-            return Err(TooManyGoals { at_most: 9 });
-        }
-        let goals = (0..tiles.goals()).map(|g| IntentState::Goal(GoalId(g as u64)));
-        let states: Vec<IntentState> =
-            goals.chain([IntentState::Undecided, IntentState::Elsewhere]).collect();
-        let start = states.iter().map(|s| if *s == IntentState::Undecided { 1.0 } else { 0.0 }).collect();
-        let evidence = Evidence::new(Span::from_secs(PATIENCE));
-        Ok(TileIntention { chain: IntentBelief::new(states, start), evidence, steps: 0 })
-    }
-
-    /// Takes in an action.
-    pub fn observe(&mut self, tiles: &Tiles, s: Stand, action: Action) {
-        let v = tiles.validate(s, action);
-        self.steps += 1;
-        let by_goal = v.iter().enumerate().map(|(g, v)| (GoalId(g as u64), *v)).collect();
-        let goes_nowhere = self.evidence.add(Time::ZERO + Span::from_secs(self.steps), by_goal);
-        weigh_chapter_three(&mut self.chain, &v, goes_nowhere);
-    }
-
-    /// What it believes now.
-    pub fn belief(&self) -> Belief {
-        self.chain.belief()
-    }
-
-    /// The most probable sequence of states, the oldest first.
-    pub fn sequence(&self) -> Vec<IntentState> {
-        self.chain.sequence()
-    }
+fn tile_middle(origin: Point, columns: usize, i: usize) -> Point {
+    Point::new(origin.x + (i % columns) as f64 * TILE_M, origin.y + (i / columns) as f64 * TILE_M)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::warehouse::{kiva, thesis};
+
+    const ONE: [GoalId; 1] = [GoalId(0)];
 
     fn room() -> Tiles {
         Tiles::drawn("#######\n#.....#\n#.###.#\n#0....#\n#######")
@@ -333,13 +396,13 @@ mod tests {
     fn the_best_action_faces_and_approaches_the_goal() {
         let tiles = room();
         let facing = Stand { x: 4, y: 1, eighth: 4 };
-        assert!(tiles.validate(facing, Action::Left)[0] > 0.99);
-        assert!(tiles.validate(facing, Action::Right)[0] < 0.2);
+        assert!(tiles.validate(facing, Action::Left, &ONE)[0] > 0.99);
+        assert!(tiles.validate(facing, Action::Right, &ONE)[0] < 0.2);
         let away = Stand { eighth: 0, ..facing };
-        let turn = tiles.validate(away, Action::TurnLeft)[0];
-        assert!(turn > tiles.validate(away, Action::Right)[0]);
+        let turn = tiles.validate(away, Action::TurnLeft, &ONE)[0];
+        assert!(turn > tiles.validate(away, Action::Right, &ONE)[0]);
         let there = Stand { x: 1, y: 1, eighth: 4 };
-        assert!(tiles.validate(there, Action::Stay)[0] > 0.9, "who has arrived stays");
+        assert!(tiles.validate(there, Action::Stay, &ONE)[0] > 0.9, "who has arrived stays");
     }
 
     #[test]
@@ -354,13 +417,30 @@ mod tests {
     fn among_shortest_paths_the_one_in_view_is_taken() {
         // An open room: all paths to the far corner are equally short; facing north, the one north comes first.
         let tiles = Tiles::drawn("....1\n.....\n.....\n.....\n.....");
-        let seen = tiles.seen();
-        let steps = tiles.steps_to(tiles.goals[0]);
+        let goal = tiles.goals[&GoalId(0)].tile.expect("a goal on a tile");
+        let steps = tiles.steps_to(goal);
         let mut order: Vec<usize> = (0..steps.len()).collect();
         order.sort_by_key(|i| steps[*i]);
-        let bearing = |eighth| tiles.bearing(Stand { x: 0, y: 0, eighth }, &steps, &order, &seen);
+        let bearing = |eighth| tiles.bearing(Stand { x: 0, y: 0, eighth }, &steps, &order);
         let (north, east) = (bearing(2).expect("seen"), bearing(0).expect("seen"));
         assert!(north > FRAC_PI_4 && east < FRAC_PI_4, "{north} {east}");
         assert_eq!(bearing(5), None, "facing the other way nothing of it is seen");
+    }
+
+    #[test]
+    fn a_building_has_a_node_in_the_middle_of_a_tile_and_a_large_one_is_refused() {
+        let w = thesis();
+        let walkways = Walkways::of(&w);
+        let tiles = Tiles::of(&w, &walkways).expect("it is small");
+        let aisle = w.nodes_where(|k| k == crate::warehouse::NodeKind::Aisle);
+        let on_tile = |n: &crate::id::NodeId| {
+            let at = w.nodes[*n].at;
+            tiles.stand_at(at, 0.1).is_some_and(|s| (tiles.place(s) - at).norm() < 1e-6 && s.eighth == 0)
+        };
+        let found = aisle.iter().filter(|n| walkways.is_free(w.nodes[**n].at) && on_tile(n)).count();
+        assert!(found > 50, "{found} aisle nodes are middles of free tiles");
+        assert_eq!(tiles.stand_at(Point::new(-90.0, 0.0), 0.0), None, "nobody stands beyond the floor");
+        let refused = Tiles::fit(&kiva()).expect_err("it is large").to_string();
+        assert!(refused.contains("tiles of a metre") && refused.contains("room for 400"), "{refused}");
     }
 }

@@ -1,0 +1,108 @@
+//! People in simulations: how their goals are recognised, and whether the filter of their motion knows how wrong it is.
+
+use super::*;
+use crate::human::IntentState;
+use crate::warehouse::kiva;
+
+/// Robots and workers in the thesis' hall; `workers` is what else is said of the workers.
+fn hall(seconds: u32, robots: usize, workers: &str) -> Scenario {
+    let text = format!(
+        r#"{{"giveway_scenario": 1, "name": "t", "map": "", "robots": {robots}, "duration_s": {seconds},
+            "jobs": {{"backlog": {}}},
+            "workers": {{"enter_s": 5, "assignments": {{"random": {{"stay_s": 5}}}}{workers}}}}}"#,
+        2 * robots
+    );
+    Scenario::parse(&text).expect("it is one")
+}
+
+fn method(word: &str) -> Scenario {
+    hall(240, 8, &format!(r#", "count": 2, "deviations": {{"causes": "all"}}, "method": "{word}""#))
+}
+
+/// Runs it under all laws; with whether somebody was undecided at some time, and what somebody was up to.
+fn run(scenario: &Scenario) -> (Outcome, bool, std::collections::BTreeSet<&'static str>) {
+    let mut sim = simulation(scenario, 3);
+    let (mut undecided, mut seen, mut steps) = (false, std::collections::BTreeSet::new(), 0);
+    while !sim.is_over() {
+        sim.step();
+        steps += 1;
+        if steps % 20 == 0 {
+            for worker in sim.fleet.view(sim.now()).workers {
+                let sum = worker.goals.iter().map(|g| g.1).sum::<f64>() + worker.undecided + worker.elsewhere;
+                assert!(worker.goals.is_empty() || (sum - 1.0).abs() < 1e-6, "{worker:?}");
+                undecided |= !worker.goals.is_empty() && worker.undecided > 0.0;
+                seen.extend(worker.episodes.iter().map(|e| match e.state {
+                    IntentState::Goal(_) => "goal",
+                    IntentState::Undecided => "undecided",
+                    IntentState::Elsewhere => "elsewhere",
+                }));
+            }
+        }
+    }
+    let outcome = sim.outcome();
+    assert_eq!(outcome.broken, Vec::<String>::new());
+    (outcome, undecided, seen)
+}
+
+#[test]
+fn a_fleet_keeps_its_laws_with_every_method_of_recognising_goals() {
+    let (usual, never, states) = run(&method("detour"));
+    assert!(!never && states.contains("goal") && usual.counts.deviations > 0, "{states:?}");
+    let plain = hall(240, 8, r#", "count": 2, "deviations": {"causes": "all"}"#);
+    assert_eq!(
+        run(&plain).0.trace_hash,
+        usual.trace_hash,
+        "it is the method that holds unless another is named"
+    );
+    for word in ["chapter3", "chapter3_tiles"] {
+        let (outcome, undecided, states) = run(&method(word));
+        assert!(undecided && states.contains("goal") && states.contains("undecided"), "{word}: {states:?}");
+        assert_ne!(outcome.trace_hash, usual.trace_hash, "{word}: it decides what robots do");
+        assert_eq!(run(&method(word)).0.trace_hash, outcome.trace_hash, "{word}: same seed, same facts");
+        assert!(outcome.counts.human_deliveries > 0 && outcome.counts.robot_deliveries > 0, "{word}");
+    }
+}
+
+#[test]
+fn a_method_is_refused_where_it_has_no_room_or_no_use() {
+    let refused = |s: &Scenario, w| s.check_method(&w).expect_err("it cannot be").to_string();
+    let large = refused(&method("chapter3_tiles"), kiva());
+    assert!(large.contains("room for 400") && large.contains("take \"chapter3\""), "{large}");
+    let published = Scenario { policy: crate::aware::HumanAwarePolicy::Phir, ..method("chapter3") };
+    let useless = refused(&published, thesis());
+    assert!(useless.contains("phir") && useless.contains("leave the method out"), "{useless}");
+    for word in ["chapter3", "chapter3_tiles", "detour"] {
+        assert_eq!(method(word).check_method(&thesis()), Ok(()));
+    }
+    let text =
+        r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "workers": {"method": "magic"}}"#;
+    let unknown = Scenario::parse(text).expect_err("there is no such method").to_string();
+    assert!(unknown.contains("magic") && unknown.contains("chapter3_tiles"), "{unknown}");
+}
+
+/// The filter is not consistent in the strict sense (docs/forecasts.md has the figures, and why it was left so): these
+/// limits keep it from getting worse either way.
+#[test]
+fn the_filter_of_motion_is_about_as_wrong_as_it_says_where_sensors_are_honest() {
+    let mut sim = simulation(&hall(900, 4, r#", "count": 3"#), 1);
+    while !sim.is_over() {
+        sim.step();
+    }
+    let [place, motion] = sim.outcome().people.consistency.figures().map(|f| f.expect("people were seen"));
+    assert!(place.samples > 1000 && motion.samples == place.samples, "{place:?}");
+    assert!((1.5..3.0).contains(&place.mean) && place.within > 0.85, "{place:?}");
+    assert!((3.0..7.5).contains(&motion.mean) && motion.within > 0.7, "{motion:?}");
+}
+
+#[test]
+fn routes_that_move_others_are_counted_with_what_they_gain() {
+    let mut sim = simulation(&hall(900, 20, r#", "count": 0"#), 1);
+    while !sim.is_over() {
+        sim.step();
+    }
+    let counts = sim.outcome().counts;
+    let found = counts.insertions;
+    assert!(found.tried > 0 && found.succeeded > 0 && found.succeeded <= found.tried, "{found:?}");
+    assert!(found.only_way <= found.succeeded && found.gain >= Span::ZERO, "{found:?}");
+    assert!(found.tried <= counts.plan_failures, "only a robot that found no route moves others: {counts:?}");
+}
