@@ -230,7 +230,9 @@ pub struct EncounterDto {
     pub x: f64,
     /// Metres.
     pub y: f64,
-    /// Radius of region 1 then, metres.
+    /// Which region of the worker the robot came into: always 1 at present.
+    pub region: u8,
+    /// Radius of that region then, between the centres, metres.
     pub radius: f64,
     /// Closest distance between the centres, metres.
     pub closest: f64,
@@ -240,7 +242,8 @@ pub struct EncounterDto {
     pub worker_speed: f64,
     /// What the fleet did about the robot: kept, slowed, held, rerouted or stopped.
     pub reaction: &'static str,
-    /// How long the robot stood because of it, seconds.
+    /// How much later the task that the robot had when it began ends than was planned then, seconds; as known at the
+    /// end of the encounter.
     pub delay_s: f64,
 }
 
@@ -464,6 +467,7 @@ impl Names<'_> {
             lasted_s: (e.ended - e.began).as_secs_f64(),
             x: m(e.at.x_mm),
             y: m(e.at.y_mm),
+            region: 1,
             radius: m(e.radius_mm),
             closest: m(e.closest_mm),
             robot_speed: m(e.robot_mmps),

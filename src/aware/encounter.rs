@@ -55,8 +55,13 @@ pub struct Meeting {
     pub began: Time,
     /// Closest distance, metres.
     pub closest_m: f64,
-    /// How long the robot stood during it.
-    pub stood: Span,
+}
+
+impl Meeting {
+    /// Who meets.
+    pub fn pair(&self) -> (WorkerId, RobotId) {
+        (self.start.worker, self.start.robot)
+    }
 }
 
 /// Pairs that meet, or met lately.
@@ -66,7 +71,6 @@ pub struct Meter {
     over: BTreeMap<(WorkerId, RobotId), Time>,
     /// Whether each pair that is near was inside at the last look, and where the robot was.
     near: BTreeMap<(WorkerId, RobotId), (bool, Point)>,
-    seen: Option<Time>,
     begun: u64,
 }
 
@@ -83,8 +87,6 @@ impl Meter {
 
     /// Looks at all pairs that are near one another; returns the encounters that are over.
     pub fn observe(&mut self, now: Time, near: &[Near]) -> Vec<Meeting> {
-        let passed = self.seen.map_or(Span::ZERO, |t| now - t);
-        self.seen = Some(now);
         let mut still: BTreeMap<(WorkerId, RobotId), (bool, Point)> = BTreeMap::new();
         for n in near {
             let pair = (n.worker, n.robot);
@@ -99,12 +101,11 @@ impl Meter {
             let moves = n.robot_mps > MOVES_MPS;
             if let Some(meeting) = self.open.get_mut(&pair) {
                 meeting.closest_m = meeting.closest_m.min(n.distance_m);
-                meeting.stood += if moves { Span::ZERO } else { passed };
             } else if moves
                 && (!was_inside || before.is_some_and(|(_, from)| n.has_come_nearer_from(from)))
                 && self.over.get(&pair).is_none_or(|t| now - *t >= REARM)
             {
-                let meeting = Meeting { start: *n, began: now, closest_m: n.distance_m, stood: Span::ZERO };
+                let meeting = Meeting { start: *n, began: now, closest_m: n.distance_m };
                 self.open.insert(pair, meeting);
                 self.begun += 1;
             }
@@ -201,12 +202,12 @@ mod tests {
     }
 
     #[test]
-    fn it_knows_how_long_the_robot_stood_and_how_near_it_was() {
+    fn it_knows_how_near_the_robot_was() {
         let mut meter = Meter::default();
         let mut ended = Vec::new();
         for (i, (d, v)) in [(1.1, 1.0), (0.7, 0.0), (0.7, 0.0), (2.0, 1.0)].iter().enumerate() {
             ended.extend(meter.observe(Time(i as i64 * 500_000), &[near(*d, *v)]));
         }
-        assert_eq!((ended[0].closest_m, ended[0].stood), (0.7, Span::from_secs(1)));
+        assert_eq!((ended[0].pair(), ended[0].closest_m), ((WorkerId(0), RobotId(0)), 0.7));
     }
 }

@@ -62,7 +62,7 @@ describe('series', () => {
 
 const encounter = (id: number, more: Partial<Encounter> = {}): Encounter => ({
   id, worker: 'w1', robot: 'robot-1', began: new Date(Date.parse('2027-01-31T12:00:00Z') + 1_000 * id).toISOString(), lasted_s: 1.5,
-  x: 1, y: 2, radius: 1.4, closest: 0.9, robot_speed: 0.5, worker_speed: 1.2, reaction: 'stopped', delay_s: 2, ...more,
+  x: 1, y: 2, region: 1, radius: 1.4, closest: 0.9, robot_speed: 0.5, worker_speed: 1.2, reaction: 'stopped', delay_s: 2, ...more,
 });
 
 describe('encounters', () => {

@@ -135,10 +135,11 @@ fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterQuery, Problem> {
 /// A table as RFC 4180 has it.
 fn csv(items: &[EncounterDto]) -> String {
     let mut text = String::from(
-        "id,worker,robot,began,lasted_s,x,y,radius,closest,robot_speed,worker_speed,reaction,delay_s\r\n",
+        "id,worker,robot,began,lasted_s,x,y,region,radius,closest,robot_speed,worker_speed,reaction,delay_s\r\n",
     );
     for e in items {
-        let numbers = [e.x, e.y, e.radius, e.closest, e.robot_speed, e.worker_speed].map(|n| n.to_string());
+        let numbers = [e.x, e.y, f64::from(e.region), e.radius, e.closest, e.robot_speed, e.worker_speed]
+            .map(|n| n.to_string());
         let cells = [e.id.to_string(), e.worker.clone(), quoted(&e.robot), e.began.clone()];
         let cells = cells.join(",");
         let numbers = numbers.join(",");
@@ -169,6 +170,7 @@ mod tests {
             lasted_s: 1.5,
             x: 1.25,
             y: -3.0,
+            region: 1,
             radius: 1.4,
             closest: 0.9,
             robot_speed: 0.5,
@@ -178,9 +180,9 @@ mod tests {
         };
         let text = csv(&[e]);
         let lines: Vec<&str> = text.split("\r\n").collect();
-        assert_eq!(lines[0].split(',').count(), 13);
+        assert_eq!(lines[0].split(',').count(), 14);
         let expected =
-            "7,w1,\"the \"\"big\"\", red one\",2027-01-31T12:00:00Z,1.5,1.25,-3,1.4,0.9,0.5,1.2,stopped,2";
+            "7,w1,\"the \"\"big\"\", red one\",2027-01-31T12:00:00Z,1.5,1.25,-3,1,1.4,0.9,0.5,1.2,stopped,2";
         assert_eq!(lines[1], expected);
     }
 }

@@ -55,7 +55,7 @@ pub struct Met {
     pub worker_speed: f64,
     /// What the fleet did about the robot: kept, slowed, held, rerouted or stopped.
     pub reaction: String,
-    /// How long the robot stood because of it, seconds.
+    /// How much later the robot's task ends than was planned when it began, seconds.
     pub delay_s: f64,
 }
 

@@ -258,7 +258,8 @@ pub struct Encounter {
     pub worker_mmps: i64,
     /// What the fleet did about the robot.
     pub reaction: Reaction,
-    /// How long the robot stood because of it.
+    /// How much later the task that the robot had when it began ends than was planned then, as far as is known when the
+    /// encounter ends.
     pub delay: Span,
 }
 

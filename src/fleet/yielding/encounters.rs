@@ -2,17 +2,18 @@
 //!
 //! Refuses: to react; it takes notes.
 
-use crate::aware::Near;
+use crate::aware::{Meeting, Near};
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::worker::{Encounter, Reaction};
 use crate::fleet::state::yielding::GivesWay;
-use crate::fleet::yielding::state::Yielding;
+use crate::fleet::yielding::state::{EncounterCost, Yielding};
 use crate::geometry::to_mm;
 use crate::human::Presence;
 use crate::id::{RobotId, WorkerId};
-use crate::time::Time;
+use crate::time::{Span, Time};
+use std::collections::BTreeMap;
 
 /// A worker is looked at together with robots up to this far away, metres.
 const NEAR_M: f64 = 4.0;
@@ -52,8 +53,13 @@ impl Yielding {
                 near.push(Near { worker, robot, at, robot_at, radius_m, distance_m, robot_mps, worker_mps });
             }
         }
-        for meeting in self.meter.observe(now, &near) {
+        let over = self.meter.observe(now, &near);
+        for pair in self.meter.open().map(Meeting::pair).chain(over.iter().map(Meeting::pair)) {
+            note_cost(&mut self.costs, core, pair, now);
+        }
+        for meeting in over {
             let start = meeting.start;
+            let cost = self.costs.remove(&meeting.pair());
             let yielding = self.state.of(start.robot).to;
             let reaction = yielding.map_or(Reaction::Kept, |y| y.reaction);
             core.record(Fact::Encountered(Encounter {
@@ -67,8 +73,25 @@ impl Yielding {
                 robot_mmps: to_mm(start.robot_mps),
                 worker_mmps: to_mm(start.worker_mps),
                 reaction,
-                delay: meeting.stood,
+                delay: cost.map_or(Span::ZERO, |cost| cost.delay()),
             }));
         }
+    }
+}
+
+/// Notes when the task that a robot had when it met a worker is to end now. While the robot has no route, it ends no
+/// earlier than it was to end before, and not before now.
+fn note_cost(
+    costs: &mut BTreeMap<(WorkerId, RobotId), EncounterCost>,
+    core: &Core,
+    pair: (WorkerId, RobotId),
+    now: Time,
+) {
+    let robot = &core.ledger.robots[pair.1];
+    let end = core.ledger.chain(pair.1).visits().last().map_or(now, |v| v.enter).max(now);
+    let task = robot.task;
+    let cost = costs.entry(pair).or_insert(EncounterCost { task, planned: end, expected: end });
+    if cost.task == task {
+        cost.expected = if robot.interrupted { cost.expected.max(now) } else { end };
     }
 }

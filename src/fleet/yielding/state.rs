@@ -3,10 +3,11 @@
 //! Main types: [`Yielding`], [`Procedure`]. Refuses: to decide.
 
 use crate::aware::Meter;
+use crate::fleet::state::fact::Task;
 use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::Point;
 use crate::id::{RobotId, WorkerId};
-use crate::time::Time;
+use crate::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What is kept in mind about giving way, from step to step. Lost at a restart, and found out again.
@@ -18,6 +19,26 @@ pub(in crate::fleet) struct Yielding {
     pub procedure: Procedure,
     /// Encounters that have begun.
     pub meter: Meter,
+    /// What each of them has cost the robot's task so far.
+    pub costs: BTreeMap<(WorkerId, RobotId), EncounterCost>,
+}
+
+/// When the task that a robot had when an encounter began was planned to end: then, and when it was looked at last.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::fleet) struct EncounterCost {
+    /// The task.
+    pub task: Task,
+    /// When it was to end as the encounter began.
+    pub planned: Time,
+    /// When it is to end now, or ended.
+    pub expected: Time,
+}
+
+impl EncounterCost {
+    /// How much later the task ends than was planned.
+    pub fn delay(&self) -> Span {
+        (self.expected - self.planned).max(Span::ZERO)
+    }
 }
 
 /// The procedure in progress.

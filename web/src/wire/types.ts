@@ -388,6 +388,8 @@ export interface Encounter {
   lasted_s: number;
   x: number;
   y: number;
+  /** Which region of the worker the robot came into. */
+  region: number;
   radius: number;
   closest: number;
   robot_speed: number;
