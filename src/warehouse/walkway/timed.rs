@@ -324,7 +324,7 @@ mod tests {
         let mut occupied = Occupied::default();
         for second in 0..8 {
             for n in walkways.around(Point::new(3.0, 7.0 - f64::from(second)), 0.8) {
-                occupied.add(n, Window::new(at(f64::from(second)), at(f64::from(second) + 2.0)), RobotId(7));
+                occupied.add(n, Window::new(at(f64::from(second)), at(f64::from(second) + 3.0)), RobotId(7));
             }
         }
         occupied.sort();
@@ -370,7 +370,8 @@ mod tests {
             }
             occupied.sort();
             let way = walkways.timed_path((from, to), &none, &occupied, (at(0.0), MPS), MANY);
-            let path = walkways.path(from, to, &none).unwrap().points;
+            let free = Occupied::default();
+            let path = walkways.timed_path((from, to), &none, &free, (at(0.0), MPS), MANY).unwrap().points;
             if let Some(along) = walkways.time_along(&path, &occupied, (at(0.0), MPS)) {
                 let way = way.as_ref().expect("walking the shortest path with waits is one");
                 prop_assert!(way.arrival() <= along.arrival() + Span(10), "{way:?}, not {along:?}");
