@@ -17,6 +17,7 @@ pub mod laws;
 mod leavers;
 mod link;
 mod outages;
+mod pairs;
 mod pushes;
 mod random;
 pub mod recording;
