@@ -7,9 +7,10 @@ use super::customers::FIRST_TOKEN;
 use super::link::{Link, LinkFaults};
 use super::pairs::{Pairs, next_to};
 use super::random::Stream;
-use super::scenario::{Assignments, SecondTag, Workers};
+use super::scenario::{Assignments, SecondTag, TaskSharing, Workers};
 use super::scenario::{Faults, Scenario};
 use super::sensor::Device;
+use super::shared_tasks::{SharedTasks, unassigned};
 use super::walker::{APART_M, Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurroundings};
 use super::walker::{WorkKnowledge, ease};
 use crate::fleet::{
@@ -86,6 +87,7 @@ pub(super) struct Crew {
     tokens: u64,
     members: Vec<Member>,
     pairs: Pairs,
+    shared: SharedTasks,
     /// How often devices that have left had each kind of fault.
     counts: [u64; 3],
 }
@@ -136,6 +138,7 @@ impl Crew {
             tokens: 0,
             members,
             pairs,
+            shared: SharedTasks::new(seed),
             counts,
         })
     }
@@ -143,6 +146,7 @@ impl Crew {
     /// What is asked of the fleet, and what the devices have sent, by `now`.
     pub fn say(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
         let mut inputs = Vec::new();
+        self.share(now, fleet, &mut inputs);
         for i in 0..self.members.len() {
             self.join(i, fleet, &mut inputs);
             self.ask(i, now, fleet, &mut inputs);
@@ -184,11 +188,29 @@ impl Crew {
         }
     }
 
+    /// Keeps assignments waiting for whoever is near, and takes them back when the last worker leaves.
+    fn share(&mut self, now: Time, fleet: &Fleet, inputs: &mut Vec<Input>) {
+        if self.workers.tasks != TaskSharing::Nearest {
+            return;
+        }
+        let (begins, ends) = (self.members[0].enters, self.members[0].leaves);
+        if now >= ends {
+            let left: Vec<AssignmentId> = unassigned(fleet).collect();
+            let back = |assignment| Input::Unassign { token: self.token(), assignment };
+            inputs.extend(left.into_iter().map(back));
+        } else if now >= begins {
+            let (count, what) = (self.members.len(), &self.workers.assignments);
+            let new = self.shared.ask(count, what, &self.fronts, fleet);
+            let ask = |request| Input::Assign { token: self.token(), worker: None, request };
+            inputs.extend(new.into_iter().map(ask));
+        }
+    }
+
     /// Keeps assignments open for a worker until it leaves, and takes them back then.
     fn ask(&mut self, i: usize, now: Time, fleet: &Fleet, inputs: &mut Vec<Input>) {
         let Some(worker) = self.members[i].id else { return };
         if now >= self.members[i].leaves {
-            let open = fleet.ledger().assignments.iter().filter(|(_, a)| a.worker == worker);
+            let open = fleet.ledger().assignments.iter().filter(|(_, a)| a.worker == Some(worker));
             let open: Vec<AssignmentId> = open.map(|(id, _)| *id).collect();
             inputs.extend(
                 open.into_iter().map(|assignment| Input::Unassign { token: self.token(), assignment }),
@@ -200,11 +222,13 @@ impl Crew {
             Assignments::None => return,
         };
         let member = &self.members[i];
-        if now < member.enters || self.fronts.is_empty() {
+        let shares = self.workers.tasks == TaskSharing::Nearest;
+        if now < member.enters || self.fronts.is_empty() || shares {
             return;
         }
         let open = fleet.ledger().assignments.iter();
-        let open = open.filter(|(id, a)| a.worker == worker && !member.done.contains(id)).count() as u64;
+        let open =
+            open.filter(|(id, a)| a.worker == Some(worker) && !member.done.contains(id)).count() as u64;
         for _ in open..AHEAD {
             let member = &mut self.members[i];
             let at = match self.workers.assignments {
@@ -219,7 +243,7 @@ impl Crew {
             let key = Some(format!("{}/{}/{}", member.name, self.seed, member.asked));
             let stay = Span::from_secs_f64(stay_s);
             let request = AssignmentRequest { place, stay, what: "pick".into(), key };
-            inputs.push(Input::Assign { token: self.token(), worker, request });
+            inputs.push(Input::Assign { token: self.token(), worker: Some(worker), request });
         }
     }
 
@@ -415,7 +439,7 @@ impl Member {
     fn look_up(&mut self, fleet: &Fleet, doors: &[Point], walkways: &Walkways) {
         self.job = self.next_job(fleet, walkways);
         let Some(worker) = self.id else { return };
-        let mine = fleet.ledger().assignments.values().filter(|a| a.worker == worker);
+        let mine = fleet.ledger().assignments.values().filter(|a| a.worker == Some(worker));
         let places = mine.map(|a| fleet.warehouse().nodes[a.request.place].at);
         self.known = doors.iter().copied().chain(places.filter_map(|p| stand(p, walkways))).collect();
     }
@@ -426,7 +450,7 @@ impl Member {
         let all = &fleet.ledger().assignments;
         let shown = self.told.as_ref().and_then(|(_, g)| g.assignment);
         let is_open = |id: &AssignmentId, a: &Assignment| {
-            a.worker == worker && !a.state.is_over() && !self.done.contains(id)
+            a.worker == Some(worker) && !a.state.is_over() && !self.done.contains(id)
         };
         let shown = shown.and_then(|id| all.get_key_value(&id)).filter(|(id, a)| is_open(id, a));
         let at_work = |a: &Assignment| a.state != AssignmentState::Waiting;

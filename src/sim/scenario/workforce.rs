@@ -19,6 +19,8 @@ pub struct Workers {
     pub leave_s: Option<f64>,
     /// What they are to do.
     pub assignments: Assignments,
+    /// Who takes which.
+    pub tasks: TaskSharing,
     /// What they do instead.
     pub deviations: Deviations,
     /// How they are seen.
@@ -80,6 +82,17 @@ pub enum Assignments {
         /// How long each takes, seconds.
         stay_s: f64,
     },
+}
+
+/// Who takes what is to be done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TaskSharing {
+    /// Each worker has assignments of its own.
+    #[default]
+    Own,
+    /// The nearest worker who is free takes the oldest one.
+    Nearest,
 }
 
 /// What workers do instead of what they are to do.
@@ -309,6 +322,7 @@ impl Default for Workers {
             enter_s: 0.0,
             leave_s: None,
             assignments: Assignments::Random { stay_s: 15.0 },
+            tasks: TaskSharing::Own,
             deviations: Deviations::default(),
             sensor: Sensor::default(),
             liars: 0,

@@ -20,7 +20,11 @@ const ENDS_M: f64 = 1.3;
 /// Who steps out of the way of people goes so far at most, metres.
 const STEPS_OUT_M: f64 = 4.0;
 /// And stays there for so long.
-const STEPS_OUT: Span = Span::from_secs(2);
+const STEPS_OUT: Span = Span::from_secs(3);
+/// Others within this are those who keep it, metres.
+const NEAR_M: f64 = 1.6;
+/// Where there is no place aside, one that is so far from others will do, metres.
+const AWAY_M: f64 = 1.8;
 /// It leaves so much room for those who pass, metres.
 const ROOM_M: f64 = APART_M + 0.1;
 /// Two who walk together keep so far apart sideways, metres, and mind no more than so much of a lead, metres.
@@ -37,12 +41,12 @@ impl Walker {
     pub(super) fn get_past_people(&mut self, now: Time, around: &WalkerSurroundings<'_>) {
         let here = self.legs.at;
         self.kept_since = self.kept_since.filter(|(_, at)| (here - at).norm() < GOT_ON_M);
-        if self.aside.is_some() || matches!(self.doing, WalkerDoing::Work(..) | WalkerDoing::Gone) {
+        if matches!(self.doing, WalkerDoing::Work(..) | WalkerDoing::Gone) {
             return;
         }
         if self.legs.route.is_empty() {
-            let asks = |p: &PersonNear| p.kept && (p.at - here).norm() < 2.0 * APART_M;
-            if around.people.iter().any(asks) {
+            let asks = |p: &PersonNear| p.kept && (p.at - here).norm() < NEAR_M;
+            if self.aside.is_none() && around.people.iter().any(asks) {
                 self.step_out(around);
             }
             return;
@@ -54,6 +58,12 @@ impl Walker {
         if long < KEPT {
             return;
         }
+        if let Some(aside) = self.aside.filter(|a| a.until.is_none()) {
+            // Where it is will do as well: the others find their way round it.
+            self.legs.route.clear();
+            self.aside = Some(Aside { until: Some(now + aside.stay), ..aside });
+            return;
+        }
         let end = *self.legs.route.back().expect("seen above");
         if (end - here).norm() < ENDS_M && Walker::is_taken(end, around) {
             self.legs.route.clear();
@@ -63,9 +73,10 @@ impl Walker {
             }
             return;
         }
-        let gives_way = other.aim.is_some() && self.who > other.who;
-        let round = other.aim.is_none() && long >= self.traits.patience && self.go_round(end, around);
-        if round {
+        let rival = |p: &PersonNear| p.aim.is_some() && p.who < self.who && (p.at - here).norm() < NEAR_M;
+        let gives_way = around.people.iter().any(rival);
+        let stands = other.aim.is_none() && long >= self.traits.patience;
+        if stands && self.go_round(end, around) {
             (self.kept_since, self.detour) = (None, true);
         } else if gives_way || long >= self.traits.patience * 2 {
             self.kept_since = None;
@@ -94,11 +105,13 @@ impl Walker {
         let here = self.legs.at;
         let ways: Vec<Segment> =
             around.people.iter().filter_map(|p| Some(Segment { a: p.at, b: beyond(p.at, p.aim?) })).collect();
-        let clear = |q: &Point| {
-            ways.iter().all(|way| way.distance_to(*q) >= ROOM_M)
-                && around.people.iter().all(|p| (p.at - q).norm() >= ROOM_M)
+        let free = |q: &Point, room_m: f64| {
+            around.people.iter().all(|p| (p.at - q).norm() >= room_m)
                 && around.robots.iter().all(|r| r.gap(*q) > 0.0)
         };
+        let clear = |q: &Point| free(q, ROOM_M) && ways.iter().all(|way| way.distance_to(*q) >= ROOM_M);
+        // In a long aisle there is no such place. Away from where others stand, two can pass.
+        let wide = |q: &Point| free(q, AWAY_M);
         let places = around.walkways.standing_places(here, STEPS_OUT_M);
         let cut = cut_by_people(here, around);
         let way = |q: Point| {
@@ -111,7 +124,8 @@ impl Walker {
             let short = path.length_m < 2.0 * STEPS_OUT_M;
             short.then(|| (q, path.points.into_iter().skip(1).collect()))
         };
-        if let Some((goal, points)) = places.into_iter().filter(clear).find_map(way) {
+        let first = places.iter().copied().filter(clear).find_map(way);
+        if let Some((goal, points)) = first.or_else(|| places.iter().copied().filter(wide).find_map(way)) {
             self.legs.set_off(points, around.walkways);
             self.aside = Some(Aside { goal, stay: STEPS_OUT, until: None });
         }

@@ -130,9 +130,8 @@ impl Legs {
         };
         self.walked_m += (to - self.at).norm();
         (self.at, self.veer, self.speed_mps) = (to, veer, speed);
-        if speed < 0.15 * wanted {
-            (self.blocked, self.kept_by) = (robot && nearest.is_none(), nearest);
-        }
+        // Who shuffles about in front of somebody is kept too: how long it has got no farther shows whether it is.
+        (self.blocked, self.kept_by) = (robot && nearest.is_none() && speed < 0.15 * wanted, nearest);
     }
 
     /// What it costs to walk on like that.
