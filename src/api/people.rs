@@ -175,9 +175,9 @@ pub struct AssignmentDto {
     /// Its number.
     #[schema(example = "a3")]
     pub id: String,
-    /// The worker.
+    /// The worker; null while it waits for the nearest one who is free.
     #[schema(example = "w1")]
-    pub worker: String,
+    pub worker: Option<String>,
     /// The node to go to.
     pub place: String,
     /// How long it takes there, seconds.
@@ -413,7 +413,7 @@ impl Names<'_> {
         let a = &record.assignment;
         AssignmentDto {
             id: assignment_name(record.id),
-            worker: worker_name(a.worker),
+            worker: a.worker.map(worker_name),
             place: record.gone.node.clone().unwrap_or_else(|| self.node(a.request.place)),
             stay_s: a.request.stay.as_secs_f64(),
             what: a.request.what.clone(),

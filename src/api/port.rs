@@ -66,7 +66,7 @@ pub enum What {
     /// That nobody is where this worker was lost.
     Clear(WorkerId),
     /// Something for a worker to do.
-    Assign(WorkerId, AssignmentRequest),
+    Assign(Option<WorkerId>, AssignmentRequest),
     /// The end of it.
     Unassign(AssignmentId),
     /// That a worker is done with it.

@@ -100,7 +100,7 @@ fn people(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
             let stay = Span::from_secs(30);
             let request =
                 AssignmentRequest { place, stay, what: "round".into(), key: Some(format!("round {hour}")) };
-            inputs.push(Input::Assign { token: 0, worker, request });
+            inputs.push(Input::Assign { token: 0, worker: Some(worker), request });
         }
         ON_FLOOR => {
             inputs.push(Input::ClearWorker { token: 0, worker });

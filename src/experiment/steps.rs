@@ -156,7 +156,7 @@ fn assign(warehouse: &Warehouse, i: usize) -> Input {
     let places = warehouse.nodes_where(|k| k == NodeKind::Storage);
     let place = places[i * 7919 % places.len().min(200)];
     let request = AssignmentRequest { place, stay: Span::from_secs(60), what: "bench".into(), key: None };
-    Input::Assign { token: i as u64, worker: WorkerId::at(i % WORKERS), request }
+    Input::Assign { token: i as u64, worker: Some(WorkerId::at(i % WORKERS)), request }
 }
 
 /// A worker who stands at an aisle.

@@ -18,6 +18,7 @@ mod lets_pass;
 mod life;
 mod limits;
 mod messages;
+mod nearest;
 mod order;
 mod people;
 mod published;

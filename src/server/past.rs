@@ -60,6 +60,11 @@ impl Lists {
                 let assignment = Assignment { worker: *worker, request, state, accepted: *at };
                 self.assignments.insert(*id, AssignmentRow { id: *id, assignment, updated: *at, gone });
             }
+            Fact::Given { assignment, worker, at } => {
+                if let Some(record) = self.assignments.get_mut(assignment) {
+                    (record.assignment.worker, record.updated) = (Some(*worker), *at);
+                }
+            }
             Fact::Advanced { assignment, state, at } => {
                 if let Some(record) = self.assignments.get_mut(assignment) {
                     (record.assignment.state, record.updated) = (*state, *at);
@@ -97,7 +102,7 @@ impl Records for PastLists {
     fn assignments(&self, f: AssignmentQuery) -> Later<'_, Result<Vec<AssignmentRow>, String>> {
         let before = f.before.unwrap_or(AssignmentId(u64::MAX));
         let wanted = |r: &&AssignmentRow| {
-            f.worker.is_none_or(|w| r.assignment.worker == w)
+            f.worker.is_none_or(|w| r.assignment.worker == Some(w))
                 && f.state.is_none_or(|s| r.assignment.state.word() == s)
         };
         let lists = self.lists();

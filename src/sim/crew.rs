@@ -5,11 +5,14 @@
 
 use super::customers::FIRST_TOKEN;
 use super::link::{Link, LinkFaults};
+use super::pairs::{Pairs, next_to};
 use super::random::Stream;
-use super::scenario::{Assignments, SecondTag, Workers};
+use super::scenario::{Assignments, SecondTag, TaskSharing, Workers};
 use super::scenario::{Faults, Scenario};
 use super::sensor::Device;
-use super::walker::{Errand, RobotNear, Shown, Walker, WalkerSurroundings, WorkKnowledge, ease};
+use super::shared_tasks::{SharedTasks, unassigned};
+use super::walker::{APART_M, Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurroundings};
+use super::walker::{WorkKnowledge, ease};
 use crate::fleet::{
     Assignment, AssignmentRequest, AssignmentState, Fleet, Guidance, GuidanceReason, GuidanceState, Input,
 };
@@ -25,12 +28,16 @@ use std::sync::Arc;
 const WORKER_TOKEN: u64 = FIRST_TOKEN | 1 << 62;
 /// So many assignments of a worker are always open.
 const AHEAD: u64 = 2;
+/// Purpose of the streams that draw where each works, see [`Stream::new`].
+const TASKS: u64 = 20;
 /// Workers come in one after another, so far apart.
 const APART: Span = Span::from_secs(3);
 /// A robot nearer to a door than this keeps a worker from coming in, metres.
 const DOOR_M: f64 = 1.5;
 /// A moving robot does so from this many seconds of travel farther away: nobody steps out where it could not stop.
 const DOOR_S: f64 = 2.5;
+/// Nobody comes in nearer than this to somebody who stands there, metres.
+const DOOR_APART_M: f64 = APART_M + 0.05;
 /// What has not come through, either way, is sent again after this.
 const AGAIN: Span = Span::from_millis(300);
 /// Workers who are told that the headset does not know where it is have touched marks after this.
@@ -72,11 +79,15 @@ pub(super) struct Crew {
     walkways: Walkways,
     doors: Vec<Point>,
     fronts: Vec<NodeId>,
+    /// Where those are.
+    places: Vec<Point>,
     seed: u64,
     /// When the scenario began: its times count from here.
     start: Time,
     tokens: u64,
     members: Vec<Member>,
+    pairs: Pairs,
+    shared: SharedTasks,
     /// How often devices that have left had each kind of fault.
     counts: [u64; 3],
 }
@@ -109,13 +120,33 @@ impl Crew {
         }
         let fronts = fronts(warehouse, &workers.assignments, &walkways);
         let member = |i: usize| Member::new(i, &workers, &scenario.faults, seed, now);
-        let members = (0..workers.count).map(member).collect();
-        Some(Crew { workers, walkways, doors, fronts, seed, start: now, tokens: 0, members, counts: [0; 3] })
+        let mut members: Vec<Member> = (0..workers.count).map(member).collect();
+        let pairs = Pairs::draw(workers.pairs, workers.count, seed);
+        for (i, member) in members.iter_mut().enumerate() {
+            member.tasks = Stream::new(seed, TASKS, pairs.leader(i) as u64);
+        }
+        let places = fronts.iter().map(|n| warehouse.nodes[*n].at).collect();
+        let counts = [0; 3];
+        Some(Crew {
+            workers,
+            walkways,
+            doors,
+            fronts,
+            places,
+            seed,
+            start: now,
+            tokens: 0,
+            members,
+            pairs,
+            shared: SharedTasks::new(seed),
+            counts,
+        })
     }
 
     /// What is asked of the fleet, and what the devices have sent, by `now`.
     pub fn say(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
         let mut inputs = Vec::new();
+        self.share(now, fleet, &mut inputs);
         for i in 0..self.members.len() {
             self.join(i, fleet, &mut inputs);
             self.ask(i, now, fleet, &mut inputs);
@@ -157,11 +188,29 @@ impl Crew {
         }
     }
 
+    /// Keeps assignments waiting for whoever is near, and takes them back when the last worker leaves.
+    fn share(&mut self, now: Time, fleet: &Fleet, inputs: &mut Vec<Input>) {
+        if self.workers.tasks != TaskSharing::Nearest {
+            return;
+        }
+        let (begins, ends) = (self.members[0].enters, self.members[0].leaves);
+        if now >= ends {
+            let left: Vec<AssignmentId> = unassigned(fleet).collect();
+            let back = |assignment| Input::Unassign { token: self.token(), assignment };
+            inputs.extend(left.into_iter().map(back));
+        } else if now >= begins {
+            let (count, what) = (self.members.len(), &self.workers.assignments);
+            let new = self.shared.ask(count, what, &self.fronts, fleet);
+            let ask = |request| Input::Assign { token: self.token(), worker: None, request };
+            inputs.extend(new.into_iter().map(ask));
+        }
+    }
+
     /// Keeps assignments open for a worker until it leaves, and takes them back then.
     fn ask(&mut self, i: usize, now: Time, fleet: &Fleet, inputs: &mut Vec<Input>) {
         let Some(worker) = self.members[i].id else { return };
         if now >= self.members[i].leaves {
-            let open = fleet.ledger().assignments.iter().filter(|(_, a)| a.worker == worker);
+            let open = fleet.ledger().assignments.iter().filter(|(_, a)| a.worker == Some(worker));
             let open: Vec<AssignmentId> = open.map(|(id, _)| *id).collect();
             inputs.extend(
                 open.into_iter().map(|assignment| Input::Unassign { token: self.token(), assignment }),
@@ -173,24 +222,28 @@ impl Crew {
             Assignments::None => return,
         };
         let member = &self.members[i];
-        if now < member.enters || self.fronts.is_empty() {
+        let shares = self.workers.tasks == TaskSharing::Nearest;
+        if now < member.enters || self.fronts.is_empty() || shares {
             return;
         }
         let open = fleet.ledger().assignments.iter();
-        let open = open.filter(|(id, a)| a.worker == worker && !member.done.contains(id)).count() as u64;
+        let open =
+            open.filter(|(id, a)| a.worker == Some(worker) && !member.done.contains(id)).count() as u64;
         for _ in open..AHEAD {
             let member = &mut self.members[i];
             let at = match self.workers.assignments {
                 Assignments::List { .. } => member.asked as usize % self.fronts.len(),
                 _ => member.tasks.below(self.fronts.len()),
             };
+            // Both of a pair draw the same places; the second takes the next one.
+            let at = if self.pairs.leader(i) == i { at } else { next_to(at, &self.places) };
             let place = self.fronts[at];
             member.asked += 1;
             // A restarted world may have asked for the same before: the key says so.
             let key = Some(format!("{}/{}/{}", member.name, self.seed, member.asked));
             let stay = Span::from_secs_f64(stay_s);
             let request = AssignmentRequest { place, stay, what: "pick".into(), key };
-            inputs.push(Input::Assign { token: self.token(), worker, request });
+            inputs.push(Input::Assign { token: self.token(), worker: Some(worker), request });
         }
     }
 
@@ -220,16 +273,19 @@ impl Crew {
     /// Everybody lives for `dt` seconds, up to `now`.
     pub fn tick(&mut self, now: Time, dt: f64, robots: &[RobotNear]) {
         let colleagues: Vec<Vec<Point>> = (0..self.members.len()).map(|i| self.colleagues(i, now)).collect();
-        let around = WalkerSurroundings { walkways: &self.walkways, robots };
+        let seen = |m: &Member| m.walker.as_ref().filter(|w| !w.is_gone()).map(|w| w.seen(now));
+        let mut people: Vec<Option<PersonNear>> = self.members.iter().map(seen).collect();
         for (i, member) in self.members.iter_mut().enumerate() {
             member.listen(now);
+            let others = || people.iter().flatten().filter(|p| p.who != i);
             if member.walker.is_none() {
                 let door = self.doors[i % self.doors.len()];
                 let keeps = |r: &RobotNear| DOOR_M + DOOR_S * r.velocity.norm();
                 let free = robots.iter().all(|r| (r.at - door).norm() > keeps(r));
-                if now >= member.enters && now < member.leaves && free && member.id.is_some() {
+                let waits = now >= member.enters && now < member.leaves && free && member.id.is_some();
+                if let Some(at) = free_place(door, &self.walkways, others()).filter(|_| waits) {
                     member.walker =
-                        Some(Walker::new(&self.workers, self.seed, i as u64, door, self.start, now));
+                        Some(Walker::new(&self.workers, self.seed, i as u64, at, self.start, now));
                     member.device = Some(Device::new(self.workers.sensor_of(i), self.seed, i as u64, now));
                     let second = |tag: SecondTag| Device::second(tag.sensor(), self.seed, i as u64, now);
                     member.tag = self.workers.tag.map(second);
@@ -246,8 +302,14 @@ impl Crew {
                 walker.send_home(door.expect("checked in `new`"));
             }
             let job = member.job.filter(|j| !member.done.contains(&j.id));
-            let work = WorkKnowledge { job, known: &member.known, colleagues: &colleagues[i] };
+            let here = walker.way_at();
+            let near: Vec<PersonNear> = others().filter(|p| p.matters_to(here)).copied().collect();
+            let companion = self.pairs.mate(i).and_then(|mate| people[mate]);
+            let work = WorkKnowledge { job, known: &member.known, colleagues: &colleagues[i], companion };
+            let around = WalkerSurroundings { walkways: &self.walkways, robots, people: &near };
             walker.tick(now, dt, &around, &work);
+            // Those who walk after this one see where it is now.
+            people[i] = Some(walker.seen(now)).filter(|_| !walker.is_gone());
             member.done.extend(walker.finished.drain(..));
             let (pose, walked_m) = (walker.pose(now), walker.walked_m());
             member.touch_marks(now);
@@ -295,6 +357,19 @@ impl Crew {
     }
 }
 
+/// A door, or a place close to it where somebody stands in the door.
+fn free_place<'a>(
+    door: Point,
+    walkways: &Walkways,
+    people: impl Iterator<Item = &'a PersonNear> + Clone,
+) -> Option<Point> {
+    let free = |at: &Point| people.clone().all(|p| (p.at - at).norm() >= DOOR_APART_M);
+    if people.clone().next().is_none() || free(&door) {
+        return Some(door);
+    }
+    walkways.standing_places(door, DOOR_M).into_iter().find(free)
+}
+
 fn add(sums: &mut [u64; 3], counts: [u64; 3]) {
     sums.iter_mut().zip(counts).for_each(|(sum, n)| *sum += n);
 }
@@ -313,7 +388,7 @@ impl Member {
             walker: None,
             device: None,
             tag: None,
-            tasks: Stream::new(seed, 20, who),
+            tasks: Stream::new(seed, TASKS, who),
             asked: 0,
             done: BTreeSet::new(),
             told: None,
@@ -364,7 +439,7 @@ impl Member {
     fn look_up(&mut self, fleet: &Fleet, doors: &[Point], walkways: &Walkways) {
         self.job = self.next_job(fleet, walkways);
         let Some(worker) = self.id else { return };
-        let mine = fleet.ledger().assignments.values().filter(|a| a.worker == worker);
+        let mine = fleet.ledger().assignments.values().filter(|a| a.worker == Some(worker));
         let places = mine.map(|a| fleet.warehouse().nodes[a.request.place].at);
         self.known = doors.iter().copied().chain(places.filter_map(|p| stand(p, walkways))).collect();
     }
@@ -375,7 +450,7 @@ impl Member {
         let all = &fleet.ledger().assignments;
         let shown = self.told.as_ref().and_then(|(_, g)| g.assignment);
         let is_open = |id: &AssignmentId, a: &Assignment| {
-            a.worker == worker && !a.state.is_over() && !self.done.contains(id)
+            a.worker == Some(worker) && !a.state.is_over() && !self.done.contains(id)
         };
         let shown = shown.and_then(|id| all.get_key_value(&id)).filter(|(id, a)| is_open(id, a));
         let at_work = |a: &Assignment| a.state != AssignmentState::Waiting;

@@ -17,6 +17,7 @@ pub mod laws;
 mod leavers;
 mod link;
 mod outages;
+mod pairs;
 mod pushes;
 mod random;
 pub mod recording;
@@ -25,6 +26,7 @@ mod robot;
 pub mod run;
 mod scenario;
 mod sensor;
+mod shared_tasks;
 pub mod swarm;
 mod tally;
 #[cfg(test)]
@@ -39,6 +41,6 @@ pub use laws::Violation;
 pub use run::{JobTally, Outcome, People, Simulation};
 pub use scenario::{
     Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, KindShare, MethodWord, Personas, Rates,
-    Scenario, ScenarioError, SecondTag, Sensor, Source, Workers,
+    Scenario, ScenarioError, SecondTag, Sensor, Source, TaskSharing, Workers,
 };
 pub use world::{World, starting_places};

@@ -133,7 +133,7 @@ enum Other {
     Clear(u64, u32),
     Assign {
         token: u64,
-        worker: u32,
+        worker: Option<u32>,
         place: u32,
         stay: i64,
         what: String,
@@ -286,7 +286,8 @@ fn asked(input: &Input) -> Other {
         Input::ClearWorker { token, worker } => Other::Clear(*token, worker.0),
         Input::Assign { token, worker, request: r } => {
             let (what, key) = (r.what.clone(), r.key.clone());
-            Other::Assign { token: *token, worker: worker.0, place: r.place.0, stay: r.stay.0, what, key }
+            let (worker, place, stay) = (worker.map(|w| w.0), r.place.0, r.stay.0);
+            Other::Assign { token: *token, worker, place, stay, what, key }
         }
         Input::Unassign { token, assignment } => Other::Unassign(*token, assignment.0),
         Input::Finish { token, worker, assignment } => Other::Finish(*token, worker.0, assignment.0),
@@ -441,7 +442,7 @@ fn other(o: Other) -> Input {
         Other::Clear(token, worker) => Input::ClearWorker { token, worker: WorkerId(worker) },
         Other::Assign { token, worker, place, stay, what, key } => {
             let request = AssignmentRequest { place: NodeId(place), stay: Span(stay), what, key };
-            Input::Assign { token, worker: WorkerId(worker), request }
+            Input::Assign { token, worker: worker.map(WorkerId), request }
         }
         Other::Unassign(token, assignment) => Input::Unassign { token, assignment: AssignmentId(assignment) },
         Other::Finish(token, worker, assignment) => {

@@ -92,7 +92,7 @@ struct ChainRecord(
 
 #[derive(Serialize, Deserialize)]
 struct PromiseRecord {
-    worker: u32,
+    worker: Option<u32>,
     request: AssignmentRecord,
     state: AssignmentStateRecord,
     accepted: i64,
@@ -317,14 +317,14 @@ impl From<ChainRecord> for ChainParts {
 impl From<&Assignment> for PromiseRecord {
     fn from(a: &Assignment) -> PromiseRecord {
         let (request, state) = ((&a.request).into(), a.state.into());
-        PromiseRecord { worker: a.worker.ix() as u32, request, state, accepted: a.accepted.0 }
+        PromiseRecord { worker: a.worker.map(|w| w.0), request, state, accepted: a.accepted.0 }
     }
 }
 
 impl From<PromiseRecord> for Assignment {
     fn from(r: PromiseRecord) -> Assignment {
         let (request, state) = (r.request.into(), r.state.into());
-        Assignment { worker: WorkerId(r.worker), request, state, accepted: Time(r.accepted) }
+        Assignment { worker: r.worker.map(WorkerId), request, state, accepted: Time(r.accepted) }
     }
 }
 

@@ -241,6 +241,7 @@ fn migrator() -> Migrator {
     let fourth = include_str!("../../migrations/sqlite/0004_steps.sql").into_sql_str();
     let fifth = include_str!("../../migrations/sqlite/0005_maps.sql").into_sql_str();
     let sixth = include_str!("../../migrations/sqlite/0006_kinds.sql").into_sql_str();
+    let seventh = include_str!("../../migrations/sqlite/0007_nearest.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
@@ -248,6 +249,7 @@ fn migrator() -> Migrator {
         Migration::new(4, "steps".into(), MigrationType::Simple, fourth, false),
         Migration::new(5, "maps".into(), MigrationType::Simple, fifth, false),
         Migration::new(6, "kinds".into(), MigrationType::Simple, sixth, false),
+        Migration::new(7, "nearest".into(), MigrationType::Simple, seventh, false),
     ])
 }
 

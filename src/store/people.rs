@@ -18,6 +18,7 @@ const ASSIGN: &str = "INSERT INTO assignments \
     (id, worker, place, stay, what, key, state, created, updated) \
     VALUES ($1, $2, $3, $4, $5, $6, 'waiting', $7, $7)";
 const ADVANCE: &str = "UPDATE assignments SET state = $2, updated = $3 WHERE id = $1";
+const GIVE: &str = "UPDATE assignments SET worker = $2, updated = $3 WHERE id = $1";
 const MEET: &str = "INSERT INTO encounters (worker, robot, began, ended, x, y, radius, closest, \
     robot_speed, worker_speed, reaction, delay) \
     VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)";
@@ -76,12 +77,15 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<()
     let query = match fact {
         Fact::Assigned { assignment, worker, request, at } => sqlx::query(ASSIGN)
             .bind(assignment.0.cast_signed())
-            .bind(worker.0)
+            .bind(worker.map(|w| w.0))
             .bind(request.place.0)
             .bind(request.stay.0)
             .bind(&request.what)
             .bind(&request.key)
             .bind(at.0),
+        Fact::Given { assignment, worker, at } => {
+            sqlx::query(GIVE).bind(assignment.0.cast_signed()).bind(worker.0).bind(at.0)
+        }
         Fact::Advanced { assignment, state, at } => {
             sqlx::query(ADVANCE).bind(assignment.0.cast_signed()).bind(state.word()).bind(at.0)
         }
@@ -116,7 +120,8 @@ fn assignment(row: &SqliteRow, gone: &Gone) -> Result<AssignmentRow, StoreError>
         what: row.try_get("what")?,
         key: row.try_get("key")?,
     };
-    let (worker, accepted) = (WorkerId(row.try_get("worker")?), Time(row.try_get("created")?));
+    let worker: Option<u32> = row.try_get("worker")?;
+    let (worker, accepted) = (worker.map(WorkerId), Time(row.try_get("created")?));
     Ok(AssignmentRow {
         gone: GoneNames { node: gone.node(request.place), ..GoneNames::default() },
         id: AssignmentId(id.unsigned_abs()),

@@ -170,8 +170,13 @@ enum Record {
     },
     Assigned {
         assignment: u64,
-        worker: u32,
+        worker: Option<u32>,
         request: AssignmentRecord,
+        at: i64,
+    },
+    Given {
+        assignment: u64,
+        worker: u32,
         at: i64,
     },
     Advanced {
@@ -278,8 +283,14 @@ impl From<&Fact> for Record {
             Fact::Returned { robot, kind, node, at } => record_returned(*robot, kind, *node, *at),
             Fact::RackTaken { robot, rack, node, at } => record_taken(*robot, *rack, *node, *at),
             Fact::WorkerRegistered { worker, name, at } => record_hired(*worker, name, *at),
-            Fact::Assigned { assignment, worker, request: r, at } => {
-                Record::Assigned { assignment: assignment.0, worker: worker.0, request: r.into(), at: at.0 }
+            Fact::Assigned { assignment, worker, request: r, at } => Record::Assigned {
+                assignment: assignment.0,
+                worker: worker.map(|w| w.0),
+                request: r.into(),
+                at: at.0,
+            },
+            Fact::Given { assignment, worker, at } => {
+                Record::Given { assignment: assignment.0, worker: worker.0, at: at.0 }
             }
             Fact::Advanced { assignment, state, at } => {
                 Record::Advanced { assignment: assignment.0, state: (*state).into(), at: at.0 }
@@ -389,8 +400,12 @@ impl From<Record> for Fact {
                 Fact::WorkerRegistered { worker: WorkerId(worker), name, at: Time(at) }
             }
             Record::Assigned { assignment: id, worker, request, at } => {
-                let (assignment, worker) = (AssignmentId(id), WorkerId(worker));
+                let (assignment, worker) = (AssignmentId(id), worker.map(WorkerId));
                 Fact::Assigned { assignment, worker, request: request.into(), at: Time(at) }
+            }
+            Record::Given { assignment, worker, at } => {
+                let (assignment, worker) = (AssignmentId(assignment), WorkerId(worker));
+                Fact::Given { assignment, worker, at: Time(at) }
             }
             Record::Advanced { assignment, state, at } => {
                 Fact::Advanced { assignment: AssignmentId(assignment), state: state.into(), at: Time(at) }

@@ -39,7 +39,7 @@ fn wishes(step: usize) -> Vec<Input> {
         1 => vec![Input::Submit { token: 1, request: deliver(1, Some("first")) }],
         2 => vec![Input::Submit { token: 2, request: JobRequest { kind: moved, ..waits("second") } }],
         3 => vec![Input::RegisterWorker { token: 3, name: "anna".into() }],
-        4 => vec![Input::Assign { token: 4, worker: WorkerId(0), request }],
+        4 => vec![Input::Assign { token: 4, worker: Some(WorkerId(0)), request }],
         5 => vec![Input::Close { token: 5, area: area.clone() }, Input::Close { token: 6, area }],
         6 => vec![Input::Reopen { token: 7, closure: ClosureId(1) }],
         7 => vec![Input::Cancel { token: 8, job: JobId(2) }],

@@ -105,6 +105,51 @@ async fn an_assignment_is_durable_made_once_and_cancelled_once() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn an_assignment_without_a_worker_waits_is_made_once_listed_and_cancelled() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    hire(at, "anna").await;
+    let (path, wanted) = ("/v1/assignments", json!({"place": place(), "stay_s": 10, "what": "count K1"}));
+    let key = ("idempotency-key", "shift-1-line-2");
+    let first = send(at, "POST", path, &[JSON, key], &wanted.to_string()).await.unwrap();
+    assert_eq!((first.status, first.header("location")), (201, Some("/v1/assignments/a1")), "{first:?}");
+    assert_eq!(
+        (first.json()["worker"].clone(), first.json()["state"].clone()),
+        (json!(null), json!("waiting"))
+    );
+    let again = send(at, "POST", path, &[JSON, key], &wanted.to_string()).await.unwrap();
+    assert_eq!((again.status, again.json()["id"].clone()), (200, json!("a1")));
+    assert_eq!(
+        post(at, path, &json!({"place": "nowhere"})).await.problem(422)["errors"][0]["field"],
+        "place"
+    );
+    assert_eq!(post(at, path, &wanted).await.json()["id"], "a2");
+    server.stop().await.unwrap();
+
+    let server = start(&folder).await;
+    let at = server.address();
+    let listed = get(at, "/v1/assignments?state=waiting").await.json();
+    assert_eq!(listed["items"][1]["worker"], json!(null), "{listed}");
+    assert_eq!(get(at, "/v1/workers/w1/assignments").await.json()["items"], json!([]), "she has none");
+    let early = post(at, "/v1/assignments/a1/done", &json!({})).await.problem(409);
+    assert_eq!(early["type"], "/problems/assignment-waits");
+    assert_eq!(delete(at, "/v1/assignments/a1").await.json()["state"], "cancelled");
+    // Somebody comes in, and gets what waits.
+    assert_eq!(post(at, "/v1/workers/w1/position", &json!({"x": 1.5, "y": 2})).await.status, 202);
+    let mut worker = json!(null);
+    for _ in 0..100 {
+        worker = get(at, "/v1/assignments/a2").await.json()["worker"].clone();
+        if !worker.is_null() {
+            break;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+    }
+    assert_eq!(worker, "w1");
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn an_area_is_closed_and_opened_again() {
     let folder = Folder::new();
     let server = start(&folder).await;

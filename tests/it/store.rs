@@ -163,7 +163,11 @@ fn facts_about_people(at: Time) -> Vec<Fact> {
     ];
     for (i, state) in ASSIGNMENT_STATES.into_iter().enumerate() {
         let assignment = AssignmentId(i as u64 + 1);
-        facts.push(Fact::Assigned { assignment, worker, request: request.clone(), at });
+        // Half of them waited for somebody.
+        let waits = i % 2 == 1;
+        let of = (!waits).then_some(worker);
+        facts.push(Fact::Assigned { assignment, worker: of, request: request.clone(), at });
+        facts.extend(waits.then_some(Fact::Given { assignment, worker, at }));
         facts.push(Fact::Advanced { assignment, state, at: at + Span(1) });
     }
     facts.extend(REACTIONS.map(met));
@@ -195,6 +199,7 @@ async fn lists_about_people_follow_the_facts() {
     let states: Vec<_> = rows.iter().rev().map(|row| row.assignment.state).collect();
     assert_eq!(states, ASSIGNMENT_STATES);
     let Fact::Assigned { request, worker, .. } = &facts[4] else { panic!("the first assignment") };
+    assert!(rows.iter().all(|row| row.assignment.worker == Some(WorkerId(1))), "each was given to her");
     let first = store.assignment(AssignmentId(1)).await.unwrap().unwrap();
     assert_eq!((&first.assignment.request, first.assignment.worker), (request, *worker));
     assert_eq!((first.assignment.accepted, first.updated), (at, at + Span(1)));

@@ -118,14 +118,45 @@ pub async fn assign(
     JsonBody(new): JsonBody<NewAssignment>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<AssignmentDto>), Problem> {
     let worker = api.feeds.worker(&id)?;
-    let request = AssignmentRequest { key, ..new.read(&api)? };
+    hand_in(&api, Some(worker), AssignmentRequest { key, ..new.read(&api)? }).await
+}
+
+/// Give the nearest free worker something to do. The assignment waits (`worker` is null) until a worker on the floor has
+/// nothing else to do; then it goes to the one with the shortest walk, the oldest assignment first. When this call
+/// returns, the assignment is durable. With an `Idempotency-Key`, a retry never makes a second assignment.
+#[utoipa::path(post, path = "/v1/assignments", tag = "people", request_body = NewAssignment,
+    params(("Idempotency-Key" = Option<String>, Header, description = "Your own key, up to 255 characters")),
+    responses(
+    (status = 201, description = "Accepted and durable", body = AssignmentDto, headers(("Location" = String))),
+    (status = 200, description = "Accepted earlier under this key", body = AssignmentDto),
+    (status = 400, body = Problem, content_type = "application/problem+json"),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn assign_nearest(
+    State(api): State<Api>,
+    IdempotencyKey(key): IdempotencyKey,
+    JsonBody(new): JsonBody<NewAssignment>,
+) -> Result<(StatusCode, [(HeaderName, String); 1], Json<AssignmentDto>), Problem> {
+    hand_in(&api, None, AssignmentRequest { key, ..new.read(&api)? }).await
+}
+
+async fn hand_in(
+    api: &Api,
+    worker: Option<WorkerId>,
+    request: AssignmentRequest,
+) -> Result<(StatusCode, [(HeaderName, String); 1], Json<AssignmentDto>), Problem> {
     let (id, new) = match api.ask(What::Assign(worker, request.clone())).await? {
         Reply::Assigned { assignment, new, .. } => (assignment, new),
         Reply::Refused { why, .. } => return Err(refused(&api.map, why)),
         _ => return Err(Problem::internal()),
     };
-    let record = read(&api, id).await?;
-    if record.assignment.request != request || record.assignment.worker != worker {
+    let record = read(api, id).await?;
+    // One that waited for a worker may have found one since.
+    let other = worker.is_some() && record.assignment.worker != worker;
+    if record.assignment.request != request || other {
         let detail = format!(
             "the Idempotency-Key was used for {}, which is another assignment: use a new key for a new one",
             assignment_name(id)
@@ -135,7 +166,7 @@ pub async fn assign(
     }
     let status = if new { StatusCode::CREATED } else { StatusCode::OK };
     let place = format!("/v1/assignments/{}", assignment_name(id));
-    Ok((status, [(header::LOCATION, place)], Json(dto(&api, &record))))
+    Ok((status, [(header::LOCATION, place)], Json(dto(api, &record))))
 }
 
 /// Cancel an assignment.
@@ -148,7 +179,9 @@ pub async fn assign(
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn cancel(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
-    end(&api, parse_id(&id)?, |_, id| What::Unassign(id)).await
+    let id = parse_id(&id)?;
+    read(&api, id).await?;
+    end(&api, id, What::Unassign(id)).await
 }
 
 /// Report that the worker has finished an assignment, wherever the worker was seen. Headsets report it over the feed.
@@ -156,22 +189,24 @@ pub async fn cancel(State(api): State<Api>, PathPart(id): PathPart) -> Result<Js
     params(("id" = String, Path, example = "a3")), responses(
     (status = 200, description = "It is done", body = AssignmentDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "It is over already", body = Problem,
+    (status = 409, description = "It is over already, or no worker has it yet", body = Problem,
      content_type = "application/problem+json"),
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn finish(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
-    end(&api, parse_id(&id)?, What::Finish).await
+    let id = parse_id(&id)?;
+    let Some(worker) = read(&api, id).await?.assignment.worker else {
+        let name = assignment_name(id);
+        let detail = format!("{name} waits for a worker who is free: cancel it if it is not wanted any more");
+        let title = "Nobody has the assignment yet";
+        return Err(Problem::new(StatusCode::CONFLICT, "assignment-waits", title, detail));
+    };
+    end(&api, id, What::Finish(worker, id)).await
 }
 
-/// Ends an assignment one way or the other. If there never was one of this number, the client learns that first.
-async fn end(
-    api: &Api,
-    id: AssignmentId,
-    how: fn(WorkerId, AssignmentId) -> What,
-) -> Result<Json<AssignmentDto>, Problem> {
-    let worker = read(api, id).await?.assignment.worker;
-    match api.ask(how(worker, id)).await? {
+/// Ends an assignment one way or the other.
+async fn end(api: &Api, id: AssignmentId, how: What) -> Result<Json<AssignmentDto>, Problem> {
+    match api.ask(how).await? {
         Reply::Done { .. } => Ok(Json(dto(api, &read(api, id).await?))),
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
         _ => Err(Problem::internal()),

@@ -91,7 +91,7 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(positions::many))
         .routes(routes!(reports::post, reports::stream))
         .routes(routes!(assignments::of_worker, assignments::assign))
-        .routes(routes!(assignments::all))
+        .routes(routes!(assignments::all, assignments::assign_nearest))
         .routes(routes!(assignments::get, assignments::cancel))
         .routes(routes!(assignments::finish))
         .routes(routes!(closures::list, closures::close))

@@ -169,8 +169,8 @@ impl Move<'_> {
                     open.insert(*id, carried);
                 }
                 Err(missing) => {
-                    let worker = &self.ledger.workers[assignment.worker];
-                    let what = format!("assignment a{} of worker {worker} is at {missing}", id.0);
+                    let of = assignment.worker.map(|w| format!(" of worker {}", self.ledger.workers[w]));
+                    let what = format!("assignment a{}{} is at {missing}", id.0, of.unwrap_or_default());
                     self.report
                         .lose(what, "assign the worker to another place, or accept that it is cancelled");
                     cancelled.push(*id);

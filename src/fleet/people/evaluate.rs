@@ -52,6 +52,7 @@ impl HumanState {
     /// Follows all workers: where they are, whether they left their paths, where they may be going.
     pub(super) fn follow(&mut self, core: &mut Core, yielding: &YieldingState, now: Time) {
         self.let_robots_pass(core, yielding, now);
+        self.hand_out(core, now);
         for worker in self.people.ids() {
             self.watch(core, yielding, worker, now);
         }

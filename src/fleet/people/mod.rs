@@ -8,6 +8,7 @@ pub(in crate::fleet) mod guidance;
 pub(in crate::fleet) mod intent;
 pub(in crate::fleet) mod intents;
 mod lets_pass;
+mod nearest;
 mod on_time;
 pub(in crate::fleet) mod report;
 pub(in crate::fleet) mod routing;

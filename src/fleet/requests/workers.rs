@@ -56,14 +56,14 @@ impl Intake<'_> {
     fn assign(
         &mut self,
         token: u64,
-        worker: WorkerId,
+        worker: Option<WorkerId>,
         request: AssignmentRequest,
         now: Time,
     ) -> Result<Reply, Refusal> {
         if let Some(id) = request.key.as_ref().and_then(|k| self.core.ledger.assignment_keys.get(k)) {
             return Ok(Reply::Assigned { token, assignment: *id, new: false });
         }
-        if self.core.ledger.workers.get(worker).is_none() {
+        if let Some(worker) = worker.filter(|w| self.core.ledger.workers.get(*w).is_none()) {
             return Err(Refusal::UnknownWorker(worker));
         }
         self.check_walkable(request.place)?;
@@ -101,7 +101,7 @@ impl Intake<'_> {
         id: AssignmentId,
         now: Time,
     ) -> Result<Reply, Refusal> {
-        if self.core.ledger.assignments.get(&id).is_none_or(|a| a.worker != worker) {
+        if self.core.ledger.assignments.get(&id).is_none_or(|a| a.worker != Some(worker)) {
             return Err(Refusal::UnknownAssignment(id));
         }
         self.core.record(Fact::Advanced { assignment: id, state: AssignmentState::Done, at: now });

@@ -138,10 +138,19 @@ pub enum Fact {
     Assigned {
         /// The new number.
         assignment: AssignmentId,
-        /// The worker.
-        worker: WorkerId,
+        /// The worker; nobody where the nearest one who is free is to get it.
+        worker: Option<WorkerId>,
         /// What.
         request: AssignmentRequest,
+        /// When.
+        at: Time,
+    },
+    /// An assignment that nobody had was given to a worker.
+    Given {
+        /// Which.
+        assignment: AssignmentId,
+        /// The worker.
+        worker: WorkerId,
         /// When.
         at: Time,
     },

@@ -91,8 +91,8 @@ pub enum Input {
     Assign {
         /// Comes back with the reply.
         token: u64,
-        /// The worker.
-        worker: WorkerId,
+        /// The worker; nothing for the nearest one who is free.
+        worker: Option<WorkerId>,
         /// What.
         request: AssignmentRequest,
     },

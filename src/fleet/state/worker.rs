@@ -26,7 +26,7 @@ pub struct AssignmentRequest {
 /// How far an assignment has come. `Waiting → Walking → Working → Done`; `Cancelled` ends any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AssignmentState {
-    /// The worker is at another one, or not on the floor.
+    /// The worker is at another one, or not on the floor; or nobody has it yet.
     Waiting,
     /// The worker is on the way.
     Walking,
@@ -59,8 +59,8 @@ impl AssignmentState {
 /// An assignment that is not over.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Assignment {
-    /// The worker.
-    pub worker: WorkerId,
+    /// The worker; nobody while it waits for the nearest one who is free.
+    pub worker: Option<WorkerId>,
     /// What.
     pub request: AssignmentRequest,
     /// How far it is.

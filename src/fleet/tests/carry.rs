@@ -335,7 +335,7 @@ fn closures_and_assignments_keep_what_is_left_of_them() {
             what: "count".into(),
             key: Some(key.into()),
         };
-        Input::Assign { token: 7, worker: crate::id::WorkerId(0), request }
+        Input::Assign { token: 7, worker: Some(crate::id::WorkerId(0)), request }
     };
     floor.step(vec![
         area(outline.clone(), vec![]),

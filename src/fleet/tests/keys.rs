@@ -58,7 +58,7 @@ fn keys_of_assignments_are_forgotten_too() {
     let what = AssignmentRequest { place, stay: Span::ZERO, what: "count".into(), key: Some("k".into()) };
     let assign = |request: &AssignmentRequest| Input::Assign {
         token: 2,
-        worker: WorkerId(0),
+        worker: Some(WorkerId(0)),
         request: request.clone(),
     };
     floor.step(vec![Input::RegisterWorker { token: 1, name: "anna".into() }]);

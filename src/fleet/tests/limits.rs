@@ -50,7 +50,8 @@ fn one_assignment_too_many_is_refused_until_another_is_over() {
     let mut fleet = limited(|s| s.assignments_max = 1);
     let place = fleet.warehouse().nodes_where(|k| k == NodeKind::Storage)[0];
     let request = AssignmentRequest { place, stay: Span::from_secs(1), what: "look".into(), key: None };
-    let assign = || Input::Assign { token: 1, worker: crate::id::WorkerId(0), request: request.clone() };
+    let assign =
+        || Input::Assign { token: 1, worker: Some(crate::id::WorkerId(0)), request: request.clone() };
     let take_back = Input::Unassign { token: 1, assignment: crate::id::AssignmentId(1) };
     let hire = Input::RegisterWorker { token: 1, name: "anna".into() };
     let why = refusals(&mut fleet, vec![hire, assign(), assign(), take_back, assign()]);

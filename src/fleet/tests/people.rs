@@ -83,7 +83,7 @@ impl TestFloor {
     pub(super) fn assign(&mut self, puppet: &Puppet, place: NodeId, stay_s: i64) -> crate::id::AssignmentId {
         let (stay, what) = (Span::from_secs(stay_s), "pick".to_owned());
         let request = AssignmentRequest { place, stay, what, key: None };
-        let input = Input::Assign { token: 2, worker: puppet.worker, request };
+        let input = Input::Assign { token: 2, worker: Some(puppet.worker), request };
         match self.step(vec![input]).replies.remove(0) {
             Reply::Assigned { assignment, .. } => assignment,
             other => panic!("not assigned: {other:?}"),

@@ -16,7 +16,8 @@ pub use faults::Faults;
 pub use habits::Habits;
 pub use kinds::KindShare;
 pub use workforce::{
-    Assignments, Causes, Deviations, MethodWord, Personas, Rates, SecondTag, Sensor, Source, Workers,
+    Assignments, Causes, Deviations, MethodWord, Personas, Rates, SecondTag, Sensor, Source, TaskSharing,
+    Workers,
 };
 
 use crate::aware::HumanAwarePolicy;

@@ -19,6 +19,8 @@ pub struct Workers {
     pub leave_s: Option<f64>,
     /// What they are to do.
     pub assignments: Assignments,
+    /// Who takes which.
+    pub tasks: TaskSharing,
     /// What they do instead.
     pub deviations: Deviations,
     /// How they are seen.
@@ -31,6 +33,8 @@ pub struct Workers {
     pub tag: Option<SecondTag>,
     /// How they take robots, in shares of all workers.
     pub personas: Personas,
+    /// Share of the workers who walk in pairs.
+    pub pairs: f64,
     /// Radius within which a moving robot counts as met, metres.
     pub encounter_m: f64,
     /// How the fleet recognises where they are going.
@@ -78,6 +82,17 @@ pub enum Assignments {
         /// How long each takes, seconds.
         stay_s: f64,
     },
+}
+
+/// Who takes what is to be done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TaskSharing {
+    /// Each worker has assignments of its own.
+    #[default]
+    Own,
+    /// The nearest worker who is free takes the oldest one.
+    Nearest,
 }
 
 /// What workers do instead of what they are to do.
@@ -307,12 +322,14 @@ impl Default for Workers {
             enter_s: 0.0,
             leave_s: None,
             assignments: Assignments::Random { stay_s: 15.0 },
+            tasks: TaskSharing::Own,
             deviations: Deviations::default(),
             sensor: Sensor::default(),
             liars: 0,
             liar_sensor: None,
             tag: None,
             personas: Personas::default(),
+            pairs: 0.0,
             encounter_m: 1.5,
             method: MethodWord::default(),
         }
@@ -327,6 +344,7 @@ impl Workers {
         check("workers.enter_s", self.enter_s, times.clone(), "from 0 to 10000000")?;
         check("workers.leave_s", self.leave_s.unwrap_or(0.0), times.clone(), "from 0 to 10000000")?;
         check("workers.encounter_m", self.encounter_m, 0.1..=20.0, "from 0.1 to 20")?;
+        check("workers.pairs", self.pairs, 0.0..=1.0, "a share from 0 to 1")?;
         if let Assignments::Random { stay_s } | Assignments::List { stay_s, .. } = self.assignments {
             check("workers.assignments.stay_s", stay_s, 0.0..=1e5, "from 0 to 100000")?;
         }

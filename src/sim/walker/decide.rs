@@ -14,6 +14,8 @@ use crate::warehouse::walkway::{EdgeSet, WalkPath, Walkways};
 
 /// So near to the place of a job the walker can work, metres.
 const AT_WORK_M: f64 = 0.6;
+/// Where a colleague stands at that place, beside him will do, metres.
+const BESIDE_WORK_M: f64 = 1.3;
 /// The end of a shown path counts as the place of the job up to this distance, metres.
 const PATH_ENDS_M: f64 = 1.5;
 /// A walker that is shown nothing goes its own way after this.
@@ -35,10 +37,12 @@ const MAKES_ROOM: Span = Span::from_secs(20);
 const ASIDE_M: f64 = 0.5;
 /// An errand on which the walker has come no nearer to its place for this long is given up.
 const ERRAND: Span = Span::from_secs(60);
+/// How much longer than its patience a walker waits for a robot that drives past.
+const PASSES: Span = Span::from_secs(5);
 /// Less is no nearer, metres.
 const NEARER_M: f64 = 0.5;
 /// Robots this near are in the way of a detour, metres.
-const IN_SIGHT_M: f64 = 6.0;
+pub(super) const IN_SIGHT_M: f64 = 6.0;
 /// Places that nobody knows of are so far from those that everybody knows, metres.
 const UNKNOWN_M: f64 = 1.5;
 
@@ -208,7 +212,7 @@ impl Walker {
         }
     }
 
-    fn back_to_duty(&mut self, now: Time) {
+    pub(super) fn back_to_duty(&mut self, now: Time) {
         (self.doing, self.followed, self.idle_since) = (WalkerDoing::Duty, None, now);
         self.legs.route.clear();
     }
@@ -229,9 +233,13 @@ impl Walker {
         self.ignored = self.ignored.filter(|_| self.followed.is_none());
         let Some(job) = work.job else { return };
         let end = shown.filter(|_| version == self.followed).and_then(|s| s.path.last());
-        let at_end =
-            end.is_some_and(|e| (e - job.at).norm() < PATH_ENDS_M && (e - self.legs.at).norm() < AT_WORK_M);
-        if at_end || (job.at - self.legs.at).norm() < AT_WORK_M {
+        // Two who work at one place stand side by side.
+        let there = |p: Point| {
+            let far = if Walker::is_taken(p, around) { BESIDE_WORK_M } else { AT_WORK_M };
+            (p - self.legs.at).norm() < far
+        };
+        let at_end = end.is_some_and(|e| (e - job.at).norm() < PATH_ENDS_M && there(*e));
+        if at_end || there(job.at) {
             self.doing = WalkerDoing::Work(job.id, now + job.stay);
         } else if self.shown.is_none() || now - self.idle_since > OWN_WAY {
             self.go_to_work(job, around);
@@ -243,7 +251,7 @@ impl Walker {
     }
 
     /// Sets the route to a place, around what is cut; whether there is one.
-    fn go(&mut self, goal: Point, around: &WalkerSurroundings<'_>, cut: Option<&EdgeSet>) -> bool {
+    pub(super) fn go(&mut self, goal: Point, around: &WalkerSurroundings<'_>, cut: Option<&EdgeSet>) -> bool {
         if (goal - self.legs.at).norm() < 0.1 {
             self.legs.route.clear();
             return true;
@@ -310,7 +318,9 @@ impl Walker {
             return;
         }
         let (since, _) = *self.blocked_since.get_or_insert((now, here));
-        if now - since < self.traits.patience {
+        // A robot that drives will soon be past: that is worth a longer wait than one that stands there.
+        let more = if self.legs.blocked_by_moving { PASSES } else { Span::ZERO };
+        if now - since < self.traits.patience + more {
             return;
         }
         self.blocked_since = None;

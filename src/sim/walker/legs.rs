@@ -1,9 +1,10 @@
 //! How a walker gets along a route: gait, corners, and what it cannot walk through.
 //!
 //! Main types: [`Legs`], [`WalkerSurroundings`], [`RobotNear`]. Walls are never walked through; a robot is stopped
-//! before, and no walker steps in front of a moving one that it minds. Refuses: to know where the route comes
-//! from.
+//! before, and no walker steps in front of a moving one that it minds. How it gets past other people is in `people`.
+//! Refuses: to know where the route comes from.
 
+use super::people::PersonNear;
 use crate::geometry::{Point, Vector, wrap_angle};
 use crate::time::Time;
 use crate::warehouse::walkway::Walkways;
@@ -15,7 +16,7 @@ pub const BODY_M: f64 = 0.25;
 /// A walker stops so far before a robot, metres.
 const STAND_OFF_M: f64 = 0.05;
 /// A walker keeps the middle of its body so far from walls where there is room, metres.
-const WALL_M: f64 = 0.3;
+pub(super) const WALL_M: f64 = 0.3;
 /// A walker takes so much room beside its body for a moving robot, metres.
 const SIDE_M: f64 = 0.1;
 /// A walker stops before a robot that drives towards it when it would be there after so many seconds.
@@ -25,12 +26,14 @@ const LEAVE_M: f64 = 2.5;
 /// Nearer than this is there, metres.
 const THERE_M: f64 = 0.05;
 /// How fast a walker changes its speed, metres per second squared.
-const ACCEL_MPS2: f64 = 2.0;
+pub(super) const ACCEL_MPS2: f64 = 2.0;
 /// How fast it turns, radians per second.
 const TURN_RADPS: f64 = 4.0;
 /// Sway of the trunk to either side, metres: a few centimetres at the frequency of strides.
 pub const SWAY_M: f64 = 0.03;
 const SWAY_HZ: f64 = 0.9;
+/// A slower robot stands, metres per second.
+pub(super) const STANDS_MPS: f64 = 0.05;
 /// Directions that are tried in turn where the straight one is taken, radians.
 const TRIES: [f64; 7] = [0.0, 0.5, -0.5, 1.0, -1.0, 1.4, -1.4];
 
@@ -52,6 +55,8 @@ pub struct WalkerSurroundings<'a> {
     pub walkways: &'a Walkways,
     /// Robots, wherever they are.
     pub robots: &'a [RobotNear],
+    /// Other people within some metres.
+    pub people: &'a [PersonNear],
 }
 
 impl RobotNear {
@@ -65,7 +70,7 @@ impl RobotNear {
     /// Whether a body at `p` is in the way of the robot within the next `seconds`. Standing robots have no way.
     pub fn sweeps(&self, p: Point, seconds: f64) -> bool {
         let speed = self.velocity.norm();
-        if speed < 0.05 {
+        if speed < STANDS_MPS {
             return false;
         }
         let way = self.velocity / speed;
@@ -95,7 +100,7 @@ fn roomy(a: Point, b: Point, walkways: &Walkways) -> bool {
 
 /// What keeps a walker from a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum InTheWay {
+pub(super) enum InTheWay {
     Wall,
     Robot,
 }
@@ -115,6 +120,14 @@ pub struct Legs {
     pub walked_m: f64,
     /// Whether a robot keeps it from going on.
     pub blocked: bool,
+    /// Whether one of those robots drives, so that it will soon be past.
+    pub blocked_by_moving: bool,
+    /// The person who keeps it from going on.
+    pub kept_by: Option<usize>,
+    /// How far off its way it walks to get past people, radians.
+    pub(super) veer: f64,
+    /// Where a colleague walks beside it: so far to the left of the way does it keep, metres.
+    pub(super) beside_m: Option<f64>,
     cut_m: f64,
     phase: f64,
 }
@@ -123,7 +136,20 @@ impl Legs {
     /// Standing somewhere.
     pub fn new(at: Point, cut_m: f64, phase: f64) -> Legs {
         let route = VecDeque::new();
-        Legs { at, heading: 0.0, speed_mps: 0.0, route, walked_m: 0.0, blocked: false, cut_m, phase }
+        Legs {
+            at,
+            heading: 0.0,
+            speed_mps: 0.0,
+            route,
+            walked_m: 0.0,
+            blocked: false,
+            blocked_by_moving: false,
+            kept_by: None,
+            veer: 0.0,
+            beside_m: None,
+            cut_m,
+            phase,
+        }
     }
 
     /// Sets off along these points.
@@ -141,26 +167,30 @@ impl Legs {
     /// Walks for `dt` seconds at up to `wanted` metres per second, minding robots for `foresight` seconds
     /// ahead.
     pub fn walk(&mut self, dt: f64, wanted: f64, foresight: f64, around: &WalkerSurroundings<'_>) {
-        self.blocked = false;
+        (self.blocked, self.blocked_by_moving, self.kept_by) = (false, false, None);
         self.pass_corners(around.walkways);
         let Some(&aim) = self.route.front() else {
             self.speed_mps = 0.0;
-            return;
+            return self.make_room(dt, foresight, around);
         };
-        let way = aim - self.at;
+        let way = self.beside(aim, around) - self.at;
         let off = wrap_angle(way.y.atan2(way.x) - self.heading);
         self.heading = wrap_angle(self.heading + off.clamp(-TURN_RADPS * dt, TURN_RADPS * dt));
         let wanted = wanted * off.cos().max(0.25);
         self.speed_mps += (wanted - self.speed_mps).clamp(-ACCEL_MPS2 * dt, ACCEL_MPS2 * dt);
         let length = (self.speed_mps * dt).min(way.norm());
         if length <= 0.0 {
-            return;
+            return self.make_room(dt, foresight, around);
         }
+        if around.people.iter().any(|p| p.matters_to(self.at)) {
+            return self.walk_among_people(dt, wanted, way, foresight, around);
+        }
+        self.veer = 0.0;
         let step = way.normalize() * length;
         let mut robot = false;
         for turn in TRIES {
             let to = self.at + Rotation2::new(turn) * step;
-            match self.taken(to, foresight, around) {
+            match self.taken(to, foresight, WALL_M, around) {
                 None => {
                     self.walked_m += length;
                     self.at = to;
@@ -175,13 +205,16 @@ impl Legs {
         // Caught between a wall and a robot is kept by the robot.
         self.blocked = robot;
         self.speed_mps = 0.0;
-        if !self.blocked {
+        if self.blocked {
+            let near = |r: &RobotNear| r.velocity.norm() > STANDS_MPS && r.sweeps(self.at + step, foresight);
+            self.blocked_by_moving = around.robots.iter().any(near);
+        } else {
             self.leave_wall(around.walkways);
         }
     }
 
     /// Walls on all sides of the way: first over the middle of an aisle, if possible from where the rest has room.
-    fn leave_wall(&mut self, walkways: &Walkways) {
+    pub(super) fn leave_wall(&mut self, walkways: &Walkways) {
         let Some(&aim) = self.route.front() else { return };
         let near = walkways.near(self.at, LEAVE_M).into_iter().filter(|(_, far)| *far > 2.0 * THERE_M);
         let near: Vec<(Point, f64)> = near.map(|(n, far)| (walkways.nodes()[n].at, far)).collect();
@@ -198,8 +231,8 @@ impl Legs {
     fn pass_corners(&mut self, walkways: &Walkways) {
         while let Some(&next) = self.route.front() {
             let far = (next - self.at).norm();
-            let cut =
-                self.route.get(1).is_some_and(|then| far < self.cut_m && roomy(self.at, *then, walkways));
+            let cut_m = self.beside_m.map_or(self.cut_m, |aside| self.cut_m.max(2.0 * aside.abs()));
+            let cut = self.route.get(1).is_some_and(|then| far < cut_m && roomy(self.at, *then, walkways));
             if !cut && far >= THERE_M {
                 break;
             }
@@ -207,10 +240,17 @@ impl Legs {
         }
     }
 
-    fn taken(&self, to: Point, foresight: f64, around: &WalkerSurroundings<'_>) -> Option<InTheWay> {
-        let WalkerSurroundings { walkways, robots } = *around;
+    /// What keeps the body from a place: walls nearer than `wall_m`, or a robot.
+    pub(super) fn taken(
+        &self,
+        to: Point,
+        foresight: f64,
+        wall_m: f64,
+        around: &WalkerSurroundings<'_>,
+    ) -> Option<InTheWay> {
+        let WalkerSurroundings { walkways, robots, .. } = *around;
         let room = walkways.clearance_m(to);
-        if !walkways.is_free(to) || (room < WALL_M && room < walkways.clearance_m(self.at)) {
+        if !walkways.is_free(to) || (room < wall_m && room < walkways.clearance_m(self.at)) {
             return Some(InTheWay::Wall);
         }
         let taken = robots.iter().any(|r| {

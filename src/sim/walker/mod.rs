@@ -6,21 +6,27 @@
 //! the fleet why.
 
 mod cause;
+mod crossing;
 mod decide;
 mod impulse;
 mod legs;
+mod pass;
+mod people;
 mod persona;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_people;
 
 pub use cause::{CauseStretch, Log, WalkCause};
 pub use legs::{BODY_M, RobotNear, WalkerSurroundings, ease};
+pub use people::{APART_M, PersonNear};
 pub use persona::{Persona, Traits};
 
 use super::random::Stream;
 use super::scenario::Workers;
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, Vector};
 use crate::id::AssignmentId;
 use crate::time::{Span, Time};
 use impulse::Impulses;
@@ -60,6 +66,8 @@ pub struct WorkKnowledge<'a> {
     pub known: &'a [Point],
     /// Where colleagues are.
     pub colleagues: &'a [Point],
+    /// The colleague with whom it walks.
+    pub companion: Option<PersonNear>,
 }
 
 /// What a walker is at.
@@ -112,6 +120,14 @@ pub struct Walker {
     reacts_until: Time,
     calm_until: Time,
     blocked_since: Option<(Time, Point)>,
+    /// Its number, and since when people have kept it from walking on, where.
+    who: usize,
+    kept_since: Option<(Time, Point)>,
+    /// How it truly moved last, metres per second.
+    velocity: Vector,
+    /// How long it has stood for robots that cross its way, and until when it does not any more.
+    waited: Span,
+    waits_no_more_until: Time,
     /// Since when it has come no nearer to the place of its errand than so many metres.
     nearer_since: Option<(Time, f64)>,
     detour: bool,
@@ -144,6 +160,11 @@ impl Walker {
             reacts_until: now,
             calm_until: now,
             blocked_since: None,
+            who: who as usize,
+            kept_since: None,
+            velocity: Vector::zeros(),
+            waited: Span::ZERO,
+            waits_no_more_until: now,
             nearer_since: None,
             detour: false,
             aside: None,
@@ -175,8 +196,13 @@ impl Walker {
         self.notice(now, around, work);
         self.decide(now, around, work);
         let foresight = self.traits.foresight_s();
-        self.legs.walk(dt, self.wanted_mps(now), foresight, around);
+        let wanted = self.pace_for_robots(now, dt, self.wanted_mps(now), around);
+        let wanted = self.pace_with(work.companion, wanted);
+        let before = self.legs.at;
+        self.legs.walk(dt, wanted, foresight, around);
+        self.velocity = (self.legs.at - before) / dt;
         self.give_up_waiting(now, around, work);
+        self.get_past_people(now, around);
         let (cause, goal) = self.cause(now, work);
         self.log.note(now, cause, goal);
         if self.is_gone() {
@@ -187,6 +213,20 @@ impl Walker {
     /// Where it truly is, and where its head faces.
     pub fn pose(&self, now: Time) -> Pose {
         Pose { at: self.legs.trunk(now), heading: self.legs.heading + self.head_turn(now) }
+    }
+
+    /// As other walkers see it.
+    pub fn seen(&self, now: Time) -> PersonNear {
+        let legs = &self.legs;
+        PersonNear {
+            who: self.who,
+            at: legs.at,
+            velocity: self.velocity,
+            aim: legs.route.front().copied().filter(|_| self.wanted_mps(now) > 0.0),
+            works: matches!(self.doing, WalkerDoing::Work(..)),
+            kept: self.kept_since.is_some_and(|(since, _)| now - since > pass::KEPT),
+            usual_mps: self.traits.speed_mps,
+        }
     }
 
     /// Where it truly is on its way, without the sway of its trunk.

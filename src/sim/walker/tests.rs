@@ -40,8 +40,8 @@ impl TestHall {
         let known: Vec<Point> = ["G0-14", "G12-13"].map(|n| self.place(n)).to_vec();
         for _ in 0..(seconds / DT) as i64 {
             self.now += Span::from_secs_f64(DT);
-            let around = WalkerSurroundings { walkways: &self.walkways, robots: &self.robots };
-            let work = WorkKnowledge { job: self.job, known: &known, colleagues: &[] };
+            let around = WalkerSurroundings { walkways: &self.walkways, robots: &self.robots, people: &[] };
+            let work = WorkKnowledge { job: self.job, known: &known, colleagues: &[], companion: None };
             walker.tick(self.now, DT, &around, &work);
             if walker.finished.pop().is_some() {
                 self.job = None;
@@ -263,7 +263,7 @@ fn who_ignores_a_redirection_keeps_the_old_path_and_the_log_says_so() {
 #[test]
 fn nobody_is_caught_at_the_corner_of_a_rack_on_the_way_to_a_place_in_sight() {
     let hall = TestHall::new();
-    let around = WalkerSurroundings { walkways: &hall.walkways, robots: &[] };
+    let around = WalkerSurroundings { walkways: &hall.walkways, robots: &[], people: &[] };
     let fronts = hall.warehouse.nodes_where(|k| k == NodeKind::Storage);
     let goal = |n: &NodeId| hall.walkways.on_floor(hall.warehouse.nodes[*n].at);
     let goals: Vec<Point> = fronts.iter().filter_map(goal).map(|p| ease(p, &hall.walkways)).collect();

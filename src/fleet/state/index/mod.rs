@@ -38,6 +38,8 @@ pub struct Index {
     present: Arc<[RobotId]>,
     /// Open assignments by worker.
     assignments: BTreeMap<WorkerId, BTreeSet<AssignmentId>>,
+    /// Open assignments that nobody has yet.
+    unassigned: BTreeSet<AssignmentId>,
     /// Counts every closure that was announced or taken back.
     closure_changes: u64,
 }
@@ -58,6 +60,7 @@ impl Index {
             named: BTreeMap::new(),
             present: Arc::new([]),
             assignments: BTreeMap::new(),
+            unassigned: BTreeSet::new(),
             closure_changes: 0,
         }
     }
@@ -115,11 +118,22 @@ impl Index {
         }
     }
 
-    pub(in crate::fleet::state) fn assign(&mut self, worker: WorkerId, id: AssignmentId) {
-        self.assignments.entry(worker).or_default().insert(id);
+    /// Assignments that nobody has yet, oldest first.
+    pub fn unassigned(&self) -> impl Iterator<Item = AssignmentId> + '_ {
+        self.unassigned.iter().copied()
+    }
+
+    pub(in crate::fleet::state) fn assign(&mut self, worker: Option<WorkerId>, id: AssignmentId) {
+        match worker {
+            Some(worker) => self.assignments.entry(worker).or_default().insert(id),
+            None => self.unassigned.insert(id),
+        };
     }
 
     pub(in crate::fleet::state) fn unassign(&mut self, id: AssignmentId) {
+        if self.unassigned.remove(&id) {
+            return;
+        }
         let of = self.assignments.iter_mut().find(|(_, ids)| ids.contains(&id));
         let Some((worker, ids)) = of else { return };
         ids.remove(&id);
@@ -137,5 +151,6 @@ impl Index {
             && self.waits == other.waits
             && self.named == other.named
             && self.assignments == other.assignments
+            && self.unassigned == other.unassigned
     }
 }

@@ -41,6 +41,10 @@ impl Ledger {
             Fact::Assigned { assignment, worker, request, at } => {
                 self.assign(*assignment, *worker, request, *at);
             }
+            Fact::Given { assignment, worker, .. } => {
+                let given = self.promises.assignments.get_mut(assignment).expect("only live ones are given");
+                assert_eq!(given.worker.replace(*worker), None, "an assignment is given once");
+            }
             Fact::Advanced { assignment, state, .. } => self.advance(*assignment, *state),
             Fact::Closed { closure, area } => {
                 assert_eq!(closure.0, self.promises.next_closure, "closures are numbered in order");
@@ -140,7 +144,7 @@ impl Ledger {
         }
     }
 
-    fn assign(&mut self, id: AssignmentId, worker: WorkerId, request: &AssignmentRequest, at: Time) {
+    fn assign(&mut self, id: AssignmentId, worker: Option<WorkerId>, request: &AssignmentRequest, at: Time) {
         assert_eq!(id.0, self.promises.next_assignment, "assignments are numbered in order");
         self.promises.next_assignment += 1;
         if let Some(key) = &request.key {

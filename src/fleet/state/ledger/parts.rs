@@ -190,7 +190,8 @@ fn check_names(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
         known(id.ix() < w.stations.len(), format!("paused station {id:?}"))?;
     }
     for (id, a) in &p.assignments {
-        let fits = node(a.request.place) && a.worker.ix() < p.workers.len() && id.0 < p.next_assignment;
+        let worker = a.worker.is_none_or(|w| w.ix() < p.workers.len());
+        let fits = node(a.request.place) && worker && id.0 < p.next_assignment;
         known(fits, format!("assignment {id:?}"))?;
     }
     for (id, area) in &p.closures {

@@ -91,6 +91,10 @@ impl Ledger {
                 self.index_end(*job, *state, *at);
             }
             Fact::Assigned { assignment, worker, .. } => self.index.assign(*worker, *assignment),
+            Fact::Given { assignment, worker, .. } => {
+                self.index.unassign(*assignment);
+                self.index.assign(Some(*worker), *assignment);
+            }
             Fact::Advanced { assignment, state, .. } if state.is_over() => self.index.unassign(*assignment),
             Fact::Closed { .. } | Fact::Reopened { .. } => self.index.note_closure_change(),
             _ => {}

@@ -66,7 +66,7 @@ impl TinyWorld {
             let (place, what) = (node_of(&w, to), "look".to_owned());
             let request =
                 crate::fleet::AssignmentRequest { place, stay: Span::from_secs(4), what, key: None };
-            inputs.push(Input::Assign { token: 3, worker: WorkerId(0), request });
+            inputs.push(Input::Assign { token: 3, worker: Some(WorkerId(0)), request });
         }
         let jobs = floor.kinds(&w).into_iter();
         inputs.extend(jobs.map(|kind| Input::Submit { token: 4, request: request(kind) }));

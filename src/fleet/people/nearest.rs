@@ -1,0 +1,53 @@
+//! Assignments that nobody has yet: the nearest worker who is free gets the oldest one.
+//!
+//! Main function: [`HumanState::hand_out`]. Refuses: to give an assignment to somebody whose place is not known, and to
+//! take one back from a worker because another one has come nearer.
+
+use crate::fleet::people::state::HumanState;
+use crate::fleet::state::core::Core;
+use crate::fleet::state::fact::Fact;
+use crate::geometry::Point;
+use crate::human::Presence;
+use crate::id::WorkerId;
+use crate::time::Time;
+
+/// So many ways are measured in a step at most; the rest is looked at in the next one.
+const WAYS_MAX: usize = 64;
+
+impl HumanState {
+    /// Gives waiting assignments, the oldest first, to those who have the shortest way to them. Of two who have the same
+    /// way, the one with the lower number gets it.
+    pub(super) fn hand_out(&self, core: &mut Core, now: Time) {
+        let waiting: Vec<_> = core.ledger.index().unassigned().take(WAYS_MAX).collect();
+        if waiting.is_empty() {
+            return;
+        }
+        let mut free = self.free_workers(core, now);
+        let none = self.walkways.no_edges();
+        let mut ways = 0;
+        for assignment in waiting {
+            ways += free.len();
+            if free.is_empty() || (ways > WAYS_MAX && ways > free.len()) {
+                return;
+            }
+            let place = core.ledger.assignments[&assignment].request.place;
+            let goal = core.warehouse().nodes[place].at;
+            let far = |at: Point| self.walkways.path(at, goal, &none).map(|way| way.length_m);
+            let ways_there = free.iter().enumerate().filter_map(|(i, (_, at))| Some((far(*at)?, i)));
+            // Workers are in order, and the first of equals is taken.
+            let Some((_, nearest)) = ways_there.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+            let (worker, _) = free.remove(nearest);
+            core.record(Fact::Given { assignment, worker, at: now });
+        }
+    }
+
+    /// Workers who are seen and have nothing to do, with where they are.
+    fn free_workers(&self, core: &Core, now: Time) -> Vec<(WorkerId, Point)> {
+        let idle = |w: &WorkerId| core.floor().next_assignment(*w).is_none();
+        let seen = |w: WorkerId| {
+            let place = self.people[w].track.whereabouts(now)?;
+            (place.presence == Presence::Tracked).then_some((w, place.at))
+        };
+        self.people.ids().filter(idle).filter_map(seen).collect()
+    }
+}

@@ -1,0 +1,108 @@
+//! How a walker minds robots that are about to cross its way: it slows down, or waits a moment until they are past.
+//!
+//! Refuses: to wait for long, since a robot may wait for the walker; whoever takes no notice of robots, or hurries and
+//! is through first, does not wait at all.
+
+use super::legs::{BODY_M, RobotNear, STANDS_MPS, WalkerSurroundings};
+use super::persona::Persona;
+use super::{Walker, WalkerDoing};
+use crate::geometry::{Point, Vector};
+use crate::time::{Span, Time};
+
+/// Room that a walker likes to have between its body and a robot that drives past, metres.
+const COMFORT_M: f64 = 0.3;
+/// It looks so far along its way, metres.
+const AHEAD_M: f64 = 3.0;
+/// And minds robots that cross it within so many seconds.
+const SOON_S: f64 = 3.5;
+/// Slower than this is standing, metres per second.
+const CREEPS_MPS: f64 = 0.25;
+/// It waits for so long in all, and then not again for a while.
+const WAITS: Span = Span::from_secs(6);
+const NO_MORE: Span = Span::from_secs(8);
+/// Who hurries counts on being this much faster.
+const HURRY: f64 = 1.3;
+
+/// When a walker is in the way of a robot, and the robot in its own.
+#[derive(Clone, Copy, Debug)]
+struct Crossing {
+    /// Metres to walk until it comes near the robot's way, and until it has left it behind.
+    enters_m: f64,
+    leaves_m: f64,
+    /// Seconds until the robot is where the two ways meet, and until it has left.
+    comes_s: f64,
+    gone_s: f64,
+}
+
+impl Crossing {
+    /// The crossing of a robot's way and a straight one from `at`; nothing where they do not meet ahead of both, or
+    /// the walker is in the robot's way already.
+    fn of(robot: &RobotNear, at: Point, way: Vector) -> Option<Crossing> {
+        let speed = robot.velocity.norm();
+        if speed < 2.0 * STANDS_MPS {
+            return None;
+        }
+        let drives = robot.velocity / speed;
+        // How fast a step of the walker's leads across the robot's way.
+        let across = drives.perp(&way);
+        if across.abs() < 0.3 {
+            return None;
+        }
+        let d = at - robot.at;
+        let reach = robot.half_m * (drives.x.abs() + drives.y.abs()) + BODY_M + COMFORT_M;
+        let off = drives.perp(&d);
+        let (near, far) =
+            ((-reach * across.signum() - off) / across, (reach * across.signum() - off) / across);
+        if near <= 0.0 || near > AHEAD_M {
+            return None;
+        }
+        let along = |m: f64| d.dot(&drives) + m * way.dot(&drives);
+        let (first, last) = (along(near).min(along(far)), along(near).max(along(far)));
+        let (comes_s, gone_s) = ((first - reach) / speed, (last + reach) / speed);
+        let soon = gone_s > 0.0 && comes_s < SOON_S;
+        soon.then_some(Crossing { enters_m: near, leaves_m: far, comes_s, gone_s })
+    }
+}
+
+impl Walker {
+    /// The speed with which it lets robots pass that are about to cross its way, metres per second.
+    pub(super) fn pace_for_robots(
+        &mut self,
+        now: Time,
+        dt: f64,
+        wanted: f64,
+        around: &WalkerSurroundings<'_>,
+    ) -> f64 {
+        let Some(aim) = self.legs.route.front() else { return wanted };
+        let way = aim - self.legs.at;
+        let heedless =
+            self.traits.persona == Persona::CutsThrough || matches!(self.doing, WalkerDoing::Work(..));
+        if heedless || wanted <= 0.0 || way.norm() <= 0.0 || now < self.waits_no_more_until {
+            return wanted;
+        }
+        let (length, straight) = (way.norm(), way.normalize());
+        let mut pace = wanted;
+        for robot in around.robots {
+            let crossing = Crossing::of(robot, self.legs.at, straight);
+            let Some(c) = crossing.filter(|c| c.enters_m < length) else { continue };
+            let hurries = self.traits.persona == Persona::Hurries;
+            let fast = if hurries { wanted.max(HURRY * self.traits.speed_mps) } else { wanted };
+            let through = c.leaves_m / fast < c.comes_s;
+            let behind = c.enters_m / wanted > c.gone_s;
+            match () {
+                () if behind => {}
+                () if through => pace = pace.max(fast),
+                () => pace = pace.min(c.enters_m / c.gone_s),
+            }
+        }
+        if pace >= CREEPS_MPS {
+            self.waited = (self.waited - Span::from_secs_f64(0.5 * dt)).max(Span::ZERO);
+            return pace;
+        }
+        self.waited = self.waited + Span::from_secs_f64(dt);
+        if self.waited > WAITS {
+            (self.waited, self.waits_no_more_until) = (Span::ZERO, now + NO_MORE);
+        }
+        0.0
+    }
+}

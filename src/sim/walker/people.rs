@@ -1,0 +1,194 @@
+//! How walkers get past one another: they step aside early, keep to the right, and make room where they stand.
+//!
+//! Main type: [`PersonNear`]. Each tick a walker weighs some directions and speeds by how soon they would bring it up
+//! against somebody who walks on as now (velocity obstacles, Fiorini and Shiller 1998), and takes the cheapest. That
+//! two bodies never overlap does not depend on it: a step that would bring it too near is never taken. Refuses: to
+//! know where others are going beyond the way they face.
+
+use super::legs::{ACCEL_MPS2, BODY_M, InTheWay, Legs, SWAY_M, WALL_M, WalkerSurroundings};
+use crate::geometry::{Point, Vector};
+use nalgebra::Rotation2;
+
+/// Two bodies keep the middles of their ways so far apart that they do not touch when both sway, metres.
+pub const APART_M: f64 = 2.0 * (BODY_M + SWAY_M);
+/// Farther apart than this, people do not matter to one another, metres.
+const MATTERS_M: f64 = 4.0;
+/// A walker turns its shoulders to pass somebody: its middle comes so near to a wall then, metres.
+const SQUEEZE_M: f64 = 0.2;
+/// A walker plans to pass others at this distance, metres.
+const PASSING_M: f64 = APART_M + 0.06;
+/// It looks so far ahead in time, seconds.
+const HORIZON_S: f64 = 3.0;
+/// And so far for walls, seconds.
+const WALLS_S: f64 = 0.4;
+/// How quickly a walker stops for somebody, metres per second squared.
+const BRAKE_MPS2: f64 = 4.0;
+/// Directions that it weighs, radians off its way.
+const VEERS: [f64; 13] = [0.0, -0.2, 0.2, -0.4, 0.4, -0.7, 0.7, -1.0, 1.0, -1.3, 1.3, -1.6, 1.6];
+/// Speeds that it weighs, as shares of what it wants.
+const PACES: [f64; 3] = [1.0, 0.5, 0.0];
+/// What they cost: a radian, all of the speed, being about to touch, a wall, keeping left, a radian of change.
+const VEER_COST: f64 = 0.6;
+const PACE_COST: f64 = 1.2;
+const TOUCH_COST: f64 = 4.0;
+const WALL_COST: f64 = 2.0;
+const LEFT_COST: f64 = 0.15;
+const CHANGE_COST: f64 = 0.1;
+/// Who stands makes room for people who come this near, metres, with this speed, metres per second.
+const COMES_BY_M: f64 = 2.0;
+const MAKES_ROOM_MPS: f64 = 0.5;
+/// Two who walk together and are this near each other are beside one another, metres.
+pub(super) const TOGETHER_M: f64 = 4.0;
+
+/// Another person as walkers see it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PersonNear {
+    /// Its number.
+    pub who: usize,
+    /// Where it is.
+    pub at: Point,
+    /// How it moves, metres per second.
+    pub velocity: Vector,
+    /// Where it is about to walk next; nothing where it means to stand.
+    pub aim: Option<Point>,
+    /// Whether it works where it is.
+    pub works: bool,
+    /// Whether people have kept it from walking on for a while.
+    pub kept: bool,
+    /// The speed at which it usually walks, metres per second.
+    pub usual_mps: f64,
+}
+
+impl PersonNear {
+    /// Whether somebody at a place takes notice of this person.
+    pub fn matters_to(&self, at: Point) -> bool {
+        (self.at - at).norm() < MATTERS_M
+    }
+
+    /// Seconds until a body at `at` that moves with `velocity` passes too near to this one, if both go on so.
+    fn meets(&self, at: Point, velocity: Vector) -> Option<f64> {
+        let (d, v) = (self.at - at, velocity - self.velocity);
+        let closing = d.dot(&v);
+        if closing <= 0.0 {
+            return None;
+        }
+        let inside = d.norm_squared() - PASSING_M * PASSING_M;
+        if inside <= 0.0 {
+            return Some(0.0);
+        }
+        let root = closing * closing - v.norm_squared() * inside;
+        (root > 0.0).then(|| (closing - root.sqrt()) / v.norm_squared())
+    }
+
+    /// Whether a step from `from` to `to` would bring a body too near to this one, or nearer than too near.
+    pub(super) fn is_hit(&self, from: Point, to: Point) -> bool {
+        let far = (to - self.at).norm();
+        far < APART_M && far < (from - self.at).norm()
+    }
+}
+
+impl Legs {
+    /// A step in the direction and at the speed that cost least.
+    pub(super) fn walk_among_people(
+        &mut self,
+        dt: f64,
+        wanted: f64,
+        way: Vector,
+        foresight: f64,
+        around: &WalkerSurroundings<'_>,
+    ) {
+        let straight = way.normalize();
+        let mut robot = false;
+        let mut best: Option<(f64, f64, f64, Point)> = None;
+        for veer in VEERS {
+            let direction = Rotation2::new(veer) * straight;
+            for pace in PACES {
+                let target = wanted * pace;
+                let speed = target.clamp(self.speed_mps - BRAKE_MPS2 * dt, self.speed_mps + ACCEL_MPS2 * dt);
+                let to = self.at + direction * (speed * dt).clamp(0.0, way.norm());
+                match self.taken(to, foresight, SQUEEZE_M, around) {
+                    Some(what) => {
+                        robot |= what == InTheWay::Robot;
+                        continue;
+                    }
+                    None if around.people.iter().any(|p| p.is_hit(self.at, to)) => continue,
+                    None => {}
+                }
+                let cost = self.cost(veer, pace, direction * target, around);
+                if best.is_none_or(|(least, ..)| cost < least) {
+                    best = Some((cost, veer, speed.max(0.0), to));
+                }
+            }
+        }
+        let nearest = self.nearest_ahead(straight, around);
+        let Some((_, veer, speed, to)) = best else {
+            (self.speed_mps, self.blocked, self.kept_by) = (0.0, robot, nearest);
+            if !robot && nearest.is_none() {
+                self.leave_wall(around.walkways);
+            }
+            return;
+        };
+        self.walked_m += (to - self.at).norm();
+        (self.at, self.veer, self.speed_mps) = (to, veer, speed);
+        // Who shuffles about in front of somebody is kept too: how long it has got no farther shows whether it is.
+        (self.blocked, self.kept_by) = (robot && nearest.is_none() && speed < 0.15 * wanted, nearest);
+    }
+
+    /// What it costs to walk on like that.
+    fn cost(&self, veer: f64, pace: f64, velocity: Vector, around: &WalkerSurroundings<'_>) -> f64 {
+        let touches = around.people.iter().filter_map(|p| p.meets(self.at, velocity));
+        let touch: f64 = touches.filter(|s| *s < HORIZON_S).map(|s| 1.0 - s / HORIZON_S).sum();
+        let soon = self.at + velocity * WALLS_S;
+        let room = around.walkways.clearance_m(soon);
+        let wall = room < SQUEEZE_M && room < around.walkways.clearance_m(self.at);
+        // Near walls without need is uncomfortable, so that people go back to the middle.
+        let near = if room < WALL_M { 0.1 } else { 0.0 };
+        VEER_COST * veer.abs()
+            + PACE_COST * (1.0 - pace)
+            + TOUCH_COST * touch
+            + if wall { WALL_COST } else { near }
+            + if veer > 0.0 { LEFT_COST } else { 0.0 }
+            + CHANGE_COST * (veer - self.veer).abs()
+    }
+
+    /// The person before it who is nearest.
+    fn nearest_ahead(&self, way: Vector, around: &WalkerSurroundings<'_>) -> Option<usize> {
+        let far = |p: &PersonNear| (p.at - self.at).norm();
+        let ahead = |p: &&PersonNear| far(p) < 2.0 * APART_M && (p.at - self.at).dot(&way) > 0.0;
+        around.people.iter().filter(ahead).min_by(|a, b| far(a).total_cmp(&far(b))).map(|p| p.who)
+    }
+
+    /// Who stands steps out of the way of people who come by, as far as walls let it.
+    pub(super) fn make_room(&mut self, dt: f64, foresight: f64, around: &WalkerSurroundings<'_>) {
+        for p in around.people.iter().filter(|p| p.matters_to(self.at)) {
+            let Some(aim) = p.aim.filter(|aim| (aim - p.at).norm() > 0.0) else { continue };
+            let (way, d) = ((aim - p.at).normalize(), self.at - p.at);
+            let (along, left) = (d.dot(&way), way.perp(&d));
+            let ends = (aim - p.at).norm() + PASSING_M;
+            if !(0.0..COMES_BY_M.min(ends)).contains(&along) || left.abs() >= PASSING_M {
+                continue;
+            }
+            // People keep to the right, so the left is where it is less in their way.
+            let side = if left < -0.02 { -1.0 } else { 1.0 };
+            let to = self.at + Vector::new(-way.y, way.x) * (side * MAKES_ROOM_MPS * dt);
+            let hit = around.people.iter().any(|q| q.is_hit(self.at, to));
+            if !hit && self.taken(to, foresight, SQUEEZE_M, around).is_none() {
+                self.walked_m += (to - self.at).norm();
+                self.at = to;
+                return;
+            }
+        }
+    }
+
+    /// Where it aims: at its route, or beside it where it walks with a colleague and there is room for two.
+    pub(super) fn beside(&self, aim: Point, around: &WalkerSurroundings<'_>) -> Point {
+        let (Some(left_m), way) = (self.beside_m, aim - self.at) else { return aim };
+        if way.norm() < 2.0 * left_m.abs() && self.route.len() == 1 {
+            return aim;
+        }
+        let left = Vector::new(-way.y, way.x).normalize() * left_m;
+        let ahead = self.at + way.normalize() * way.norm().min(1.0);
+        let room = |p: Point| around.walkways.clearance_m(p) >= WALL_M;
+        if room(ahead + left) && room(aim + left) { aim + left } else { aim }
+    }
+}
