@@ -163,7 +163,7 @@ pub struct AssignmentDto {
     pub updated: String,
 }
 
-/// An area that robots keep out of.
+/// An area that robots, people or both keep out of.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct ClosureDto {
     /// Its number.
@@ -179,6 +179,8 @@ pub struct ClosureDto {
     pub until: Option<String>,
     /// announced, closed or over.
     pub state: &'static str,
+    /// Whom it keeps out: robots, people or both.
+    pub binds: &'static str,
     /// Why.
     pub reason: String,
 }
@@ -291,6 +293,13 @@ fn reason(reason: GuidanceReason, names: Names<'_>) -> String {
             names.robot(r)
         ),
         GuidanceReason::CutsOff => "you stand where robots have work: please make room".into(),
+        GuidanceReason::RoundClosure(c) => format!("the way leads round a closed area: {}", names.why_closed(c)),
+        GuidanceReason::LeavesClosure(c) => {
+            format!("this area is closed, leave it along the path: {}", names.why_closed(c))
+        }
+        GuidanceReason::PlaceClosed(c) => {
+            format!("the place of your task is in a closed area, wait outside: {}", names.why_closed(c))
+        }
         GuidanceReason::NoWay => "no path to the place is free".into(),
         GuidanceReason::NotTracked => {
             "the headset does not know where you are: stand still, and touch the marks again".into()
@@ -387,6 +396,12 @@ impl Names<'_> {
         }
     }
 
+    /// Why an area is closed, in the supervisor's words.
+    fn why_closed(&self, id: ClosureId) -> String {
+        let found = self.view.closures.iter().find(|c| c.id == id);
+        found.map_or_else(|| closure_name(id), |c| c.closure.reason.clone())
+    }
+
     /// A closed area, as it stands `now`.
     pub fn closure(&self, id: ClosureId, closure: &Closure, now: Time) -> ClosureDto {
         let outline: Vec<Point> = closure.outline.iter().map(|s| Point::from(*s)).collect();
@@ -404,6 +419,7 @@ impl Names<'_> {
             from: time_text(closure.window.start()),
             until: (!end.is_forever()).then(|| time_text(end)),
             state: closure.state(now).word(),
+            binds: closure.binds.word(),
             reason: closure.reason.clone(),
         }
     }

@@ -36,7 +36,7 @@ pub use state::wait_graph::{ChainEnd, Edge, Party, Wait};
 pub use state::why::Why;
 pub use state::wishes::Wishes;
 pub use state::worker::{
-    Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
+    Assignment, AssignmentRequest, AssignmentState, Binds, Closure, ClosureState, ClosureView, Encounter,
     FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
 };
 

@@ -12,6 +12,7 @@ mod faults;
 mod hand;
 mod interleavings;
 mod jobs;
+mod keep_out;
 mod keys;
 mod kinds;
 mod lets_pass;

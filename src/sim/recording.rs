@@ -5,7 +5,7 @@
 //! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
 use crate::fleet::{
-    AssignmentRequest, Closure, Fault, Input, JobKind, JobRequest, StationOrder, Telemetry, USUAL_KIND,
+    AssignmentRequest, Binds, Closure, Fault, Input, JobKind, JobRequest, StationOrder, Telemetry, USUAL_KIND,
 };
 use crate::geometry::{Point, Pose, Spot};
 use crate::human::{Quality, Sighting, SourceId};
@@ -149,6 +149,9 @@ enum Other {
         from: i64,
         until: i64,
         reason: String,
+        /// From before people could be kept out: robots alone.
+        #[serde(default = "robots", skip_serializing_if = "is_robots")]
+        binds: String,
     },
     Reopen(u64, u64),
     Halt(u64, Option<u32>),
@@ -297,6 +300,7 @@ fn asked(input: &Input) -> Other {
             from: area.window.start().0,
             until: area.window.end().0,
             reason: area.reason.clone(),
+            binds: area.binds.word().to_owned(),
         },
         Input::Reopen { token, closure } => Other::Reopen(*token, closure.0),
         Input::Halt { token, robot } => Other::Halt(*token, robot.map(|r| r.0)),
@@ -305,6 +309,14 @@ fn asked(input: &Input) -> Other {
         Input::Station { token, station, order } => Other::Station(*token, station.0, (*order).into()),
         Input::Telemetry(_) | Input::Sighted(_) => unreachable!("they have places of their own in a line"),
     }
+}
+
+fn robots() -> String {
+    Binds::Robots.word().to_owned()
+}
+
+fn is_robots(binds: &String) -> bool {
+    binds == Binds::Robots.word()
 }
 
 fn submit(token: u64, request: &JobRequest) -> Other {
@@ -447,11 +459,12 @@ fn other(o: Other) -> Input {
         Other::Finish(token, worker, assignment) => {
             Input::Finish { token, worker: WorkerId(worker), assignment: AssignmentId(assignment) }
         }
-        Other::Close { token, outline, nodes, from, until, reason } => {
+        Other::Close { token, outline, nodes, from, until, reason, binds } => {
             let outline = outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect();
             let nodes = nodes.into_iter().map(NodeId).collect();
             let window = Window::new(Time(from), Time(until));
-            Input::Close { token, area: Closure { outline, nodes, window, reason } }
+            let binds = Binds::of(&binds).unwrap_or_default();
+            Input::Close { token, area: Closure { outline, nodes, window, reason, binds, series: None } }
         }
         Other::Reopen(token, closure) => Input::Reopen { token, closure: ClosureId(closure) },
         Other::Submit { token, kind, priority, deadline, after, key } => {

@@ -1,4 +1,4 @@
-//! `/v1/closures`: areas that robots keep out of, marked by hand.
+//! `/v1/closures`: areas that robots, people or both keep out of, marked by hand.
 //!
 //! Main type: [`NewClosure`]. Refuses: areas of nothing, and times that are over.
 
@@ -12,7 +12,7 @@ use crate::api::people::ClosureDto;
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{closure_name, parse_closure, parse_time};
-use crate::fleet::{Closure, Reply};
+use crate::fleet::{Binds, Closure, Reply};
 use crate::geometry::{Point, Spot};
 use crate::id::{ClosureId, NodeId};
 use crate::time::{Time, Window};
@@ -50,6 +50,9 @@ pub struct NewClosure {
     /// Why, for people who see it.
     #[schema(example = "oil on the floor")]
     reason: String,
+    /// Whom it keeps out: robots, people or both; both if absent.
+    #[schema(example = "both")]
+    binds: Option<String>,
 }
 
 /// All areas that are closed or announced, and those whose closure ended less than a day ago.
@@ -160,11 +163,17 @@ impl NewClosure {
             let detail = format!("say in 1 to {LONGEST_REASON} characters why the area is closed");
             errors.push(FieldError::new("reason", detail));
         }
+        let binds = self.binds.as_deref().map_or(Some(Binds::default()), Binds::of);
+        if binds.is_none() {
+            errors.push(FieldError::new("binds", "must be \"robots\", \"people\" or \"both\""));
+        }
         if !errors.is_empty() {
             return Err(Problem::invalid(errors));
         }
+        let binds = binds.unwrap_or_default();
         let outline = outline.into_iter().map(Spot::from).collect();
-        Ok(Closure { outline, nodes, window: Window::new(from, until), reason: reason.into() })
+        let (window, reason) = (Window::new(from, until), reason.into());
+        Ok(Closure { outline, nodes, window, reason, binds, series: None })
     }
 }
 

@@ -51,6 +51,7 @@ impl HumanState {
 
     /// Follows all workers: where they are, whether they left their paths, where they may be going.
     pub(super) fn follow(&mut self, core: &mut Core, yielding: &YieldingState, now: Time) {
+        self.note_closures(core.floor());
         self.let_robots_pass(core, yielding, now);
         for worker in self.people.ids() {
             self.watch(core, yielding, worker, now);
@@ -65,6 +66,7 @@ impl HumanState {
     fn watch(&mut self, core: &mut Core, yielding: &YieldingState, worker: WorkerId, now: Time) {
         let Some(place) = self.whereabouts(worker, now) else { return };
         if self.people[worker].lets_pass.is_none() {
+            self.mind_closures(core, yielding, worker, place.at, now);
             self.take_up_work(core, yielding, worker, place.at, now);
         }
         let person = &mut self.people[worker];

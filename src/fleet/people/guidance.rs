@@ -100,10 +100,11 @@ impl HumanState {
             };
         }
         match person.mode {
-            WalkMode::Idle => (GuidanceState::Idle, None),
-            WalkMode::Following => (GuidanceState::Following, None),
+            WalkMode::Idle => (GuidanceState::Idle, person.by_closure),
+            WalkMode::Following => (GuidanceState::Following, person.by_closure),
             WalkMode::Redirected => {
-                let reason = person.blocked_since.map(|(r, _)| GuidanceReason::RobotInTheWay(r));
+                let blocked = person.blocked_since.map(|(r, _)| GuidanceReason::RobotInTheWay(r));
+                let reason = person.by_closure.or(blocked);
                 (GuidanceState::Redirected, reason)
             }
             WalkMode::Deviating { since } if person.plan.as_ref().is_some_and(|p| p.made >= since) => {

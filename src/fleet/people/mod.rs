@@ -2,11 +2,13 @@
 //!
 //! Main types: [`state::HumanState`], [`report::PeopleReport`], [`intents::Intents`]. Refuses: to plan for robots.
 
+pub(in crate::fleet) mod barred;
 pub(in crate::fleet) mod evaluate;
 pub(in crate::fleet) mod forecast;
 pub(in crate::fleet) mod guidance;
 pub(in crate::fleet) mod intent;
 pub(in crate::fleet) mod intents;
+pub(in crate::fleet) mod keep_out;
 mod lets_pass;
 pub(in crate::fleet) mod report;
 pub(in crate::fleet) mod routing;

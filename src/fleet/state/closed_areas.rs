@@ -64,7 +64,7 @@ impl Areas {
             area.nodes.iter().for_each(|n| conditions.lift(*n, Cause::Closure(id)));
         }
         let ahead = Window::new(now, now + AHEAD);
-        for (id, closure) in closures.iter().filter(|(_, c)| c.window.overlaps(ahead)) {
+        for (id, closure) in closures.iter().filter(|(_, c)| c.binds.robots() && c.window.overlaps(ahead)) {
             let window = closure.window;
             self.open.entry(*id).or_insert_with(|| {
                 let nodes = nodes_of(closure, warehouse);

@@ -15,7 +15,9 @@ use crate::fleet::{Fleet, Task, View};
 use crate::id::RobotId;
 use crate::sim::laws::{DELIVERS, KEPT, STUCK};
 use crate::time::{Span, Time};
-use found::{beyond_grant, displaced, faults, kept_workers, lost_workers, standstills, waits_in_vain};
+use found::{
+    beyond_grant, displaced, faults, in_closed_areas, kept_workers, lost_workers, standstills, waits_in_vain,
+};
 use jobs::JobWatch;
 use std::collections::BTreeMap;
 
@@ -33,6 +35,8 @@ const LOST: &str = "worker";
 const FAULTS: &str = "faults";
 /// The alarm while the fleet keeps a person in one spot.
 const KEPT_LONG: &str = "kept";
+/// The alarm while a worker is in an area that is closed to people.
+const TRESPASSES: &str = "closed_areas";
 /// The alarm while robots wait for what does not keep them.
 const IN_VAIN: &str = "waits";
 /// The alarm while nothing is delivered.
@@ -105,6 +109,10 @@ impl Watchdog {
                 "nobody knows where a worker is: {found}. Look there, and POST /v1/workers/ID/clear if the worker has \
                  left."
             )
+        });
+        let inside = in_closed_areas(fleet, now);
+        set(alarms, TRESPASSES, now, &inside, |found| {
+            format!("people are in areas that are closed to them: {found}. Call them out, or open the area.")
         });
         let kept = kept_workers(fleet);
         set(alarms, KEPT_LONG, now, &kept, |found| {

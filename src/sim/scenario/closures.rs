@@ -3,7 +3,7 @@
 //! Main type: [`Closing`]. Refuses: areas of nothing, times that cannot be, and nodes that the map does not have.
 
 use super::check::{ScenarioError, check};
-use crate::fleet::Closure;
+use crate::fleet::{Binds, Closure};
 use crate::geometry::{Point, Spot};
 use crate::id::NodeId;
 use crate::time::{Span, Time, Window};
@@ -13,7 +13,7 @@ use serde::Deserialize;
 /// A closed node is shown as a square of twice this side, metres.
 const AROUND_NODE_M: f64 = 0.25;
 
-/// An area that robots keep out of for a time.
+/// An area that robots, people or both keep out of for a time.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Closing {
@@ -31,6 +31,32 @@ pub struct Closing {
     /// Why.
     #[serde(default = "why")]
     pub reason: String,
+    /// Whom it keeps out: robots, people or both.
+    #[serde(default)]
+    pub binds: BindsWord,
+}
+
+/// [`Binds`] as files name it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BindsWord {
+    /// Robots alone.
+    Robots,
+    /// People alone.
+    People,
+    /// Everybody.
+    #[default]
+    Both,
+}
+
+impl From<BindsWord> for Binds {
+    fn from(word: BindsWord) -> Binds {
+        match word {
+            BindsWord::Robots => Binds::Robots,
+            BindsWord::People => Binds::People,
+            BindsWord::Both => Binds::Both,
+        }
+    }
 }
 
 fn why() -> String {
@@ -60,6 +86,8 @@ impl Closing {
             nodes,
             window,
             reason: self.reason.clone(),
+            binds: self.binds.into(),
+            series: None,
         };
         if self.nodes.is_empty() {
             return Ok(vec![area(&mut self.outline.iter().map(|c| Point::new(c[0], c[1])), Vec::new())]);
