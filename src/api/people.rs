@@ -300,6 +300,7 @@ fn reason(reason: GuidanceReason, names: Names<'_>) -> String {
         GuidanceReason::PlaceClosed(c) => {
             format!("the place of your task is in a closed area, wait outside: {}", names.why_closed(c))
         }
+        GuidanceReason::Evacuation => "the building is evacuated: leave by the door, and stay outside".into(),
         GuidanceReason::NoWay => "no path to the place is free".into(),
         GuidanceReason::NotTracked => {
             "the headset does not know where you are: stand still, and touch the marks again".into()

@@ -3,7 +3,7 @@
 //! Main functions: [`job_name`], [`worker_name`], [`time_text`], [`round3`] and their reverse. Jobs are "j17", workers
 //! "w1", assignments "a1", closures "c1". Refuses: to look anything up.
 
-use crate::id::{AssignmentId, ClosureId, JobId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, SeriesId, WorkerId};
 use crate::time::Time;
 
 /// A job's name on the wire.
@@ -45,6 +45,16 @@ pub fn assignment_name(id: AssignmentId) -> String {
 /// A closure's number on the wire.
 pub fn closure_name(id: ClosureId) -> String {
     format!("c{}", id.0)
+}
+
+/// The number of a recurring closure on the wire.
+pub fn series_name(id: SeriesId) -> String {
+    format!("s{}", id.0)
+}
+
+/// The number of a recurring closure.
+pub fn parse_series(text: &str) -> Option<SeriesId> {
+    number(text, 's').map(SeriesId)
 }
 
 /// The number behind a letter, from 1 on.

@@ -169,6 +169,7 @@ impl Names<'_> {
             Why::Maintenance => ("maintenance", None),
             Why::Leaving | Why::Gone => ("leaving", None),
             Why::Stopped => ("stopped", None),
+            Why::Evacuation => ("evacuation", None),
         }
     }
 }

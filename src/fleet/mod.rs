@@ -31,6 +31,7 @@ pub use state::job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use state::keys::{KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums};
+pub use state::recurring::{MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
 pub use state::settings::Settings;
 pub use state::wait_graph::{ChainEnd, Edge, Party, Wait};
 pub use state::why::Why;
@@ -148,18 +149,25 @@ impl Fleet {
         closures::note_closing(core, now);
         displaced::close_displaced(core, now);
         traffic.close_obstructed(core, now);
+        let ways_out = people.ways_out(core.floor(), now);
+        traffic.close_ways_out(core, &ways_out, now);
         failure::note_cut_off(core, now);
         yielding.turn_halfway(core, people, traffic, now);
         yielding.limit_robots(core, people, traffic, now);
         yielding.revoke_grants(core, people, traffic, now);
         traffic.revoke_grants_into_displaced(core, now);
         traffic.revoke_obstructed(core, now);
+        traffic.revoke_ways_out(core, now);
         yielding.meet(core, people, now);
     }
 
     /// Which robot does what.
     fn dispatch(&mut self, picked: &[RobotId], now: Time) {
         let Fleet { core, traffic, .. } = self;
+        // No job begins while the building is evacuated.
+        if core.ledger.evacuation.is_some() {
+            return;
+        }
         dispatch::jobs::chain_deliveries(core, picked, now);
         let lapsed = dispatch::jobs::assign(core, &traffic.needs, &mut traffic.planners, now);
         traffic.lose_places(core, &lapsed);
@@ -169,6 +177,9 @@ impl Fleet {
     /// drive into a closed area, meet people or wait for others, where a better one is found.
     fn plan(&mut self, now: Time) {
         let Fleet { core, yielding, traffic, .. } = self;
+        if core.ledger.evacuation.is_some() {
+            return traffic.clear_ways_out(core, now);
+        }
         traffic.plan_needed(core, now);
         yielding.plan_interrupted(core, traffic, now);
         traffic.route_round_closures(core, now);

@@ -5,11 +5,12 @@
 //! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
 use crate::fleet::{
-    AssignmentRequest, Binds, Closure, Fault, Input, JobKind, JobRequest, StationOrder, Telemetry, USUAL_KIND,
+    AssignmentRequest, Binds, Closure, Fault, Input, JobKind, JobRequest, Recurrence, RecurringClosure, StationOrder, Telemetry,
+    USUAL_KIND, Weekdays,
 };
 use crate::geometry::{Point, Pose, Spot};
 use crate::human::{Quality, Sighting, SourceId};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::{Span, Time, Window};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -154,6 +155,24 @@ enum Other {
         binds: String,
     },
     Reopen(u64, u64),
+    Recur {
+        token: u64,
+        outline: Vec<(i64, i64)>,
+        nodes: Vec<u32>,
+        /// Of the first occurrence.
+        from: i64,
+        until: i64,
+        reason: String,
+        binds: String,
+        every: i64,
+        weekdays: u8,
+        utc_offset: i64,
+        /// When it recurs no more.
+        last: i64,
+    },
+    EndSeries(u64, u64),
+    Evacuate(u64),
+    EndEvacuation(u64),
     Halt(u64, Option<u32>),
     Release(u64, Option<u32>),
     Prioritise(u64, u64, u8),
@@ -303,11 +322,32 @@ fn asked(input: &Input) -> Other {
             binds: area.binds.word().to_owned(),
         },
         Input::Reopen { token, closure } => Other::Reopen(*token, closure.0),
+        Input::Recur { token, closure } => recur(*token, closure),
+        Input::EndSeries { token, series } => Other::EndSeries(*token, series.0),
+        Input::Evacuate { token } => Other::Evacuate(*token),
+        Input::EndEvacuation { token } => Other::EndEvacuation(*token),
         Input::Halt { token, robot } => Other::Halt(*token, robot.map(|r| r.0)),
         Input::Release { token, robot } => Other::Release(*token, robot.map(|r| r.0)),
         Input::Prioritise { token, job, priority } => Other::Prioritise(*token, job.0, *priority),
         Input::Station { token, station, order } => Other::Station(*token, station.0, (*order).into()),
         Input::Telemetry(_) | Input::Sighted(_) => unreachable!("they have places of their own in a line"),
+    }
+}
+
+fn recur(token: u64, closure: &RecurringClosure) -> Other {
+    let RecurringClosure { area, recurrence, .. } = closure;
+    Other::Recur {
+        token,
+        outline: area.outline.iter().map(|p| (p.x_mm, p.y_mm)).collect(),
+        nodes: area.nodes.iter().map(|n| n.0).collect(),
+        from: area.window.start().0,
+        until: area.window.end().0,
+        reason: area.reason.clone(),
+        binds: area.binds.word().to_owned(),
+        every: recurrence.every.0,
+        weekdays: recurrence.weekdays.0,
+        utc_offset: recurrence.utc_offset.0,
+        last: recurrence.until.0,
     }
 }
 
@@ -466,6 +506,21 @@ fn other(o: Other) -> Input {
             let binds = Binds::of(&binds).unwrap_or_default();
             Input::Close { token, area: Closure { outline, nodes, window, reason, binds, series: None } }
         }
+        Other::Recur {
+            token, outline, nodes, from, until, reason, binds, every, weekdays, utc_offset, last
+        } => {
+            let outline = outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect();
+            let nodes = nodes.into_iter().map(NodeId).collect();
+            let window = Window::new(Time(from), Time(until));
+            let binds = Binds::of(&binds).unwrap_or_default();
+            let (every, weekdays) = (Span(every), Weekdays(weekdays));
+            let recurrence = Recurrence { every, weekdays, utc_offset: Span(utc_offset), until: Time(last) };
+            let area = Closure { outline, nodes, window, reason, binds, series: None };
+            Input::Recur { token, closure: RecurringClosure::new(area, recurrence) }
+        }
+        Other::EndSeries(token, series) => Input::EndSeries { token, series: SeriesId(series) },
+        Other::Evacuate(token) => Input::Evacuate { token },
+        Other::EndEvacuation(token) => Input::EndEvacuation { token },
         Other::Reopen(token, closure) => Input::Reopen { token, closure: ClosureId(closure) },
         Other::Submit { token, kind, priority, deadline, after, key } => {
             let kind = match kind {

@@ -2,7 +2,9 @@
 //!
 //! Main types: the records named by `record`. Refuses: to stand alone; versions are `record`'s business.
 
-use crate::fleet::{AssignmentRequest, AssignmentState, Binds, Closure, Encounter, Reaction};
+use crate::fleet::{
+    AssignmentRequest, AssignmentState, Binds, Closure, Encounter, Reaction, Recurrence, RecurringClosure, Weekdays,
+};
 use crate::geometry::Spot;
 use crate::id::{NodeId, RobotId, SeriesId, WorkerId};
 use crate::time::{Span, Time, Window};
@@ -74,6 +76,47 @@ impl From<BindsRecord> for Binds {
             BindsRecord::People => Binds::People,
             BindsRecord::Both => Binds::Both,
         }
+    }
+}
+
+/// What is closed again and again; the window of the area is that of the first occurrence.
+#[derive(Serialize, Deserialize)]
+pub(super) struct RecurringRecord {
+    pub area: ClosureRecord,
+    pub every: i64,
+    pub weekdays: u8,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub utc_offset: i64,
+    pub until: i64,
+    pub next: Option<i64>,
+}
+
+fn is_zero(n: &i64) -> bool {
+    *n == 0
+}
+
+impl From<&RecurringClosure> for RecurringRecord {
+    fn from(c: &RecurringClosure) -> RecurringRecord {
+        RecurringRecord {
+            area: (&c.area).into(),
+            every: c.recurrence.every.0,
+            weekdays: c.recurrence.weekdays.0,
+            utc_offset: c.recurrence.utc_offset.0,
+            until: c.recurrence.until.0,
+            next: c.next.map(|t| t.0),
+        }
+    }
+}
+
+impl From<RecurringRecord> for RecurringClosure {
+    fn from(r: RecurringRecord) -> RecurringClosure {
+        let recurrence = Recurrence {
+            every: Span(r.every),
+            weekdays: Weekdays(r.weekdays),
+            utc_offset: Span(r.utc_offset),
+            until: Time(r.until),
+        };
+        RecurringClosure { area: r.area.into(), recurrence, next: r.next.map(Time) }
     }
 }
 

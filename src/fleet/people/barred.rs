@@ -21,7 +21,7 @@ const AROUND_NODE_M: f64 = 0.5;
 
 /// One area that is closed to people.
 #[derive(Clone, Debug)]
-pub(super) struct BarredArea {
+pub(in crate::fleet) struct BarredArea {
     pub id: ClosureId,
     window: Window,
     outlines: Vec<Arc<[Point]>>,

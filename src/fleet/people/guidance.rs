@@ -58,6 +58,7 @@ impl HumanState {
         let near = floor.near(place);
         let (state, reason) = self.state_of(floor, person, place, &near);
         let reason = match reason {
+            None if floor.ledger.evacuation.is_some() => Some(GuidanceReason::Evacuation),
             None | Some(GuidanceReason::NoWay) => self.is_asked(floor, worker, now).or(reason),
             Some(_) => reason,
         };

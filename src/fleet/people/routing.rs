@@ -85,7 +85,8 @@ impl HumanState {
         at: Point,
         now: Time,
     ) {
-        let Some(id) = self.next_open_assignment(core.floor(), worker, at, now) else {
+        let next = self.next_open_assignment(core.floor(), worker, at, now);
+        let Some(id) = next.filter(|_| core.ledger.evacuation.is_none()) else {
             self.people[worker].plan = None;
             return;
         };

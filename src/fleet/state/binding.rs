@@ -40,7 +40,7 @@ impl Floor<'_> {
     pub(in crate::fleet) fn exemption_from(&self, node: NodeId, from: Cause) -> Option<Exemption> {
         let at = match from {
             Cause::Worker(worker) => self.restrictions.nearest_place(worker, self.at(node))?,
-            Cause::Closure(_) => self.at(node),
+            Cause::Closure(_) | Cause::Evacuation => self.at(node),
             Cause::Robot(robot) => self.place_of(robot),
             Cause::Obstruction(there) => self.at(there),
         };

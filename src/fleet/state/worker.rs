@@ -229,6 +229,8 @@ pub enum GuidanceReason {
     LeavesClosure(ClosureId),
     /// The place of the assignment is in an area that is closed to people, or would be before the work is done.
     PlaceClosed(ClosureId),
+    /// The building is evacuated: the path leads to a door.
+    Evacuation,
     /// No way to the place is free.
     NoWay,
     /// The headset does not know where it is.

@@ -44,7 +44,8 @@ impl Puppet {
         self.sighting(now)
     }
 
-    fn walk(&mut self, floor: &TestFloor) {
+    /// Goes on along the way for one period.
+    pub(super) fn walk_on(&mut self, floor: &TestFloor) {
         let mut left = 1.2 * STEP_S;
         while let Some(next) = self.way.first().copied() {
             let to = next - self.at;
@@ -98,7 +99,7 @@ impl TestFloor {
         if let Some((_, g)) = told.filter(|_| !puppet.own) {
             puppet.way = if g.state == GuidanceState::Stop { vec![] } else { g.path.clone() };
         }
-        puppet.walk(self);
+        puppet.walk_on(self);
         // Nobody is run over: a robot that touches somebody stands, or nearly.
         for (r, t) in self.world.truth() {
             let touches = crate::geometry::axis_distance(t.pose.at, puppet.at) < 0.45 + 0.2;

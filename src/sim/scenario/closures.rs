@@ -14,7 +14,7 @@ use serde::Deserialize;
 const AROUND_NODE_M: f64 = 0.25;
 
 /// An area that robots, people or both keep out of for a time.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Closing {
     /// Its corners, metres.

@@ -50,6 +50,20 @@ impl Ledger {
             Fact::Reopened { closure, .. } => {
                 self.promises.closures.remove(closure).expect("only what is closed is opened again");
             }
+            Fact::Recurs { series, closure } => {
+                assert_eq!(series.0, self.promises.next_series, "recurring closures are numbered in order");
+                self.promises.next_series += 1;
+                self.promises.recurring.insert(*series, closure.clone());
+            }
+            Fact::Scheduled { series, next } => {
+                let recurring = self.promises.recurring.get_mut(series);
+                recurring.expect("only what recurs has a next occurrence").next = *next;
+            }
+            Fact::SeriesEnded { series, .. } => {
+                self.promises.recurring.remove(series).expect("only what recurs is ended");
+            }
+            Fact::Evacuated { at } => self.promises.evacuation = Some(*at),
+            Fact::EvacuationEnded { .. } => self.promises.evacuation = None,
             Fact::StationPaused { station, at } => {
                 self.promises.paused_stations.insert(*station, *at);
             }

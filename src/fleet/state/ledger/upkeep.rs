@@ -92,7 +92,11 @@ impl Ledger {
             }
             Fact::Assigned { assignment, worker, .. } => self.index.assign(*worker, *assignment),
             Fact::Advanced { assignment, state, .. } if state.is_over() => self.index.unassign(*assignment),
-            Fact::Closed { .. } | Fact::Reopened { .. } => self.index.note_closure_change(),
+            Fact::Closed { .. }
+            | Fact::Reopened { .. }
+            | Fact::Recurs { .. }
+            | Fact::Scheduled { .. }
+            | Fact::SeriesEnded { .. } => self.index.note_closure_change(),
             _ => {}
         }
     }
