@@ -6,13 +6,13 @@
 
 use super::dto::Names;
 use super::feed::hub::CarriedSenses;
-use super::text::{assignment_name, closure_name, round3, time_text, worker_name};
+use super::text::{assignment_name, closure_name, offset_text, round3, series_name, time_text, worker_name};
 use crate::fleet::{
     AssignmentRow, AssignmentState, Closure, EncounterRow, Guidance, GuidanceReason, GuidanceState,
-    NearRobot, Reaction, WorkerView,
+    NearRobot, Reaction, RecurringClosure, WorkerView,
 };
 use crate::geometry::{Point, inside, wrap_angle};
-use crate::id::{ClosureId, Dense, NodeId, WorkerId};
+use crate::id::{ClosureId, Dense, NodeId, SeriesId, WorkerId};
 use crate::time::Time;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -181,9 +181,45 @@ pub struct ClosureDto {
     pub state: &'static str,
     /// Whom it keeps out: robots, people or both.
     pub binds: &'static str,
+    /// The recurring closure of which it is an occurrence.
+    #[schema(example = "s1")]
+    pub series: Option<String>,
     /// Why.
     pub reason: String,
 }
+
+/// An area that is closed again and again.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct RecurringClosureDto {
+    /// Its number.
+    #[schema(example = "s1")]
+    pub id: String,
+    /// Its corners, metres.
+    pub outline: Vec<[f64; 2]>,
+    /// Nodes inside, by name.
+    pub nodes: Vec<String>,
+    /// From one occurrence to the next, seconds; a day for those on weekdays.
+    pub every_s: f64,
+    /// How long each occurrence lasts, seconds.
+    pub lasts_s: f64,
+    /// The days of the week on which occurrences begin.
+    pub weekdays: Vec<&'static str>,
+    /// How far the building's time is ahead of UTC.
+    #[schema(example = "+01:00")]
+    pub utc_offset: String,
+    /// No occurrence begins then or later, RFC 3339; null if it recurs until somebody ends it.
+    pub until: Option<String>,
+    /// Whom it keeps out: robots, people or both.
+    pub binds: &'static str,
+    /// Why.
+    pub reason: String,
+    /// The occurrences that are in force or announced, the next one first.
+    pub occurrences: Vec<ClosureDto>,
+}
+
+/// The days of the week on the wire.
+pub const WEEKDAYS: [&str; 7] =
+    ["monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday"];
 
 /// A robot that came into region 1 of a worker.
 #[derive(Clone, Debug, Serialize, ToSchema)]
@@ -421,11 +457,35 @@ impl Names<'_> {
             until: (!end.is_forever()).then(|| time_text(end)),
             state: closure.state(now).word(),
             binds: closure.binds.word(),
+            series: closure.series.map(series_name),
             reason: closure.reason.clone(),
         }
     }
 
-    /// All areas that robots keep out of, now or later.
+    /// A recurring closure with its occurrences that are not over.
+    pub fn recurring(&self, id: SeriesId, recurring: &RecurringClosure, now: Time) -> RecurringClosureDto {
+        let RecurringClosure { area, recurrence, .. } = recurring;
+        let of = self.view.closures.iter().filter(|c| c.closure.series == Some(id) && now < c.closure.window.end());
+        let mut open: Vec<_> = of.collect();
+        open.sort_by_key(|c| c.closure.window.start());
+        let first = self.closure(ClosureId(0), area, now);
+        let days = WEEKDAYS.iter().enumerate().filter(|(i, _)| recurrence.weekdays.0 >> i & 1 == 1);
+        RecurringClosureDto {
+            id: series_name(id),
+            outline: first.outline,
+            nodes: first.nodes,
+            every_s: recurrence.every.as_secs_f64(),
+            lasts_s: recurring.lasts().as_secs_f64(),
+            weekdays: days.map(|(_, day)| *day).collect(),
+            utc_offset: offset_text(recurrence.utc_offset),
+            until: (!recurrence.until.is_forever()).then(|| time_text(recurrence.until)),
+            binds: area.binds.word(),
+            reason: area.reason.clone(),
+            occurrences: open.into_iter().map(|c| self.closure(c.id, &c.closure, now)).collect(),
+        }
+    }
+
+    /// All areas that are closed, now or later.
     pub fn closures(&self) -> Vec<ClosureDto> {
         let ahead = self.view.closures.iter().filter(|c| self.view.now < c.closure.window.end());
         ahead.map(|c| self.closure(c.id, &c.closure, self.view.now)).collect()

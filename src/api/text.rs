@@ -4,7 +4,7 @@
 //! "w1", assignments "a1", closures "c1". Refuses: to look anything up.
 
 use crate::id::{AssignmentId, ClosureId, JobId, SeriesId, WorkerId};
-use crate::time::Time;
+use crate::time::{Span, Time};
 
 /// A job's name on the wire.
 pub fn job_name(id: JobId) -> String {
@@ -24,6 +24,38 @@ pub fn time_text(t: Time) -> String {
 /// A time from RFC 3339 with any offset.
 pub fn parse_time(text: &str) -> Option<Time> {
     text.parse::<jiff::Timestamp>().ok().map(|t| Time(t.as_microsecond()))
+}
+
+/// An offset from UTC such as +01:00.
+pub fn offset_text(offset: Span) -> String {
+    let minutes = offset.0 / 60_000_000;
+    let sign = if minutes < 0 { '-' } else { '+' };
+    format!("{sign}{:02}:{:02}", minutes.abs() / 60, minutes.abs() % 60)
+}
+
+/// An offset from UTC: +01:00, -05:30 or Z; not more than a day.
+pub fn parse_offset(text: &str) -> Option<Span> {
+    if text == "Z" {
+        return Some(Span::ZERO);
+    }
+    let sign = match text.as_bytes().first()? {
+        b'+' => 1,
+        b'-' => -1,
+        _ => return None,
+    };
+    let of_day = parse_time_of_day(text.get(1..)?)?;
+    Some(of_day * sign)
+}
+
+/// A time of day as HH:MM, since midnight.
+pub fn parse_time_of_day(text: &str) -> Option<Span> {
+    let (hours, minutes) = text.split_once(':')?;
+    let digits = |t: &str| t.len() == 2 && t.bytes().all(|b| b.is_ascii_digit());
+    if !digits(hours) || !digits(minutes) {
+        return None;
+    }
+    let (hours, minutes): (i64, i64) = (hours.parse().ok()?, minutes.parse().ok()?);
+    (hours < 24 && minutes < 60).then(|| Span::from_secs(hours * 3600 + minutes * 60))
 }
 
 /// Rounded to a thousandth; never minus zero, never something JSON cannot say.
@@ -82,6 +114,18 @@ pub fn parse_worker_name(text: &str) -> Option<WorkerId> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn offsets_and_times_of_day_are_read_strictly() {
+        for (text, minutes) in [("+01:00", 60), ("-05:30", -330), ("Z", 0), ("+00:00", 0)] {
+            assert_eq!(parse_offset(text), Some(Span::from_secs(minutes * 60)), "{text}");
+        }
+        assert_eq!(offset_text(Span::from_secs(-330 * 60)), "-05:30");
+        assert_eq!(parse_time_of_day("22:15"), Some(Span::from_secs(80_100)));
+        for bad in ["1:00", "24:00", "12:60", "12", "", "+1:00", "ab:cd"] {
+            assert_eq!((parse_time_of_day(bad), parse_offset(bad)), (None, None), "{bad}");
+        }
+    }
 
     #[test]
     fn numbers_behind_letters_are_read_strictly() {

@@ -197,6 +197,7 @@ fn active(text: &str) -> String {
         ("no robot of a kind", "waits for a robot: none of a kind"),
         ("paused", "is paused"),
         ("stopped", "is stopped"),
+        ("stands while the building", "stands while the building"),
         ("the way leads into ", "stands before "),
         ("the queue of ", "waits outside: the queue of "),
     ] {

@@ -93,6 +93,9 @@ impl Setup {
             .fit(&warehouse)
             .map_err(|e| anyhow::anyhow!("the map is not for the robots of {}:\n{e}", path.display()))?;
         scenario.areas(&warehouse, Time::ZERO).with_context(|| format!("{} is refused", path.display()))?;
+        scenario
+            .recurring(&warehouse, Time::ZERO)
+            .with_context(|| format!("{} is refused", path.display()))?;
         if let Some(model) = &scenario.model {
             scenario.learned = read_model(Some(&beside(model)))?;
         }

@@ -41,7 +41,7 @@ pub use state::worker::{
     FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerView,
 };
 
-use crate::id::RobotId;
+use crate::id::{NodeId, RobotId};
 use crate::time::Time;
 use crate::warehouse::Warehouse;
 use people::state::HumanState;
@@ -220,6 +220,16 @@ impl Fleet {
     /// How long the last step took to note why robots and people wait, nanoseconds by the stopwatch of the settings.
     pub fn waits_ns(&self) -> u64 {
         self.waits_ns
+    }
+
+    /// Whether a node is on the way of a worker to a door while the building is evacuated.
+    pub fn is_on_way_out(&self, node: NodeId) -> bool {
+        self.core.restrictions.ways_out.contains(&node)
+    }
+
+    /// Whether a robot is on the way of a worker to a door, and so may drive on it to leave it.
+    pub fn leaves_way_out(&self, robot: RobotId) -> bool {
+        self.floor().is_on(robot, &self.core.restrictions.ways_out)
     }
 
     /// The robot that was being dealt with when a step ended in a panic, if it was one.

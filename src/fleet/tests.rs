@@ -68,6 +68,7 @@ fn scenario(robots: usize) -> Scenario {
         kinds: KindShare::one(Kinematics::default(), Charging::default()),
         workers: Workers::default(),
         closures: Vec::new(),
+        evacuations: Vec::new(),
         policy: HumanAwarePolicy::default(),
         model: None,
         learned: crate::human::Model::builtin(),

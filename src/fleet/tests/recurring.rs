@@ -22,7 +22,7 @@ fn hourly(until: Time) -> RecurringClosure {
 }
 
 fn fleet() -> (Fleet, Vec<Fact>) {
-    (Fleet::new(thesis(), scenario(0).settings()), Vec::new())
+    (Fleet::new(thesis().into(), scenario(0).settings()), Vec::new())
 }
 
 fn step((fleet, facts): &mut (Fleet, Vec<Fact>), now: Time, inputs: Vec<Input>) -> Vec<Reply> {
@@ -64,13 +64,13 @@ fn a_restart_announces_no_occurrence_twice_and_passes_over_those_that_it_missed(
     recur(&mut floor, hourly(Time::MAX));
     step(&mut floor, at(HOUR + 60), vec![]);
     let before = open(&floor, at(HOUR + 60));
-    let again = Fleet::restore(thesis(), scenario(0).settings(), floor.1.clone());
+    let again = Fleet::restore(thesis().into(), scenario(0).settings(), floor.1.clone());
     assert_eq!(again.ledger(), floor.0.ledger());
     floor.0 = again;
     step(&mut floor, at(HOUR + 61), vec![]);
     assert_eq!(open(&floor, at(HOUR + 61)), before);
     // Nobody was there for five hours, and the sixth occurrence is in force.
-    floor.0 = Fleet::restore(thesis(), scenario(0).settings(), floor.1.clone());
+    floor.0 = Fleet::restore(thesis().into(), scenario(0).settings(), floor.1.clone());
     step(&mut floor, at(6 * HOUR + 60), vec![]);
     let begins: Vec<i64> = open(&floor, at(6 * HOUR + 60)).iter().map(|(_, begins)| *begins).collect();
     assert_eq!(begins, [6 * HOUR, 7 * HOUR]);

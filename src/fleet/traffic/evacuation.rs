@@ -27,6 +27,7 @@ impl Traffic {
         core.restrictions.clears_ways_out.clear();
         if core.ledger.evacuation.is_none() {
             self.cleared.clear();
+            core.restrictions.ways_out.clear();
             return;
         }
         let nodes = core.floor().nodes_on(ways);
@@ -86,7 +87,7 @@ impl Floor<'_> {
     }
 
     /// Whether a robot is on one of these nodes.
-    fn is_on(&self, robot: RobotId, nodes: &BTreeSet<NodeId>) -> bool {
+    pub(in crate::fleet) fn is_on(&self, robot: RobotId, nodes: &BTreeSet<NodeId>) -> bool {
         let chain = self.ledger.chain(robot);
         let at = self.place_of(robot);
         let near = |n: NodeId| (self.warehouse().nodes[n].at - at).norm() < WAY_M;

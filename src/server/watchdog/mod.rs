@@ -156,6 +156,7 @@ impl Watchdog {
                 || record.fenced.is_some()
                 || record.paused.is_some()
                 || ledger.stopped.is_some()
+                || ledger.evacuation.is_some()
                 || fleet.is_picked_from(robot);
             if (entry.0, entry.1) != done || excused {
                 *entry = (done.0, done.1, now);
