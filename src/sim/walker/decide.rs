@@ -65,7 +65,7 @@ impl Walker {
             self.legs.route.clear();
         }
         if new && shown.redirected {
-            let ignores = self.heeds.happens_of(self.ignore);
+            let ignores = self.heeds.happens_of(self.ignore) && !shown.leave;
             self.ignored = ignores.then_some(shown.version);
             match self.doing {
                 WalkerDoing::Job { goal, until: None, .. } if !ignores && leads_to(&shown, goal) => {
