@@ -329,7 +329,9 @@ fn reason(reason: GuidanceReason, names: Names<'_>) -> String {
             names.robot(r)
         ),
         GuidanceReason::CutsOff => "you stand where robots have work: please make room".into(),
-        GuidanceReason::RoundClosure(c) => format!("the way leads round a closed area: {}", names.why_closed(c)),
+        GuidanceReason::RoundClosure(c) => {
+            format!("the way leads round a closed area: {}", names.why_closed(c))
+        }
         GuidanceReason::LeavesClosure(c) => {
             format!("this area is closed, leave it along the path: {}", names.why_closed(c))
         }
@@ -465,7 +467,11 @@ impl Names<'_> {
     /// A recurring closure with its occurrences that are not over.
     pub fn recurring(&self, id: SeriesId, recurring: &RecurringClosure, now: Time) -> RecurringClosureDto {
         let RecurringClosure { area, recurrence, .. } = recurring;
-        let of = self.view.closures.iter().filter(|c| c.closure.series == Some(id) && now < c.closure.window.end());
+        let of = self
+            .view
+            .closures
+            .iter()
+            .filter(|c| c.closure.series == Some(id) && now < c.closure.window.end());
         let mut open: Vec<_> = of.collect();
         open.sort_by_key(|c| c.closure.window.start());
         let first = self.closure(ClosureId(0), area, now);

@@ -6,8 +6,8 @@
 
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
-    Expected, Fleet, JobQuery, JobRequest, JobRow, NodeOccupancy, RecurringClosure, Reply, RobotKind, StationOrder, View,
-    Waiting, Why,
+    Expected, Fleet, JobQuery, JobRequest, JobRow, NodeOccupancy, RecurringClosure, Reply, RobotKind,
+    StationOrder, View, Waiting, Why,
 };
 use crate::history::{History, LoopTimes};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};

@@ -56,7 +56,10 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             Problem::conflict("assignment-is-over", "The assignment is over", detail)
         }
         Refusal::UnknownSeries(id) => {
-            let detail = format!("no closure recurs as {}; GET /v1/closures/recurring lists what does", series_name(id));
+            let detail = format!(
+                "no closure recurs as {}; GET /v1/closures/recurring lists what does",
+                series_name(id)
+            );
             Problem::unknown("closure", detail)
         }
         Refusal::Recurrence => {

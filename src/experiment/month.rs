@@ -141,7 +141,14 @@ fn orders(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
         let spot = |x: f64| Spot::from(Point::new(x, x * x));
         let outline = vec![spot(0.0), spot(1.0), spot(2.0)];
         let window = Window::new(at(4 * MINUTE), at(9 * MINUTE));
-        let area = Closure { outline, nodes: vec![node], window, reason: "cleaning".into(), binds: Binds::Robots, series: None };
+        let area = Closure {
+            outline,
+            nodes: vec![node],
+            window,
+            reason: "cleaning".into(),
+            binds: Binds::Robots,
+            series: None,
+        };
         inputs.push(Input::Close { token: 0, area });
     }
     if s % HOUR == 10 {

@@ -377,7 +377,11 @@ impl Member {
         let reason = self.told.as_ref().and_then(|(_, g)| g.reason);
         if matches!(
             reason,
-            Some(GuidanceReason::Evacuation | GuidanceReason::LeavesClosure(_) | GuidanceReason::PlaceClosed(_))
+            Some(
+                GuidanceReason::Evacuation
+                    | GuidanceReason::LeavesClosure(_)
+                    | GuidanceReason::PlaceClosed(_)
+            )
         ) {
             return None;
         }

@@ -5,8 +5,8 @@
 //! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
 use crate::fleet::{
-    AssignmentRequest, Binds, Closure, Fault, Input, JobKind, JobRequest, Recurrence, RecurringClosure, StationOrder, Telemetry,
-    USUAL_KIND, Weekdays,
+    AssignmentRequest, Binds, Closure, Fault, Input, JobKind, JobRequest, Recurrence, RecurringClosure,
+    StationOrder, Telemetry, USUAL_KIND, Weekdays,
 };
 use crate::geometry::{Point, Pose, Spot};
 use crate::human::{Quality, Sighting, SourceId};
@@ -507,7 +507,17 @@ fn other(o: Other) -> Input {
             Input::Close { token, area: Closure { outline, nodes, window, reason, binds, series: None } }
         }
         Other::Recur {
-            token, outline, nodes, from, until, reason, binds, every, weekdays, utc_offset, last
+            token,
+            outline,
+            nodes,
+            from,
+            until,
+            reason,
+            binds,
+            every,
+            weekdays,
+            utc_offset,
+            last,
         } => {
             let outline = outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect();
             let nodes = nodes.into_iter().map(NodeId).collect();

@@ -1,8 +1,8 @@
 //! Faults of scenarios: wrong clocks, late messages, stations and chargers out of order, and their end.
 
 use super::*;
-use crate::geometry::Point;
 use crate::fleet::{Charging, Fact, Fault, Input, JobKind, JobRequest};
+use crate::geometry::Point;
 use crate::id::RobotId;
 use crate::route::Kinematics;
 use crate::time::{Span, Time};

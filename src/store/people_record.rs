@@ -3,7 +3,8 @@
 //! Main types: the records named by `record`. Refuses: to stand alone; versions are `record`'s business.
 
 use crate::fleet::{
-    AssignmentRequest, AssignmentState, Binds, Closure, Encounter, Reaction, Recurrence, RecurringClosure, Weekdays,
+    AssignmentRequest, AssignmentState, Binds, Closure, Encounter, Reaction, Recurrence, RecurringClosure,
+    Weekdays,
 };
 use crate::geometry::Spot;
 use crate::id::{NodeId, RobotId, SeriesId, WorkerId};

@@ -430,7 +430,9 @@ impl From<Record> for Fact {
             Record::Scheduled { series, next } => {
                 Fact::Scheduled { series: SeriesId(series), next: next.map(Time) }
             }
-            Record::SeriesEnded { series, at } => Fact::SeriesEnded { series: SeriesId(series), at: Time(at) },
+            Record::SeriesEnded { series, at } => {
+                Fact::SeriesEnded { series: SeriesId(series), at: Time(at) }
+            }
             Record::Evacuated { at } => Fact::Evacuated { at: Time(at) },
             Record::EvacuationEnded { at } => Fact::EvacuationEnded { at: Time(at) },
             Record::Halted { robot, at } => Fact::Halted { robot: robot.map(RobotId), at: Time(at) },

@@ -318,7 +318,8 @@ async fn a_closure_says_whom_it_binds_and_binds_both_unless_told() {
     let at = server.address();
     let square = json!([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
     for (binds, is) in [(json!(null), "both"), (json!("people"), "people"), (json!("robots"), "robots")] {
-        let made = post(at, "/v1/closures", &json!({"outline": square, "reason": "oil", "binds": binds})).await;
+        let made =
+            post(at, "/v1/closures", &json!({"outline": square, "reason": "oil", "binds": binds})).await;
         assert_eq!(made.json()["binds"], is, "{made:?}");
     }
     let odd = post(at, "/v1/closures", &json!({"outline": square, "reason": "oil", "binds": "cats"})).await;
@@ -343,7 +344,10 @@ async fn a_closure_recurs_over_a_restart_until_it_is_ended() {
     // The first day of 2031 is a Wednesday.
     let first = made.json()["occurrences"][0].clone();
     assert_eq!((first["id"].clone(), first["from"].clone()), (json!("c1"), json!("2031-01-02T21:00:00Z")));
-    assert_eq!((first["until"].clone(), first["series"].clone()), (json!("2031-01-02T21:30:00Z"), json!("s1")));
+    assert_eq!(
+        (first["until"].clone(), first["series"].clone()),
+        (json!("2031-01-02T21:30:00Z"), json!("s1"))
+    );
     server.stop().await.unwrap();
 
     let server = start(&folder).await;

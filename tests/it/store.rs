@@ -137,7 +137,14 @@ fn facts_about_people(at: Time) -> Vec<Fact> {
     let (worker, robot, closure) = (WorkerId(1), RobotId(2), ClosureId(4));
     let corner = |x_mm, y_mm| Spot { x_mm, y_mm };
     let outline = vec![corner(0, 0), corner(-1000, 0), corner(0, 2500)];
-    let area = Closure { outline, nodes: vec![NodeId(3)], window: Window::from(at), reason: "öl".into(), binds: Binds::Robots, series: None };
+    let area = Closure {
+        outline,
+        nodes: vec![NodeId(3)],
+        window: Window::from(at),
+        reason: "öl".into(),
+        binds: Binds::Robots,
+        series: None,
+    };
     let request =
         AssignmentRequest { place: NodeId(5), stay: Span(9), what: "count".into(), key: Some("k".into()) };
     let met = |reaction| {

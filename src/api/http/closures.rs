@@ -177,7 +177,10 @@ pub async fn reopen(State(api): State<Api>, PathPart(id): PathPart) -> Result<St
 fn parse_id(text: &str) -> Result<ClosedId, Problem> {
     let detail = || format!("\"{text}\" is not a closure id; ids look like c2, or s1 for what recurs");
     let recurring = || parse_series(text).map(ClosedId::Recurring);
-    parse_closure(text).map(ClosedId::Once).or_else(recurring).ok_or_else(|| Problem::unknown("closure", detail()))
+    parse_closure(text)
+        .map(ClosedId::Once)
+        .or_else(recurring)
+        .ok_or_else(|| Problem::unknown("closure", detail()))
 }
 
 impl NewClosure {

@@ -110,7 +110,8 @@ mod tests {
         let (from, now) = (from.map(|t| parse_time(t).unwrap()), parse_time(now).unwrap());
         let mut errors = Vec::new();
         let read = new.read((from, Time::MAX), now, &mut errors);
-        read.map(|(w, _)| format!("{} {}", time_text(w.start()), time_text(w.end()))).ok_or_else(|| errors[0].field.clone())
+        read.map(|(w, _)| format!("{} {}", time_text(w.start()), time_text(w.end())))
+            .ok_or_else(|| errors[0].field.clone())
     }
 
     #[test]

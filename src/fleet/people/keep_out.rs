@@ -134,7 +134,8 @@ impl HumanState {
             return None;
         }
         let mut all = floor.ledger.index().assignments_of(worker);
-        all.find_map(|id| self.shuts_assignment(floor, (worker, id), at, now)).map(GuidanceReason::PlaceClosed)
+        all.find_map(|id| self.shuts_assignment(floor, (worker, id), at, now))
+            .map(GuidanceReason::PlaceClosed)
     }
 
     /// An assignment that a worker has begun waits again, if it is not over: its place is closed.

@@ -4,8 +4,8 @@
 //! rewrite history. Refuses: observations (poses, battery), which are seen again after a restart.
 
 use crate::fleet::state::job::{JobRequest, JobState};
-use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, Closure, Encounter, Reaction};
 use crate::fleet::state::recurring::RecurringClosure;
+use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, Closure, Encounter, Reaction};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::{Shift, Visit};

@@ -56,8 +56,8 @@ impl Why {
     /// person who stopped it, ends that.
     pub fn is_by_itself(self) -> bool {
         use Why::{
-            Displaced, EmergencyStop, Evacuation, Failed, Gone, Leaving, Maintenance, Manual, Paused, Silent, Stopped,
-            Unplugged,
+            Displaced, EmergencyStop, Evacuation, Failed, Gone, Leaving, Maintenance, Manual, Paused, Silent,
+            Stopped, Unplugged,
         };
         matches!(
             self,

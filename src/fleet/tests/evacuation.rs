@@ -26,9 +26,11 @@ impl TestFloor {
         for p in people {
             let way: Vec<Point> = std::iter::once(p.at).chain(p.way.iter().copied()).collect();
             for step in way.windows(2).map(|s| Segment { a: s[0], b: s[1] }) {
-                on.extend(w.nodes.ids().filter(|n| {
-                    step.distance_to(w.nodes[*n].at) < 0.5 && !w.kind(*n).is_lasting()
-                }));
+                on.extend(
+                    w.nodes
+                        .ids()
+                        .filter(|n| step.distance_to(w.nodes[*n].at) < 0.5 && !w.kind(*n).is_lasting()),
+                );
             }
         }
         on
@@ -69,13 +71,18 @@ fn everybody_is_out_within_a_minute_and_a_half_and_all_jobs_are_done_afterwards(
     for _ in 0..600 {
         floor.all_walk(&mut people);
     }
-    let begun = |f: &TestFloor| f.fleet.ledger().jobs.values().filter(|j| j.state != JobState::Waiting).count();
+    let begun =
+        |f: &TestFloor| f.fleet.ledger().jobs.values().filter(|j| j.state != JobState::Waiting).count();
     assert!(begun(&floor) > 10, "robots are busy when it begins");
     let (at, waiting) = (floor.now, floor.fleet.view(floor.now).counts.waiting);
     floor.evacuate(true);
     let (mut out, mut entered) = (None, Vec::new());
     while out.is_none() {
-        assert!(floor.now - at < Span::from_secs(90), "not all are out: {:?}", people.iter().map(|p| p.at).collect::<Vec<_>>());
+        assert!(
+            floor.now - at < Span::from_secs(90),
+            "not all are out: {:?}",
+            people.iter().map(|p| p.at).collect::<Vec<_>>()
+        );
         let on = floor.nodes_on_ways(&people);
         let step = floor.all_walk(&mut people);
         for fact in &step.facts {

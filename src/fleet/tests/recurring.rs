@@ -16,7 +16,14 @@ fn hourly(until: Time) -> RecurringClosure {
     let corner = |x, y| Spot { x_mm: x, y_mm: y };
     let outline = vec![corner(5800, 800), corner(6200, 800), corner(6200, 6200)];
     let window = Window::new(at(HOUR), at(HOUR + 600));
-    let area = Closure { outline, nodes: vec![], window, reason: "mopping".into(), binds: Binds::Both, series: None };
+    let area = Closure {
+        outline,
+        nodes: vec![],
+        window,
+        reason: "mopping".into(),
+        binds: Binds::Both,
+        series: None,
+    };
     let (every, weekdays) = (Span::from_secs(HOUR), Weekdays::ALL);
     RecurringClosure::new(area, Recurrence { every, weekdays, utc_offset: Span::ZERO, until })
 }

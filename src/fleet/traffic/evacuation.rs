@@ -109,7 +109,8 @@ impl Floor<'_> {
             if !moving.insert(robot) {
                 continue;
             }
-            let turn = self.ledger.timeline().waits_for(Holder::Robot(robot), self.ledger.chain(robot).granted());
+            let turn =
+                self.ledger.timeline().waits_for(Holder::Robot(robot), self.ledger.chain(robot).granted());
             if let Some((_, Holder::Robot(other))) = turn {
                 ahead.push(other);
             }

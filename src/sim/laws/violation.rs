@@ -106,7 +106,11 @@ impl fmt::Display for Violation {
             }
             Violation::NotSo(r, why) => write!(f, "robot {} does not wait because of {why:?}", r.0 + 1),
             Violation::OntoWayOut(r, n) => {
-                write!(f, "robot {} was let onto node {n:?}, which is on the way of somebody to a door", r.0 + 1)
+                write!(
+                    f,
+                    "robot {} was let onto node {n:?}, which is on the way of somebody to a door",
+                    r.0 + 1
+                )
             }
             Violation::Fold => write!(f, "the ledger is not the fold of its facts"),
         }

@@ -211,10 +211,16 @@ impl Scenario {
     ///
     /// # Errors
     /// Where the map does not have a node that is to be closed.
-    pub fn recurring(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<RecurringClosure>, ScenarioError> {
+    pub fn recurring(
+        &self,
+        warehouse: &Warehouse,
+        start: Time,
+    ) -> Result<Vec<RecurringClosure>, ScenarioError> {
         let mut all = Vec::new();
         for closing in self.closures.iter().filter(|c| c.every_s.is_some()) {
-            all.extend(closing.areas(warehouse, start)?.into_iter().filter_map(|area| closing.recurring(area)));
+            all.extend(
+                closing.areas(warehouse, start)?.into_iter().filter_map(|area| closing.recurring(area)),
+            );
         }
         Ok(all)
     }

@@ -58,7 +58,8 @@ impl Walker {
     /// to it, but takes a way that leads there.
     fn heed(&mut self, shown: Shown, walkways: &Walkways) {
         let new = self.shown.as_ref().is_none_or(|s| s.version != shown.version);
-        let busy = matches!(self.doing, WalkerDoing::Work(..) | WalkerDoing::Job { .. } | WalkerDoing::Wander(_));
+        let busy =
+            matches!(self.doing, WalkerDoing::Work(..) | WalkerDoing::Job { .. } | WalkerDoing::Wander(_));
         if shown.leave && (busy || self.aside.is_some()) {
             (self.aside, self.detour) = (None, false);
             self.doing = if busy { WalkerDoing::Duty } else { self.doing };

@@ -42,6 +42,29 @@ impl Ledger {
                 self.assign(*assignment, *worker, request, *at);
             }
             Fact::Advanced { assignment, state, .. } => self.advance(*assignment, *state),
+            Fact::Closed { .. }
+            | Fact::Reopened { .. }
+            | Fact::Recurs { .. }
+            | Fact::Scheduled { .. }
+            | Fact::SeriesEnded { .. } => self.take_in_of_closures(fact),
+            Fact::Evacuated { at } => self.promises.evacuation = Some(*at),
+            Fact::EvacuationEnded { .. } => self.promises.evacuation = None,
+            Fact::StationPaused { station, at } => {
+                self.promises.paused_stations.insert(*station, *at);
+            }
+            Fact::StationResumed { station, .. } => {
+                self.promises.paused_stations.remove(station);
+            }
+            Fact::Encountered(_) => self.promises.counts.encounters += 1,
+            Fact::Deviated { .. } => self.promises.counts.deviations += 1,
+            Fact::Interrupted { .. } => self.promises.counts.interruptions += 1,
+            about_robots => self.take_in_of_robots(about_robots),
+        }
+    }
+
+    /// Facts about closed areas.
+    fn take_in_of_closures(&mut self, fact: &Fact) {
+        match fact {
             Fact::Closed { closure, area } => {
                 assert_eq!(closure.0, self.promises.next_closure, "closures are numbered in order");
                 self.promises.next_closure += 1;
@@ -62,18 +85,7 @@ impl Ledger {
             Fact::SeriesEnded { series, .. } => {
                 self.promises.recurring.remove(series).expect("only what recurs is ended");
             }
-            Fact::Evacuated { at } => self.promises.evacuation = Some(*at),
-            Fact::EvacuationEnded { .. } => self.promises.evacuation = None,
-            Fact::StationPaused { station, at } => {
-                self.promises.paused_stations.insert(*station, *at);
-            }
-            Fact::StationResumed { station, .. } => {
-                self.promises.paused_stations.remove(station);
-            }
-            Fact::Encountered(_) => self.promises.counts.encounters += 1,
-            Fact::Deviated { .. } => self.promises.counts.deviations += 1,
-            Fact::Interrupted { .. } => self.promises.counts.interruptions += 1,
-            about_robots => self.take_in_of_robots(about_robots),
+            other => unreachable!("{other:?} is about no closure"),
         }
     }
 

@@ -16,7 +16,9 @@ use crate::fleet::state::keys::Keys;
 use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::wishes::Wishes;
 use crate::fleet::state::worker::{Assignment, Closure};
-use crate::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
+use crate::id::{
+    AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
+};
 use crate::time::{Span, Time};
 use crate::timeline::{Chain, Holder, Timeline, Visit};
 use crate::warehouse::Warehouse;
