@@ -68,7 +68,7 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         }
         Refusal::NoExits => {
             let detail = "the map has no doors (exits) to which people could be led: add them to the map";
-            Problem::conflict("no-exits", "There are no doors", detail.into())
+            Problem::conflict("no-exits", "There are no doors", detail)
         }
         Refusal::UnknownClosure(id) => {
             let detail = format!("{} is not closed; GET /v1/closures lists what is", closure_name(id));
