@@ -182,6 +182,9 @@ fn an_evacuation_in_a_scenario_empties_the_floor_and_the_work_is_done_afterwards
             out = all.then_some(now);
         }
         if now == at(390.0) {
+            let inside = sim.world.walkers().filter(|(_, w)| !w.is_gone() && !is_out(w.pose(now).at));
+            let inside: Vec<_> = inside.map(|(id, w)| (id, w.pose(now).at)).collect();
+            assert_eq!(inside, [], "still inside after more than three minutes");
             served = sim.fleet.ledger().counts.robot_deliveries;
         }
     }

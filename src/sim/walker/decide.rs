@@ -61,7 +61,7 @@ impl Walker {
         let busy =
             matches!(self.doing, WalkerDoing::Work(..) | WalkerDoing::Job { .. } | WalkerDoing::Wander(_));
         if shown.leave && (busy || self.aside.is_some()) {
-            (self.aside, self.detour) = (None, false);
+            (self.aside, self.detour, self.followed) = (None, false, None);
             self.doing = if busy { WalkerDoing::Duty } else { self.doing };
             self.legs.route.clear();
         }
