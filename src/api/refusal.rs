@@ -55,24 +55,8 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             let detail = format!("{} is over already, or never existed", assignment_name(id));
             Problem::conflict("assignment-is-over", "The assignment is over", detail)
         }
-        Refusal::UnknownSeries(id) => {
-            let detail = format!(
-                "no closure recurs as {}; GET /v1/closures/recurring lists what does",
-                series_name(id)
-            );
-            Problem::unknown("closure", detail)
-        }
-        Refusal::Recurrence => {
-            let detail = "an occurrence must be over before the next begins, at least five minutes after the one before";
-            Problem::invalid(vec![FieldError::new("recurs", detail)])
-        }
-        Refusal::NoExits => {
-            let detail = "the map has no doors (exits) to which people could be led: add them to the map";
-            Problem::conflict("no-exits", "There are no doors", detail)
-        }
-        Refusal::UnknownClosure(id) => {
-            let detail = format!("{} is not closed; GET /v1/closures lists what is", closure_name(id));
-            Problem::unknown("closure", detail)
+        Refusal::UnknownSeries(_) | Refusal::Recurrence | Refusal::NoExits | Refusal::UnknownClosure(_) => {
+            about_closures(why)
         }
         Refusal::OutOfReach(n) => {
             let detail = format!(
@@ -122,6 +106,33 @@ fn no_kind_for(map: &Warehouse, rack: RackId) -> String {
 
 fn not_for_kind(node: &str) -> String {
     format!("no lanes for this robot kind lead to {node} and away from it: choose another node")
+}
+
+/// What is closed, what recurs, and evacuations.
+fn about_closures(why: Refusal) -> Problem {
+    match why {
+        Refusal::UnknownSeries(id) => {
+            let detail = format!(
+                "no closure recurs as {}; GET /v1/closures/recurring lists what does",
+                series_name(id)
+            );
+            Problem::unknown("closure", detail)
+        }
+        Refusal::Recurrence => {
+            let detail =
+                "an occurrence must be over before the next begins, and that is in five minutes or later";
+            Problem::invalid(vec![FieldError::new("recurs", detail)])
+        }
+        Refusal::NoExits => {
+            let detail = "the map has no doors (exits) to which people could be led: add them to the map";
+            Problem::conflict("no-exits", "There are no doors", detail)
+        }
+        Refusal::UnknownClosure(id) => {
+            let detail = format!("{} is not closed; GET /v1/closures lists what is", closure_name(id));
+            Problem::unknown("closure", detail)
+        }
+        other => unreachable!("{other:?} is about no closure"),
+    }
 }
 
 fn place_taken(node: &str) -> Problem {

@@ -109,6 +109,23 @@ enum Wrong {
 /// or 8 for a device that reports like a robot, and 16 where the epoch did not begin with marks.
 type SightingRow = (u32, i64, u32, u64, f64, f64, Option<f64>, f64, u8);
 
+/// What is closed again and again, times in microseconds; `from` and `until` are those of the first occurrence.
+#[derive(Serialize, Deserialize)]
+struct RecurLine {
+    outline: Vec<(i64, i64)>,
+    nodes: Vec<u32>,
+    /// Of the first occurrence.
+    from: i64,
+    until: i64,
+    reason: String,
+    binds: String,
+    every: i64,
+    weekdays: u8,
+    utc_offset: i64,
+    /// When it recurs no more.
+    last: i64,
+}
+
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Other {
@@ -155,21 +172,7 @@ enum Other {
         binds: String,
     },
     Reopen(u64, u64),
-    Recur {
-        token: u64,
-        outline: Vec<(i64, i64)>,
-        nodes: Vec<u32>,
-        /// Of the first occurrence.
-        from: i64,
-        until: i64,
-        reason: String,
-        binds: String,
-        every: i64,
-        weekdays: u8,
-        utc_offset: i64,
-        /// When it recurs no more.
-        last: i64,
-    },
+    Recur(u64, RecurLine),
     EndSeries(u64, u64),
     Evacuate(u64),
     EndEvacuation(u64),
@@ -322,7 +325,7 @@ fn asked(input: &Input) -> Other {
             binds: area.binds.word().to_owned(),
         },
         Input::Reopen { token, closure } => Other::Reopen(*token, closure.0),
-        Input::Recur { token, closure } => recur(*token, closure),
+        Input::Recur { token, closure } => Other::Recur(*token, closure.into()),
         Input::EndSeries { token, series } => Other::EndSeries(*token, series.0),
         Input::Evacuate { token } => Other::Evacuate(*token),
         Input::EndEvacuation { token } => Other::EndEvacuation(*token),
@@ -334,20 +337,41 @@ fn asked(input: &Input) -> Other {
     }
 }
 
-fn recur(token: u64, closure: &RecurringClosure) -> Other {
-    let RecurringClosure { area, recurrence, .. } = closure;
-    Other::Recur {
-        token,
-        outline: area.outline.iter().map(|p| (p.x_mm, p.y_mm)).collect(),
-        nodes: area.nodes.iter().map(|n| n.0).collect(),
-        from: area.window.start().0,
-        until: area.window.end().0,
-        reason: area.reason.clone(),
-        binds: area.binds.word().to_owned(),
-        every: recurrence.every.0,
-        weekdays: recurrence.weekdays.0,
-        utc_offset: recurrence.utc_offset.0,
-        last: recurrence.until.0,
+impl From<&RecurringClosure> for RecurLine {
+    fn from(closure: &RecurringClosure) -> RecurLine {
+        let RecurringClosure { area, recurrence, .. } = closure;
+        RecurLine {
+            outline: area.outline.iter().map(|p| (p.x_mm, p.y_mm)).collect(),
+            nodes: area.nodes.iter().map(|n| n.0).collect(),
+            from: area.window.start().0,
+            until: area.window.end().0,
+            reason: area.reason.clone(),
+            binds: area.binds.word().to_owned(),
+            every: recurrence.every.0,
+            weekdays: recurrence.weekdays.0,
+            utc_offset: recurrence.utc_offset.0,
+            last: recurrence.until.0,
+        }
+    }
+}
+
+impl From<RecurLine> for RecurringClosure {
+    fn from(line: RecurLine) -> RecurringClosure {
+        let area = Closure {
+            outline: line.outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect(),
+            nodes: line.nodes.into_iter().map(NodeId).collect(),
+            window: Window::new(Time(line.from), Time(line.until)),
+            reason: line.reason,
+            binds: Binds::of(&line.binds).unwrap_or_default(),
+            series: None,
+        };
+        let recurrence = Recurrence {
+            every: Span(line.every),
+            weekdays: Weekdays(line.weekdays),
+            utc_offset: Span(line.utc_offset),
+            until: Time(line.last),
+        };
+        RecurringClosure::new(area, recurrence)
     }
 }
 
@@ -506,28 +530,7 @@ fn other(o: Other) -> Input {
             let binds = Binds::of(&binds).unwrap_or_default();
             Input::Close { token, area: Closure { outline, nodes, window, reason, binds, series: None } }
         }
-        Other::Recur {
-            token,
-            outline,
-            nodes,
-            from,
-            until,
-            reason,
-            binds,
-            every,
-            weekdays,
-            utc_offset,
-            last,
-        } => {
-            let outline = outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect();
-            let nodes = nodes.into_iter().map(NodeId).collect();
-            let window = Window::new(Time(from), Time(until));
-            let binds = Binds::of(&binds).unwrap_or_default();
-            let (every, weekdays) = (Span(every), Weekdays(weekdays));
-            let recurrence = Recurrence { every, weekdays, utc_offset: Span(utc_offset), until: Time(last) };
-            let area = Closure { outline, nodes, window, reason, binds, series: None };
-            Input::Recur { token, closure: RecurringClosure::new(area, recurrence) }
-        }
+        Other::Recur(token, line) => Input::Recur { token, closure: line.into() },
         Other::EndSeries(token, series) => Input::EndSeries { token, series: SeriesId(series) },
         Other::Evacuate(token) => Input::Evacuate { token },
         Other::EndEvacuation(token) => Input::EndEvacuation { token },

@@ -255,6 +255,38 @@ pub(super) fn is_usual_kind(kind: &String) -> bool {
     kind == USUAL_KIND
 }
 
+/// What is closed, what recurs, and evacuations.
+fn of_closures(fact: &Fact) -> Record {
+    match fact {
+        Fact::Closed { closure, area } => Record::Closed { closure: closure.0, area: area.into() },
+        Fact::Reopened { closure, at } => Record::Reopened { closure: closure.0, at: at.0 },
+        Fact::Recurs { series, closure } => Record::Recurs { series: series.0, closure: closure.into() },
+        Fact::Scheduled { series, next } => Record::Scheduled { series: series.0, next: next.map(|t| t.0) },
+        Fact::SeriesEnded { series, at } => Record::SeriesEnded { series: series.0, at: at.0 },
+        Fact::Evacuated { at } => Record::Evacuated { at: at.0 },
+        Fact::EvacuationEnded { at } => Record::EvacuationEnded { at: at.0 },
+        other => unreachable!("{other:?} is about no closure"),
+    }
+}
+
+/// The same the other way.
+fn about_closures(record: Record) -> Fact {
+    match record {
+        Record::Closed { closure, area } => Fact::Closed { closure: ClosureId(closure), area: area.into() },
+        Record::Reopened { closure, at } => Fact::Reopened { closure: ClosureId(closure), at: Time(at) },
+        Record::Recurs { series, closure } => {
+            Fact::Recurs { series: SeriesId(series), closure: closure.into() }
+        }
+        Record::Scheduled { series, next } => {
+            Fact::Scheduled { series: SeriesId(series), next: next.map(Time) }
+        }
+        Record::SeriesEnded { series, at } => Fact::SeriesEnded { series: SeriesId(series), at: Time(at) },
+        Record::Evacuated { at } => Fact::Evacuated { at: Time(at) },
+        Record::EvacuationEnded { at } => Fact::EvacuationEnded { at: Time(at) },
+        _ => unreachable!("it is about no closure"),
+    }
+}
+
 impl From<&Fact> for Record {
     fn from(fact: &Fact) -> Record {
         match fact {
@@ -302,15 +334,6 @@ impl From<&Fact> for Record {
             Fact::Advanced { assignment, state, at } => {
                 Record::Advanced { assignment: assignment.0, state: (*state).into(), at: at.0 }
             }
-            Fact::Closed { closure, area } => Record::Closed { closure: closure.0, area: area.into() },
-            Fact::Reopened { closure, at } => Record::Reopened { closure: closure.0, at: at.0 },
-            Fact::Recurs { series, closure } => Record::Recurs { series: series.0, closure: closure.into() },
-            Fact::Scheduled { series, next } => {
-                Record::Scheduled { series: series.0, next: next.map(|t| t.0) }
-            }
-            Fact::SeriesEnded { series, at } => Record::SeriesEnded { series: series.0, at: at.0 },
-            Fact::Evacuated { at } => Record::Evacuated { at: at.0 },
-            Fact::EvacuationEnded { at } => Record::EvacuationEnded { at: at.0 },
             Fact::Halted { robot, at } => Record::Halted { robot: robot.map(|r| r.0), at: at.0 },
             Fact::Released { robot, at } => Record::Released { robot: robot.map(|r| r.0), at: at.0 },
             Fact::StationPaused { station, at } => Record::StationPaused { station: station.0, at: at.0 },
@@ -330,6 +353,7 @@ impl From<&Fact> for Record {
                 jobs: jobs.iter().map(|j| j.0).collect(),
                 assignments: assignments.iter().map(|a| a.0).collect(),
             },
+            rest => of_closures(rest),
         }
     }
 }
@@ -420,21 +444,6 @@ impl From<Record> for Fact {
             Record::Advanced { assignment, state, at } => {
                 Fact::Advanced { assignment: AssignmentId(assignment), state: state.into(), at: Time(at) }
             }
-            Record::Closed { closure, area } => {
-                Fact::Closed { closure: ClosureId(closure), area: area.into() }
-            }
-            Record::Reopened { closure, at } => Fact::Reopened { closure: ClosureId(closure), at: Time(at) },
-            Record::Recurs { series, closure } => {
-                Fact::Recurs { series: SeriesId(series), closure: closure.into() }
-            }
-            Record::Scheduled { series, next } => {
-                Fact::Scheduled { series: SeriesId(series), next: next.map(Time) }
-            }
-            Record::SeriesEnded { series, at } => {
-                Fact::SeriesEnded { series: SeriesId(series), at: Time(at) }
-            }
-            Record::Evacuated { at } => Fact::Evacuated { at: Time(at) },
-            Record::EvacuationEnded { at } => Fact::EvacuationEnded { at: Time(at) },
             Record::Halted { robot, at } => Fact::Halted { robot: robot.map(RobotId), at: Time(at) },
             Record::Released { robot, at } => Fact::Released { robot: robot.map(RobotId), at: Time(at) },
             Record::StationPaused { station, at } => {
@@ -450,6 +459,7 @@ impl From<Record> for Fact {
             Record::Deviated { worker, at } => Fact::Deviated { worker: WorkerId(worker), at: Time(at) },
             Record::Interrupted { robot, worker, reaction, at } => interrupted(robot, worker, reaction, at),
             Record::KeysExpired { jobs, assignments } => keys_expired(jobs, assignments),
+            rest => about_closures(rest),
         }
     }
 }

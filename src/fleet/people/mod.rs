@@ -11,6 +11,7 @@ pub(in crate::fleet) mod intent;
 pub(in crate::fleet) mod intents;
 pub(in crate::fleet) mod keep_out;
 mod lets_pass;
+mod open_work;
 pub(in crate::fleet) mod report;
 pub(in crate::fleet) mod routing;
 pub(in crate::fleet) mod state;

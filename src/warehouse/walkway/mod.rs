@@ -211,8 +211,8 @@ impl Walkways {
         cut.areas.push(outline.clone());
     }
 
-    /// Whether the straight way from `a` to `b` runs into a cut area, or goes past a robot: it approaches the middle of a cut edge and
-    /// leaves it behind. A way that ends before it, or starts there and leads away, does not.
+    /// Whether the straight way from `a` to `b` runs into a cut area, or goes past a robot: it approaches the middle
+    /// of a cut edge and leaves it behind. A way that ends before it, or starts there and leads away, does not.
     fn leads_past(&self, a: Point, b: Point, cut: &EdgeSet) -> bool {
         if cut.is_empty() {
             return false;
