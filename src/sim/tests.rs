@@ -189,7 +189,6 @@ fn an_evacuation_in_a_scenario_empties_the_floor_and_the_work_is_done_afterwards
         }
     }
     let out = out.expect("all are out at some time");
-    println!("all are out {:?} after it began", out - at(200.0));
     assert!(out < at(320.0), "all are out at {out}");
     assert!(sim.fleet.ledger().counts.robot_deliveries > served, "work goes on afterwards");
     assert!(sim.fleet.ledger().next_closure > 3, "the closure recurs");

@@ -95,7 +95,6 @@ fn everybody_is_out_within_a_minute_and_a_half_and_all_jobs_are_done_afterwards(
         }
         out = people.iter().all(|p| floor.is_at_a_door(p.at)).then_some(floor.now - at);
     }
-    println!("all are out after {:?}", out.unwrap());
     assert_eq!(entered, [], "no robot enters a way between a worker and a door");
     let view = floor.fleet.view(floor.now);
     assert!(view.counts.waiting >= waiting, "no job has begun");
@@ -116,7 +115,6 @@ fn everybody_is_out_within_a_minute_and_a_half_and_all_jobs_are_done_afterwards(
         floor.all_walk(&mut people);
         assert!(floor.now - ended < Span::from_secs(1200), "all jobs are done afterwards");
     }
-    println!("all jobs are done {:?} after its end", floor.now - ended);
     assert_eq!(floor.done(), jobs.len() as u64);
 }
 
