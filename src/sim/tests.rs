@@ -184,7 +184,13 @@ fn an_evacuation_in_a_scenario_empties_the_floor_and_the_work_is_done_afterwards
         if now == at(390.0) {
             let inside = sim.world.walkers().filter(|(_, w)| !w.is_gone() && !is_out(w.pose(now).at));
             let inside: Vec<_> = inside.map(|(id, w)| (id, w.pose(now).at)).collect();
-            assert_eq!(inside, [], "still inside after more than three minutes");
+            let robots: Vec<_> = (sim.fleet.ledger().present())
+                .filter_map(|r| Some((r, sim.fleet.telemetry(r)?.pose.at, sim.fleet.why(r))))
+                .filter(|(_, at, _)| inside.iter().any(|(_, p)| (p - at).norm() < 4.0))
+                .collect();
+            let view = sim.fleet.view(now);
+            let told: Vec<_> = view.workers.iter().map(|w| (w.guidance.state, w.guidance.reason)).collect();
+            assert_eq!(inside, [], "still inside after more than three minutes: {told:?}, beside {robots:?}");
             served = sim.fleet.ledger().counts.robot_deliveries;
         }
     }

@@ -6,7 +6,7 @@
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::traffic::state::Traffic;
+use crate::fleet::traffic::state::{Traffic, Withheld};
 use crate::geometry::{Point, Segment};
 use crate::id::{NodeId, RobotId};
 use crate::route::{Cause, Condition, Effect};
@@ -41,11 +41,14 @@ impl Traffic {
         core.restrictions.ways_out = nodes;
     }
 
-    /// Robots on the ways out leave for the nearest place where they may stay. One that finds none drives on along its
-    /// route, which leads off them, too.
+    /// Robots on the ways out leave for the nearest place where they may stay, and so do those for which they wait and
+    /// whose routes lead onto one. One that finds none drives on along its route, which leads off them, too.
     pub(in crate::fleet) fn clear_ways_out(&mut self, core: &mut Core, now: Time) {
+        let kept_off =
+            |r: &RobotId| matches!(self.withheld(*r), Some(Withheld::Condition(Cause::Evacuation, _)));
+        let moving = core.restrictions.clears_ways_out.iter().copied();
         let leaves: Vec<RobotId> =
-            core.ledger.present().filter(|r| core.floor().is_on(*r, &core.restrictions.ways_out)).collect();
+            moving.filter(|r| core.floor().is_on(*r, &core.restrictions.ways_out) || kept_off(r)).collect();
         for robot in leaves {
             let tried = self.cleared.get(&robot).is_some_and(|t| now - *t < AGAIN);
             let fit = core.scene.fit(robot, now).is_some() && !core.ledger.robots[robot].failed;
@@ -96,9 +99,11 @@ impl Floor<'_> {
         held.into_iter().any(|n| nodes.contains(&n) && near(n))
     }
 
-    /// Whether a robot is on its way to a place where it may stay, and does nothing before.
+    /// Whether a robot drives to a place where it may stay, and does nothing before. One that has come to a stand on
+    /// its way there looks for another.
     fn only_leaves(&self, robot: RobotId) -> bool {
-        self.ledger.robots[robot].stops.is_empty() && !self.rests(robot)
+        let chain = self.ledger.chain(robot);
+        self.ledger.robots[robot].stops.is_empty() && chain.first() + 1 < chain.granted()
     }
 
     /// Robots that may move: those on these nodes, and those for which they wait.
