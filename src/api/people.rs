@@ -213,7 +213,9 @@ pub struct RecurringClosureDto {
     pub binds: &'static str,
     /// Why.
     pub reason: String,
-    /// The occurrences that are in force or announced, the next one first.
+    /// When the next occurrence begins, RFC 3339; null if the last one has begun.
+    pub next: Option<String>,
+    /// The occurrences that are in force or announced, in order of time.
     pub occurrences: Vec<ClosureDto>,
 }
 
@@ -475,6 +477,8 @@ impl Names<'_> {
         let mut open: Vec<_> = of.collect();
         open.sort_by_key(|c| c.closure.window.start());
         let first = self.closure(ClosureId(0), area, now);
+        let ahead = open.iter().map(|c| c.closure.window.start()).find(|t| now < *t);
+        let next = ahead.or_else(|| recurring.due(now));
         let days = WEEKDAYS.iter().enumerate().filter(|(i, _)| recurrence.weekdays.0 >> i & 1 == 1);
         RecurringClosureDto {
             id: series_name(id),
@@ -487,6 +491,7 @@ impl Names<'_> {
             until: (!recurrence.until.is_forever()).then(|| time_text(recurrence.until)),
             binds: area.binds.word(),
             reason: area.reason.clone(),
+            next: next.map(time_text),
             occurrences: open.into_iter().map(|c| self.closure(c.id, &c.closure, now)).collect(),
         }
     }

@@ -2,12 +2,13 @@
 //!
 //! Refuses: to be an alarm system; it shows ways to people who wear a device, and keeps robots off them.
 
+use crate::aware::BODY_M;
 use crate::fleet::people::routing::REDIRECT;
 use crate::fleet::people::state::{HumanState, WalkMode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::Point;
+use crate::human::Whereabouts;
 use crate::id::WorkerId;
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
@@ -18,14 +19,7 @@ const OUT_M: f64 = 1.0;
 
 impl HumanState {
     /// Leads a worker to the nearest door while the building is evacuated; whether it is.
-    pub(super) fn lead_to_exit(
-        &mut self,
-        core: &mut Core,
-        yielding: &YieldingState,
-        worker: WorkerId,
-        at: Point,
-        now: Time,
-    ) -> bool {
+    pub(super) fn lead_to_exit(&mut self, core: &mut Core, worker: WorkerId, at: Point, now: Time) -> bool {
         if core.ledger.evacuation.is_none() {
             return false;
         }
@@ -38,21 +32,24 @@ impl HumanState {
         }
         let person = &mut self.people[worker];
         let is_led = current.is_some() && !works && !matches!(person.mode, WalkMode::Stopped { .. });
-        let minded = !works && person.minded.is_some_and(|t| now - t < REDIRECT);
-        if is_led || minded {
+        if !works && person.minded.is_some_and(|t| now - t < REDIRECT) {
             return true;
         }
         person.minded = Some(now);
         let floor = core.floor();
         if self.is_out(floor, at) {
             let person = &mut self.people[worker];
-            (person.plan, person.mode) = (None, WalkMode::Idle);
+            (person.plan, person.mode, person.way_out) = (None, WalkMode::Idle, Vec::new());
             return true;
         }
-        // Rather through a closed area or past a robot that may go than nowhere.
-        let cut = self.edges_blocked_for_long(floor, yielding, now);
+        // Robots that can drive leave the shortest way. Rather through a closed area than nowhere.
+        let cut = self.edges_closed_for_good(floor, now);
         let way = self.way_to_exit(floor, at, &cut);
         let way = way.or_else(|| self.way_to_exit(floor, at, &self.walkways.no_edges()));
+        self.people[worker].way_out = way.clone().unwrap_or_default();
+        if is_led {
+            return true;
+        }
         let person = &mut self.people[worker];
         match way {
             Some(points) => {
@@ -62,6 +59,19 @@ impl HumanState {
             None => (person.plan, person.mode) = (None, WalkMode::Stopped { since: now }),
         }
         true
+    }
+
+    /// Walkways in closed areas, and those on which robots stand that cannot drive.
+    fn edges_closed_for_good(&self, floor: Floor<'_>, now: Time) -> EdgeSet {
+        let mut cut = self.walkways.no_edges();
+        self.barred.cut_shut(&self.walkways, &mut cut, now);
+        for robot in floor.ledger.present().filter(|r| floor.ledger.robots[*r].failed) {
+            let at = floor.place_of(robot);
+            for e in self.walkways.edges_within(at, floor.beside_m(robot, BODY_M)) {
+                cut.insert(e);
+            }
+        }
+        cut
     }
 
     /// The shortest way to a door.
@@ -80,9 +90,14 @@ impl HumanState {
         self.exits(floor).into_iter().any(|exit| (exit - at).norm() <= OUT_M)
     }
 
-    /// The ways of all workers to the doors while the building is evacuated.
+    /// The ways of all workers to the doors while the building is evacuated: those that they are shown, and the
+    /// shortest ones, which robots clear although somebody is led round them for the moment.
     pub(in crate::fleet) fn ways_out(&self, floor: Floor<'_>, now: Time) -> Vec<Vec<Point>> {
         let present = self.present(now).into_iter().filter(|(_, place)| !self.is_out(floor, place.at));
-        present.filter_map(|(worker, place)| self.people[worker].rest_of_path(place.at)).collect()
+        let shown = |(worker, place): (WorkerId, Whereabouts)| {
+            let person = &self.people[worker];
+            [person.rest_of_path(place.at), Some(person.way_out.clone())].into_iter().flatten()
+        };
+        present.flat_map(shown).collect()
     }
 }

@@ -65,7 +65,7 @@ impl HumanState {
     /// Follows one worker: assignment, path, deviation.
     fn watch(&mut self, core: &mut Core, yielding: &YieldingState, worker: WorkerId, now: Time) {
         let Some(place) = self.whereabouts(worker, now) else { return };
-        if self.lead_to_exit(core, yielding, worker, place.at, now) {
+        if self.lead_to_exit(core, worker, place.at, now) {
             // Whatever there is to do waits.
         } else if self.people[worker].lets_pass.is_none() {
             self.mind_closures(core, yielding, worker, place.at, now);

@@ -92,6 +92,8 @@ pub(in crate::fleet) struct Person {
     pub blocked_since: Option<(RobotId, Time)>,
     /// What a closed area means for the path, if anything.
     pub by_closure: Option<GuidanceReason>,
+    /// The shortest way to a door while the building is evacuated, whatever robots stand on it.
+    pub way_out: Vec<Point>,
     /// When closed areas were minded last.
     pub minded: Option<Time>,
     /// The robot that the worker lets pass, if one.

@@ -4,6 +4,7 @@
 //! Refuses: to send a robot onto a way out that does not stand on one, and to end anything that is promised: jobs and
 //! racks are kept, and robots go on with them when it is over.
 
+use crate::fleet::state::binding::WAY_M;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::traffic::state::{Traffic, Withheld};
@@ -14,9 +15,6 @@ use crate::time::{Span, Time, Window};
 use crate::timeline::Holder;
 use std::collections::BTreeSet;
 
-/// Half of a robot with a rack, and a person beside it, metres: a robot on a node nearer than this to somebody's way
-/// is on it.
-const WAY_M: f64 = 0.9;
 /// A robot that found no place to leave for tries again after this.
 const AGAIN: Span = Span::from_secs(2);
 
@@ -87,16 +85,6 @@ impl Floor<'_> {
             nodes.extend(near.into_iter().filter(on));
         }
         nodes
-    }
-
-    /// Whether a robot is on one of these nodes.
-    pub(in crate::fleet) fn is_on(&self, robot: RobotId, nodes: &BTreeSet<NodeId>) -> bool {
-        let chain = self.ledger.chain(robot);
-        let at = self.place_of(robot);
-        let near = |n: NodeId| (self.warehouse().nodes[n].at - at).norm() < WAY_M;
-        let here = chain.first()..chain.granted();
-        let held = here.filter_map(|s| chain.get(s)).map(|v| v.node);
-        held.into_iter().any(|n| nodes.contains(&n) && near(n))
     }
 
     /// Whether a robot drives to a place where it may stay, and does nothing before. One that has come to a stand on
