@@ -83,8 +83,9 @@ fn everybody_is_out_within_a_minute_and_a_half_and_all_jobs_are_done_afterwards(
             "not all are out: {:?}",
             people.iter().map(|p| p.at).collect::<Vec<_>>()
         );
-        let on = floor.nodes_on_ways(&people);
         let step = floor.all_walk(&mut people);
+        // Grants follow the ways that were shown in the same step.
+        let on = floor.nodes_on_ways(&people);
         for fact in &step.facts {
             let Fact::Granted { robot, serial, .. } = fact else { continue };
             let chain = floor.fleet.ledger().chain(*robot);

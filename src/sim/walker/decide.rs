@@ -60,6 +60,7 @@ impl Walker {
         let new = self.shown.as_ref().is_none_or(|s| s.version != shown.version);
         let busy =
             matches!(self.doing, WalkerDoing::Work(..) | WalkerDoing::Job { .. } | WalkerDoing::Wander(_));
+        self.ignored = self.ignored.filter(|_| !shown.leave);
         if shown.leave && (busy || self.aside.is_some()) {
             (self.aside, self.detour, self.followed) = (None, false, None);
             self.doing = if busy { WalkerDoing::Duty } else { self.doing };
