@@ -148,6 +148,12 @@ pub fn inside(polygon: &[Point], p: Point) -> bool {
     odd
 }
 
+/// Whether a straight piece runs through the polygon, or begins or ends in it.
+pub fn runs_through(polygon: &[Point], s: Segment) -> bool {
+    let sides = (0..polygon.len()).map(|i| Segment { a: polygon[i], b: polygon[(i + 1) % polygon.len()] });
+    inside(polygon, s.a) || inside(polygon, s.b) || sides.into_iter().any(|side| cross_inside(side, s))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -84,8 +84,10 @@ counted! {
     JobId "j";
     /// What a worker is to do, numbered in the order of acceptance, starting at 1.
     AssignmentId "as";
-    /// An area that robots keep out of, numbered in the order of marking, starting at 1.
+    /// A closed area, numbered in the order of marking, starting at 1.
     ClosureId "cl";
+    /// A recurring closure, numbered in the order of marking, starting at 1.
+    SeriesId "cs";
     /// A place where a person may be going: goals come and go, so these are numbers and no positions.
     GoalId "g";
 }

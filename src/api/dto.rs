@@ -395,6 +395,7 @@ impl Names<'_> {
             Why::Leaving => "leaves the floor: switch it off before you take it away".into(),
             Why::Gone => "has left the floor".into(),
             Why::Stopped => "stopped with the whole fleet".into(),
+            Why::Evacuation => "stands while the building is evacuated".into(),
         }
     }
 }

@@ -6,14 +6,14 @@
 
 use super::dto::Names;
 use super::feed::hub::CarriedSenses;
-use super::text::{assignment_name, closure_name, round3, time_text, worker_name};
+use super::text::{assignment_name, closure_name, offset_text, round3, series_name, time_text, worker_name};
 use crate::fleet::{
     AssignmentRow, AssignmentState, Closure, EncounterRow, Guidance, GuidanceReason, GuidanceState,
-    NearRobot, Reaction, WorkerEpisode, WorkerView,
+    NearRobot, Reaction, RecurringClosure, WorkerEpisode, WorkerView,
 };
 use crate::geometry::{Point, inside, wrap_angle};
 use crate::human::IntentState;
-use crate::id::{ClosureId, Dense, NodeId, WorkerId};
+use crate::id::{ClosureId, Dense, NodeId, SeriesId, WorkerId};
 use crate::time::Time;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -192,7 +192,7 @@ pub struct AssignmentDto {
     pub updated: String,
 }
 
-/// An area that robots keep out of.
+/// An area that robots, people or both keep out of.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct ClosureDto {
     /// Its number.
@@ -208,9 +208,49 @@ pub struct ClosureDto {
     pub until: Option<String>,
     /// announced, closed or over.
     pub state: &'static str,
+    /// Whom it keeps out: robots, people or both.
+    pub binds: &'static str,
+    /// The recurring closure of which it is an occurrence.
+    #[schema(example = "s1")]
+    pub series: Option<String>,
     /// Why.
     pub reason: String,
 }
+
+/// An area that is closed again and again.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct RecurringClosureDto {
+    /// Its number.
+    #[schema(example = "s1")]
+    pub id: String,
+    /// Its corners, metres.
+    pub outline: Vec<[f64; 2]>,
+    /// Nodes inside, by name.
+    pub nodes: Vec<String>,
+    /// From one occurrence to the next, seconds; a day for those on weekdays.
+    pub every_s: f64,
+    /// How long each occurrence lasts, seconds.
+    pub lasts_s: f64,
+    /// The days of the week on which occurrences begin.
+    pub weekdays: Vec<&'static str>,
+    /// How far the building's time is ahead of UTC.
+    #[schema(example = "+01:00")]
+    pub utc_offset: String,
+    /// No occurrence begins then or later, RFC 3339; null if it recurs until somebody ends it.
+    pub until: Option<String>,
+    /// Whom it keeps out: robots, people or both.
+    pub binds: &'static str,
+    /// Why.
+    pub reason: String,
+    /// When the next occurrence begins, RFC 3339; null if the last one has begun.
+    pub next: Option<String>,
+    /// The occurrences that are in force or announced, in order of time.
+    pub occurrences: Vec<ClosureDto>,
+}
+
+/// The days of the week on the wire.
+pub const WEEKDAYS: [&str; 7] =
+    ["monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday"];
 
 /// A robot that came into region 1 of a worker.
 #[derive(Clone, Debug, Serialize, ToSchema)]
@@ -327,6 +367,16 @@ fn reason(reason: GuidanceReason, names: Names<'_>) -> String {
             names.robot(r)
         ),
         GuidanceReason::CutsOff => "you stand where robots have work: please make room".into(),
+        GuidanceReason::RoundClosure(c) => {
+            format!("the way leads round a closed area: {}", names.why_closed(c))
+        }
+        GuidanceReason::LeavesClosure(c) => {
+            format!("this area is closed, leave it along the path: {}", names.why_closed(c))
+        }
+        GuidanceReason::PlaceClosed(c) => {
+            format!("the place of your task is in a closed area, wait outside: {}", names.why_closed(c))
+        }
+        GuidanceReason::Evacuation => "the building is evacuated: leave by the door, and stay outside".into(),
         GuidanceReason::NoWay => "no path to the place is free".into(),
         GuidanceReason::NotTracked => {
             "the headset does not know where you are: stand still, and touch the marks again".into()
@@ -423,6 +473,12 @@ impl Names<'_> {
         }
     }
 
+    /// Why an area is closed, in the supervisor's words.
+    fn why_closed(&self, id: ClosureId) -> String {
+        let found = self.view.closures.iter().find(|c| c.id == id);
+        found.map_or_else(|| closure_name(id), |c| c.closure.reason.clone())
+    }
+
     /// A closed area, as it stands `now`.
     pub fn closure(&self, id: ClosureId, closure: &Closure, now: Time) -> ClosureDto {
         let outline: Vec<Point> = closure.outline.iter().map(|s| Point::from(*s)).collect();
@@ -440,11 +496,43 @@ impl Names<'_> {
             from: time_text(closure.window.start()),
             until: (!end.is_forever()).then(|| time_text(end)),
             state: closure.state(now).word(),
+            binds: closure.binds.word(),
+            series: closure.series.map(series_name),
             reason: closure.reason.clone(),
         }
     }
 
-    /// All areas that robots keep out of, now or later.
+    /// A recurring closure with its occurrences that are not over.
+    pub fn recurring(&self, id: SeriesId, recurring: &RecurringClosure, now: Time) -> RecurringClosureDto {
+        let RecurringClosure { area, recurrence, .. } = recurring;
+        let of = self
+            .view
+            .closures
+            .iter()
+            .filter(|c| c.closure.series == Some(id) && now < c.closure.window.end());
+        let mut open: Vec<_> = of.collect();
+        open.sort_by_key(|c| c.closure.window.start());
+        let first = self.closure(ClosureId(0), area, now);
+        let ahead = open.iter().map(|c| c.closure.window.start()).find(|t| now < *t);
+        let next = ahead.or_else(|| recurring.due(now));
+        let days = WEEKDAYS.iter().enumerate().filter(|(i, _)| recurrence.weekdays.0 >> i & 1 == 1);
+        RecurringClosureDto {
+            id: series_name(id),
+            outline: first.outline,
+            nodes: first.nodes,
+            every_s: recurrence.every.as_secs_f64(),
+            lasts_s: recurring.lasts().as_secs_f64(),
+            weekdays: days.map(|(_, day)| *day).collect(),
+            utc_offset: offset_text(recurrence.utc_offset),
+            until: (!recurrence.until.is_forever()).then(|| time_text(recurrence.until)),
+            binds: area.binds.word(),
+            reason: area.reason.clone(),
+            next: next.map(time_text),
+            occurrences: open.into_iter().map(|c| self.closure(c.id, &c.closure, now)).collect(),
+        }
+    }
+
+    /// All areas that are closed, now or later.
     pub fn closures(&self) -> Vec<ClosureDto> {
         let ahead = self.view.closures.iter().filter(|c| self.view.now < c.closure.window.end());
         ahead.map(|c| self.closure(c.id, &c.closure, self.view.now)).collect()

@@ -6,11 +6,11 @@
 
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
-    Expected, Fleet, JobQuery, JobRequest, JobRow, NodeOccupancy, Reply, RobotKind, StationOrder, View,
-    Waiting, Why,
+    Expected, Fleet, JobQuery, JobRequest, JobRow, NodeOccupancy, RecurringClosure, Reply, RobotKind,
+    StationOrder, View, Waiting, Why,
 };
 use crate::history::{History, LoopTimes};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
 use std::pin::Pin;
@@ -75,6 +75,14 @@ pub enum What {
     Close(Closure),
     /// The end of that.
     Reopen(ClosureId),
+    /// An area to keep out of again and again.
+    Recur(RecurringClosure),
+    /// The end of that.
+    EndSeries(SeriesId),
+    /// That everybody leaves the building.
+    Evacuate,
+    /// The end of that.
+    EndEvacuation,
     /// That one robot, or the whole fleet, stands.
     Halt(Option<RobotId>),
     /// The end of that.
@@ -229,6 +237,9 @@ pub struct Alarm {
 /// The alarm while the whole fleet stands by hand.
 const STOPPED: &str = "stopped";
 
+/// The alarm while the building is evacuated.
+const EVACUATION: &str = "evacuation";
+
 /// The alarm while single robots do.
 const PAUSED: &str = "paused";
 
@@ -260,6 +271,14 @@ impl Alarms {
                 self.raise(STOPPED, text.into(), since);
             }
             None => _ = self.clear(STOPPED),
+        }
+        match view.evacuation {
+            Some(since) => {
+                let text = "the building is evacuated: people are led to the doors, robots stand. End it when all may \
+                    come back.";
+                self.raise(EVACUATION, text.into(), since);
+            }
+            None => _ = self.clear(EVACUATION),
         }
         let paused: Vec<&str> =
             view.robots.iter().filter(|r| r.why == Some(Why::Paused)).map(|r| r.name.as_str()).collect();

@@ -3,7 +3,7 @@
 //! Main function: [`refused`]. Refuses: to refuse without a word of what to do.
 
 use super::error::{FieldError, Problem};
-use super::text::{assignment_name, closure_name, job_name, worker_name};
+use super::text::{assignment_name, closure_name, job_name, series_name, worker_name};
 use crate::fleet::{Bounded, Refusal};
 use crate::id::{NodeId, RackId};
 use crate::warehouse::{NodeKind, Warehouse};
@@ -55,9 +55,8 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             let detail = format!("{} is over already, or never existed", assignment_name(id));
             Problem::conflict("assignment-is-over", "The assignment is over", detail)
         }
-        Refusal::UnknownClosure(id) => {
-            let detail = format!("{} is not closed; GET /v1/closures lists what is", closure_name(id));
-            Problem::unknown("closure", detail)
+        Refusal::UnknownSeries(_) | Refusal::Recurrence | Refusal::NoExits | Refusal::UnknownClosure(_) => {
+            about_closures(why)
         }
         Refusal::OutOfReach(n) => {
             let detail = format!(
@@ -109,6 +108,33 @@ fn not_for_kind(node: &str) -> String {
     format!("no lanes for this robot kind lead to {node} and away from it: choose another node")
 }
 
+/// What is closed, what recurs, and evacuations.
+fn about_closures(why: Refusal) -> Problem {
+    match why {
+        Refusal::UnknownSeries(id) => {
+            let detail = format!(
+                "no closure recurs as {}; GET /v1/closures/recurring lists what does",
+                series_name(id)
+            );
+            Problem::unknown("closure", detail)
+        }
+        Refusal::Recurrence => {
+            let detail =
+                "an occurrence must be over before the next begins, and that is in five minutes or later";
+            Problem::invalid(vec![FieldError::new("recurs", detail)])
+        }
+        Refusal::NoExits => {
+            let detail = "the map has no doors (exits) to which people could be led: add them to the map";
+            Problem::conflict("no-exits", "There are no doors", detail)
+        }
+        Refusal::UnknownClosure(id) => {
+            let detail = format!("{} is not closed; GET /v1/closures lists what is", closure_name(id));
+            Problem::unknown("closure", detail)
+        }
+        other => unreachable!("{other:?} is about no closure"),
+    }
+}
+
 fn place_taken(node: &str) -> Problem {
     let detail = format!("a robot holds {node}, or is on its way there: choose another node");
     Problem::conflict("place-taken", "The place is taken", detail)
@@ -121,6 +147,7 @@ fn too_many(kind: Bounded, n: usize) -> Problem {
         Bounded::Assignments => ("assignments are open", "try again when some are done or cancelled"),
         Bounded::Robots => ("robots have joined", "use the name of a robot that has joined already"),
         Bounded::Workers => ("workers are known", "use the name of a worker who is known already"),
+        Bounded::Series => ("closures recur", "end some that are no longer needed"),
         Bounded::Closures => ("areas are closed or announced", "open some that are no longer needed"),
     };
     Problem::too_many(format!("{n} {what}, which is the limit: {remedy}"), 10)
@@ -138,6 +165,7 @@ mod tests {
             (Bounded::Assignments, "7 assignments are open"),
             (Bounded::Robots, "7 robots have joined"),
             (Bounded::Workers, "7 workers are known"),
+            (Bounded::Series, "7 closures recur"),
             (Bounded::Closures, "7 areas are closed or announced"),
         ] {
             let problem = refused(&map, Refusal::TooMany(kind, 7));

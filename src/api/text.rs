@@ -3,8 +3,8 @@
 //! Main functions: [`job_name`], [`worker_name`], [`time_text`], [`round3`] and their reverse. Jobs are "j17", workers
 //! "w1", assignments "a1", closures "c1". Refuses: to look anything up.
 
-use crate::id::{AssignmentId, ClosureId, JobId, WorkerId};
-use crate::time::Time;
+use crate::id::{AssignmentId, ClosureId, JobId, SeriesId, WorkerId};
+use crate::time::{Span, Time};
 
 /// A job's name on the wire.
 pub fn job_name(id: JobId) -> String {
@@ -26,6 +26,38 @@ pub fn parse_time(text: &str) -> Option<Time> {
     text.parse::<jiff::Timestamp>().ok().map(|t| Time(t.as_microsecond()))
 }
 
+/// An offset from UTC such as +01:00.
+pub fn offset_text(offset: Span) -> String {
+    let minutes = offset.0 / 60_000_000;
+    let sign = if minutes < 0 { '-' } else { '+' };
+    format!("{sign}{:02}:{:02}", minutes.abs() / 60, minutes.abs() % 60)
+}
+
+/// An offset from UTC: +01:00, -05:30 or Z; not more than a day.
+pub fn parse_offset(text: &str) -> Option<Span> {
+    if text == "Z" {
+        return Some(Span::ZERO);
+    }
+    let sign = match text.as_bytes().first()? {
+        b'+' => 1,
+        b'-' => -1,
+        _ => return None,
+    };
+    let of_day = parse_time_of_day(text.get(1..)?)?;
+    Some(of_day * sign)
+}
+
+/// A time of day as HH:MM, since midnight.
+pub fn parse_time_of_day(text: &str) -> Option<Span> {
+    let (hours, minutes) = text.split_once(':')?;
+    let digits = |t: &str| t.len() == 2 && t.bytes().all(|b| b.is_ascii_digit());
+    if !digits(hours) || !digits(minutes) {
+        return None;
+    }
+    let (hours, minutes): (i64, i64) = (hours.parse().ok()?, minutes.parse().ok()?);
+    (hours < 24 && minutes < 60).then(|| Span::from_secs(hours * 3600 + minutes * 60))
+}
+
 /// Rounded to a thousandth; never minus zero, never something JSON cannot say.
 pub fn round3(x: f64) -> f64 {
     let rounded = (x * 1000.0).round() / 1000.0;
@@ -45,6 +77,16 @@ pub fn assignment_name(id: AssignmentId) -> String {
 /// A closure's number on the wire.
 pub fn closure_name(id: ClosureId) -> String {
     format!("c{}", id.0)
+}
+
+/// The number of a recurring closure on the wire.
+pub fn series_name(id: SeriesId) -> String {
+    format!("s{}", id.0)
+}
+
+/// The number of a recurring closure.
+pub fn parse_series(text: &str) -> Option<SeriesId> {
+    number(text, 's').map(SeriesId)
 }
 
 /// The number behind a letter, from 1 on.
@@ -72,6 +114,18 @@ pub fn parse_worker_name(text: &str) -> Option<WorkerId> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn offsets_and_times_of_day_are_read_strictly() {
+        for (text, minutes) in [("+01:00", 60), ("-05:30", -330), ("Z", 0), ("+00:00", 0)] {
+            assert_eq!(parse_offset(text), Some(Span::from_secs(minutes * 60)), "{text}");
+        }
+        assert_eq!(offset_text(Span::from_secs(-330 * 60)), "-05:30");
+        assert_eq!(parse_time_of_day("22:15"), Some(Span::from_secs(80_100)));
+        for bad in ["1:00", "24:00", "12:60", "12", "", "+1:00", "ab:cd"] {
+            assert_eq!((parse_time_of_day(bad), parse_offset(bad)), (None, None), "{bad}");
+        }
+    }
 
     #[test]
     fn numbers_behind_letters_are_read_strictly() {

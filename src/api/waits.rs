@@ -169,6 +169,7 @@ impl Names<'_> {
             Why::Maintenance => ("maintenance", None),
             Why::Leaving | Why::Gone => ("leaving", None),
             Why::Stopped => ("stopped", None),
+            Why::Evacuation => ("evacuation", None),
         }
     }
 }
@@ -196,6 +197,7 @@ fn active(text: &str) -> String {
         ("no robot of a kind", "waits for a robot: none of a kind"),
         ("paused", "is paused"),
         ("stopped", "is stopped"),
+        ("stands while the building", "stands while the building"),
         ("the way leads into ", "stands before "),
         ("the queue of ", "waits outside: the queue of "),
     ] {

@@ -95,6 +95,9 @@ impl Setup {
             .map_err(|e| anyhow::anyhow!("the map is not for the robots of {}:\n{e}", path.display()))?;
         scenario.check_method(&warehouse).with_context(|| format!("{} is refused", path.display()))?;
         scenario.areas(&warehouse, Time::ZERO).with_context(|| format!("{} is refused", path.display()))?;
+        scenario
+            .recurring(&warehouse, Time::ZERO)
+            .with_context(|| format!("{} is refused", path.display()))?;
         if let Some(model) = &scenario.model {
             scenario.learned = read_model(Some(&beside(model)))?;
         }

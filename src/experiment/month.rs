@@ -3,7 +3,7 @@
 //! Main types: [`Day`] (what the fleet keeps at its end); main function: [`run`]. Steps of a second make a month quick.
 //! Refuses: to read the memory of the process; the caller does, at the end of each day.
 
-use crate::fleet::{AssignmentRequest, Closure, Fleet, Input, JobKind, JobRequest};
+use crate::fleet::{AssignmentRequest, Binds, Closure, Fleet, Input, JobKind, JobRequest};
 use crate::geometry::{Point, Spot};
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::{AssignmentId, Dense, JobId, NodeId, RackId, StationId, WorkerId};
@@ -141,7 +141,14 @@ fn orders(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
         let spot = |x: f64| Spot::from(Point::new(x, x * x));
         let outline = vec![spot(0.0), spot(1.0), spot(2.0)];
         let window = Window::new(at(4 * MINUTE), at(9 * MINUTE));
-        let area = Closure { outline, nodes: vec![node], window, reason: "cleaning".into() };
+        let area = Closure {
+            outline,
+            nodes: vec![node],
+            window,
+            reason: "cleaning".into(),
+            binds: Binds::Robots,
+            series: None,
+        };
         inputs.push(Input::Close { token: 0, area });
     }
     if s % HOUR == 10 {

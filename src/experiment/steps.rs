@@ -4,7 +4,7 @@
 //! those of the simulator; only [`Fleet::step`] is timed. Refuses: to look at a clock itself; the caller passes a
 //! stopwatch in.
 
-use crate::fleet::{AssignmentRequest, Closure, Fleet, Input, JobKind, JobRequest, Settings};
+use crate::fleet::{AssignmentRequest, Binds, Closure, Fleet, Input, JobKind, JobRequest, Settings};
 use crate::geometry::Spot;
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
@@ -149,7 +149,10 @@ fn close(warehouse: &Warehouse, i: usize, now: Time) -> Input {
     let spot = |x: f64, y: f64| Spot::from(crate::geometry::Point::new(x, y));
     let outline = vec![spot(0.0, 0.0), spot(1.0, 0.0), spot(1.0, 1.0)];
     let window = Window::new(start, start + hour);
-    Input::Close { token: i as u64, area: Closure { outline, nodes, window, reason: "bench".into() } }
+    Input::Close {
+        token: i as u64,
+        area: Closure { outline, nodes, window, reason: "bench".into(), binds: Binds::Robots, series: None },
+    }
 }
 
 fn assign(warehouse: &Warehouse, i: usize) -> Input {

@@ -162,6 +162,7 @@ impl TableSetup {
             kinds: KindShare::one(Kinematics::default(), Charging::default()),
             workers,
             closures: Vec::new(),
+            evacuations: Vec::new(),
             model: None,
             learned: crate::human::Model::builtin(),
             policy: arm,

@@ -33,18 +33,19 @@ pub use state::job::{Job, JobFailure, JobKind, JobRequest, JobState};
 pub use state::keys::{KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums};
+pub use state::recurring::{MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
 pub use state::settings::Settings;
 pub use state::wait_graph::{ChainEnd, Edge, Party, Wait};
 pub use state::why::Why;
 pub use state::wishes::Wishes;
 pub use state::worker::{
-    Assignment, AssignmentRequest, AssignmentState, Closure, ClosureState, ClosureView, Encounter,
+    Assignment, AssignmentRequest, AssignmentState, Binds, Closure, ClosureState, ClosureView, Encounter,
     FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerEpisode,
     WorkerView,
 };
 pub use traffic::state::InsertionCounts;
 
-use crate::id::RobotId;
+use crate::id::{NodeId, RobotId};
 use crate::time::Time;
 use crate::warehouse::Warehouse;
 use people::state::HumanState;
@@ -152,18 +153,25 @@ impl Fleet {
         closures::note_closing(core, now);
         displaced::close_displaced(core, now);
         traffic.close_obstructed(core, now);
+        let ways_out = people.ways_out(core.floor(), now);
+        traffic.close_ways_out(core, &ways_out, now);
         failure::note_cut_off(core, now);
         yielding.turn_halfway(core, people, traffic, now);
         yielding.limit_robots(core, people, traffic, now);
         yielding.revoke_grants(core, people, traffic, now);
         traffic.revoke_grants_into_displaced(core, now);
         traffic.revoke_obstructed(core, now);
+        traffic.revoke_ways_out(core, now);
         yielding.meet(core, people, now);
     }
 
     /// Which robot does what.
     fn dispatch(&mut self, picked: &[RobotId], now: Time) {
         let Fleet { core, traffic, .. } = self;
+        // No job begins while the building is evacuated.
+        if core.ledger.evacuation.is_some() {
+            return;
+        }
         dispatch::jobs::chain_deliveries(core, picked, now);
         let lapsed = dispatch::jobs::assign(core, &traffic.needs, &mut traffic.planners, now);
         traffic.lose_places(core, &lapsed);
@@ -173,6 +181,9 @@ impl Fleet {
     /// drive into a closed area, meet people or wait for others, where a better one is found.
     fn plan(&mut self, now: Time) {
         let Fleet { core, yielding, traffic, .. } = self;
+        if core.ledger.evacuation.is_some() {
+            return traffic.clear_ways_out(core, now);
+        }
         traffic.plan_needed(core, now);
         yielding.plan_interrupted(core, traffic, now);
         traffic.route_round_closures(core, now);
@@ -213,6 +224,16 @@ impl Fleet {
     /// How long the last step took to note why robots and people wait, nanoseconds by the stopwatch of the settings.
     pub fn waits_ns(&self) -> u64 {
         self.waits_ns
+    }
+
+    /// Whether a node is on the way of a worker to a door while the building is evacuated.
+    pub fn is_on_way_out(&self, node: NodeId) -> bool {
+        self.core.restrictions.ways_out.contains(&node)
+    }
+
+    /// Whether a robot is on the way of a worker to a door, and so may drive on it to leave it.
+    pub fn leaves_way_out(&self, robot: RobotId) -> bool {
+        self.floor().is_on(robot, &self.core.restrictions.ways_out)
     }
 
     /// The robot that was being dealt with when a step ended in a panic, if it was one.

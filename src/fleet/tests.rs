@@ -7,11 +7,13 @@ mod charging;
 mod closures;
 mod displaced;
 mod enrolment;
+mod evacuation;
 mod failure;
 mod faults;
 mod hand;
 mod interleavings;
 mod jobs;
+mod keep_out;
 mod keys;
 mod kinds;
 mod lets_pass;
@@ -24,6 +26,7 @@ mod people;
 mod published;
 mod racks;
 mod recall;
+mod recurring;
 mod restart;
 mod setting_off;
 mod shut_in;
@@ -66,6 +69,7 @@ fn scenario(robots: usize) -> Scenario {
         kinds: KindShare::one(Kinematics::default(), Charging::default()),
         workers: Workers::default(),
         closures: Vec::new(),
+        evacuations: Vec::new(),
         policy: HumanAwarePolicy::default(),
         model: None,
         learned: crate::human::Model::builtin(),

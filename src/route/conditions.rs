@@ -22,6 +22,8 @@ pub enum Cause {
     Robot(RobotId),
     /// Something stands on this node, as a robot that could not get there reported.
     Obstruction(NodeId),
+    /// It is on the way of somebody to a door while the building is evacuated.
+    Evacuation,
 }
 
 /// What holds on a node during a window.
@@ -52,7 +54,7 @@ pub struct Condition {
 /// closed area already, it may go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exemption {
-    /// The worker, the closed area or the displaced robot that it leaves.
+    /// The worker, the closed area, the way out or the displaced robot that it leaves.
     pub from: Cause,
     /// Where the worker or the displaced robot is.
     pub at: Point,
@@ -212,7 +214,7 @@ impl Exemption {
         let from_me = condition.cause == self.from;
         let hard = matches!(condition.effect, Effect::Closed | Effect::NoEntryOrExit);
         let farther = || (at - self.at).norm() >= self.distance_m - NEARER_M;
-        from_me && hard && (matches!(self.from, Cause::Closure(_)) || farther())
+        from_me && hard && (matches!(self.from, Cause::Closure(_) | Cause::Evacuation) || farther())
     }
 }
 

@@ -448,6 +448,18 @@ impl Member {
     fn next_job(&self, fleet: &Fleet, walkways: &Walkways) -> Option<Errand> {
         let worker = self.id?;
         let all = &fleet.ledger().assignments;
+        // Told to leave or to wait outside, it looks for no work.
+        let reason = self.told.as_ref().and_then(|(_, g)| g.reason);
+        if matches!(
+            reason,
+            Some(
+                GuidanceReason::Evacuation
+                    | GuidanceReason::LeavesClosure(_)
+                    | GuidanceReason::PlaceClosed(_)
+            )
+        ) {
+            return None;
+        }
         let shown = self.told.as_ref().and_then(|(_, g)| g.assignment);
         let is_open = |id: &AssignmentId, a: &Assignment| {
             a.worker == Some(worker) && !a.state.is_over() && !self.done.contains(id)
@@ -469,6 +481,7 @@ fn shown(g: &Guidance) -> Shown {
         path: g.path.clone(),
         redirected: g.state == GuidanceState::Redirected,
         stop: g.state == GuidanceState::Stop,
+        leave: matches!(g.reason, Some(GuidanceReason::Evacuation | GuidanceReason::LeavesClosure(_))),
     }
 }
 

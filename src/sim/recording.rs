@@ -5,11 +5,12 @@
 //! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
 use crate::fleet::{
-    AssignmentRequest, Closure, Fault, Input, JobKind, JobRequest, StationOrder, Telemetry, USUAL_KIND,
+    AssignmentRequest, Binds, Closure, Fault, Input, JobKind, JobRequest, Recurrence, RecurringClosure,
+    StationOrder, Telemetry, USUAL_KIND, Weekdays,
 };
 use crate::geometry::{Point, Pose, Spot};
 use crate::human::{Quality, Sighting, SourceId};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::{Span, Time, Window};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -108,6 +109,23 @@ enum Wrong {
 /// or 8 for a device that reports like a robot, and 16 where the epoch did not begin with marks.
 type SightingRow = (u32, i64, u32, u64, f64, f64, Option<f64>, f64, u8);
 
+/// What is closed again and again, times in microseconds; `from` and `until` are those of the first occurrence.
+#[derive(Serialize, Deserialize)]
+struct RecurLine {
+    outline: Vec<(i64, i64)>,
+    nodes: Vec<u32>,
+    /// Of the first occurrence.
+    from: i64,
+    until: i64,
+    reason: String,
+    binds: String,
+    every: i64,
+    weekdays: u8,
+    utc_offset: i64,
+    /// When it recurs no more.
+    last: i64,
+}
+
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Other {
@@ -149,8 +167,15 @@ enum Other {
         from: i64,
         until: i64,
         reason: String,
+        /// From before people could be kept out: robots alone.
+        #[serde(default = "robots", skip_serializing_if = "is_robots")]
+        binds: String,
     },
     Reopen(u64, u64),
+    Recur(u64, RecurLine),
+    EndSeries(u64, u64),
+    Evacuate(u64),
+    EndEvacuation(u64),
     Halt(u64, Option<u32>),
     Release(u64, Option<u32>),
     Prioritise(u64, u64, u8),
@@ -298,14 +323,65 @@ fn asked(input: &Input) -> Other {
             from: area.window.start().0,
             until: area.window.end().0,
             reason: area.reason.clone(),
+            binds: area.binds.word().to_owned(),
         },
         Input::Reopen { token, closure } => Other::Reopen(*token, closure.0),
+        Input::Recur { token, closure } => Other::Recur(*token, closure.into()),
+        Input::EndSeries { token, series } => Other::EndSeries(*token, series.0),
+        Input::Evacuate { token } => Other::Evacuate(*token),
+        Input::EndEvacuation { token } => Other::EndEvacuation(*token),
         Input::Halt { token, robot } => Other::Halt(*token, robot.map(|r| r.0)),
         Input::Release { token, robot } => Other::Release(*token, robot.map(|r| r.0)),
         Input::Prioritise { token, job, priority } => Other::Prioritise(*token, job.0, *priority),
         Input::Station { token, station, order } => Other::Station(*token, station.0, (*order).into()),
         Input::Telemetry(_) | Input::Sighted(_) => unreachable!("they have places of their own in a line"),
     }
+}
+
+impl From<&RecurringClosure> for RecurLine {
+    fn from(closure: &RecurringClosure) -> RecurLine {
+        let RecurringClosure { area, recurrence, .. } = closure;
+        RecurLine {
+            outline: area.outline.iter().map(|p| (p.x_mm, p.y_mm)).collect(),
+            nodes: area.nodes.iter().map(|n| n.0).collect(),
+            from: area.window.start().0,
+            until: area.window.end().0,
+            reason: area.reason.clone(),
+            binds: area.binds.word().to_owned(),
+            every: recurrence.every.0,
+            weekdays: recurrence.weekdays.0,
+            utc_offset: recurrence.utc_offset.0,
+            last: recurrence.until.0,
+        }
+    }
+}
+
+impl From<RecurLine> for RecurringClosure {
+    fn from(line: RecurLine) -> RecurringClosure {
+        let area = Closure {
+            outline: line.outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect(),
+            nodes: line.nodes.into_iter().map(NodeId).collect(),
+            window: Window::new(Time(line.from), Time(line.until)),
+            reason: line.reason,
+            binds: Binds::of(&line.binds).unwrap_or_default(),
+            series: None,
+        };
+        let recurrence = Recurrence {
+            every: Span(line.every),
+            weekdays: Weekdays(line.weekdays),
+            utc_offset: Span(line.utc_offset),
+            until: Time(line.last),
+        };
+        RecurringClosure::new(area, recurrence)
+    }
+}
+
+fn robots() -> String {
+    Binds::Robots.word().to_owned()
+}
+
+fn is_robots(binds: &String) -> bool {
+    binds == Binds::Robots.word()
 }
 
 fn submit(token: u64, request: &JobRequest) -> Other {
@@ -448,12 +524,17 @@ fn other(o: Other) -> Input {
         Other::Finish(token, worker, assignment) => {
             Input::Finish { token, worker: WorkerId(worker), assignment: AssignmentId(assignment) }
         }
-        Other::Close { token, outline, nodes, from, until, reason } => {
+        Other::Close { token, outline, nodes, from, until, reason, binds } => {
             let outline = outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect();
             let nodes = nodes.into_iter().map(NodeId).collect();
             let window = Window::new(Time(from), Time(until));
-            Input::Close { token, area: Closure { outline, nodes, window, reason } }
+            let binds = Binds::of(&binds).unwrap_or_default();
+            Input::Close { token, area: Closure { outline, nodes, window, reason, binds, series: None } }
         }
+        Other::Recur(token, line) => Input::Recur { token, closure: line.into() },
+        Other::EndSeries(token, series) => Input::EndSeries { token, series: SeriesId(series) },
+        Other::Evacuate(token) => Input::Evacuate { token },
+        Other::EndEvacuation(token) => Input::EndEvacuation { token },
         Other::Reopen(token, closure) => Input::Reopen { token, closure: ClosureId(closure) },
         Other::Submit { token, kind, priority, deadline, after, key } => {
             let kind = match kind {

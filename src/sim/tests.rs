@@ -4,6 +4,7 @@ mod people;
 
 use super::*;
 use crate::fleet::{Charging, Fact, Fault, Input, JobKind, JobRequest};
+use crate::geometry::Point;
 use crate::id::RobotId;
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
@@ -157,6 +158,48 @@ fn after_the_faults_have_ended_nothing_is_broken_lost_or_late() {
         sim.step();
     }
     assert_eq!(same(sim.world.injected()), same(then));
+    let outcome = sim.outcome();
+    assert_eq!((outcome.broken, outcome.drained), (vec![], Some(true)));
+}
+
+#[test]
+fn an_evacuation_in_a_scenario_empties_the_floor_and_the_work_is_done_afterwards() {
+    let text = r#"{"giveway_scenario": 1, "name": "drill", "map": "m", "robots": 12, "duration_s": 900, "drain_s": 1800,
+        "jobs": {"backlog": 16}, "workers": {"count": 3, "enter_s": 10, "leave_s": 800},
+        "evacuations": [{"at_s": 200, "until_s": 400}],
+        "closures": [{"outline": [[5.8, 0.8], [6.2, 0.8], [6.2, 6.2], [5.8, 6.2]], "from_s": 60, "until_s": 120,
+            "every_s": 300}]}"#;
+    let mut sim = simulation(&Scenario::parse(text).unwrap(), 3);
+    let doors: Vec<Point> =
+        sim.fleet.warehouse().nodes.iter().filter(|n| n.kind == NodeKind::Exit).map(|n| n.at).collect();
+    let at = |s: f64| Time::from_secs_f64(s);
+    let mut out = None;
+    let mut served = 0;
+    while !sim.is_over() {
+        sim.step();
+        let now = sim.now();
+        let is_out = |p: Point| doors.iter().any(|d| (d - p).norm() <= 1.5);
+        if out.is_none() && now > at(201.0) {
+            let all = sim.world.walkers().all(|(_, w)| w.is_gone() || is_out(w.pose(now).at));
+            out = all.then_some(now);
+        }
+        if now == at(390.0) {
+            let inside = sim.world.walkers().filter(|(_, w)| !w.is_gone() && !is_out(w.pose(now).at));
+            let inside: Vec<_> = inside.map(|(id, w)| (id, w.pose(now).at)).collect();
+            let robots: Vec<_> = (sim.fleet.ledger().present())
+                .filter_map(|r| Some((r, sim.fleet.telemetry(r)?.pose.at, sim.fleet.why(r))))
+                .filter(|(_, at, _)| inside.iter().any(|(_, p)| (p - at).norm() < 4.0))
+                .collect();
+            let view = sim.fleet.view(now);
+            let told: Vec<_> = view.workers.iter().map(|w| (w.guidance.state, w.guidance.reason)).collect();
+            assert_eq!(inside, [], "still inside after more than three minutes: {told:?}, beside {robots:?}");
+            served = sim.fleet.ledger().counts.robot_deliveries;
+        }
+    }
+    let out = out.expect("all are out at some time");
+    assert!(out < at(320.0), "all are out at {out}");
+    assert!(sim.fleet.ledger().counts.robot_deliveries > served, "work goes on afterwards");
+    assert!(sim.fleet.ledger().next_closure > 3, "the closure recurs");
     let outcome = sim.outcome();
     assert_eq!((outcome.broken, outcome.drained), (vec![], Some(true)));
 }

@@ -2,7 +2,7 @@
 //!
 //! Main type: [`World`]. Refuses: to let the fleet see anything but telemetry and orders.
 
-use super::announce::announce;
+use super::announce::Announcements;
 use super::crew::{Crew, TrueWorker};
 use super::customers::{Customers, FIRST_TOKEN, OrderLine};
 use super::encounter::{EncounterFigures, EncounterMeter, MeteredPerson};
@@ -15,7 +15,7 @@ use super::robot::RobotBody;
 use super::scenario::{Faults, Scenario};
 use super::walker::{RobotNear, Walker};
 use crate::fleet::{
-    Closure, Command, Fault, Fleet, Guidance, Input, RackAt, Reply, Service, Telemetry, most_dangerous,
+    Command, Fault, Fleet, Guidance, Input, RackAt, Reply, Service, Telemetry, most_dangerous,
 };
 use crate::geometry::Point;
 use crate::id::{BodyId, Dense, IdVec, NodeId, RackId, RobotId, WorkerId};
@@ -79,7 +79,7 @@ pub struct World {
     racks: IdVec<RackId, RackAt>,
     /// Racks that were lifted where they did not stand, or set down onto another one.
     misplaced: Vec<(RobotId, RackId)>,
-    closing: Vec<Closure>,
+    announcements: Announcements,
     /// How often robots were pushed elsewhere.
     pushed: u64,
     now: Time,
@@ -116,7 +116,7 @@ impl World {
         let meter = EncounterMeter::new(scenario.workers.encounter_m);
         let outages = Outages::new(&faults, &warehouse, seed);
         let robots = vec![];
-        let closing = scenario.areas(&warehouse, now).expect("whoever reads a scenario looks at its areas");
+        let announcements = Announcements::new(scenario, &warehouse, fleet, now);
         let mut world = World {
             warehouse,
             worst: most_dangerous(&fleet.settings().kinds),
@@ -135,7 +135,7 @@ impl World {
             crew,
             meter,
             joining,
-            closing,
+            announcements,
             pushed: 0,
             now,
         };
@@ -149,7 +149,7 @@ impl World {
         let mut inputs = self.customers.order(now, now - self.now, fleet);
         let join = |(name, kind, node)| Input::Register { token: JOINS, name, kind, node };
         inputs.extend(self.joining.drain(..).map(join));
-        inputs.extend(announce(std::mem::take(&mut self.closing), fleet));
+        inputs.extend(self.announcements.say(now));
         inputs.extend(self.leavers.say(now, now - self.now, self.customers.have_stopped(), fleet));
         self.come_and_go(fleet);
         let from = self.now;

@@ -5,14 +5,14 @@
 //! contradicts itself.
 
 use super::job_record::{RequestRecord, StateRecord, TaskRecord};
-use super::people_record::{AssignmentRecord, AssignmentStateRecord, ClosureRecord};
+use super::people_record::{AssignmentRecord, AssignmentStateRecord, ClosureRecord, RecurringRecord};
 use super::record::{is_usual_kind, usual_kind};
 use super::route_record::{StopRecord, VisitRecord};
 use crate::fleet::{
     Assignment, Closure, Contradiction, Job, Keys, Ledger, Parts, Promises, RackAt, Robot, Service, Stop,
     Sums, Wishes,
 };
-use crate::id::{AssignmentId, ClosureId, Dense, JobId, NodeId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, Dense, JobId, NodeId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::{ChainParts, Holder, Visit};
 use crate::warehouse::Warehouse;
@@ -125,11 +125,22 @@ struct LedgerRecord {
     assignment_keys: KeysRecord,
     closures: Vec<(u64, ClosureRecord)>,
     next_closure: u64,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    recurring: Vec<(u64, RecurringRecord)>,
+    #[serde(default = "first")]
+    next_series: u64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    evacuation: Option<i64>,
     paused_stations: Vec<(u32, i64)>,
     stopped: Option<i64>,
     ended_badly: Vec<(u64, i64)>,
     sums: SumsRecord,
     wishes: Vec<u32>,
+}
+
+/// Snapshots from before closures recurred have no number for the first.
+fn first() -> u64 {
+    1
 }
 
 /// A ledger as text.
@@ -171,6 +182,9 @@ impl From<&Parts> for LedgerRecord {
             assignment_keys: keys_record(&p.assignment_keys, |id| id.0),
             closures: p.closures.iter().map(|(id, area)| (id.0, area.into())).collect(),
             next_closure: p.next_closure,
+            recurring: p.recurring.iter().map(|(id, c)| (id.0, c.into())).collect(),
+            next_series: p.next_series,
+            evacuation: p.evacuation.map(|t| t.0),
             paused_stations: p.paused_stations.iter().map(|(s, at)| (s.0, at.0)).collect(),
             stopped: p.stopped.map(|t| t.0),
             ended_badly: p.ended_badly.iter().map(|(id, at)| (id.0, at.0)).collect(),
@@ -196,6 +210,9 @@ impl From<LedgerRecord> for Parts {
             assignment_keys: keys(r.assignment_keys, AssignmentId),
             closures: r.closures.into_iter().map(closure).collect(),
             next_closure: r.next_closure,
+            recurring: r.recurring.into_iter().map(|(id, c)| (SeriesId(id), c.into())).collect(),
+            next_series: r.next_series,
+            evacuation: r.evacuation.map(Time),
             paused_stations: r.paused_stations.into_iter().map(|(s, at)| (StationId(s), Time(at))).collect(),
             stopped: r.stopped.map(Time),
             ended_badly: r.ended_badly.into_iter().map(|(id, at)| (JobId(id), Time(at))).collect(),

@@ -2,9 +2,12 @@
 //!
 //! Main types: the records named by `record`. Refuses: to stand alone; versions are `record`'s business.
 
-use crate::fleet::{AssignmentRequest, AssignmentState, Closure, Encounter, Reaction};
+use crate::fleet::{
+    AssignmentRequest, AssignmentState, Binds, Closure, Encounter, Reaction, Recurrence, RecurringClosure,
+    Weekdays,
+};
 use crate::geometry::Spot;
-use crate::id::{NodeId, RobotId, WorkerId};
+use crate::id::{NodeId, RobotId, SeriesId, WorkerId};
 use crate::time::{Span, Time, Window};
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +29,7 @@ pub(super) enum AssignmentStateRecord {
     Cancelled,
 }
 
-/// Where, when and why robots keep out; corners in millimetres.
+/// Where, when and why robots or people keep out; corners in millimetres.
 #[derive(Serialize, Deserialize)]
 pub(super) struct ClosureRecord {
     pub outline: Vec<(i64, i64)>,
@@ -35,6 +38,87 @@ pub(super) struct ClosureRecord {
     pub from: i64,
     pub until: i64,
     pub reason: String,
+    #[serde(default, skip_serializing_if = "BindsRecord::is_robots")]
+    pub binds: BindsRecord,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub series: Option<u64>,
+}
+
+/// Whom a closure keeps out. Those from before people could be kept out bind robots alone, and still do.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum BindsRecord {
+    #[default]
+    Robots,
+    People,
+    Both,
+}
+
+impl BindsRecord {
+    fn is_robots(&self) -> bool {
+        *self == BindsRecord::Robots
+    }
+}
+
+impl From<Binds> for BindsRecord {
+    fn from(binds: Binds) -> BindsRecord {
+        match binds {
+            Binds::Robots => BindsRecord::Robots,
+            Binds::People => BindsRecord::People,
+            Binds::Both => BindsRecord::Both,
+        }
+    }
+}
+
+impl From<BindsRecord> for Binds {
+    fn from(r: BindsRecord) -> Binds {
+        match r {
+            BindsRecord::Robots => Binds::Robots,
+            BindsRecord::People => Binds::People,
+            BindsRecord::Both => Binds::Both,
+        }
+    }
+}
+
+/// What is closed again and again; the window of the area is that of the first occurrence.
+#[derive(Serialize, Deserialize)]
+pub(super) struct RecurringRecord {
+    pub area: ClosureRecord,
+    pub every: i64,
+    pub weekdays: u8,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub utc_offset: i64,
+    pub until: i64,
+    pub next: Option<i64>,
+}
+
+fn is_zero(n: &i64) -> bool {
+    *n == 0
+}
+
+impl From<&RecurringClosure> for RecurringRecord {
+    fn from(c: &RecurringClosure) -> RecurringRecord {
+        RecurringRecord {
+            area: (&c.area).into(),
+            every: c.recurrence.every.0,
+            weekdays: c.recurrence.weekdays.0,
+            utc_offset: c.recurrence.utc_offset.0,
+            until: c.recurrence.until.0,
+            next: c.next.map(|t| t.0),
+        }
+    }
+}
+
+impl From<RecurringRecord> for RecurringClosure {
+    fn from(r: RecurringRecord) -> RecurringClosure {
+        let recurrence = Recurrence {
+            every: Span(r.every),
+            weekdays: Weekdays(r.weekdays),
+            utc_offset: Span(r.utc_offset),
+            until: Time(r.until),
+        };
+        RecurringClosure { area: r.area.into(), recurrence, next: r.next.map(Time) }
+    }
 }
 
 /// Lengths in millimetres, speeds in millimetres per second.
@@ -84,6 +168,8 @@ impl From<&Closure> for ClosureRecord {
             from: area.window.start().0,
             until: area.window.end().0,
             reason: area.reason.clone(),
+            binds: area.binds.into(),
+            series: area.series.map(|s| s.0),
         }
     }
 }
@@ -95,6 +181,8 @@ impl From<ClosureRecord> for Closure {
             nodes: r.nodes.into_iter().map(NodeId).collect(),
             window: Window::new(Time(r.from), Time(r.until)),
             reason: r.reason,
+            binds: r.binds.into(),
+            series: r.series.map(SeriesId),
         }
     }
 }

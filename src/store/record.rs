@@ -5,11 +5,11 @@
 
 use super::job_record::{RequestRecord, StateRecord, TaskRecord};
 use super::people_record::{
-    AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, ReactionRecord,
+    AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, ReactionRecord, RecurringRecord,
 };
 use super::route_record::{BookingRecord, KeptRecord, MovedRecord};
 use crate::fleet::{Booking, Fact, KeptRoute, Moved, USUAL_KIND};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
 
@@ -193,6 +193,24 @@ enum Record {
         closure: u64,
         at: i64,
     },
+    Recurs {
+        series: u64,
+        closure: RecurringRecord,
+    },
+    Scheduled {
+        series: u64,
+        next: Option<i64>,
+    },
+    SeriesEnded {
+        series: u64,
+        at: i64,
+    },
+    Evacuated {
+        at: i64,
+    },
+    EvacuationEnded {
+        at: i64,
+    },
     Halted {
         robot: Option<u32>,
         at: i64,
@@ -240,6 +258,38 @@ pub(super) fn usual_kind() -> String {
 
 pub(super) fn is_usual_kind(kind: &String) -> bool {
     kind == USUAL_KIND
+}
+
+/// What is closed, what recurs, and evacuations.
+fn of_closures(fact: &Fact) -> Record {
+    match fact {
+        Fact::Closed { closure, area } => Record::Closed { closure: closure.0, area: area.into() },
+        Fact::Reopened { closure, at } => Record::Reopened { closure: closure.0, at: at.0 },
+        Fact::Recurs { series, closure } => Record::Recurs { series: series.0, closure: closure.into() },
+        Fact::Scheduled { series, next } => Record::Scheduled { series: series.0, next: next.map(|t| t.0) },
+        Fact::SeriesEnded { series, at } => Record::SeriesEnded { series: series.0, at: at.0 },
+        Fact::Evacuated { at } => Record::Evacuated { at: at.0 },
+        Fact::EvacuationEnded { at } => Record::EvacuationEnded { at: at.0 },
+        other => unreachable!("{other:?} is about no closure"),
+    }
+}
+
+/// The same the other way.
+fn about_closures(record: Record) -> Fact {
+    match record {
+        Record::Closed { closure, area } => Fact::Closed { closure: ClosureId(closure), area: area.into() },
+        Record::Reopened { closure, at } => Fact::Reopened { closure: ClosureId(closure), at: Time(at) },
+        Record::Recurs { series, closure } => {
+            Fact::Recurs { series: SeriesId(series), closure: closure.into() }
+        }
+        Record::Scheduled { series, next } => {
+            Fact::Scheduled { series: SeriesId(series), next: next.map(Time) }
+        }
+        Record::SeriesEnded { series, at } => Fact::SeriesEnded { series: SeriesId(series), at: Time(at) },
+        Record::Evacuated { at } => Fact::Evacuated { at: Time(at) },
+        Record::EvacuationEnded { at } => Fact::EvacuationEnded { at: Time(at) },
+        _ => unreachable!("it is about no closure"),
+    }
 }
 
 impl From<&Fact> for Record {
@@ -295,8 +345,6 @@ impl From<&Fact> for Record {
             Fact::Advanced { assignment, state, at } => {
                 Record::Advanced { assignment: assignment.0, state: (*state).into(), at: at.0 }
             }
-            Fact::Closed { closure, area } => Record::Closed { closure: closure.0, area: area.into() },
-            Fact::Reopened { closure, at } => Record::Reopened { closure: closure.0, at: at.0 },
             Fact::Halted { robot, at } => Record::Halted { robot: robot.map(|r| r.0), at: at.0 },
             Fact::Released { robot, at } => Record::Released { robot: robot.map(|r| r.0), at: at.0 },
             Fact::StationPaused { station, at } => Record::StationPaused { station: station.0, at: at.0 },
@@ -316,6 +364,7 @@ impl From<&Fact> for Record {
                 jobs: jobs.iter().map(|j| j.0).collect(),
                 assignments: assignments.iter().map(|a| a.0).collect(),
             },
+            rest => of_closures(rest),
         }
     }
 }
@@ -410,10 +459,6 @@ impl From<Record> for Fact {
             Record::Advanced { assignment, state, at } => {
                 Fact::Advanced { assignment: AssignmentId(assignment), state: state.into(), at: Time(at) }
             }
-            Record::Closed { closure, area } => {
-                Fact::Closed { closure: ClosureId(closure), area: area.into() }
-            }
-            Record::Reopened { closure, at } => Fact::Reopened { closure: ClosureId(closure), at: Time(at) },
             Record::Halted { robot, at } => Fact::Halted { robot: robot.map(RobotId), at: Time(at) },
             Record::Released { robot, at } => Fact::Released { robot: robot.map(RobotId), at: Time(at) },
             Record::StationPaused { station, at } => {
@@ -429,6 +474,7 @@ impl From<Record> for Fact {
             Record::Deviated { worker, at } => Fact::Deviated { worker: WorkerId(worker), at: Time(at) },
             Record::Interrupted { robot, worker, reaction, at } => interrupted(robot, worker, reaction, at),
             Record::KeysExpired { jobs, assignments } => keys_expired(jobs, assignments),
+            rest => about_closures(rest),
         }
     }
 }

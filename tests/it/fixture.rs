@@ -6,7 +6,7 @@
 use crate::helper::{Folder, map};
 use crate::run::{Keeper, Run, deliver, nothing};
 use giveway::fleet::{
-    AssignmentQuery, AssignmentRequest, Closure, Fleet, Input, JobKind, JobQuery, JobRequest, Reply,
+    AssignmentQuery, AssignmentRequest, Binds, Closure, Fleet, Input, JobKind, JobQuery, JobRequest, Reply,
 };
 use giveway::geometry::Spot;
 use giveway::id::{ClosureId, JobId, RackId, RobotId, WorkerId};
@@ -32,7 +32,14 @@ fn wishes(step: usize) -> Vec<Input> {
     let corner = |x_mm, y_mm| Spot { x_mm, y_mm };
     let outline = vec![corner(-900, -900), corner(-100, -900), corner(-100, -100)];
     let window = Window::from(Time(1_900_000_000_000_000));
-    let area = Closure { outline, nodes: vec![], window, reason: "later".into() };
+    let area = Closure {
+        outline,
+        nodes: vec![],
+        window,
+        reason: "later".into(),
+        binds: Binds::Robots,
+        series: None,
+    };
     let waits = |key: &str| JobRequest { after: vec![JobId(1)], ..deliver(2, Some(key)) };
     let moved = JobKind::Return { rack: RackId(4) };
     match step {

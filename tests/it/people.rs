@@ -355,3 +355,91 @@ async fn encounters_are_listed_filtered_and_exported() {
     assert!(text.contains("giveway_encounters 5"), "{text}");
     server.stop().await.unwrap();
 }
+
+/// What is answered as soon as it is so: lists follow the fleet a few times a second.
+async fn once(at: SocketAddr, path: &str, is_so: impl Fn(&Value) -> bool) -> Value {
+    for _ in 0..100 {
+        let answer = get(at, path).await.json();
+        if is_so(&answer) {
+            return answer;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+    }
+    panic!("{path} says {}", get(at, path).await.json());
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_closure_says_whom_it_binds_and_binds_both_unless_told() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let square = json!([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
+    for (binds, is) in [(json!(null), "both"), (json!("people"), "people"), (json!("robots"), "robots")] {
+        let made =
+            post(at, "/v1/closures", &json!({"outline": square, "reason": "oil", "binds": binds})).await;
+        assert_eq!(made.json()["binds"], is, "{made:?}");
+    }
+    let odd = post(at, "/v1/closures", &json!({"outline": square, "reason": "oil", "binds": "cats"})).await;
+    assert_eq!(odd.problem(422)["errors"][0]["field"], "binds");
+    server.stop().await.unwrap();
+    let server = start(&folder).await;
+    let listed = get(server.address(), "/v1/closures").await.json();
+    let binds: Vec<&Value> = listed["items"].as_array().unwrap().iter().map(|c| &c["binds"]).collect();
+    assert_eq!(binds, ["both", "people", "robots"], "also over a restart");
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_closure_recurs_over_a_restart_until_it_is_ended() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let wanted = json!({"nodes": [place()], "reason": "cleaning", "from": "2031-01-01T00:00:00Z",
+        "recurs": {"weekdays": ["monday", "thursday"], "from": "22:00", "to": "22:30", "utc_offset": "+01:00"}});
+    let made = post(at, "/v1/closures", &wanted).await;
+    assert_eq!((made.status, made.header("location")), (201, Some("/v1/closures/s1")), "{made:?}");
+    // The first day of 2031 is a Wednesday.
+    assert_eq!(made.json()["next"], "2031-01-02T21:00:00Z");
+    let first =
+        once(at, "/v1/closures/s1", |s| s["occurrences"][0]["id"] == "c1").await["occurrences"][0].clone();
+    assert_eq!(
+        (first["from"].clone(), first["series"].clone()),
+        (json!("2031-01-02T21:00:00Z"), json!("s1"))
+    );
+    assert_eq!(first["until"], "2031-01-02T21:30:00Z");
+    server.stop().await.unwrap();
+
+    let server = start(&folder).await;
+    let at = server.address();
+    let listed = get(at, "/v1/closures/recurring").await.json();
+    assert_eq!(listed["items"][0]["weekdays"], json!(["monday", "thursday"]), "{listed}");
+    assert_eq!(listed["items"][0]["occurrences"][0]["id"], "c1");
+    assert_eq!(delete(at, "/v1/closures/c1").await.status, 204);
+    let monday = |s: &Value| s["occurrences"][0]["from"] == "2031-01-06T21:00:00Z";
+    once(at, "/v1/closures/s1", monday).await;
+    assert_eq!(delete(at, "/v1/closures/s1").await.status, 204);
+    once(at, "/v1/closures", |c| c["items"] == json!([])).await;
+    delete(at, "/v1/closures/s1").await.problem(404);
+    get(at, "/v1/closures/s1").await.problem(404);
+    let odd = json!({"nodes": [place()], "reason": "x", "recurs": {"from": "8", "to": "09:00"}});
+    assert_eq!(post(at, "/v1/closures", &odd).await.problem(422)["errors"][0]["field"], "recurs.from");
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_evacuation_lasts_over_a_restart_until_it_is_ended() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    assert_eq!(get(at, "/v1/evacuation").await.json(), json!({"since": null, "inside": []}));
+    assert_eq!(post(at, "/v1/evacuation", &json!({})).await.status, 204);
+    let since = once(at, "/v1/evacuation", |e| e["since"].is_string()).await["since"].clone();
+    assert_eq!(post(at, "/v1/evacuation", &json!({})).await.status, 204, "said again, it changes nothing");
+    server.stop().await.unwrap();
+    let server = start(&folder).await;
+    let at = server.address();
+    once(at, "/v1/evacuation", |e| e["since"] == since).await;
+    assert_eq!(delete(at, "/v1/evacuation").await.status, 204);
+    once(at, "/v1/evacuation", |e| e["since"].is_null()).await;
+    server.stop().await.unwrap();
+}

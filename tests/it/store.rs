@@ -2,12 +2,14 @@
 
 use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, start};
 use giveway::fleet::{
-    Act, AssignmentQuery, AssignmentRequest, AssignmentState, Booking, Closure, Encounter, EncounterQuery,
-    Fact, JobFailure, JobKind, JobQuery, JobRequest, JobState, KeptRoute, Moved, Purpose, Reaction, Stop,
-    Task,
+    Act, AssignmentQuery, AssignmentRequest, AssignmentState, Binds, Booking, Closure, Encounter,
+    EncounterQuery, Fact, JobFailure, JobKind, JobQuery, JobRequest, JobState, KeptRoute, Moved, Purpose,
+    Reaction, Recurrence, RecurringClosure, Stop, Task, Weekdays,
 };
 use giveway::geometry::Spot;
-use giveway::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
+use giveway::id::{
+    AssignmentId, ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, SeriesId, StationId, WorkerId,
+};
 use giveway::store::{StepEntry, Store, StoreError, record};
 use giveway::time::{Span, Time, Window};
 use giveway::timeline::{Shift, Visit};
@@ -137,7 +139,14 @@ fn facts_about_people(at: Time) -> Vec<Fact> {
     let (worker, robot, closure) = (WorkerId(1), RobotId(2), ClosureId(4));
     let corner = |x_mm, y_mm| Spot { x_mm, y_mm };
     let outline = vec![corner(0, 0), corner(-1000, 0), corner(0, 2500)];
-    let area = Closure { outline, nodes: vec![NodeId(3)], window: Window::from(at), reason: "öl".into() };
+    let area = Closure {
+        outline,
+        nodes: vec![NodeId(3)],
+        window: Window::from(at),
+        reason: "öl".into(),
+        binds: Binds::Robots,
+        series: None,
+    };
     let request =
         AssignmentRequest { place: NodeId(5), stay: Span(9), what: "count".into(), key: Some("k".into()) };
     let met = |reaction| {
@@ -157,7 +166,7 @@ fn facts_about_people(at: Time) -> Vec<Fact> {
     };
     let mut facts = vec![
         Fact::WorkerRegistered { worker, name: "anna".into(), at },
-        Fact::Closed { closure, area },
+        Fact::Closed { closure, area: area.clone() },
         Fact::Reopened { closure, at },
         Fact::Deviated { worker, at },
     ];
@@ -172,7 +181,27 @@ fn facts_about_people(at: Time) -> Vec<Fact> {
     }
     facts.extend(REACTIONS.map(met));
     facts.extend(REACTIONS.map(|reaction| Fact::Interrupted { robot, worker, reaction, at }));
+    facts.extend(facts_about_closures(&area, at));
     facts
+}
+
+/// For whom an area is closed, what recurs, and evacuations.
+fn facts_about_closures(area: &Closure, at: Time) -> Vec<Fact> {
+    let series = SeriesId(2);
+    let window = Window::new(at, at + Span(600));
+    let of = |binds| Closure { window, binds, series: Some(series), ..area.clone() };
+    let (weekdays, utc_offset) = (Weekdays(0b101), Span(-7));
+    let recurrence = Recurrence { every: Span(900), weekdays, utc_offset, until: Time::MAX };
+    vec![
+        Fact::Recurs { series, closure: RecurringClosure::new(of(Binds::Both), recurrence) },
+        Fact::Closed { closure: ClosureId(5), area: of(Binds::Both) },
+        Fact::Scheduled { series, next: Some(at + Span(900)) },
+        Fact::Closed { closure: ClosureId(6), area: of(Binds::People) },
+        Fact::Scheduled { series, next: None },
+        Fact::SeriesEnded { series, at },
+        Fact::Evacuated { at },
+        Fact::EvacuationEnded { at },
+    ]
 }
 
 const ASSIGNMENT_STATES: [AssignmentState; 5] = [

@@ -31,17 +31,26 @@ describe('drawing', () => {
 
 describe('closing an area', () => {
   const outline = rectangle([0, 0], [1, 1]);
+  const BLANK = { reason: '', binds: 'both', begins: '', lasts: '', daily: false } as const;
   it('closes at once and until opened where no times are given', () => {
-    const built = buildClosure({ reason: ' oil ', begins: '', lasts: '' }, outline, NOW);
-    expect(built).toEqual({ kind: 'ready', area: { outline, reason: 'oil' } });
+    const built = buildClosure({ ...BLANK, reason: ' oil ' }, outline, NOW);
+    expect(built).toEqual({ kind: 'ready', area: { outline, reason: 'oil', binds: 'both' } });
   });
   it('counts minutes from now, and the length from the beginning', () => {
-    const built = buildClosure({ reason: 'oil', begins: '10', lasts: '5' }, outline, NOW);
+    const built = buildClosure({ ...BLANK, reason: 'oil', begins: '10', lasts: '5' }, outline, NOW);
     expect(built).toMatchObject({ area: { from: '2031-01-31T12:10:00.000Z', until: '2031-01-31T12:15:00.000Z' } });
   });
   it('wants a reason, and minutes that are some', () => {
-    const built = buildClosure({ reason: ' ', begins: 'soon', lasts: '0' }, outline, NOW);
+    const built = buildClosure({ ...BLANK, reason: ' ', begins: 'soon', lasts: '0' }, outline, NOW);
     expect(built.kind === 'wrong' && Object.keys(built.errors)).toEqual(['reason', 'begins', 'lasts']);
+  });
+  it('recurs every day from one time of day to another, in the time of the page', () => {
+    const at = new Date(2031, 0, 31, 23, 50);
+    const built = buildClosure({ ...BLANK, reason: 'mopping', binds: 'people', begins: '5', lasts: '20', daily: true }, outline, at);
+    expect(built).toMatchObject({ area: { binds: 'people', recurs: { from: '23:55', to: '00:15' } } });
+    expect(built.kind === 'ready' && built.area.until).toBeUndefined();
+    const open = buildClosure({ ...BLANK, reason: 'mopping', daily: true }, outline, at);
+    expect(open.kind === 'wrong' && Object.keys(open.errors)).toEqual(['lasts']);
   });
 });
 

@@ -127,7 +127,10 @@ describe('guidance', () => {
     expect(show(guidance(), well)).toMatchObject({ kind: 'following', tone: 'calm', detail: '5.0 m · 1:05', next: [3, 4] });
     expect(show(guidance({ state: 'redirected', reason: 'you left the path' }), well)).toMatchObject({ kind: 'redirected', detail: 'You left the path. 5.0 m · 1:05' });
     expect(show(guidance({ state: 'deviating' }), well)).toMatchObject({ kind: 'deviating', tone: 'warn' });
-    expect(show(guidance({ state: 'idle' }), well).kind).toBe('idle');
+    expect(show(guidance({ state: 'idle' }), well)).toMatchObject({ kind: 'idle', title: 'Nothing to do', tone: 'calm' });
+    const closed = 'the place of your task is in a closed area, wait outside: oil';
+    expect(show(guidance({ state: 'idle', reason: closed }), well)).toMatchObject({ title: 'Wait here', tone: 'notice', detail: expect.stringContaining('wait outside: oil') });
+    expect(show(guidance({ reason: 'the way leads round a closed area: oil' }), well).detail).toBe('The way leads round a closed area: oil. 5.0 m · 1:05');
     expect(show(guidance({ state: 'stop', reason: 'robot-7 stands on the path' }), well)).toMatchObject({ kind: 'stop', title: 'STOP', detail: 'Robot-7 stands on the path.', path: [] });
   });
   test('old guidance is never shown as true, but a stop stands', () => {

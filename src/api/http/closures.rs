@@ -1,25 +1,26 @@
-//! `/v1/closures`: areas that robots keep out of, marked by hand.
+//! `/v1/closures`: areas that robots, people or both keep out of, marked by hand.
 //!
 //! Main type: [`NewClosure`]. Refuses: areas of nothing, and times that are over.
 
 use super::lists::{Paging, page};
+use super::recurring::NewRecurrence;
 use crate::api::Api;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, Params, PathPart};
 use crate::api::feed::FAR_M;
-use crate::api::people::ClosureDto;
+use crate::api::people::{ClosureDto, RecurringClosureDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
-use crate::api::text::{closure_name, parse_closure, parse_time};
-use crate::fleet::{Closure, Reply};
+use crate::api::text::{closure_name, parse_closure, parse_series, parse_time, series_name};
+use crate::fleet::{Binds, Closure, Recurrence, RecurringClosure, Refusal, Reply};
 use crate::geometry::{Point, Spot};
-use crate::id::{ClosureId, NodeId};
+use crate::id::{ClosureId, NodeId, SeriesId};
 use crate::time::{Time, Window};
 use axum::Json;
 use axum::extract::State;
 use axum::http::{HeaderName, StatusCode, header};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 /// The most corners.
@@ -50,6 +51,27 @@ pub struct NewClosure {
     /// Why, for people who see it.
     #[schema(example = "oil on the floor")]
     reason: String,
+    /// Whom it keeps out: robots, people or both; both if absent.
+    #[schema(example = "both")]
+    binds: Option<String>,
+    /// Closed again and again. `from` and `until` then say between which times occurrences begin.
+    recurs: Option<NewRecurrence>,
+}
+
+/// What was closed: an area once, or again and again.
+#[derive(Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum ClosedDto {
+    /// Once.
+    Once(ClosureDto),
+    /// Again and again.
+    Recurring(RecurringClosureDto),
+}
+
+/// What a closure's number stands for.
+enum ClosedId {
+    Once(ClosureId),
+    Recurring(SeriesId),
 }
 
 /// All areas that are closed or announced, and those whose closure ended less than a day ago.
@@ -68,7 +90,7 @@ pub async fn list(
 /// around it and robots parked inside leave; once it has begun, robots inside drive out and others stay out. At its
 /// end the area opens by itself.
 #[utoipa::path(post, path = "/v1/closures", tag = "people", request_body = NewClosure, responses(
-    (status = 201, description = "Closed and durable", body = ClosureDto, headers(("Location" = String))),
+    (status = 201, description = "Closed and durable", body = ClosedDto, headers(("Location" = String))),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
      content_type = "application/problem+json"),
@@ -77,35 +99,63 @@ pub async fn list(
 pub async fn close(
     State(api): State<Api>,
     JsonBody(new): JsonBody<NewClosure>,
-) -> Result<(StatusCode, [(HeaderName, String); 1], Json<ClosureDto>), Problem> {
-    let area = new.read(&api)?;
+) -> Result<(StatusCode, [(HeaderName, String); 1], Json<ClosedDto>), Problem> {
+    let (area, recurrence) = new.read(&api)?;
+    if let Some(recurrence) = recurrence {
+        return recur(&api, RecurringClosure::new(area, recurrence)).await;
+    }
     match api.ask(What::Close(area.clone())).await? {
         Reply::Closed { closure, .. } => {
             let moment = api.moment();
             let dto = Names { map: &api.map, view: &moment.view }.closure(closure, &area, (api.now)());
             let place = format!("/v1/closures/{}", closure_name(closure));
-            Ok((StatusCode::CREATED, [(header::LOCATION, place)], Json(dto)))
+            Ok((StatusCode::CREATED, [(header::LOCATION, place)], Json(ClosedDto::Once(dto))))
         }
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
         _ => Err(Problem::internal()),
     }
 }
 
-/// One closed area.
+async fn recur(
+    api: &Api,
+    closure: RecurringClosure,
+) -> Result<(StatusCode, [(HeaderName, String); 1], Json<ClosedDto>), Problem> {
+    match api.ask(What::Recur(closure.clone())).await? {
+        Reply::Recurs { series, .. } => {
+            let moment = api.moment();
+            let names = Names { map: &api.map, view: &moment.view };
+            let dto = names.recurring(series, &closure, (api.now)());
+            let place = format!("/v1/closures/{}", series_name(series));
+            Ok((StatusCode::CREATED, [(header::LOCATION, place)], Json(ClosedDto::Recurring(dto))))
+        }
+        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
+        _ => Err(Problem::internal()),
+    }
+}
+
+/// One closed area, or one that is closed again and again.
 #[utoipa::path(get, path = "/v1/closures/{id}", tag = "people",
     params(("id" = String, Path, example = "c2")), responses(
-    (status = 200, description = "The area", body = ClosureDto),
+    (status = 200, description = "The area", body = ClosedDto),
     (status = 404, body = Problem, content_type = "application/problem+json")))]
-pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<ClosureDto>, Problem> {
-    let id = parse_id(&id)?;
+pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<ClosedDto>, Problem> {
     let moment = api.moment();
+    let names = Names { map: &api.map, view: &moment.view };
+    let id = match parse_id(&id)? {
+        ClosedId::Once(id) => id,
+        ClosedId::Recurring(series) => {
+            let found = moment.view.recurring.get(&series);
+            let found = found.ok_or_else(|| refused(&api.map, Refusal::UnknownSeries(series)))?;
+            return Ok(Json(ClosedDto::Recurring(names.recurring(series, found, (api.now)()))));
+        }
+    };
     let found = moment.view.closures.iter().find(|c| c.id == id);
     let detail = || format!("{} is not closed; GET /v1/closures lists what is", closure_name(id));
     let found = found.ok_or_else(|| Problem::unknown("closure", detail()))?;
-    Ok(Json(Names { map: &api.map, view: &moment.view }.closure(id, &found.closure, (api.now)())))
+    Ok(Json(ClosedDto::Once(names.closure(id, &found.closure, (api.now)()))))
 }
 
-/// Open an area again.
+/// Open an area again. Of a recurring closure, one occurrence (c7), or all of them for good (s1).
 #[utoipa::path(delete, path = "/v1/closures/{id}", tag = "people",
     params(("id" = String, Path, example = "c2")), responses(
     (status = 204, description = "Open again"),
@@ -113,20 +163,28 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn reopen(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
-    match api.ask(What::Reopen(parse_id(&id)?)).await? {
+    let what = match parse_id(&id)? {
+        ClosedId::Once(id) => What::Reopen(id),
+        ClosedId::Recurring(series) => What::EndSeries(series),
+    };
+    match api.ask(what).await? {
         Reply::Done { .. } => Ok(StatusCode::NO_CONTENT),
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
         _ => Err(Problem::internal()),
     }
 }
 
-fn parse_id(text: &str) -> Result<ClosureId, Problem> {
-    let detail = || format!("\"{text}\" is not a closure id; ids look like c2");
-    parse_closure(text).ok_or_else(|| Problem::unknown("closure", detail()))
+fn parse_id(text: &str) -> Result<ClosedId, Problem> {
+    let detail = || format!("\"{text}\" is not a closure id; ids look like c2, or s1 for what recurs");
+    let recurring = || parse_series(text).map(ClosedId::Recurring);
+    parse_closure(text)
+        .map(ClosedId::Once)
+        .or_else(recurring)
+        .ok_or_else(|| Problem::unknown("closure", detail()))
 }
 
 impl NewClosure {
-    fn read(&self, api: &Api) -> Result<Closure, Problem> {
+    fn read(&self, api: &Api) -> Result<(Closure, Option<Recurrence>), Problem> {
         let mut errors = Vec::new();
         let mut nodes = Vec::new();
         let outline = match (&self.outline, &self.nodes) {
@@ -150,7 +208,8 @@ impl NewClosure {
             }
             Some(time.unwrap_or(usual))
         };
-        let from = time("from", &self.from, now).unwrap_or(now);
+        let given = time("from", &self.from, now);
+        let from = given.unwrap_or(now);
         let until = time("until", &self.until, Time::MAX).unwrap_or(Time::MAX);
         if until <= from.max(now) {
             errors.push(FieldError::new("until", "must be after `from` and in the future"));
@@ -160,11 +219,19 @@ impl NewClosure {
             let detail = format!("say in 1 to {LONGEST_REASON} characters why the area is closed");
             errors.push(FieldError::new("reason", detail));
         }
+        let recurs = self.recurs.as_ref().and_then(|r| r.read((given, until), now, &mut errors));
+        let binds = self.binds.as_deref().map_or(Some(Binds::default()), Binds::of);
+        if binds.is_none() {
+            errors.push(FieldError::new("binds", "must be \"robots\", \"people\" or \"both\""));
+        }
         if !errors.is_empty() {
             return Err(Problem::invalid(errors));
         }
+        let binds = binds.unwrap_or_default();
         let outline = outline.into_iter().map(Spot::from).collect();
-        Ok(Closure { outline, nodes, window: Window::new(from, until), reason: reason.into() })
+        let window = recurs.map_or_else(|| Window::new(from, until), |(window, _)| window);
+        let area = Closure { outline, nodes, window, reason: reason.into(), binds, series: None };
+        Ok((area, recurs.map(|(_, recurrence)| recurrence)))
     }
 }
 

@@ -6,6 +6,7 @@
 mod assignments;
 mod closures;
 mod encounters;
+mod evacuation;
 mod halt;
 mod health;
 mod heat;
@@ -17,6 +18,7 @@ mod map;
 mod page;
 mod past;
 mod positions;
+mod recurring;
 mod reports;
 mod robots;
 mod stations;
@@ -95,7 +97,9 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(assignments::get, assignments::cancel))
         .routes(routes!(assignments::finish))
         .routes(routes!(closures::list, closures::close))
+        .routes(routes!(recurring::list))
         .routes(routes!(closures::get, closures::reopen))
+        .routes(routes!(evacuation::get, evacuation::begin, evacuation::end))
         .routes(routes!(encounters::list))
         .routes(routes!(past::past))
         .routes(routes!(past::figures))

@@ -213,6 +213,7 @@ fn condition(names: Names, c: &Condition, at: Time) -> ConditionDto {
         Cause::Closure(c) => (closure_name(c), "closure"),
         Cause::Robot(r) => (names.robot(r), "robot"),
         Cause::Obstruction(n) => (names.node(n), "obstruction"),
+        Cause::Evacuation => ("evacuation".into(), "evacuation"),
     };
     let (effect, limit_mps, price_s) = match c.effect {
         Effect::Closed => ("closed", None, None),

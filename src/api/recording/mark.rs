@@ -87,7 +87,7 @@ pub enum MarkKind {
 }
 
 /// Alarms that a fact has a better bookmark for.
-const BY_FACT: [&str; 2] = ["stopped", "paused"];
+const BY_FACT: [&str; 3] = ["stopped", "paused", "evacuation"];
 
 /// Whether a fact makes a bookmark.
 pub fn is_notable(fact: &Fact) -> bool {
@@ -102,6 +102,8 @@ pub fn is_notable(fact: &Fact) -> bool {
             | Fact::Fenced { .. }
             | Fact::Closed { .. }
             | Fact::Reopened { .. }
+            | Fact::Evacuated { .. }
+            | Fact::EvacuationEnded { .. }
     )
 }
 
@@ -137,6 +139,12 @@ pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
         Fact::Failed { robot: r, at } => of_robot(MarkKind::Failure, at, r, "broke down"),
         Fact::Repaired { robot: r, at } => of_robot(MarkKind::Failure, at, r, "works again"),
         Fact::Fenced { robot: r, at } => of_robot(MarkKind::Failure, at, r, "was fenced off"),
+        Fact::Evacuated { at } => {
+            Some(of_all(MarkKind::Alarm, seconds(at), "the building was evacuated".into(), None))
+        }
+        Fact::EvacuationEnded { at } => {
+            Some(of_all(MarkKind::Alarm, seconds(at), "the evacuation ended".into(), None))
+        }
         Fact::Closed { closure, area } => {
             let words = format!("{} was closed: {}", closure_name(*closure), area.reason);
             let place = area.outline.first().map(|p| [p.x_mm as f64 / 1000.0, p.y_mm as f64 / 1000.0]);

@@ -13,8 +13,8 @@ pub use matching::Matching;
 pub use report::{Report, ReportEntry};
 
 use crate::fleet::state::worker::{Assignment, Closure};
-use crate::fleet::{Job, JobKind, JobState, Ledger, Parts, Promises, Wishes};
-use crate::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, StationId};
+use crate::fleet::{Job, JobKind, JobState, Ledger, Parts, Promises, RecurringClosure, Wishes};
+use crate::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, SeriesId, StationId};
 use crate::time::Time;
 use crate::warehouse::{NodeKind, Warehouse};
 use std::collections::BTreeMap;
@@ -55,7 +55,7 @@ pub fn carry(ledger: &Ledger, new: &Warehouse, at: Time) -> Carried {
     let placed = m.place();
     let (jobs, waiting, failed) = m.jobs();
     let (assignments, cancelled) = m.assignments();
-    let closures = m.closures();
+    let (closures, recurring) = (m.closures(), m.recurring());
     let mut promises = Promises {
         jobs,
         robots: placed.robots,
@@ -63,6 +63,7 @@ pub fn carry(ledger: &Ledger, new: &Warehouse, at: Time) -> Carried {
         served: m.served(),
         assignments,
         closures,
+        recurring,
         paused_stations: m.paused_stations(),
         wishes: m.wishes(),
         ..ledger.to_parts().promises
@@ -182,21 +183,34 @@ impl Move<'_> {
 
     /// Closures by outline stay as they are; those of nodes lose the nodes that are gone.
     fn closures(&mut self) -> BTreeMap<ClosureId, Closure> {
+        let ledger = self.ledger;
+        let all = ledger.closures.iter();
+        all.filter_map(|(id, area)| Some((*id, self.closure(&format!("closure c{}", id.0), area)?))).collect()
+    }
+
+    /// The same of those that recur.
+    fn recurring(&mut self) -> BTreeMap<SeriesId, RecurringClosure> {
+        let ledger = self.ledger;
         let mut kept = BTreeMap::new();
-        for (id, area) in &self.ledger.closures {
-            let nodes: Vec<NodeId> = area.nodes.iter().filter_map(|n| self.ids.nodes[*n]).collect();
-            let gone = area.nodes.len() - nodes.len();
-            if gone > 0 && nodes.is_empty() {
-                let what = format!("closure c{} (\"{}\") closes only nodes that are gone", id.0, area.reason);
-                self.report.lose(what, "close the area again on the new map, and accept that this one ends");
-                continue;
-            }
-            if gone > 0 {
-                self.report.notes.push(format!("closure c{} loses {gone} nodes that are gone", id.0));
-            }
-            kept.insert(*id, Closure { nodes, ..area.clone() });
+        for (id, recurring) in &ledger.recurring {
+            let area = self.closure(&format!("recurring closure s{}", id.0), &recurring.area);
+            kept.extend(area.map(|area| (*id, RecurringClosure { area, ..recurring.clone() })));
         }
         kept
+    }
+
+    fn closure(&mut self, name: &str, area: &Closure) -> Option<Closure> {
+        let nodes: Vec<NodeId> = area.nodes.iter().filter_map(|n| self.ids.nodes[*n]).collect();
+        let gone = area.nodes.len() - nodes.len();
+        if gone > 0 && nodes.is_empty() {
+            let what = format!("{name} (\"{}\") closes only nodes that are gone", area.reason);
+            self.report.lose(what, "close the area again on the new map, and accept that this one ends");
+            return None;
+        }
+        if gone > 0 {
+            self.report.notes.push(format!("{name} loses {gone} nodes that are gone"));
+        }
+        Some(Closure { nodes, ..area.clone() })
     }
 
     fn served(&self) -> IdVec<StationId, u64> {

@@ -51,6 +51,7 @@ impl HumanState {
 
     /// Follows all workers: where they are, whether they left their paths, where they may be going.
     pub(super) fn follow(&mut self, core: &mut Core, yielding: &YieldingState, now: Time) {
+        self.note_closures(core.floor());
         self.let_robots_pass(core, yielding, now);
         self.hand_out(core, now);
         for worker in self.people.ids() {
@@ -65,7 +66,11 @@ impl HumanState {
     /// Follows one worker: assignment, path, deviation.
     fn watch(&mut self, core: &mut Core, yielding: &YieldingState, worker: WorkerId, now: Time) {
         let Some(place) = self.whereabouts(worker, now) else { return };
-        if self.people[worker].lets_pass.is_none_or(|l| l.stage == LetsPassStage::Waits) {
+        let is_evacuated = self.lead_to_exit(core, worker, place.at, now);
+        if is_evacuated {
+            // Whatever there is to do waits.
+        } else if self.people[worker].lets_pass.is_none_or(|l| l.stage == LetsPassStage::Waits) {
+            self.mind_closures(core, yielding, worker, place.at, now);
             self.take_up_work(core, yielding, worker, place.at, now);
         }
         let person = &mut self.people[worker];
@@ -84,7 +89,7 @@ impl HumanState {
             return self.watch_aside(worker, &place);
         }
         let cut = self.edges_blocked_for_long(core.floor(), yielding, now);
-        if self.keep_on_time(core.floor(), worker, &place, &cut, now) {
+        if !is_evacuated && self.keep_on_time(core.floor(), worker, &place, &cut, now) {
             return;
         }
         self.look_ahead(core, yielding, worker, &place, now);

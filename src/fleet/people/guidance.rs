@@ -58,6 +58,7 @@ impl HumanState {
         let near = floor.near(place);
         let (state, reason) = self.state_of(floor, person, place, &near);
         let reason = match reason {
+            None if floor.ledger.evacuation.is_some() => Some(GuidanceReason::Evacuation),
             None | Some(GuidanceReason::NoWay) => self.is_asked(floor, worker, now).or(reason),
             Some(_) => reason,
         };
@@ -102,10 +103,11 @@ impl HumanState {
             };
         }
         match person.mode {
-            WalkMode::Idle => (GuidanceState::Idle, None),
-            WalkMode::Following => (GuidanceState::Following, None),
+            WalkMode::Idle => (GuidanceState::Idle, person.by_closure),
+            WalkMode::Following => (GuidanceState::Following, person.by_closure),
             WalkMode::Redirected => {
-                let reason = person.blocked_since.map(|(r, _)| GuidanceReason::RobotInTheWay(r));
+                let blocked = person.blocked_since.map(|(r, _)| GuidanceReason::RobotInTheWay(r));
+                let reason = person.by_closure.or(blocked);
                 (GuidanceState::Redirected, reason)
             }
             WalkMode::Deviating { since } if person.plan.as_ref().is_some_and(|p| p.made >= since) => {

@@ -2,14 +2,18 @@
 //!
 //! Main types: [`state::HumanState`], [`report::PeopleReport`], [`intents::Intents`]. Refuses: to plan for robots.
 
+pub(in crate::fleet) mod barred;
+pub(in crate::fleet) mod evacuate;
 pub(in crate::fleet) mod evaluate;
 pub(in crate::fleet) mod forecast;
 pub(in crate::fleet) mod guidance;
 pub(in crate::fleet) mod intent;
 pub(in crate::fleet) mod intents;
+pub(in crate::fleet) mod keep_out;
 mod lets_pass;
 mod nearest;
 mod on_time;
+mod open_work;
 pub(in crate::fleet) mod report;
 pub(in crate::fleet) mod routing;
 pub(in crate::fleet) mod state;

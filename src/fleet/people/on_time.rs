@@ -14,7 +14,7 @@ use crate::fleet::state::floor::Floor;
 use crate::fleet::state::wait_graph::{Edge, Party};
 use crate::geometry::{Point, Segment};
 use crate::human::{Presence, Whereabouts};
-use crate::id::{RobotId, WorkerId};
+use crate::id::{ClosureId, RobotId, WorkerId};
 use crate::time::{Span, Time, Window};
 use crate::warehouse::walkway::{EdgeSet, Occupied, TimedPath};
 
@@ -50,17 +50,23 @@ const SETS_OFF: Span = Span::from_millis(2500);
 const KEPT_AT_MOST: Span = Span::from_secs(30);
 
 impl HumanState {
-    /// The earliest way to a place between what robots are granted.
-    pub(super) fn way_on_time(
+    /// The earliest way to a place between what robots are granted, and the closure round which it leads: none, since
+    /// ways round closures are found without times.
+    pub(super) fn route_on_time(
         &self,
         floor: Floor<'_>,
         (worker, at): (WorkerId, Point),
         goal: Point,
         cut: &EdgeSet,
         now: Time,
-    ) -> Option<TimedPath> {
+    ) -> Option<(Vec<Point>, Option<ClosureId>)> {
+        let is_ours = floor.settings.policy == HumanAwarePolicy::Giveway;
+        if !is_ours || !self.barred.is_empty(now) {
+            return None;
+        }
         let occupied = self.occupied(floor, worker, at, now);
-        self.walkways.timed_path((at, goal), cut, &occupied, (now, WALKS_MPS), LABELS)
+        let way = self.walkways.timed_path((at, goal), cut, &occupied, (now, WALKS_MPS), LABELS)?;
+        Some((way.points, None))
     }
 
     /// Has a worker wait for whom waiting a moment is the earliest way, or shows another way that is there earlier.
@@ -98,6 +104,7 @@ impl HumanState {
             (None, best) => best,
             (Some(_), None) => None,
         };
+        let other = other.filter(|way| self.barred.met(&way.points, now).is_none());
         let first_wait = other.as_ref().or(along.as_ref()).and_then(|way| first_wait(way, now));
         let person = &mut self.people[worker];
         person.on_time_at = Some(now);

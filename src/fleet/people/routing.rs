@@ -53,12 +53,13 @@ impl HumanState {
         at: Point,
         now: Time,
     ) {
-        let next = core.floor().next_assignment(worker);
+        let next = self.next_open_assignment(core.floor(), worker, at, now);
         let person = &self.people[worker];
         let current = person.plan.as_ref().and_then(|p| p.assignment);
         if person.plan.is_some() && (current == next || current.is_none()) {
             return;
         }
+        Self::lay_aside(core, current.filter(|id| next != Some(*id)), now);
         match next {
             Some(id) => {
                 if core.ledger.assignments[&id].state == AssignmentState::Waiting {
@@ -68,8 +69,9 @@ impl HumanState {
                 self.route_on(core, yielding, worker, at, now);
             }
             None => {
+                let by_closure = self.waits_for_closure(core.floor(), worker, at, now);
                 let person = &mut self.people[worker];
-                (person.plan, person.mode) = (None, WalkMode::Idle);
+                (person.plan, person.mode, person.by_closure) = (None, WalkMode::Idle, by_closure);
             }
         }
     }
@@ -83,30 +85,27 @@ impl HumanState {
         at: Point,
         now: Time,
     ) {
-        let Some(id) = core.floor().next_assignment(worker) else {
+        let next = self.next_open_assignment(core.floor(), worker, at, now);
+        let Some(id) = next.filter(|_| core.ledger.evacuation.is_none()) else {
             self.people[worker].plan = None;
             return;
         };
         let request = &core.ledger.assignments[&id].request;
         let (goal, stay) = (core.warehouse().nodes[request.place].at, request.stay);
-        let cut = self.edges_blocked_for_long(core.floor(), yielding, now);
+        let cut = self.edges_robots_block(core.floor(), yielding, now);
         let free = self.walkways.no_edges();
-        let ours = core.settings.policy == HumanAwarePolicy::Giveway;
-        let on_time = || self.way_on_time(core.floor(), (worker, at), goal, &cut, now).map(|way| way.points);
-        let way = |cut| self.walkways.path(at, goal, cut).map(|way| way.points);
-        let way = ours
-            .then(on_time)
-            .flatten()
-            .or_else(|| way(&cut))
-            .or_else(|| way(&free))
-            .or_else(|| self.way_from_beside(at, goal));
+        let way = |cut| self.barred.way_round(&self.walkways, (at, goal), cut, now);
+        let beside = || self.way_from_beside(at, goal).map(|points| (points, None));
+        let on_time = self.route_on_time(core.floor(), (worker, at), goal, &cut, now);
+        let way = on_time.or_else(|| way(&cut)).or_else(|| way(&free)).or_else(beside);
         let person = &mut self.people[worker];
         match way {
-            Some(mut points) => {
+            Some((mut points, round)) => {
                 self.walkways.on_floor(goal).into_iter().for_each(|g| {
                     *points.last_mut().expect("a way has two ends") = g;
                 });
                 person.give(points, Some(id), stay, now);
+                person.by_closure = round.map(GuidanceReason::RoundClosure);
                 if !matches!(person.mode, WalkMode::Deviating { .. }) {
                     person.mode = WalkMode::Following;
                 }
@@ -316,9 +315,21 @@ impl HumanState {
         floor.ledger.present().find(stops)
     }
 
+    /// Walkways that robots block for long, and those in areas that are closed to people.
+    pub(super) fn edges_blocked_for_long(
+        &self,
+        floor: Floor<'_>,
+        yielding: &YieldingState,
+        now: Time,
+    ) -> EdgeSet {
+        let mut cut = self.edges_robots_block(floor, yielding, now);
+        self.barred.cut_shut(&self.walkways, &mut cut, now);
+        cut
+    }
+
     /// Walkways on which robots rest, are broken, or have yielded for long: no worker waits for those to go away. One
     /// that yields and has nowhere to go would be met again and again, by a worker who is led from one to the next.
-    pub(super) fn edges_blocked_for_long(
+    pub(super) fn edges_robots_block(
         &self,
         floor: Floor<'_>,
         yielding: &YieldingState,

@@ -3,9 +3,10 @@
 //! Main types: [`HumanState`], [`Person`], [`WalkMode`]. Refuses: to decide.
 
 use crate::aware::Afoot;
+use crate::fleet::people::barred::Barred;
 use crate::fleet::people::intents::Intents;
 use crate::fleet::state::regions::{KindConditions, KindRegions};
-use crate::fleet::state::worker::Guidance;
+use crate::fleet::state::worker::{Guidance, GuidanceReason};
 use crate::geometry::Point;
 use crate::human::motion::Motion;
 use crate::human::{Coverage, Follower, Hypothesis, Method, Track, Whereabouts};
@@ -89,6 +90,12 @@ pub(in crate::fleet) struct Person {
     pub lingers: Option<(Point, Time)>,
     /// Since when a robot has been standing on the path just ahead.
     pub blocked_since: Option<(RobotId, Time)>,
+    /// What a closed area means for the path, if anything.
+    pub by_closure: Option<GuidanceReason>,
+    /// The shortest way to a door while the building is evacuated, whatever robots stand on it.
+    pub way_out: Vec<Point>,
+    /// When closed areas were minded last.
+    pub minded: Option<Time>,
     /// The robot that the worker lets pass, if one.
     pub lets_pass: Option<LetsPass>,
     /// When the worker let a robot pass last.
@@ -154,6 +161,8 @@ pub(in crate::fleet) struct HumanState {
     pub people: IdVec<WorkerId, Person>,
     /// Whether forecasts hold.
     pub coverage: Coverage,
+    /// What is closed to people.
+    pub barred: Barred,
     /// Robots for which people have stood aside lately, with when they were asked last.
     pub passed: BTreeMap<RobotId, Time>,
     /// What people mean for robots of each kind, in this step.
@@ -170,6 +179,7 @@ impl HumanState {
             walkways,
             people: IdVec::new(),
             coverage: Coverage::default(),
+            barred: Barred::default(),
             passed: BTreeMap::new(),
             conditions: KindConditions::none(warehouse, regions),
         }
@@ -226,6 +236,7 @@ impl Person {
         self.was_there = left.map(|(id, since)| (id, now - since)).or(self.was_there);
         let follower = Follower::new(points);
         self.plan = Some(Plan { follower, assignment, stay, made: now, is_shown: true });
+        self.by_closure = None;
         self.version += 1;
     }
 

@@ -50,6 +50,8 @@ impl Fleet {
             stations,
             workers,
             closures,
+            recurring: self.core.ledger.recurring.clone(),
+            evacuation: self.core.ledger.evacuation,
             blocked,
             kinds,
             free: of_kind,

@@ -8,12 +8,13 @@ use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::job::{Job, JobKind, JobState};
 use crate::fleet::state::ledger::RackAt;
+use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::why::Why;
 use crate::fleet::state::worker::{ClosureView, WorkerView};
 use crate::fleet::traffic::state::InsertionCounts;
 use crate::geometry::Pose;
 use crate::human::HorizonCoverage;
-use crate::id::{BodyId, Dense, JobId, NodeId, RackId, RobotId, StationId};
+use crate::id::{BodyId, Dense, JobId, NodeId, RackId, RobotId, SeriesId, StationId};
 use crate::time::Time;
 use crate::warehouse::{NodeKind, Warehouse};
 use std::collections::{BTreeMap, BTreeSet};
@@ -32,8 +33,12 @@ pub struct View {
     pub stations: Vec<StationView>,
     /// Every worker, by number.
     pub workers: Vec<WorkerView>,
-    /// Areas that robots keep out of.
+    /// Closed areas.
     pub closures: Vec<ClosureView>,
+    /// Areas that are closed again and again.
+    pub recurring: BTreeMap<SeriesId, RecurringClosure>,
+    /// Since when everybody is to leave the building.
+    pub evacuation: Option<Time>,
     /// Waiting jobs that come after others, each with one that is not over yet. A robot that jobs name does one first.
     pub blocked: BTreeMap<JobId, JobId>,
     /// The kinds of robots that have joined.

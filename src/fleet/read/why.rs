@@ -6,13 +6,15 @@
 
 use crate::fleet::Fleet;
 use crate::fleet::JobState;
+use crate::fleet::people::keep_out::COMES_OUT;
 use crate::fleet::read::view::{JobWhy, View};
 use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::wait_graph::{ChainEnd, Edge, Party, Wait};
 use crate::fleet::state::why::Why;
 use crate::fleet::traffic::state::Withheld;
-use crate::id::{JobId, ResourceId, RobotId, WorkerId};
+use crate::human::{Presence, Whereabouts};
+use crate::id::{ClosureId, JobId, ResourceId, RobotId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::Holder;
 use std::collections::BTreeSet;
@@ -248,6 +250,15 @@ impl Fleet {
             Some(LostWorker { worker, silent, waiting })
         });
         lost.collect()
+    }
+
+    /// Workers who are in an area that is closed to people, though they had time to leave it.
+    pub fn in_closed_areas(&self, now: Time) -> Vec<(WorkerId, ClosureId)> {
+        let inside = |(worker, place): (WorkerId, Whereabouts)| {
+            let closure = self.people.barred.closed_for(place.at, COMES_OUT, now)?;
+            (place.presence != Presence::Lost).then_some((worker, closure))
+        };
+        self.people.present(now).into_iter().filter_map(inside).collect()
     }
 
     /// People whom the fleet has kept in one spot for longer than this: waiting for a robot, for a way, or to let a

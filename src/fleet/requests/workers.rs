@@ -6,9 +6,11 @@ use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::heard::WorkerInput;
 use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
+use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, Closure};
-use crate::id::{AssignmentId, ClosureId, Dense, NodeId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, Dense, NodeId, SeriesId, WorkerId};
 use crate::time::Time;
+use crate::warehouse::NodeKind;
 
 impl Intake<'_> {
     /// Takes a request about people in.
@@ -22,6 +24,10 @@ impl Intake<'_> {
             }
             Input::Close { token, area } => (token, self.close(token, area)),
             Input::Reopen { token, closure } => (token, self.reopen(token, closure, now)),
+            Input::Recur { token, closure } => (token, self.recur(token, closure)),
+            Input::EndSeries { token, series } => (token, self.end_series(token, series, now)),
+            Input::Evacuate { token } => (token, self.evacuate(token, now)),
+            Input::EndEvacuation { token } => (token, self.end_evacuation(token, now)),
             Input::ClearWorker { token, worker } => (token, self.clear_worker(token, worker)),
             Input::Halt { token, robot } => (token, self.halt(token, robot, now)),
             Input::Release { token, robot } => (token, self.release(token, robot, now)),
@@ -108,18 +114,24 @@ impl Intake<'_> {
         Ok(Reply::Done { token })
     }
 
-    fn close(&mut self, token: u64, area: Closure) -> Result<Reply, Refusal> {
+    /// Whether an area can be closed.
+    fn check_area(&self, area: &Closure) -> Result<(), Refusal> {
         if area.outline.len() < 3 || area.window.start() >= area.window.end() {
             return Err(Refusal::EmptyArea);
         }
         if area.outline.len() > self.core.settings.corners_max {
             return Err(Refusal::TooManyCorners(self.core.settings.corners_max));
         }
-        if self.core.ledger.closures.len() >= self.core.settings.closures_max {
-            return Err(Refusal::TooMany(Bounded::Closures, self.core.ledger.closures.len()));
-        }
         if area.nodes.iter().any(|n| self.core.warehouse().nodes.get(*n).is_none()) {
             return Err(Refusal::UnknownPlace);
+        }
+        Ok(())
+    }
+
+    fn close(&mut self, token: u64, area: Closure) -> Result<Reply, Refusal> {
+        self.check_area(&area)?;
+        if self.core.ledger.closures.len() >= self.core.settings.closures_max {
+            return Err(Refusal::TooMany(Bounded::Closures, self.core.ledger.closures.len()));
         }
         let closure = ClosureId(self.core.ledger.next_closure);
         self.core.record(Fact::Closed { closure, area });
@@ -131,6 +143,52 @@ impl Intake<'_> {
             return Err(Refusal::UnknownClosure(closure));
         }
         self.core.record(Fact::Reopened { closure, at: now });
+        Ok(Reply::Done { token })
+    }
+
+    fn recur(&mut self, token: u64, closure: RecurringClosure) -> Result<Reply, Refusal> {
+        self.check_area(&closure.area)?;
+        if !closure.can_be() {
+            return Err(Refusal::Recurrence);
+        }
+        let ledger = &self.core.ledger;
+        if ledger.recurring.len() >= self.core.settings.series_max {
+            return Err(Refusal::TooMany(Bounded::Series, ledger.recurring.len()));
+        }
+        let series = SeriesId(ledger.next_series);
+        let area = Closure { series: Some(series), ..closure.area };
+        self.core.record(Fact::Recurs { series, closure: RecurringClosure { area, ..closure } });
+        Ok(Reply::Recurs { token, series })
+    }
+
+    /// A closure recurs no more; what is announced of it, or in force, ends.
+    fn end_series(&mut self, token: u64, series: SeriesId, now: Time) -> Result<Reply, Refusal> {
+        if !self.core.ledger.recurring.contains_key(&series) {
+            return Err(Refusal::UnknownSeries(series));
+        }
+        let closures = self.core.ledger.closures.iter();
+        let open = closures.filter(|(_, c)| c.series == Some(series) && now < c.window.end());
+        let open: Vec<ClosureId> = open.map(|(id, _)| *id).collect();
+        self.core.record(Fact::SeriesEnded { series, at: now });
+        open.into_iter().for_each(|closure| self.core.record(Fact::Reopened { closure, at: now }));
+        Ok(Reply::Done { token })
+    }
+
+    /// Everybody is to leave the building; said again, it changes nothing.
+    fn evacuate(&mut self, token: u64, now: Time) -> Result<Reply, Refusal> {
+        if self.core.warehouse().nodes_where(|k| k == NodeKind::Exit).is_empty() {
+            return Err(Refusal::NoExits);
+        }
+        if self.core.ledger.evacuation.is_none() {
+            self.core.record(Fact::Evacuated { at: now });
+        }
+        Ok(Reply::Done { token })
+    }
+
+    fn end_evacuation(&mut self, token: u64, now: Time) -> Result<Reply, Refusal> {
+        if self.core.ledger.evacuation.is_some() {
+            self.core.record(Fact::EvacuationEnded { at: now });
+        }
         Ok(Reply::Done { token })
     }
 

@@ -11,6 +11,7 @@ use crate::route::{Cause, Condition, Effect, Exemption};
 use crate::time::{Span, Time, Window};
 use crate::timeline::Visit;
 use smallvec::SmallVec;
+use std::collections::BTreeSet;
 
 /// Holds farther ahead than this are not looked at: much can happen before.
 const AHEAD: Span = Span::from_secs(12);
@@ -18,6 +19,10 @@ const AHEAD: Span = Span::from_secs(12);
 const PASSING: Span = Span::from_millis(1500);
 /// Grants look no farther ahead: stops take as long as they take.
 pub(in crate::fleet) const STOPPING: Span = Span::from_secs(8);
+
+/// Half of a robot with a rack, and a person beside it, metres: a robot on a node nearer than this to somebody's way
+/// is on it.
+pub(in crate::fleet) const WAY_M: f64 = 0.9;
 
 impl Floor<'_> {
     /// What does not bind a robot. If it is too near to a worker already, it may go wherever it comes no nearer. If it
@@ -28,7 +33,9 @@ impl Floor<'_> {
         let mut exemptions: SmallVec<[Exemption; 2]> = SmallVec::new();
         for c in self.conditions(robot).of(node) {
             let binds = matches!(c.effect, Effect::NoEntryOrExit | Effect::Closed) && c.window.contains(now);
-            if !binds || exemptions.iter().any(|a| a.from == c.cause) {
+            // Only who is on a way out leaves it: what was granted there does not let a robot on.
+            let enters = c.cause == Cause::Evacuation && !self.is_on(robot, &self.restrictions.ways_out);
+            if !binds || enters || exemptions.iter().any(|a| a.from == c.cause) {
                 continue;
             }
             exemptions.extend(self.exemption_from(node, c.cause));
@@ -36,11 +43,20 @@ impl Floor<'_> {
         exemptions
     }
 
+    /// Whether a robot is on one of these nodes.
+    pub(in crate::fleet) fn is_on(&self, robot: RobotId, nodes: &BTreeSet<NodeId>) -> bool {
+        let chain = self.ledger.chain(robot);
+        let at = self.place_of(robot);
+        let held = (chain.first()..chain.granted()).filter_map(|s| chain.get(s)).map(|v| v.node);
+        let mut on = held.filter(|n| nodes.contains(n));
+        on.any(|n| (self.at(n) - at).norm() < WAY_M)
+    }
+
     /// The exemption with which a robot on a node may go wherever it comes no nearer to what it is to leave.
     pub(in crate::fleet) fn exemption_from(&self, node: NodeId, from: Cause) -> Option<Exemption> {
         let at = match from {
             Cause::Worker(worker) => self.restrictions.nearest_place(worker, self.at(node))?,
-            Cause::Closure(_) => self.at(node),
+            Cause::Closure(_) | Cause::Evacuation => self.at(node),
             Cause::Robot(robot) => self.place_of(robot),
             Cause::Obstruction(there) => self.at(there),
         };

@@ -4,6 +4,7 @@
 //! Main type: [`Areas`]. Refuses: to know of people, whose conditions are made anew in every step.
 
 use crate::aware::nodes_in;
+use crate::fleet::state::recurring::LOOKS;
 use crate::fleet::state::regions::KindConditions;
 use crate::fleet::state::worker::Closure;
 use crate::geometry::Point;
@@ -18,6 +19,9 @@ pub(in crate::fleet) const SOON: Span = Span::from_secs(180);
 
 /// A closure that is over stays in the list for so long.
 const KEPT: Span = Span::from_secs(24 * 3600);
+
+/// An occurrence of a recurring closure for so long: there are many, and the recurring closure stays.
+const KEPT_OCCURRENCE: Span = Span::from_secs(3600);
 
 /// The search is told of a closure so long before it begins: no route takes longer, and closures of months ahead would
 /// only be in its way.
@@ -40,6 +44,8 @@ pub(in crate::fleet) struct Areas {
     cut_off: BTreeMap<NodeId, Time>,
     changes: u64,
     next: Option<Time>,
+    /// When recurring closures were looked at last, and how many changes there had been.
+    recurring: Option<(Time, u64)>,
     /// When the first closure has been over for so long that it is forgotten.
     forget: Option<Time>,
 }
@@ -64,7 +70,7 @@ impl Areas {
             area.nodes.iter().for_each(|n| conditions.lift(*n, Cause::Closure(id)));
         }
         let ahead = Window::new(now, now + AHEAD);
-        for (id, closure) in closures.iter().filter(|(_, c)| c.window.overlaps(ahead)) {
+        for (id, closure) in closures.iter().filter(|(_, c)| c.binds.robots() && c.window.overlaps(ahead)) {
             let window = closure.window;
             self.open.entry(*id).or_insert_with(|| {
                 let nodes = nodes_of(closure, warehouse);
@@ -75,7 +81,16 @@ impl Areas {
         }
         self.note_closing(warehouse, now);
         self.next = closures.values().filter_map(|c| next_change(c.window, now)).min();
-        self.forget = closures.values().map(|c| c.window.end() + KEPT).min();
+        self.forget = closures.values().map(forgotten_at).min();
+    }
+
+    /// Whether recurring closures are to be looked at; asked once, it is not for a while.
+    pub fn looks_at_recurring(&mut self, changes: u64, now: Time) -> bool {
+        let looks = self.recurring.is_none_or(|(at, before)| before != changes || now >= at + LOOKS);
+        if looks {
+            self.recurring = Some((now, changes));
+        }
+        looks
     }
 
     /// Closures that have been over for so long that they are to be forgotten.
@@ -83,7 +98,7 @@ impl Areas {
         if self.forget.is_none_or(|t| now < t) {
             return Vec::new();
         }
-        closures.iter().filter(|(_, c)| c.window.end() + KEPT <= now).map(|(id, _)| *id).collect()
+        closures.iter().filter(|(_, c)| forgotten_at(c) <= now).map(|(id, _)| *id).collect()
     }
 
     /// Since when, or from when on, a node is closed by hand, if it is or will be soon.
@@ -118,6 +133,11 @@ impl Areas {
         let begins = |n: NodeId| self.closing.get(&n).copied();
         self.cut_off = self.closing.keys().flat_map(|n| storage_behind(warehouse, *n, begins)).collect();
     }
+}
+
+/// When a closure is forgotten.
+fn forgotten_at(closure: &Closure) -> Time {
+    closure.window.end() + if closure.series.is_some() { KEPT_OCCURRENCE } else { KEPT }
 }
 
 /// When a closure is told to the search, begins to count, or ends, whichever is next.

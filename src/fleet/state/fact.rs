@@ -4,8 +4,9 @@
 //! rewrite history. Refuses: observations (poses, battery), which are seen again after a restart.
 
 use crate::fleet::state::job::{JobRequest, JobState};
+use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, Closure, Encounter, Reaction};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::{Shift, Visit};
 
@@ -174,6 +175,37 @@ pub enum Fact {
     Reopened {
         /// Which.
         closure: ClosureId,
+        /// When.
+        at: Time,
+    },
+    /// An area is closed again and again. Recurring closures are numbered in order of marking.
+    Recurs {
+        /// The new number.
+        series: SeriesId,
+        /// Where, when, why.
+        closure: RecurringClosure,
+    },
+    /// An occurrence of a recurring closure was announced, or passed over: this one is the next.
+    Scheduled {
+        /// Which.
+        series: SeriesId,
+        /// When the next one begins that is not announced; nothing where there is none.
+        next: Option<Time>,
+    },
+    /// A closure recurs no more.
+    SeriesEnded {
+        /// Which.
+        series: SeriesId,
+        /// When.
+        at: Time,
+    },
+    /// Everybody is to leave the building.
+    Evacuated {
+        /// When.
+        at: Time,
+    },
+    /// People may come back, and robots go on.
+    EvacuationEnded {
         /// When.
         at: Time,
     },

@@ -5,10 +5,11 @@
 use crate::fleet::state::fact::{Act, Fact};
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::job::JobRequest;
+use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::worker::{AssignmentRequest, Closure, Guidance};
 use crate::geometry::Pose;
 use crate::human::Sighting;
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::Time;
 use crate::timeline::Reserved;
 use crate::warehouse::NodeKind;
@@ -126,6 +127,30 @@ pub enum Input {
         /// Which.
         closure: ClosureId,
     },
+    /// An area is to be closed again and again.
+    Recur {
+        /// Comes back with the reply.
+        token: u64,
+        /// Where, when, why.
+        closure: RecurringClosure,
+    },
+    /// A closure is to recur no more, and its occurrences end.
+    EndSeries {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        series: SeriesId,
+    },
+    /// Everybody is to leave the building: robots clear the ways out, and stand.
+    Evacuate {
+        /// Comes back with the reply.
+        token: u64,
+    },
+    /// The evacuation is over.
+    EndEvacuation {
+        /// Comes back with the reply.
+        token: u64,
+    },
     /// One robot, or the whole fleet, is to stand until it is released.
     Halt {
         /// Comes back with the reply.
@@ -178,6 +203,10 @@ impl Input {
             | Input::Finish { token, .. }
             | Input::Close { token, .. }
             | Input::Reopen { token, .. }
+            | Input::Recur { token, .. }
+            | Input::EndSeries { token, .. }
+            | Input::Evacuate { token }
+            | Input::EndEvacuation { token }
             | Input::Halt { token, .. }
             | Input::Release { token, .. }
             | Input::Station { token, .. }
@@ -333,6 +362,13 @@ pub enum Reply {
         /// Its number.
         closure: ClosureId,
     },
+    /// The area is closed again and again.
+    Recurs {
+        /// Of the request.
+        token: u64,
+        /// Its number.
+        series: SeriesId,
+    },
     /// It is so: a worker is cleared, an assignment cancelled, an area open again, a robot halted or released, a job
     /// has its priority.
     Done {
@@ -358,6 +394,7 @@ impl Reply {
             | Reply::WorkerRegistered { token, .. }
             | Reply::Assigned { token, .. }
             | Reply::Closed { token, .. }
+            | Reply::Recurs { token, .. }
             | Reply::Done { token }
             | Reply::Refused { token, .. } => token,
         }
@@ -377,6 +414,8 @@ pub enum Bounded {
     Workers,
     /// Closures that are announced, closed, or over since less than a day.
     Closures,
+    /// Recurring closures.
+    Series,
 }
 
 /// Why a request is refused.
@@ -414,6 +453,12 @@ pub enum Refusal {
     UnknownAssignment(AssignmentId),
     /// No area is closed under this number.
     UnknownClosure(ClosureId),
+    /// No recurring closure has this number.
+    UnknownSeries(SeriesId),
+    /// A closure recurs too often, before an occurrence is over, or never.
+    Recurrence,
+    /// The map has no doors.
+    NoExits,
     /// People cannot walk to this node.
     OutOfReach(NodeId),
     /// An area needs three corners and some time.

@@ -21,6 +21,7 @@ pub mod ledger;
 pub mod life;
 pub(in crate::fleet) mod needs;
 pub(in crate::fleet) mod planners;
+pub mod recurring;
 pub(in crate::fleet) mod regions;
 pub(in crate::fleet) mod restrictions;
 pub mod scene;

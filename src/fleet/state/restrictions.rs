@@ -8,7 +8,7 @@ use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::regions::{KindConditions, KindRegions};
 use crate::geometry::Point;
 use crate::human::Whereabouts;
-use crate::id::{IdVec, NodeId, WorkerId};
+use crate::id::{IdVec, NodeId, RobotId, WorkerId};
 use crate::time::Time;
 use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -28,6 +28,10 @@ pub(in crate::fleet) struct Restrictions {
     pub cut_off: Arc<CutOff>,
     /// Where each worker is, if on the floor.
     pub workers: IdVec<WorkerId, Option<Whereabouts>>,
+    /// Nodes on the ways of workers to the doors while the building is evacuated.
+    pub ways_out: BTreeSet<NodeId>,
+    /// Robots that may move meanwhile.
+    pub clears_ways_out: BTreeSet<RobotId>,
     /// Workers who stand to let a robot pass.
     pub let_pass: BTreeSet<WorkerId>,
     /// Where else they may be, if their sources do not agree.
@@ -43,6 +47,8 @@ impl Restrictions {
             closing: BTreeMap::new(),
             cut_off: Arc::default(),
             workers: IdVec::new(),
+            ways_out: BTreeSet::new(),
+            clears_ways_out: BTreeSet::new(),
             let_pass: BTreeSet::new(),
             others: Vec::new(),
         }

@@ -30,6 +30,8 @@ pub struct Settings {
     pub workers_max: usize,
     /// How many closures there may be, announced, closed, or over since less than a day.
     pub closures_max: usize,
+    /// How many closures may recur.
+    pub series_max: usize,
     /// After how many others a job may come.
     pub after_max: usize,
     /// How many corners an area may have.
@@ -60,6 +62,7 @@ impl Default for Settings {
             robots_max: 10_000,
             workers_max: 1_000,
             closures_max: 2_000,
+            series_max: 100,
             after_max: 100,
             corners_max: 100,
             policy: HumanAwarePolicy::default(),

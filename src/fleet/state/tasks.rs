@@ -13,7 +13,13 @@ impl Floor<'_> {
     /// Whether a robot is to stand, by itself or with all others, or since it is fenced off.
     pub fn is_halted(&self, robot: RobotId) -> bool {
         let record = &self.ledger.robots[robot];
-        self.ledger.stopped.is_some() || record.paused.is_some() || record.fenced.is_some()
+        let by_hand = self.ledger.stopped.is_some() || record.paused.is_some() || record.fenced.is_some();
+        by_hand || self.stands_by(robot)
+    }
+
+    /// Whether a robot stands because the building is evacuated, and it is in nobody's way.
+    pub fn stands_by(&self, robot: RobotId) -> bool {
+        self.ledger.evacuation.is_some() && !self.restrictions.clears_ways_out.contains(&robot)
     }
 
     /// Whether a robot may drive up to its next stop already, and will do there what it was told.

@@ -47,6 +47,8 @@ pub enum Why {
     Gone,
     /// An operator stopped the whole fleet.
     Stopped,
+    /// The building is evacuated.
+    Evacuation,
 }
 
 impl Why {
@@ -54,8 +56,8 @@ impl Why {
     /// person who stopped it, ends that.
     pub fn is_by_itself(self) -> bool {
         use Why::{
-            Displaced, EmergencyStop, Failed, Gone, Leaving, Maintenance, Manual, Paused, Silent, Stopped,
-            Unplugged,
+            Displaced, EmergencyStop, Evacuation, Failed, Gone, Leaving, Maintenance, Manual, Paused, Silent,
+            Stopped, Unplugged,
         };
         matches!(
             self,
@@ -67,6 +69,7 @@ impl Why {
                 | Paused
                 | Maintenance
                 | Stopped
+                | Evacuation
                 | Leaving
                 | Gone
         ) || self == Unplugged

@@ -7,7 +7,7 @@ pub use crate::human::{FeedCounts, Presence};
 
 use crate::geometry::{Point, Pose, Spot};
 use crate::human::IntentState;
-use crate::id::{AssignmentId, ClosureId, NodeId, RobotId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, NodeId, RobotId, SeriesId, WorkerId};
 use crate::time::{Span, Time, Window};
 
 /// What a worker is to do, as it is handed in.
@@ -69,7 +69,45 @@ pub struct Assignment {
     pub accepted: Time,
 }
 
-/// An area that robots keep out of, marked by hand.
+/// Whom a closure keeps out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Binds {
+    /// Robots alone: people are at work there.
+    Robots,
+    /// People alone.
+    People,
+    /// Everybody.
+    #[default]
+    Both,
+}
+
+impl Binds {
+    /// Whether robots are kept out.
+    pub fn robots(self) -> bool {
+        self != Binds::People
+    }
+
+    /// Whether people are kept out.
+    pub fn people(self) -> bool {
+        self != Binds::Robots
+    }
+
+    /// What a word on the wire stands for.
+    pub fn of(word: &str) -> Option<Binds> {
+        [Binds::Robots, Binds::People, Binds::Both].into_iter().find(|b| b.word() == word)
+    }
+
+    /// The word for it on the wire.
+    pub fn word(self) -> &'static str {
+        match self {
+            Binds::Robots => "robots",
+            Binds::People => "people",
+            Binds::Both => "both",
+        }
+    }
+}
+
+/// An area that robots, people or both keep out of, marked by hand.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Closure {
     /// Its outline; where nodes are named, only to be shown.
@@ -80,6 +118,10 @@ pub struct Closure {
     pub window: Window,
     /// Why, in the supervisor's words.
     pub reason: String,
+    /// Whom it keeps out.
+    pub binds: Binds,
+    /// The recurring closure of which it is one occurrence.
+    pub series: Option<SeriesId>,
 }
 
 /// How a closure stands.
@@ -186,6 +228,14 @@ pub enum GuidanceReason {
     PlaceUnsure(RobotId),
     /// The worker stands where a rack or a station is that waiting jobs need, or on the only way there.
     CutsOff,
+    /// The way leads round an area that is closed to people, or soon will be.
+    RoundClosure(ClosureId),
+    /// The area in which the worker stands is closed: the path leads out.
+    LeavesClosure(ClosureId),
+    /// The place of the assignment is in an area that is closed to people, or would be before the work is done.
+    PlaceClosed(ClosureId),
+    /// The building is evacuated: the path leads to a door.
+    Evacuation,
     /// No way to the place is free.
     NoWay,
     /// The headset does not know where it is.
@@ -305,7 +355,7 @@ pub struct WorkerEpisode {
     pub since: Time,
 }
 
-/// An area that robots keep out of, as outsiders see it.
+/// A closed area, as outsiders see it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClosureView {
     /// Its number.

@@ -325,7 +325,10 @@ fn closures_and_assignments_keep_what_is_left_of_them() {
     let corner = |x_mm, y_mm| Spot { x_mm, y_mm };
     let area = |outline: Vec<Spot>, nodes: Vec<NodeId>| {
         let (window, reason) = (Window::from(Time(9_000_000_000)), "wet".to_owned());
-        Input::Close { token: 7, area: Closure { outline, nodes, window, reason } }
+        Input::Close {
+            token: 7,
+            area: Closure { outline, nodes, window, reason, binds: Binds::Robots, series: None },
+        }
     };
     let outline = vec![corner(0, 0), corner(900, 0), corner(0, 900)];
     let assigned = |place, key: &str| {

@@ -10,8 +10,7 @@ fn charging_so(charging: Charging) -> Vec<KindShare> {
 /// The hall of the thesis with so many chargers, and batteries that last for an hour of driving.
 fn few_chargers(robots: usize, chargers: usize) -> Scenario {
     let closed = (chargers + 1..=10).map(|i| format!("C{i}-15")).collect();
-    let closing =
-        Closing { outline: Vec::new(), nodes: closed, from_s: 0.0, until_s: None, reason: "no power".into() };
+    let closing = Closing { nodes: closed, ..Closing::default() };
     let charging = Charging { driving_h: 1.0, ..Charging::default() };
     Scenario {
         demand: Demand::Backlog(robots),

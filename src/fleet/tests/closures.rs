@@ -18,6 +18,8 @@ fn aisle(from_s: f64, until_s: f64) -> Closure {
         nodes: Vec::new(),
         window: Window::new(seconds(from_s), seconds(until_s)),
         reason: "repair".into(),
+        binds: Binds::Robots,
+        series: None,
     }
 }
 
@@ -87,7 +89,14 @@ fn a_robot_that_waits_for_an_area_goes_on_at_once_when_it_is_opened_early() {
     let at = w.nodes[queue].at;
     let corners = [(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)];
     let outline = corners.iter().map(|(x, y)| Point::new(at.x + x, at.y + y).into()).collect();
-    let closure = floor.close(Closure { outline, nodes: Vec::new(), window, reason: "oil".into() });
+    let closure = floor.close(Closure {
+        outline,
+        nodes: Vec::new(),
+        window,
+        reason: "oil".into(),
+        binds: Binds::Robots,
+        series: None,
+    });
     let job = floor.submit(request(JobKind::Deliver { rack: RackId(3), station, pick: None }));
     floor.run(120);
     assert!(floor.state(job).is_some(), "it cannot be served while the way there is closed");
@@ -157,7 +166,14 @@ fn robots_that_rest_inside_leave_before_it_begins() {
     let corners = [(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)];
     let outline = corners.iter().map(|(x, y)| Point::new(at.x + x, at.y + y).into()).collect();
     let window = Window::new(seconds(60.0), seconds(600.0));
-    floor.close(Closure { outline, nodes: Vec::new(), window, reason: "floor is painted".into() });
+    floor.close(Closure {
+        outline,
+        nodes: Vec::new(),
+        window,
+        reason: "floor is painted".into(),
+        binds: Binds::Robots,
+        series: None,
+    });
     floor.run(60);
     assert_ne!(floor.fleet.ledger().node_of(robot), home);
     assert!(floor.is_idle(robot), "and rests somewhere else");

@@ -21,7 +21,14 @@ fn refusals(fleet: &mut Fleet, inputs: Vec<Input>) -> Vec<Option<Refusal>> {
 fn area(corners: usize) -> Closure {
     let corner = |i: usize| Spot::from(Point::new(i as f64, (i * i) as f64));
     let window = Window::new(Time(1_000_000), Time(2_000_000));
-    Closure { outline: (0..corners).map(corner).collect(), nodes: vec![], window, reason: "test".into() }
+    Closure {
+        outline: (0..corners).map(corner).collect(),
+        nodes: vec![],
+        window,
+        reason: "test".into(),
+        binds: Binds::Robots,
+        series: None,
+    }
 }
 
 #[test]

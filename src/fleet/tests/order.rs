@@ -121,7 +121,7 @@ fn close(floor: &mut TestFloor, nodes: Vec<NodeId>, from_s: i64, until_s: i64) -
     let at = |s: i64| floor.now + Span::from_secs(s);
     let spot = |x: f64| Spot::from(crate::geometry::Point::new(x, x * x));
     let (window, outline) = (Window::new(at(from_s), at(until_s)), vec![spot(0.0), spot(1.0), spot(2.0)]);
-    let area = Closure { outline, nodes, window, reason: "test".into() };
+    let area = Closure { outline, nodes, window, reason: "test".into(), binds: Binds::Robots, series: None };
     match floor.step(vec![Input::Close { token: 9, area }]).replies.remove(0) {
         Reply::Closed { closure, .. } => closure,
         other => panic!("not closed: {other:?}"),

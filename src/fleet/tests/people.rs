@@ -44,7 +44,8 @@ impl Puppet {
         self.sighting(now)
     }
 
-    fn walk(&mut self, floor: &TestFloor) {
+    /// Goes on along the way for one period.
+    pub(super) fn walk_on(&mut self, floor: &TestFloor) {
         let mut left = 1.2 * STEP_S;
         while let Some(next) = self.way.first().copied() {
             let to = next - self.at;
@@ -98,7 +99,7 @@ impl TestFloor {
         if let Some((_, g)) = told.filter(|_| !puppet.own) {
             puppet.way = if g.state == GuidanceState::Stop { vec![] } else { g.path.clone() };
         }
-        puppet.walk(self);
+        puppet.walk_on(self);
         // Nobody is run over: a robot that touches somebody stands, or nearly.
         for (r, t) in self.world.truth() {
             let touches = crate::geometry::axis_distance(t.pose.at, puppet.at) < 0.45 + 0.2;
@@ -278,7 +279,14 @@ fn robots_keep_out_of_a_closed_area_until_it_is_open_again() {
     ];
     let outline = outline.map(|(x, y)| Point::new(x, y).into()).to_vec();
     let window = crate::time::Window::new(Time::ZERO, Time(120_000_000));
-    let area = Closure { outline: outline.clone(), nodes: vec![], window, reason: "a spill".into() };
+    let area = Closure {
+        outline: outline.clone(),
+        nodes: vec![],
+        window,
+        reason: "a spill".into(),
+        binds: Binds::Robots,
+        series: None,
+    };
     floor.step(vec![Input::Close { token: 3, area }]);
     floor.submit_batch(10);
     let inside = |p: Point| (p.y - (middle + 0.05)).abs() < 0.45;
@@ -338,7 +346,14 @@ fn of_an_area_of_nodes_exactly_these_are_closed() {
     // Whatever is drawn around them.
     let outline = [(-9.0, -9.0), (99.0, -9.0), (0.0, 99.0)].map(|(x, y)| Point::new(x, y).into()).to_vec();
     let window = crate::time::Window::new(Time::ZERO, Time::MAX);
-    let area = Closure { outline, nodes: nodes.clone(), window, reason: "posts".into() };
+    let area = Closure {
+        outline,
+        nodes: nodes.clone(),
+        window,
+        reason: "posts".into(),
+        binds: Binds::Robots,
+        series: None,
+    };
     floor.step(vec![Input::Close { token: 3, area: area.clone() }]);
     let mut closed: Vec<NodeId> = floor.fleet.core.restrictions.conditions.of(BodyId(0)).nodes().collect();
     closed.sort_unstable();

@@ -192,7 +192,14 @@ fn where_one_of_two_robots_cannot_leave_the_only_way_neither_moves() {
     let mut floor = corridor("##P#P##########P########", 2);
     let outline = [(3.9, 3.9), (4.1, 3.9), (4.1, 4.1)].map(|(x, y)| Point::new(x, y).into()).to_vec();
     let window = crate::time::Window::new(Time::ZERO, NEVER);
-    let area = Closure { outline, nodes: vec![], window, reason: "a spill".into() };
+    let area = Closure {
+        outline,
+        nodes: vec![],
+        window,
+        reason: "a spill".into(),
+        binds: Binds::Robots,
+        series: None,
+    };
     floor.run(5);
     let ana = turn_back(&mut floor, |f| drop(f.step(vec![Input::Close { token: 3, area }])));
     assert!(place(&floor, 0).x < place(&floor, 1).x, "the one behind has a bay, the one in front has none");

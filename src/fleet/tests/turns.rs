@@ -74,8 +74,7 @@ fn a_place_that_was_promised_to_robots_that_cannot_come_goes_to_others_after_a_m
 /// Two robots in the hall of the thesis with one charger, of which one is on its way to it.
 fn one_charger() -> (TestFloor, RobotId, NodeId) {
     let closed = (2..=10).map(|i| format!("C{i}-15")).collect();
-    let closing =
-        Closing { outline: Vec::new(), nodes: closed, from_s: 0.0, until_s: None, reason: "no power".into() };
+    let closing = Closing { nodes: closed, ..Closing::default() };
     let scenario = Scenario { closures: vec![closing], ..scenario(2) };
     let mut floor = TestFloor::new(thesis(), &scenario);
     floor.run(5);

@@ -31,7 +31,14 @@ impl TestFloor {
         let at = self.fleet.warehouse().nodes[node].at;
         let corners = [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)];
         let outline = corners.map(|(x, y)| Point::new(at.x + x, at.y + y).into()).to_vec();
-        Closure { outline, nodes: vec![node], window, reason: "repair".into() }
+        Closure {
+            outline,
+            nodes: vec![node],
+            window,
+            reason: "repair".into(),
+            binds: Binds::Robots,
+            series: None,
+        }
     }
 
     /// Racks for one station, each of which takes long there.

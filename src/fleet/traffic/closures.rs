@@ -11,10 +11,12 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobState;
+use crate::fleet::state::recurring::ANNOUNCED;
+use crate::fleet::state::worker::Closure;
 use crate::fleet::state::yielding::STANDS;
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
-use crate::id::{NodeId, RobotId};
+use crate::id::{ClosureId, NodeId, RobotId, SeriesId};
 use crate::route::{COME_OUT, Cause, Condition, Conditions, Effect};
 use crate::time::{Span, Time, Window};
 use std::collections::BTreeMap;
@@ -25,6 +27,7 @@ const AGAIN: Span = Span::from_secs(5);
 /// Forgets what restricted robots in the step before, but for announced closures: those begin and end, and the ones
 /// that have been over for long are forgotten.
 pub(in crate::fleet) fn begin_restrictions(core: &mut Core, now: Time) {
+    announce_recurring(core, now);
     let restrictions = &mut core.restrictions;
     restrictions.conditions.all_mut().for_each(Conditions::clear);
     let (closures, changes) = (&core.ledger.closures, core.ledger.index().closure_changes());
@@ -32,6 +35,43 @@ pub(in crate::fleet) fn begin_restrictions(core: &mut Core, now: Time) {
     restrictions.areas.update(closures, changes, &mut restrictions.conditions, warehouse, now);
     for closure in restrictions.areas.forgotten(closures, now) {
         core.record(Fact::Reopened { closure, at: now });
+    }
+}
+
+/// Announces what recurs: what begins within the hour, and the next occurrence in any case. What recurs no more is
+/// ended when its last occurrence is over.
+fn announce_recurring(core: &mut Core, now: Time) {
+    let changes = core.ledger.index().closure_changes();
+    if core.ledger.recurring.is_empty() || !core.restrictions.areas.looks_at_recurring(changes, now) {
+        return;
+    }
+    let all: Vec<SeriesId> = core.ledger.recurring.keys().copied().collect();
+    for series in all {
+        announce_next(core, series, now);
+        let is_open = |c: &Closure| c.series == Some(series) && now < c.window.end();
+        let goes_on = core.ledger.recurring[&series].next.is_some();
+        if !goes_on && !core.ledger.closures.values().any(is_open) {
+            core.record(Fact::SeriesEnded { series, at: now });
+        }
+    }
+}
+
+fn announce_next(core: &mut Core, series: SeriesId, now: Time) {
+    loop {
+        let recurring = &core.ledger.recurring[&series];
+        let Some(begins) = recurring.due(now) else {
+            if recurring.next.is_some() {
+                core.record(Fact::Scheduled { series, next: None });
+            }
+            return;
+        };
+        let ahead = |c: &Closure| c.series == Some(series) && now < c.window.start();
+        if begins > now + ANNOUNCED && core.ledger.closures.values().any(ahead) {
+            return;
+        }
+        let (area, next) = (recurring.occurrence(begins), recurring.first_from(begins + Span(1)));
+        core.record(Fact::Closed { closure: ClosureId(core.ledger.next_closure), area });
+        core.record(Fact::Scheduled { series, next });
     }
 }
 

@@ -5,6 +5,7 @@
 
 pub(in crate::fleet) mod closures;
 pub(in crate::fleet) mod displaced;
+pub(in crate::fleet) mod evacuation;
 pub(in crate::fleet) mod failure;
 pub(in crate::fleet) mod fence;
 mod first_step;

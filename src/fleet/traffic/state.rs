@@ -106,6 +106,8 @@ pub(in crate::fleet) struct Traffic {
     pub(super) obstructions: BTreeMap<NodeId, Time>,
     /// When each robot last looked for a route round a closed area.
     pub(super) looked_round: BTreeMap<RobotId, Time>,
+    /// When each robot on a way out last looked for a place to leave for, while the building is evacuated.
+    pub(super) cleared: BTreeMap<RobotId, Time>,
 }
 
 impl Traffic {
@@ -124,6 +126,7 @@ impl Traffic {
             directions: BTreeMap::new(),
             obstructions: BTreeMap::new(),
             looked_round: BTreeMap::new(),
+            cleared: BTreeMap::new(),
         }
     }
 

@@ -67,6 +67,9 @@ impl<'a> RobotWaits<'a> {
         if self.floor.ledger.stopped.is_some() {
             return Some(Why::Stopped);
         }
+        if self.floor.stands_by(robot) {
+            return Some(Why::Evacuation);
+        }
         scene.fit(robot, now).is_none().then_some(Why::Silent)
     }
 
@@ -128,6 +131,7 @@ impl<'a> RobotWaits<'a> {
             Withheld::Condition(Cause::Closure(c), _) => Some(Why::Closed(c)),
             Withheld::Condition(Cause::Robot(other), _) => Some(Why::BlockedBy(other)),
             Withheld::Condition(Cause::Obstruction(node), _) => Some(Why::WayObstructed(node)),
+            Withheld::Condition(Cause::Evacuation, _) => Some(Why::Evacuation),
             // Whose turn it is may have changed since it was asked: grants to robots after this one move chains.
             Withheld::Turn(..) => {
                 let turn = self.floor.ledger.timeline().waits_for(Holder::Robot(robot), chain.granted());

@@ -81,7 +81,7 @@ impl Yielding {
             .map(|(cause, _)| cause)
         {
             Some(Cause::Worker(worker)) => self.gives_way(core, robot, worker, Reaction::Held, now),
-            Some(Cause::Closure(_) | Cause::Robot(_) | Cause::Obstruction(_)) => {}
+            Some(Cause::Closure(_) | Cause::Robot(_) | Cause::Obstruction(_) | Cause::Evacuation) => {}
             None if !stands => {
                 let yielding = self.state.of_mut(robot);
                 if !yielding.is_told_to_stand() && yielding.waited(now) > PATIENCE {
@@ -102,7 +102,7 @@ impl Yielding {
         }
         let by_worker = |(c, zone): &(Cause, Zone)| match c {
             Cause::Worker(w) => Some((*w, *zone)),
-            Cause::Closure(_) | Cause::Robot(_) | Cause::Obstruction(_) => None,
+            Cause::Closure(_) | Cause::Robot(_) | Cause::Obstruction(_) | Cause::Evacuation => None,
         };
         let Some((worker, zone)) = floor.meetings(robot, now).iter().find_map(by_worker) else {
             return Decision::Keep;

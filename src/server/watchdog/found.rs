@@ -5,7 +5,7 @@
 use super::LOOKS;
 use crate::api::displaced::words;
 use crate::fleet::{ChainEnd, Fault, Fleet, LostWorker, Party, Standstill};
-use crate::id::{RobotId, WorkerId};
+use crate::id::{ClosureId, RobotId, WorkerId};
 use crate::sim::laws::{KEPT, untrue};
 use crate::time::{Span, Time};
 
@@ -103,6 +103,15 @@ pub(super) fn kept_workers(fleet: &Fleet) -> Vec<String> {
         format!("{} (w{}) for {:.0} s", worker_name(fleet, worker), worker.0 + 1, waited.as_secs_f64())
     };
     fleet.kept_workers(KEPT).into_iter().map(words).collect()
+}
+
+/// Workers in areas that are closed to people.
+pub(super) fn in_closed_areas(fleet: &Fleet, now: Time) -> Vec<String> {
+    let words = |(worker, closure): (WorkerId, ClosureId)| {
+        let why = fleet.ledger().closures.get(&closure).map_or("", |c| c.reason.as_str());
+        format!("{} (w{}) in c{} ({why})", worker_name(fleet, worker), worker.0 + 1, closure.0)
+    };
+    fleet.in_closed_areas(now).into_iter().map(words).collect()
 }
 
 /// Robots that wait for what does not keep them.

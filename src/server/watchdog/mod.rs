@@ -15,7 +15,9 @@ use crate::fleet::{Fleet, Task, View};
 use crate::id::RobotId;
 use crate::sim::laws::{DELIVERS, KEPT, STUCK};
 use crate::time::{Span, Time};
-use found::{beyond_grant, displaced, faults, kept_workers, lost_workers, standstills, waits_in_vain};
+use found::{
+    beyond_grant, displaced, faults, in_closed_areas, kept_workers, lost_workers, standstills, waits_in_vain,
+};
 use jobs::JobWatch;
 use std::collections::BTreeMap;
 
@@ -33,6 +35,8 @@ const LOST: &str = "worker";
 const FAULTS: &str = "faults";
 /// The alarm while the fleet keeps a person in one spot.
 const KEPT_LONG: &str = "kept";
+/// The alarm while a worker is in an area that is closed to people.
+const TRESPASSES: &str = "closed_areas";
 /// The alarm while robots wait for what does not keep them.
 const IN_VAIN: &str = "waits";
 /// The alarm while nothing is delivered.
@@ -106,6 +110,10 @@ impl Watchdog {
                  left."
             )
         });
+        let inside = in_closed_areas(fleet, now);
+        set(alarms, TRESPASSES, now, &inside, |found| {
+            format!("people are in areas that are closed to them: {found}. Call them out, or open the area.")
+        });
         let kept = kept_workers(fleet);
         set(alarms, KEPT_LONG, now, &kept, |found| {
             let seconds = KEPT.0 / 1_000_000;
@@ -148,6 +156,7 @@ impl Watchdog {
                 || record.fenced.is_some()
                 || record.paused.is_some()
                 || ledger.stopped.is_some()
+                || ledger.evacuation.is_some()
                 || fleet.is_picked_from(robot);
             if (entry.0, entry.1) != done || excused {
                 *entry = (done.0, done.1, now);

@@ -4,6 +4,7 @@
 //! Refuses: to mend anything; one violation fails the run.
 
 mod deliveries;
+mod evacuation;
 mod jobs;
 mod places;
 mod progress;
@@ -101,6 +102,7 @@ impl Laws {
         broken.into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.waits.check(now, world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
+        evacuation::entered(fleet, facts).into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.progress.check(now, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         for fact in facts {

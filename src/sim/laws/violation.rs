@@ -3,7 +3,7 @@
 //! Main type: [`Violation`]. Refuses: to judge.
 
 use crate::fleet::{Edge, JobKind, JobState, JobWhy, Party, Task, Why};
-use crate::id::{JobId, RackId, RobotId, WorkerId};
+use crate::id::{JobId, NodeId, RackId, RobotId, WorkerId};
 use crate::time::Span;
 use std::fmt;
 
@@ -52,6 +52,8 @@ pub enum Violation {
     Kept(WorkerId, Edge),
     /// A robot waits for what does not keep it any more.
     NotSo(RobotId, Why),
+    /// A robot was let onto the way of a worker to a door.
+    OntoWayOut(RobotId, NodeId),
     /// The ledger is not the fold of the facts.
     Fold,
 }
@@ -103,6 +105,13 @@ impl fmt::Display for Violation {
                 write!(f, "worker {} was kept in one spot for {KEPT:?}, at last {because}", w.0 + 1)
             }
             Violation::NotSo(r, why) => write!(f, "robot {} does not wait because of {why:?}", r.0 + 1),
+            Violation::OntoWayOut(r, n) => {
+                write!(
+                    f,
+                    "robot {} was let onto node {n:?}, which is on the way of somebody to a door",
+                    r.0 + 1
+                )
+            }
             Violation::Fold => write!(f, "the ledger is not the fold of its facts"),
         }
     }

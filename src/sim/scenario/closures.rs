@@ -3,7 +3,7 @@
 //! Main type: [`Closing`]. Refuses: areas of nothing, times that cannot be, and nodes that the map does not have.
 
 use super::check::{ScenarioError, check};
-use crate::fleet::Closure;
+use crate::fleet::{Binds, Closure, MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
 use crate::geometry::{Point, Spot};
 use crate::id::NodeId;
 use crate::time::{Span, Time, Window};
@@ -13,8 +13,8 @@ use serde::Deserialize;
 /// A closed node is shown as a square of twice this side, metres.
 const AROUND_NODE_M: f64 = 0.25;
 
-/// An area that robots keep out of for a time.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+/// An area that robots, people or both keep out of for a time.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Closing {
     /// Its corners, metres.
@@ -28,9 +28,38 @@ pub struct Closing {
     /// Until when; for ever where absent.
     #[serde(default)]
     pub until_s: Option<f64>,
+    /// It recurs: from the beginning of one occurrence to that of the next.
+    #[serde(default)]
+    pub every_s: Option<f64>,
     /// Why.
     #[serde(default = "why")]
     pub reason: String,
+    /// Whom it keeps out: robots, people or both.
+    #[serde(default)]
+    pub binds: BindsWord,
+}
+
+/// [`Binds`] as files name it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BindsWord {
+    /// Robots alone.
+    Robots,
+    /// People alone.
+    People,
+    /// Everybody.
+    #[default]
+    Both,
+}
+
+impl From<BindsWord> for Binds {
+    fn from(word: BindsWord) -> Binds {
+        match word {
+            BindsWord::Robots => Binds::Robots,
+            BindsWord::People => Binds::People,
+            BindsWord::Both => Binds::Both,
+        }
+    }
 }
 
 fn why() -> String {
@@ -42,6 +71,10 @@ impl Closing {
         check("closures.from_s", self.from_s, 0.0..=1e7, "from 0 to 10000000")?;
         let until = self.until_s.unwrap_or(2e7);
         check("closures.until_s", until, self.from_s + 1.0..=2e7, "at least a second after from_s")?;
+        if let Some(every) = self.every_s {
+            let least = (until - self.from_s).max(MOST_OFTEN.as_secs_f64());
+            check("closures.every_s", every, least..=1e7, "from 300 on, and no shorter than an occurrence")?;
+        }
         let corners = self.outline.len();
         match (corners, self.nodes.len()) {
             (0, 1..) => Ok(()),
@@ -49,6 +82,13 @@ impl Closing {
             (n, 0) => check("closures.outline", n as f64, 3.0..=1e9, "three corners or more, or `nodes`"),
             (n, _) => check("closures.outline", n as f64, 0.0..=0.0, "left out if `nodes` are given"),
         }
+    }
+
+    /// What recurs, as the fleet takes it.
+    pub(super) fn recurring(&self, area: Closure) -> Option<RecurringClosure> {
+        let (every, weekdays) = (Span::from_secs_f64(self.every_s?), Weekdays::ALL);
+        let recurrence = Recurrence { every, weekdays, utc_offset: Span::ZERO, until: Time::MAX };
+        Some(RecurringClosure::new(area, recurrence))
     }
 
     /// The areas as the fleet takes them, for a scenario that begins at `start`: one for an outline, one for each node.
@@ -60,6 +100,8 @@ impl Closing {
             nodes,
             window,
             reason: self.reason.clone(),
+            binds: self.binds.into(),
+            series: None,
         };
         if self.nodes.is_empty() {
             return Ok(vec![area(&mut self.outline.iter().map(|c| Point::new(c[0], c[1])), Vec::new())]);

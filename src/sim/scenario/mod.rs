@@ -5,6 +5,7 @@
 
 mod check;
 mod closures;
+mod evacuations;
 mod faults;
 mod habits;
 mod kinds;
@@ -12,6 +13,7 @@ mod workforce;
 
 pub use check::ScenarioError;
 pub use closures::Closing;
+pub use evacuations::Evacuation;
 pub use faults::Faults;
 pub use habits::Habits;
 pub use kinds::KindShare;
@@ -21,7 +23,7 @@ pub use workforce::{
 };
 
 use crate::aware::HumanAwarePolicy;
-use crate::fleet::{Closure, RobotKind, fitted};
+use crate::fleet::{Closure, RecurringClosure, RobotKind, fitted};
 use crate::human::Model;
 use crate::human::tiles::Tiles;
 use crate::time::{Span, Time};
@@ -61,6 +63,8 @@ pub struct Scenario {
     pub workers: Workers,
     /// Areas closed for a time.
     pub closures: Vec<Closing>,
+    /// When the building is evacuated, in order.
+    pub evacuations: Vec<Evacuation>,
     /// How the fleet gives way to people.
     pub policy: HumanAwarePolicy,
     /// File with what was learned about people, relative to the scenario; the built-in figures where absent.
@@ -118,6 +122,8 @@ struct File {
     workers: Workers,
     #[serde(default)]
     closures: Vec<Closing>,
+    #[serde(default)]
+    evacuations: Vec<Evacuation>,
     #[serde(default)]
     arm: PolicyWord,
     #[serde(default)]
@@ -183,6 +189,7 @@ impl Scenario {
         file.customers.check()?;
         file.workers.check()?;
         file.closures.iter().try_for_each(Closing::check)?;
+        Evacuation::check_all(&file.evacuations)?;
         Ok(Scenario {
             name: file.name,
             map: file.map,
@@ -197,18 +204,38 @@ impl Scenario {
             kinds: kinds::read(file.fleet, file.kinds)?,
             workers: file.workers,
             closures: file.closures,
+            evacuations: file.evacuations,
             policy: file.arm.into(),
             model: file.model,
             learned: Model::builtin(),
         })
     }
 
-    /// All areas that the scenario closes, if it begins at `start`.
+    /// All areas that the scenario closes again and again, if it begins at `start`.
+    ///
+    /// # Errors
+    /// Where the map does not have a node that is to be closed.
+    pub fn recurring(
+        &self,
+        warehouse: &Warehouse,
+        start: Time,
+    ) -> Result<Vec<RecurringClosure>, ScenarioError> {
+        let mut all = Vec::new();
+        for closing in self.closures.iter().filter(|c| c.every_s.is_some()) {
+            all.extend(
+                closing.areas(warehouse, start)?.into_iter().filter_map(|area| closing.recurring(area)),
+            );
+        }
+        Ok(all)
+    }
+
+    /// All areas that the scenario closes once, if it begins at `start`.
     ///
     /// # Errors
     /// Where the map does not have a node that is to be closed.
     pub fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, ScenarioError> {
-        let areas: Result<Vec<_>, _> = self.closures.iter().map(|c| c.areas(warehouse, start)).collect();
+        let once = self.closures.iter().filter(|c| c.every_s.is_none());
+        let areas: Result<Vec<_>, _> = once.map(|c| c.areas(warehouse, start)).collect();
         Ok(areas?.concat())
     }
 

@@ -62,8 +62,16 @@ impl Walker {
     /// to it, but takes a way that leads there.
     fn heed(&mut self, shown: Shown, walkways: &Walkways) {
         let new = self.shown.as_ref().is_none_or(|s| s.version != shown.version);
+        let busy =
+            matches!(self.doing, WalkerDoing::Work(..) | WalkerDoing::Job { .. } | WalkerDoing::Wander(_));
+        self.ignored = self.ignored.filter(|_| !shown.leave);
+        if shown.leave && (busy || self.aside.is_some()) {
+            (self.aside, self.detour, self.followed) = (None, false, None);
+            self.doing = if busy { WalkerDoing::Duty } else { self.doing };
+            self.legs.route.clear();
+        }
         if new && shown.redirected {
-            let ignores = self.heeds.happens_of(self.ignore);
+            let ignores = self.heeds.happens_of(self.ignore) && !shown.leave;
             self.ignored = ignores.then_some(shown.version);
             match self.doing {
                 WalkerDoing::Job { goal, until: None, .. } if !ignores && leads_to(&shown, goal) => {

@@ -55,6 +55,8 @@ pub struct Shown {
     pub redirected: bool,
     /// Whether it says to stand.
     pub stop: bool,
+    /// Whether it says to leave: the building, or a closed area.
+    pub leave: bool,
 }
 
 /// What a walker knows of its work and of the hall.

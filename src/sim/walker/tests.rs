@@ -210,7 +210,7 @@ fn a_scripted_deviation_leads_to_a_place_that_nobody_knows_and_back_to_work() {
 }
 
 fn show(version: u64, path: Vec<Point>) -> Shown {
-    Shown { version, path, redirected: false, stop: false }
+    Shown { version, path, redirected: false, stop: false, leave: false }
 }
 
 #[test]

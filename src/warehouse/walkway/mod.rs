@@ -21,10 +21,11 @@ pub use timed::{Occupied, TimedPath};
 
 use super::near::PointIndex;
 use super::{NodeKind, Warehouse};
-use crate::geometry::{Point, Segment};
+use crate::geometry::{Point, Segment, runs_through};
 use crate::id::{Dense, IdVec, NodeId, WalkEdgeId, WalkNodeId};
 use floor::Raster;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// No edge is longer, metres.
 pub(super) const PITCH_M: f64 = 1.0;
@@ -132,7 +133,7 @@ impl Walkways {
 
     /// No set of edges, of the right size.
     pub fn no_edges(&self) -> EdgeSet {
-        EdgeSet { words: vec![0; self.edges.len().div_ceil(64)] }
+        EdgeSet { words: vec![0; self.edges.len().div_ceil(64)], areas: Vec::new() }
     }
 
     /// Side of a cell of the floor's raster, metres.
@@ -204,13 +205,24 @@ impl Walkways {
         close.filter(|e| distance_to(p, self.segment(*e)).0 < radius).collect()
     }
 
-    /// Whether the straight way from `a` to `b` goes past a robot: it approaches the middle of a cut edge and
-    /// leaves it behind. A way that ends before it, or starts there and leads away, does not.
+    /// Cuts an area off: all edges that run into it, and all straight ways.
+    pub fn cut_area(&self, cut: &mut EdgeSet, outline: &Arc<[Point]>) {
+        for e in self.edges.ids().filter(|e| runs_through(outline, self.segment(*e))) {
+            cut.insert(e);
+        }
+        cut.areas.push(outline.clone());
+    }
+
+    /// Whether the straight way from `a` to `b` runs into a cut area, or goes past a robot: it approaches the middle
+    /// of a cut edge and leaves it behind. A way that ends before it, or starts there and leads away, does not.
     fn leads_past(&self, a: Point, b: Point, cut: &EdgeSet) -> bool {
         if cut.is_empty() {
             return false;
         }
         let way = Segment { a, b };
+        if cut.areas.iter().any(|outline| runs_through(outline, way)) {
+            return true;
+        }
         let reach = way.length() / 2.0 + CUT_REACH_M;
         self.near_edges.within(way.point(0.5), reach).into_iter().any(|(i, _)| {
             let e = WalkEdgeId::at(i);
@@ -243,10 +255,11 @@ fn distance_to(p: Point, s: Segment) -> (f64, f64) {
     ((p - s.point(u)).norm(), u)
 }
 
-/// A set of edges, one bit each.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// A set of edges, one bit each; and areas which no straight way may run into.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct EdgeSet {
     words: Vec<u64>,
+    areas: Vec<Arc<[Point]>>,
 }
 
 impl EdgeSet {
@@ -273,7 +286,7 @@ impl EdgeSet {
 
     /// Whether none is.
     pub fn is_empty(&self) -> bool {
-        self.words.iter().all(|w| *w == 0)
+        self.areas.is_empty() && self.words.iter().all(|w| *w == 0)
     }
 
     /// All of them, in order.

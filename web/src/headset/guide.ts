@@ -77,9 +77,10 @@ function following(g: Guidance, at: Standing): Shown {
     case 'redirected':
       return { kind: 'redirected', tone: 'notice', title: 'Redirected: a new path', detail: [g.reason ? sentence(g.reason) : '', way].filter(Boolean).join(' ') + guess, ...floor };
     case 'following':
-      return { kind: 'following', tone: 'calm', title: 'Follow the path', detail: way + guess, ...floor };
+      return { kind: 'following', tone: 'calm', title: 'Follow the path', detail: [g.reason ? sentence(g.reason) : '', way].filter(Boolean).join(' ') + guess, ...floor };
     default:
-      return { kind: 'idle', tone: 'calm', title: 'Nothing to do', detail: `Wait for the next task.${guess}`, ...floor };
+      // Whoever is to wait is told why: the place of the task is closed, or the building is evacuated.
+      return { kind: 'idle', tone: g.reason ? 'notice' : 'calm', title: g.reason ? 'Wait here' : 'Nothing to do', detail: (g.reason ? sentence(g.reason) : 'Wait for the next task.') + guess, ...floor };
   }
 }
 

@@ -1,21 +1,31 @@
 // The form for a closed area without its looks: the request made of what somebody typed.
-import type { NewClosure, Point } from '../wire';
+import type { Binds, NewClosure, Point } from '../wire';
 
 export interface ClosureValues {
   reason: string;
+  binds: Binds;
   /** Minutes from now; empty for at once. */
   begins: string;
   /** Minutes; empty until somebody opens it. */
   lasts: string;
+  /** Whether it recurs every day, counted from the first time. */
+  daily: boolean;
 }
 export type ClosureErrors = Partial<Record<keyof ClosureValues, string>>;
 export type BuiltClosure = { kind: 'ready'; area: NewClosure } | { kind: 'wrong'; errors: ClosureErrors };
 
+export const BINDS: readonly { value: Binds; words: string }[] = [
+  { value: 'both', words: 'Robots and people' },
+  { value: 'robots', words: 'Robots only: people are at work there' },
+  { value: 'people', words: 'People only' },
+];
+
 const WEEK = 7 * 24 * 60;
+const DAY = 24 * 60;
 
 export function buildClosure(values: ClosureValues, outline: readonly Point[], now: Date): BuiltClosure {
   const errors: ClosureErrors = {};
-  const area: NewClosure = { outline: [...outline], reason: values.reason.trim() };
+  const area: NewClosure = { outline: [...outline], reason: values.reason.trim(), binds: values.binds };
   if (area.reason === '') errors.reason = 'Say why, so that people who see the area know the reason.';
   const minutes = (field: 'begins' | 'lasts', least: number): number | null => {
     if (values[field].trim() === '') return null;
@@ -25,9 +35,25 @@ export function buildClosure(values: ClosureValues, outline: readonly Point[], n
     return null;
   };
   const begins = minutes('begins', 0);
-  const lasts = minutes('lasts', 0.1);
-  const at = (m: number) => new Date(now.getTime() + m * 60_000).toISOString();
-  if (begins !== null && begins > 0) area.from = at(begins);
-  if (lasts !== null) area.until = at((begins ?? 0) + lasts);
+  const lasts = minutes('lasts', values.daily ? 1 : 0.1);
+  if (values.daily && errors.lasts === undefined && (lasts === null || lasts >= DAY)) {
+    errors.lasts = 'Enter how many minutes it lasts each day, less than a day.';
+  }
+  const at = (m: number) => new Date(now.getTime() + m * 60_000);
+  if (values.daily) {
+    area.recurs = { from: clock(at(begins ?? 0)), to: clock(at((begins ?? 0) + (lasts ?? 0))), utc_offset: offset(now) };
+  } else {
+    if (begins !== null && begins > 0) area.from = at(begins).toISOString();
+    if (lasts !== null) area.until = at((begins ?? 0) + lasts).toISOString();
+  }
   return Object.keys(errors).length > 0 ? { kind: 'wrong', errors } : { kind: 'ready', area };
+}
+
+const two = (n: number) => String(n).padStart(2, '0');
+/** The time of day where the page is shown. */
+const clock = (t: Date) => `${two(t.getHours())}:${two(t.getMinutes())}`;
+/** How far that is ahead of UTC. */
+function offset(t: Date): string {
+  const ahead = -t.getTimezoneOffset();
+  return `${ahead < 0 ? '-' : '+'}${two(Math.floor(Math.abs(ahead) / 60))}:${two(Math.abs(ahead) % 60)}`;
 }

@@ -31,6 +31,8 @@ export class Api {
   close = (area: NewClosure) => this.#ask<Closure>('POST', '/v1/closures', {}, area);
   reopen = (id: string) => this.#ask<null>('DELETE', `/v1/closures/${encodeURIComponent(id)}`);
 
+  evacuate = () => this.#ask<null>('POST', '/v1/evacuation');
+  endEvacuation = () => this.#ask<null>('DELETE', '/v1/evacuation');
   stopFleet = () => this.#ask<null>('POST', '/v1/fleet/stop');
   resumeFleet = () => this.#ask<null>('POST', '/v1/fleet/resume');
   pause = (robot: string) => this.#ask<null>('POST', `/v1/robots/${encodeURIComponent(robot)}/pause`);

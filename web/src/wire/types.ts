@@ -118,7 +118,9 @@ export interface Worker {
   undecided: number;
   elsewhere: number;
 }
-/** An area that robots keep out of. */
+/** Whom a closure keeps out. */
+export type Binds = 'robots' | 'people' | 'both';
+/** An area that robots, people or both keep out of. */
 export interface Closure {
   id: string;
   outline: Point[];
@@ -128,6 +130,10 @@ export interface Closure {
   from?: string;
   /** Nothing until somebody opens it. */
   until?: string | null;
+  /** Recordings from before people could be kept out have none: robots alone. */
+  binds?: Binds;
+  /** The recurring closure of which it is an occurrence. */
+  series?: string | null;
   reason: string;
 }
 /** One bell curve of where somebody may be: metres, standard deviations and correlation. */
@@ -338,6 +344,9 @@ export interface NewClosure {
   from?: string;
   until?: string;
   reason: string;
+  binds: Binds;
+  /** On every day from one time to another. */
+  recurs?: { from: string; to: string; utc_offset: string };
 }
 
 /** Figures over time; buckets of which nothing is known are left out. */

@@ -46,14 +46,13 @@ impl Ledger {
                 assert_eq!(given.worker.replace(*worker), None, "an assignment is given once");
             }
             Fact::Advanced { assignment, state, .. } => self.advance(*assignment, *state),
-            Fact::Closed { closure, area } => {
-                assert_eq!(closure.0, self.promises.next_closure, "closures are numbered in order");
-                self.promises.next_closure += 1;
-                self.promises.closures.insert(*closure, area.clone());
-            }
-            Fact::Reopened { closure, .. } => {
-                self.promises.closures.remove(closure).expect("only what is closed is opened again");
-            }
+            Fact::Closed { .. }
+            | Fact::Reopened { .. }
+            | Fact::Recurs { .. }
+            | Fact::Scheduled { .. }
+            | Fact::SeriesEnded { .. } => self.take_in_of_closures(fact),
+            Fact::Evacuated { at } => self.promises.evacuation = Some(*at),
+            Fact::EvacuationEnded { .. } => self.promises.evacuation = None,
             Fact::StationPaused { station, at } => {
                 self.promises.paused_stations.insert(*station, *at);
             }
@@ -64,6 +63,33 @@ impl Ledger {
             Fact::Deviated { .. } => self.promises.counts.deviations += 1,
             Fact::Interrupted { .. } => self.promises.counts.interruptions += 1,
             about_robots => self.take_in_of_robots(about_robots),
+        }
+    }
+
+    /// Facts about closed areas.
+    fn take_in_of_closures(&mut self, fact: &Fact) {
+        match fact {
+            Fact::Closed { closure, area } => {
+                assert_eq!(closure.0, self.promises.next_closure, "closures are numbered in order");
+                self.promises.next_closure += 1;
+                self.promises.closures.insert(*closure, area.clone());
+            }
+            Fact::Reopened { closure, .. } => {
+                self.promises.closures.remove(closure).expect("only what is closed is opened again");
+            }
+            Fact::Recurs { series, closure } => {
+                assert_eq!(series.0, self.promises.next_series, "recurring closures are numbered in order");
+                self.promises.next_series += 1;
+                self.promises.recurring.insert(*series, closure.clone());
+            }
+            Fact::Scheduled { series, next } => {
+                let recurring = self.promises.recurring.get_mut(series);
+                recurring.expect("only what recurs has a next occurrence").next = *next;
+            }
+            Fact::SeriesEnded { series, .. } => {
+                self.promises.recurring.remove(series).expect("only what recurs is ended");
+            }
+            other => unreachable!("{other:?} is about no closure"),
         }
     }
 

@@ -13,9 +13,12 @@ use crate::fleet::state::fact::{Stop, Task};
 use crate::fleet::state::index::Index;
 use crate::fleet::state::job::Job;
 use crate::fleet::state::keys::Keys;
+use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::wishes::Wishes;
 use crate::fleet::state::worker::{Assignment, Closure};
-use crate::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::id::{
+    AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
+};
 use crate::time::{Span, Time};
 use crate::timeline::{Chain, Holder, Timeline, Visit};
 use crate::warehouse::Warehouse;
@@ -112,10 +115,16 @@ pub struct Promises {
     pub next_assignment: u64,
     /// Customers' keys of assignments, over or not.
     pub assignment_keys: Keys<AssignmentId>,
-    /// Areas that robots keep out of.
+    /// Closed areas.
     pub closures: BTreeMap<ClosureId, Closure>,
     /// The number of the next closure.
     pub next_closure: u64,
+    /// Areas that are closed again and again.
+    pub recurring: BTreeMap<SeriesId, RecurringClosure>,
+    /// The number of the next of those.
+    pub next_series: u64,
+    /// Since when everybody is to leave the building.
+    pub evacuation: Option<Time>,
     /// Stations at which nobody picks, since when.
     pub paused_stations: BTreeMap<StationId, Time>,
     /// Since when the whole fleet is to stand, by hand.

@@ -86,6 +86,9 @@ impl Ledger {
             assignment_keys: Keys::default(),
             closures: BTreeMap::new(),
             next_closure: 1,
+            recurring: BTreeMap::new(),
+            next_series: 1,
+            evacuation: None,
             paused_stations: BTreeMap::new(),
             stopped: None,
             ended_badly: BTreeMap::new(),
@@ -196,6 +199,10 @@ fn check_names(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
     }
     for (id, area) in &p.closures {
         known(area.nodes.iter().all(|n| node(*n)) && id.0 < p.next_closure, format!("closure {id:?}"))?;
+    }
+    for (id, recurring) in &p.recurring {
+        let fits = recurring.area.nodes.iter().all(|n| node(*n)) && id.0 < p.next_series;
+        known(fits, format!("recurring closure {id:?}"))?;
     }
     Ok(())
 }

@@ -96,7 +96,11 @@ impl Ledger {
                 self.index.assign(Some(*worker), *assignment);
             }
             Fact::Advanced { assignment, state, .. } if state.is_over() => self.index.unassign(*assignment),
-            Fact::Closed { .. } | Fact::Reopened { .. } => self.index.note_closure_change(),
+            Fact::Closed { .. }
+            | Fact::Reopened { .. }
+            | Fact::Recurs { .. }
+            | Fact::Scheduled { .. }
+            | Fact::SeriesEnded { .. } => self.index.note_closure_change(),
             _ => {}
         }
     }

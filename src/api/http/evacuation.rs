@@ -1,0 +1,60 @@
+//! `/v1/evacuation`: everybody is led to a door, robots clear the ways and stand.
+//!
+//! Main type: [`EvacuationDto`]. Refuses: to be an alarm system, or part of one.
+
+use super::halt::done;
+use crate::api::Api;
+use crate::api::error::Problem;
+use crate::api::port::What;
+use crate::api::text::time_text;
+use crate::fleet::{GuidanceReason, Presence, WorkerView};
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// How an evacuation stands.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct EvacuationDto {
+    /// Since when, RFC 3339; null if nobody ordered one.
+    pub since: Option<String>,
+    /// Workers who are on the floor and not at a door yet, by name.
+    pub inside: Vec<String>,
+}
+
+/// Whether the building is evacuated, and who is still inside.
+#[utoipa::path(get, path = "/v1/evacuation", tag = "people", responses((status = 200, body = EvacuationDto)))]
+pub async fn get(State(api): State<Api>) -> Json<EvacuationDto> {
+    let moment = api.moment();
+    let view = &moment.view;
+    let is_led = |w: &&WorkerView| {
+        let told = w.guidance.reason == Some(GuidanceReason::Evacuation);
+        w.presence != Presence::Absent && !(told && w.guidance.path.is_empty())
+    };
+    let inside = view.workers.iter().filter(is_led).filter(|_| view.evacuation.is_some());
+    let inside = inside.map(|w| w.name.clone()).collect();
+    Json(EvacuationDto { since: view.evacuation.map(time_text), inside })
+}
+
+/// Evacuate the building. Workers are led to the nearest door that can be reached; robots on the ways to the doors
+/// leave them, all others stand; no job begins. It lasts until somebody ends it, even across a restart. This is not a
+/// safety function: the alarm system of the building is.
+#[utoipa::path(post, path = "/v1/evacuation", tag = "people", responses(
+    (status = 204, description = "It has begun, and is durable"),
+    (status = 409, description = "The map has no doors", body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn begin(State(api): State<Api>) -> Result<StatusCode, Problem> {
+    done(&api, What::Evacuate).await
+}
+
+/// End the evacuation. Robots go on with what they carry, jobs that wait begin, and workers go on with their
+/// assignments.
+#[utoipa::path(delete, path = "/v1/evacuation", tag = "people", responses(
+    (status = 204, description = "It is over"),
+    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn end(State(api): State<Api>) -> Result<StatusCode, Problem> {
+    done(&api, What::EndEvacuation).await
+}

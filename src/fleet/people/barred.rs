@@ -1,0 +1,148 @@
+//! Areas that are closed to people: which way leads round them, which place lies inside, who has to come out.
+//!
+//! Main type: [`Barred`]. Looked at when a closure is announced or taken back, and not in steps in which none is.
+//! Refuses: closures that bind robots alone, and to lead anybody.
+
+use crate::fleet::state::worker::Closure;
+use crate::geometry::{Point, Segment, Spot, inside, runs_through};
+use crate::id::{ClosureId, NodeId};
+use crate::time::{Span, Time, Window};
+use crate::warehouse::Warehouse;
+use crate::warehouse::walkway::{EdgeSet, Walkways};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Whoever walks slowly is through by then, metres per second: an area that begins earlier is walked round.
+const SLOW_MPS: f64 = 0.8;
+/// An area is as good as closed so long before it begins: whoever is inside is led out from then on.
+pub(super) const MARGIN: Span = Span::from_secs(10);
+/// Around a node that is closed by name, this much is closed to people to each side, metres.
+const AROUND_NODE_M: f64 = 0.5;
+
+/// One area that is closed to people.
+#[derive(Clone, Debug)]
+pub(in crate::fleet) struct BarredArea {
+    pub id: ClosureId,
+    window: Window,
+    outlines: Vec<Arc<[Point]>>,
+}
+
+/// All areas that are closed to people, now or later.
+#[derive(Clone, Debug, Default)]
+pub(in crate::fleet) struct Barred {
+    areas: Vec<BarredArea>,
+    changes: u64,
+}
+
+impl BarredArea {
+    fn of(id: ClosureId, closure: &Closure, warehouse: &Warehouse) -> BarredArea {
+        let square = |n: &NodeId| {
+            let (at, d) = (warehouse.nodes[*n].at, AROUND_NODE_M);
+            let corner = |(x, y): (f64, f64)| Point::new(at.x + x, at.y + y);
+            Arc::from([(-d, -d), (d, -d), (d, d), (-d, d)].map(corner))
+        };
+        let corner = |s: &Spot| Point::from(*s);
+        let outlines = match closure.nodes.as_slice() {
+            [] => vec![closure.outline.iter().map(corner).collect()],
+            named => named.iter().map(square).collect(),
+        };
+        BarredArea { id, window: closure.window, outlines }
+    }
+
+    /// Whether a place lies inside.
+    pub fn has(&self, p: Point) -> bool {
+        self.outlines.iter().any(|o| inside(o, p))
+    }
+
+    /// Whether it is closed at a time, or will be in a moment.
+    pub fn is_shut(&self, at: Time) -> bool {
+        self.window.start() <= at + MARGIN && at < self.window.end()
+    }
+
+    /// Whether somebody who sets off now along a way would be inside while it is closed.
+    fn is_met(&self, way: &[Point], now: Time) -> bool {
+        let (mut length_m, mut last_m) = (0.0, None);
+        for w in way.windows(2) {
+            let step = Segment { a: w[0], b: w[1] };
+            length_m += step.length();
+            if self.outlines.iter().any(|o| runs_through(o, step)) {
+                last_m = Some(length_m);
+            }
+        }
+        let through = last_m.map(|m: f64| now + Span::from_secs_f64(m / SLOW_MPS));
+        through.is_some_and(|t| self.window.start() <= t + MARGIN && now < self.window.end())
+    }
+}
+
+impl Barred {
+    /// Looks at the closures if some were announced or taken back.
+    pub fn update(&mut self, closures: &BTreeMap<ClosureId, Closure>, changes: u64, warehouse: &Warehouse) {
+        if changes == self.changes {
+            return;
+        }
+        self.changes = changes;
+        let people = closures.iter().filter(|(_, c)| c.binds.people());
+        self.areas = people.map(|(id, c)| BarredArea::of(*id, c, warehouse)).collect();
+    }
+
+    /// Whether nothing is closed to people, now or later.
+    pub fn is_empty(&self, now: Time) -> bool {
+        self.areas.iter().all(|a| a.window.end() <= now)
+    }
+
+    /// The area around a place that is closed, or will be in a moment.
+    pub fn around(&self, at: Point, now: Time) -> Option<&BarredArea> {
+        self.areas.iter().find(|a| a.is_shut(now) && a.has(at))
+    }
+
+    /// The area that has been closed around a place for at least so long.
+    pub fn closed_for(&self, at: Point, since: Span, now: Time) -> Option<ClosureId> {
+        let shut = |a: &&BarredArea| a.window.start() + since <= now && now < a.window.end();
+        self.areas.iter().filter(shut).find(|a| a.has(at)).map(|a| a.id)
+    }
+
+    /// The area that is closed before somebody who is at `at` would have been at a place for `stay`.
+    pub fn shuts(&self, at: Point, place: Point, stay: Span, now: Time) -> Option<ClosureId> {
+        let done = now + Span::from_secs_f64((place - at).norm() / SLOW_MPS) + stay;
+        let shut = |a: &&BarredArea| a.window.start() <= done + MARGIN && now < a.window.end();
+        self.areas.iter().filter(shut).find(|a| a.has(place)).map(|a| a.id)
+    }
+
+    /// The first area that a way leads into while it is closed, but for one in which it begins or ends.
+    pub fn met(&self, way: &[Point], now: Time) -> Option<ClosureId> {
+        self.met_areas(way, now).next().map(|a| a.id)
+    }
+
+    fn met_areas<'a>(&'a self, way: &'a [Point], now: Time) -> impl Iterator<Item = &'a BarredArea> {
+        let ends = [way.first(), way.last()];
+        let holds_an_end = move |a: &BarredArea| ends.iter().flatten().any(|p| a.has(**p));
+        self.areas.iter().filter(move |a| a.is_met(way, now) && !holds_an_end(a))
+    }
+
+    /// Cuts what is closed at this moment.
+    pub fn cut_shut(&self, walkways: &Walkways, cut: &mut EdgeSet, now: Time) {
+        let shut = self.areas.iter().filter(|a| a.is_shut(now)).flat_map(|a| &a.outlines);
+        shut.for_each(|outline| walkways.cut_area(cut, outline));
+    }
+
+    /// The shortest way without the cut walkways that is in no area while that is closed; and an area that it leads
+    /// round.
+    pub fn way_round(
+        &self,
+        walkways: &Walkways,
+        (at, goal): (Point, Point),
+        cut: &EdgeSet,
+        now: Time,
+    ) -> Option<(Vec<Point>, Option<ClosureId>)> {
+        let (mut cut, mut round) = (cut.clone(), None);
+        loop {
+            let way = walkways.path(at, goal, &cut)?.points;
+            let met: Vec<&BarredArea> = self.met_areas(&way, now).collect();
+            let Some(first) = met.first() else { return Some((way, round)) };
+            round.get_or_insert(first.id);
+            for outline in met.iter().flat_map(|a| &a.outlines) {
+                walkways.cut_area(&mut cut, outline);
+            }
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! While the building is evacuated: robots on the ways to the doors leave them, those in their way make room, and all
+//! others stand.
+//!
+//! Refuses: to send a robot onto a way out that does not stand on one, and to end anything that is promised: jobs and
+//! racks are kept, and robots go on with them when it is over.
+
+use crate::fleet::state::binding::WAY_M;
+use crate::fleet::state::core::Core;
+use crate::fleet::state::floor::Floor;
+use crate::fleet::traffic::state::{Traffic, Withheld};
+use crate::geometry::{Point, Segment};
+use crate::id::{NodeId, RobotId};
+use crate::route::{Cause, Condition, Effect};
+use crate::time::{Span, Time, Window};
+use crate::timeline::Holder;
+use std::collections::BTreeSet;
+
+/// A robot that found no place to leave for tries again after this.
+const AGAIN: Span = Span::from_secs(2);
+
+impl Traffic {
+    /// Closes the ways out for robots, and notes which robots may move to clear them. To be called in every step,
+    /// behind whatever makes the other restrictions.
+    pub(in crate::fleet) fn close_ways_out(&mut self, core: &mut Core, ways: &[Vec<Point>], now: Time) {
+        core.restrictions.clears_ways_out.clear();
+        if core.ledger.evacuation.is_none() {
+            self.cleared.clear();
+            core.restrictions.ways_out.clear();
+            return;
+        }
+        let nodes = core.floor().nodes_on(ways);
+        let (window, cause) = (Window::new(now, Time::MAX), Cause::Evacuation);
+        for node in &nodes {
+            core.restrictions.closing.insert(*node, now);
+            core.restrictions.conditions.add(*node, Condition { window, effect: Effect::Closed, cause });
+        }
+        let moving = core.floor().clear(&nodes);
+        core.restrictions.clears_ways_out = moving;
+        core.restrictions.ways_out = nodes;
+    }
+
+    /// Robots on the ways out leave for the nearest place where they may stay, and so do those for which they wait and
+    /// whose routes lead onto one. One that finds none drives on along its route, which leads off them, too.
+    pub(in crate::fleet) fn clear_ways_out(&mut self, core: &mut Core, now: Time) {
+        let kept_off =
+            |r: &RobotId| matches!(self.withheld(*r), Some(Withheld::Condition(Cause::Evacuation, _)));
+        let moving = core.restrictions.clears_ways_out.iter().copied();
+        let leaves: Vec<RobotId> =
+            moving.filter(|r| core.floor().is_on(*r, &core.restrictions.ways_out) || kept_off(r)).collect();
+        for robot in leaves {
+            let tried = self.cleared.get(&robot).is_some_and(|t| now - *t < AGAIN);
+            let fit = core.scene.fit(robot, now).is_some() && !core.ledger.robots[robot].failed;
+            if self.effort.is_spent() || tried || !fit || core.floor().only_leaves(robot) {
+                continue;
+            }
+            self.cleared.insert(robot, now);
+            self.step_out(core, robot, None, now);
+        }
+    }
+
+    /// Robots that stand and were granted a way onto one of the ways out forget it.
+    pub(in crate::fleet) fn revoke_ways_out(&mut self, core: &mut Core, now: Time) {
+        if core.ledger.evacuation.is_none() {
+            return;
+        }
+        for robot in core.ledger.present() {
+            let (floor, ways_out) = (core.floor(), &core.restrictions.ways_out);
+            let enters = floor.granted_ahead(robot).any(|v| ways_out.contains(&v.node));
+            if enters && !floor.is_on(robot, ways_out) {
+                self.revoke_grant(core, robot, now);
+            }
+        }
+    }
+}
+
+impl Floor<'_> {
+    /// Nodes on which a robot would be in somebody's way. Where robots may stay for ever is beside the ways.
+    fn nodes_on(&self, ways: &[Vec<Point>]) -> BTreeSet<NodeId> {
+        let w = self.warehouse();
+        let mut nodes = BTreeSet::new();
+        for step in ways.iter().flat_map(|way| way.windows(2)) {
+            let step = Segment { a: step[0], b: step[1] };
+            let near = w.nodes_within(step.point(0.5), step.length() / 2.0 + WAY_M);
+            let on = |n: &NodeId| step.distance_to(w.nodes[*n].at) < WAY_M && !w.kind(*n).is_lasting();
+            nodes.extend(near.into_iter().filter(on));
+        }
+        nodes
+    }
+
+    /// Whether a robot drives to a place where it may stay, and does nothing before. One that has come to a stand on
+    /// its way there looks for another.
+    fn only_leaves(&self, robot: RobotId) -> bool {
+        let chain = self.ledger.chain(robot);
+        self.ledger.robots[robot].stops.is_empty() && chain.first() + 1 < chain.granted()
+    }
+
+    /// Robots that may move: those on these nodes, and those for which they wait.
+    fn clear(&self, nodes: &BTreeSet<NodeId>) -> BTreeSet<RobotId> {
+        let mut ahead: Vec<RobotId> = self.ledger.present().filter(|r| self.is_on(*r, nodes)).collect();
+        let mut moving = BTreeSet::new();
+        while let Some(robot) = ahead.pop() {
+            if !moving.insert(robot) {
+                continue;
+            }
+            let turn =
+                self.ledger.timeline().waits_for(Holder::Robot(robot), self.ledger.chain(robot).granted());
+            if let Some((_, Holder::Robot(other))) = turn {
+                ahead.push(other);
+            }
+        }
+        moving
+    }
+}

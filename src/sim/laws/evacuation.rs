@@ -1,0 +1,21 @@
+//! The law of evacuations: no robot is let onto the way of a worker to a door, but to leave it.
+//!
+//! Refuses: to judge what a robot was granted before; it may drive that to its end.
+
+use super::violation::Violation;
+use crate::fleet::{Fact, Fleet};
+
+/// Robots that were granted a place on a way out while they were on none.
+pub(super) fn entered(fleet: &Fleet, facts: &[Fact]) -> Vec<Violation> {
+    if fleet.ledger().evacuation.is_none() {
+        return Vec::new();
+    }
+    let enters = |fact: &Fact| {
+        let Fact::Granted { robot, serial, .. } = fact else { return None };
+        let chain = fleet.ledger().chain(*robot);
+        let nodes = (chain.first()..=*serial).filter_map(|s| chain.get(s)).map(|v| v.node);
+        let onto = nodes.into_iter().find(|n| fleet.is_on_way_out(*n))?;
+        (!fleet.leaves_way_out(*robot)).then_some(Violation::OntoWayOut(*robot, onto))
+    };
+    facts.iter().filter_map(enters).collect()
+}
