@@ -88,12 +88,11 @@ impl HumanState {
         if person.lets_pass.is_some() && person.waits().is_none() {
             return self.watch_aside(worker, &place);
         }
-        let cut = self.edges_blocked_for_long(core.floor(), yielding, now);
-        if !is_evacuated && self.keep_on_time(core.floor(), worker, &place, &cut, now) {
-            return;
+        let waits = !is_evacuated && self.keep_on_time(core.floor(), yielding, worker, &place, now);
+        if !waits {
+            self.look_ahead(core, yielding, worker, &place, now);
+            self.make_room(core.floor(), yielding, worker, place.at, now);
         }
-        self.look_ahead(core, yielding, worker, &place, now);
-        self.make_room(core.floor(), yielding, worker, place.at, now);
         let person = &mut self.people[worker];
         let Some(plan) = person.plan.as_mut() else { return };
         let conduct = plan.follower.observe(place.at, place.sigma_m);

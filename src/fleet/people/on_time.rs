@@ -12,6 +12,7 @@ use crate::fleet::people::lets_pass::KEEPS_AT_MOST;
 use crate::fleet::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::wait_graph::{Edge, Party};
+use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::{Point, Segment};
 use crate::human::{Presence, Whereabouts};
 use crate::id::{ClosureId, RobotId, WorkerId};
@@ -74,9 +75,9 @@ impl HumanState {
     pub(super) fn keep_on_time(
         &mut self,
         floor: Floor<'_>,
+        yielding: &YieldingState,
         worker: WorkerId,
         place: &Whereabouts,
-        cut: &EdgeSet,
         now: Time,
     ) -> bool {
         let person = &self.people[worker];
@@ -98,7 +99,8 @@ impl HumanState {
         let path = person.rest_of_path(place.at).expect("there is a plan");
         let occupied = self.occupied(floor, worker, place.at, now);
         let along = self.walkways.time_along(&path, &occupied, (now, WALKS_MPS));
-        let best = self.walkways.timed_path((place.at, goal), cut, &occupied, (now, WALKS_MPS), LABELS);
+        let cut = self.edges_blocked_for_long(floor, yielding, now);
+        let best = self.walkways.timed_path((place.at, goal), &cut, &occupied, (now, WALKS_MPS), LABELS);
         let other = match (&along, best) {
             (Some(a), Some(b)) => Some(b).filter(|b| b.arrival() + BETTER < a.arrival()),
             (None, best) => best,
