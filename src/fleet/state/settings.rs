@@ -40,7 +40,8 @@ pub struct Settings {
     pub policy: HumanAwarePolicy,
     /// How our own policy recognises intentions; [`Method::Chapter3Tiles`] on floors that fit it only.
     pub method: Method,
-    /// What a second of a worker is worth, in seconds of a robot.
+    /// What a second of a worker is worth, in seconds of a robot: a robot that waits for a worker goes first where that
+    /// costs less ([`HumanAwarePolicy::Giveway`] only).
     pub worker_price: f64,
     /// What was learned about people.
     pub model: Arc<Model>,

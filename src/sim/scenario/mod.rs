@@ -285,9 +285,9 @@ impl Scenario {
     /// The settings of the core for this scenario.
     pub fn settings(&self) -> crate::fleet::Settings {
         let Scenario { period, policy, .. } = *self;
-        let method = self.workers.method.into();
+        let (method, worker_price) = (self.workers.method.into(), self.workers.price);
         let (kinds, model) = (self.kinds.iter().map(|k| k.kind.clone()).collect(), self.learned.clone());
-        crate::fleet::Settings { kinds, period, policy, method, model, ..Default::default() }
+        crate::fleet::Settings { kinds, period, policy, method, worker_price, model, ..Default::default() }
     }
 
     /// The kind of robot number `i`, from 0: the robots are of the kinds in turn.

@@ -4,6 +4,7 @@
 //! that cannot be, and to simulate anybody.
 
 use super::check::{ScenarioError, check};
+use crate::fleet::Settings;
 use crate::human::Method;
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +40,8 @@ pub struct Workers {
     pub encounter_m: f64,
     /// How the fleet recognises where they are going.
     pub method: MethodWord,
+    /// What a second of theirs is worth to the fleet, in seconds of a robot.
+    pub price: f64,
 }
 
 /// [`Method`] as files name it. That of chapter 4 belongs to a policy of its own (`phir`).
@@ -332,6 +335,7 @@ impl Default for Workers {
             pairs: 0.0,
             encounter_m: 1.5,
             method: MethodWord::default(),
+            price: Settings::default().worker_price,
         }
     }
 }
@@ -340,6 +344,7 @@ impl Workers {
     /// Refuses numbers that cannot be.
     pub(super) fn check(&self) -> Result<(), ScenarioError> {
         let times = 0.0..=1e7;
+        check("workers.price", self.price, 0.0..=1000.0, "from 0 to 1000")?;
         check("workers.count", self.count as f64, 0.0..=200.0, "from 0 to 200")?;
         check("workers.enter_s", self.enter_s, times.clone(), "from 0 to 10000000")?;
         check("workers.leave_s", self.leave_s.unwrap_or(0.0), times.clone(), "from 0 to 10000000")?;

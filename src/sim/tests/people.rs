@@ -1,6 +1,7 @@
 //! People in simulations: how their goals are recognised, and whether the filter of their motion knows how wrong it is.
 
 use super::*;
+use crate::fleet::GuidanceReason;
 use crate::human::IntentState;
 use crate::warehouse::kiva;
 
@@ -105,4 +106,34 @@ fn routes_that_move_others_are_counted_with_what_they_gain() {
     assert!(found.tried > 0 && found.succeeded > 0 && found.succeeded <= found.tried, "{found:?}");
     assert!(found.only_way <= found.succeeded && found.gain >= Span::ZERO, "{found:?}");
     assert!(found.tried <= counts.plan_failures, "only a robot that found no route moves others: {counts:?}");
+}
+
+/// Runs a crowded hall; with how often workers were told to wait for a robot, and the longest wait in a row, seconds.
+fn waits(price: f64) -> (u64, f64) {
+    let scenario = hall(600, 20, &format!(r#", "count": 3, "price": {price}"#));
+    let mut sim = simulation(&scenario, 5);
+    let (mut times, mut longest, mut lasts) = (0, 0.0_f64, [0.0_f64; 3]);
+    while !sim.is_over() {
+        sim.step();
+        let now = sim.now();
+        for (worker, lasts) in sim.fleet.view(now).workers.iter().zip(&mut lasts) {
+            let waits = matches!(worker.guidance.reason, Some(GuidanceReason::RobotCrosses(_)));
+            let until = worker.guidance.wait.map(|t| (t - now).as_secs_f64());
+            assert!(!waits || until.is_some_and(|s| s <= 12.0), "{:?}", worker.guidance);
+            times += u64::from(waits && *lasts == 0.0);
+            *lasts = if waits { *lasts + scenario.period.as_secs_f64() } else { 0.0 };
+            longest = longest.max(*lasts);
+        }
+    }
+    assert_eq!(sim.outcome().broken, Vec::<String>::new());
+    (times, longest)
+}
+
+#[test]
+fn workers_wait_a_moment_for_robots_and_the_more_they_are_worth_the_more_seldom() {
+    let (usual, longest) = waits(3.0);
+    assert!(usual > 0 && longest <= 13.5, "{usual} times, {longest} s");
+    let (cheap, _) = waits(0.0);
+    let (dear, _) = waits(1000.0);
+    assert!(cheap > dear, "{cheap} times where workers cost nothing, {dear} times where they cost a lot");
 }

@@ -17,6 +17,8 @@ export interface Guidance {
   path: Point[];
   next: Point | null;
   eta_s: number | null;
+  /** For about how long to wait for a robot to pass, seconds. */
+  wait_s?: number | null;
   assignment: string | null;
   near: NearRobot[];
 }
@@ -49,6 +51,10 @@ const NOTHING = { path: [], next: null, near: [] } as const;
 export function show(g: Guidance | null, at: Standing): Shown {
   const fresh = at.link === 'live' && at.age_ms !== null && at.age_ms < STALE_MS;
   // A stop that was said stands until something newer is known.
+  if (g?.state === 'stop' && fresh && g.wait_s !== null && g.wait_s !== undefined) {
+    const detail = sentence(g.reason ?? 'a robot passes');
+    return { kind: 'stop', tone: 'stop', title: `WAIT ${Math.max(1, Math.ceil(g.wait_s))} s`, detail, ...NOTHING, near: g.near };
+  }
   if (g?.state === 'stop') {
     const why = sentence(g.reason ?? 'the fleet asks you to');
     return { kind: 'stop', tone: 'stop', title: 'STOP', detail: fresh ? why : `${why} The connection has been lost since then.`, ...NOTHING, near: fresh ? g.near : [] };
