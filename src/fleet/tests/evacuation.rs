@@ -36,10 +36,10 @@ impl TestFloor {
         on
     }
 
-    /// Whether a node is one of these, or so near to one that a robot there is on it as well.
-    fn is_beside(&self, node: NodeId, on: &std::collections::BTreeSet<NodeId>) -> bool {
+    /// Whether a robot at a place is on one of these nodes, or reaches onto it.
+    fn is_beside(&self, at: Point, on: &std::collections::BTreeSet<NodeId>) -> bool {
         let w = self.fleet.warehouse();
-        on.iter().any(|n| (w.nodes[*n].at - w.nodes[node].at).norm() < 0.9)
+        on.iter().any(|n| (w.nodes[*n].at - at).norm() < 0.9)
     }
 
     /// One period in which everybody is seen, told and walks.
@@ -91,7 +91,7 @@ fn everybody_is_out_within_a_minute_and_a_half_and_all_jobs_are_done_afterwards(
             let chain = floor.fleet.ledger().chain(*robot);
             let node = |s: u64| chain.get(s).map(|v| v.node);
             let onto = (chain.first()..=*serial).filter_map(node).any(|n| on.contains(&n));
-            let from = node(chain.first()).is_some_and(|n| floor.is_beside(n, &on));
+            let from = floor.world.truth().any(|(r, t)| r == *robot && floor.is_beside(t.pose.at, &on));
             entered.extend((onto && !from).then_some((*robot, floor.now)));
         }
         out = people.iter().all(|p| floor.is_at_a_door(p.at)).then_some(floor.now - at);

@@ -45,8 +45,10 @@ impl Traffic {
         let kept_off =
             |r: &RobotId| matches!(self.withheld(*r), Some(Withheld::Condition(Cause::Evacuation, _)));
         let moving = core.restrictions.clears_ways_out.iter().copied();
+        let floor = core.floor();
+        let stays = |r: &RobotId| kept_off(r) || floor.lacks_route(*r);
         let leaves: Vec<RobotId> =
-            moving.filter(|r| core.floor().is_on(*r, &core.restrictions.ways_out) || kept_off(r)).collect();
+            moving.filter(|r| floor.is_on(*r, &floor.restrictions.ways_out) || stays(r)).collect();
         for robot in leaves {
             let tried = self.cleared.get(&robot).is_some_and(|t| now - *t < AGAIN);
             let fit = core.scene.fit(robot, now).is_some() && !core.ledger.robots[robot].failed;
@@ -54,7 +56,12 @@ impl Traffic {
                 continue;
             }
             self.cleared.insert(robot, now);
-            self.step_out(core, robot, None, now);
+            // Away from a worker who comes towards it: on the way past, each would wait for the other.
+            let worker = match self.withheld(robot) {
+                Some(Withheld::Condition(Cause::Worker(worker), _)) => Some(worker),
+                _ => None,
+            };
+            self.step_out(core, robot, worker, now);
         }
     }
 
