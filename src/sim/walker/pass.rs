@@ -45,6 +45,7 @@ impl Walker {
             return;
         }
         if self.legs.route.is_empty() {
+            self.kept_since = None;
             let asks = |p: &PersonNear| p.kept && (p.at - here).norm() < NEAR_M;
             if self.aside.is_none() && around.people.iter().any(asks) {
                 self.step_out(around);

@@ -14,7 +14,7 @@ pub const APART_M: f64 = 2.0 * (BODY_M + SWAY_M);
 /// Farther apart than this, people do not matter to one another, metres.
 const MATTERS_M: f64 = 4.0;
 /// A walker turns its shoulders to pass somebody: its middle comes so near to a wall then, metres.
-const SQUEEZE_M: f64 = 0.2;
+pub(super) const SQUEEZE_M: f64 = 0.2;
 /// A walker plans to pass others at this distance, metres.
 const PASSING_M: f64 = APART_M + 0.06;
 /// It looks so far ahead in time, seconds.
@@ -23,6 +23,10 @@ const HORIZON_S: f64 = 3.0;
 const WALLS_S: f64 = 0.4;
 /// How quickly a walker stops for somebody, metres per second squared.
 const BRAKE_MPS2: f64 = 4.0;
+/// How quickly it swerves, radians per second.
+const VEER_RADPS: f64 = 12.0;
+/// Slower than this it turns on the spot, metres per second.
+const SLOW_MPS: f64 = 0.3;
 /// Directions that it weighs, radians off its way.
 const VEERS: [f64; 13] = [0.0, -0.2, 0.2, -0.4, 0.4, -0.7, 0.7, -1.0, 1.0, -1.3, 1.3, -1.6, 1.6];
 /// Speeds that it weighs, as shares of what it wants.
@@ -102,10 +106,14 @@ impl Legs {
         let mut best: Option<(f64, f64, f64, Point)> = None;
         for veer in VEERS {
             let direction = Rotation2::new(veer) * straight;
+            // Who walks cannot turn at once.
+            let most = if self.speed_mps < SLOW_MPS { f64::INFINITY } else { VEER_RADPS * dt };
+            let turned = self.veer + (veer - self.veer).clamp(-most, most);
+            let step = Rotation2::new(turned) * straight;
             for pace in PACES {
                 let target = wanted * pace;
                 let speed = target.clamp(self.speed_mps - BRAKE_MPS2 * dt, self.speed_mps + ACCEL_MPS2 * dt);
-                let to = self.at + direction * (speed * dt).clamp(0.0, way.norm());
+                let to = self.at + step * (speed * dt).clamp(0.0, way.norm());
                 match self.taken(to, foresight, SQUEEZE_M, around) {
                     Some(what) => {
                         robot |= what == InTheWay::Robot;
@@ -116,7 +124,7 @@ impl Legs {
                 }
                 let cost = self.cost(veer, pace, direction * target, around);
                 if best.is_none_or(|(least, ..)| cost < least) {
-                    best = Some((cost, veer, speed.max(0.0), to));
+                    best = Some((cost, turned, speed.max(0.0), to));
                 }
             }
         }
