@@ -126,6 +126,8 @@ pub struct Legs {
     pub blocked_by_moving: bool,
     /// The person who keeps it from going on.
     pub kept_by: Option<usize>,
+    /// Whether people have kept it for a while.
+    pub is_kept: bool,
     /// How far off its way it walks to get past people, radians.
     pub(super) veer: f64,
     /// Where a colleague walks beside it: so far to the left of the way does it keep, metres.
@@ -147,6 +149,7 @@ impl Legs {
             blocked: false,
             blocked_by_moving: false,
             kept_by: None,
+            is_kept: false,
             veer: 0.0,
             beside_m: None,
             cut_m,

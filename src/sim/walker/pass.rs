@@ -13,6 +13,8 @@ use crate::warehouse::walkway::EdgeSet;
 
 /// A walker that people have kept for so long does something about it.
 pub(super) const KEPT: Span = Span::from_millis(1500);
+/// And tries to squeeze past them after this.
+pub(super) const SQUEEZES: Span = Span::from_millis(700);
 /// One that has moved this far is not kept any more, metres.
 const GOT_ON_M: f64 = 0.5;
 /// A way that ends so near, where somebody stands, is at its end, metres.

@@ -19,8 +19,11 @@ pub(super) const SQUEEZE_M: f64 = 0.2;
 const PASSING_M: f64 = APART_M + 0.06;
 /// It looks so far ahead in time, seconds.
 const HORIZON_S: f64 = 3.0;
+/// Who has been kept for a while squeezes past: it looks less far ahead, and standing costs it more.
+const CLOSE_S: f64 = 0.6;
+const KEPT_COST: f64 = 4.0;
 /// And so far for walls, seconds.
-const WALLS_S: f64 = 0.4;
+const WALLS_S: f64 = 0.3;
 /// How quickly a walker stops for somebody, metres per second squared.
 const BRAKE_MPS2: f64 = 4.0;
 /// How quickly it swerves, radians per second.
@@ -33,7 +36,7 @@ const VEERS: [f64; 13] = [0.0, -0.2, 0.2, -0.4, 0.4, -0.7, 0.7, -1.0, 1.0, -1.3,
 const PACES: [f64; 3] = [1.0, 0.5, 0.0];
 /// What they cost: a radian, all of the speed, being about to touch, a wall, keeping left, a radian of change.
 const VEER_COST: f64 = 0.6;
-const PACE_COST: f64 = 1.2;
+const PACE_COST: f64 = 2.5;
 const TOUCH_COST: f64 = 4.0;
 const WALL_COST: f64 = 2.0;
 const LEFT_COST: f64 = 0.15;
@@ -139,20 +142,26 @@ impl Legs {
         self.walked_m += (to - self.at).norm();
         (self.at, self.veer, self.speed_mps) = (to, veer, speed);
         // Who shuffles about in front of somebody is kept too: how long it has got no farther shows whether it is.
-        (self.blocked, self.kept_by) = (robot && nearest.is_none() && speed < 0.15 * wanted, nearest);
+        let stands = speed < 0.15 * wanted && nearest.is_none();
+        (self.blocked, self.kept_by) = (robot && stands, nearest);
+        if stands && !robot && speed == 0.0 {
+            // Only a wall can be why.
+            self.leave_wall(around.walkways);
+        }
     }
 
     /// What it costs to walk on like that.
     fn cost(&self, veer: f64, pace: f64, velocity: Vector, around: &WalkerSurroundings<'_>) -> f64 {
         let touches = around.people.iter().filter_map(|p| p.meets(self.at, velocity));
-        let touch: f64 = touches.filter(|s| *s < HORIZON_S).map(|s| 1.0 - s / HORIZON_S).sum();
+        let (horizon, stand) = if self.is_kept { (CLOSE_S, KEPT_COST) } else { (HORIZON_S, PACE_COST) };
+        let touch: f64 = touches.filter(|s| *s < horizon).map(|s| 1.0 - s / horizon).sum();
         let soon = self.at + velocity * WALLS_S;
         let room = around.walkways.clearance_m(soon);
         let wall = room < SQUEEZE_M && room < around.walkways.clearance_m(self.at);
         // Near walls without need is uncomfortable, so that people go back to the middle.
         let near = if room < WALL_M { 0.1 } else { 0.0 };
         VEER_COST * veer.abs()
-            + PACE_COST * (1.0 - pace)
+            + stand * (1.0 - pace)
             + TOUCH_COST * touch
             + if wall { WALL_COST } else { near }
             + if veer > 0.0 { LEFT_COST } else { 0.0 }
