@@ -4,7 +4,7 @@
 //! before, and no walker steps in front of a moving one that it minds. How it gets past other people is in `people`.
 //! Refuses: to know where the route comes from.
 
-use super::people::PersonNear;
+use super::people::{PersonNear, SQUEEZE_M};
 use crate::geometry::{Point, Vector, wrap_angle};
 use crate::time::Time;
 use crate::warehouse::walkway::Walkways;
@@ -32,6 +32,8 @@ const TURN_RADPS: f64 = 4.0;
 /// Sway of the trunk to either side, metres: a few centimetres at the frequency of strides.
 pub const SWAY_M: f64 = 0.03;
 const SWAY_HZ: f64 = 0.9;
+/// Among people, a point of the route this near may be left aside, metres.
+const SKIPS_M: f64 = 1.5;
 /// A slower robot stands, metres per second.
 pub(super) const STANDS_MPS: f64 = 0.05;
 /// Directions that are tried in turn where the straight one is taken, radians.
@@ -93,9 +95,9 @@ pub fn ease(p: Point, walkways: &Walkways) -> Point {
 }
 
 /// Whether a body has room all along a straight line.
-fn roomy(a: Point, b: Point, walkways: &Walkways) -> bool {
+fn roomy(a: Point, b: Point, wall_m: f64, walkways: &Walkways) -> bool {
     let steps = ((b - a).norm() / 0.1).ceil().max(1.0) as u32;
-    (0..=steps).all(|i| walkways.clearance_m(a + (b - a) * (f64::from(i) / f64::from(steps))) >= WALL_M)
+    (0..=steps).all(|i| walkways.clearance_m(a + (b - a) * (f64::from(i) / f64::from(steps))) >= wall_m)
 }
 
 /// What keeps a walker from a place.
@@ -124,6 +126,8 @@ pub struct Legs {
     pub blocked_by_moving: bool,
     /// The person who keeps it from going on.
     pub kept_by: Option<usize>,
+    /// Whether people have kept it for a while.
+    pub is_kept: bool,
     /// How far off its way it walks to get past people, radians.
     pub(super) veer: f64,
     /// Where a colleague walks beside it: so far to the left of the way does it keep, metres.
@@ -145,6 +149,7 @@ impl Legs {
             blocked: false,
             blocked_by_moving: false,
             kept_by: None,
+            is_kept: false,
             veer: 0.0,
             beside_m: None,
             cut_m,
@@ -169,6 +174,10 @@ impl Legs {
     pub fn walk(&mut self, dt: f64, wanted: f64, foresight: f64, around: &WalkerSurroundings<'_>) {
         (self.blocked, self.blocked_by_moving, self.kept_by) = (false, false, None);
         self.pass_corners(around.walkways);
+        let among = around.people.iter().any(|p| p.matters_to(self.at));
+        while among && self.can_skip(around.walkways) {
+            self.route.pop_front();
+        }
         let Some(&aim) = self.route.front() else {
             self.speed_mps = 0.0;
             return self.make_room(dt, foresight, around);
@@ -182,7 +191,7 @@ impl Legs {
         if length <= 0.0 {
             return self.make_room(dt, foresight, around);
         }
-        if around.people.iter().any(|p| p.matters_to(self.at)) {
+        if among {
             return self.walk_among_people(dt, wanted, way, foresight, around);
         }
         self.veer = 0.0;
@@ -220,11 +229,17 @@ impl Legs {
         let near: Vec<(Point, f64)> = near.map(|(n, far)| (walkways.nodes()[n].at, far)).collect();
         let others = near.iter().filter(|(at, _)| *at != aim);
         let whole = |(at, far): &&(Point, f64)| far + (aim - at).norm();
-        let through = others.clone().filter(|(at, _)| roomy(*at, aim, walkways));
+        let through = others.clone().filter(|(at, _)| roomy(*at, aim, WALL_M, walkways));
         let through = through.min_by(|a, b| whole(a).total_cmp(&whole(b)));
         if let Some((at, _)) = through.or_else(|| others.min_by(|a, b| a.1.total_cmp(&b.1))) {
             self.route.push_front(*at);
         }
+    }
+
+    /// Whether it need not go over the next point: who gets past people does not swing back to the middle for it.
+    fn can_skip(&self, walkways: &Walkways) -> bool {
+        let (Some(next), Some(then)) = (self.route.front(), self.route.get(1)) else { return false };
+        (next - self.at).norm() < SKIPS_M && roomy(self.at, *then, SQUEEZE_M, walkways)
     }
 
     /// Drops points that are reached, and corners that can be cut.
@@ -232,7 +247,8 @@ impl Legs {
         while let Some(&next) = self.route.front() {
             let far = (next - self.at).norm();
             let cut_m = self.beside_m.map_or(self.cut_m, |aside| self.cut_m.max(2.0 * aside.abs()));
-            let cut = self.route.get(1).is_some_and(|then| far < cut_m && roomy(self.at, *then, walkways));
+            let cut =
+                self.route.get(1).is_some_and(|then| far < cut_m && roomy(self.at, *then, WALL_M, walkways));
             if !cut && far >= THERE_M {
                 break;
             }

@@ -201,6 +201,7 @@ impl Walker {
         let wanted = self.pace_for_robots(now, dt, self.wanted_mps(now), around);
         let wanted = self.pace_with(work.companion, wanted);
         let before = self.legs.at;
+        self.legs.is_kept = self.kept_since.is_some_and(|(since, _)| now - since > pass::SQUEEZES);
         self.legs.walk(dt, wanted, foresight, around);
         self.velocity = (self.legs.at - before) / dt;
         self.give_up_waiting(now, around, work);

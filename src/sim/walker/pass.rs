@@ -13,6 +13,8 @@ use crate::warehouse::walkway::EdgeSet;
 
 /// A walker that people have kept for so long does something about it.
 pub(super) const KEPT: Span = Span::from_millis(1500);
+/// And tries to squeeze past them after this.
+pub(super) const SQUEEZES: Span = Span::from_millis(700);
 /// One that has moved this far is not kept any more, metres.
 const GOT_ON_M: f64 = 0.5;
 /// A way that ends so near, where somebody stands, is at its end, metres.
@@ -45,6 +47,7 @@ impl Walker {
             return;
         }
         if self.legs.route.is_empty() {
+            self.kept_since = None;
             let asks = |p: &PersonNear| p.kept && (p.at - here).norm() < NEAR_M;
             if self.aside.is_none() && around.people.iter().any(asks) {
                 self.step_out(around);

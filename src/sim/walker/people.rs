@@ -14,22 +14,29 @@ pub const APART_M: f64 = 2.0 * (BODY_M + SWAY_M);
 /// Farther apart than this, people do not matter to one another, metres.
 const MATTERS_M: f64 = 4.0;
 /// A walker turns its shoulders to pass somebody: its middle comes so near to a wall then, metres.
-const SQUEEZE_M: f64 = 0.2;
+pub(super) const SQUEEZE_M: f64 = 0.2;
 /// A walker plans to pass others at this distance, metres.
 const PASSING_M: f64 = APART_M + 0.06;
 /// It looks so far ahead in time, seconds.
 const HORIZON_S: f64 = 3.0;
+/// Who has been kept for a while squeezes past: it looks less far ahead, and standing costs it more.
+const CLOSE_S: f64 = 0.6;
+const KEPT_COST: f64 = 4.0;
 /// And so far for walls, seconds.
-const WALLS_S: f64 = 0.4;
+const WALLS_S: f64 = 0.3;
 /// How quickly a walker stops for somebody, metres per second squared.
 const BRAKE_MPS2: f64 = 4.0;
+/// How quickly it swerves, radians per second.
+const VEER_RADPS: f64 = 12.0;
+/// Slower than this it turns on the spot, metres per second.
+const SLOW_MPS: f64 = 0.3;
 /// Directions that it weighs, radians off its way.
 const VEERS: [f64; 13] = [0.0, -0.2, 0.2, -0.4, 0.4, -0.7, 0.7, -1.0, 1.0, -1.3, 1.3, -1.6, 1.6];
 /// Speeds that it weighs, as shares of what it wants.
 const PACES: [f64; 3] = [1.0, 0.5, 0.0];
 /// What they cost: a radian, all of the speed, being about to touch, a wall, keeping left, a radian of change.
 const VEER_COST: f64 = 0.6;
-const PACE_COST: f64 = 1.2;
+const PACE_COST: f64 = 2.5;
 const TOUCH_COST: f64 = 4.0;
 const WALL_COST: f64 = 2.0;
 const LEFT_COST: f64 = 0.15;
@@ -102,10 +109,14 @@ impl Legs {
         let mut best: Option<(f64, f64, f64, Point)> = None;
         for veer in VEERS {
             let direction = Rotation2::new(veer) * straight;
+            // Who walks cannot turn at once.
+            let most = if self.speed_mps < SLOW_MPS { f64::INFINITY } else { VEER_RADPS * dt };
+            let turned = self.veer + (veer - self.veer).clamp(-most, most);
+            let step = Rotation2::new(turned) * straight;
             for pace in PACES {
                 let target = wanted * pace;
                 let speed = target.clamp(self.speed_mps - BRAKE_MPS2 * dt, self.speed_mps + ACCEL_MPS2 * dt);
-                let to = self.at + direction * (speed * dt).clamp(0.0, way.norm());
+                let to = self.at + step * (speed * dt).clamp(0.0, way.norm());
                 match self.taken(to, foresight, SQUEEZE_M, around) {
                     Some(what) => {
                         robot |= what == InTheWay::Robot;
@@ -116,7 +127,7 @@ impl Legs {
                 }
                 let cost = self.cost(veer, pace, direction * target, around);
                 if best.is_none_or(|(least, ..)| cost < least) {
-                    best = Some((cost, veer, speed.max(0.0), to));
+                    best = Some((cost, turned, speed.max(0.0), to));
                 }
             }
         }
@@ -131,20 +142,26 @@ impl Legs {
         self.walked_m += (to - self.at).norm();
         (self.at, self.veer, self.speed_mps) = (to, veer, speed);
         // Who shuffles about in front of somebody is kept too: how long it has got no farther shows whether it is.
-        (self.blocked, self.kept_by) = (robot && nearest.is_none() && speed < 0.15 * wanted, nearest);
+        let stands = speed < 0.15 * wanted && nearest.is_none();
+        (self.blocked, self.kept_by) = (robot && stands, nearest);
+        if stands && !robot && speed == 0.0 {
+            // Only a wall can be why.
+            self.leave_wall(around.walkways);
+        }
     }
 
     /// What it costs to walk on like that.
     fn cost(&self, veer: f64, pace: f64, velocity: Vector, around: &WalkerSurroundings<'_>) -> f64 {
         let touches = around.people.iter().filter_map(|p| p.meets(self.at, velocity));
-        let touch: f64 = touches.filter(|s| *s < HORIZON_S).map(|s| 1.0 - s / HORIZON_S).sum();
+        let (horizon, stand) = if self.is_kept { (CLOSE_S, KEPT_COST) } else { (HORIZON_S, PACE_COST) };
+        let touch: f64 = touches.filter(|s| *s < horizon).map(|s| 1.0 - s / horizon).sum();
         let soon = self.at + velocity * WALLS_S;
         let room = around.walkways.clearance_m(soon);
         let wall = room < SQUEEZE_M && room < around.walkways.clearance_m(self.at);
         // Near walls without need is uncomfortable, so that people go back to the middle.
         let near = if room < WALL_M { 0.1 } else { 0.0 };
         VEER_COST * veer.abs()
-            + PACE_COST * (1.0 - pace)
+            + stand * (1.0 - pace)
             + TOUCH_COST * touch
             + if wall { WALL_COST } else { near }
             + if veer > 0.0 { LEFT_COST } else { 0.0 }
