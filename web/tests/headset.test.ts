@@ -138,6 +138,9 @@ describe('guidance', () => {
     expect(show(guidance(), { ...well, link: 'lost' }).kind).toBe('offline');
     expect(show(null, { ...well, age_ms: null, link: 'connecting' }).title).toBe('Connecting');
     expect(show(guidance({ state: 'stop' }), { ...well, age_ms: 9_000, link: 'lost' })).toMatchObject({ kind: 'stop', detail: expect.stringContaining('connection has been lost') });
+    // A wait whose length is known is counted; where the connection is lost, nothing is.
+    expect(show(guidance({ state: 'stop', reason: 'robot-7 crosses your path', wait_s: 3.2 }), well)).toMatchObject({ kind: 'stop', title: 'WAIT 4 s', detail: 'Robot-7 crosses your path.' });
+    expect(show(guidance({ state: 'stop', wait_s: 3.2 }), { ...well, age_ms: 9_000, link: 'lost' })).toMatchObject({ kind: 'stop', title: 'STOP' });
   });
   test('without a position or marks there is no path', () => {
     expect(show(guidance(), { ...well, tracking: 'lost' })).toMatchObject({ kind: 'lost', path: [] });

@@ -9,7 +9,8 @@ export function metIn(marks: readonly Mark[], start: number | null): { items: En
   const items = known.map((mark, id): Encounter => {
     const { ended_s, ...rest } = mark.encounter!;
     const began = new Date(1_000 * ((start ?? 0) + mark.at_s)).toISOString();
-    return { ...rest, id, began, lasted_s: ended_s - mark.at_s };
+    // Fleets note who comes into region 1, and no other.
+    return { ...rest, id, began, lasted_s: ended_s - mark.at_s, region: 1 };
   });
   return { items, marks: known, bare: met.length - known.length };
 }

@@ -24,7 +24,7 @@ export interface Mark {
   encounter?: Met;
 }
 /** An encounter in the seconds of the reel; its bookmark says when it began. */
-export type Met = Omit<Encounter, 'id' | 'began' | 'lasted_s'> & { ended_s: number };
+export type Met = Omit<Encounter, 'id' | 'began' | 'lasted_s' | 'region'> & { ended_s: number };
 /** What was counted so far: differences are figures. */
 export interface Sum {
   at_s: number;
