@@ -350,7 +350,7 @@ async fn encounters_are_listed_filtered_and_exported() {
     let accepted = send(at, "GET", "/v1/encounters", &[("accept", "text/csv")], "").await.unwrap();
     assert_eq!(accepted.text.lines().count(), 6);
     let last = accepted.text.lines().last().unwrap();
-    assert!(last.ends_with(",1.5,1.25,-0.5,1.4,0.9,0.5,1.2,stopped,2.5"), "{last}");
+    assert!(last.ends_with(",1.5,1.25,-0.5,1,1.4,0.9,0.5,1.2,stopped,2.5"), "{last}");
     let text = get(at, "/metrics").await.text;
     assert!(text.contains("giveway_encounters 5"), "{text}");
     server.stop().await.unwrap();

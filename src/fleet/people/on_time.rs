@@ -182,7 +182,9 @@ impl HumanState {
             return None;
         }
         let takes = SETS_OFF + Span::from_secs_f64(length_m / SLOW_MPS);
-        let kept = floor.waits_until(robot, now).map_or(Span::ZERO, |t| (t - now).min(KEPT_AT_MOST));
+        // One that was told to stand waits until the worker has walked past.
+        let passes = Span::from_secs_f64(WAY_M / WALKS_MPS);
+        let kept = floor.waits_until(robot, now).map_or(passes, |t| (t - now).clamp(passes, KEPT_AT_MOST));
         let behind = Edge::On(Party::Robot(robot));
         let robots = 1 + floor.waits.parties().filter(|(_, wait)| wait.edge == behind).count();
         let costs_worker = floor.settings.worker_price * takes.as_secs_f64();
