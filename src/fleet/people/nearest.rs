@@ -15,8 +15,8 @@ use crate::time::Time;
 const WAYS_MAX: usize = 64;
 
 impl HumanState {
-    /// Gives waiting assignments, the oldest first, to those who have the shortest way to them. Of two who have the same
-    /// way, the one with the lower number gets it.
+    /// Gives waiting assignments, the oldest first, to those who have the shortest way to them. Of two who have the
+    /// same way, the one with the lower number gets it.
     pub(super) fn hand_out(&self, core: &mut Core, now: Time) {
         let waiting: Vec<_> = core.ledger.index().unassigned().take(WAYS_MAX).collect();
         if waiting.is_empty() {
