@@ -37,8 +37,6 @@ const CHANGE_COST: f64 = 0.1;
 /// Who stands makes room for people who come this near, metres, with this speed, metres per second.
 const COMES_BY_M: f64 = 2.0;
 const MAKES_ROOM_MPS: f64 = 0.5;
-/// Two who walk together and are this near each other are beside one another, metres.
-pub(super) const TOGETHER_M: f64 = 4.0;
 
 impl Legs {
     /// A step in the direction and at the speed that cost least.
