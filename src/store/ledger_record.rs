@@ -12,7 +12,7 @@ use crate::fleet::{
     Assignment, Closure, Contradiction, Job, Keys, Ledger, Parts, Promises, RackAt, Robot, Service, Stop,
     Sums, Wishes,
 };
-use crate::id::{AssignmentId, ClosureId, Dense, JobId, NodeId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::{ChainParts, Holder, Visit};
 use crate::warehouse::Warehouse;
