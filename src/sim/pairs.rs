@@ -1,7 +1,7 @@
 //! Which simulated workers walk in pairs, and where the second of a pair works.
 //!
-//! Main type: [`Pairs`]. The second of a pair works next to where the first does, so that they have their ways in common;
-//! each has assignments and a headset of its own. Refuses: to draw from the streams of workers who walk alone.
+//! Main type: [`Pairs`]. The second of a pair works next to where the first does, so that they have their ways in
+//! common; each has assignments and a headset of its own. Refuses: to draw from the streams of workers who walk alone.
 
 use super::random::Stream;
 use crate::geometry::Point;

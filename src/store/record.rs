@@ -8,7 +8,7 @@ use super::people_record::{
     AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, ReactionRecord, RecurringRecord,
 };
 use super::route_record::{BookingRecord, KeptRecord, MovedRecord};
-use crate::fleet::{Booking, Fact, KeptRoute, Moved, USUAL_KIND};
+use crate::fleet::{AssignmentRequest, Booking, Fact, KeptRoute, Moved, Reaction, USUAL_KIND};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
@@ -333,12 +333,9 @@ impl From<&Fact> for Record {
             Fact::Returned { robot, kind, node, at } => record_returned(*robot, kind, *node, *at),
             Fact::RackTaken { robot, rack, node, at } => record_taken(*robot, *rack, *node, *at),
             Fact::WorkerRegistered { worker, name, at } => record_hired(*worker, name, *at),
-            Fact::Assigned { assignment, worker, request: r, at } => Record::Assigned {
-                assignment: assignment.0,
-                worker: worker.map(|w| w.0),
-                request: r.into(),
-                at: at.0,
-            },
+            Fact::Assigned { assignment, worker, request, at } => {
+                record_assigned(*assignment, *worker, request, *at)
+            }
             Fact::Given { assignment, worker, at } => {
                 Record::Given { assignment: assignment.0, worker: worker.0, at: at.0 }
             }
@@ -354,19 +351,26 @@ impl From<&Fact> for Record {
             }
             Fact::Encountered(encounter) => Record::Encountered(encounter.into()),
             Fact::Deviated { worker, at } => Record::Deviated { worker: worker.0, at: at.0 },
-            Fact::Interrupted { robot, worker, reaction, at } => Record::Interrupted {
-                robot: robot.0,
-                worker: worker.0,
-                reaction: (*reaction).into(),
-                at: at.0,
-            },
-            Fact::KeysExpired { jobs, assignments } => Record::KeysExpired {
-                jobs: jobs.iter().map(|j| j.0).collect(),
-                assignments: assignments.iter().map(|a| a.0).collect(),
-            },
+            Fact::Interrupted { robot, worker, reaction, at } => {
+                record_interrupted(*robot, *worker, *reaction, *at)
+            }
+            Fact::KeysExpired { jobs, assignments } => record_keys_expired(jobs, assignments),
             rest => of_closures(rest),
         }
     }
+}
+
+fn record_assigned(id: AssignmentId, worker: Option<WorkerId>, r: &AssignmentRequest, at: Time) -> Record {
+    Record::Assigned { assignment: id.0, worker: worker.map(|w| w.0), request: r.into(), at: at.0 }
+}
+
+fn record_interrupted(robot: RobotId, worker: WorkerId, reaction: Reaction, at: Time) -> Record {
+    Record::Interrupted { robot: robot.0, worker: worker.0, reaction: reaction.into(), at: at.0 }
+}
+
+fn record_keys_expired(jobs: &[JobId], assignments: &[AssignmentId]) -> Record {
+    let assignments = assignments.iter().map(|a| a.0).collect();
+    Record::KeysExpired { jobs: jobs.iter().map(|j| j.0).collect(), assignments }
 }
 
 fn record_maintenance(robot: RobotId, since: Option<Time>) -> Record {
@@ -448,14 +452,8 @@ impl From<Record> for Fact {
             Record::Hired { worker, name, at } => {
                 Fact::WorkerRegistered { worker: WorkerId(worker), name, at: Time(at) }
             }
-            Record::Assigned { assignment: id, worker, request, at } => {
-                let (assignment, worker) = (AssignmentId(id), worker.map(WorkerId));
-                Fact::Assigned { assignment, worker, request: request.into(), at: Time(at) }
-            }
-            Record::Given { assignment, worker, at } => {
-                let (assignment, worker) = (AssignmentId(assignment), WorkerId(worker));
-                Fact::Given { assignment, worker, at: Time(at) }
-            }
+            Record::Assigned { assignment, worker, request, at } => assigned(assignment, worker, request, at),
+            Record::Given { assignment, worker, at } => given(assignment, worker, at),
             Record::Advanced { assignment, state, at } => {
                 Fact::Advanced { assignment: AssignmentId(assignment), state: state.into(), at: Time(at) }
             }
@@ -491,6 +489,15 @@ fn record_placed(robot: RobotId, node: NodeId, serial: u64, cut: &[KeptRoute], a
 fn placed(robot: u32, node: u32, serial: u64, cut: Vec<KeptRecord>, at: i64) -> Fact {
     let cut = cut.into_iter().map(KeptRoute::from).collect();
     Fact::Placed { robot: RobotId(robot), node: NodeId(node), serial, cut, at: Time(at) }
+}
+
+fn assigned(id: u64, worker: Option<u32>, request: AssignmentRecord, at: i64) -> Fact {
+    let (assignment, worker) = (AssignmentId(id), worker.map(WorkerId));
+    Fact::Assigned { assignment, worker, request: request.into(), at: Time(at) }
+}
+
+fn given(assignment: u64, worker: u32, at: i64) -> Fact {
+    Fact::Given { assignment: AssignmentId(assignment), worker: WorkerId(worker), at: Time(at) }
 }
 
 fn interrupted(robot: u32, worker: u32, reaction: ReactionRecord, at: i64) -> Fact {

@@ -136,7 +136,9 @@ async fn an_assignment_without_a_worker_waits_is_made_once_listed_and_cancelled(
     assert_eq!(early["type"], "/problems/assignment-waits");
     assert_eq!(delete(at, "/v1/assignments/a1").await.json()["state"], "cancelled");
     // Somebody comes in, and gets what waits.
-    assert_eq!(post(at, "/v1/workers/w1/position", &json!({"x": 1.5, "y": 2})).await.status, 202);
+    let map = map();
+    let door = map.nodes[map.stations.iter().next().unwrap().node].at;
+    assert_eq!(post(at, "/v1/workers/w1/position", &json!({"x": door.x, "y": door.y})).await.status, 202);
     let mut worker = json!(null);
     for _ in 0..100 {
         worker = get(at, "/v1/assignments/a2").await.json()["worker"].clone();

@@ -121,8 +121,8 @@ pub async fn assign(
     hand_in(&api, Some(worker), AssignmentRequest { key, ..new.read(&api)? }).await
 }
 
-/// Give the nearest free worker something to do. The assignment waits (`worker` is null) until a worker on the floor has
-/// nothing else to do; then it goes to the one with the shortest walk, the oldest assignment first. When this call
+/// Give the nearest free worker something to do. The assignment waits (`worker` is null) until a worker on the floor
+/// has nothing else to do; then it goes to the one with the shortest walk, the oldest assignment first. When this call
 /// returns, the assignment is durable. With an `Idempotency-Key`, a retry never makes a second assignment.
 #[utoipa::path(post, path = "/v1/assignments", tag = "people", request_body = NewAssignment,
     params(("Idempotency-Key" = Option<String>, Header, description = "Your own key, up to 255 characters")),

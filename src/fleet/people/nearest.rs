@@ -15,15 +15,14 @@ use crate::time::Time;
 const WAYS_MAX: usize = 64;
 
 impl HumanState {
-    /// Gives waiting assignments, the oldest first, to those who have the shortest way to them. Of two who have the same
-    /// way, the one with the lower number gets it.
+    /// Gives waiting assignments, the oldest first, to those who have the shortest way to them. Of two who have the
+    /// same way, the one with the lower number gets it.
     pub(super) fn hand_out(&self, core: &mut Core, now: Time) {
         let waiting: Vec<_> = core.ledger.index().unassigned().take(WAYS_MAX).collect();
         if waiting.is_empty() {
             return;
         }
         let mut free = self.free_workers(core, now);
-        let none = self.walkways.no_edges();
         let mut ways = 0;
         for assignment in waiting {
             ways += free.len();
@@ -32,13 +31,20 @@ impl HumanState {
             }
             let place = core.ledger.assignments[&assignment].request.place;
             let goal = core.warehouse().nodes[place].at;
-            let far = |at: Point| self.walkways.path(at, goal, &none).map(|way| way.length_m);
-            let ways_there = free.iter().enumerate().filter_map(|(i, (_, at))| Some((far(*at)?, i)));
+            let ways_there =
+                free.iter().enumerate().filter_map(|(i, (_, at))| Some((self.far(*at, goal)?, i)));
             // Workers are in order, and the first of equals is taken.
             let Some((_, nearest)) = ways_there.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
             let (worker, _) = free.remove(nearest);
             core.record(Fact::Given { assignment, worker, at: now });
         }
+    }
+
+    /// How far it is on foot, metres. Who seems to be where nobody can stand starts from the nearest walkway.
+    fn far(&self, at: Point, goal: Point) -> Option<f64> {
+        let way = self.walkways.path(at, goal, &self.walkways.no_edges()).map(|way| way.length_m);
+        let length = |points: Vec<Point>| points.windows(2).map(|p| (p[1] - p[0]).norm()).sum();
+        way.or_else(|| self.way_from_beside(at, goal).map(length))
     }
 
     /// Workers who are seen and have nothing to do, with where they are.

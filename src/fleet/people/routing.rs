@@ -116,7 +116,7 @@ impl HumanState {
 
     /// The way of a worker who seems to be where nobody can stand: from the nearest walkway. The headset is wrong by a
     /// few metres; told to stop there, its wearer would wait for ever.
-    fn way_from_beside(&self, at: Point, goal: Point) -> Option<Vec<Point>> {
+    pub(super) fn way_from_beside(&self, at: Point, goal: Point) -> Option<Vec<Point>> {
         let (node, distance_m) = self.walkways.nearest(at)?;
         let from = self.walkways.nodes()[node].at;
         let free = self.walkways.no_edges();

@@ -130,7 +130,6 @@ fn no_assignment_of_a_crew_that_shares_its_work_is_lost_or_done_twice() {
         }
     }
     let done: Vec<_> = over.iter().filter(|(_, s)| **s == AssignmentState::Done).map(|(id, _)| *id).collect();
-    println!("{} made, {} given, {} done", made.len(), given.len(), done.len());
     assert!(done.iter().all(|id| given.contains_key(id)), "somebody did each of them");
     assert!(made.iter().all(|id| over.contains_key(id)), "they went home, and nothing was left or lost");
     assert!(floor.fleet.ledger().assignments.is_empty());

@@ -3,7 +3,8 @@
 //! Refuses: to wait for long, since a robot may wait for the walker; whoever takes no notice of robots, or hurries and
 //! is through first, does not wait at all.
 
-use super::legs::{BODY_M, RobotNear, STANDS_MPS, WalkerSurroundings};
+use super::legs::{RobotNear, STANDS_MPS, WalkerSurroundings};
+use super::person::BODY_M;
 use super::persona::Persona;
 use super::{Walker, WalkerDoing};
 use crate::geometry::{Point, Vector};

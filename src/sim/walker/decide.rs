@@ -4,7 +4,8 @@
 
 use super::cause::WalkCause;
 use super::impulse::{Impulse, ImpulseKind};
-use super::legs::{BODY_M, RobotNear, WalkerSurroundings};
+use super::legs::{RobotNear, WalkerSurroundings};
+use super::person::BODY_M;
 use super::persona::Persona;
 use super::{Aside, Errand, Shown, Walker, WalkerDoing, WorkKnowledge};
 use crate::geometry::{Point, Segment};
@@ -42,7 +43,7 @@ const PASSES: Span = Span::from_secs(5);
 /// Less is no nearer, metres.
 const NEARER_M: f64 = 0.5;
 /// Robots this near are in the way of a detour, metres.
-pub(super) const IN_SIGHT_M: f64 = 6.0;
+const IN_SIGHT_M: f64 = 6.0;
 /// Places that nobody knows of are so far from those that everybody knows, metres.
 const UNKNOWN_M: f64 = 1.5;
 

@@ -4,15 +4,13 @@
 //! before, and no walker steps in front of a moving one that it minds. How it gets past other people is in `people`.
 //! Refuses: to know where the route comes from.
 
-use super::people::{PersonNear, SQUEEZE_M};
+use super::person::{BODY_M, PersonNear, SQUEEZE_M, SWAY_M};
 use crate::geometry::{Point, Vector, wrap_angle};
 use crate::time::Time;
 use crate::warehouse::walkway::Walkways;
 use nalgebra::Rotation2;
 use std::collections::VecDeque;
 
-/// Radius of a body, metres.
-pub const BODY_M: f64 = 0.25;
 /// A walker stops so far before a robot, metres.
 const STAND_OFF_M: f64 = 0.05;
 /// A walker keeps the middle of its body so far from walls where there is room, metres.
@@ -29,8 +27,7 @@ const THERE_M: f64 = 0.05;
 pub(super) const ACCEL_MPS2: f64 = 2.0;
 /// How fast it turns, radians per second.
 const TURN_RADPS: f64 = 4.0;
-/// Sway of the trunk to either side, metres: a few centimetres at the frequency of strides.
-pub const SWAY_M: f64 = 0.03;
+/// Frequency of strides.
 const SWAY_HZ: f64 = 0.9;
 /// Among people, a point of the route this near may be left aside, metres.
 const SKIPS_M: f64 = 1.5;

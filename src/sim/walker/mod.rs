@@ -12,6 +12,7 @@ mod impulse;
 mod legs;
 mod pass;
 mod people;
+mod person;
 mod persona;
 
 #[cfg(test)]
@@ -20,8 +21,8 @@ mod tests;
 mod tests_people;
 
 pub use cause::{CauseStretch, Log, WalkCause};
-pub use legs::{BODY_M, RobotNear, WalkerSurroundings, ease};
-pub use people::{APART_M, PersonNear};
+pub use legs::{RobotNear, WalkerSurroundings, ease};
+pub use person::{APART_M, BODY_M, PersonNear};
 pub use persona::{Persona, Traits};
 
 use super::random::Stream;
@@ -32,6 +33,11 @@ use crate::time::{Span, Time};
 use impulse::Impulses;
 use legs::Legs;
 use std::collections::VecDeque;
+
+/// A walker that people have kept for so long does something about it.
+const KEPT: Span = Span::from_millis(1500);
+/// And tries to squeeze past them after this.
+const SQUEEZES: Span = Span::from_millis(700);
 
 /// Something to do at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -201,7 +207,7 @@ impl Walker {
         let wanted = self.pace_for_robots(now, dt, self.wanted_mps(now), around);
         let wanted = self.pace_with(work.companion, wanted);
         let before = self.legs.at;
-        self.legs.is_kept = self.kept_since.is_some_and(|(since, _)| now - since > pass::SQUEEZES);
+        self.legs.is_kept = self.kept_since.is_some_and(|(since, _)| now - since > SQUEEZES);
         self.legs.walk(dt, wanted, foresight, around);
         self.velocity = (self.legs.at - before) / dt;
         self.give_up_waiting(now, around, work);
@@ -227,7 +233,7 @@ impl Walker {
             velocity: self.velocity,
             aim: legs.route.front().copied().filter(|_| self.wanted_mps(now) > 0.0),
             works: matches!(self.doing, WalkerDoing::Work(..)),
-            kept: self.kept_since.is_some_and(|(since, _)| now - since > pass::KEPT),
+            kept: self.kept_since.is_some_and(|(since, _)| now - since > KEPT),
             usual_mps: self.traits.speed_mps,
         }
     }

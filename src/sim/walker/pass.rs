@@ -3,18 +3,13 @@
 //! Also how two who walk together keep side by side. Refuses: to leave two who keep each other standing; of two who
 //! walk, the one with the higher number gives way, and whoever has waited for very long does so whatever its number.
 
-use super::decide::IN_SIGHT_M;
 use super::legs::WalkerSurroundings;
-use super::people::{APART_M, PersonNear, TOGETHER_M};
-use super::{Aside, Walker, WalkerDoing};
+use super::person::{APART_M, PersonNear};
+use super::{Aside, KEPT, Walker, WalkerDoing};
 use crate::geometry::{Point, Segment};
 use crate::time::{Span, Time};
 use crate::warehouse::walkway::EdgeSet;
 
-/// A walker that people have kept for so long does something about it.
-pub(super) const KEPT: Span = Span::from_millis(1500);
-/// And tries to squeeze past them after this.
-pub(super) const SQUEEZES: Span = Span::from_millis(700);
 /// One that has moved this far is not kept any more, metres.
 const GOT_ON_M: f64 = 0.5;
 /// A way that ends so near, where somebody stands, is at its end, metres.
@@ -27,8 +22,12 @@ const STEPS_OUT: Span = Span::from_secs(3);
 const NEAR_M: f64 = 1.6;
 /// Where there is no place aside, one that is so far from others will do, metres.
 const AWAY_M: f64 = 1.8;
+/// People this near are in the way of another way.
+const IN_SIGHT_M: f64 = 6.0;
 /// It leaves so much room for those who pass, metres.
 const ROOM_M: f64 = APART_M + 0.1;
+/// Two who walk together and are this near each other are beside one another, metres.
+const TOGETHER_M: f64 = 4.0;
 /// Two who walk together keep so far apart sideways, metres, and mind no more than so much of a lead, metres.
 const SIDE_BY_SIDE_M: f64 = 0.8;
 const LEAD_M: f64 = 1.5;

@@ -1,22 +1,15 @@
 //! How walkers get past one another: they step aside early, keep to the right, and make room where they stand.
 //!
-//! Main type: [`PersonNear`]. Each tick a walker weighs some directions and speeds by how soon they would bring it up
+//! Adds to [`Legs`]. Each tick a walker weighs some directions and speeds by how soon they would bring it up
 //! against somebody who walks on as now (velocity obstacles, Fiorini and Shiller 1998), and takes the cheapest. That
 //! two bodies never overlap does not depend on it: a step that would bring it too near is never taken. Refuses: to
 //! know where others are going beyond the way they face.
 
-use super::legs::{ACCEL_MPS2, BODY_M, InTheWay, Legs, SWAY_M, WALL_M, WalkerSurroundings};
+use super::legs::{ACCEL_MPS2, InTheWay, Legs, WALL_M, WalkerSurroundings};
+use super::person::{APART_M, PASSING_M, PersonNear, SQUEEZE_M};
 use crate::geometry::{Point, Vector};
 use nalgebra::Rotation2;
 
-/// Two bodies keep the middles of their ways so far apart that they do not touch when both sway, metres.
-pub const APART_M: f64 = 2.0 * (BODY_M + SWAY_M);
-/// Farther apart than this, people do not matter to one another, metres.
-const MATTERS_M: f64 = 4.0;
-/// A walker turns its shoulders to pass somebody: its middle comes so near to a wall then, metres.
-pub(super) const SQUEEZE_M: f64 = 0.2;
-/// A walker plans to pass others at this distance, metres.
-const PASSING_M: f64 = APART_M + 0.06;
 /// It looks so far ahead in time, seconds.
 const HORIZON_S: f64 = 3.0;
 /// Who has been kept for a while squeezes past: it looks less far ahead, and standing costs it more.
@@ -44,55 +37,6 @@ const CHANGE_COST: f64 = 0.1;
 /// Who stands makes room for people who come this near, metres, with this speed, metres per second.
 const COMES_BY_M: f64 = 2.0;
 const MAKES_ROOM_MPS: f64 = 0.5;
-/// Two who walk together and are this near each other are beside one another, metres.
-pub(super) const TOGETHER_M: f64 = 4.0;
-
-/// Another person as walkers see it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PersonNear {
-    /// Its number.
-    pub who: usize,
-    /// Where it is.
-    pub at: Point,
-    /// How it moves, metres per second.
-    pub velocity: Vector,
-    /// Where it is about to walk next; nothing where it means to stand.
-    pub aim: Option<Point>,
-    /// Whether it works where it is.
-    pub works: bool,
-    /// Whether people have kept it from walking on for a while.
-    pub kept: bool,
-    /// The speed at which it usually walks, metres per second.
-    pub usual_mps: f64,
-}
-
-impl PersonNear {
-    /// Whether somebody at a place takes notice of this person.
-    pub fn matters_to(&self, at: Point) -> bool {
-        (self.at - at).norm() < MATTERS_M
-    }
-
-    /// Seconds until a body at `at` that moves with `velocity` passes too near to this one, if both go on so.
-    fn meets(&self, at: Point, velocity: Vector) -> Option<f64> {
-        let (d, v) = (self.at - at, velocity - self.velocity);
-        let closing = d.dot(&v);
-        if closing <= 0.0 {
-            return None;
-        }
-        let inside = d.norm_squared() - PASSING_M * PASSING_M;
-        if inside <= 0.0 {
-            return Some(0.0);
-        }
-        let root = closing * closing - v.norm_squared() * inside;
-        (root > 0.0).then(|| (closing - root.sqrt()) / v.norm_squared())
-    }
-
-    /// Whether a step from `from` to `to` would bring a body too near to this one, or nearer than too near.
-    pub(super) fn is_hit(&self, from: Point, to: Point) -> bool {
-        let far = (to - self.at).norm();
-        far < APART_M && far < (from - self.at).norm()
-    }
-}
 
 impl Legs {
     /// A step in the direction and at the speed that cost least.

@@ -1,6 +1,5 @@
 //! Walkers in the hall of the thesis, without a fleet.
 
-use super::legs::BODY_M;
 use super::persona::SPEEDS;
 use super::*;
 use crate::geometry::{Vector, axis_distance};

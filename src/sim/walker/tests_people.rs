@@ -8,7 +8,7 @@ use crate::warehouse::{Warehouse, thesis};
 
 const DT: f64 = 0.02;
 
-struct Crowd {
+struct TestCrowd {
     warehouse: Warehouse,
     walkways: Walkways,
     walkers: Vec<Walker>,
@@ -18,12 +18,12 @@ struct Crowd {
     now: Time,
 }
 
-impl Crowd {
-    fn new() -> Crowd {
+impl TestCrowd {
+    fn new() -> TestCrowd {
         let warehouse = thesis();
         let walkways = Walkways::of(&warehouse);
         let (walkers, jobs, robots) = (vec![], vec![], vec![]);
-        Crowd { warehouse, walkways, walkers, jobs, robots, pairs: false, now: Time::ZERO }
+        TestCrowd { warehouse, walkways, walkers, jobs, robots, pairs: false, now: Time::ZERO }
     }
 
     fn place(&self, name: &str) -> Point {
@@ -84,12 +84,11 @@ fn heedless() -> Personas {
 #[test]
 fn two_who_meet_in_an_aisle_of_a_metre_pass_one_another() {
     for seed in 0..40 {
-        let mut crowd = Crowd::new();
+        let mut crowd = TestCrowd::new();
         let (south, north) = (crowd.place("G3-8"), crowd.place("G3-13"));
         crowd.walks(seed, south, north, 0.0, heedless());
         crowd.walks(seed, north, south, 0.0, heedless());
-        let (seconds, least) = crowd.live(40.0);
-        println!("seed {seed}: {seconds:.1} s, {least:.2} m");
+        let (seconds, _) = crowd.live(40.0);
         // Five metres take 4.2 s at the usual 1.2 m/s, and 6.3 s at the slowest.
         assert!(seconds < 12.0, "{seconds} s with seed {seed}");
     }
@@ -99,13 +98,12 @@ fn two_who_meet_in_an_aisle_of_a_metre_pass_one_another() {
 fn four_who_meet_at_a_crossing_pass_one_another() {
     let mut sum = 0.0;
     for seed in 0..40 {
-        let mut crowd = Crowd::new();
+        let mut crowd = TestCrowd::new();
         let [west, east, south, north] = ["G0-7", "G6-7", "G3-4", "G3-10"].map(|n| crowd.place(n));
         for (from, to) in [(west, east), (east, west), (south, north), (north, south)] {
             crowd.walks(seed, from, to, 0.0, heedless());
         }
-        let (seconds, least) = crowd.live(45.0);
-        println!("seed {seed}: {seconds:.1} s, {least:.2} m");
+        let (seconds, _) = crowd.live(45.0);
         sum += seconds;
     }
     // Six metres take 7.5 s at the slowest; two who cut one another off step out and try again.
@@ -115,7 +113,7 @@ fn four_who_meet_at_a_crossing_pass_one_another() {
 #[test]
 fn others_pass_somebody_who_works_in_an_aisle_and_his_work_goes_on() {
     for seed in 0..20 {
-        let mut crowd = Crowd::new();
+        let mut crowd = TestCrowd::new();
         let (middle, south, north) = (crowd.place("G3-11"), crowd.place("G3-8"), crowd.place("G3-13"));
         crowd.walks(seed, middle, middle, 30.0, heedless());
         crowd.walks(seed, south, north, 0.0, heedless());
@@ -131,7 +129,7 @@ fn others_pass_somebody_who_works_in_an_aisle_and_his_work_goes_on() {
 
 #[test]
 fn two_who_are_to_work_at_one_place_both_do() {
-    let mut crowd = Crowd::new();
+    let mut crowd = TestCrowd::new();
     let (south, north, middle) = (crowd.place("G3-8"), crowd.place("G3-13"), crowd.place("G3-11"));
     crowd.walks(1, south, middle, 10.0, heedless());
     crowd.walks(1, north, middle, 10.0, heedless());
@@ -144,7 +142,7 @@ fn eight_who_go_to_and_fro_on_one_floor_all_get_to_their_work() {
     let names = ["G0-7", "G12-7", "G3-1", "G3-13", "G6-1", "G6-13", "G9-4", "G9-10"];
     let mut done = 0;
     for seed in 0..10 {
-        let mut crowd = Crowd::new();
+        let mut crowd = TestCrowd::new();
         let places = names.map(|n| crowd.place(n));
         (0..8).for_each(|i| crowd.walks(seed, places[i], places[7 - i], 3.0, Personas::default()));
         let mut round = 0;
@@ -159,7 +157,6 @@ fn eight_who_go_to_and_fro_on_one_floor_all_get_to_their_work() {
                 }
             }
         }
-        println!("seed {seed}: {round} jobs");
         // Each job is some ten metres of way and three seconds of work.
         assert!(round > 8 * 10, "{round} jobs in four minutes with seed {seed}");
         done += round;
@@ -170,7 +167,7 @@ fn eight_who_go_to_and_fro_on_one_floor_all_get_to_their_work() {
 /// A walker on a cross street, a robot that drives across it. Seconds to get there, least gap, whether it took
 /// another way.
 fn crosses(personas: Personas, seed: u64, robot_from_m: f64) -> (f64, f64, bool) {
-    let mut crowd = Crowd::new();
+    let mut crowd = TestCrowd::new();
     let (from, to) = (crowd.place("G0-7"), crowd.place("G6-7"));
     crowd.walks(seed, from, to, 0.0, personas);
     let at = crowd.place("G3-7") + Vector::new(0.0, -robot_from_m);
@@ -192,7 +189,6 @@ fn a_walker_waits_a_moment_for_a_robot_that_crosses_its_way_and_takes_no_other()
     for seed in 0..10 {
         for robot_from_m in [1.5, 2.0, 2.5, 3.0, 3.5] {
             let (seconds, gap, detour) = crosses(frozen, seed, robot_from_m);
-            println!("seed {seed} robot from {robot_from_m}: {seconds:.1} s, gap {gap:.2} m");
             nearest = nearest.min(gap);
             assert!(!detour && seconds < 20.0, "{seconds} s, detour {detour}");
             kept += u64::from(gap > 0.2);
@@ -206,7 +202,6 @@ fn who_takes_no_notice_of_robots_goes_nearer_to_them_than_who_waits() {
     let yields = Personas { yields: 0.0, hurries: 0.0, freezes: 1.0, cuts_through: 0.0 };
     let least = |personas: Personas| (0..10).map(move |seed| crosses(personas, seed, 4.0).1);
     let (waits, cuts): (f64, f64) = (least(yields).sum(), least(heedless()).sum());
-    println!("gaps on average {} m and {} m", waits / 10.0, cuts / 10.0);
     assert!(cuts < 0.8 * waits, "{cuts} m and {waits} m");
 }
 
@@ -216,7 +211,7 @@ fn two_of_a_pair_walk_side_by_side_where_there_is_room_and_behind_one_another_el
     let mut together = 0;
     let mut all = 0;
     for seed in 0..10 {
-        let mut crowd = Crowd::new();
+        let mut crowd = TestCrowd::new();
         crowd.pairs = true;
         let [a, b, west, east] = ["G0-7", "G0-8", "G12-7", "G12-6"].map(|n| crowd.place(n));
         crowd.walks(seed, a, west, 0.0, heedless());
@@ -232,6 +227,7 @@ fn two_of_a_pair_walk_side_by_side_where_there_is_room_and_behind_one_another_el
             }
         }
     }
-    println!("of {all} ticks {together} together, {beside} side by side");
     assert!(all > 2000 && together * 10 > all * 8, "{together} of {all} together");
+    // Streets are a metre wide but for the crossings: less than side by side, more than in single file.
+    assert!(beside * 10 > all * 4, "{beside} of {all} side by side");
 }
