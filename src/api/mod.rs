@@ -14,6 +14,7 @@ pub mod dto;
 pub mod error;
 mod extract;
 pub mod feed;
+pub mod guidance;
 mod http;
 pub mod live;
 pub mod massrobotics;

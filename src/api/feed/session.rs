@@ -11,7 +11,7 @@ use super::warn::Warnings;
 use super::wire::{AnchorSaid, HeadsetMessage, HelloSaid, PoseSaid, VERSIONS};
 use crate::api::error::Problem;
 use crate::api::extract::PathPart;
-use crate::api::people::{GuidanceContext, GuidanceKey, guidance};
+use crate::api::guidance::{GuidanceContext, GuidanceKey, guidance};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{assignment_name, parse_assignment, worker_name};

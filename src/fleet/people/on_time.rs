@@ -8,7 +8,6 @@
 //! keep a worker waiting for longer than [`WAITS_AT_MOST`] in a row.
 
 use crate::aware::{BODY_M, HumanAwarePolicy, SLOW_MPS};
-use crate::fleet::people::lets_pass::KEEPS_AT_MOST;
 use crate::fleet::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::wait_graph::{Edge, Party};
@@ -39,6 +38,8 @@ const AHEAD_M: f64 = 1.5;
 const LEAST: Span = Span::from_millis(800);
 /// Nobody waits for longer in a row …
 const WAITS_AT_MOST: Span = Span::from_secs(12);
+/// … nor where robots have kept the worker in one spot for so long, whatever for …
+const IN_ONE_SPOT: Span = Span::from_secs(25);
 /// … nor again within this.
 const GOES_FIRST: Span = Span::from_secs(10);
 /// A robot that waits for a worker goes first only if it is clear of the worker's way after so many metres …
@@ -131,8 +132,7 @@ impl HumanState {
         let Some((robot, until)) = first else { return false };
         let since = waited.map_or(now, |w| w.since);
         let lately = person.waited_at.is_some_and(|t| now - t < GOES_FIRST);
-        let spent =
-            now - since >= WAITS_AT_MOST || floor.waits.kept_in_one_spot(worker) + LEAST >= KEEPS_AT_MOST;
+        let spent = now - since >= WAITS_AT_MOST || floor.waits.kept_in_one_spot(worker) >= IN_ONE_SPOT;
         if lately || spent {
             if waited.is_some() {
                 person.waited_at = Some(now);

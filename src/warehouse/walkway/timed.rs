@@ -1,9 +1,9 @@
 //! The earliest way on foot between robots: when robots take a walkway is known, and whoever walks may wait.
 //!
-//! Main types: [`Occupied`] (when which points of the middle lines are taken), [`TimedPath`]. The search is safe interval path
-//! planning (Phillips and Likhachev 2011): a label is a point and one of its free intervals, with the earliest time of
-//! being there; one waits wherever the interval lasts. Refuses: to know who takes a place, and to look at more labels
-//! than it may.
+//! Main types: [`Occupied`] (when which points of the middle lines are taken), [`TimedPath`]. The search is safe
+//! interval path planning (Phillips and Likhachev 2011): a label is a point and one of its free intervals, with the
+//! earliest time of being there; one waits wherever the interval lasts. Refuses: to know who takes a place, and to look
+//! at more labels than it may.
 
 use super::{EdgeSet, Walkways};
 use crate::geometry::Point;
