@@ -1,7 +1,7 @@
 //! People as they travel: workers, assignments, closures, encounters.
 //!
-//! Main types: [`WorkerDto`], [`WorkerDetailDto`], [`AssignmentDto`], [`ClosureDto`], [`EncounterDto`]. Workers are "w1", assignments "a1", closures "c1". Refuses: to add knowledge
-//! of its own, but for the direction of a robot as seen by a worker.
+//! Main types: [`WorkerDto`], [`WorkerDetailDto`], [`AssignmentDto`], [`ClosureDto`], [`EncounterDto`]. Workers are
+//! "w1", assignments "a1", closures "c1". Refuses: to add knowledge of its own.
 
 use super::dto::Names;
 use super::feed::hub::CarriedSenses;

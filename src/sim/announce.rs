@@ -35,7 +35,7 @@ impl Announcements {
             ahead.extend(recurring.map(|closure| (start, Input::Recur { token: 0, closure })));
         }
         // A fleet with robots has been at work: its evacuations were ordered before.
-        for e in scenario.evacuations.iter().filter(|_| ledger.robots.len() == 0) {
+        for e in scenario.evacuations.iter().filter(|_| ledger.robots.is_empty()) {
             let at = |s: f64| start + Span::from_secs_f64(s);
             ahead.push((at(e.at_s), Input::Evacuate { token: 0 }));
             ahead.push((at(e.until_s), Input::EndEvacuation { token: 0 }));

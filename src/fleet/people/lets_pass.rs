@@ -31,7 +31,7 @@ const LATELY: Span = Span::from_secs(300);
 /// Nobody stands aside for longer than this.
 const AT_MOST: Span = Span::from_secs(30);
 /// The fleet keeps nobody in one spot for longer than this to let robots pass, whatever else it kept the person for.
-const KEEPS_AT_MOST: Span = Span::from_secs(50);
+const KEEPS_AT_MOST: Span = Span::from_secs(40);
 /// A shorter time lets no robot pass.
 const AT_LEAST: Span = Span::from_secs(10);
 /// Nobody is asked to let a robot pass again within this.

@@ -315,41 +315,6 @@ impl HumanState {
         floor.ledger.present().find(stops)
     }
 
-    /// Walkways that robots block for long, and those in areas that are closed to people.
-    pub(super) fn edges_blocked_for_long(
-        &self,
-        floor: Floor<'_>,
-        yielding: &YieldingState,
-        now: Time,
-    ) -> EdgeSet {
-        let mut cut = self.edges_robots_block(floor, yielding, now);
-        self.barred.cut_shut(&self.walkways, &mut cut, now);
-        cut
-    }
-
-    /// Walkways on which robots rest, are broken, or have yielded for long: no worker waits for those to go away. One
-    /// that yields and has nowhere to go would be met again and again, by a worker who is led from one to the next.
-    pub(super) fn edges_robots_block(
-        &self,
-        floor: Floor<'_>,
-        yielding: &YieldingState,
-        now: Time,
-    ) -> EdgeSet {
-        let mut cut = self.walkways.no_edges();
-        for robot in floor.ledger.present() {
-            let chain = floor.ledger.chain(robot);
-            let rests = chain.first() + 1 == chain.end();
-            let stays = yielding.of(robot).waited(now) > STANDS && floor.stands(robot);
-            if rests || stays || floor.ledger.robots[robot].failed {
-                let at = floor.place_of(robot);
-                for e in self.walkways.edges_within(at, floor.beside_m(robot, 0.2)) {
-                    cut.insert(e);
-                }
-            }
-        }
-        cut
-    }
-
     pub(in crate::fleet) fn leaves_path(
         &mut self,
         core: &mut Core,
@@ -423,7 +388,7 @@ impl Floor<'_> {
         self.restrictions.closing.keys().copied().filter(near).filter(|n| is_wanted(*n)).collect()
     }
 
-    fn stands(&self, robot: RobotId) -> bool {
+    pub(super) fn stands(&self, robot: RobotId) -> bool {
         self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05)
     }
 

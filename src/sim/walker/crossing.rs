@@ -100,7 +100,7 @@ impl Walker {
             self.waited = (self.waited - Span::from_secs_f64(0.5 * dt)).max(Span::ZERO);
             return pace;
         }
-        self.waited = self.waited + Span::from_secs_f64(dt);
+        self.waited += Span::from_secs_f64(dt);
         if self.waited > WAITS {
             (self.waited, self.waits_no_more_until) = (Span::ZERO, now + NO_MORE);
         }

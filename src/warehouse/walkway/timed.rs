@@ -164,7 +164,8 @@ impl Walkways {
             let earliest = *arrivals.last().expect("the start is there") + walk;
             let latest = if stays == Time::MAX { Time::MAX } else { stays + walk };
             let Some(n) = near(step[1]) else {
-                (arrivals.push(earliest), waits_for.push(None));
+                arrivals.push(earliest);
+                waits_for.push(None);
                 continue;
             };
             let fits = |(w, _): &(Window, Option<RobotId>)| earliest.max(w.start()) < w.end();
