@@ -19,7 +19,7 @@ impl HumanState {
     /// same way, the one with the lower number gets it.
     pub(super) fn hand_out(&self, core: &mut Core, now: Time) {
         let waiting: Vec<_> = core.ledger.index().unassigned().take(WAYS_MAX).collect();
-        if waiting.is_empty() {
+        if waiting.is_empty() || core.ledger.evacuation.is_some() {
             return;
         }
         let mut free = self.free_workers(core, now);

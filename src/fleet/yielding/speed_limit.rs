@@ -231,7 +231,7 @@ impl SpeedLimits<'_> {
                 return Some(0.0);
             }
             // The separation distance counts speed towards the person, and there is none.
-            if self.drives_away(robot, at, w, now) {
+            if self.drives_away(robot, at, w, now) && !self.passes_slowly(robot, at, w, now) {
                 return None;
             }
         }
@@ -239,7 +239,8 @@ impl SpeedLimits<'_> {
         let limits = conditions.filter(|c| c.cause == Cause::Worker(worker)).filter_map(|c| match c.effect {
             Effect::Slow(l) => Some(l[usize::from(loaded)]).filter(|l| l.is_finite()),
             Effect::NoEntryOrExit if self.floor.settings.policy == HumanAwarePolicy::Giveway => {
-                Some(if self.may_finish(robot, w, loaded) { SLOW_MPS } else { 0.0 })
+                let slowly = self.passes_slowly(robot, at, w, now) || self.may_finish(robot, w, loaded);
+                Some(if slowly { SLOW_MPS } else { 0.0 })
             }
             Effect::NoEntryOrExit | Effect::Closed => Some(SLOW_MPS),
             Effect::SoftCost(_) => None,
@@ -333,20 +334,25 @@ impl SpeedLimits<'_> {
         w: &Whereabouts,
         now: Time,
     ) -> bool {
-        let from = w.at;
-        let next = self.floor.granted_ahead(robot).next();
         let back = self.drives_back_to(robot);
-        let Some(there) = back.or(next.map(|v| self.floor.warehouse().nodes[v.node].at)) else {
-            return false;
-        };
-        let (on, off) = (there - at, at - from);
-        let passes = || {
-            let nearest = Segment { a: at, b: there }.distance_to(from);
-            nearest > off.norm() - NEARER_M && (there - from).norm() > off.norm()
-        };
-        let stands = w.presence == Presence::Tracked && w.velocity.norm() < STROLL_MPS;
-        let lax = stands || back.is_some() || self.yielding.stood_for(robot, now).is_some();
-        on.dot(&off) > 0.5 * on.norm() * off.norm() || lax && passes()
+        let lax = back.is_some() || self.yielding.stood_for(robot, now).is_some();
+        self.next_place(robot).is_some_and(|there| {
+            leads_off(at, there, w.at) || (lax || stands(w)) && comes_no_nearer(at, there, w.at)
+        })
+    }
+
+    /// Whether a robot drives past a person who stands, no nearer than it is and not straight away either: slowly,
+    /// since the person may set off.
+    fn passes_slowly(&self, robot: RobotId, at: Point, w: &Whereabouts, now: Time) -> bool {
+        let lax = self.drives_back_to(robot).is_some() || self.yielding.stood_for(robot, now).is_some();
+        let passes = |there| !leads_off(at, there, w.at) && comes_no_nearer(at, there, w.at);
+        !lax && stands(w) && self.next_place(robot).is_some_and(passes)
+    }
+
+    /// Where a robot drives to next: back where it is called to, or along what it was granted.
+    fn next_place(&self, robot: RobotId) -> Option<Point> {
+        let next = || self.floor.granted_ahead(robot).next();
+        self.drives_back_to(robot).or_else(|| next().map(|v| self.floor.warehouse().nodes[v.node].at))
     }
 
     /// Whether a robot would probably meet a worker if it did not brake now: the probability within the time that
@@ -369,4 +375,21 @@ impl SpeedLimits<'_> {
         collision(|t| self.people.forecast(self.floor, worker, t), &robot, now, time)
             .is_some_and(|p| p >= THRESHOLD)
     }
+}
+
+/// Whether a person stands, as far as that is seen.
+fn stands(w: &Whereabouts) -> bool {
+    w.presence == Presence::Tracked && w.velocity.norm() < STROLL_MPS
+}
+
+/// Whether the way from one place to the next leads off a person: within 60° of straight away.
+fn leads_off(at: Point, there: Point, from: Point) -> bool {
+    let (on, off) = (there - at, at - from);
+    on.dot(&off) > 0.5 * on.norm() * off.norm()
+}
+
+/// Whether the way from one place to the next comes no nearer to a person, and ends farther away.
+fn comes_no_nearer(at: Point, there: Point, from: Point) -> bool {
+    let away_m = (at - from).norm();
+    Segment { a: at, b: there }.distance_to(from) > away_m - NEARER_M && (there - from).norm() > away_m
 }
