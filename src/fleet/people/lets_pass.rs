@@ -4,7 +4,8 @@
 //! Where people come and go, no chain of waiting stands still, and a robot can wait without end all the same. So one
 //! that has got nowhere for [`STARVES`] is first: those in its way are led to a place aside, or told to stand where
 //! they are if that is aside already, until it has passed or [`AT_MOST`] is over. A person who stands as told is a
-//! standing obstacle, which a slow robot passes at the distance at which it can still stop. A person whose headset
+//! standing obstacle, which a slow robot passes at the distance at which it can still stop. So is one that keeps a
+//! person in one spot and itself waits for other people: whoever is shut in waits for all of them. A person whose headset
 //! knows its place badly closes more floor than the person does, and is asked to touch marks first. Refuses: to keep a
 //! person for longer, and to ask the same person again within [`AGAIN`].
 
@@ -12,7 +13,7 @@ use crate::aware::HumanAwarePolicy;
 use crate::fleet::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::wait_graph::Edge;
+use crate::fleet::state::wait_graph::{Edge, Party};
 use crate::fleet::state::yielding::YieldingState;
 use crate::geometry::Point;
 use crate::human::{Presence, SourceId, Whereabouts};
@@ -28,6 +29,9 @@ const STARVES_ON_ITS_WAY: Span = Span::from_secs(180);
 /// So is one for which people have stood aside within [`LATELY`], after this: it is still in the same crowd.
 const STARVES_AGAIN: Span = Span::from_secs(20);
 const LATELY: Span = Span::from_secs(300);
+/// A robot for which a worker waits inherits the worker's wait: if robots have kept the worker in one spot for this
+/// long, those in the robot's way stand aside.
+const SHUT_IN: Span = Span::from_secs(18);
 /// Nobody stands aside for longer than this.
 const AT_MOST: Span = Span::from_secs(30);
 /// The fleet keeps nobody in one spot for longer than this to let robots pass, whatever else it kept the person for.
@@ -73,6 +77,7 @@ impl HumanState {
             }
         }
         self.passed.retain(|_, last| now - *last < LATELY);
+        self.let_out(core.floor(), yielding, now);
         for (robot, worker, waited) in core.floor().waits.starving(now, STARVES_AGAIN, STARVES_ON_ITS_WAY) {
             if waited < STARVES && !self.passed.contains_key(&robot) {
                 continue;
@@ -81,6 +86,32 @@ impl HumanState {
             in_the_way.insert(worker);
             for worker in in_the_way {
                 self.ask_to_let_pass(core.floor(), yielding, worker, robot, now);
+            }
+        }
+    }
+
+    /// Has people stand aside for robots that keep others in one spot: a robot inherits the wait of the worker whom it
+    /// shuts in, along the chain of waiting (priority inheritance).
+    fn let_out(&mut self, floor: Floor<'_>, yielding: &YieldingState, now: Time) {
+        for inside in self.people.ids() {
+            if floor.waits.kept_in_one_spot(inside) < SHUT_IN {
+                continue;
+            }
+            let Some(at) = self.whereabouts(inside, now).map(|w| w.at) else { continue };
+            let ahead = floor.waits.worker(inside).edge.robot();
+            let around = floor.ledger.present().filter(|r| floor.stands_near(*r, at));
+            let mut keep: Vec<RobotId> = around.chain(ahead).collect();
+            keep.iter_mut().for_each(|r| *r = floor.waits.last_robot(*r));
+            keep.sort_unstable();
+            keep.dedup();
+            for robot in keep {
+                let Edge::On(Party::Worker(outside)) = floor.waits.robot(robot).edge else { continue };
+                let mut in_the_way = floor.in_the_way_of(robot);
+                in_the_way.insert(outside);
+                in_the_way.remove(&inside);
+                for worker in in_the_way {
+                    self.ask_to_let_pass(floor, yielding, worker, robot, now);
+                }
             }
         }
     }

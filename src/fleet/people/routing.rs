@@ -274,30 +274,6 @@ impl HumanState {
         along.or_else(at_the_edge)
     }
 
-    /// A way without the cut walkways for a person who may stand face to face with a robot: the first steps
-    /// lead to where no robot is, even if the walkway there is cut by the one in front.
-    fn way_past(&self, floor: Floor<'_>, at: Point, goal: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
-        let walkways = &self.walkways;
-        if let Some(way) = walkways.path(at, goal, cut) {
-            return Some(way.points);
-        }
-        let robots = floor.ledger.present().map(|r| (floor.place_of(r), floor.beside_m(r, BODY_M)));
-        let robots: Vec<(Point, f64)> = robots.collect();
-        let is_clear = |to: Point| {
-            let step = Segment { a: at, b: to };
-            let leaves = |r: &Point| (to - r).norm() > (at - r).norm() + 0.3;
-            robots.iter().all(|(r, reach)| step.distance_to(*r) >= *reach || leaves(r))
-        };
-        let steps = walkways.near(at, 1.8).into_iter().map(|(n, _)| walkways.nodes()[n].at);
-        let ways = steps.filter(|p| is_clear(*p)).filter_map(|p| {
-            let way = walkways.path(p, goal, cut)?;
-            Some((way.length_m + (p - at).norm(), way.points))
-        });
-        let (_, mut points) = ways.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        points.insert(0, at);
-        Some(points)
-    }
-
     /// A robot that stands where a worker would be within the next steps.
     fn robot_on_path(&self, floor: Floor<'_>, worker: WorkerId, place: &Whereabouts) -> Option<RobotId> {
         let plan = self.people[worker].plan.as_ref()?;
@@ -392,7 +368,7 @@ impl Floor<'_> {
         self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05)
     }
 
-    fn stands_near(&self, robot: RobotId, at: Point) -> bool {
+    pub(super) fn stands_near(&self, robot: RobotId, at: Point) -> bool {
         self.stands(robot) && (self.place_of(robot) - at).norm() < 3.0
     }
 }

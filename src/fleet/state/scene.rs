@@ -22,12 +22,22 @@ pub struct RobotSeen {
     pub newest: Option<Telemetry>,
     /// When that came in, by the fleet's own clock: robots' clocks may be wrong.
     heard: Option<Time>,
-    /// Since when it has said that it stands where it does, though it may drive.
-    still: Option<Time>,
+    /// For how long it has stood where it does though it may drive.
+    still: Option<StandsStill>,
     /// When orders were sent to it last.
     pub told: Option<Time>,
     /// Whether it was found once where the ledger has it.
     placed: bool,
+}
+
+/// A robot that stands, with more to drive.
+#[derive(Clone, Copy, Debug)]
+struct StandsStill {
+    /// For how long of that it was not told to stand. A stop in between does not begin this anew: a robot before whose
+    /// scanner stands a person whom the fleet believes beside it is stopped and released by turns.
+    free: Span,
+    /// When it said so last.
+    said: Time,
 }
 
 /// All robots as they are seen.
@@ -36,7 +46,7 @@ pub struct Scene {
     robots: Vec<RobotSeen>,
     /// Robots that say that something is wrong with them.
     faulty: BTreeSet<RobotId>,
-    /// Robots that say that they stand, though they may drive.
+    /// Robots that say that they stand, with more to drive.
     still: BTreeSet<RobotId>,
     /// Robots that cannot go on from where they stand.
     displaced: BTreeMap<RobotId, Displaced>,
@@ -54,10 +64,11 @@ impl Scene {
         }
         seen.heard = Some(now);
         let before = seen.still.filter(|_| seen.newest.is_some_and(|n| n.reached == t.reached));
-        // One that is kept from driving is told to stand, until it has forgotten its way.
-        let is_kept = before.is_some_and(|since| now - since >= KEPT);
-        let stands = t.known > t.reached && t.stands() && (is_kept || t.limit_mps != Some(0.0));
-        seen.still = stands.then_some(before.unwrap_or(now));
+        let is_free = t.limit_mps != Some(0.0);
+        let since = before.filter(|_| is_free).map_or(Span::ZERO, |b| now - b.said);
+        let free = before.map_or(Span::ZERO, |b| b.free) + since;
+        let stands = t.known > t.reached && t.stands();
+        seen.still = stands.then_some(StandsStill { free, said: now });
         let before = seen.newest.replace(t).and_then(|n| n.fault);
         match seen.still {
             Some(_) => _ = self.still.insert(t.robot),
@@ -125,7 +136,7 @@ impl Scene {
     pub fn is_kept_from_driving(&self, robot: RobotId, now: Time) -> bool {
         let Some(seen) = self.fit(robot, now) else { return false };
         let still = self.robots[robot.ix()].still;
-        seen.fault == Some(Fault::Obstructed) || still.is_some_and(|since| now - since >= KEPT)
+        seen.fault == Some(Fault::Obstructed) || still.is_some_and(|still| still.free >= KEPT)
     }
 
     /// Whether a robot was heard of lately.
@@ -217,7 +228,17 @@ mod tests {
 
     #[test]
     fn a_robot_that_is_told_to_stand_is_not_kept_from_driving() {
-        let (scene, now) = stands_under([Some(0.5); 10].into_iter().chain([Some(0.0)]).chain([None; 10]));
+        let (scene, now) = stands_under([Some(0.5); 10].into_iter().chain([Some(0.0); 30]));
         assert_eq!(scene.kept_from_driving(now), []);
+    }
+
+    #[test]
+    fn a_robot_that_is_stopped_and_released_by_turns_and_never_moves_is_kept_from_driving() {
+        let by_turns =
+            |times| stands_under([Some(0.5), Some(0.5), Some(0.0)].into_iter().cycle().take(times));
+        let (scene, now) = by_turns(21);
+        assert_eq!(scene.kept_from_driving(now), []);
+        let (scene, now) = by_turns(24);
+        assert_eq!(scene.kept_from_driving(now), [R0]);
     }
 }

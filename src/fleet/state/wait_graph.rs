@@ -49,6 +49,13 @@ pub enum Edge {
     Still,
 }
 
+impl Edge {
+    /// The robot that is waited for.
+    pub fn robot(self) -> Option<RobotId> {
+        if let Edge::On(Party::Robot(robot)) = self { Some(robot) } else { None }
+    }
+}
+
 /// How a chain of waiting ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChainEnd {
@@ -196,6 +203,16 @@ impl WaitGraph {
     /// the longest. With since when some robot has.
     pub fn waits_for_worker(&self, worker: WorkerId) -> Option<(RobotId, Time)> {
         self.waited_for.get(worker).copied().flatten().map(|w| (w.robot, w.since))
+    }
+
+    /// The last robot along the chain of waiting from a robot on: the one that does not wait for another robot.
+    pub fn last_robot(&self, robot: RobotId) -> RobotId {
+        let mut last = robot;
+        for _ in 0..self.robots.len() {
+            let Some(next) = self.robots.get(last).and_then(|wait| wait.edge.robot()) else { break };
+            last = next;
+        }
+        last
     }
 
     /// All robots that wait for a worker, the longest waiting first.

@@ -6,6 +6,7 @@
 //! once per building; [`EdgeSet`] holds which edges are cut at present. Refuses: robots, goals, anything that
 //! moves, and holes that lifted racks leave.
 
+mod between;
 mod floor;
 mod path;
 mod reach;
@@ -16,6 +17,7 @@ mod trace;
 #[cfg(test)]
 mod tests;
 
+pub use between::{Square, WaysBetween};
 pub use path::WalkPath;
 pub use timed::{Occupied, TimedPath};
 

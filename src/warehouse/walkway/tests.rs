@@ -205,3 +205,36 @@ fn places_to_stand_are_on_free_floor_also_beside_the_middle_lines() {
     let beside = |p: &&Point| walkways.nodes().iter().all(|n| (n.at - **p).norm() > 0.4);
     assert!(places.iter().filter(beside).count() > 3, "{places:?}");
 }
+
+/// A hall of ten by ten metres without racks, and robots of one metre with half a person beside them.
+fn in_an_open_hall(robots: &[(f64, f64)]) -> (Walkways, Vec<Square>) {
+    let row = "..........";
+    let walks = drawn(&format!("{}\nC........P", [row; 10].join("\n")));
+    (walks, robots.iter().map(|(x, y)| Square { at: p(*x, *y), half_m: 0.75 }).collect())
+}
+
+#[test]
+fn a_way_between_robots_leads_along_their_sides_and_through_none() {
+    let (walks, squares) = in_an_open_hall(&[(4.0, 4.0), (4.0, 6.0), (6.0, 4.0)]);
+    let ways = walks.ways_between(p(5.0, 5.0), &squares, 4.0);
+    let way = ways.way_to(p(2.0, 5.0)).expect("half a metre is left between the squares");
+    assert!(way.len() <= 4, "{way:?}");
+    for s in way.windows(2) {
+        let along = (0..=50).map(|k| s[0] + (s[1] - s[0]) * (f64::from(k) / 50.0));
+        along.for_each(|q| assert!(squares.iter().all(|s| s.depth_m(q) < 0.06), "{q:?} of {way:?}"));
+    }
+    assert!((ways.length_m(p(2.0, 5.0)).expect("there is a way") - 3.0).abs() < 0.1);
+}
+
+#[test]
+fn who_is_shut_in_has_no_way_between_and_who_is_measured_inside_a_robot_may_leave_it() {
+    let around: Vec<(f64, f64)> =
+        [(3.6, 3.6), (5.0, 3.6), (6.4, 3.6), (3.6, 5.0), (6.4, 5.0), (3.6, 6.4), (5.0, 6.4), (6.4, 6.4)].to_vec();
+    let (walks, squares) = in_an_open_hall(&around);
+    assert_eq!(walks.ways_between(p(5.0, 5.0), &squares, 4.0).way_to(p(1.5, 5.0)), None);
+    let (walks, squares) = in_an_open_hall(&[(5.0, 5.0)]);
+    let ways = walks.ways_between(p(5.5, 5.0), &squares, 4.0);
+    assert!(ways.way_to(p(7.0, 5.0)).is_some() && !ways.is_clear(p(5.5, 5.0)));
+    let back = ways.length_m(p(3.0, 5.0)).expect("round it");
+    assert!(back > 3.0, "not through it: {back}");
+}
