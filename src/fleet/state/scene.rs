@@ -30,11 +30,12 @@ pub struct RobotSeen {
     placed: bool,
 }
 
-/// A robot that stands, with more to drive.
+/// A robot that stands where it does.
 #[derive(Clone, Copy, Debug)]
 struct StandsStill {
-    /// For how long of that it was not told to stand. A stop in between does not begin this anew: a robot before whose
-    /// scanner stands a person whom the fleet believes beside it is stopped and released by turns.
+    /// For how long of that it had more to drive and was not told to stand. A stop or a revoked grant in between does
+    /// not begin this anew: a robot before whose scanner stands a person whom the fleet believes beside it is stopped,
+    /// called back and released by turns.
     free: Span,
     /// When it said so last.
     said: Time,
@@ -46,7 +47,7 @@ pub struct Scene {
     robots: Vec<RobotSeen>,
     /// Robots that say that something is wrong with them.
     faulty: BTreeSet<RobotId>,
-    /// Robots that say that they stand, with more to drive.
+    /// Robots that say that they stand.
     still: BTreeSet<RobotId>,
     /// Robots that cannot go on from where they stand.
     displaced: BTreeMap<RobotId, Displaced>,
@@ -64,11 +65,12 @@ impl Scene {
         }
         seen.heard = Some(now);
         let before = seen.still.filter(|_| seen.newest.is_some_and(|n| n.reached == t.reached));
-        let is_free = t.limit_mps != Some(0.0);
+        let may_drive = t.known > t.reached;
+        let is_free = may_drive && t.limit_mps != Some(0.0);
         let since = before.filter(|_| is_free).map_or(Span::ZERO, |b| now - b.said);
         let free = before.map_or(Span::ZERO, |b| b.free) + since;
-        let stands = t.known > t.reached && t.stands();
-        seen.still = stands.then_some(StandsStill { free, said: now });
+        // One that was found kept begins anew when it has forgotten its way.
+        seen.still = (t.stands() && (may_drive || free < KEPT)).then_some(StandsStill { free, said: now });
         let before = seen.newest.replace(t).and_then(|n| n.fault);
         match seen.still {
             Some(_) => _ = self.still.insert(t.robot),
@@ -190,8 +192,13 @@ mod tests {
 
     /// Reports of a robot that stands, with more to drive, under these limits, one each second.
     fn stands_under(limits: impl IntoIterator<Item = Option<f64>>) -> (Scene, Time) {
+        reports(limits.into_iter().map(|limit| (limit, 5)))
+    }
+
+    /// Likewise, each with the visit up to which it knows its way.
+    fn reports(reports: impl IntoIterator<Item = (Option<f64>, u64)>) -> (Scene, Time) {
         let (mut scene, mut now) = (Scene::default(), Time::ZERO);
-        for limit_mps in limits {
+        for (limit_mps, known) in reports {
             now += Span::from_secs(1);
             let pose = Pose { at: Point::new(0.0, 0.0), heading: 0.0 };
             let (rack, fault, acted) = (None, None, None);
@@ -202,7 +209,7 @@ mod tests {
                 pose,
                 speed_mps,
                 reached: 3,
-                known: 5,
+                known,
                 acted,
                 rack,
                 battery,
@@ -240,5 +247,16 @@ mod tests {
         assert_eq!(scene.kept_from_driving(now), []);
         let (scene, now) = by_turns(24);
         assert_eq!(scene.kept_from_driving(now), [R0]);
+    }
+
+    #[test]
+    fn a_robot_that_is_called_back_and_released_by_turns_is_kept_from_driving_until_it_has_forgotten_its_way()
+    {
+        let by_turns =
+            |times| [(Some(0.5), 5), (Some(0.5), 5), (Some(0.5), 3)].into_iter().cycle().take(times);
+        let (scene, now) = reports(by_turns(23));
+        assert_eq!(scene.kept_from_driving(now), [R0]);
+        let (scene, now) = reports(by_turns(24).chain([(Some(0.5), 5); 5]));
+        assert_eq!(scene.kept_from_driving(now), [], "it has another way");
     }
 }

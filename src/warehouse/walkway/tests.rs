@@ -229,7 +229,8 @@ fn a_way_between_robots_leads_along_their_sides_and_through_none() {
 #[test]
 fn who_is_shut_in_has_no_way_between_and_who_is_measured_inside_a_robot_may_leave_it() {
     let around: Vec<(f64, f64)> =
-        [(3.6, 3.6), (5.0, 3.6), (6.4, 3.6), (3.6, 5.0), (6.4, 5.0), (3.6, 6.4), (5.0, 6.4), (6.4, 6.4)].to_vec();
+        [(3.6, 3.6), (5.0, 3.6), (6.4, 3.6), (3.6, 5.0), (6.4, 5.0), (3.6, 6.4), (5.0, 6.4), (6.4, 6.4)]
+            .to_vec();
     let (walks, squares) = in_an_open_hall(&around);
     assert_eq!(walks.ways_between(p(5.0, 5.0), &squares, 4.0).way_to(p(1.5, 5.0)), None);
     let (walks, squares) = in_an_open_hall(&[(5.0, 5.0)]);
