@@ -4,10 +4,10 @@
 //! Where people come and go, no chain of waiting stands still, and a robot can wait without end all the same. So one
 //! that has got nowhere for [`STARVES`] is first: those in its way are led to a place aside, or told to stand where
 //! they are if that is aside already, until it has passed or [`AT_MOST`] is over. A person who stands as told is a
-//! standing obstacle, which a slow robot passes at the distance at which it can still stop. So is one that keeps a
-//! person in one spot and itself waits for other people: whoever is shut in waits for all of them. A person whose headset
-//! knows its place badly closes more floor than the person does, and is asked to touch marks first. Refuses: to keep a
-//! person for longer, and to ask the same person again within [`AGAIN`].
+//! standing obstacle, which a slow robot passes at the distance at which it can still stop. First is also a robot that
+//! keeps a person in one spot and itself waits for other people: who is shut in waits for all of them. A person whose
+//! headset knows its place badly closes more floor than the person does, and is asked to touch marks first. Refuses: to
+//! keep a person for longer, and to ask the same person again within [`AGAIN`].
 
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
