@@ -8,6 +8,7 @@ use crate::fleet::people::state::HumanState;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::yielding::{STANDS, YieldingState};
 use crate::geometry::{Point, Segment};
+use crate::id::RobotId;
 use crate::time::Time;
 use crate::warehouse::walkway::{EdgeSet, Square};
 
@@ -104,5 +105,15 @@ impl HumanState {
             points.extend(on.points.into_iter().skip(1));
             Some(points)
         })
+    }
+}
+
+impl Floor<'_> {
+    pub(super) fn stands(&self, robot: RobotId) -> bool {
+        self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05)
+    }
+
+    pub(super) fn stands_near(&self, robot: RobotId, at: Point) -> bool {
+        self.stands(robot) && (self.place_of(robot) - at).norm() < 3.0
     }
 }

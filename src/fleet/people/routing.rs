@@ -363,12 +363,4 @@ impl Floor<'_> {
         let near = |n: &NodeId| (self.warehouse().nodes[*n].at - at).norm() < WANTED_M;
         self.restrictions.closing.keys().copied().filter(near).filter(|n| is_wanted(*n)).collect()
     }
-
-    pub(super) fn stands(&self, robot: RobotId) -> bool {
-        self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05)
-    }
-
-    pub(super) fn stands_near(&self, robot: RobotId, at: Point) -> bool {
-        self.stands(robot) && (self.place_of(robot) - at).norm() < 3.0
-    }
 }
