@@ -103,7 +103,7 @@ await check('Charts have values after deliveries, and follow the pointer and the
   const words = await charts.getByRole('status').textContent();
   assert(/robots [\d,.]+/.test(words), words);
   const most = await charts.locator('[data-chart="deliveries"] .scale span').last().textContent();
-  assert(Number(most) > 1, `deliveries per hour reach to ${most}`);
+  assert(Number(most.replaceAll(',', '')) > 1, `deliveries per hour reach to ${most}`);
   await page.screenshot({ path: `${SHOTS}charts.png` });
   await assertAccessible(page, 'charts');
   return words;

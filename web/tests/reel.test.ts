@@ -5,7 +5,9 @@ import type { Api } from '../src/wire/api';
 import { readReel } from '../src/replay/reel';
 import { replayRoute } from '../src/replay/route';
 import { seek, type Shown } from '../src/replay/seek';
+import { subjectOf } from '../src/replay/subject';
 import { linesOf } from '../src/replay/unpack';
+import { EMPTY, reduce, type Mark } from '../src/wire';
 import { HeldThen } from '../src/timelines/held';
 import { jobsUnderWay } from '../src/jobs/waited';
 import { chainOf } from '../src/why/was';
@@ -30,6 +32,22 @@ function reelLines(seconds: number): string[] {
   return lines;
 }
 const place = (shown: Shown | null) => shown?.mirror.robots.rows[0]?.x;
+
+describe('a bookmark', () => {
+  const mark = (kind: Mark['kind'], who: string[]): Mark => ({ at_s: 1, kind, words: '', who, place: null });
+  const reduced = reduce(EMPTY, snapshot({ robots: [robot('r1', {})] }));
+  const shown = reduced.kind === 'gap' ? EMPTY : reduced.mirror;
+  test('is about the worker, also where the moment that is shown does not have them yet', () => {
+    expect(subjectOf(mark('deviation', ['w1']), EMPTY)).toEqual({ kind: 'worker', id: 'w1' });
+    expect(subjectOf(mark('encounter', ['w1', 'r1']), shown)).toEqual({ kind: 'worker', id: 'w1' });
+    expect(subjectOf(mark('failure', ['r1']), EMPTY)).toEqual({ kind: 'robot', id: 'r1' });
+  });
+  test('that is an alarm picks whom the floor has, and nothing else', () => {
+    expect(subjectOf(mark('alarm', ['r1']), shown)).toEqual({ kind: 'robot', id: 'r1' });
+    expect(subjectOf(mark('alarm', ['J7']), shown)).toBeNull();
+    expect(subjectOf(mark('closure', []), shown)).toBeNull();
+  });
+});
 
 describe('a reel', () => {
   test('seeking to a moment and playing up to it come to the same', () => {
