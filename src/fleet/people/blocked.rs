@@ -1,7 +1,6 @@
-//! Walkways on which nobody is led, since robots block them for long or they are in a closed area; and ways past
-//! those robots.
+//! Walkways that robots block for long or closed areas cover, on which people are not led; and ways past those robots.
 //!
-//! Refuses: to cut what a robot leaves by itself.
+//! Main type: [`WaysPast`]. Refuses: to cut what a robot leaves by itself.
 
 use crate::aware::BODY_M;
 use crate::fleet::people::state::HumanState;
@@ -10,7 +9,8 @@ use crate::fleet::state::yielding::{STANDS, YieldingState};
 use crate::geometry::{Point, Segment};
 use crate::id::RobotId;
 use crate::time::Time;
-use crate::warehouse::walkway::{EdgeSet, Square};
+use crate::warehouse::walkway::{EdgeSet, Square, WalkPath, Walkways, WaysBetween};
+use std::cell::OnceCell;
 
 /// Room between a person and a robot along whose side the person walks, metres.
 const ALONG_M: f64 = 0.07;
@@ -20,6 +20,19 @@ const BETWEEN_M: f64 = 4.0;
 const LEAST_M: f64 = 1.0;
 /// … and from so many places on.
 const ENDS: usize = 8;
+/// How far one straight step leads, metres.
+const STEP_M: f64 = 1.8;
+
+/// Ways on from where a person is, who may stand face to face with a robot. What does not depend on the goal is searched
+/// once, and only if it is needed.
+pub(super) struct WaysPast<'a> {
+    walkways: &'a Walkways,
+    floor: Floor<'a>,
+    at: Point,
+    cut: &'a EdgeSet,
+    steps: OnceCell<Vec<Point>>,
+    between: OnceCell<(WaysBetween<'a>, Vec<Point>)>,
+}
 
 impl HumanState {
     /// Walkways that robots block for long, and those in areas that are closed to people.
@@ -56,63 +69,71 @@ impl HumanState {
         }
         cut
     }
+}
 
-    /// A way without the cut walkways for a person who may stand face to face with a robot: the first steps
-    /// lead to where no robot is, even if the walkway there is cut by the one in front.
-    pub(super) fn way_past(
-        &self,
-        floor: Floor<'_>,
-        at: Point,
-        goal: Point,
-        cut: &EdgeSet,
-    ) -> Option<Vec<Point>> {
-        let walkways = &self.walkways;
-        if let Some(way) = walkways.path(at, goal, cut) {
+impl<'a> WaysPast<'a> {
+    pub fn new(people: &'a HumanState, floor: Floor<'a>, at: Point, cut: &'a EdgeSet) -> WaysPast<'a> {
+        let (steps, between) = (OnceCell::new(), OnceCell::new());
+        WaysPast { walkways: &people.walkways, floor, at, cut, steps, between }
+    }
+
+    /// A way to a place: on walkways that are not cut, or after one straight step past the robots, or along the sides of
+    /// those that stand.
+    pub fn to(&self, goal: Point) -> Option<Vec<Point>> {
+        let on = |p: Point| self.walkways.path(p, goal, self.cut);
+        if let Some(way) = on(self.at) {
             return Some(way.points);
         }
-        let robots = floor.ledger.present().map(|r| (floor.place_of(r), floor.beside_m(r, BODY_M)));
-        let robots: Vec<(Point, f64)> = robots.collect();
-        let is_clear = |to: Point| {
-            let step = Segment { a: at, b: to };
-            let leaves = |r: &Point| (to - r).norm() > (at - r).norm() + 0.3;
-            robots.iter().all(|(r, reach)| step.distance_to(*r) >= *reach || leaves(r))
-        };
-        let steps = walkways.near(at, 1.8).into_iter().map(|(n, _)| walkways.nodes()[n].at);
-        let ways = steps.filter(|p| is_clear(*p)).filter_map(|p| {
-            let way = walkways.path(p, goal, cut)?;
-            Some((way.length_m + (p - at).norm(), way.points))
-        });
-        let Some((_, mut points)) = ways.min_by(|a, b| a.0.total_cmp(&b.0)) else {
-            return self.way_between(floor, at, goal, cut);
-        };
-        points.insert(0, at);
+        let steps = self.steps.get_or_init(|| self.steps());
+        let ways = steps.iter().filter_map(|p| Some(((p - self.at).norm(), on(*p)?)));
+        let length_m = |(step_m, way): &(f64, WalkPath)| step_m + way.length_m;
+        if let Some((_, way)) = ways.min_by(|a, b| length_m(a).total_cmp(&length_m(b))) {
+            return Some([self.at].into_iter().chain(way.points).collect());
+        }
+        let (between, ends) = self.between.get_or_init(|| self.between());
+        let (end, way) = ends.iter().find_map(|end| Some((*end, on(*end)?)))?;
+        let mut points = between.way_to(end)?;
+        points.extend(way.points.into_iter().skip(1));
         Some(points)
     }
 
-    /// A way along the sides of robots that stand, as far as the nearest walkway from which one leads on.
-    fn way_between(&self, floor: Floor<'_>, at: Point, goal: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
-        let walkways = &self.walkways;
-        let standing = floor.ledger.present().filter(|r| floor.stands_near(*r, at));
+    /// Where one straight step leads that comes near no robot that it does not lead away from.
+    fn steps(&self) -> Vec<Point> {
+        let robots = self.floor.ledger.present();
+        let robots: Vec<_> =
+            robots.map(|r| (self.floor.place_of(r), self.floor.beside_m(r, BODY_M))).collect();
+        let is_clear = |to: &Point| {
+            let step = Segment { a: self.at, b: *to };
+            let leaves = |r: &Point| (to - r).norm() > (self.at - r).norm() + 0.3;
+            robots.iter().all(|(r, reach)| step.distance_to(*r) >= *reach || leaves(r))
+        };
+        let near = self.walkways.near(self.at, STEP_M).into_iter();
+        near.map(|(n, _)| self.walkways.nodes()[n].at).filter(is_clear).collect()
+    }
+
+    /// Ways between the robots that stand near, and the walkways that they lead to, the nearest first.
+    fn between(&self) -> (WaysBetween<'a>, Vec<Point>) {
+        let floor = self.floor;
+        let standing = floor.ledger.present().filter(|r| floor.stands_near(*r, self.at));
         let square = |r| Square { at: floor.place_of(r), half_m: floor.beside_m(r, BODY_M) + ALONG_M };
-        let ways = walkways.ways_between(at, &standing.map(square).collect::<Vec<_>>(), BETWEEN_M);
-        let nodes = walkways.around(at, BETWEEN_M).map(|n| walkways.nodes()[n].at);
+        let ways = self.walkways.ways_between(self.at, standing.map(square).collect(), BETWEEN_M);
+        let nodes = self.walkways.around(self.at, BETWEEN_M).map(|n| self.walkways.nodes()[n].at);
         let clear = nodes.filter(|p| ways.is_clear(*p));
-        let mut ends: Vec<_> = clear.filter_map(|p| Some((ways.length_m(p)?, p))).collect();
+        let with_length = clear.filter_map(|p| Some((ways.length_m(p)?, p)));
+        let mut ends: Vec<_> = with_length.filter(|(length_m, _)| *length_m > LEAST_M).collect();
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-        ends.into_iter().filter(|(length, _)| *length > LEAST_M).take(ENDS).find_map(|(_, p)| {
-            let on = walkways.path(p, goal, cut)?;
-            let mut points = ways.way_to(p)?;
-            points.extend(on.points.into_iter().skip(1));
-            Some(points)
-        })
+        ends.truncate(ENDS);
+        (ways, ends.into_iter().map(|(_, p)| p).collect())
     }
 }
 
 impl Floor<'_> {
+    /// Whether a robot stands, as far as that is seen.
     pub(super) fn stands(&self, robot: RobotId) -> bool {
         self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05)
     }
 
+    /// Whether a robot stands within three metres of a place.
     pub(super) fn stands_near(&self, robot: RobotId, at: Point) -> bool {
         self.stands(robot) && (self.place_of(robot) - at).norm() < 3.0
     }

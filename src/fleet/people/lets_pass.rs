@@ -10,6 +10,7 @@
 //! keep a person for longer, and to ask the same person again within [`AGAIN`].
 
 use crate::aware::HumanAwarePolicy;
+use crate::fleet::people::blocked::WaysPast;
 use crate::fleet::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
@@ -82,11 +83,23 @@ impl HumanState {
             if waited < STARVES && !self.passed.contains_key(&robot) {
                 continue;
             }
-            let mut in_the_way = core.floor().in_the_way_of(robot);
-            in_the_way.insert(worker);
-            for worker in in_the_way {
-                self.ask_to_let_pass(core.floor(), yielding, worker, robot, now);
-            }
+            self.clear_the_way(core.floor(), yielding, (robot, worker), None, now);
+        }
+    }
+
+    /// Asks those in the way of a robot to let it pass, also the worker for whom it waits; not the one that it shuts in.
+    fn clear_the_way(
+        &mut self,
+        floor: Floor<'_>,
+        yielding: &YieldingState,
+        (robot, waits_for): (RobotId, WorkerId),
+        inside: Option<WorkerId>,
+        now: Time,
+    ) {
+        let mut in_the_way = floor.in_the_way_of(robot);
+        in_the_way.insert(waits_for);
+        for worker in in_the_way.into_iter().filter(|w| Some(*w) != inside) {
+            self.ask_to_let_pass(floor, yielding, worker, robot, now);
         }
     }
 
@@ -106,12 +119,7 @@ impl HumanState {
             keep.dedup();
             for robot in keep {
                 let Edge::On(Party::Worker(outside)) = floor.waits.robot(robot).edge else { continue };
-                let mut in_the_way = floor.in_the_way_of(robot);
-                in_the_way.insert(outside);
-                in_the_way.remove(&inside);
-                for worker in in_the_way {
-                    self.ask_to_let_pass(floor, yielding, worker, robot, now);
-                }
+                self.clear_the_way(floor, yielding, (robot, outside), Some(inside), now);
             }
         }
     }
@@ -177,7 +185,8 @@ impl HumanState {
         }
         if stage == LetsPassStage::Walks {
             let cut = self.edges_blocked_for_long(floor, yielding, now);
-            let Some(points) = self.place_aside(floor, &ahead, place.at, enough_m, &cut) else {
+            let ways = WaysPast::new(self, floor, place.at, &cut);
+            let Some(points) = self.place_aside(floor, &ahead, place.at, enough_m, &ways) else {
                 tracing::debug!(?worker, ?robot, enough_m, "there is no place aside");
                 return;
             };

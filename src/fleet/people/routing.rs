@@ -3,6 +3,7 @@
 //! Refuses: to move a worker, who is shown a path and may ignore it.
 
 use crate::aware::{BODY_M, HumanAwarePolicy};
+use crate::fleet::people::blocked::WaysPast;
 use crate::fleet::people::state::{HumanState, WalkMode};
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
@@ -162,7 +163,7 @@ impl HumanState {
         // A robot that has waited for the worker for long has nowhere to go: the worker makes room, not the robot.
         let is_stuck = robot.is_some_and(|r| yielding.stuck_with(r, now) == Some(worker));
         let refuge = || self.refuge(core.floor(), worker, place.at, &cut);
-        let way = || self.way_past(core.floor(), place.at, goal, &cut);
+        let way = || WaysPast::new(self, core.floor(), place.at, &cut).to(goal);
         let (way, refuge) = match is_stuck.then(refuge).flatten() {
             Some(points) => (None, Some(points)),
             None => way().map_or_else(|| (None, refuge()), |points| (Some(points), None)),
@@ -234,7 +235,8 @@ impl HumanState {
             all.extend(floor.wanted_near(worker).into_iter().map(place));
         }
         // Where nothing is clear of all their ways: out of that of one robot, the longest waiting first.
-        let clear = |wanted: &[Point]| self.place_aside(floor, wanted, at, REFUGE_CLEAR_M, cut);
+        let ways = WaysPast::new(self, floor, at, cut);
+        let clear = |wanted: &[Point]| self.place_aside(floor, wanted, at, REFUGE_CLEAR_M, &ways);
         let one = |r: &RobotId| clear(&ahead(r).collect::<Vec<_>>());
         let alone = || robots.iter().take(ALONE).find_map(one);
         clear(&all).or_else(|| (robots.len() > 1).then(alone).flatten())
@@ -247,7 +249,7 @@ impl HumanState {
         wanted: &[Point],
         at: Point,
         enough_m: f64,
-        cut: &EdgeSet,
+        ways: &WaysPast<'_>,
     ) -> Option<Vec<Point>> {
         if wanted.is_empty() {
             return None;
@@ -263,7 +265,7 @@ impl HumanState {
             .filter(|(length, p)| *length > 1.0 && clear_m(*p) > enough_m && has_room(*p))
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let way_to = |p: Point| self.way_past(floor, at, p, cut);
+        let way_to = |p: Point| ways.to(p);
         let along = near.into_iter().take(PLACES).find_map(|(_, p)| way_to(p));
         // Narrow floors have no such place on a middle line, but maybe one at the edge.
         let at_the_edge = || {

@@ -22,7 +22,7 @@ pub struct RobotSeen {
     pub newest: Option<Telemetry>,
     /// When that came in, by the fleet's own clock: robots' clocks may be wrong.
     heard: Option<Time>,
-    /// For how long it has stood where it does though it may drive.
+    /// How long it has stood where it does, if it stands.
     still: Option<StandsStill>,
     /// When orders were sent to it last.
     pub told: Option<Time>,
@@ -47,8 +47,8 @@ pub struct Scene {
     robots: Vec<RobotSeen>,
     /// Robots that say that something is wrong with them.
     faulty: BTreeSet<RobotId>,
-    /// Robots that say that they stand.
-    still: BTreeSet<RobotId>,
+    /// Robots that have stood for [`KEPT`] though they may drive.
+    kept: BTreeSet<RobotId>,
     /// Robots that cannot go on from where they stand.
     displaced: BTreeMap<RobotId, Displaced>,
     /// Since when anything could be seen.
@@ -72,9 +72,9 @@ impl Scene {
         // One that was found kept begins anew when it has forgotten its way.
         seen.still = (t.stands() && (may_drive || free < KEPT)).then_some(StandsStill { free, said: now });
         let before = seen.newest.replace(t).and_then(|n| n.fault);
-        match seen.still {
-            Some(_) => _ = self.still.insert(t.robot),
-            None => _ = self.still.remove(&t.robot),
+        match seen.still.is_some_and(|still| still.free >= KEPT) {
+            true => _ = self.kept.insert(t.robot),
+            false => _ = self.kept.remove(&t.robot),
         }
         match t.fault {
             Some(_) => _ = self.faulty.insert(t.robot),
@@ -87,7 +87,7 @@ impl Scene {
     pub fn forget(&mut self, robot: RobotId) {
         *self.robot_mut(robot) = RobotSeen::default();
         self.faulty.remove(&robot);
-        self.still.remove(&robot);
+        self.kept.remove(&robot);
         self.displaced.remove(&robot);
     }
 
@@ -130,15 +130,14 @@ impl Scene {
     /// Robots that something keeps from driving, by their own word or because they stand for long though they may
     /// drive, if they were heard of lately.
     pub fn kept_from_driving(&self, now: Time) -> Vec<RobotId> {
-        let suspects = self.faulty.union(&self.still).copied();
+        let suspects = self.faulty.union(&self.kept).copied();
         suspects.filter(|r| self.is_kept_from_driving(*r, now)).collect()
     }
 
     /// Whether something keeps a robot from driving, likewise.
     pub fn is_kept_from_driving(&self, robot: RobotId, now: Time) -> bool {
         let Some(seen) = self.fit(robot, now) else { return false };
-        let still = self.robots[robot.ix()].still;
-        seen.fault == Some(Fault::Obstructed) || still.is_some_and(|still| still.free >= KEPT)
+        seen.fault == Some(Fault::Obstructed) || self.kept.contains(&robot)
     }
 
     /// Whether a robot was heard of lately.

@@ -489,6 +489,16 @@ mod tests {
     }
 
     #[test]
+    fn the_last_robot_of_a_chain_waits_for_none_and_a_cycle_has_an_end_too() {
+        let mut found = WaitGraph::default();
+        let ends = [Edge::On(party(1)), Edge::On(party(2)), Edge::On(party(ROBOTS))];
+        graph(&ends, Time(1), &mut found);
+        assert_eq!([0, 1, 2].map(|r| found.last_robot(RobotId(r))), [RobotId(2); 3]);
+        graph(&[Edge::On(party(1)), Edge::On(party(0))], Time(2), &mut found);
+        assert!([RobotId(0), RobotId(1)].contains(&found.last_robot(RobotId(0))));
+    }
+
+    #[test]
     fn a_robot_starves_by_waiting_at_one_visit_or_on_the_whole_way_to_where_it_acts_next() {
         let (mut found, robot) = (WaitGraph::default(), RobotId(0));
         let (here, way) = (Span::from_secs(90), Span::from_secs(180));

@@ -91,3 +91,40 @@ fn a_person_whose_headset_knows_its_place_badly_is_asked_for_marks_before_robots
         assert!(!touches || delivered == 1, "{reasons:?}");
     }
 }
+
+/// Whether a person before whom a robot waits is asked at once to let it pass, where the robot has kept another worker in
+/// one spot for so many seconds.
+fn asked_for_another(kept_s: i64) -> bool {
+    let (mut floor, mut ana, ends) = before_the_station();
+    let nodes = floor.fleet.warehouse().nodes.iter().map(|n| n.at);
+    let far =
+        nodes.max_by(|a, b| (a - ends[0]).norm().total_cmp(&(b - ends[0]).norm())).expect("it has nodes");
+    let mut ben = floor.hire_as("Ben", far);
+    let robot = RobotId(0);
+    let waits = |floor: &TestFloor| floor.fleet.wait(Party::Robot(robot)).edge;
+    let mut next = 0;
+    ana.own = true;
+    for _ in 0..600 {
+        if waits(&floor) == Edge::On(Party::Worker(ana.worker)) {
+            break;
+        }
+        if ana.way.is_empty() {
+            next = 1 - next;
+            ana.way = vec![ends[next]];
+        }
+        floor.walk(&mut ana);
+        floor.walk(&mut ben);
+    }
+    assert_eq!(waits(&floor), Edge::On(Party::Worker(ana.worker)), "the robot does not wait for her");
+    for kept in [Span::ZERO, Span::from_secs(kept_s)] {
+        let (edge, until) = (Edge::On(Party::Robot(robot)), floor.now + kept);
+        floor.fleet.core.waits.note_worker(ben.worker, Some(ben.at), edge, until);
+    }
+    floor.walk(&mut ana);
+    floor.fleet.people.people[ana.worker].lets_pass.is_some_and(|l| l.robot == robot)
+}
+
+#[test]
+fn a_robot_that_shuts_a_worker_in_inherits_the_wait_and_the_person_before_it_is_asked_at_once() {
+    assert_eq!([10, 20].map(asked_for_another), [false, true]);
+}

@@ -12,7 +12,7 @@ use std::collections::BinaryHeap;
 const STEPS: [(i64, i64, u32); 8] =
     [(1, 0, 10), (-1, 0, 10), (0, 1, 10), (0, -1, 10), (1, 1, 14), (1, -1, 14), (-1, 1, 14), (-1, -1, 14)];
 
-/// What nobody walks into: a square with sides along the map's axes.
+/// Floor that is not free for walking: a square with sides along the map's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Square {
     /// Its centre.
@@ -41,14 +41,14 @@ impl Square {
 }
 
 impl Walkways {
-    /// The shortest ways from a place to all within a window of `reach_m` (metres) on each side, round squares. Who is
-    /// inside a square by measurement may leave it. O(cells log cells) of the window.
-    pub fn ways_between(&self, from: Point, squares: &[Square], reach_m: f64) -> WaysBetween<'_> {
+    /// The shortest ways from a place to all within a window of `reach_m` (metres) on each side, round squares. From
+    /// inside a square, where a measurement may put a person, ways lead straight out of it. O(cells log cells) of the
+    /// window, times the squares.
+    pub fn ways_between(&self, from: Point, squares: Vec<Square>, reach_m: f64) -> WaysBetween<'_> {
         let cells = (reach_m / self.cell_m()).ceil() as i64;
         let side = 2 * cells + 1;
-        let near = squares.iter().filter(|s| s.depth_m(from) > -2.0 * reach_m).copied().collect();
         let reached = vec![(u32::MAX, u32::MAX); (side * side) as usize];
-        let mut ways = WaysBetween { walkways: self, squares: near, from, side, reached };
+        let mut ways = WaysBetween { walkways: self, squares, from, side, reached };
         ways.search();
         ways
     }
@@ -63,13 +63,14 @@ impl WaysBetween<'_> {
             if length > self.reached[cell as usize].0 {
                 continue;
             }
+            let here = self.middle(cell);
             for (dx, dy, step) in STEPS {
                 let (x, y) = (cell % self.side + dx, cell / self.side + dy);
                 if x < 0 || y < 0 || x >= self.side || y >= self.side {
                     continue;
                 }
                 let (next, there) = (y * self.side + x, length + step);
-                if there < self.reached[next as usize].0 && self.is_open(self.middle(next)) {
+                if there < self.reached[next as usize].0 && self.is_step(here, self.middle(next)) {
                     self.reached[next as usize] = (there, cell as u32);
                     queue.push(Reverse((there, next)));
                 }
@@ -92,15 +93,16 @@ impl WaysBetween<'_> {
         within.then(|| (y * self.side + x) as usize)
     }
 
-    /// Whether a person can be at a point: on free floor and in no square but those left.
-    fn is_open(&self, p: Point) -> bool {
-        let leaves = |s: &Square| s.depth_m(p) <= s.depth_m(self.from).max(0.0);
-        self.walkways.is_free(p) && self.squares.iter().all(leaves)
+    /// Whether a person can walk from one point to another close by: onto free floor, and within a square only outwards.
+    fn is_step(&self, here: Point, there: Point) -> bool {
+        let leaves = |s: &Square| s.depth_m(there) <= 0.0 || s.depth_m(there) < s.depth_m(here);
+        self.walkways.is_free(there) && self.squares.iter().all(leaves)
     }
 
     fn sees(&self, a: Point, b: Point) -> bool {
         let steps = ((b - a).norm() / (self.walkways.cell_m() * 0.5)).ceil().max(1.0) as usize;
-        (0..=steps).all(|k| self.is_open(a + (b - a) * (k as f64 / steps as f64)))
+        let along = |k: usize| a + (b - a) * (k as f64 / steps as f64);
+        (1..=steps).all(|k| self.is_step(along(k - 1), along(k)))
     }
 
     /// Whether a point is clear of all squares.

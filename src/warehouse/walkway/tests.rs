@@ -216,7 +216,7 @@ fn in_an_open_hall(robots: &[(f64, f64)]) -> (Walkways, Vec<Square>) {
 #[test]
 fn a_way_between_robots_leads_along_their_sides_and_through_none() {
     let (walks, squares) = in_an_open_hall(&[(4.0, 4.0), (4.0, 6.0), (6.0, 4.0)]);
-    let ways = walks.ways_between(p(5.0, 5.0), &squares, 4.0);
+    let ways = walks.ways_between(p(5.0, 5.0), squares.clone(), 4.0);
     let way = ways.way_to(p(2.0, 5.0)).expect("half a metre is left between the squares");
     assert!(way.len() <= 4, "{way:?}");
     for s in way.windows(2) {
@@ -232,10 +232,15 @@ fn who_is_shut_in_has_no_way_between_and_who_is_measured_inside_a_robot_may_leav
         [(3.6, 3.6), (5.0, 3.6), (6.4, 3.6), (3.6, 5.0), (6.4, 5.0), (3.6, 6.4), (5.0, 6.4), (6.4, 6.4)]
             .to_vec();
     let (walks, squares) = in_an_open_hall(&around);
-    assert_eq!(walks.ways_between(p(5.0, 5.0), &squares, 4.0).way_to(p(1.5, 5.0)), None);
+    assert_eq!(walks.ways_between(p(5.0, 5.0), squares, 4.0).way_to(p(1.5, 5.0)), None);
     let (walks, squares) = in_an_open_hall(&[(5.0, 5.0)]);
-    let ways = walks.ways_between(p(5.5, 5.0), &squares, 4.0);
-    assert!(ways.way_to(p(7.0, 5.0)).is_some() && !ways.is_clear(p(5.5, 5.0)));
-    let back = ways.length_m(p(3.0, 5.0)).expect("round it");
-    assert!(back > 3.0, "not through it: {back}");
+    let ways = walks.ways_between(p(5.5, 5.0), squares.clone(), 4.0);
+    assert!(!ways.is_clear(p(5.5, 5.0)));
+    for to in [p(7.0, 5.0), p(3.0, 5.0), p(5.0, 7.5)] {
+        let way = ways.way_to(to).expect("out of it, and round it");
+        let points =
+            way.windows(2).flat_map(|s| (0..=50).map(|k| s[0] + (s[1] - s[0]) * (f64::from(k) / 50.0)));
+        let depths: Vec<f64> = points.map(|q| squares[0].depth_m(q).max(0.0)).collect();
+        assert!(depths.is_sorted_by(|a, b| a + 1e-9 >= *b), "not deeper into it: {way:?}");
+    }
 }
