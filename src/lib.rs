@@ -37,6 +37,8 @@
 //!   encounters. There is no second planner.
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
 //! - [`history`]: what happened over time, as figures in buckets of bounded number. It decides nothing.
+//! - [`alarm`]: what is wrong, causes only, and the life of an alarm: raised, acknowledged, cleared. It decides nothing
+//!   about robots.
 //! - [`sim`]: robots with inertia, radios that lose messages, customers; laws; recordings; the driver without a server.
 //!   Pure.
 //! - [`experiment`]: benchmark floors and published tables, driven by the same search; recorded people, and what is
@@ -258,7 +260,7 @@
 //! | what a broken robot cuts off; jobs given back | `fleet/state/cut_off.rs`; `fleet/dispatch/blocked.rs` |
 //! | people take a rack off a broken robot | `fleet/requests/racks.rs`; `api/http/robots.rs` (`take_rack`) |
 //! | faults of robots, e-stop; a blocked path | `fleet/state/fault.rs`; `fleet/traffic/obstruction.rs` |
-//! | robots that people pushed elsewhere | `fleet/traffic/displaced.rs`; in words: `api/displaced.rs` |
+//! | robots that people pushed elsewhere | `fleet/traffic/displaced.rs`; in words: `alarm/displaced.rs` |
 //! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog/` |
 //! | what waits for what (wait-for graph) | `fleet/state/wait_graph.rs`; who waits, and why: `fleet/waits/` |
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
@@ -292,6 +294,7 @@
 //! | safety regions in the timelines | `fleet/read/safety_regions.rs`; radii: `aware/regions.rs` |
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
 //! | a key of scenario files | `sim/scenario/`, `docs/scenarios.md` |
+//! | alarms: what is one, what it suppresses, its life | `alarm/`; `store/alarms.rs`, `api/alarms.rs` |
 //! | what every simulation must keep (laws) | `sim/laws/`; in the server: `server/watchdog/` |
 //! | what the swarm draws, how it shrinks, prints | `sim/swarm/draw.rs`, `maps.rs`; `shrink.rs`; `cli/swarm.rs` |
 //! | what a recording holds | `sim/recording.rs` |
@@ -340,6 +343,7 @@
 //!   all keep robots away ([`human::Track::others`]). [`human::Whereabouts`] is the best one: forecasts, encounters and
 //!   guidance know only that.
 
+pub mod alarm;
 #[cfg(feature = "edge")]
 pub mod api;
 pub mod aware;

@@ -3,8 +3,8 @@
 //! Main types: [`RobotDto`], [`RackDto`], [`StationDto`], [`JobDto`], [`Page`], and [`Names`], which makes
 //! them. Ids on the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
 
-use super::displaced;
 use super::text::{closure_name, job_name, round3, time_text, worker_name};
+use crate::alarm::displacement_words;
 use crate::fleet::{
     Counts, Doing, Fault, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotState, RobotView, View,
     Why,
@@ -385,7 +385,7 @@ impl Names<'_> {
                 )
             }
             Why::Unplugged => "gets no current from its charger: check the plug and the charger".into(),
-            Why::Displaced(displacement) => displaced::words(self.map, |r| self.robot(r), displacement),
+            Why::Displaced(displacement) => displacement_words(self.map, |r| self.robot(r), displacement),
             Why::BlockedBy(r) => {
                 format!("waiting for {} to be repaired or moved out of its way", self.robot(r))
             }

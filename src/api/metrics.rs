@@ -5,6 +5,7 @@
 
 use super::dto::{JobCountsDto, state_word};
 use super::port::Moment;
+use crate::alarm::Alarm;
 use crate::fleet::{FeedCounts, InsertionCounts, Presence};
 use prometheus_client::encoding::EncodeLabelSet;
 use prometheus_client::encoding::text::encode;
@@ -47,6 +48,15 @@ pub struct ReasonLabel {
     pub reason: &'static str,
 }
 
+/// What an alarm is about, and how bad it is.
+#[derive(Clone, Debug, Hash, PartialEq, Eq, EncodeLabelSet)]
+pub struct AlarmLabels {
+    /// The word of its kind.
+    pub kind: &'static str,
+    /// notice, warning or critical.
+    pub severity: &'static str,
+}
+
 /// All figures.
 #[derive(Debug)]
 pub struct Metrics {
@@ -76,6 +86,7 @@ pub struct Metrics {
     pub pose_to_robot_stop: Histogram,
     /// HTTP requests.
     pub http: Family<HttpLabels, Counter>,
+    alarms: Family<AlarmLabels, Gauge>,
     jobs: Family<StateLabel, Gauge>,
     robots: Family<StateLabel, Gauge>,
     robot_deliveries: Gauge,
@@ -119,6 +130,7 @@ impl Default for Metrics {
             pose_to_stop: Histogram::new(seconds),
             pose_to_robot_stop: Histogram::new(seconds),
             http: Family::default(),
+            alarms: Family::default(),
             jobs: Family::default(),
             robots: Family::default(),
             robot_deliveries: Gauge::default(),
@@ -160,6 +172,7 @@ impl Metrics {
         r.register("journal_errors", "Times the database refused a write", self.journal_errors.clone());
         r.register("live_clients", "Open live feeds", self.live_clients.clone());
         r.register("http_requests", "HTTP requests by route and status", self.http.clone());
+        r.register("alarms", "Active alarms by kind and severity", self.alarms.clone());
         r.register("jobs", "Jobs by state", self.jobs.clone());
         r.register("robots", "Robots by state", self.robots.clone());
         r.register("robot_deliveries", "Racks served at stations", self.robot_deliveries.clone());
@@ -219,6 +232,15 @@ impl Metrics {
             self.forecast_covered.get_or_create(&label).set(f.covered);
             self.forecast_scale.get_or_create(&label).set(f.scale);
             self.forecast_trusted.get_or_create(&label).set(i64::from(f.trusted));
+        }
+    }
+
+    /// Takes in the alarms that are active.
+    pub fn note_alarms(&self, active: &[Alarm]) {
+        self.alarms.clear();
+        for alarm in active {
+            let labels = AlarmLabels { kind: alarm.kind.word(), severity: alarm.severity.word() };
+            self.alarms.get_or_create(&labels).inc();
         }
     }
 

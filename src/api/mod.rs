@@ -6,10 +6,10 @@
 //! latest view or at durable lists; writes put a request into the queue and answer when its facts are durable.
 //! Refuses: to decide anything about robots, and to know store or server.
 
+pub mod alarms;
 mod assets;
 pub mod auth;
 mod building;
-pub mod displaced;
 pub mod dto;
 pub mod error;
 mod extract;
@@ -31,8 +31,9 @@ pub use http::{alive, router};
 
 use crate::fleet::{Reply, RobotKind};
 use crate::warehouse::Warehouse;
+use alarms::Alarms;
 use error::Problem;
-use port::{Alarms, FleetRequest, KindRequest, Moment, Now, Question, Records, SharedHistory, What};
+use port::{FleetRequest, KindRequest, Moment, Now, Question, Records, SharedHistory, What};
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;

@@ -1,18 +1,18 @@
-//! What the API needs from the program that runs it: durable lists to read, a queue for requests, alarms, a clock, and
-//! the fleet's view.
+//! What the API needs from the program that runs it: durable lists to read, a queue for requests, a clock, and the
+//! fleet's view.
 //!
 //! Main types: [`Records`], [`FleetRequest`], [`Question`],
-//! [`KindRequest`], [`Alarms`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know what answers.
+//! [`KindRequest`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know what answers.
 
+use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
     Expected, Fleet, JobQuery, JobRequest, JobRow, NodeOccupancy, RecurringClosure, Reply, RobotKind,
-    StationOrder, View, Waiting, Why,
+    StationOrder, View, Waiting,
 };
 use crate::history::{History, LoopTimes};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::{Span, Time};
-use std::collections::BTreeMap;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex};
 use tokio::sync::oneshot;
@@ -33,6 +33,8 @@ pub trait Records: Send + Sync {
     fn assignment(&self, id: AssignmentId) -> Later<'_, Result<Option<AssignmentRow>, String>>;
     /// Some assignments, newest first.
     fn assignments(&self, filter: AssignmentQuery) -> Later<'_, Result<Vec<AssignmentRow>, String>>;
+    /// Some alarms, active or past, newest first.
+    fn alarms(&self, filter: AlarmQuery) -> Later<'_, Result<Vec<Alarm>, String>>;
     /// Some encounters, newest first.
     fn encounters(&self, filter: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>>;
 }
@@ -220,81 +222,5 @@ impl SharedHistory {
     /// Looks at them.
     pub fn with<T>(&self, look: impl FnOnce(&History) -> T) -> T {
         look(&self.history.lock().expect("nobody panics with this lock"))
-    }
-}
-
-/// Something that a person must know.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Alarm {
-    /// Short name of the cause.
-    pub id: &'static str,
-    /// What is wrong and what to do.
-    pub text: String,
-    /// Since when.
-    pub since: Time,
-}
-
-/// The alarm while the whole fleet stands by hand.
-const STOPPED: &str = "stopped";
-
-/// The alarm while the building is evacuated.
-const EVACUATION: &str = "evacuation";
-
-/// The alarm while single robots do.
-const PAUSED: &str = "paused";
-
-/// The alarms that stand.
-#[derive(Debug, Default)]
-pub struct Alarms {
-    standing: Mutex<BTreeMap<&'static str, (Time, String)>>,
-}
-
-impl Alarms {
-    /// Raises an alarm, or gives a standing one a new text. Whether it is new.
-    pub fn raise(&self, id: &'static str, text: String, now: Time) -> bool {
-        let mut standing = self.standing.lock().expect("nobody panics with this lock");
-        let since = standing.get(id).map(|(since, _)| *since);
-        standing.insert(id, (since.unwrap_or(now), text));
-        since.is_none()
-    }
-
-    /// Ends an alarm. Whether it stood.
-    pub fn clear(&self, id: &'static str) -> bool {
-        self.standing.lock().expect("nobody panics with this lock").remove(id).is_some()
-    }
-
-    /// Raises or ends the alarms about what a person stopped, by a view.
-    pub fn note(&self, view: &View) {
-        match view.stopped {
-            Some(since) => {
-                let text = "all robots are stopped by hand: resume the fleet when it may go on.";
-                self.raise(STOPPED, text.into(), since);
-            }
-            None => _ = self.clear(STOPPED),
-        }
-        match view.evacuation {
-            Some(since) => {
-                let text = "the building is evacuated: people are led to the doors, robots stand. End it when all may \
-                    come back.";
-                self.raise(EVACUATION, text.into(), since);
-            }
-            None => _ = self.clear(EVACUATION),
-        }
-        let paused: Vec<&str> =
-            view.robots.iter().filter(|r| r.why == Some(Why::Paused)).map(|r| r.name.as_str()).collect();
-        if paused.is_empty() {
-            self.clear(PAUSED);
-        } else {
-            let more =
-                if paused.len() > 3 { format!(" and {} more", paused.len() - 3) } else { String::new() };
-            let names = paused[..paused.len().min(3)].join(", ");
-            self.raise(PAUSED, format!("paused by hand: {names}{more}."), view.now);
-        }
-    }
-
-    /// All that stand.
-    pub fn list(&self) -> Vec<Alarm> {
-        let standing = self.standing.lock().expect("nobody panics with this lock");
-        standing.iter().map(|(id, (since, text))| Alarm { id, text: text.clone(), since: *since }).collect()
     }
 }

@@ -13,7 +13,7 @@ pub fn job_name(id: JobId) -> String {
 
 /// A job's number from its name, if it is one.
 pub fn parse_job_name(text: &str) -> Option<JobId> {
-    number(text, 'j').map(JobId)
+    number(text, "j").map(JobId)
 }
 
 /// A time as RFC 3339 in UTC.
@@ -86,29 +86,39 @@ pub fn series_name(id: SeriesId) -> String {
 
 /// The number of a recurring closure.
 pub fn parse_series(text: &str) -> Option<SeriesId> {
-    number(text, 's').map(SeriesId)
+    number(text, "s").map(SeriesId)
 }
 
-/// The number behind a letter, from 1 on.
-fn number(text: &str, letter: char) -> Option<u64> {
-    let digits = text.strip_prefix(letter)?;
+/// An alarm's number on the wire.
+pub fn alarm_name(id: u64) -> String {
+    format!("al{id}")
+}
+
+/// An alarm's number.
+pub fn parse_alarm(text: &str) -> Option<u64> {
+    number(text, "al")
+}
+
+/// The number behind letters, from 1 on.
+fn number(text: &str, letters: &str) -> Option<u64> {
+    let digits = text.strip_prefix(letters)?;
     let plain = digits.bytes().all(|b| b.is_ascii_digit()) && !digits.starts_with('0');
     if plain { digits.parse().ok() } else { None }
 }
 
 /// An assignment's number.
 pub fn parse_assignment(text: &str) -> Option<AssignmentId> {
-    number(text, 'a').map(AssignmentId)
+    number(text, "a").map(AssignmentId)
 }
 
 /// A closure's number.
 pub fn parse_closure(text: &str) -> Option<ClosureId> {
-    number(text, 'c').map(ClosureId)
+    number(text, "c").map(ClosureId)
 }
 
 /// A worker's number from its name, if it is one.
 pub fn parse_worker_name(text: &str) -> Option<WorkerId> {
-    number(text, 'w').and_then(|n| u32::try_from(n - 1).ok()).map(WorkerId)
+    number(text, "w").and_then(|n| u32::try_from(n - 1).ok()).map(WorkerId)
 }
 
 #[cfg(test)]
@@ -129,9 +139,9 @@ mod tests {
 
     #[test]
     fn numbers_behind_letters_are_read_strictly() {
-        assert_eq!(number("w12", 'w'), Some(12));
+        assert_eq!((number("w12", "w"), parse_alarm("al17")), (Some(12), Some(17)));
         for bad in ["w0", "w", "12", "w-1", "w01", "a1", "w99999999999999999999", "w1 "] {
-            assert_eq!(number(bad, 'w'), None, "{bad}");
+            assert_eq!(number(bad, "w"), None, "{bad}");
         }
     }
 }

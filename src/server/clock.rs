@@ -22,8 +22,7 @@ pub struct Clock {
 impl Clock {
     /// A clock that starts now, or just after `last` where that is later.
     pub fn start(last: Option<Time>) -> Clock {
-        let wall = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_micros());
-        let wall = i64::try_from(wall).unwrap_or(0);
+        let wall = wall();
         let start = last.map_or(wall, |last| wall.max(last.0 + 1));
         if start - wall > TOLERANCE.0 {
             let ahead_s = (start - wall) / 1_000_000;
@@ -37,6 +36,12 @@ impl Clock {
         Time(self.start)
     }
 
+    /// By how much the system's clock is ahead of this one; negative where it is behind. It is not followed, since
+    /// times must not jump; if it was set while this one runs, somebody should know.
+    pub fn system_ahead(&self) -> Span {
+        Span(wall() - self.now().0)
+    }
+
     /// Now; later than every answer before.
     pub fn now(&self) -> Time {
         let elapsed = i64::try_from(self.origin.elapsed().as_micros()).unwrap_or(i64::MAX / 2);
@@ -44,6 +49,12 @@ impl Clock {
         let last = self.last.fetch_max(now, Ordering::Relaxed);
         if now > last { Time(now) } else { Time(self.last.fetch_add(1, Ordering::Relaxed) + 1) }
     }
+}
+
+/// The system's clock, microseconds since 1970.
+fn wall() -> i64 {
+    let wall = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_micros());
+    i64::try_from(wall).unwrap_or(0)
 }
 
 /// Nanoseconds since its first call, to tell how long something takes.
@@ -66,6 +77,9 @@ mod tests {
     #[test]
     fn time_starts_after_the_last_fact_even_if_that_is_in_the_future() {
         let future = Time(i64::MAX / 2);
-        assert!(Clock::start(Some(future)).now() > future);
+        let clock = Clock::start(Some(future));
+        assert!(clock.now() > future);
+        assert!(clock.system_ahead() < Span::from_secs(-60), "{:?}", clock.system_ahead());
+        assert!(Clock::start(None).system_ahead().0.abs() < 10_000_000);
     }
 }

@@ -3,15 +3,13 @@
 //! Main function: [`watch_over`]. Refuses: to touch them.
 
 use super::clock::Clock;
-use crate::api::port::Alarms;
+use crate::alarm::AlarmKind;
+use crate::api::alarms::Alarms;
 use crate::store::Store;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::interval;
-
-/// The alarm that stands while the database is not where it was.
-pub const ALARM: &str = "database";
 
 /// How often it looks.
 const EVERY: Duration = Duration::from_millis(250);
@@ -30,16 +28,14 @@ pub async fn watch_over(
         match store.check_place() {
             Ok(()) => {
                 if displaced.send_if_modified(std::mem::take) {
-                    alarms.clear(ALARM);
+                    alarms.clear(AlarmKind::Database, clock.now());
                     tracing::info!("the database is back in its place");
                 }
             }
             Err(e) => {
                 displaced.send_replace(true);
                 let text = format!("{e}. Robots drive to the end of their grants and stop.");
-                if alarms.raise(ALARM, text.clone(), clock.now()) {
-                    tracing::error!("{text}");
-                }
+                alarms.raise(AlarmKind::Database, text, clock.now());
             }
         }
         if round % 4 == 0 {

@@ -16,9 +16,11 @@ use super::outbox::Outbox;
 use super::recordings::Tap;
 use super::rescue::{Rescue, drivers};
 use super::watchdog::Watchdog;
+use crate::alarm::AlarmKind;
+use crate::api::alarms::Alarms;
 use crate::api::feed::hub::{Feeds, HeardSighting};
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, Moment, QUESTIONS_AT_ONCE, Question};
+use crate::api::port::{Moment, QUESTIONS_AT_ONCE, Question};
 use crate::fleet::{Command, Fleet, Guidance, Input};
 use crate::id::{RobotId, WorkerId};
 use crate::sim::World;
@@ -31,9 +33,6 @@ use tokio::time::{MissedTickBehavior, interval, sleep};
 
 /// How often the view is published; a little less than a tenth of a second, so that a tick does not just miss it.
 const PUBLISH: Span = Span::from_millis(95);
-
-/// The alarm that stands while all robots have to.
-const ALARM: &str = "halt";
 
 /// Everything that the loop owns.
 pub struct DriveLoop {
@@ -188,8 +187,7 @@ impl DriveLoop {
         } else {
             let text =
                 "the journal is full: all robots were told to stop until the database takes facts again.";
-            self.alarms.raise(ALARM, text.into(), now);
-            tracing::error!("{text}");
+            self.alarms.raise(AlarmKind::Halt, text, now);
             self.pace.halted = true;
             self.fleet.ledger().robots.ids().collect()
         };
@@ -205,7 +203,7 @@ impl DriveLoop {
     /// The journal takes facts: the step that follows lifts the limits, which it did not set.
     fn resume(&mut self) {
         if std::mem::take(&mut self.pace.halted) {
-            self.alarms.clear(ALARM);
+            self.alarms.clear(AlarmKind::Halt, self.clock.now());
             tracing::info!("the journal has room again: robots drive on");
         }
     }
@@ -249,6 +247,7 @@ impl DriveLoop {
         let searches_ns = self.fleet.take_plan_times();
         self.measure.step(length, &searches_ns);
         self.notes.measure(length, &searches_ns);
+        self.watchdog.note_step(self.clock.now(), length, self.period);
         if length.0 > self.period.0 / 2 {
             tracing::warn!(step.ms = length.0 / 1000, facts, "a step took more than half its period");
         }
@@ -258,8 +257,7 @@ impl DriveLoop {
         let view = self.fleet.view(now);
         self.feeds.refresh(&view);
         self.alarms.note(&view);
-        self.note_fences(now);
-        self.watchdog.look(&self.fleet, &view, &self.alarms);
+        self.watchdog.look(&self.fleet, &view, self.clock.system_ahead(), &self.alarms);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let time_s = (now - self.clock.started()).as_secs_f64();
         let forecasts = self.ahead.of(&self.fleet, now);
@@ -359,13 +357,13 @@ mod tests {
         let mut by_hand = [What::Halt(None), What::Release(None)].map(|what| ask(&queue, what));
         until(&mut drive, Some(0.0)).await;
         assert_eq!(job.try_recv(), Err(oneshot::error::TryRecvError::Closed), "it is answered");
-        assert!(drive.alarms.list().iter().any(|a| a.id == ALARM));
+        assert!(drive.alarms.of_kind(AlarmKind::Halt).is_some());
         let writer = tokio::spawn(writer.run());
         while drive.journal.is_full() {
             drive.journal.confirmed().await;
         }
         until(&mut drive, None).await;
-        assert!(!drive.alarms.list().iter().any(|a| a.id == ALARM));
+        assert!(drive.alarms.of_kind(AlarmKind::Halt).is_none());
         while !drive.journal.is_settled() {
             drive.journal.confirmed().await;
         }
@@ -411,7 +409,7 @@ mod tests {
         }
         assert!(drive.rescue.is_broken());
         until(&mut drive, Some(0.0)).await;
-        let said = drive.alarms.list().into_iter().find(|a| a.id == "broken").expect("it says so").text;
+        let said = drive.alarms.of_kind(AlarmKind::Broken).expect("it says so").text;
         assert!(said.contains("again and again"), "{said}");
         let mut refused = ask(&queue, What::Cancel(crate::id::JobId(1)));
         drive.turn(&mut published);

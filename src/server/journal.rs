@@ -7,8 +7,9 @@
 
 use super::clock::Clock;
 use super::watchdog::Auditor;
+use crate::alarm::AlarmKind;
+use crate::api::alarms::Alarms;
 use crate::api::metrics::Metrics;
-use crate::api::port::Alarms;
 use crate::fleet::{Fact, Ledger};
 use crate::store::{SNAPSHOT_AFTER, StepEntry, Store, StoreError};
 use crate::time::Time;
@@ -16,9 +17,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 use tokio::sync::{mpsc, watch};
-
-/// The alarm that stands while facts do not become durable.
-pub const ALARM: &str = "journal";
 
 /// So many facts may wait; then the fleet stands until the database is back.
 const MOST_PENDING: u64 = 20_000;
@@ -208,7 +206,7 @@ impl JournalSender {
             match self.attempt(batch).await {
                 Ok(()) => {
                     if self.failing.send_if_modified(std::mem::take) {
-                        self.alarms.clear(ALARM);
+                        self.alarms.clear(AlarmKind::Journal, self.clock.now());
                         tracing::info!("the journal is back: every fact is durable");
                     }
                     return Ok(());
@@ -243,9 +241,7 @@ impl JournalSender {
     }
 
     fn fail(&self, text: String) {
-        if self.alarms.raise(ALARM, text.clone(), self.clock.now()) {
-            tracing::error!("{text}");
-        }
+        self.alarms.raise(AlarmKind::Journal, text, self.clock.now());
         self.failing.send_replace(true);
     }
 }

@@ -6,6 +6,7 @@
 //! address or tokens.
 
 mod ahead;
+mod alarm_keeper;
 mod certificate;
 mod clock;
 mod config;
@@ -35,9 +36,11 @@ pub use config::{Config, Flags};
 pub use recorder::FrameRecorder;
 pub use show::Show;
 
+use crate::alarm::AlarmKind;
+use crate::api::alarms::Alarms;
 use crate::api::live::Live;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, Moment, QUESTIONS};
+use crate::api::port::{Moment, QUESTIONS};
 use crate::api::{Api, auth::Gate, router};
 use crate::sim::{OrderLine, Scenario};
 use crate::store::{Store, StoreError};
@@ -262,8 +265,7 @@ async fn work(
         journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
     let ((queue, requests), (ask, questions)) = (mpsc::channel(inbox::QUEUE), mpsc::channel(QUESTIONS));
     let (displaced, gone) = watch::channel(false);
-    let custody = custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced);
-    let custody = tokio::spawn(custody);
+    let custody = tokio::spawn(custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced));
     let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
     let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.base, &fleet);
     let keeper = tokio::spawn(keeper.run());
@@ -293,8 +295,10 @@ async fn work(
     };
     let (halt, halted) = watch::channel(false);
     let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
+    let alarm_keeper = tokio::spawn(alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone()));
     let (writer, thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
-    let tasks = Tasks { http, writer, thread, feed, custody, keeper, historian: charts.historian };
+    let historian = charts.historian;
+    let tasks = Tasks { http, writer, thread, feed, custody, keeper, historian, alarm_keeper };
     let api = Api {
         map,
         kinds,
@@ -327,6 +331,7 @@ struct Tasks {
     custody: JoinHandle<()>,
     keeper: JoinHandle<()>,
     historian: JoinHandle<()>,
+    alarm_keeper: JoinHandle<()>,
 }
 
 impl Tasks {
@@ -338,7 +343,8 @@ impl Tasks {
         (closing, halt): (&watch::Sender<bool>, &watch::Sender<bool>),
         displaced: &watch::Receiver<bool>,
     ) -> anyhow::Result<()> {
-        let Tasks { mut http, mut writer, mut thread, mut feed, custody, keeper, historian } = self;
+        let Tasks { mut http, mut writer, mut thread, mut feed, custody, keeper, historian, alarm_keeper } =
+            self;
         let ended: anyhow::Result<()> = tokio::select! {
             _ = stopping.wait_for(|stop| *stop) => Ok(()),
             _ = &mut thread => Err(anyhow!("the control loop failed, as logged above; nothing is lost")),
@@ -353,6 +359,7 @@ impl Tasks {
             Ok(()) => flush(thread, writer, historian, displaced).await,
             Err(_) => Ok(()),
         };
+        let _ = alarm_keeper.await;
         // The files are given back whatever happened: nothing that still knows the store can use it from here on.
         for task in [feed.abort_handle(), custody.abort_handle(), keeper.abort_handle(), abort] {
             task.abort();
@@ -431,10 +438,13 @@ async fn feed(
         let moment = picture.borrow_and_update().clone();
         let age = clock.now() - moment.view.now;
         if age <= STUCK {
-            alarms.clear("loop");
-        } else if alarms.raise("loop", "the control loop is stuck: robots get no orders.".into(), clock.now())
-        {
-            tracing::error!(age.s = age.as_secs_f64(), "the control loop is stuck");
+            alarms.clear(AlarmKind::LoopStuck, clock.now());
+        } else {
+            alarms.raise(
+                AlarmKind::LoopStuck,
+                "the control loop is stuck: robots get no orders.",
+                clock.now(),
+            );
         }
         live.publish(&moment, &alarms.list(), started_s);
         if let Ok(Err(_)) = timeout(Duration::from_secs(1), picture.changed()).await {

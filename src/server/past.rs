@@ -2,6 +2,7 @@
 //!
 //! Main type: [`PastLists`]. Refuses: a database.
 
+use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::port::{Later, Records};
 use crate::fleet::{
     Assignment, AssignmentQuery, AssignmentRow, AssignmentState, EncounterQuery, EncounterRow, Fact,
@@ -109,6 +110,11 @@ impl Records for PastLists {
         let newest_first = lists.assignments.range(..before).rev().map(|(_, r)| r);
         let found: Vec<_> = newest_first.filter(wanted).take(f.limit as usize).cloned().collect();
         Box::pin(async move { Ok(found) })
+    }
+
+    /// Alarms of then are in the feed; a recording has no list of them.
+    fn alarms(&self, _: AlarmQuery) -> Later<'_, Result<Vec<Alarm>, String>> {
+        Box::pin(async move { Ok(Vec::new()) })
     }
 
     fn encounters(&self, f: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>> {

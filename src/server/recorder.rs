@@ -5,8 +5,9 @@
 use super::ahead::LastForecasts;
 use super::measure::Measure;
 use super::queue::LastBacklog;
+use crate::api::alarms::Alarms;
 use crate::api::live::Frame;
-use crate::api::port::{Alarms, Moment};
+use crate::api::port::Moment;
 use crate::api::recording::EVERY;
 use crate::fleet::Fleet;
 use crate::time::Time;

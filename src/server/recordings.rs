@@ -6,8 +6,9 @@
 
 use super::clock::Clock;
 use super::queue::LastBacklog;
+use crate::alarm::AlarmKind;
+use crate::api::alarms::Alarms;
 use crate::api::live::Live;
-use crate::api::port::Alarms;
 use crate::api::recording::{EVERY, Folder, Limits, Rotation, is_notable};
 use crate::fleet::{Backlog, Fact, Fleet};
 use crate::time::{Span, Time};
@@ -20,9 +21,6 @@ use std::time::Duration;
 
 /// So many facts may wait for their bookmarks.
 const WAITING: usize = 1024;
-
-/// The alarm that frames are lost.
-const ALARM: &str = "past";
 
 /// How long it rests after the disk refused something.
 const REST: Span = Span::from_secs(10);
@@ -84,8 +82,7 @@ impl KeptPast {
         };
         begin().unwrap_or_else(|e| {
             let text = format!("the past is not kept: {}: {e}. The fleet goes on.", path.display());
-            tracing::error!("{text}");
-            alarms.raise(ALARM, text, clock.now());
+            alarms.raise(AlarmKind::PastNotKept, text, clock.now());
             KeptPast::default()
         })
     }
@@ -127,15 +124,13 @@ impl Keeper {
         let Some(frame) = self.live.frame() else { return };
         match self.rotation.take(&frame) {
             Ok(()) if self.rest.take().is_some() => {
-                self.alarms.clear(ALARM);
+                self.alarms.clear(AlarmKind::PastNotKept, now);
                 tracing::info!("the past is kept again");
             }
             Ok(()) => {}
             Err(e) => {
                 let text = format!("the past is not kept: {e}. The fleet goes on; make room on the disk.");
-                if self.alarms.raise(ALARM, text.clone(), now) {
-                    tracing::error!("{text}");
-                }
+                self.alarms.raise(AlarmKind::PastNotKept, text, now);
                 self.rest = Some(now + REST);
             }
         }
@@ -161,7 +156,7 @@ mod tests {
         let folder = Arc::new(Folder::open(path.clone(), map, "lab".into(), None).unwrap());
         let rotation = Rotation::new(folder, Limits { age_s: 60.0, bytes: 1 << 20 });
         let mut keeper = Keeper { rotation, live, clock: clock.clone(), alarms: alarms.clone(), rest: None };
-        let standing = || alarms.list().into_iter().find(|a| a.id == ALARM).map(|a| a.text);
+        let standing = || alarms.of_kind(AlarmKind::PastNotKept).map(|a| a.text);
         // A file where the folder was refuses every file in it.
         fs::remove_dir_all(&path).unwrap();
         fs::write(&path, "in the way").unwrap();

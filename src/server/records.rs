@@ -2,6 +2,7 @@
 //!
 //! Main type: [`Shelf`]. Refuses: to write.
 
+use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::port::{Later, Records};
 use crate::fleet::{AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, JobQuery, JobRow};
 use crate::id::{AssignmentId, JobId};
@@ -26,6 +27,10 @@ impl Records for Shelf {
 
     fn assignments(&self, query: AssignmentQuery) -> Later<'_, Result<Vec<AssignmentRow>, String>> {
         Box::pin(async move { self.0.assignments(&query).await.map_err(told) })
+    }
+
+    fn alarms(&self, query: AlarmQuery) -> Later<'_, Result<Vec<Alarm>, String>> {
+        Box::pin(async move { self.0.alarms(&query).await.map_err(told) })
     }
 
     fn encounters(&self, query: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>> {

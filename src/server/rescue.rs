@@ -7,6 +7,7 @@
 
 use super::drive::DriveLoop;
 use super::start::panic_text;
+use crate::alarm::AlarmKind;
 use crate::fleet::{Fleet, Input, Ledger, Step};
 use crate::id::RobotId;
 use crate::sim::FIRST_TOKEN;
@@ -14,12 +15,6 @@ use crate::time::{Span, Time};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use tokio::sync::watch;
-
-/// The alarm while a robot is fenced off.
-const FENCED: &str = "fenced";
-
-/// The alarm while all robots have to stand, since the fleet cannot be trusted.
-const BROKEN: &str = "broken";
 
 /// So many panics within [`WHILE`] are survived.
 const MOST: usize = 3;
@@ -162,8 +157,7 @@ impl DriveLoop {
             "the fleet contradicts itself ({said}), and {why}: all robots were told to stop, nothing is accepted. \
              Keep a copy of the database, restart Giveway, and restore a backup if that does not help."
         );
-        tracing::error!("{text}");
-        self.alarms.raise(BROKEN, text, self.clock.now());
+        self.alarms.raise(AlarmKind::Broken, text, self.clock.now());
         // Nothing may look at what a panic left half-way.
         self.fleet = Fleet::new(self.fleet.warehouse().clone(), self.fleet.settings().clone());
         self.rescue.broken = true;
@@ -176,22 +170,5 @@ impl DriveLoop {
         let seen = catch_unwind(AssertUnwindSafe(|| self.world.advance(now, &self.fleet)));
         self.inbox.look(&mut Vec::new());
         self.stand(drivers(&seen.unwrap_or_default()).collect());
-    }
-
-    /// Raises or ends the alarm about robots that are fenced off.
-    pub(super) fn note_fences(&self, now: Time) {
-        let robots = self.fleet.ledger().robots.iter().filter(|r| r.fenced.is_some());
-        let names: Vec<&str> = robots.map(|r| r.name.as_str()).collect();
-        match names.first() {
-            None => _ = self.alarms.clear(FENCED),
-            Some(first) => {
-                let text = format!(
-                    "what is known about {} contradicts itself: fenced off; others go round. Check where the robot \
-                     and its rack are, then POST /v1/robots/{first}/resume.",
-                    names.join(", ")
-                );
-                self.alarms.raise(FENCED, text, now);
-            }
-        }
     }
 }

@@ -8,15 +8,17 @@ use super::{
     ahead::LastForecasts, clock::Clock, kinds, listen, measure::Measure, past::PastLists,
     recorder::FrameRecorder,
 };
+use crate::alarm::{AlarmKind, FloorWatch, LoopHealth};
+use crate::api::alarms::Alarms;
 use crate::api::auth::Gate;
 use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Alarms, Moment, QUESTIONS, Question, SharedHistory};
+use crate::api::port::{Moment, QUESTIONS, Question, SharedHistory};
 use crate::api::recording::{Folder, Limits, Rotation};
 use crate::api::{Api, router};
-use crate::fleet::Fleet;
+use crate::fleet::{Fleet, View};
 use crate::history::{History, LoopTimes};
 use crate::sim::replay::{Player, Turn};
 use crate::time::{Span, Time};
@@ -31,6 +33,9 @@ use tokio::task::JoinHandle;
 
 /// How often the view is published, in recorded time at normal speed.
 const PUBLISH: Span = Span::from_millis(95);
+
+/// How often the floor is looked at for alarms.
+const LOOKS: Span = Span::from_secs(1);
 
 /// A recording that is being shown.
 pub struct Show {
@@ -107,7 +112,21 @@ impl Show {
         };
         let http = tokio::spawn(listen((listener, None), router(api).0, closes));
         let (measure, ahead) = (Measure::default(), LastForecasts::default());
-        let screen = Screen { live, feeds, alarms, moments, past, figures, ahead, measure, speed, questions };
+        let (watch, looked) = (FloorWatch::default(), None);
+        let screen = Screen {
+            live,
+            feeds,
+            alarms,
+            moments,
+            past,
+            figures,
+            watch,
+            looked,
+            ahead,
+            measure,
+            speed,
+            questions,
+        };
         let play = Some(tokio::spawn(screen.play(player)));
         Ok(Show { address, http, play, _closing: closing, _reels: recordings })
     }
@@ -153,6 +172,9 @@ struct Screen {
     moments: watch::Sender<Arc<Moment>>,
     past: Arc<PastLists>,
     figures: Arc<SharedHistory>,
+    watch: FloorWatch,
+    /// When the floor was looked at last.
+    looked: Option<Time>,
     ahead: LastForecasts,
     measure: Measure,
     speed: f64,
@@ -193,7 +215,7 @@ impl Screen {
         self.figures.note(&view, &LoopTimes::default());
         self.feeds.know(&player.fleet.ledger().workers);
         self.feeds.refresh(&view);
-        self.alarms.note(&view);
+        self.note_alarms(&player.fleet, &view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let forecasts = self.ahead.of(&player.fleet, now);
         let (time_s, backlog) = (now.as_secs_f64(), Arc::default());
@@ -202,10 +224,19 @@ impl Screen {
         self.moments.send_replace(moment);
     }
 
+    /// Alarms of then, but for those about the server of then, which is not in the recording.
+    fn note_alarms(&mut self, fleet: &Fleet, view: &View) {
+        self.alarms.note(view);
+        if self.looked.is_none_or(|at| view.now - at >= LOOKS) {
+            self.looked = Some(view.now);
+            self.alarms.observe(self.watch.look(fleet, view, &LoopHealth::default()), view.now);
+        }
+    }
+
     /// The last frame stays; the feed goes on, so that no page takes the connection for lost.
     async fn stay(&mut self, fleet: &Fleet, same: bool, now: Time) -> anyhow::Result<()> {
         let told = if same { "" } else { " This build decides differently from the one that recorded it." };
-        self.alarms.raise("end", format!("The recording has ended.{told}"), Time::ZERO);
+        self.alarms.raise(AlarmKind::RecordingEnded, format!("The recording has ended.{told}"), now);
         loop {
             let moment = self.moments.borrow().clone();
             self.live.publish(&moment, &self.alarms.list(), 0.0);

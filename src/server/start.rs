@@ -6,10 +6,11 @@
 use super::clock::{self, Clock};
 use super::recordings::KeptPast;
 use super::{Config, SimulatedFloor, StartSummary, historian, journal};
+use crate::api::alarms::Alarms;
 use crate::api::feed::hub::{Feeds, HeardSighting};
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
-use crate::api::port::{Alarms, SharedHistory};
+use crate::api::port::SharedHistory;
 use crate::fleet::{Fleet, Ledger, Settings};
 use crate::history::History;
 use crate::sim::{Scenario, World};
@@ -127,6 +128,8 @@ pub async fn build(
     let (interop, feeds) = (config.massrobotics.clone(), Arc::new(feeds));
     let live = Arc::new(Live::new(map, clock.started().0.unsigned_abs()));
     let alarms = Arc::new(Alarms::default());
+    let (last, active) = store.active_alarms().await?;
+    alarms.restore(last, active, clock.now());
     let past = KeptPast::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);
     let (notes, historian) = historian::historian(figures.clone(), store.clone());
     let charts = Charts { figures, notes, historian: tokio::spawn(historian.run()) };

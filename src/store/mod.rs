@@ -1,5 +1,5 @@
-//! The journal of steps, snapshots of what they led to, the lists of jobs, assignments and encounters, and figures
-//! over time, in SQLite.
+//! The journal of steps, snapshots of what they led to, the lists of jobs, assignments, encounters and alarms, and
+//! figures over time, in SQLite.
 //!
 //! Main types: [`Store`] (open, load, append, snapshot, rows of lists), [`StepEntry`], [`Loaded`], [`StoreError`];
 //! [`record`] is the wire form of facts, [`ledger_record`]
@@ -11,6 +11,7 @@
 //! file that was taken away.
 
 mod act_record;
+mod alarms;
 mod body_record;
 mod carry;
 mod check;
@@ -34,6 +35,7 @@ mod seal;
 mod snapshot;
 mod steps;
 
+pub use alarms::MOST_PAST;
 pub use carry::{CarriedOver, CarryOver};
 pub use check::Belongs;
 pub use error::StoreError;
@@ -242,6 +244,7 @@ fn migrator() -> Migrator {
     let fifth = include_str!("../../migrations/sqlite/0005_maps.sql").into_sql_str();
     let sixth = include_str!("../../migrations/sqlite/0006_kinds.sql").into_sql_str();
     let seventh = include_str!("../../migrations/sqlite/0007_nearest.sql").into_sql_str();
+    let eighth = include_str!("../../migrations/sqlite/0008_alarms.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
@@ -250,6 +253,7 @@ fn migrator() -> Migrator {
         Migration::new(5, "maps".into(), MigrationType::Simple, fifth, false),
         Migration::new(6, "kinds".into(), MigrationType::Simple, sixth, false),
         Migration::new(7, "nearest".into(), MigrationType::Simple, seventh, false),
+        Migration::new(8, "alarms".into(), MigrationType::Simple, eighth, false),
     ])
 }
 

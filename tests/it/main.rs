@@ -4,6 +4,7 @@
 
 #![cfg(feature = "edge")]
 
+mod alarms;
 mod api;
 mod carry;
 mod command;

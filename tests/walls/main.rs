@@ -14,8 +14,19 @@ use std::path::Path;
 use tokens::{Token, functions, paths, tokens, without_tests};
 
 /// The core in its order: each may name those before it. `human` and `route` meet only in `aware`.
-const CORE: [&str; 10] =
-    ["time", "id", "geometry", "warehouse", "timeline", "route", "human", "aware", "fleet", "history"];
+const CORE: [&str; 11] = [
+    "time",
+    "id",
+    "geometry",
+    "warehouse",
+    "timeline",
+    "route",
+    "human",
+    "aware",
+    "fleet",
+    "history",
+    "alarm",
+];
 /// Pure too, and driving the core.
 const AROUND: [&str; 2] = ["sim", "experiment"];
 /// The outside world: behind the cargo feature `edge`.

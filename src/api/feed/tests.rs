@@ -1,7 +1,9 @@
 //! A connection over a real socket, with the fleet played by the test.
 
 use super::hub::{Feeds, HeardSighting};
-use crate::api::port::{Alarms, Later, Moment, Records, SharedHistory};
+use crate::alarm::{Alarm, AlarmQuery};
+use crate::api::alarms::Alarms;
+use crate::api::port::{Later, Moment, Records, SharedHistory};
 use crate::api::{Api, Kinds, auth::Gate, live::Live, massrobotics::Interop, metrics::Metrics, router};
 use crate::fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, Guidance, GuidanceReason, GuidanceState,
@@ -26,6 +28,10 @@ const ANNA: WorkerId = WorkerId(0);
 struct Nothing;
 
 impl Records for Nothing {
+    fn alarms(&self, _: AlarmQuery) -> Later<'_, Result<Vec<Alarm>, String>> {
+        Box::pin(async { Ok(Vec::new()) })
+    }
+
     fn job(&self, _: JobId) -> Later<'_, Result<Option<JobRow>, String>> {
         Box::pin(async { Ok(None) })
     }

@@ -1,16 +1,22 @@
 //! `/v1/health` and `/metrics`: whether the server does its work.
 //!
-//! Main types: [`Health`], [`Alive`]. Refuses: to say ok while an alarm stands.
+//! Main types: [`Health`], [`Alive`], [`Ready`]. Refuses: to say ok while a critical alarm is active, and to fail for
+//! what an operator asked for.
 
+use crate::alarm::{Alarm, AlarmKind, AlarmScope, AlarmSeverity};
 use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
 use crate::fleet::RobotState;
+use crate::time::Span;
 use axum::Json;
 use axum::extract::State;
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
+
+/// A loop that is stuck for longer does not come back by itself.
+const STUCK: Span = Span::from_secs(30);
 
 /// The server's health.
 #[derive(Serialize, ToSchema)]
@@ -28,18 +34,15 @@ pub struct Health {
     time_s: f64,
 }
 
-/// Whether the server works as it should: 200, or 503 with every active alarm. Needs no token.
+/// Whether the server and the floor are well: 200, or 503 with every critical alarm that no operator asked for. Needs
+/// no token.
 #[utoipa::path(get, path = "/v1/health", tag = "server", responses(
-    (status = 200, description = "All is well", body = Health),
-    (status = 503, description = "An alarm is active, or the server is starting", body = Problem,
+    (status = 200, description = "No critical alarm is active, but for what an operator asked for", body = Health),
+    (status = 503, description = "A critical alarm is active, or the server is starting", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn health(State(api): State<Api>) -> Result<Json<Health>, Problem> {
-    let alarms = api.alarms.list();
-    if !alarms.is_empty() {
-        let errors: Vec<_> = alarms.into_iter().map(|a| FieldError::new(a.id, a.text)).collect();
-        let text: Vec<_> = errors.iter().map(|e| e.detail.as_str()).collect();
-        return Err(Problem { errors: errors.clone(), ..Problem::unavailable(text.join("; "), 2) });
-    }
+    let is_bad = |a: &Alarm| a.severity == AlarmSeverity::Critical && a.kind.scope() != AlarmScope::Operator;
+    fails_for(&api, is_bad)?;
     let moment = api.moment();
     Ok(Json(Health {
         status: "ok",
@@ -60,12 +63,54 @@ pub struct Alive {
     version: &'static str,
 }
 
-/// Whether the process is alive: 200 from the moment it listens, even while it starts and while an alarm is active. A
-/// watchdog may restart a process that does not answer this; 503 from `/v1/health` is no reason to. Needs no token.
-#[utoipa::path(get, path = "/v1/health/live", tag = "server", responses(
-    (status = 200, description = "The process is alive", body = Alive)))]
+/// The same while the server starts, when there is nothing that could be stuck.
 pub async fn alive() -> Json<Alive> {
     Json(Alive { status: "alive", version: env!("CARGO_PKG_VERSION") })
+}
+
+/// Whether the process does its work: 200 from the moment it listens, even while it starts and whatever alarms are
+/// active; 503 only if the control loop has been stuck for 30 s, which a restart ends. What a watchdog that restarts
+/// processes should ask. Needs no token.
+#[utoipa::path(get, path = "/v1/health/live", tag = "server", operation_id = "getLiveness", responses(
+    (status = 200, description = "The process works", body = Alive),
+    (status = 503, description = "The control loop is stuck: restart the process", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn live(State(api): State<Api>) -> Result<Json<Alive>, Problem> {
+    let now = (api.now)();
+    fails_for(&api, |a| a.kind == AlarmKind::LoopStuck && now - a.since > STUCK)?;
+    Ok(alive().await)
+}
+
+/// The server takes requests.
+#[derive(Serialize, ToSchema)]
+pub struct Ready {
+    /// Always "ready".
+    #[schema(example = "ready")]
+    status: &'static str,
+}
+
+/// Whether the server can promise anything: 200, or 503 while it starts, while the journal takes no facts, while the
+/// database is not in its place, and while the control loop is stuck or the fleet cannot be trusted. What an operator
+/// wanted (a stop, a pause, an evacuation) and what is wrong with robots or people never makes it fail. What a load
+/// balancer should ask. Needs no token.
+#[utoipa::path(get, path = "/v1/health/ready", tag = "server", operation_id = "getReadiness", responses(
+    (status = 200, description = "The server takes requests", body = Ready),
+    (status = 503, description = "Nothing can be promised now; the text says why", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn ready(State(api): State<Api>) -> Result<Json<Ready>, Problem> {
+    fails_for(&api, |a| a.kind.ends_readiness())?;
+    Ok(Json(Ready { status: "ready" }))
+}
+
+/// A problem that lists the active alarms that are so, if any is.
+fn fails_for(api: &Api, is_so: impl Fn(&Alarm) -> bool) -> Result<(), Problem> {
+    let alarms = api.alarms.list().into_iter().filter(is_so);
+    let errors: Vec<_> = alarms.map(|a| FieldError::new(a.kind.word(), a.text)).collect();
+    if errors.is_empty() {
+        return Ok(());
+    }
+    let text: Vec<_> = errors.iter().map(|e| e.detail.as_str()).collect();
+    Err(Problem { errors: errors.clone(), ..Problem::unavailable(text.join("; "), 2) })
 }
 
 /// Metrics for Prometheus, as OpenMetrics text.
@@ -74,5 +119,6 @@ pub async fn alive() -> Json<Alive> {
      content_type = "application/openmetrics-text; version=1.0.0; charset=utf-8")))]
 pub async fn metrics(State(api): State<Api>) -> Response {
     let media = "application/openmetrics-text; version=1.0.0; charset=utf-8";
+    api.metrics.note_alarms(&api.alarms.list());
     ([(header::CONTENT_TYPE, media)], api.metrics.text(&api.moment())).into_response()
 }

@@ -3,6 +3,7 @@
 //! Main function: [`router`]. Every route under `/v1` is registered together with its description, so that
 //! `/openapi.json` cannot forget one. Refuses: answers that are no problem+json where something went wrong.
 
+mod alarms;
 mod assignments;
 mod closures;
 mod encounters;
@@ -61,7 +62,10 @@ struct Description;
 pub fn router(api: Api) -> (Router, Document) {
     let (v1, mut document) = OpenApiRouter::with_openapi(Description::openapi())
         .routes(routes!(health::health))
-        .routes(routes!(health::alive))
+        .routes(routes!(health::live))
+        .routes(routes!(health::ready))
+        .routes(routes!(alarms::list))
+        .routes(routes!(alarms::acknowledge))
         .routes(routes!(map::map))
         .routes(routes!(lists::racks))
         .routes(routes!(lists::stations))
@@ -127,7 +131,7 @@ pub fn router(api: Api) -> (Router, Document) {
 
 /// Lets authorised requests in; health needs no token.
 async fn authorise(State(api): State<Api>, request: Request, next: Next) -> Response {
-    let open = matches!(request.uri().path(), "/v1/health" | "/v1/health/live");
+    let open = matches!(request.uri().path(), "/v1/health" | "/v1/health/live" | "/v1/health/ready");
     match api.gate.check(request.headers()) {
         Err(problem) if !open || problem.status != StatusCode::UNAUTHORIZED.as_u16() => {
             problem.into_response()

@@ -3,9 +3,11 @@
 //! Main type: [`Frame`]. Refuses: to know versions or readers.
 
 use super::forecast::{ForecastDto, forecasts};
+use crate::alarm::Alarm;
+use crate::api::alarms;
 use crate::api::dto::{JobCountsDto, Names, RackDto, RobotDto, StationDto};
 use crate::api::people::WorkerDto;
-use crate::api::port::{Alarm, Moment};
+use crate::api::port::Moment;
 use crate::api::text::round3;
 use crate::fleet::{Backlog, Presence};
 use crate::history::waits;
@@ -62,7 +64,7 @@ impl Beside {
 
 impl Frame {
     /// The frame of a moment; alarms count from `started_s`.
-    pub fn of(map: &Warehouse, moment: &Moment, alarms: &[Alarm], started_s: f64) -> Frame {
+    pub fn of(map: &Warehouse, moment: &Moment, active: &[Alarm], started_s: f64) -> Frame {
         let names = Names { map, view: &moment.view };
         let counts = moment.view.counts;
         let m = moment.measured;
@@ -80,13 +82,7 @@ impl Frame {
                 "deviations": counts.deviations, "interruptions": counts.interruptions, "replans": counts.replans,
                 "plan_us_p50": m.plan_us_p50, "plan_us_p99": m.plan_us_p99, "step_us_p99": m.step_us_p99,
             }),
-            alarms: alarms
-                .iter()
-                .map(|a| {
-                    let since_s = round3(a.since.as_secs_f64() - started_s);
-                    json!({"id": a.id, "text": a.text, "since_s": since_s})
-                })
-                .collect(),
+            alarms: active.iter().map(|a| alarms::row(a, started_s)).collect(),
             time_s: round3(moment.time_s),
             beside: Beside::of(moment),
         }

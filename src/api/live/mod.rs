@@ -12,7 +12,8 @@ pub(super) mod thin;
 
 pub use frame::Frame;
 
-use super::port::{Alarm, Moment};
+use super::port::Moment;
+use crate::alarm::Alarm;
 use crate::warehouse::Warehouse;
 use axum::extract::ws::Utf8Bytes;
 use std::collections::VecDeque;

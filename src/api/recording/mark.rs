@@ -202,10 +202,11 @@ pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
         let before = rows(old);
         let is_new = |id: &serde_json::Value| !before.iter().any(|alarm| alarm["id"] == *id);
         for alarm in rows(new).into_iter().filter(|alarm| is_new(&alarm["id"])) {
-            let by_fact = alarm["id"].as_str().is_some_and(|id| BY_FACT.contains(&id));
+            let by_fact = alarm["kind"].as_str().is_some_and(|id| BY_FACT.contains(&id));
             if let (false, Some(text)) = (by_fact, alarm["text"].as_str()) {
-                let (words, who) = (text.to_owned(), Vec::new());
-                let (place, encounter) = (None, None);
+                let (words, encounter) = (text.to_owned(), None);
+                let who = alarm["subject"].as_str().map(str::to_owned).into_iter().collect();
+                let place = alarm["x"].as_f64().zip(alarm["y"].as_f64()).map(|(x, y)| [x, y]);
                 found.push(Mark { at_s: new.time_s, kind: MarkKind::Alarm, words, who, place, encounter });
             }
         }

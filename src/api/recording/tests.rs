@@ -1,7 +1,9 @@
 //! Recordings as readers see them: what a folder has of which time, and what is left of a file that was cut off.
 
 use super::*;
-use crate::api::port::{Alarms, Moment};
+use crate::alarm::AlarmKind;
+use crate::api::alarms::Alarms;
+use crate::api::port::Moment;
 use crate::fleet::{Fleet, Settings, View};
 use crate::id::WorkerId;
 use crate::warehouse::lab;
@@ -146,12 +148,12 @@ fn an_alarm_is_a_bookmark_once_and_a_stop_by_hand_is_not_two() {
     let mut take_frame =
         |at_s, alarms: &Alarms| recording.add(&frame(at_s, alarms)).expect("a new frame").marks;
     assert!(take_frame(0.0, &alarms).is_empty());
-    alarms.raise("journal", "the journal is slow".into(), Time::ZERO);
-    alarms.raise("stopped", "by hand".into(), Time::ZERO);
+    alarms.raise(AlarmKind::Journal, "the journal is slow", Time::ZERO);
+    alarms.raise(AlarmKind::Stopped, "by hand", Time::ZERO);
     let marks = take_frame(1.0, &alarms);
     assert_eq!(marks.len(), 1);
     assert_eq!((marks[0].kind, marks[0].words.as_str()), (MarkKind::Alarm, "the journal is slow"));
-    alarms.raise("journal", "the journal is slower".into(), Time::ZERO);
+    alarms.raise(AlarmKind::Journal, "the journal is slower", Time::ZERO);
     assert!(take_frame(2.0, &alarms).is_empty());
     assert!(recording.add(&frame(2.0, &alarms)).is_none(), "the same frame is none");
 }

@@ -9,7 +9,7 @@ use crate::fleet::state::io::Telemetry;
 use crate::human::Sighting;
 use crate::human::motion::MotionEstimate;
 use crate::id::{RobotId, WorkerId};
-use crate::time::Time;
+use crate::time::{Span, Time};
 
 impl Fleet {
     /// Whether a robot stands where, and carries what, the ledger has for it.
@@ -25,6 +25,17 @@ impl Fleet {
     /// Whether a robot stands at its station and the pick has not ended.
     pub fn is_picked_from(&self, robot: RobotId) -> bool {
         self.floor().is_picked_from(robot)
+    }
+
+    /// Robots that could drive, need a route, and for which none has been searched yet; the longest waiting first, each
+    /// with for how long.
+    pub fn plan_queue(&self, now: Time) -> Vec<(RobotId, Span)> {
+        let needs = &self.traffic.needs;
+        let unsearched = needs.waiting.iter().filter(|(_, need)| need.tries == 0).map(|(r, _)| *r);
+        let ready = unsearched.filter(|r| self.why(*r).is_none() && self.floor().rests(*r));
+        let mut queue: Vec<_> = ready.map(|r| (r, needs.waited(r, now))).collect();
+        queue.sort_by_key(|(r, waited)| (std::cmp::Reverse(*waited), *r));
+        queue
     }
 
     /// Where workers who are seen may be in the coming seconds, for readers. Policies that do not decide by such

@@ -4,13 +4,12 @@
 //! Main type: [`Auditor`]. Refuses: to mend what contradicts itself.
 
 use super::super::start::panic_text;
-use crate::api::port::Alarms;
+use crate::alarm::AlarmKind;
+use crate::api::alarms::Alarms;
 use crate::fleet::Ledger;
 use crate::time::Time;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// The alarm when what was promised contradicts itself.
-const UNSOUND: &str = "ledger";
 /// So many facts are taken in between two looks at everything that was promised.
 const AUDIT_AFTER: usize = 20_000;
 
@@ -29,15 +28,13 @@ impl Auditor {
         }
         self.facts = 0;
         match catch_unwind(AssertUnwindSafe(|| ledger.assert_sound())) {
-            Ok(()) => _ = alarms.clear(UNSOUND),
+            Ok(()) => _ = alarms.clear(AlarmKind::LedgerUnsound, now),
             Err(panic) => {
                 let said = panic_text(&*panic);
                 let text = format!(
                     "the ledger contradicts itself: {said}. Keep a copy of the database and restart Giveway."
                 );
-                if alarms.raise(UNSOUND, text.clone(), now) {
-                    tracing::error!("{text}");
-                }
+                alarms.raise(AlarmKind::LedgerUnsound, text, now);
             }
         }
     }
@@ -45,14 +42,27 @@ impl Auditor {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::fleet;
     use super::*;
-    use crate::fleet::Task;
-    use crate::id::RobotId;
+    use crate::fleet::{Fact, Fleet, JobKind, JobRequest, JobState, Purpose, Settings, Task};
+    use crate::id::{JobId, NodeId, RobotId};
+    use crate::warehouse::lab;
+    use std::sync::Arc;
 
     #[test]
     fn promises_that_contradict_each_other_are_an_alarm() {
-        let (fleet, alarms, mut auditor) = (fleet(), Alarms::default(), Auditor::default());
+        let map = Arc::new(lab());
+        let node = map.node_named("R118").expect("a charger of the laboratory");
+        let (name, kind) = ("robot-1".into(), "robot".into());
+        let joins = Fact::Registered { robot: RobotId(0), name, kind, node, at: Time(1) };
+        let park = JobKind::Park { robot: RobotId(0) };
+        let request = JobRequest { kind: park, priority: 0, deadline: None, after: vec![], key: None };
+        let (goal, stay, job) = (NodeId(0), NodeId(0), JobId(1));
+        let task = Task::Move { job: Some(job), goal, stay, purpose: Purpose::Park };
+        let state = JobState::Assigned { robot: RobotId(0) };
+        let begins = Fact::Progressed { job, state, tasked: Some((RobotId(0), task)), at: Time(1) };
+        let facts = [joins, Fact::Accepted { job, request, at: Time(1) }, begins];
+        let fleet = Fleet::restore(map, Settings::default(), facts);
+        let (alarms, mut auditor) = (Alarms::default(), Auditor::default());
         auditor.note(AUDIT_AFTER, fleet.ledger(), Time(1), &alarms);
         assert!(alarms.list().is_empty());
         let mut parts = fleet.ledger().to_parts();
@@ -62,6 +72,6 @@ mod tests {
         auditor.note(1, &broken, Time(1), &alarms);
         assert!(alarms.list().is_empty(), "not every time");
         auditor.note(AUDIT_AFTER, &broken, Time(1), &alarms);
-        assert_eq!(alarms.list()[0].id, UNSOUND);
+        assert_eq!(alarms.list()[0].kind, AlarmKind::LedgerUnsound);
     }
 }

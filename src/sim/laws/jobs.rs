@@ -4,8 +4,9 @@
 //! that the floor does not show.
 
 use super::super::world::World;
-use super::deliveries::Deliveries;
+
 use super::violation::{DELIVERS, OVERDUE, Violation};
+use crate::alarm::Deliveries;
 use crate::fleet::{Fact, Fleet, Job, JobKind, JobState, JobWhy, RackAt, Task};
 use crate::id::{BodyId, JobId, RobotId};
 use crate::time::Time;

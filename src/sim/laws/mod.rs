@@ -3,7 +3,6 @@
 //! Main types: [`Laws`], [`Violation`]. They look at where robots truly are, not at what the fleet believes.
 //! Refuses: to mend anything; one violation fails the run.
 
-mod deliveries;
 mod evacuation;
 mod jobs;
 mod places;
@@ -11,7 +10,6 @@ mod progress;
 mod violation;
 mod waits;
 
-pub use deliveries::Deliveries;
 pub(super) use jobs::undrained;
 use places::PlaceLaws;
 use progress::ProgressLaws;

@@ -3,7 +3,7 @@
 import type { Socket, SocketEvents } from './link';
 import type { Past, Sum } from './past';
 import type {
-  Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobPage, JobState, NewClosure, NewJob,
+  AlarmPage, AlarmRecord, Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobPage, JobState, NewClosure, NewJob,
   Problem, RobotKind, Timelines, Why, WorkerDetail,
 } from './types';
 
@@ -62,6 +62,8 @@ export class Api {
     const query = new URLSearchParams({ from: `${from}`, to: `${to}`, map: `${map === 'with map'}` });
     return this.#ask<Blob>('GET', `/v1/past/reel?${query}`, { Accept: 'application/gzip' });
   }
+  alarms = (query: Record<string, string>) => this.#ask<AlarmPage>('GET', `/v1/alarms?${new URLSearchParams(query)}`);
+  acknowledge = (id: string, by: string) => this.#ask<AlarmRecord>('POST', `/v1/alarms/${encodeURIComponent(id)}/acknowledge`, {}, { by });
   worker = (id: string) => this.#ask<WorkerDetail>('GET', `/v1/workers/${encodeURIComponent(id)}`);
   history = (query: Record<string, string>) => this.#ask<HistoryPage>('GET', `/v1/history?${new URLSearchParams(query)}`);
   heat = (kind: HeatKind, query: Record<string, string>) => this.#ask<HeatPage>('GET', `/v1/heat?${new URLSearchParams({ kind, ...query })}`);

@@ -170,10 +170,45 @@ export interface Counters {
   plan_us_p99: number;
   step_us_p99: number;
 }
+export const SEVERITIES = ['critical', 'warning', 'notice'] as const;
+export type Severity = (typeof SEVERITIES)[number];
+export type SubjectKind = 'robot' | 'worker' | 'job' | 'station' | 'closure' | 'floor' | 'server';
+/** An active alarm in the feed. What recordings of earlier versions lack is optional: there the id was the kind. */
 export interface Alarm {
   id: string;
   text: string;
   since_s: number;
+  kind?: string;
+  severity?: Severity;
+  subject_kind?: SubjectKind;
+  /** Null for the floor and the server. */
+  subject?: string | null;
+  remedy?: string;
+  x?: number | null;
+  y?: number | null;
+  /** How many robots wait because of it. */
+  waiting?: number;
+  acknowledged_by?: string | null;
+}
+/** An alarm in the list, active or past. */
+export interface AlarmRecord {
+  id: string;
+  kind: string;
+  severity: Severity;
+  state: 'active' | 'cleared';
+  subject: { kind: SubjectKind; id: string };
+  text: string;
+  remedy: string;
+  x: number | null;
+  y: number | null;
+  waiting: number;
+  since: string;
+  acknowledged: { by: string; at: string } | null;
+  cleared: string | null;
+}
+export interface AlarmPage {
+  items: AlarmRecord[];
+  next: string | null;
 }
 
 export interface Snapshot {

@@ -1,0 +1,30 @@
+//! Alarms: what is wrong on the floor or with the server, since when, what to do, and who has taken note of it.
+//!
+//! Main types: [`FloorWatch`] (finds what is wrong in one look at the fleet), [`AlarmCondition`] (what it found),
+//! [`AlarmRegister`] (turns conditions into alarms that are raised, acknowledged and cleared). A robot that only waits
+//! behind another one raises no alarm: the root of its chain in the wait-for graph does, and counts it. Refuses: to
+//! read a clock, to write anything down, and to mend anything.
+
+mod condition;
+mod deliveries;
+mod displaced;
+mod jobs;
+mod kind;
+mod people;
+mod register;
+mod robots;
+mod roots;
+mod server;
+mod standing;
+mod watch;
+
+pub use condition::{AlarmCondition, AlarmSubject, SubjectKind};
+pub use deliveries::Deliveries;
+pub use displaced::words as displacement_words;
+pub use kind::{AlarmKind, AlarmScope, AlarmSeverity};
+pub use register::{Acknowledgement, Alarm, AlarmQuery, AlarmRegister, MOST_ACTIVE};
+pub use server::{LoopHealth, StepRecord};
+pub use watch::{FloorWatch, operator_conditions};
+
+#[cfg(test)]
+mod tests;

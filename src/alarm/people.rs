@@ -1,0 +1,80 @@
+//! What is wrong with people on the floor: lost, kept in one spot, in a closed area.
+//!
+//! Main function: [`conditions`]. Refuses: to say anything of a worker who is where the fleet expects people.
+
+use super::condition::{AlarmCondition, AlarmSubject, SubjectKind};
+use super::kind::{AlarmKind, AlarmSeverity};
+use super::roots::Roots;
+use crate::fleet::{Edge, Fleet, Party, View};
+use crate::id::{Dense, RobotId, WorkerId};
+use crate::time::Span;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A worker whom no source has known for so long has to be looked for.
+const LOST: Span = Span::from_secs(30);
+/// A person may be kept in one spot for so long.
+const KEPT: Span = Span::from_secs(60);
+
+/// What is wrong with people. Robots with a cause of their own keep nobody: the cause does.
+pub(super) fn conditions(
+    fleet: &Fleet,
+    view: &View,
+    roots: &Roots,
+    robots: &BTreeMap<RobotId, AlarmCondition>,
+) -> Vec<AlarmCondition> {
+    let mut found = Vec::new();
+    for lost in fleet.lost_workers(LOST, view.now) {
+        let behind = roots.behind(Party::Worker(lost.worker));
+        let waiting: BTreeSet<RobotId> = lost.waiting.iter().chain(behind).copied().collect();
+        let wait = match waiting.len() {
+            0 => "no robot waits".to_owned(),
+            1 => "1 robot waits".to_owned(),
+            n => format!("{n} robots wait"),
+        };
+        let said = format!("{} is lost: {wait}.", called(fleet, lost.worker));
+        let severity = if waiting.is_empty() { AlarmSeverity::Warning } else { AlarmSeverity::Critical };
+        let one = about(view, AlarmKind::WorkerLost, lost.worker, said).at_least(severity);
+        found.push(AlarmCondition { waiting: waiting.len(), since: Some(view.now - lost.silent), ..one });
+    }
+    for (worker, waited) in fleet.kept_workers(KEPT) {
+        let by = match fleet.wait(Party::Worker(worker)).edge {
+            Edge::On(Party::Robot(robot)) => Some(robot),
+            _ => None,
+        };
+        if by.is_some_and(|robot| robots.contains_key(&robot)) {
+            continue;
+        }
+        let name = called(fleet, worker);
+        let said = match by {
+            Some(robot) => {
+                format!("{name} is kept in one spot by {}.", fleet.ledger().robots[robot].name)
+            }
+            None => format!("{name} is kept in one spot by robots."),
+        };
+        let one = about(view, AlarmKind::WorkerKept, worker, said);
+        found.push(AlarmCondition { since: Some(view.now - waited), ..one });
+    }
+    for (worker, closure) in fleet.in_closed_areas(view.now) {
+        let reason = fleet.ledger().closures.get(&closure).map_or("", |c| c.reason.as_str());
+        let said =
+            format!("{} is in c{}, which is closed to people ({reason}).", called(fleet, worker), closure.0);
+        found.push(about(view, AlarmKind::WorkerInClosedArea, worker, said));
+    }
+    found
+}
+
+fn about(view: &View, kind: AlarmKind, worker: WorkerId, text: String) -> AlarmCondition {
+    let subject = AlarmSubject::new(SubjectKind::Worker, format!("w{}", worker.0 + 1));
+    let found = AlarmCondition::new(kind, subject, text);
+    match view.workers.get(worker.ix()).and_then(|w| w.pose) {
+        Some(pose) => found.at(pose.at),
+        None => found,
+    }
+}
+
+/// What people call a worker, with the number.
+pub(super) fn called(fleet: &Fleet, worker: WorkerId) -> String {
+    let number = worker.0 + 1;
+    let known = fleet.ledger().workers.get(worker);
+    known.map_or_else(|| format!("worker {number}"), |name| format!("{name} (w{number})"))
+}

@@ -1,0 +1,217 @@
+//! What is wrong with single robots. A robot that merely waits behind another one has no condition of its own.
+//!
+//! Main type: [`RobotWatch`]. Refuses: to report one robot twice: of several conditions the first in order of cause.
+
+use super::condition::{AlarmCondition, AlarmSubject, SubjectKind, some_of};
+use super::displaced::words;
+use super::kind::{AlarmKind, AlarmSeverity};
+use super::roots::{Roots, robots_wait};
+use crate::fleet::{Because, Doing, Edge, Fleet, Party, RobotView, Task, View, Why};
+use crate::id::{Dense, RobotId};
+use crate::time::{Span, Time};
+use std::collections::BTreeMap;
+
+/// A robot with a task that could go on and does not for so long is stuck.
+const STUCK: Span = Span::from_secs(120);
+/// One that waits for others is stuck only after this: the cause is theirs, as a rule.
+const STUCK_BEHIND: Span = Span::from_secs(600);
+/// A robot that left the floor and was heard of within this still reports.
+const REPORTS: Span = Span::from_secs(10);
+/// If more robots than this have the same condition, it is one condition of all of them: it has one cause, such as a
+/// radio that is down.
+const MANY: usize = 5;
+/// If so many robots wait for one thing, somebody has to act at once.
+const SEVERE: usize = 5;
+
+/// What a robot had last done, and since when it has done nothing more.
+#[derive(Clone, Copy, Debug)]
+struct Progress {
+    visit: u64,
+    acted: Option<u64>,
+    since: Time,
+}
+
+/// What is remembered of robots from look to look.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RobotWatch {
+    progress: BTreeMap<RobotId, Progress>,
+}
+
+impl RobotWatch {
+    /// Notes what every robot has done since the last look.
+    pub fn note(&mut self, fleet: &Fleet, now: Time) {
+        let ledger = fleet.ledger();
+        for (robot, record) in ledger.robots.pairs() {
+            let (visit, acted) = (ledger.chain(robot).first(), record.acted);
+            let entry = self.progress.entry(robot).or_insert(Progress { visit, acted, since: now });
+            // What a person stopped gets on as soon as it may; a pick takes as long as it takes.
+            let excused = record.task == Task::Idle
+                || record.paused.is_some()
+                || ledger.stopped.is_some()
+                || ledger.evacuation.is_some()
+                || fleet.is_picked_from(robot);
+            if (entry.visit, entry.acted) != (visit, acted) || excused {
+                *entry = Progress { visit, acted, since: now };
+            }
+        }
+    }
+
+    /// For how long a robot has not got on although it has a task.
+    pub fn without_progress(&self, robot: RobotId, now: Time) -> Span {
+        self.progress.get(&robot).map_or(Span::ZERO, |p| now - p.since)
+    }
+
+    /// The conditions of single robots, by robot.
+    pub fn conditions(&self, fleet: &Fleet, view: &View, roots: &Roots) -> BTreeMap<RobotId, AlarmCondition> {
+        let looked = |(i, row): (usize, &RobotView)| {
+            let robot = RobotId::at(i);
+            let found = self.condition(fleet, view, robot)?;
+            let waiting = roots.behind(Party::Robot(robot)).len();
+            let text = format!("{}{}.", found.text, robots_wait(waiting));
+            let severity = if waiting >= SEVERE { AlarmSeverity::Critical } else { AlarmSeverity::Notice };
+            Some((robot, AlarmCondition { text, waiting, ..found }.at_least(severity).at(row.pose.at)))
+        };
+        let mut found: BTreeMap<_, _> = view.robots.iter().enumerate().filter_map(looked).collect();
+        // Only now is it known which robots have a cause of their own: one behind them is not stuck.
+        let stuck: Vec<RobotId> =
+            found.iter().filter(|(_, c)| c.kind == AlarmKind::RobotStuck).map(|(r, _)| *r).collect();
+        for robot in stuck {
+            let root = roots.root(robot);
+            if root != Party::Robot(robot) && matches!(root, Party::Robot(r) if found.contains_key(&r)) {
+                found.remove(&robot);
+            }
+        }
+        found
+    }
+
+    fn condition(&self, fleet: &Fleet, view: &View, robot: RobotId) -> Option<AlarmCondition> {
+        let record = &fleet.ledger().robots[robot];
+        let is = |kind, text: String| {
+            let subject = AlarmSubject::new(SubjectKind::Robot, record.name.clone());
+            Some(AlarmCondition::new(kind, subject, text))
+        };
+        let name = &record.name;
+        if record.is_gone() {
+            let heard = fleet.telemetry(robot).is_some_and(|t| view.now - t.seen <= REPORTS);
+            let said = format!("{name} has left the floor but still reports");
+            return heard.then(|| is(AlarmKind::RobotReturned, said))?;
+        }
+        if record.fenced.is_some() {
+            let said =
+                format!("what is known about {name} contradicts itself: fenced off, others go round it");
+            return is(AlarmKind::RobotFenced, said);
+        }
+        if is_beyond_grant(fleet, robot) {
+            return is(AlarmKind::BeyondGrant, format!("{name} reports more than it was granted"));
+        }
+        self.fault(fleet, view, robot, is).or_else(|| self.stuck(fleet, view, robot, is))
+    }
+
+    fn fault(
+        &self,
+        fleet: &Fleet,
+        view: &View,
+        robot: RobotId,
+        is: impl Fn(AlarmKind, String) -> Option<AlarmCondition>,
+    ) -> Option<AlarmCondition> {
+        let (record, row) = (&fleet.ledger().robots[robot], &view.robots[robot.ix()]);
+        let name = &record.name;
+        let other = |r: RobotId| fleet.ledger().robots[r].name.clone();
+        match row.why {
+            Some(Why::EmergencyStop) => {
+                is(AlarmKind::EmergencyStop, format!("{name}: emergency stop pressed"))
+            }
+            Some(Why::Displaced(how)) => {
+                let said = words(fleet.warehouse(), other, how);
+                is(AlarmKind::RobotDisplaced, format!("{name} {said}"))
+            }
+            Some(Why::Silent) => is(AlarmKind::RobotSilent, format!("{name} sends no reports")),
+            Some(Why::Unplugged) => {
+                is(AlarmKind::RobotUnplugged, format!("{name} gets no current from its charger"))
+            }
+            Some(Why::Obstructed(node)) => {
+                let node = &fleet.warehouse().nodes[node].name;
+                is(
+                    AlarmKind::RobotObstructed,
+                    format!("something stands in the way of {name}, before {node}"),
+                )
+            }
+            Some(Why::NoRoute) if fleet.wait(Party::Robot(robot)).edge == Edge::NoWay => {
+                is(AlarmKind::RobotBlocked, format!("{name} finds no route"))
+            }
+            // A person with it sees what is wrong.
+            Some(Why::Manual | Why::Maintenance | Why::Leaving | Why::Gone) => None,
+            _ if record.failed => is(AlarmKind::RobotFailed, format!("{name} has failed and cannot drive")),
+            _ if is_low(row) => {
+                let percent = (row.battery * 100.0).round();
+                is(
+                    AlarmKind::RobotLow,
+                    format!("{name} has {percent} % of charge left and finds no free charger"),
+                )
+            }
+            _ => None,
+        }
+    }
+
+    fn stuck(
+        &self,
+        fleet: &Fleet,
+        view: &View,
+        robot: RobotId,
+        is: impl Fn(AlarmKind, String) -> Option<AlarmCondition>,
+    ) -> Option<AlarmCondition> {
+        let stood = self.without_progress(robot, view.now);
+        let row = &view.robots[robot.ix()];
+        let waits_for_others = row
+            .why
+            .is_some_and(|why| why.is_by_itself() || matches!(why, Why::Closed(_) | Why::QueueFull(_)))
+            || matches!(fleet.wait(Party::Robot(robot)).edge, Edge::On(_) | Edge::Until(_));
+        if stood <= if waits_for_others { STUCK_BEHIND } else { STUCK } {
+            return None;
+        }
+        // What a person wanted, and what is planned for later, takes as long as it takes.
+        let is_wanted = row.why.is_some_and(|why| why.is_by_itself() || matches!(why, Why::Closed(_)));
+        let is_planned = || {
+            let first = fleet.waits(robot, view.now).first().copied();
+            first
+                .is_some_and(|w| matches!(w.because, Because::Later) && w.until.is_some_and(|t| t > view.now))
+        };
+        if is_wanted || is_planned() {
+            return None;
+        }
+        let found = is(AlarmKind::RobotStuck, format!("{} has a task and makes no progress", row.name))?;
+        Some(AlarmCondition { since: Some(view.now - stood), ..found })
+    }
+}
+
+/// A robot says that it reached, or knows of, more than it was granted.
+fn is_beyond_grant(fleet: &Fleet, robot: RobotId) -> bool {
+    let granted = fleet.ledger().chain(robot).granted();
+    fleet.telemetry(robot).is_some_and(|t| t.reached.max(t.known) >= granted)
+}
+
+/// Too little charge for any job, and not on the way to a charger. A robot with a task ends it first, unless little is
+/// left of what is too little already.
+fn is_low(row: &RobotView) -> bool {
+    let charges = matches!(row.doing, Doing::Charging | Doing::ToCharger);
+    let ends_its_task = row.task != Task::Idle && row.battery >= row.critical / 2.0;
+    row.seen.is_some() && row.battery < row.critical && !charges && !ends_its_task
+}
+
+/// One condition for all robots that have the same one, where many have.
+pub(super) fn gather(found: BTreeMap<RobotId, AlarmCondition>, robots: usize) -> Vec<AlarmCondition> {
+    let mut by_kind: BTreeMap<AlarmKind, Vec<AlarmCondition>> = BTreeMap::new();
+    found.into_values().for_each(|c| by_kind.entry(c.kind).or_default().push(c));
+    let gathered = |(kind, found): (AlarmKind, Vec<AlarmCondition>)| {
+        if found.len() <= MANY || !kind.is_about_a_robot() {
+            return found;
+        }
+        let names: Vec<String> = found.iter().map(|c| c.subject.id.clone()).collect();
+        let waiting = found.iter().map(|c| c.waiting).sum();
+        let (what, wait) = (kind.of_many(), robots_wait(waiting).replace("for it", "for them"));
+        let text = format!("{} of {robots} robots {what}: {}{wait}.", found.len(), some_of(&names));
+        let all = AlarmCondition::new(kind, AlarmSubject::floor(), text).at_least(AlarmSeverity::Critical);
+        vec![AlarmCondition { waiting, since: found.iter().filter_map(|c| c.since).min(), ..all }]
+    };
+    by_kind.into_iter().flat_map(gathered).collect()
+}

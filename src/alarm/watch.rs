@@ -1,0 +1,68 @@
+//! One look at the fleet: everything that is wrong, causes only.
+//!
+//! Main types: [`FloorWatch`]; [`operator_conditions`] is what people asked for. Refuses: to look by itself; whoever
+//! drives the fleet calls it about once a second.
+
+use super::condition::{AlarmCondition, AlarmSubject, SubjectKind, some_of};
+use super::jobs::JobWatch;
+use super::kind::AlarmKind;
+use super::robots::{RobotWatch, gather};
+use super::roots::Roots;
+use super::server::LoopHealth;
+use super::standing::{IdleFloor, is_stopped, standstills, whole_floor};
+use super::{people, server};
+use crate::fleet::{Fleet, View, Why};
+
+/// What has to be remembered from look to look.
+#[derive(Clone, Debug, Default)]
+pub struct FloorWatch {
+    robots: RobotWatch,
+    jobs: JobWatch,
+    idle: IdleFloor,
+}
+
+impl FloorWatch {
+    /// All that is wrong now. `view` is that of this fleet.
+    pub fn look(&mut self, fleet: &Fleet, view: &View, health: &LoopHealth) -> Vec<AlarmCondition> {
+        self.robots.note(fleet, view.now);
+        let roots = Roots::of(fleet);
+        let mut robots = self.robots.conditions(fleet, view, &roots);
+        let mut found = people::conditions(fleet, view, &roots, &robots);
+        let jobs = self.jobs.conditions(fleet, view);
+        if is_stopped(view) {
+            // Nothing moves, as somebody wanted: what follows from that is no news.
+            found.extend(jobs.into_iter().filter(|c| c.kind == AlarmKind::DeadlineMissed));
+        } else {
+            found.extend(standstills(fleet, view, &robots));
+            let stands = whole_floor(fleet, view, (&self.robots, &roots), (&mut robots, &mut found));
+            found.extend(stands.or_else(|| self.idle.look(fleet, view)));
+            found.extend(jobs);
+        }
+        found.extend(gather(robots, fleet.ledger().present().count()));
+        found.extend(server::conditions(fleet, view, health));
+        found
+    }
+}
+
+/// What people asked for and should not forget.
+pub fn operator_conditions(view: &View) -> Vec<AlarmCondition> {
+    let mut found = Vec::new();
+    if let Some(since) = view.stopped {
+        let said = "all robots are stopped by hand.";
+        let one = AlarmCondition::new(AlarmKind::Stopped, AlarmSubject::floor(), said);
+        found.push(AlarmCondition { since: Some(since), ..one });
+    }
+    if let Some(since) = view.evacuation {
+        let said = "the building is evacuated: people are led to the doors, robots stand.";
+        let one = AlarmCondition::new(AlarmKind::Evacuation, AlarmSubject::floor(), said);
+        found.push(AlarmCondition { since: Some(since), ..one });
+    }
+    let paused: Vec<_> = view.robots.iter().filter(|r| r.why == Some(Why::Paused)).collect();
+    if let Some(first) = paused.first() {
+        let names: Vec<String> = paused.iter().map(|r| r.name.clone()).collect();
+        let subject = AlarmSubject::new(SubjectKind::Robot, first.name.clone());
+        let said = format!("paused by hand: {}.", some_of(&names));
+        found.push(AlarmCondition::new(AlarmKind::Paused, subject, said).at(first.pose.at));
+    }
+    found
+}

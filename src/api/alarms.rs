@@ -1,0 +1,206 @@
+//! The alarms of a running server, which its parts raise and the API shows; and alarms on the wire.
+//!
+//! Main types: [`Alarms`], [`AlarmDto`]. Every alarm that is new is logged here, once. Refuses: to find out what is
+//! wrong, and to write anything down: it hands out what changed.
+
+use super::text::{alarm_name, round3, time_text};
+use crate::alarm::{
+    Acknowledgement, Alarm, AlarmCondition, AlarmKind, AlarmRegister, AlarmScope, AlarmSeverity, SubjectKind,
+    operator_conditions,
+};
+use crate::fleet::View;
+use crate::geometry::{Point, Spot};
+use crate::time::Time;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::sync::{Mutex, MutexGuard};
+use tokio::sync::Notify;
+use utoipa::ToSchema;
+
+/// The alarms of a server.
+#[derive(Debug, Default)]
+pub struct Alarms {
+    register: Mutex<AlarmRegister>,
+    changed: Notify,
+}
+
+impl Alarms {
+    /// Goes on with what was active when an earlier run ended.
+    pub fn restore(&self, last: u64, active: Vec<Alarm>, now: Time) {
+        self.register().restore(last, active, now);
+        self.changed.notify_one();
+    }
+
+    /// Raises an alarm of a part of the server, or gives an active one a new text. Whether it is new.
+    pub fn raise(&self, kind: AlarmKind, text: impl Into<String>, now: Time) -> bool {
+        let new = self.register().raise(AlarmCondition::of_server(kind, text), now);
+        self.tell(new.as_slice());
+        new.is_some()
+    }
+
+    /// Ends the alarms of a kind. Whether there was one.
+    pub fn clear(&self, kind: AlarmKind, now: Time) -> bool {
+        let ended = self.register().clear(kind, now);
+        if ended {
+            self.changed.notify_one();
+        }
+        ended
+    }
+
+    /// Takes in everything that the watch over fleet and loop finds wrong now.
+    pub fn observe(&self, found: Vec<AlarmCondition>, now: Time) {
+        let new = self.register().observe(AlarmScope::Watch, found, now);
+        self.tell(&new);
+    }
+
+    /// Takes in what a person stopped, by a view.
+    pub fn note(&self, view: &View) {
+        let new = self.register().observe(AlarmScope::Operator, operator_conditions(view), view.now);
+        self.tell(&new);
+    }
+
+    /// Somebody takes note of an active alarm. Nothing where none of this number is active.
+    pub fn acknowledge(&self, id: u64, by: &str, now: Time) -> Option<Alarm> {
+        let alarm = self.register().acknowledge(id, by, now);
+        self.changed.notify_one();
+        alarm
+    }
+
+    /// All that are active, the worst first.
+    pub fn list(&self) -> Vec<Alarm> {
+        self.register().active()
+    }
+
+    /// The active alarm of a kind, if there is one.
+    pub fn of_kind(&self, kind: AlarmKind) -> Option<Alarm> {
+        self.list().into_iter().find(|alarm| alarm.kind == kind)
+    }
+
+    /// Waits until something may have changed.
+    pub async fn changed(&self) {
+        self.changed.notified().await;
+    }
+
+    /// What has changed, to be written down.
+    pub fn take_changes(&self) -> Vec<Alarm> {
+        self.register().take_changes()
+    }
+
+    /// What could not be written down.
+    pub fn put_back(&self, alarms: Vec<Alarm>) {
+        self.register().put_back(alarms);
+    }
+
+    fn register(&self) -> MutexGuard<'_, AlarmRegister> {
+        self.register.lock().expect("nobody panics with this lock")
+    }
+
+    fn tell(&self, new: &[Alarm]) {
+        for alarm in new {
+            let (kind, subject) = (alarm.kind.word(), alarm.subject.id.as_str());
+            match alarm.severity {
+                AlarmSeverity::Notice => tracing::info!(kind, subject, "{}", alarm.text),
+                AlarmSeverity::Warning => tracing::warn!(kind, subject, "{}", alarm.text),
+                AlarmSeverity::Critical => tracing::error!(kind, subject, "{}", alarm.text),
+            }
+        }
+        // Also where none is new: some may have ended.
+        self.changed.notify_one();
+    }
+}
+
+/// What an alarm is about.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct AlarmSubjectDto {
+    /// robot, worker, job, station, closure, floor or server.
+    #[schema(example = "robot")]
+    pub kind: &'static str,
+    /// Its id; `floor` and `server` for these two.
+    #[schema(example = "robot-3")]
+    pub id: String,
+}
+
+/// Who has taken note of an alarm.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct AcknowledgementDto {
+    /// Who.
+    #[schema(example = "Ben")]
+    pub by: String,
+    /// When, RFC 3339.
+    pub at: String,
+}
+
+/// Something that a person must know, active or past.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct AlarmDto {
+    /// Its number; numbers go on after a restart.
+    #[schema(example = "al17")]
+    pub id: String,
+    /// What it is about; the docs have a table of all kinds.
+    #[schema(example = "robot_silent")]
+    pub kind: &'static str,
+    /// notice, warning or critical.
+    #[schema(example = "warning")]
+    pub severity: &'static str,
+    /// active or cleared.
+    pub state: &'static str,
+    /// With what something is wrong.
+    pub subject: AlarmSubjectDto,
+    /// In words.
+    #[schema(example = "robot-3 sends no reports; 2 robots wait for it.")]
+    pub text: String,
+    /// What to do.
+    #[schema(example = "Check the robot's power and radio. Its place stays closed until it reports.")]
+    pub remedy: String,
+    /// Where on the map, metres; null if it is in no one place.
+    pub x: Option<f64>,
+    /// Metres.
+    pub y: Option<f64>,
+    /// How many robots wait because of it.
+    pub waiting: usize,
+    /// Since when its cause has been there, RFC 3339.
+    pub since: String,
+    /// Who has taken note; null if nobody has.
+    pub acknowledged: Option<AcknowledgementDto>,
+    /// When it ended, RFC 3339; null if it is active.
+    pub cleared: Option<String>,
+}
+
+impl From<&Alarm> for AlarmDto {
+    fn from(a: &Alarm) -> AlarmDto {
+        let (x, y) = place(a.at).unzip();
+        let noted = |n: &Acknowledgement| AcknowledgementDto { by: n.by.clone(), at: time_text(n.at) };
+        AlarmDto {
+            id: alarm_name(a.id),
+            kind: a.kind.word(),
+            severity: a.severity.word(),
+            state: if a.cleared.is_some() { "cleared" } else { "active" },
+            subject: AlarmSubjectDto { kind: a.subject.kind.word(), id: a.subject.id.clone() },
+            text: a.text.clone(),
+            remedy: a.remedy.clone(),
+            x,
+            y,
+            waiting: a.waiting,
+            since: time_text(a.since),
+            acknowledged: a.acknowledged.as_ref().map(noted),
+            cleared: a.cleared.map(time_text),
+        }
+    }
+}
+
+/// An active alarm in the live feed; its times count from `started_s`.
+pub(super) fn row(alarm: &Alarm, started_s: f64) -> Value {
+    let seconds = |t: Time| round3(t.as_secs_f64() - started_s);
+    let (x, y) = place(alarm.at).unzip();
+    let is_a_thing = !matches!(alarm.subject.kind, SubjectKind::Floor | SubjectKind::Server);
+    json!({
+        "id": alarm_name(alarm.id), "kind": alarm.kind.word(), "severity": alarm.severity.word(),
+        "subject_kind": alarm.subject.kind.word(), "subject": is_a_thing.then_some(&alarm.subject.id),
+        "text": alarm.text, "remedy": alarm.remedy, "x": x, "y": y, "waiting": alarm.waiting,
+        "since_s": seconds(alarm.since), "acknowledged_by": alarm.acknowledged.as_ref().map(|n| &n.by),
+    })
+}
+
+fn place(at: Option<Spot>) -> Option<(f64, f64)> {
+    at.map(Point::from).map(|p| (round3(p.x), round3(p.y)))
+}

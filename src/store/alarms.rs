@@ -1,0 +1,118 @@
+//! Alarms, active and past.
+//!
+//! Main functions: [`Store::keep_alarms`], [`Store::active_alarms`], [`Store::alarms`]. Refuses: to be what anything
+//! depends on: rows of kinds that this Giveway does not know are left out.
+
+use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError};
+use crate::alarm::{Acknowledgement, Alarm, AlarmKind, AlarmQuery, AlarmSeverity, AlarmSubject, SubjectKind};
+use crate::geometry::Spot;
+use crate::time::Time;
+use sqlx::Row;
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
+
+/// So many alarms are kept that are over.
+pub const MOST_PAST: i64 = 20_000;
+
+const KEEP: &str = "INSERT OR REPLACE INTO alarms (id, kind, severity, subject_kind, subject, text, remedy, x, y, \
+    waiting, since, acknowledged_by, acknowledged, cleared) \
+    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14)";
+const FORGET: &str =
+    "DELETE FROM alarms WHERE cleared IS NOT NULL AND id <= (SELECT max(id) FROM alarms) - $1";
+const LAST: &str = "SELECT coalesce(max(id), 0) FROM alarms";
+const ACTIVE: &str = "SELECT * FROM alarms WHERE cleared IS NULL ORDER BY id";
+const SOME: &str = "SELECT * FROM alarms WHERE id < $1 AND (cleared IS NULL OR cleared >= $2) AND since < $3 \
+    ORDER BY id DESC LIMIT $4";
+
+impl Store {
+    /// Writes alarms down as they are now, in place of what was known of them, and forgets the oldest of too many.
+    ///
+    /// # Errors
+    /// Where the database does not take them. Then nothing was written.
+    pub async fn keep_alarms(&self, alarms: &[Alarm]) -> Result<(), StoreError> {
+        self.check_place()?;
+        let mut connection = self.writer.acquire().await?;
+        let result = write(&mut connection, alarms).await;
+        if let Err(e) = &result {
+            // As with the journal: on a full disk SQLite has rolled back by itself.
+            let _ = sqlx::query(ROLLBACK).execute(&mut *connection).await;
+            if !e.leaves_connection_sound() {
+                let _ = connection.close().await;
+            }
+        }
+        result
+    }
+
+    /// The number of the last alarm, and those that have not ended.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn active_alarms(&self) -> Result<(u64, Vec<Alarm>), StoreError> {
+        let last: i64 = sqlx::query_scalar(LAST).fetch_one(&self.readers).await?;
+        let rows = sqlx::query(ACTIVE).fetch_all(&self.readers).await?;
+        Ok((last.unsigned_abs(), rows.iter().filter_map(read).collect()))
+    }
+
+    /// Some alarms, active or past, newest first.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn alarms(&self, q: &AlarmQuery) -> Result<Vec<Alarm>, StoreError> {
+        let rows = sqlx::query(SOME)
+            .bind(q.before.map_or(i64::MAX, |id| i64::try_from(id).unwrap_or(i64::MAX)))
+            .bind(q.from.map_or(i64::MIN, |t| t.0))
+            .bind(q.to.map_or(i64::MAX, |t| t.0))
+            .bind(q.limit)
+            .fetch_all(&self.readers)
+            .await?;
+        Ok(rows.iter().filter_map(read).collect())
+    }
+}
+
+async fn write(db: &mut SqliteConnection, alarms: &[Alarm]) -> Result<(), StoreError> {
+    sqlx::query(BEGIN).execute(&mut *db).await?;
+    for a in alarms {
+        let noted = a.acknowledged.as_ref();
+        sqlx::query(KEEP)
+            .bind(a.id.cast_signed())
+            .bind(a.kind.word())
+            .bind(a.severity.word())
+            .bind(a.subject.kind.word())
+            .bind(&a.subject.id)
+            .bind(&a.text)
+            .bind(&a.remedy)
+            .bind(a.at.map(|at| at.x_mm))
+            .bind(a.at.map(|at| at.y_mm))
+            .bind(a.waiting as i64)
+            .bind(a.since.0)
+            .bind(noted.map(|n| n.by.as_str()))
+            .bind(noted.map(|n| n.at.0))
+            .bind(a.cleared.map(|t| t.0))
+            .execute(&mut *db)
+            .await?;
+    }
+    sqlx::query(FORGET).bind(MOST_PAST).execute(&mut *db).await?;
+    sqlx::query(COMMIT).execute(&mut *db).await?;
+    Ok(())
+}
+
+fn read(row: &SqliteRow) -> Option<Alarm> {
+    let id: i64 = row.try_get("id").ok()?;
+    let word = |column: &str| row.try_get::<&str, _>(column).ok();
+    let number = |column: &str| row.try_get::<Option<i64>, _>(column).ok().flatten();
+    let text = |column: &str| row.try_get::<Option<String>, _>(column).ok().flatten();
+    let at = number("x").zip(number("y")).map(|(x_mm, y_mm)| Spot { x_mm, y_mm });
+    let noted = text("acknowledged_by").zip(number("acknowledged"));
+    Some(Alarm {
+        id: id.unsigned_abs(),
+        kind: AlarmKind::of_word(word("kind")?)?,
+        severity: AlarmSeverity::of_word(word("severity")?)?,
+        subject: AlarmSubject::new(SubjectKind::of_word(word("subject_kind")?)?, text("subject")?),
+        text: text("text")?,
+        remedy: text("remedy")?,
+        at,
+        waiting: usize::try_from(number("waiting")?).ok()?,
+        since: Time(number("since")?),
+        acknowledged: noted.map(|(by, at)| Acknowledgement { by, at: Time(at) }),
+        cleared: number("cleared").map(Time),
+    })
+}

@@ -1,0 +1,120 @@
+// Alarms on the page, against a real server that this test starts itself, on whose floor robots break down:
+// node tests/alarms.mjs PATH-TO-GIVEWAY
+import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
+import { mkdir } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { fileURLToPath } from 'node:url';
+import { PATIENCE, assert, assertAccessible, check, finish, isRefusal, listen, openBrowser, until } from './chromium.mjs';
+import { serve } from './serve.mjs';
+
+const program = process.argv[2];
+if (!program) {
+  console.error('Say where the program is: node tests/alarms.mjs target/debug/giveway');
+  process.exit(2);
+}
+const HERE = (path) => fileURLToPath(new URL(path, import.meta.url));
+const SHOTS = HERE('./shots/');
+await mkdir(SHOTS, { recursive: true });
+const scratch = mkdtempSync(`${tmpdir()}/giveway-alarms-`);
+const scenario = JSON.parse(readFileSync(HERE('../../scenarios/lab.json'), 'utf8'));
+// Two robots, which break down soon after they set off and stay broken.
+Object.assign(scenario, { map: HERE('../../maps/lab.json'), robots: 2, workers: undefined, faults: { failures_per_hour: 1000, repair_s: 100000 } });
+writeFileSync(`${scratch}/alarms.json`, JSON.stringify(scenario));
+const { url, stop } = await serve(program, `${scratch}/alarms.json`, scratch);
+const browser = await openBrowser();
+const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark', permissions: ['notifications'] });
+// What the page would sound and show, since a browser without a window does neither.
+await context.addInitScript(() => {
+  globalThis.shown = [];
+  globalThis.tones = 0;
+  const start = OscillatorNode.prototype.start;
+  OscillatorNode.prototype.start = function (...args) { globalThis.tones += 1; return start.apply(this, args); };
+  globalThis.Notification = class {
+    static permission = 'granted';
+    static requestPermission = async () => 'granted';
+    constructor(title) { globalThis.shown.push(title); }
+  };
+});
+const page = await context.newPage();
+const complaints = [];
+listen(page, complaints, isRefusal);
+const ask = async (path) => (await context.request.get(new URL(path, url).href)).json();
+const active = async () => (await ask('/v1/alarms')).items;
+const alarms = page.getByRole('region', { name: 'Alarms', exact: true });
+const failed = alarms.locator('li[data-alarm="robot_failed"]').first();
+
+await page.goto(url);
+await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
+
+await check('Sound and notifications are off until they are asked for, and are switched on by keys', async () => {
+  const boxes = [alarms.getByLabel('Sound'), alarms.getByLabel('Notify')];
+  for (const box of boxes) assert(!(await box.isChecked()), 'it is on from the start');
+  for (const box of boxes) {
+    await box.focus();
+    await page.keyboard.press('Space');
+    assert(await box.isChecked(), 'it is not switched on');
+  }
+});
+let robot = '';
+await check('A robot that breaks down is listed with how bad it is, for how long and what to do', async () => {
+  await failed.waitFor({ timeout: 4 * PATIENCE });
+  const words = (await failed.innerText()).replaceAll(/\s+/g, ' ');
+  assert(/for \d+ (s|min)/.test(words) && /repair it/.test(words), words);
+  robot = (await active()).find((a) => a.kind === 'robot_failed').subject.id;
+  return words;
+});
+await check('The title of the tab counts it, and it made a sound and a notification', async () => {
+  await page.waitForFunction(() => /^\(\d+\) Giveway$/.test(document.title), null, { timeout: PATIENCE });
+  await page.waitForFunction(() => globalThis.tones > 0 && globalThis.shown.length > 0, null, { timeout: PATIENCE });
+  return page.evaluate(() => globalThis.shown[0]);
+});
+await check('Its subject is chosen on the floor by a key', async () => {
+  await failed.getByRole('button', { name: /^robot-\d+$/ }).focus();
+  await page.keyboard.press('Enter');
+  const card = page.getByRole('region', { name: 'Robot', exact: true });
+  await card.getByRole('heading', { name: /^robot-\d+$/ }).waitFor({ timeout: PATIENCE });
+  await page.waitForTimeout(600);
+  await page.screenshot({ path: `${SHOTS}alarms.png` });
+  await card.getByRole('button', { name: 'Close' }).click();
+});
+await check('It is acknowledged by keys alone, with a name that the server keeps', async () => {
+  for (const theme of ['Light', 'Dark']) {
+    await page.getByLabel('Theme').selectOption({ label: theme });
+    await assertAccessible(page, `alarms, ${theme}`);
+  }
+  await failed.getByRole('button', { name: /^Acknowledge/ }).focus();
+  await page.keyboard.press('Enter');
+  const dialog = page.getByRole('dialog', { name: 'Who looks after it?' });
+  await dialog.getByLabel('Your name').fill('Ben');
+  await assertAccessible(page, 'asking for a name');
+  await page.keyboard.press('Enter');
+  await alarms.getByText('acknowledged by Ben').first().waitFor({ timeout: PATIENCE });
+  await until('an acknowledgement at the server', async () => (await active()).some((a) => a.acknowledged?.by === 'Ben'), 20);
+  // The name is known now.
+  for (let i = 0; i < 4 && (await alarms.getByRole('button', { name: /^Acknowledge/ }).count()) > 0; i++) {
+    await alarms.getByRole('button', { name: /^Acknowledge/ }).first().click();
+    await page.waitForTimeout(800);
+  }
+});
+await check('The history has it, with who acknowledged it', async () => {
+  await alarms.getByRole('button', { name: 'History' }).click();
+  const dialog = page.getByRole('dialog', { name: 'Alarms of the past' });
+  await dialog.locator('tr[data-alarm="robot_failed"]').first().waitFor({ timeout: PATIENCE });
+  await dialog.getByText(/^Ben, /).first().waitFor({ timeout: PATIENCE });
+  await page.screenshot({ path: `${SHOTS}alarm-history.png` });
+  await assertAccessible(page, 'history of alarms');
+  await page.keyboard.press('Escape');
+  await dialog.waitFor({ state: 'detached', timeout: PATIENCE });
+  return robot;
+});
+await check('On a phone the list is as usable', async () => {
+  await page.setViewportSize({ width: 390, height: 800 });
+  await failed.scrollIntoViewIfNeeded();
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+  assert(wide <= 390, `the page is ${wide} px wide`);
+  await assertAccessible(page, 'alarms on a phone');
+});
+await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
+
+await stop();
+await finish(browser);
