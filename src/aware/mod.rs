@@ -11,6 +11,7 @@ mod encounter;
 mod passing;
 mod regions;
 pub mod safe_space;
+pub mod zone_answers;
 
 pub use afoot::Afoot;
 pub use collision::{BEYOND, Swept, THRESHOLD, collision};

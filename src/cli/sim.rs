@@ -217,6 +217,7 @@ fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) 
         "interruptions": o.counts.interruptions,
         "deviations": o.counts.deviations,
         "replans": o.counts.replans,
+        "zones": { "keep": o.counts.zones.keep, "slow": o.counts.zones.slow, "change": o.counts.zones.change },
         "plan_us": quantiles(&o.plan_ns),
         "plan_failures": o.counts.plan_failures,
         "insertions": insertions(&o.counts.insertions),

@@ -15,6 +15,7 @@ mod traffic;
 mod waits;
 mod yielding;
 
+pub use crate::aware::zone_answers::ZoneCounts;
 pub use people::forecast::{AHEAD_S, Expected};
 pub use read::area::Area;
 pub use read::backlog::{Backlog, Pending};

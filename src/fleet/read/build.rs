@@ -84,6 +84,7 @@ impl Fleet {
             deviations: sums.deviations,
             interruptions: sums.interruptions,
             replans: tally.replans,
+            zones: self.yielding.state.answered,
         }
     }
 

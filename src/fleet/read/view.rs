@@ -3,6 +3,7 @@
 //! Main types: [`View`], [`RobotView`], [`JobWhy`]. Made on demand by [`crate::fleet::Fleet::view`], since
 //! a simulation of an hour needs none of the 36 000 it could have. Refuses: to be an input of any decision.
 
+use crate::aware::zone_answers::ZoneCounts;
 use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
@@ -318,4 +319,6 @@ pub struct Counts {
     pub interruptions: u64,
     /// Routes planned anew because of workers and closures.
     pub replans: u64,
+    /// Zones of robots and workers, by how robots answered them.
+    pub zones: ZoneCounts,
 }

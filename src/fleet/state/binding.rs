@@ -81,8 +81,9 @@ impl Floor<'_> {
         conditions.binding(visit.node, self.at(visit.node), &exemptions).find(binds).copied()
     }
 
-    /// Where the holds ahead of a robot meet the windows of people and closures.
-    pub(in crate::fleet) fn meetings(&self, robot: RobotId, now: Time) -> SmallVec<[(Cause, Zone); 4]> {
+    /// Where the holds ahead of a robot share places with people and closures: at each place the one that is there the
+    /// longest of those that the robot would meet, or one that it would not.
+    pub(in crate::fleet) fn zones(&self, robot: RobotId, now: Time) -> SmallVec<[(Cause, Zone); 4]> {
         let chain = self.ledger.chain(robot);
         let exemptions = self.exemptions(robot, now);
         let ahead = (chain.granted()..chain.end()).filter_map(|s| chain.get(s));
@@ -94,15 +95,23 @@ impl Floor<'_> {
             let binding = self.conditions(robot).binding(visit.node, self.at(visit.node), &exemptions);
             let hard = |c: &&Condition| matches!(c.effect, Effect::Closed | Effect::NoEntryOrExit);
             let zones = binding.filter(hard).map(|c| (c.cause, Zone { robot: own, worker: c.window }));
-            let last = zones.filter(|(_, z)| z.meets()).max_by_key(|(_, z)| z.worker.end());
-            found.extend(last);
+            found.extend(zones.max_by_key(|(_, z)| z.meets().then(|| z.worker.end())));
         }
         found
     }
 
+    /// Where the holds ahead of a robot meet the windows of people and closures.
+    pub(in crate::fleet) fn meetings(
+        &self,
+        robot: RobotId,
+        now: Time,
+    ) -> impl Iterator<Item = (Cause, Zone)> {
+        self.zones(robot, now).into_iter().filter(|(_, zone)| zone.meets())
+    }
+
     /// Until when the robot would have to wait because of conditions, not of other robots' holds.
     pub(in crate::fleet) fn waits_until(&self, robot: RobotId, now: Time) -> Option<Time> {
-        self.meetings(robot, now).iter().map(|(_, zone)| zone.worker.end()).max()
+        self.meetings(robot, now).map(|(_, zone)| zone.worker.end()).max()
     }
 
     fn at(&self, node: NodeId) -> Point {

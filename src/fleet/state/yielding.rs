@@ -3,6 +3,7 @@
 //! Main types: [`YieldingState`], [`RobotYielding`] (one robot). Refuses: to decide; it says what was noted, and what
 //! follows from that alone.
 
+use crate::aware::zone_answers::{self, OpenZone, ZoneAnswer, ZoneCounts};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::Reaction;
 use crate::id::{IdVec, NodeId, RobotId, WorkerId};
@@ -48,6 +49,8 @@ pub(in crate::fleet) struct RobotYielding {
     pub stands: Option<Standing>,
     /// When it last looked for another route because of a worker.
     pub rerouted: Option<Time>,
+    /// The zone that it is to share with a worker.
+    zone: Option<OpenZone>,
 }
 
 impl RobotYielding {
@@ -69,35 +72,48 @@ impl RobotYielding {
 
 /// What is kept in mind of all robots.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct YieldingState(IdVec<RobotId, RobotYielding>);
+pub(in crate::fleet) struct YieldingState {
+    robots: IdVec<RobotId, RobotYielding>,
+    /// How robots answered zones that are over. It promises nothing, so it starts at zero with the process.
+    pub answered: ZoneCounts,
+}
 
 impl YieldingState {
     /// What was noted of one robot; nothing where nothing was noted.
     pub fn of(&self, robot: RobotId) -> RobotYielding {
-        self.0.get(robot).copied().unwrap_or_default()
+        self.robots.get(robot).copied().unwrap_or_default()
     }
 
     /// Of one robot, to note something.
     pub fn of_mut(&mut self, robot: RobotId) -> &mut RobotYielding {
-        while self.0.get(robot).is_none() {
-            self.0.push(RobotYielding::default());
+        while self.robots.get(robot).is_none() {
+            self.robots.push(RobotYielding::default());
         }
-        &mut self.0[robot]
+        &mut self.robots[robot]
     }
 
     /// Robots that give way to a worker, each with which one and how.
     pub fn giving_way(&self) -> impl Iterator<Item = (RobotId, GivesWay)> {
-        self.0.pairs().filter_map(|(robot, y)| Some((robot, y.to?)))
+        self.robots.pairs().filter_map(|(robot, y)| Some((robot, y.to?)))
     }
 
     /// Robots that stand still to yield to a worker.
     pub fn standing(&self) -> impl Iterator<Item = RobotId> {
-        self.0.pairs().filter(|(_, y)| y.stands.is_some()).map(|(robot, _)| robot)
+        self.robots.pairs().filter(|(_, y)| y.stands.is_some()).map(|(robot, _)| robot)
+    }
+
+    /// Notes how a robot answers the zone that it shares with a worker now, if it does.
+    pub fn note_answer(&mut self, robot: RobotId, answer: Option<(WorkerId, ZoneAnswer)>, now: Time) {
+        let zone = zone_answers::note(self.of(robot).zone, answer, now, &mut self.answered);
+        self.of_mut(robot).zone = zone;
     }
 
     /// No worker is near any more: no robot gives way.
-    pub fn no_worker_is_near(&mut self) {
-        self.0.iter_mut().for_each(|y| y.to = None);
+    pub fn no_worker_is_near(&mut self, now: Time) {
+        for y in self.robots.iter_mut() {
+            y.to = None;
+            y.zone = zone_answers::note(y.zone, None, now, &mut self.answered);
+        }
     }
 
     /// These robots stand somewhere else by now.

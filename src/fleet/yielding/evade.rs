@@ -5,6 +5,7 @@
 //! a little, it waits; if it would have to wait for long, it looks for another route. Refuses: to look at
 //! robots whose holds no worker touches.
 
+use crate::aware::zone_answers::ZoneAnswer;
 use crate::aware::{Answer, HumanAwarePolicy, Zone};
 use crate::fleet::state::binding::STOPPING;
 use crate::fleet::state::core::Core;
@@ -27,12 +28,28 @@ const AGAIN: Span = Span::from_secs(2);
 /// What a robot does about a worker whose windows meet its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::fleet) enum Decision {
-    /// They do not meet.
-    Keep,
+    /// No worker is expected where it drives.
+    Free,
+    /// They use the same places, but do not meet.
+    Keep(WorkerId),
     /// It waits before it enters the zone, as its grants do by themselves.
-    Wait,
+    Wait(WorkerId),
     /// It looks for another route.
     Change(WorkerId),
+    /// It stands in the worker's way, and looks for another place.
+    Leave(WorkerId),
+}
+
+impl Decision {
+    /// The answer to a potential collision zone, if this is one.
+    fn answer(self) -> Option<(WorkerId, ZoneAnswer)> {
+        match self {
+            Decision::Keep(worker) => Some((worker, ZoneAnswer::Keep)),
+            Decision::Wait(worker) => Some((worker, ZoneAnswer::Slow)),
+            Decision::Change(worker) => Some((worker, ZoneAnswer::Change)),
+            Decision::Free | Decision::Leave(_) => None,
+        }
+    }
 }
 
 impl Yielding {
@@ -40,7 +57,7 @@ impl Yielding {
     pub(in crate::fleet) fn give_way(&mut self, core: &mut Core, traffic: &mut Traffic, now: Time) {
         if core.restrictions.conditions.is_empty() {
             // There is nobody to give way to: what was noted of earlier waiting says nothing about the next one.
-            self.state.no_worker_is_near();
+            self.state.no_worker_is_near(now);
             return;
         }
         let none_yields =
@@ -55,10 +72,14 @@ impl Yielding {
             }
             let floor = core.floor();
             let from = match floor.settings.policy {
-                HumanAwarePolicy::Giveway => match self.decide(floor, robot, now) {
-                    Decision::Change(worker) => Some(worker),
-                    Decision::Keep | Decision::Wait => None,
-                },
+                HumanAwarePolicy::Giveway => {
+                    let decision = self.decide(floor, robot, now);
+                    self.state.note_answer(robot, decision.answer(), now);
+                    match decision {
+                        Decision::Change(worker) | Decision::Leave(worker) => Some(worker),
+                        Decision::Free | Decision::Keep(_) | Decision::Wait(_) => None,
+                    }
+                }
                 // The published policies change routes by their procedure alone; a robot that stands before a person
                 // for long may leave.
                 _ if self.procedure.holds(robot) || floor.scene.fit(robot, now).is_none() => None,
@@ -95,22 +116,24 @@ impl Yielding {
     /// The cases of a potential collision zone for the holds ahead.
     pub(in crate::fleet) fn decide(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> Decision {
         if floor.scene.fit(robot, now).is_none() {
-            return Decision::Keep;
+            return Decision::Free;
         }
         if let Some(w) = self.must_leave(floor, robot, now) {
-            return Decision::Change(w);
+            return Decision::Leave(w);
         }
         let by_worker = |(c, zone): &(Cause, Zone)| match c {
             Cause::Worker(w) => Some((*w, *zone)),
             Cause::Closure(_) | Cause::Robot(_) | Cause::Obstruction(_) | Cause::Evacuation => None,
         };
-        let Some((worker, zone)) = floor.meetings(robot, now).iter().find_map(by_worker) else {
-            return Decision::Keep;
+        let zones = floor.zones(robot, now);
+        let meets = zones.iter().filter(|(_, zone)| zone.meets()).find_map(by_worker);
+        let Some((worker, zone)) = meets.or_else(|| zones.iter().find_map(by_worker)) else {
+            return Decision::Free;
         };
         let waited = self.state.of(robot).waited(now);
         match zone.answer(PATIENCE - waited) {
-            Answer::Keep => Decision::Keep,
-            Answer::Slow(_) => Decision::Wait,
+            Answer::Keep => Decision::Keep(worker),
+            Answer::Slow(_) => Decision::Wait(worker),
             Answer::Change => Decision::Change(worker),
         }
     }
