@@ -8,7 +8,7 @@ use crate::fleet::state::floor::Floor;
 use crate::fleet::state::yielding::{STANDS, YieldingState};
 use crate::geometry::{Point, Segment};
 use crate::id::RobotId;
-use crate::time::Time;
+use crate::time::{Span, Time};
 use crate::warehouse::walkway::{EdgeSet, Square, WalkPath, Walkways, WaysBetween};
 use std::cell::OnceCell;
 
@@ -20,16 +20,22 @@ const BETWEEN_M: f64 = 4.0;
 const LEAST_M: f64 = 1.0;
 /// … and from so many places on.
 const ENDS: usize = 8;
+/// A person who has been kept for so long beside a robot is not at the side of it that was measured …
+const WRONG_SIDE: Span = Span::from_secs(20);
+/// … but at another one; each of them is tried for so long.
+const EACH_SIDE: Span = Span::from_secs(9);
 /// How far one straight step leads, metres.
 const STEP_M: f64 = 1.8;
 
 /// Ways on from where a person is, who may stand face to face with a robot. What does not depend on the goal is searched
 /// once, and only if it is needed.
-pub(super) struct WaysPast<'a> {
+pub(in crate::fleet) struct WaysPast<'a> {
     walkways: &'a Walkways,
     floor: Floor<'a>,
     at: Point,
     cut: &'a EdgeSet,
+    /// Where the person steps to first.
+    first: Option<Point>,
     steps: OnceCell<Vec<Point>>,
     between: OnceCell<(WaysBetween<'a>, Vec<Point>)>,
 }
@@ -74,13 +80,41 @@ impl HumanState {
 impl<'a> WaysPast<'a> {
     pub fn new(people: &'a HumanState, floor: Floor<'a>, at: Point, cut: &'a EdgeSet) -> WaysPast<'a> {
         let (steps, between) = (OnceCell::new(), OnceCell::new());
-        WaysPast { walkways: &people.walkways, floor, at, cut, steps, between }
+        WaysPast { walkways: &people.walkways, floor, at, cut, first: None, steps, between }
+    }
+
+    /// A person who is measured to be inside a robot is at one of its sides, and the nearest of them need not be the
+    /// right one: for somebody who has been kept there for long, ways begin at one side after the other.
+    pub fn by_sides(self, kept: Span) -> WaysPast<'a> {
+        let turns = (kept - WRONG_SIDE).0 / EACH_SIDE.0;
+        if kept < WRONG_SIDE {
+            return self;
+        }
+        let squares: Vec<Square> = self.standing().collect();
+        let Some(inside) = squares.iter().find(|s| s.depth_m(self.at) > ALONG_M) else { return self };
+        let reach_m = inside.half_m + ALONG_M;
+        let (x, y) = (self.at.x, self.at.y);
+        let sides = [
+            Point::new(inside.at.x + reach_m, y),
+            Point::new(inside.at.x - reach_m, y),
+            Point::new(x, inside.at.y + reach_m),
+            Point::new(x, inside.at.y - reach_m),
+        ];
+        let is_open =
+            |p: &Point| self.walkways.is_free(*p) && squares.iter().all(|s| s.depth_m(*p) <= ALONG_M);
+        let mut open: Vec<Point> = sides.into_iter().filter(is_open).collect();
+        open.sort_by(|a, b| (a - self.at).norm().total_cmp(&(b - self.at).norm()));
+        let first = (!open.is_empty()).then(|| open[(1 + turns as usize) % open.len()]);
+        WaysPast { first, ..self }
     }
 
     /// A way to a place: on walkways that are not cut, or after one straight step past the robots, or along the sides of
     /// those that stand.
     pub fn to(&self, goal: Point) -> Option<Vec<Point>> {
         let on = |p: Point| self.walkways.path(p, goal, self.cut);
+        if let Some(way) = self.first.and_then(on) {
+            return Some([self.at].into_iter().chain(way.points).collect());
+        }
         if let Some(way) = on(self.at) {
             return Some(way.points);
         }
@@ -111,12 +145,16 @@ impl<'a> WaysPast<'a> {
         near.map(|(n, _)| self.walkways.nodes()[n].at).filter(is_clear).collect()
     }
 
+    /// The floor that is not free because of robots that stand near.
+    fn standing(&self) -> impl Iterator<Item = Square> {
+        let floor = self.floor;
+        let standing = floor.ledger.present().filter(move |r| floor.stands_near(*r, self.at));
+        standing.map(move |r| Square { at: floor.place_of(r), half_m: floor.beside_m(r, BODY_M) + ALONG_M })
+    }
+
     /// Ways between the robots that stand near, and the walkways that they lead to, the nearest first.
     fn between(&self) -> (WaysBetween<'a>, Vec<Point>) {
-        let floor = self.floor;
-        let standing = floor.ledger.present().filter(|r| floor.stands_near(*r, self.at));
-        let square = |r| Square { at: floor.place_of(r), half_m: floor.beside_m(r, BODY_M) + ALONG_M };
-        let ways = self.walkways.ways_between(self.at, standing.map(square).collect(), BETWEEN_M);
+        let ways = self.walkways.ways_between(self.at, self.standing().collect(), BETWEEN_M);
         let nodes = self.walkways.around(self.at, BETWEEN_M).map(|n| self.walkways.nodes()[n].at);
         let clear = nodes.filter(|p| ways.is_clear(*p));
         let with_length = clear.filter_map(|p| Some((ways.length_m(p)?, p)));

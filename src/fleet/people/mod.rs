@@ -3,7 +3,7 @@
 //! Main types: [`state::HumanState`], [`report::PeopleReport`], [`intents::Intents`]. Refuses: to plan for robots.
 
 pub(in crate::fleet) mod barred;
-mod blocked;
+pub(in crate::fleet) mod blocked;
 pub(in crate::fleet) mod evacuate;
 pub(in crate::fleet) mod evaluate;
 pub(in crate::fleet) mod forecast;

@@ -163,7 +163,8 @@ impl HumanState {
         // A robot that has waited for the worker for long has nowhere to go: the worker makes room, not the robot.
         let is_stuck = robot.is_some_and(|r| yielding.stuck_with(r, now) == Some(worker));
         let refuge = || self.refuge(core.floor(), worker, place.at, &cut);
-        let way = || WaysPast::new(self, core.floor(), place.at, &cut).to(goal);
+        let kept = core.waits.kept_in_one_spot(worker);
+        let way = || WaysPast::new(self, core.floor(), place.at, &cut).by_sides(kept).to(goal);
         let (way, refuge) = match is_stuck.then(refuge).flatten() {
             Some(points) => (None, Some(points)),
             None => way().map_or_else(|| (None, refuge()), |points| (Some(points), None)),

@@ -2,7 +2,10 @@
 
 use super::people::Puppet;
 use super::*;
+use crate::aware::BODY_M;
+use crate::fleet::people::blocked::WaysPast;
 use crate::geometry::Point;
+use crate::warehouse::sketch;
 
 /// A floor with one delivery, and a person near its station with the two ends of a way before it.
 fn before_the_station() -> (TestFloor, Puppet, [Point; 2]) {
@@ -127,4 +130,42 @@ fn asked_for_another(kept_s: i64) -> bool {
 #[test]
 fn a_robot_that_shuts_a_worker_in_inherits_the_wait_and_the_person_before_it_is_asked_at_once() {
     assert_eq!([10, 20].map(asked_for_another), [false, true]);
+}
+
+#[test]
+fn a_person_who_is_measured_inside_a_robot_and_stays_there_is_led_out_at_one_side_after_the_other() {
+    let drawing = "
+        .......
+        .......
+        ...P...
+        .......
+        .R...S1";
+    let map = sketch(drawing).build().expect("nobody gets stuck there");
+    let mut floor = TestFloor::new(map, &scenario(1));
+    floor.run(1);
+    let (fleet, robot) = (&floor.fleet, fleet_floor(&floor).place_of(RobotId(0)));
+    let inside = robot + nalgebra::Vector2::new(0.1, 0.05);
+    let nodes = fleet.warehouse().nodes.iter().map(|n| n.at);
+    let goal = nodes.max_by(|a, b| (a - robot).norm().total_cmp(&(b - robot).norm())).expect("it has nodes");
+    let cut = fleet.people.walkways.no_edges();
+    let first = |kept_s: i64| {
+        let ways = WaysPast::new(&fleet.people, fleet_floor(&floor), inside, &cut);
+        let way = ways.by_sides(Span::from_secs(kept_s)).to(goal).expect("there is a way");
+        assert_eq!(way[0], inside);
+        way[1]
+    };
+    let firsts = [20, 29, 38, 47].map(first);
+    let reach_m = fleet_floor(&floor).beside_m(RobotId(0), BODY_M);
+    let (mut sides, beside): (Vec<_>, _) =
+        (firsts.iter().map(|p| (p - inside).map(|d| d.round() as i64)).collect(), |p: &Point| {
+            (p - robot).amax() >= reach_m
+        });
+    assert!(firsts.iter().all(beside), "{firsts:?} lead out of the robot at {robot:?}");
+    sides.dedup();
+    assert!(sides.len() == 4, "one side after the other: {firsts:?}");
+    assert_eq!(first(19), first(0), "the nearest side comes first");
+}
+
+fn fleet_floor(floor: &TestFloor) -> crate::fleet::state::floor::Floor<'_> {
+    floor.fleet.core.floor()
 }

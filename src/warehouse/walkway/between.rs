@@ -35,7 +35,7 @@ pub struct WaysBetween<'a> {
 
 impl Square {
     /// How far inside a point is, metres; negative outside.
-    pub(super) fn depth_m(&self, p: Point) -> f64 {
+    pub fn depth_m(&self, p: Point) -> f64 {
         self.half_m - (p.x - self.at.x).abs().max((p.y - self.at.y).abs())
     }
 }
