@@ -16,6 +16,10 @@ pub const BODY_M: f64 = 0.25;
 const ROBOT_M: f64 = 0.1;
 /// Speed of robots near people, metres per second.
 pub const SLOW_MPS: f64 = 0.5;
+/// Speed of robots that come towards people who are near, metres per second.
+pub const CREEP_MPS: f64 = 0.25;
+/// Robots come towards people within this distance so slowly that twice the separation is left, metres.
+pub const APPROACH_M: f64 = 3.0;
 
 /// Radii and speeds for one kind of robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,6 +97,30 @@ impl Regions {
         (v < top).then(|| quantised(v).clamp(SLOW_MPS.min(top), top))
     }
 
+    /// How fast a robot may come towards a person at most, metres per second: so that within [`APPROACH_M`] twice the
+    /// separation distance is left to a person who walks at `walks_mps`, and so that a robot farther away is as slow when
+    /// it comes there. Never below [`CREEP_MPS`]. Nothing where any speed is slow enough.
+    pub fn approach_limit_mps(
+        &self,
+        distance_m: f64,
+        walks_mps: f64,
+        loaded: bool,
+        sigma_m: f64,
+    ) -> Option<f64> {
+        let (top, a) = (self.kinematics.top_mps(loaded), self.kinematics.accel_mps2(loaded));
+        // 2·(v²/2a + v·(T + walks/a) + walks·T + doubt) = distance
+        let b = self.reaction_s + walks_mps / a;
+        let doubt_m = 2.0 * sigma_m + ROBOT_M;
+        let half_m = 0.5 * (distance_m.min(APPROACH_M) - self.bodies_m(loaded));
+        let left = half_m - walks_mps * self.reaction_s - doubt_m;
+        let there = if left <= 0.0 { 0.0 } else { a * ((b * b + 2.0 * left / a).sqrt() - b) };
+        let there = there.max(CREEP_MPS);
+        // v·T + (v² - there²)/2a = what is left to drive until there
+        let (t, until_m) = (self.reaction_s * a, (distance_m - APPROACH_M).max(0.0));
+        let v = (t * t + there * there + 2.0 * a * until_m).sqrt() - t;
+        (v.max(there) < top).then(|| quantised(v).max(CREEP_MPS).min(top))
+    }
+
     /// [`Regions::limit_mps`] without and with a rack, infinite where there is none.
     pub fn limits_mps(&self, distance_m: f64, sigma_m: f64) -> [f64; 2] {
         [false, true].map(|l| self.limit_mps(distance_m, l, sigma_m).unwrap_or(f64::INFINITY))
@@ -152,6 +180,33 @@ mod tests {
             assert!(v == SLOW_MPS || r.separation_m(v, true, 0.02) <= apart, "{v} at {d}");
         }
         assert_eq!(r.limit_mps(20.0, true, 0.02), None);
+    }
+
+    #[test]
+    fn who_comes_towards_a_person_leaves_twice_the_separation_within_three_metres_and_brakes_before() {
+        let r = Regions::new(Kinematics::default(), 0.9, 0.1);
+        for (loaded, walks) in [(false, 0.2), (true, 0.2), (false, 1.4), (true, 1.4)] {
+            for d in [1.0, 1.5, 2.0, 2.5, 3.0] {
+                let v = r.approach_limit_mps(d, walks, loaded, 0.02).expect("no robot is that slow");
+                let times = r.times(v, loaded);
+                let separation_m =
+                    walks * (times.react_s + times.stop_s) + r.stop_m(v, loaded) + 0.04 + ROBOT_M;
+                let left_m = d - r.bodies_m(loaded);
+                assert!(v == CREEP_MPS || 2.0 * separation_m <= left_m, "{v} m/s at {d} m, {walks} m/s");
+            }
+            // Braking from the limit farther away ends in the limit there.
+            let there = r.approach_limit_mps(3.0, walks, loaded, 0.02).expect("a limit");
+            for d in [3.5, 4.0, 5.0] {
+                let Some(v) = r.approach_limit_mps(d, walks, loaded, 0.02) else { continue };
+                let a = r.kinematics.accel_mps2(loaded);
+                let braking_m = r.reaction_s * v + (v * v - there * there) / (2.0 * a);
+                assert!(
+                    v >= there && braking_m <= d - 3.0 + 0.3,
+                    "{v} m/s at {d} m brakes to {there} in {braking_m} m"
+                );
+            }
+        }
+        assert_eq!(r.approach_limit_mps(12.0, 1.4, false, 0.02), None);
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::fleet::state::yielding::{RobotYielding, STANDS, Standing, YieldingSta
 use crate::fleet::traffic::state::{Direction, Traffic};
 use crate::fleet::yielding::state::Yielding;
 use crate::geometry::{Point, Segment};
-use crate::human::{Presence, Whereabouts};
+use crate::human::{Presence, WALK_MPS, Whereabouts};
 use crate::id::{NodeId, RobotId, WorkerId};
 use crate::route::{Cause, Effect};
 use crate::time::{Span, Time};
@@ -35,6 +35,10 @@ const PASSING_M: f64 = 6.0;
 const GAIT_MPS: f64 = 1.3;
 /// Robots are told their limit again after this long, until they say that they know it.
 const INSIST: Span = Span::from_millis(100);
+/// A robot comes towards a person where at least this share of its speed leads there.
+const TOWARDS: f64 = 0.1;
+/// What the measured speed of a person may be wrong by, metres per second.
+const MEASURED_MPS: f64 = 0.2;
 /// A robot that comes nearer by no more than this passes, metres.
 const NEARER_M: f64 = 0.05;
 /// Robots and workers farther apart than this are of no interest to one another, metres.
@@ -179,6 +183,8 @@ impl SpeedLimits<'_> {
             } else {
                 self.limit_here(robot, at, *worker, w, now)
             };
+            let approach = self.approach_limit(robot, at, w, loaded).filter(|_| !off);
+            let limit = limit.map_or(approach, |l| Some(approach.map_or(l, |a| a.min(l))));
             // Down to the slow speed, at which the rules by distance decide: a robot face to face with a person
             // has to get out of the way somehow.
             let is_fast = speed > SLOW_MPS && limit.is_none_or(|l| l > SLOW_MPS);
@@ -190,6 +196,27 @@ impl SpeedLimits<'_> {
             }
         }
         slowest
+    }
+
+    /// How fast a robot may be so that it does not come towards a person too fast: its speed along its way counts as
+    /// far as it leads there.
+    fn approach_limit(&self, robot: RobotId, at: Point, w: &Whereabouts, loaded: bool) -> Option<f64> {
+        if self.floor.settings.policy != HumanAwarePolicy::Giveway || w.presence == Presence::Lost {
+            return None;
+        }
+        let (on, to) = (self.next_place(robot)? - at, w.at - at);
+        let share = on.dot(&to) / (on.norm() * to.norm());
+        if share.is_nan() || share < TOWARDS {
+            return None;
+        }
+        let walks_mps = match w.presence {
+            Presence::Tracked => w.velocity.norm() + MEASURED_MPS,
+            _ => WALK_MPS,
+        };
+        let distance_m = to.norm() - w.reach_m;
+        let limit = self.floor.regions(robot).approach_limit_mps(distance_m, walks_mps, loaded, w.sigma_m)?;
+        let (along, top) = (limit / share, self.floor.kinematics(robot).top_mps(loaded));
+        (along < top).then_some((along * 4.0).floor() / 4.0)
     }
 
     /// Whether a person who is not seen can come near a robot on foot: racks and walls are no way through. A person
