@@ -114,7 +114,7 @@ impl Regions {
         let half_m = 0.5 * (distance_m.min(APPROACH_M) - self.bodies_m(loaded));
         let left = half_m - walks_mps * self.reaction_s - doubt_m;
         let there = if left <= 0.0 { 0.0 } else { a * ((b * b + 2.0 * left / a).sqrt() - b) };
-        let there = there.max(CREEP_MPS);
+        let there = quantised(there).max(CREEP_MPS);
         // v·T + (v² - there²)/2a = what is left to drive until there
         let (t, until_m) = (self.reaction_s * a, (distance_m - APPROACH_M).max(0.0));
         let v = (t * t + there * there + 2.0 * a * until_m).sqrt() - t;
