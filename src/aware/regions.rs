@@ -98,8 +98,8 @@ impl Regions {
     }
 
     /// How fast a robot may come towards a person at most, metres per second: so that within [`APPROACH_M`] twice the
-    /// separation distance is left to a person who walks at `walks_mps`, and so that a robot farther away is as slow when
-    /// it comes there. Never below [`CREEP_MPS`]. Nothing where any speed is slow enough.
+    /// separation distance is left to a person who walks at `walks_mps`, and so that a robot farther away is as slow
+    /// when it comes there. Never below [`CREEP_MPS`]. Nothing where any speed is slow enough.
     pub fn approach_limit_mps(
         &self,
         distance_m: f64,

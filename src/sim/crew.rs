@@ -327,6 +327,12 @@ impl Crew {
         }
     }
 
+    /// The headset of a worker sends nothing until then. Whether there is one.
+    pub fn silence(&mut self, worker: WorkerId, until: Time) -> bool {
+        let device = self.members.iter_mut().find(|m| m.id == Some(worker)).and_then(|m| m.device.as_mut());
+        device.map(|device| device.fall_silent(until)).is_some()
+    }
+
     /// How often their devices had each kind of fault.
     pub fn injected(&self) -> impl Iterator<Item = (&'static str, u64)> {
         let mut counts = self.counts;

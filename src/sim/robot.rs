@@ -268,10 +268,9 @@ impl RobotBody {
         }
     }
 
-    /// Its battery is flat from now on.
-    #[cfg(test)]
-    pub fn empty_battery(&mut self) {
-        self.battery = 0.0;
+    /// Its battery has so much charge from now on, of 1.
+    pub fn set_battery(&mut self, charge: f64) {
+        self.battery = charge;
     }
 
     /// Whether the picker has all that was wanted from the rack on it.

@@ -63,6 +63,8 @@ pub(super) struct Device {
     radio: Stream,
     frames: Stream,
     silence: Spell,
+    /// Besides, it sends nothing until then.
+    mute_until: Time,
     jumps: Spell,
     resets: Spell,
     jump: Vector,
@@ -94,6 +96,7 @@ impl Device {
             radio: stream(51),
             frames: stream(52),
             silence: Spell::new(sensor.silences_per_hour, now, stream(53)),
+            mute_until: now,
             jumps: Spell::new(sensor.jumps_per_hour, now, stream(54)),
             resets: Spell::new(sensor.resets_per_hour, now, stream(55)),
             sensor,
@@ -120,9 +123,14 @@ impl Device {
         }
         let sighting = self.measure(now, worker, pose, walked_m);
         self.seq += 1;
-        if !self.silence.lasts(now) {
+        if !self.silence.lasts(now) && now >= self.mute_until {
             self.send(now, sighting);
         }
+    }
+
+    /// Sends nothing until then.
+    pub fn fall_silent(&mut self, until: Time) {
+        self.mute_until = until;
     }
 
     /// Begins a new frame at an anchor where its wearer is, without the errors of the one before: it lost its position,

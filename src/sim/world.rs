@@ -2,6 +2,8 @@
 //!
 //! Main type: [`World`]. Refuses: to let the fleet see anything but telemetry and orders.
 
+mod incidents;
+
 use super::announce::Announcements;
 use super::crew::{Crew, TrueWorker};
 use super::customers::{Customers, FIRST_TOKEN, OrderLine};
@@ -51,6 +53,8 @@ struct SimRobot {
     clock: Span,
     /// Whether it says that it gets no current because its charger gives none to any robot.
     charger_is_out: bool,
+    /// Its radio is dead until then.
+    mute_until: Option<Time>,
 }
 
 /// The simulated floor.
@@ -175,6 +179,10 @@ impl World {
         inputs.extend(self.picks(fleet));
         for robot in self.robots.iter_mut().filter(|r| !r.off) {
             let report = robot.body.report(now);
+            robot.mute_until = robot.mute_until.filter(|until| now < *until);
+            if robot.mute_until.is_some() {
+                continue;
+            }
             robot.reports.send(now, Telemetry { seen: now + robot.clock, ..report });
             while let Some(report) = robot.reports.receive(now) {
                 inputs.push(Input::Telemetry(report));
@@ -290,31 +298,6 @@ impl World {
     /// How often robots were pushed elsewhere.
     pub fn pushed(&self) -> u64 {
         self.pushed
-    }
-
-    /// Puts a robot somewhere, for tests of what happens then.
-    #[cfg(test)]
-    pub fn put(&mut self, robot: RobotId, at: Point) {
-        let off = |n: &NodeId| (self.warehouse.nodes[*n].at - at).norm();
-        let nearest = self.warehouse.nodes.ids().min_by(|a, b| off(a).total_cmp(&off(b))).expect("some node");
-        let robot = &mut self.robots[robot.ix()];
-        robot.body.put(at, nearest);
-        robot.push_on = Some(self.now + Span::from_secs_f64(self.faults.repair_s));
-        self.pushed += 1;
-    }
-
-    /// The rack on a robot is another one, or gone, for tests of what happens then.
-    #[cfg(test)]
-    pub fn load(&mut self, robot: RobotId, rack: Option<RackId>) {
-        let robot = &mut self.robots[robot.ix()];
-        (robot.body.rack, robot.had) = (rack, rack);
-    }
-
-    /// People take the rack off a robot and set it down, for tests of what happens then.
-    #[cfg(test)]
-    pub fn take_rack(&mut self, (rack, robot): (RackId, RobotId), node: NodeId) {
-        self.racks[rack] = RackAt::Stored(node);
-        self.load(robot, None);
     }
 
     /// Customers want nothing new from now on.
@@ -463,28 +446,6 @@ impl World {
         }
     }
 
-    /// Breaks a robot, for tests of what happens then.
-    #[cfg(test)]
-    pub fn fail(&mut self, robot: RobotId, until: Time) {
-        self.afflict(robot, Fault::Broken, until);
-    }
-
-    /// Something goes wrong with a robot, for tests of what happens then.
-    #[cfg(test)]
-    pub fn afflict(&mut self, robot: RobotId, fault: Fault, until: Time) {
-        let body = &mut self.robots[robot.ix()].body;
-        match fault {
-            Fault::Manual => body.take_over(until),
-            _ => body.fault = Some((fault, until)),
-        }
-    }
-
-    /// Empties the battery of a robot, for tests of what happens then.
-    #[cfg(test)]
-    pub fn drain(&mut self, robot: RobotId) {
-        self.robots[robot.ix()].body.empty_battery();
-    }
-
     /// Bodies for robots that the fleet knows by now.
     fn meet(&mut self, fleet: &Fleet) {
         for i in self.robots.len()..fleet.ledger().robots.len() {
@@ -518,6 +479,7 @@ impl World {
             pushes: stream(6),
             clock: Span::from_secs_f64(clock),
             charger_is_out: false,
+            mute_until: None,
             push_on: None,
             tries: 0,
             off: record.is_gone(),

@@ -21,6 +21,11 @@ const ROBOTS: usize = 200;
 /// Length of a turn of the loop, which poses wait for.
 const PERIOD_MS: i64 = 50;
 
+/// The regions round people allow for two turns of the loop from a pose that came in to a robot's stop, seconds
+/// (`aware/regions.rs`); so many may be later.
+const BOUND_S: f64 = 0.1;
+const MOST_LATE: f64 = 0.01;
+
 /// How long it takes, without the first seconds.
 fn seconds() -> u64 {
     std::env::var("GIVEWAY_LOAD_SECONDS").ok().and_then(|s| s.parse().ok()).unwrap_or(60)
@@ -217,6 +222,23 @@ async fn twenty_headsets_at_60_hz_beside_200_robots() {
         .filter(|l| !l.contains("_bucket") || l.contains("to_robot_stop"))
         .for_each(|l| println!("{l}"));
     server.stop().await.unwrap();
+    let late = late_stops(&metrics);
+    println!("stops sent to robots later than {BOUND_S} s after the pose came in: {:.2} %", late * 100.0);
+    assert!(late <= MOST_LATE, "regions are too small for so many late stops");
+}
+
+/// The share of stops that were sent to robots later than the bound after the first pose that asked for them came in.
+fn late_stops(metrics: &str) -> f64 {
+    let count = |bucket: &str| {
+        let line = metrics.lines().find(|l| {
+            l.starts_with("giveway_pose_to_robot_stop_seconds_bucket")
+                && l.contains(&format!("le=\"{bucket}\""))
+        });
+        line.and_then(|l| l.rsplit(' ').next()?.parse::<f64>().ok()).expect("the histogram has this bucket")
+    };
+    let all = count("+Inf");
+    assert!(all > 0.0, "no robot was sent a stop");
+    1.0 - count(&BOUND_S.to_string()) / all
 }
 
 const DASHBOARDS: usize = 200;

@@ -27,8 +27,8 @@ const EACH_SIDE: Span = Span::from_secs(9);
 /// How far one straight step leads, metres.
 const STEP_M: f64 = 1.8;
 
-/// Ways on from where a person is, who may stand face to face with a robot. What does not depend on the goal is searched
-/// once, and only if it is needed.
+/// Ways on from where a person is, who may stand face to face with a robot. What does not depend on the goal is
+/// searched once, and only if it is needed.
 pub(in crate::fleet) struct WaysPast<'a> {
     walkways: &'a Walkways,
     floor: Floor<'a>,
@@ -108,8 +108,8 @@ impl<'a> WaysPast<'a> {
         WaysPast { first, ..self }
     }
 
-    /// A way to a place: on walkways that are not cut, or after one straight step past the robots, or along the sides of
-    /// those that stand.
+    /// A way to a place: on walkways that are not cut, or after one straight step past the robots, or along the sides
+    /// of those that stand.
     pub fn to(&self, goal: Point) -> Option<Vec<Point>> {
         let on = |p: Point| self.walkways.path(p, goal, self.cut);
         if let Some(way) = self.first.and_then(on) {

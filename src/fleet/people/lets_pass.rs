@@ -87,7 +87,7 @@ impl HumanState {
         }
     }
 
-    /// Asks those in the way of a robot to let it pass, also the worker for whom it waits; not the one that it shuts in.
+    /// Asks those in the way of a robot to let it pass, also the worker for whom it waits; not whom it shuts in.
     fn clear_the_way(
         &mut self,
         floor: Floor<'_>,

@@ -95,8 +95,8 @@ fn a_person_whose_headset_knows_its_place_badly_is_asked_for_marks_before_robots
     }
 }
 
-/// Whether a person before whom a robot waits is asked at once to let it pass, where the robot has kept another worker in
-/// one spot for so many seconds.
+/// Whether a person before whom a robot waits is asked at once to let it pass, where the robot has kept another worker
+/// in one spot for so many seconds.
 fn asked_for_another(kept_s: i64) -> bool {
     let (mut floor, mut ana, ends) = before_the_station();
     let nodes = floor.fleet.warehouse().nodes.iter().map(|n| n.at);

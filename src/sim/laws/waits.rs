@@ -80,8 +80,10 @@ impl WaitLaws {
             if (kept.spot - at).norm() > SPOT_M {
                 *kept = fresh;
             }
-            let because = fleet.wait(Party::Worker(worker)).edge;
-            if matches!(because, Edge::On(_) | Edge::NoWay | Edge::Until(_)) {
+            let wait = fleet.wait(Party::Worker(worker));
+            let because = wait.edge;
+            // What stands by a person's hand, or is broken, the fleet cannot move.
+            if matches!(because, Edge::On(_) | Edge::NoWay | Edge::Until(_)) && !wait.is_for_an_operator() {
                 kept.waited += now - kept.looked;
             }
             kept.looked = now;

@@ -93,7 +93,7 @@ impl WaysBetween<'_> {
         within.then(|| (y * self.side + x) as usize)
     }
 
-    /// Whether a person can walk from one point to another close by: onto free floor, and within a square only outwards.
+    /// Whether a person can walk from one point to another close by: onto free floor, within a square only outwards.
     fn is_step(&self, here: Point, there: Point) -> bool {
         let leaves = |s: &Square| s.depth_m(there) <= 0.0 || s.depth_m(there) < s.depth_m(here);
         self.walkways.is_free(there) && self.squares.iter().all(leaves)

@@ -1,0 +1,91 @@
+//! What goes wrong at a chosen moment with a chosen robot or worker, for experiments and tests; what a scenario's rates
+//! bring about is drawn in `world.rs`.
+//!
+//! Refuses: to choose.
+
+use super::World;
+use crate::fleet::Fault;
+use crate::id::{Dense, RobotId, WorkerId};
+use crate::time::Time;
+#[cfg(test)]
+use crate::{
+    fleet::RackAt,
+    geometry::Point,
+    id::{NodeId, RackId},
+    time::Span,
+};
+
+impl World {
+    /// Breaks a robot, for tests of what happens then.
+    #[cfg(test)]
+    pub fn fail(&mut self, robot: RobotId, until: Time) {
+        self.afflict(robot, Fault::Broken, until);
+    }
+
+    /// Something goes wrong with a robot, until then.
+    pub fn afflict(&mut self, robot: RobotId, fault: Fault, until: Time) {
+        let body = &mut self.robots[robot.ix()].body;
+        match fault {
+            Fault::Manual => body.take_over(until),
+            _ => body.fault = Some((fault, until)),
+        }
+    }
+
+    /// Empties the battery of a robot, for tests of what happens then.
+    #[cfg(test)]
+    pub fn drain(&mut self, robot: RobotId) {
+        self.set_battery(robot, 0.0);
+    }
+
+    /// The battery of a robot has so much charge, of 1.
+    pub fn set_battery(&mut self, robot: RobotId, charge: f64) {
+        self.robots[robot.ix()].body.set_battery(charge);
+    }
+
+    /// The radio of a robot is dead until then: it reports nothing, but hears.
+    pub fn mute(&mut self, robot: RobotId, until: Time) {
+        self.robots[robot.ix()].mute_until = Some(until);
+    }
+
+    /// People push a robot that stands to a place between nodes. Whether it could be.
+    pub fn push_away(&mut self, robot: RobotId) -> bool {
+        if !self.robots[robot.ix()].body.can_be_pushed() {
+            return false;
+        }
+        // So that people push it on later, onto a node.
+        self.pushes = true;
+        let before = self.pushed;
+        self.push(robot.ix(), false, (self.now, self.now));
+        self.pushed > before
+    }
+
+    /// The headset of a worker sends nothing until then. Whether there is one.
+    pub fn silence(&mut self, worker: WorkerId, until: Time) -> bool {
+        self.crew.as_mut().is_some_and(|crew| crew.silence(worker, until))
+    }
+
+    /// Puts a robot somewhere, for tests of what happens then.
+    #[cfg(test)]
+    pub fn put(&mut self, robot: RobotId, at: Point) {
+        let off = |n: &NodeId| (self.warehouse.nodes[*n].at - at).norm();
+        let nearest = self.warehouse.nodes.ids().min_by(|a, b| off(a).total_cmp(&off(b))).expect("some node");
+        let robot = &mut self.robots[robot.ix()];
+        robot.body.put(at, nearest);
+        robot.push_on = Some(self.now + Span::from_secs_f64(self.faults.repair_s));
+        self.pushed += 1;
+    }
+
+    /// The rack on a robot is another one, or gone, for tests of what happens then.
+    #[cfg(test)]
+    pub fn load(&mut self, robot: RobotId, rack: Option<RackId>) {
+        let robot = &mut self.robots[robot.ix()];
+        (robot.body.rack, robot.had) = (rack, rack);
+    }
+
+    /// People take the rack off a robot and set it down, for tests of what happens then.
+    #[cfg(test)]
+    pub fn take_rack(&mut self, (rack, robot): (RackId, RobotId), node: NodeId) {
+        self.racks[rack] = RackAt::Stored(node);
+        self.load(robot, None);
+    }
+}
