@@ -6,15 +6,15 @@ use super::condition::{AlarmCondition, AlarmSubject, SubjectKind, some_of};
 use super::displaced::words;
 use super::kind::{AlarmKind, AlarmSeverity};
 use super::roots::{Roots, robots_wait};
-use crate::fleet::{Because, Doing, Edge, Fleet, Party, RobotView, Task, View, Why};
+use crate::fleet::{Because, Doing, Edge, Fault, Fleet, Party, RobotView, Task, View, Why};
 use crate::id::{Dense, RobotId};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
 
 /// A robot with a task that could go on and does not for so long is stuck.
 const STUCK: Span = Span::from_secs(120);
-/// One that waits for others is stuck only after this: the cause is theirs, as a rule.
-const STUCK_BEHIND: Span = Span::from_secs(600);
+/// One that waits for others is stuck only after this: the cause is theirs, and busy stations have long queues.
+const STUCK_BEHIND: Span = Span::from_secs(3600);
 /// A robot that left the floor and was heard of within this still reports.
 const REPORTS: Span = Span::from_secs(10);
 /// If more robots than this have the same condition, it is one condition of all of them: it has one cause, such as a
@@ -29,6 +29,8 @@ struct Progress {
     visit: u64,
     acted: Option<u64>,
     since: Time,
+    /// Since when it has done nothing more though it waits for nobody.
+    free_since: Time,
 }
 
 /// What is remembered of robots from look to look.
@@ -43,7 +45,8 @@ impl RobotWatch {
         let ledger = fleet.ledger();
         for (robot, record) in ledger.robots.pairs() {
             let (visit, acted) = (ledger.chain(robot).first(), record.acted);
-            let entry = self.progress.entry(robot).or_insert(Progress { visit, acted, since: now });
+            let fresh = Progress { visit, acted, since: now, free_since: now };
+            let entry = self.progress.entry(robot).or_insert(fresh);
             // What a person stopped gets on as soon as it may; a pick takes as long as it takes.
             let excused = record.task == Task::Idle
                 || record.paused.is_some()
@@ -51,7 +54,9 @@ impl RobotWatch {
                 || ledger.evacuation.is_some()
                 || fleet.is_picked_from(robot);
             if (entry.visit, entry.acted) != (visit, acted) || excused {
-                *entry = Progress { visit, acted, since: now };
+                *entry = fresh;
+            } else if waits_for_others(fleet, robot) {
+                entry.free_since = now;
             }
         }
     }
@@ -131,10 +136,12 @@ impl RobotWatch {
             }
             Some(Why::Obstructed(node)) => {
                 let node = &fleet.warehouse().nodes[node].name;
-                is(
-                    AlarmKind::RobotObstructed,
-                    format!("something stands in the way of {name}, before {node}"),
-                )
+                let said = format!("something stands in the way of {name}, before {node}");
+                is(AlarmKind::RobotObstructed, said)
+            }
+            // It says so, whatever else it waits for meanwhile, such as another route.
+            _ if row.fault == Some(Fault::Obstructed) => {
+                is(AlarmKind::RobotObstructed, format!("something stands in the way of {name}"))
             }
             Some(Why::NoRoute) if fleet.wait(Party::Robot(robot)).edge == Edge::NoWay => {
                 is(AlarmKind::RobotBlocked, format!("{name} finds no route"))
@@ -161,14 +168,11 @@ impl RobotWatch {
         is: impl Fn(AlarmKind, String) -> Option<AlarmCondition>,
     ) -> Option<AlarmCondition> {
         let stood = self.without_progress(robot, view.now);
-        let row = &view.robots[robot.ix()];
-        let waits_for_others = row
-            .why
-            .is_some_and(|why| why.is_by_itself() || matches!(why, Why::Closed(_) | Why::QueueFull(_)))
-            || matches!(fleet.wait(Party::Robot(robot)).edge, Edge::On(_) | Edge::Until(_));
-        if stood <= if waits_for_others { STUCK_BEHIND } else { STUCK } {
+        let free = self.progress.get(&robot).map_or(Span::ZERO, |p| view.now - p.free_since);
+        if free <= STUCK && stood <= STUCK_BEHIND {
             return None;
         }
+        let row = &view.robots[robot.ix()];
         // What a person wanted, and what is planned for later, takes as long as it takes.
         let is_wanted = row.why.is_some_and(|why| why.is_by_itself() || matches!(why, Why::Closed(_)));
         let is_planned = || {
@@ -182,6 +186,13 @@ impl RobotWatch {
         let found = is(AlarmKind::RobotStuck, format!("{} has a task and makes no progress", row.name))?;
         Some(AlarmCondition { since: Some(view.now - stood), ..found })
     }
+}
+
+/// Whether a robot waits for another one, a person, or what somebody asked for.
+fn waits_for_others(fleet: &Fleet, robot: RobotId) -> bool {
+    let wanted = |why: Why| why.is_by_itself() || matches!(why, Why::Closed(_) | Why::QueueFull(_));
+    fleet.why(robot).is_some_and(wanted)
+        || matches!(fleet.wait(Party::Robot(robot)).edge, Edge::On(_) | Edge::Until(_))
 }
 
 /// A robot says that it reached, or knows of, more than it was granted.

@@ -7,15 +7,16 @@
 use super::condition::{AlarmCondition, some_of};
 use super::kind::{AlarmKind, AlarmSeverity};
 use crate::fleet::{Fleet, View};
+use crate::id::RobotId;
 use crate::time::{Span, Time};
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 /// Steps are looked back upon for so long.
 const RECENT: Span = Span::from_secs(10);
 /// If more than one step in so many is late, the processor does not suffice.
 const LATE_ONE_IN: usize = 5;
-/// A robot may wait for so long until a route is searched for it.
-const UNSEARCHED: Span = Span::from_secs(10);
+/// A robot may wait for so long until a route is searched for it; after a search that found none it waits anyway.
+const UNSEARCHED: Span = Span::from_secs(30);
 /// The clocks may differ by so much.
 const CLOCKS: Span = Span::from_secs(60);
 
@@ -53,7 +54,12 @@ pub struct LoopHealth {
 }
 
 /// What is wrong with the server's own work.
-pub(super) fn conditions(fleet: &Fleet, view: &View, health: &LoopHealth) -> Vec<AlarmCondition> {
+pub(super) fn conditions(
+    fleet: &Fleet,
+    view: &View,
+    health: &LoopHealth,
+    robots: &BTreeMap<RobotId, AlarmCondition>,
+) -> Vec<AlarmCondition> {
     let mut found = Vec::new();
     let late = health.steps.late_percent();
     if late * LATE_ONE_IN >= 100 {
@@ -62,7 +68,9 @@ pub(super) fn conditions(fleet: &Fleet, view: &View, health: &LoopHealth) -> Vec
             format!("steps take longer than the control period of {period} ms: {late} % of the last ones.");
         found.push(AlarmCondition::of_server(AlarmKind::StepsLate, said));
     }
-    let queue = fleet.plan_queue(view.now);
+    // A robot with a cause of its own is not held up by the processor.
+    let mut queue = fleet.plan_queue(view.now);
+    queue.retain(|(robot, _)| !robots.contains_key(robot));
     if queue.first().is_some_and(|(_, waited)| *waited > UNSEARCHED) {
         let names: Vec<String> = queue.iter().map(|(r, _)| fleet.ledger().robots[*r].name.clone()).collect();
         let said = format!("robots wait for a route to be searched for them: {}.", some_of(&names));

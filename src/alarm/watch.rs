@@ -28,6 +28,10 @@ impl FloorWatch {
         let roots = Roots::of(fleet);
         let mut robots = self.robots.conditions(fleet, view, &roots);
         let mut found = people::conditions(fleet, view, &roots, &robots);
+        if found.iter().any(|c| c.kind == AlarmKind::WorkerLost) {
+            // Much of the floor is closed round a worker who is lost: that is why robots find no route.
+            robots.retain(|_, c| c.kind != AlarmKind::RobotBlocked);
+        }
         let jobs = self.jobs.conditions(fleet, view);
         if is_stopped(view) {
             // Nothing moves, as somebody wanted: what follows from that is no news.
@@ -38,8 +42,8 @@ impl FloorWatch {
             found.extend(stands.or_else(|| self.idle.look(fleet, view)));
             found.extend(jobs);
         }
+        found.extend(server::conditions(fleet, view, health, &robots));
         found.extend(gather(robots, fleet.ledger().present().count()));
-        found.extend(server::conditions(fleet, view, health));
         found
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Main type: [`Experiment`]. Refuses: to print a figure that depends on chance without its seed.
 
+use super::alarms::AlarmsArgs;
 use super::people::{DetectionArgs, TableArgs};
 use super::price::PriceArgs;
 use super::recorded::{EncountersArgs, ForecastArgs, PurposeArgs};
@@ -32,6 +33,8 @@ pub enum Experiment {
     Intention(PurposeArgs),
     /// Recorded people among robots that know nothing of them: which robots brake in time, and which for nothing.
     Meetings(EncountersArgs),
+    /// Faults that are brought about one at a time, and which alarms follow.
+    Alarms(AlarmsArgs),
     /// Safe spaces of workers and robots, and when a route is kept (Ye et al.), beside ours.
     SafeSpace(SafeSpaceArgs),
 }
@@ -89,6 +92,7 @@ impl Experiment {
             Experiment::Forecast(forecast) => forecast.run(),
             Experiment::Intention(purpose) => purpose.run(),
             Experiment::Meetings(encounters) => encounters.run(),
+            Experiment::Alarms(alarms) => alarms.run(),
             Experiment::SafeSpace(spaces) => spaces.run(),
         }
     }

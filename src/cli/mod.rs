@@ -7,6 +7,7 @@
 #[macro_use]
 mod out;
 
+mod alarms;
 mod bench;
 mod bench_memory;
 mod bench_steps;
@@ -29,6 +30,8 @@ mod swarm;
 use crate::warehouse::{Warehouse, formats};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A warehouse fleet manager in which robots give way to people.
 ///
@@ -127,4 +130,28 @@ fn progress(length: u64, what: &'static str) -> indicatif::ProgressBar {
     indicatif::ProgressBar::new(length)
         .with_style(style.expect("the template is well-formed"))
         .with_message(what)
+}
+
+/// Results of work in parts, in their order.
+fn in_parallel<T: Send>(parts: usize, jobs: Option<usize>, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let results: Vec<Mutex<Option<T>>> = (0..parts).map(|_| Mutex::new(None)).collect();
+    let next = AtomicUsize::new(0);
+    let bar = progress(parts as u64, "runs");
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..jobs.unwrap_or(cores).clamp(1, parts.max(1)) {
+            scope.spawn(|| {
+                loop {
+                    let i = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(slot) = results.get(i) else { break };
+                    let result = work(i);
+                    *slot.lock().expect("nobody panics while holding it") = Some(result);
+                    bar.inc(1);
+                }
+            });
+        }
+    });
+    bar.finish_and_clear();
+    let result = |slot: Mutex<Option<T>>| slot.into_inner().expect("all are done").expect("all were run");
+    results.into_iter().map(result).collect()
 }

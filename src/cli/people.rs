@@ -2,7 +2,7 @@
 //!
 //! Main types: [`TableArgs`], [`DetectionArgs`]. Refuses: results that depend on the order in which runs end.
 
-use super::{progress, read_map, rings};
+use super::{in_parallel, read_map, rings};
 use crate::aware::HumanAwarePolicy;
 use crate::experiment::statistics::{Interval, Summary};
 use crate::experiment::table::{Column, RunRow, TableSetup};
@@ -14,8 +14,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 /// Which arms are compared with which.
 const PAIRS: [(HumanAwarePolicy, HumanAwarePolicy); 5] = [
@@ -148,27 +147,10 @@ pub fn run_all(
     seed: u64,
     jobs: Option<usize>,
 ) -> Vec<Vec<RunRow>> {
-    let total = cases.len() * runs as usize;
-    let rows: Vec<Mutex<Option<RunRow>>> = (0..total).map(|_| Mutex::new(None)).collect();
-    let next = AtomicUsize::new(0);
-    let bar = progress(total as u64, "runs");
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 0..jobs.unwrap_or(cores).clamp(1, total) {
-            scope.spawn(|| {
-                while let Some(slot) = rows.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let i = rows.element_offset(slot).expect("it is one of them");
-                    let (setup, arm) = &cases[i / runs as usize];
-                    let row = setup.run(*arm, seed + i as u64 % runs);
-                    *slot.lock().expect("nobody panics while holding it") = Some(row);
-                    bar.inc(1);
-                }
-            });
-        }
+    let rows = in_parallel(cases.len() * runs as usize, jobs, |i| {
+        let (setup, arm) = &cases[i / runs as usize];
+        setup.run(*arm, seed + i as u64 % runs)
     });
-    bar.finish_and_clear();
-    let rows = rows.into_iter().map(|r| r.into_inner().expect("all are done").expect("all were run"));
-    let rows: Vec<RunRow> = rows.collect();
     rows.chunks(runs as usize).map(<[RunRow]>::to_vec).collect()
 }
 
