@@ -28,8 +28,9 @@ impl FloorWatch {
         let roots = Roots::of(fleet);
         let mut robots = self.robots.conditions(fleet, view, &roots);
         let mut found = people::conditions(fleet, view, &roots, &robots);
-        if found.iter().any(|c| c.kind == AlarmKind::WorkerLost) {
-            // Much of the floor is closed round a worker who is lost: that is why robots find no route.
+        let is_lost = found.iter().any(|c| c.kind == AlarmKind::WorkerLost);
+        if is_lost {
+            // Much of the floor is closed round a worker who is lost: that is why robots find no route and stand.
             robots.retain(|_, c| c.kind != AlarmKind::RobotBlocked);
         }
         let jobs = self.jobs.conditions(fleet, view);
@@ -37,9 +38,11 @@ impl FloorWatch {
             // Nothing moves, as somebody wanted: what follows from that is no news.
             found.extend(jobs.into_iter().filter(|c| c.kind == AlarmKind::DeadlineMissed));
         } else {
-            found.extend(standstills(fleet, view, &robots));
-            let stands = whole_floor(fleet, view, (&self.robots, &roots), (&mut robots, &mut found));
-            found.extend(stands.or_else(|| self.idle.look(fleet, view)));
+            if !is_lost {
+                found.extend(standstills(fleet, view, &robots));
+                let stands = whole_floor(fleet, view, (&self.robots, &roots), (&mut robots, &mut found));
+                found.extend(stands.or_else(|| self.idle.look(fleet, view)));
+            }
             found.extend(jobs);
         }
         found.extend(server::conditions(fleet, view, health, &robots));

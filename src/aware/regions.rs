@@ -97,9 +97,9 @@ impl Regions {
         (v < top).then(|| quantised(v).clamp(SLOW_MPS.min(top), top))
     }
 
-    /// How fast a robot may come towards a person at most, metres per second: so that within [`APPROACH_M`] twice the
-    /// separation distance is left to a person who walks at `walks_mps`, and so that a robot farther away is as slow
-    /// when it comes there. Never below [`CREEP_MPS`]. Nothing where any speed is slow enough.
+    /// How fast a robot may come towards a person at most, metres per second: so that within three metres twice
+    /// the separation distance is left to a person who walks at `walks_mps`, and so that a robot farther away is as
+    /// slow when it comes there. Never below 0.25 m/s. Nothing where any speed is slow enough.
     pub fn approach_limit_mps(
         &self,
         distance_m: f64,

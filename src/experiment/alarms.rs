@@ -124,7 +124,7 @@ pub struct TrialRow {
     pub delay: Option<Span>,
     /// The kinds of all alarms that were raised from the fault on, the expected one among them.
     pub raised: Vec<AlarmKind>,
-    /// Whether none of them is active [`AFTER`] the end of the fault.
+    /// Whether none of them is active a minute after the end of the fault.
     pub cleared: bool,
 }
 
