@@ -18,7 +18,7 @@ pub use collision::{BEYOND, Swept, THRESHOLD, collision};
 pub use effects::{Effects, nodes_in};
 pub use encounter::{MOVES_MPS, Meeting, Meter, Near};
 pub use passing::{Drive, Walk, moves_within};
-pub use regions::{BODY_M, Regions, SLOW_MPS};
+pub use regions::{BODY_M, Regions, SLOW_MPS, quantised};
 pub use safe_space::{Answer, Zone};
 
 /// How the fleet deals with people: ours, and three to compare it with (Petković 2021, section 4.4).

@@ -127,8 +127,8 @@ impl Regions {
     }
 }
 
-/// Limits come in steps, so that they do not change with every centimetre.
-fn quantised(v: f64) -> f64 {
+/// A limit in steps of 0.25 m/s, so that it does not change with every centimetre.
+pub fn quantised(v: f64) -> f64 {
     (v * 4.0).floor() / 4.0
 }
 
@@ -207,6 +207,12 @@ mod tests {
             }
         }
         assert_eq!(r.approach_limit_mps(12.0, 1.4, false, 0.02), None);
+        // The figures of docs/people.md: somebody who stands, and somebody who walks at 1.2 m/s.
+        let at_3_m = |walks, loaded| r.approach_limit_mps(3.0, walks, loaded, 0.02);
+        assert_eq!(
+            [at_3_m(0.2, false), at_3_m(0.2, true), at_3_m(1.4, false)],
+            [Some(0.75), Some(0.5), Some(0.25)]
+        );
     }
 
     #[test]

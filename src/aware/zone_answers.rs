@@ -58,7 +58,7 @@ pub fn note(
     counts: &mut ZoneCounts,
 ) -> Option<OpenZone> {
     let goes_on =
-        |zone: &OpenZone| answer.map_or(now - zone.seen < SAME, |(worker, _)| worker == zone.worker);
+        |zone: &OpenZone| now - zone.seen < SAME && answer.is_none_or(|(worker, _)| worker == zone.worker);
     if let Some(over) = before.filter(|zone| !goes_on(zone)) {
         counts.count(over.strongest);
     }
@@ -93,5 +93,14 @@ mod tests {
         assert!(open.is_some() && counts.keep == 0, "it may come up again");
         assert_eq!(note(open, None, Time(13_000_000), &mut counts), None);
         assert_eq!(counts.keep, 1);
+    }
+
+    #[test]
+    fn the_same_worker_much_later_is_another_zone_also_where_nothing_was_noted_in_between() {
+        let mut counts = ZoneCounts::default();
+        let answer = Some((WorkerId(0), ZoneAnswer::Slow));
+        let open = note(None, answer, Time(0), &mut counts);
+        note(open, answer, Time(60_000_000), &mut counts);
+        assert_eq!(counts.slow, 1);
     }
 }

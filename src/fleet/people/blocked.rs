@@ -86,7 +86,6 @@ impl<'a> WaysPast<'a> {
     /// A person who is measured to be inside a robot is at one of its sides, and the nearest of them need not be the
     /// right one: for somebody who has been kept there for long, ways begin at one side after the other.
     pub fn by_sides(self, kept: Span) -> WaysPast<'a> {
-        let turns = (kept - WRONG_SIDE).0 / EACH_SIDE.0;
         if kept < WRONG_SIDE {
             return self;
         }
@@ -104,7 +103,9 @@ impl<'a> WaysPast<'a> {
             |p: &Point| self.walkways.is_free(*p) && squares.iter().all(|s| s.depth_m(*p) <= ALONG_M);
         let mut open: Vec<Point> = sides.into_iter().filter(is_open).collect();
         open.sort_by(|a, b| (a - self.at).norm().total_cmp(&(b - self.at).norm()));
-        let first = (!open.is_empty()).then(|| open[(1 + turns as usize) % open.len()]);
+        // The nearest one was tried until now.
+        let turns = 1 + ((kept - WRONG_SIDE).0 / EACH_SIDE.0) as usize;
+        let first = (!open.is_empty()).then(|| open[turns % open.len()]);
         WaysPast { first, ..self }
     }
 

@@ -4,7 +4,7 @@
 //! to be a safety function; robots' own scanners and brakes are.
 
 use crate::aware::{
-    BEYOND, Drive, HumanAwarePolicy, SLOW_MPS, Swept, THRESHOLD, Walk, collision, moves_within,
+    BEYOND, Drive, HumanAwarePolicy, SLOW_MPS, Swept, THRESHOLD, Walk, collision, moves_within, quantised,
 };
 use crate::fleet::people::state::{HumanState, STROLL_MPS, WalkMode};
 use crate::fleet::state::core::Core;
@@ -183,8 +183,8 @@ impl SpeedLimits<'_> {
             } else {
                 self.limit_here(robot, at, *worker, w, now)
             };
-            let approach = self.approach_limit(robot, at, w, loaded).filter(|_| !off);
-            let limit = limit.map_or(approach, |l| Some(approach.map_or(l, |a| a.min(l))));
+            let approach = if off { None } else { self.approach_limit(robot, at, w, loaded) };
+            let limit = limit.into_iter().chain(approach).reduce(f64::min);
             // Down to the slow speed, at which the rules by distance decide: a robot face to face with a person
             // has to get out of the way somehow.
             let is_fast = speed > SLOW_MPS && limit.is_none_or(|l| l > SLOW_MPS);
@@ -216,7 +216,7 @@ impl SpeedLimits<'_> {
         let distance_m = to.norm() - w.reach_m;
         let limit = self.floor.regions(robot).approach_limit_mps(distance_m, walks_mps, loaded, w.sigma_m)?;
         let (along, top) = (limit / share, self.floor.kinematics(robot).top_mps(loaded));
-        (along < top).then_some((along * 4.0).floor() / 4.0)
+        (along < top).then(|| quantised(along))
     }
 
     /// Whether a person who is not seen can come near a robot on foot: racks and walls are no way through. A person
