@@ -115,11 +115,10 @@ impl Regions {
         let left = half_m - walks_mps * self.reaction_s - doubt_m;
         let there = if left <= 0.0 { 0.0 } else { a * ((b * b + 2.0 * left / a).sqrt() - b) };
         let there = quantised(there).max(CREEP_MPS);
-        // v·T + (v² - there²)/2a = what is left to drive until there. Nothing is left within that distance, and the way
-        // driven before the robot reacts makes the limit lower than `there`: stricter than the rule, and measured so.
+        // v·T + (v² - there²)/2a = what is left to drive until there
         let (t, until_m) = (self.reaction_s * a, (distance_m - APPROACH_M).max(0.0));
-        let v = (t * t + there * there + 2.0 * a * until_m).sqrt() - t;
-        (v.max(there) < top).then(|| quantised(v).max(CREEP_MPS).min(top))
+        let v = ((t * t + there * there + 2.0 * a * until_m).sqrt() - t).max(there);
+        (v < top).then(|| quantised(v))
     }
 
     /// [`Regions::limit_mps`] without and with a rack, infinite where there is none.
@@ -210,7 +209,10 @@ mod tests {
         assert_eq!(r.approach_limit_mps(12.0, 1.4, false, 0.02), None);
         // The figures of docs/people.md: somebody who stands, and somebody who walks at 1.2 m/s.
         let at_3_m = |walks, loaded| r.approach_limit_mps(3.0, walks, loaded, 0.02);
-        assert_eq!([at_3_m(0.2, false), at_3_m(0.2, true), at_3_m(1.4, false)], [Some(CREEP_MPS); 3]);
+        assert_eq!(
+            [at_3_m(0.2, false), at_3_m(0.2, true), at_3_m(1.4, false)],
+            [Some(0.75), Some(0.5), Some(0.25)]
+        );
     }
 
     #[test]
