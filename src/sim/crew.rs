@@ -4,6 +4,7 @@
 //! may read over the API.
 
 use super::customers::FIRST_TOKEN;
+use super::entrance::entrance;
 use super::link::{Link, LinkFaults};
 use super::pairs::{Pairs, next_to};
 use super::random::Stream;
@@ -11,7 +12,7 @@ use super::scenario::{Assignments, SecondTag, TaskSharing, Workers};
 use super::scenario::{Faults, Scenario};
 use super::sensor::Device;
 use super::shared_tasks::{SharedTasks, unassigned};
-use super::walker::{APART_M, Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurroundings};
+use super::walker::{Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurroundings};
 use super::walker::{WorkKnowledge, ease};
 use crate::fleet::{
     Assignment, AssignmentRequest, AssignmentState, Fleet, Guidance, GuidanceReason, GuidanceState, Input,
@@ -32,12 +33,6 @@ const AHEAD: u64 = 2;
 const TASKS: u64 = 20;
 /// Workers come in one after another, so far apart.
 const APART: Span = Span::from_secs(3);
-/// A robot nearer to a door than this keeps a worker from coming in, metres.
-const DOOR_M: f64 = 1.5;
-/// A moving robot does so from this many seconds of travel farther away: nobody steps out where it could not stop.
-const DOOR_S: f64 = 2.5;
-/// Nobody comes in nearer than this to somebody who stands there, metres.
-const DOOR_APART_M: f64 = APART_M + 0.05;
 /// What has not come through, either way, is sent again after this.
 const AGAIN: Span = Span::from_millis(300);
 /// Workers who are told that the headset does not know where it is have touched marks after this.
@@ -280,10 +275,8 @@ impl Crew {
             let others = || people.iter().flatten().filter(|p| p.who != i);
             if member.walker.is_none() {
                 let door = self.doors[i % self.doors.len()];
-                let keeps = |r: &RobotNear| DOOR_M + DOOR_S * r.velocity.norm();
-                let free = robots.iter().all(|r| (r.at - door).norm() > keeps(r));
-                let waits = now >= member.enters && now < member.leaves && free && member.id.is_some();
-                if let Some(at) = free_place(door, &self.walkways, others()).filter(|_| waits) {
+                let waits = now >= member.enters && now < member.leaves && member.id.is_some();
+                if waits && let Some(at) = entrance(door, &self.walkways, others(), robots) {
                     member.walker =
                         Some(Walker::new(&self.workers, self.seed, i as u64, at, self.start, now));
                     member.device = Some(Device::new(self.workers.sensor_of(i), self.seed, i as u64, now));
@@ -361,19 +354,6 @@ impl Crew {
     pub fn completed(&self) -> u64 {
         self.members.iter().map(|m| m.done.len() as u64).sum()
     }
-}
-
-/// A door, or a place close to it where somebody stands in the door.
-fn free_place<'a>(
-    door: Point,
-    walkways: &Walkways,
-    people: impl Iterator<Item = &'a PersonNear> + Clone,
-) -> Option<Point> {
-    let free = |at: &Point| people.clone().all(|p| (p.at - at).norm() >= DOOR_APART_M);
-    if people.clone().next().is_none() || free(&door) {
-        return Some(door);
-    }
-    walkways.standing_places(door, DOOR_M).into_iter().find(free)
 }
 
 fn add(sums: &mut [u64; 3], counts: [u64; 3]) {

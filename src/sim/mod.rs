@@ -12,6 +12,7 @@ mod customers;
 pub mod detection;
 mod digest;
 pub mod encounter;
+mod entrance;
 mod guard;
 pub mod laws;
 mod leavers;
