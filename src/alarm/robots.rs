@@ -7,7 +7,7 @@ use super::displaced::words;
 use super::kind::{AlarmKind, AlarmSeverity};
 use super::roots::{Roots, robots_wait};
 use crate::fleet::{Because, Doing, Edge, Fault, Fleet, Party, RobotView, Task, View, Why};
-use crate::id::{Dense, RobotId};
+use crate::id::{Dense, NodeId, RobotId};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
 
@@ -20,6 +20,9 @@ const REPORTS: Span = Span::from_secs(10);
 /// If more robots than this have the same condition, it is one condition of all of them: it has one cause, such as a
 /// radio that is down.
 const MANY: usize = 5;
+/// What to do about an obstacle that no robot stands before any more.
+const LEFT_OBSTACLE: &str =
+    "Clear the place: robots try it again two minutes after they last found it closed.";
 /// If so many robots wait for one thing, somebody has to act at once.
 const SEVERE: usize = 5;
 
@@ -186,6 +189,26 @@ impl RobotWatch {
         let found = is(AlarmKind::RobotStuck, format!("{} has a task and makes no progress", row.name))?;
         Some(AlarmCondition { since: Some(view.now - stood), ..found })
     }
+}
+
+/// Obstacles that robots have turned away from: nobody stands before them any more, and still somebody has to clear the
+/// way.
+pub(super) fn left_obstacles(
+    fleet: &Fleet,
+    robots: &BTreeMap<RobotId, AlarmCondition>,
+) -> Vec<AlarmCondition> {
+    let is_there = |robot: &RobotId| robots.get(robot).is_some_and(|c| c.kind == AlarmKind::RobotObstructed);
+    let left = fleet.left_obstacles().into_iter().filter(|(_, robot, _)| !is_there(robot));
+    let condition = |(node, robot, since): (NodeId, RobotId, Time)| {
+        let (node, name) = (&fleet.warehouse().nodes[node], &fleet.ledger().robots[robot].name);
+        let said = format!("something stood in the way of {name}, before {}: robots go round it.", node.name);
+        let subject = AlarmSubject::new(SubjectKind::Robot, name.clone());
+        let one = AlarmCondition::new(AlarmKind::RobotObstructed, subject, said).at(node.at);
+        AlarmCondition { since: Some(since), remedy: LEFT_OBSTACLE.into(), ..one }
+    };
+    // Two places that one robot found are one alarm.
+    let by_robot: BTreeMap<RobotId, AlarmCondition> = left.map(|l| (l.1, condition(l))).collect();
+    by_robot.into_values().collect()
 }
 
 /// Whether a robot waits for another one, a person, or what somebody asked for.

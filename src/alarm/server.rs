@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, VecDeque};
 const RECENT: Span = Span::from_secs(10);
 /// If more than one step in so many is late, the processor does not suffice.
 const LATE_ONE_IN: usize = 5;
-/// A robot may wait for so long until a route is searched for it; after a search that found none it waits anyway.
+/// The search of a robot's route may be put off for so long.
 const UNSEARCHED: Span = Span::from_secs(30);
 /// The clocks may differ by so much.
 const CLOCKS: Span = Span::from_secs(60);

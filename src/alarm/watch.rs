@@ -6,7 +6,7 @@
 use super::condition::{AlarmCondition, AlarmSubject, SubjectKind, some_of};
 use super::jobs::JobWatch;
 use super::kind::AlarmKind;
-use super::robots::{RobotWatch, gather};
+use super::robots::{RobotWatch, gather, left_obstacles};
 use super::roots::Roots;
 use super::server::LoopHealth;
 use super::standing::{IdleFloor, is_stopped, standstills, whole_floor};
@@ -46,6 +46,7 @@ impl FloorWatch {
             found.extend(jobs);
         }
         found.extend(server::conditions(fleet, view, health, &robots));
+        found.extend(left_obstacles(fleet, &robots));
         found.extend(gather(robots, fleet.ledger().present().count()));
         found
     }

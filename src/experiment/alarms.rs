@@ -326,6 +326,16 @@ mod tests {
     }
 
     #[test]
+    fn an_obstacle_is_an_alarm_whether_the_robot_stands_before_it_or_goes_round() {
+        let warehouse = Arc::new(thesis());
+        let trial = AlarmTrial { warehouse, robots: 8, fault: InjectedFault::Obstacle };
+        for seed in 1..=6 {
+            let row = trial.run(seed).expect("it can happen");
+            assert!(row.delay.is_some_and(|d| d < Span::from_secs(30)), "seed {seed}: {row:?}");
+        }
+    }
+
+    #[test]
     fn a_headset_that_falls_silent_is_a_lost_worker() {
         let row = trial(InjectedFault::HeadsetSilence);
         assert!(row.delay.is_some_and(|d| d < Span::from_secs(60)), "{row:?}");

@@ -27,13 +27,11 @@ impl Fleet {
         self.floor().is_picked_from(robot)
     }
 
-    /// Robots that could drive, need a route, and for which none has been searched yet; the longest waiting first, each
-    /// with for how long.
+    /// Robots for which a route could be searched, and whose search was put off because each step has searched as much
+    /// as it may; the longest waiting first, each with for how long.
     pub fn plan_queue(&self, now: Time) -> Vec<(RobotId, Span)> {
-        let needs = &self.traffic.needs;
-        let unsearched = needs.waiting.iter().filter(|(_, need)| need.tries == 0).map(|(r, _)| *r);
-        let ready = unsearched.filter(|r| self.why(*r).is_none() && self.floor().rests(*r));
-        let mut queue: Vec<_> = ready.map(|r| (r, needs.waited(r, now))).collect();
+        let postponed = self.traffic.needs.postponed.iter();
+        let mut queue: Vec<_> = postponed.map(|(r, since)| (*r, now - *since)).collect();
         queue.sort_by_key(|(r, waited)| (std::cmp::Reverse(*waited), *r));
         queue
     }

@@ -14,7 +14,7 @@ use crate::fleet::state::wait_graph::{ChainEnd, Edge, Party, Wait};
 use crate::fleet::state::why::Why;
 use crate::fleet::traffic::state::Withheld;
 use crate::human::{Presence, Whereabouts};
-use crate::id::{ClosureId, JobId, ResourceId, RobotId, WorkerId};
+use crate::id::{ClosureId, JobId, NodeId, ResourceId, RobotId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::Holder;
 use std::collections::BTreeSet;
@@ -271,6 +271,12 @@ impl Fleet {
     /// Whether any place is closed for a while because a robot could not get there.
     pub fn has_obstructions(&self) -> bool {
         self.traffic.has_obstructions()
+    }
+
+    /// Places at which a robot reported an obstacle and that it has turned away from: closed until they are tried
+    /// again. With the robot, and since when.
+    pub fn left_obstacles(&self) -> Vec<(NodeId, RobotId, Time)> {
+        self.traffic.left_obstacles(self.floor()).collect()
     }
 
     /// What robots and workers wait for without anything that would set them free, as of the last step.

@@ -30,6 +30,8 @@ pub(in crate::fleet) struct Needs {
     pub looked: BTreeMap<RobotId, Time>,
     /// Robots that may go on earlier than planned.
     pub early: BTreeSet<RobotId>,
+    /// Robots whose search was put off because the step had spent its budget, and since when.
+    pub postponed: BTreeMap<RobotId, Time>,
     /// How long the last one waited for room at a station before it set off.
     pub set_off: BTreeMap<StationId, Span>,
 }
@@ -87,6 +89,15 @@ impl Needs {
     /// These robots may go on earlier than planned.
     pub fn left_early(&mut self, robots: Vec<RobotId>) {
         self.early.extend(robots);
+    }
+
+    /// These robots' searches are put off until the next step; those put off before, too, since then.
+    pub fn still_postponed(
+        &self,
+        robots: impl Iterator<Item = RobotId>,
+        now: Time,
+    ) -> BTreeMap<RobotId, Time> {
+        robots.map(|r| (r, self.postponed.get(&r).copied().unwrap_or(now))).collect()
     }
 
     /// How long a robot has needed a route.

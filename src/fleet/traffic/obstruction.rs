@@ -13,6 +13,7 @@ use crate::id::{NodeId, RobotId};
 use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
 use crate::warehouse::NodeKind;
+use std::collections::BTreeMap;
 
 /// A place before which a robot was obstructed is tried again after this.
 const CLOSED: Span = Span::from_secs(120);
@@ -20,6 +21,21 @@ const CLOSED: Span = Span::from_secs(120);
 const CLOSED_UNSAID: Span = Span::from_secs(30);
 /// A charger that gave no current is tried again after this.
 const OUT_OF_ORDER: Span = Span::from_secs(600);
+
+/// A place that is closed for a while because a robot could not get there.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::fleet) struct Obstruction {
+    /// The robot that was kept from it last.
+    pub by: RobotId,
+    /// The node that this robot had come from.
+    pub from: NodeId,
+    /// Since when it is closed.
+    pub since: Time,
+    /// When it is tried again.
+    pub until: Time,
+    /// Whether the robot reported that something stands there.
+    pub said: bool,
+}
 
 impl Traffic {
     /// Notes where robots are obstructed, or get no current; closes those places while they are noted. To be called in
@@ -30,14 +46,21 @@ impl Traffic {
             // What the robot does not call an obstruction may be a person, who goes on.
             let said = core.scene.robot(robot).is_some_and(|t| t.fault == Some(Fault::Obstructed));
             let until = now + if said { CLOSED } else { CLOSED_UNSAID };
-            self.obstructions.extend(floor.obstructed_at(robot, now).map(|node| (node, until)));
+            if let Some(node) = floor.obstructed_at(robot, now) {
+                let from = floor.ledger.node_of(robot);
+                note(&mut self.obstructions, node, Obstruction { by: robot, from, since: now, until, said });
+            }
         }
         for (robot, fault) in core.scene.faults(now) {
             let charger = floor.unplugged_at(robot).filter(|_| fault == Fault::Unplugged);
-            self.obstructions.extend(charger.map(|node| (node, now + OUT_OF_ORDER)));
+            if let Some(node) = charger {
+                let until = now + OUT_OF_ORDER;
+                let found = Obstruction { by: robot, from: node, since: now, until, said: false };
+                note(&mut self.obstructions, node, found);
+            }
         }
-        self.obstructions.retain(|_, until| now < *until);
-        for (node, until) in &self.obstructions {
+        self.obstructions.retain(|_, found| now < found.until);
+        for (node, Obstruction { until, .. }) in &self.obstructions {
             let restrictions = &mut core.restrictions;
             restrictions.closing.insert(*node, now);
             // A charger can be passed, and left.
@@ -55,7 +78,21 @@ impl Traffic {
 
     /// Until when an obstructed node is closed, if it is.
     pub(in crate::fleet) fn obstructed_until(&self, node: NodeId) -> Option<Time> {
-        self.obstructions.get(&node).copied()
+        self.obstructions.get(&node).map(|found| found.until)
+    }
+
+    /// Places before which a robot reported an obstacle and from which it has turned away since; with the robot, and
+    /// since when.
+    pub(in crate::fleet) fn left_obstacles<'a>(
+        &'a self,
+        floor: Floor<'a>,
+    ) -> impl Iterator<Item = (NodeId, RobotId, Time)> + 'a {
+        let said = self.obstructions.iter().filter(|(_, found)| found.said);
+        let turned_away = move |(node, found): &(&NodeId, &Obstruction)| {
+            let next = floor.ledger.chain(found.by).visits().nth(1).map(|v| v.node);
+            next.is_some_and(|next| next != **node) || floor.ledger.node_of(found.by) != found.from
+        };
+        said.filter(turned_away).map(|(node, found)| (*node, found.by, found.since))
     }
 
     /// Revokes what obstructed robots were granted.
@@ -64,6 +101,12 @@ impl Traffic {
             self.revoke_grant(core, robot, now);
         }
     }
+}
+
+/// Notes an obstruction; one that was known stays known since then.
+fn note(known: &mut BTreeMap<NodeId, Obstruction>, node: NodeId, found: Obstruction) {
+    let since = known.get(&node).map_or(found.since, |before| before.since);
+    known.insert(node, Obstruction { since, ..found });
 }
 
 impl Floor<'_> {

@@ -26,6 +26,13 @@ const PATIENCE: Span = Span::from_secs(4);
 /// A better way saves at least this.
 pub(super) const WORTH: Span = Span::from_secs(1);
 
+/// Whether a route can be searched for now: the robot needs one and can drive, and what it was granted is done. It may
+/// be at that already.
+fn is_ready(floor: Floor<'_>, robot: RobotId, now: Time) -> bool {
+    let fit = floor.scene.fit(robot, now).is_some() && !floor.next_stop_is_granted(robot);
+    fit && floor.lacks_route(robot)
+}
+
 impl Traffic {
     /// Routes for robots that need one, longest waiting first, and earlier ones for those that may go on earlier.
     pub(in crate::fleet) fn plan_needed(&mut self, core: &mut Core, now: Time) {
@@ -33,15 +40,16 @@ impl Traffic {
         self.lapse_places(core, now);
         let in_need = self.in_need(core, now);
         let mut bound = if in_need.is_empty() { IdVec::new() } else { core.floor().bound_for_stations() };
-        for robot in in_need {
+        for (i, robot) in in_need.iter().copied().enumerate() {
             if self.effort.is_spent() {
+                let left = in_need[i..].iter().copied();
+                let ready = left
+                    .filter(|r| is_ready(core.floor(), *r, now))
+                    .filter(|r| self.needs.has_its_turn(core.floor(), *r, &bound, now));
+                self.needs.postponed = self.needs.still_postponed(ready, now);
                 return;
             }
-            // What is granted is done before anything else is planned: the robot may be at it already.
-            let fit = core.scene.fit(robot, now).is_some() && !core.floor().next_stop_is_granted(robot);
-            // Another robot may have been planned together with it just now.
-            let needs = core.floor().lacks_route(robot);
-            if !fit || !needs {
+            if !is_ready(core.floor(), robot, now) {
                 continue;
             }
             if !self.needs.has_its_turn(core.floor(), robot, &bound, now) {
@@ -56,6 +64,7 @@ impl Traffic {
                 bound[station] += 1;
             }
         }
+        self.needs.postponed.clear();
         self.plan_early(core, now);
     }
 

@@ -5,6 +5,7 @@
 use crate::fleet::state::core::Core;
 use crate::fleet::state::needs::Needs;
 use crate::fleet::state::planners::Planners;
+use crate::fleet::traffic::obstruction::Obstruction;
 use crate::id::{IdVec, NodeId, ResourceId, RobotId};
 use crate::route::Cause;
 use crate::time::{Span, Time};
@@ -101,9 +102,8 @@ pub(in crate::fleet) struct Traffic {
     pub(super) revoked: BTreeMap<RobotId, Time>,
     /// Where robots go on to that stand between two nodes, and since when.
     pub(super) directions: BTreeMap<RobotId, (Direction, Time)>,
-    /// Places that robots could not get to and chargers without current, as robots reported: when they are tried
-    /// again.
-    pub(super) obstructions: BTreeMap<NodeId, Time>,
+    /// Places that robots could not get to and chargers without current, as robots reported.
+    pub(super) obstructions: BTreeMap<NodeId, Obstruction>,
     /// When each robot last looked for a route round a closed area.
     pub(super) looked_round: BTreeMap<RobotId, Time>,
     /// When each robot on a way out last looked for a place to leave for, while the building is evacuated.
