@@ -3,7 +3,7 @@
 //! Main types: [`JsonBody`], [`Params`], [`PathPart`], [`IdempotencyKey`]. Refuses: unknown fields, bodies over 64 KiB,
 //! other media types.
 
-use super::error::Problem;
+use super::error::{FieldError, Problem};
 use axum::extract::rejection::{PathRejection, QueryRejection};
 use axum::extract::{FromRequest, FromRequestParts, Path, Query, Request};
 use axum::http::{StatusCode, header, request::Parts};
@@ -11,6 +11,19 @@ use serde::de::DeserializeOwned;
 
 /// How long a body may be, bytes.
 pub const BODY_LIMIT: usize = 64 * 1024;
+
+/// The longest name of somebody who signs, characters.
+const LONGEST_SIGNATURE: usize = 80;
+
+/// The name of somebody who says something, without blanks around it; what is wrong with it otherwise.
+pub fn signed(by: &str) -> Result<String, FieldError> {
+    let by = by.trim();
+    if by.is_empty() || by.chars().count() > LONGEST_SIGNATURE || by.chars().any(char::is_control) {
+        let detail = format!("say who you are, in 1 to {LONGEST_SIGNATURE} characters");
+        return Err(FieldError::new("by", detail));
+    }
+    Ok(by.to_owned())
+}
 
 /// A JSON body.
 pub struct JsonBody<T>(pub T);

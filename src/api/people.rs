@@ -40,6 +40,8 @@ pub struct WorkerDto {
     pub speed: f64,
     /// One standard deviation of the position, metres; it grows while no pose comes.
     pub accuracy: f64,
+    /// Where a lost worker may be by now: `[x, y]` of nodes that robots keep out of, metres; empty if the worker is seen.
+    pub area: Vec<[f64; 2]>,
     /// Radii of the stop, keep-out and slow zones around the worker, metres.
     pub regions: [f64; 3],
     /// What the worker is told: idle, following, deviating, redirected or stop.
@@ -316,6 +318,7 @@ impl Names<'_> {
             seen: w.seen.map(time_text),
             speed: round3(w.speed_mps),
             accuracy: round3(w.accuracy_m),
+            area: w.area.iter().map(|n| self.place(*n)).collect(),
             regions: w.regions_m.map(round3),
             state: g.state.word(),
             reason: g.reason.map(|r| reason(r, *self)),
@@ -335,6 +338,11 @@ impl Names<'_> {
         }
     }
 
+    fn place(&self, node: NodeId) -> [f64; 2] {
+        let at = self.map.nodes[node].at;
+        [round3(at.x), round3(at.y)]
+    }
+
     /// A worker of whom the view has nothing yet.
     pub fn absent_worker(id: WorkerId, name: String) -> WorkerDto {
         WorkerDto {
@@ -347,6 +355,7 @@ impl Names<'_> {
             seen: None,
             speed: 0.0,
             accuracy: 0.0,
+            area: Vec::new(),
             regions: [0.0; 3],
             state: GuidanceState::Idle.word(),
             reason: None,

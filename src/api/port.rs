@@ -10,6 +10,7 @@ use crate::fleet::{
     Expected, Fleet, JobQuery, JobRequest, JobRow, NodeOccupancy, RecurringClosure, Reply, RobotKind,
     StationOrder, View, Waiting,
 };
+use crate::geometry::Spot;
 use crate::history::{History, LoopTimes};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::{Span, Time};
@@ -65,8 +66,12 @@ pub enum What {
     TakeRack(RackId, NodeId),
     /// A worker to be known, by name.
     Hire(String),
-    /// That nobody is where this worker was lost.
-    Clear(WorkerId),
+    /// That nobody is where this worker was lost; who says so.
+    Clear(WorkerId, String),
+    /// About where a lost worker is, and how far from there at most on foot, millimetres; who says so.
+    Narrow(WorkerId, Spot, i64, String),
+    /// That a worker has taken the headset off.
+    SignOff(WorkerId),
     /// Something for a worker to do.
     Assign(Option<WorkerId>, AssignmentRequest),
     /// The end of it.

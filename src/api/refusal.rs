@@ -51,6 +51,15 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             let name = worker_name(worker);
             Problem::unknown("worker", format!("{name} does not exist; GET /v1/workers lists all"))
         }
+        Refusal::NotLost(worker) => {
+            let detail = format!("{} is seen, or not on the floor: nobody has to look", worker_name(worker));
+            Problem::conflict("worker-not-lost", "The worker is not lost", detail)
+        }
+        Refusal::NoPlaceForPeople => {
+            let detail =
+                "nobody can stand there, or `within_m` is not from 0.5 to 8: choose a place on a walkway";
+            field("at", detail.into())
+        }
         Refusal::UnknownAssignment(id) => {
             let detail = format!("{} is over already, or never existed", assignment_name(id));
             Problem::conflict("assignment-is-over", "The assignment is over", detail)

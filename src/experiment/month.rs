@@ -103,7 +103,7 @@ fn people(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
             inputs.push(Input::Assign { token: 0, worker: Some(worker), request });
         }
         ON_FLOOR => {
-            inputs.push(Input::ClearWorker { token: 0, worker });
+            inputs.push(Input::ClearWorker { token: 0, worker, by: "month".into() });
             let left: Vec<AssignmentId> = fleet.ledger().assignments.keys().copied().collect();
             inputs.extend(left.into_iter().map(|assignment| Input::Unassign { token: 0, assignment }));
         }

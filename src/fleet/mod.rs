@@ -41,8 +41,8 @@ pub use state::why::Why;
 pub use state::wishes::Wishes;
 pub use state::worker::{
     Assignment, AssignmentRequest, AssignmentState, Binds, Closure, ClosureState, ClosureView, Encounter,
-    FeedCounts, Guidance, GuidanceReason, GuidanceState, NearRobot, Presence, Reaction, WorkerEpisode,
-    WorkerView,
+    FeedCounts, Guidance, GuidanceReason, GuidanceState, LastPlace, NearRobot, Presence, Reaction,
+    WorkerEpisode, WorkerView,
 };
 pub use traffic::state::InsertionCounts;
 
@@ -108,6 +108,7 @@ impl Fleet {
             #[cfg(test)]
             trap: None,
         };
+        fleet.people.remember(&fleet.core.ledger.on_floor);
         // Who asks before the first step is told what the facts alone say: who is paused, that nobody was heard of yet.
         fleet.note_waits(Time::ZERO);
         fleet
@@ -123,7 +124,8 @@ impl Fleet {
     pub fn step(&mut self, now: Time, inputs: Vec<Input>) -> Step {
         self.core.at_hand = None;
         self.traffic.effort = Effort::of_a_step(&self.core);
-        let heard = requests::absorb(&mut self.core, &self.people.walkways, now, inputs);
+        let lost = self.people.lost(now);
+        let heard = requests::absorb(&mut self.core, (&self.people.walkways, &lost), now, inputs);
         #[cfg(test)]
         self.spring();
         self.evaluate_people(&heard.people, now);

@@ -19,6 +19,7 @@ mod kinds;
 mod lets_pass;
 mod life;
 mod limits;
+mod lost;
 mod messages;
 mod nearest;
 mod order;

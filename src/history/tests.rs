@@ -43,6 +43,7 @@ fn worker(presence: Presence) -> WorkerView {
         seen: None,
         speed_mps: 0.0,
         accuracy_m: 0.1,
+        area: vec![],
         regions_m: [1.0, 2.0, 3.0],
         guidance: Default::default(),
         goals: vec![],

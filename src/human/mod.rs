@@ -32,5 +32,7 @@ pub use mixture::{Mixture, PLACES, Part};
 pub use model::{Model, ModelError};
 pub use passage::{Band, Hypothesis, Passage, passages};
 pub use sighting::{Quality, Sighting, SourceId};
-pub use track::{FeedCounts, LOST, Presence, STALE, SightingOutcome, Track, WALK_MPS, Whereabouts};
+pub use track::{
+    FeedCounts, LOST, LastKnown, Presence, STALE, SightingOutcome, Track, WALK_MPS, Whereabouts,
+};
 pub use way::{common_prefix, straight_on, towards_goal};

@@ -173,6 +173,13 @@ impl SourceTrack {
         }
     }
 
+    /// The source says that it will not know any more.
+    pub fn sign_off(&mut self, now: Time) {
+        if self.newest.is_some() {
+            self.lost_since.get_or_insert(now);
+        }
+    }
+
     /// Where the worker is now, as far as this source knows.
     pub fn whereabouts(&self, now: Time) -> Option<Whereabouts> {
         let last = self.newest?;

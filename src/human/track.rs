@@ -8,7 +8,7 @@
 //! Refuses: to guess where anybody is going.
 
 use super::sighting::{Sighting, SourceId};
-use super::source::{HELD, SourceTrack, SourceVerdict, is_near};
+use super::source::{HELD, SourceTrack, SourceVerdict, is_near, reach_m};
 use crate::geometry::{Point, Vector};
 use crate::time::{Span, Time};
 
@@ -21,6 +21,9 @@ const AHEAD: Span = Span::from_millis(150);
 /// Another source of equal trust takes the lead if it is better by this factor and so many metres more: so the lead
 /// does not go to and fro.
 const BETTER: (f64, f64) = (1.5, 0.1);
+
+/// One standard deviation of a place that the journal or a supervisor gives, metres.
+const REMEMBERED_M: f64 = 0.3;
 
 /// How well a worker's place is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -102,6 +105,18 @@ pub struct Whereabouts {
     pub presence: Presence,
 }
 
+/// Where a worker was, from before anything was seen of it: by the journal, or as a supervisor says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LastKnown {
+    /// Where.
+    pub at: Point,
+    /// When.
+    pub seen: Time,
+    /// How far from there at most, metres on foot, where somebody vouches for that. Else as far as anybody can have
+    /// walked unseen.
+    pub within_m: Option<f64>,
+}
+
 /// All that is known about where a worker is.
 #[derive(Clone, Debug, Default)]
 pub struct Track {
@@ -109,6 +124,23 @@ pub struct Track {
     /// The source whose place counts most.
     lead: SourceId,
     counts: FeedCounts,
+    /// What is known from elsewhere, until a source knows.
+    remembered: Option<LastKnown>,
+    /// When the worker was cleared, or signed off, last: what was seen before is no news.
+    ended: Option<Time>,
+}
+
+impl LastKnown {
+    fn whereabouts(&self, now: Time) -> Whereabouts {
+        Whereabouts {
+            at: self.at,
+            sigma_m: REMEMBERED_M,
+            reach_m: self.within_m.unwrap_or_else(|| reach_m((now - self.seen).max(Span::ZERO))),
+            velocity: Vector::zeros(),
+            heading: None,
+            presence: Presence::Lost,
+        }
+    }
 }
 
 impl Track {
@@ -122,9 +154,30 @@ impl Track {
         self.of(self.lead).newest()
     }
 
-    /// The worker has left the floor, or somebody vouches for it.
-    pub fn clear(&mut self) {
-        *self = Track { counts: self.counts, ..Track::default() };
+    /// The worker has left the floor by now, or somebody vouches for it.
+    pub fn clear(&mut self, now: Time) {
+        *self = Track { counts: self.counts, ended: Some(now), ..Track::default() };
+    }
+
+    /// The worker is there as far as anybody knows who does not see it, until a source does.
+    pub fn remember(&mut self, place: LastKnown) {
+        self.remembered = Some(place);
+    }
+
+    /// The wearer took the device off: nothing will be seen any more.
+    pub fn sign_off(&mut self, now: Time) {
+        self.ended = Some(now);
+        self.sources.iter_mut().for_each(|source| source.sign_off(now));
+    }
+
+    /// Whether the place is what a supervisor vouches for.
+    pub fn is_vouched(&self) -> bool {
+        self.remembered.is_some_and(|r| r.within_m.is_some())
+    }
+
+    /// When the worker was last known to be somewhere.
+    pub fn last_seen(&self) -> Option<Time> {
+        self.newest().map(|s| s.seen).max(self.remembered.map(|r| r.seen))
     }
 
     /// Takes a sighting in. `is_on_map` says whether anybody can be at a place at all.
@@ -132,6 +185,11 @@ impl Track {
         let numbers = [s.at.x, s.at.y, s.accuracy_m, s.heading.unwrap_or(0.0)];
         if numbers.iter().any(|n| !n.is_finite()) || s.seen > now + AHEAD || !is_on_map(s.at) {
             self.counts.absurd += 1;
+            return SightingOutcome::Ignored;
+        }
+        // The clock of a device may be ahead: what comes later with an earlier time was on its way.
+        if self.ended.is_some_and(|ended| s.seen <= ended + AHEAD) {
+            self.counts.late += 1;
             return SightingOutcome::Ignored;
         }
         let before = self.newest().copied();
@@ -144,6 +202,7 @@ impl Track {
             SourceVerdict::Relocated | SourceVerdict::Jumped => SightingOutcome::Relocated,
         };
         if taken != SightingOutcome::Ignored {
+            self.remembered = None;
             self.compare(now);
         }
         let led = self.lead;
@@ -204,17 +263,25 @@ impl Track {
 
     /// Where the worker is now, as far as anybody knows: as the source says that leads.
     pub fn whereabouts(&self, now: Time) -> Option<Whereabouts> {
-        self.of(self.lead).whereabouts(now)
+        let seen = self.of(self.lead).whereabouts(now);
+        match self.remembered {
+            Some(place) if place.within_m.is_some() || seen.is_none() => Some(place.whereabouts(now)),
+            _ => seen,
+        }
     }
 
     /// For how long no source has known where the worker is.
     pub fn silent(&self, now: Time) -> Option<Span> {
-        SourceId::ALL.into_iter().filter_map(|id| self.of(id).silent(now)).min()
+        let silent = SourceId::ALL.into_iter().filter_map(|id| self.of(id).silent(now)).min();
+        silent.or_else(|| self.remembered.map(|place| now - place.seen))
     }
 
     /// Where else the worker may be: where other sources say that do not agree, and the places that a source left
     /// without a walk. At most eight: two of each source, and two other sources.
     pub fn others(&self, now: Time) -> Vec<Whereabouts> {
+        if self.is_vouched() {
+            return Vec::new();
+        }
         let Some((lead, best)) = self.newest().zip(self.whereabouts(now)) else { return Vec::new() };
         let knows = best.presence != Presence::Lost;
         let mut found = Vec::new();

@@ -160,7 +160,8 @@ impl Crew {
             {
                 add(&mut self.counts, device.counts());
                 member.tag = None;
-                inputs.push(Input::ClearWorker { token: self.token(), worker });
+                let by = self.members[i].name.clone();
+                inputs.push(Input::ClearWorker { token: self.token(), worker, by });
             }
         }
         inputs

@@ -149,6 +149,15 @@ enum Other {
     #[serde(rename = "hire")]
     RegisterWorker(u64, String),
     Clear(u64, u32),
+    ClearedBy(u64, u32, String),
+    Narrow {
+        token: u64,
+        worker: u32,
+        by: String,
+        at: (i64, i64),
+        within: i64,
+    },
+    SignedOff(u64, u32),
     Assign {
         token: u64,
         worker: Option<u32>,
@@ -308,7 +317,12 @@ fn asked(input: &Input) -> Other {
         Input::Submit { token, request } => submit(*token, request),
         Input::Cancel { token, job } => Other::Cancel(*token, job.0),
         Input::RegisterWorker { token, name } => Other::RegisterWorker(*token, name.clone()),
-        Input::ClearWorker { token, worker } => Other::Clear(*token, worker.0),
+        Input::ClearWorker { token, worker, by } => Other::ClearedBy(*token, worker.0, by.clone()),
+        Input::NarrowWorker { token, worker, by, at, within_mm } => {
+            let (at, within) = ((at.x_mm, at.y_mm), *within_mm);
+            Other::Narrow { token: *token, worker: worker.0, by: by.clone(), at, within }
+        }
+        Input::SignedOff { token, worker } => Other::SignedOff(*token, worker.0),
         Input::Assign { token, worker, request: r } => {
             let (what, key) = (r.what.clone(), r.key.clone());
             let (worker, place, stay) = (worker.map(|w| w.0), r.place.0, r.stay.0);
@@ -515,7 +529,15 @@ fn other(o: Other) -> Input {
         }
         Other::Cancel(token, job) => Input::Cancel { token, job: JobId(job) },
         Other::RegisterWorker(token, name) => Input::RegisterWorker { token, name },
-        Other::Clear(token, worker) => Input::ClearWorker { token, worker: WorkerId(worker) },
+        Other::Clear(token, worker) => {
+            Input::ClearWorker { token, worker: WorkerId(worker), by: String::new() }
+        }
+        Other::ClearedBy(token, worker, by) => Input::ClearWorker { token, worker: WorkerId(worker), by },
+        Other::Narrow { token, worker, by, at: (x_mm, y_mm), within } => {
+            let (worker, at) = (WorkerId(worker), Spot { x_mm, y_mm });
+            Input::NarrowWorker { token, worker, by, at, within_mm: within }
+        }
+        Other::SignedOff(token, worker) => Input::SignedOff { token, worker: WorkerId(worker) },
         Other::Assign { token, worker, place, stay, what, key } => {
             let request = AssignmentRequest { place: NodeId(place), stay: Span(stay), what, key };
             Input::Assign { token, worker: worker.map(WorkerId), request }

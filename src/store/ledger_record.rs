@@ -5,7 +5,9 @@
 //! contradicts itself.
 
 use super::job_record::{RequestRecord, StateRecord, TaskRecord};
-use super::people_record::{AssignmentRecord, AssignmentStateRecord, ClosureRecord, RecurringRecord};
+use super::people_record::{
+    AssignmentRecord, AssignmentStateRecord, ClosureRecord, LastPlaceRecord, RecurringRecord,
+};
 use super::record::{is_usual_kind, usual_kind};
 use super::route_record::{StopRecord, VisitRecord};
 use crate::fleet::{
@@ -120,6 +122,8 @@ struct LedgerRecord {
     chains: Vec<ChainRecord>,
     served: Vec<u64>,
     workers: Vec<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    on_floor: Vec<(u32, LastPlaceRecord)>,
     assignments: Vec<(u64, PromiseRecord)>,
     next_assignment: u64,
     assignment_keys: KeysRecord,
@@ -177,6 +181,7 @@ impl From<&Parts> for LedgerRecord {
             chains: p.chains.iter().map(ChainRecord::from).collect(),
             served: p.served.iter().copied().collect(),
             workers: p.workers.iter().cloned().collect(),
+            on_floor: p.on_floor.iter().map(|(w, place)| (w.0, (*place).into())).collect(),
             assignments: p.assignments.iter().map(|(id, a)| (id.0, a.into())).collect(),
             next_assignment: p.next_assignment,
             assignment_keys: keys_record(&p.assignment_keys, |id| id.0),
@@ -205,6 +210,7 @@ impl From<LedgerRecord> for Parts {
             racks: r.racks.into_iter().map(RackAt::from).collect(),
             served: r.served.into(),
             workers: r.workers.into(),
+            on_floor: r.on_floor.into_iter().map(|(w, place)| (WorkerId(w), place.into())).collect(),
             assignments: r.assignments.into_iter().map(|(id, a)| (AssignmentId(id), a.into())).collect(),
             next_assignment: r.next_assignment,
             assignment_keys: keys(r.assignment_keys, AssignmentId),

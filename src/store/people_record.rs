@@ -3,8 +3,8 @@
 //! Main types: the records named by `record`. Refuses: to stand alone; versions are `record`'s business.
 
 use crate::fleet::{
-    AssignmentRequest, AssignmentState, Binds, Closure, Encounter, Reaction, Recurrence, RecurringClosure,
-    Weekdays,
+    AssignmentRequest, AssignmentState, Binds, Closure, Encounter, LastPlace, Reaction, Recurrence,
+    RecurringClosure, Weekdays,
 };
 use crate::geometry::Spot;
 use crate::id::{NodeId, RobotId, SeriesId, WorkerId};
@@ -27,6 +27,28 @@ pub(super) enum AssignmentStateRecord {
     Working,
     Done,
     Cancelled,
+}
+
+/// Where a worker was known to be, millimetres.
+#[derive(Serialize, Deserialize)]
+pub(super) struct LastPlaceRecord {
+    pub at: (i64, i64),
+    pub seen: i64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<i64>,
+}
+
+impl From<LastPlace> for LastPlaceRecord {
+    fn from(p: LastPlace) -> LastPlaceRecord {
+        LastPlaceRecord { at: (p.at.x_mm, p.at.y_mm), seen: p.seen.0, within: p.within_mm }
+    }
+}
+
+impl From<LastPlaceRecord> for LastPlace {
+    fn from(r: LastPlaceRecord) -> LastPlace {
+        let at = Spot { x_mm: r.at.0, y_mm: r.at.1 };
+        LastPlace { at, seen: Time(r.seen), within_mm: r.within }
+    }
 }
 
 /// Where, when and why robots or people keep out; corners in millimetres.

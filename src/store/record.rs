@@ -5,7 +5,8 @@
 
 use super::job_record::{RequestRecord, StateRecord, TaskRecord};
 use super::people_record::{
-    AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, ReactionRecord, RecurringRecord,
+    AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, LastPlaceRecord, ReactionRecord,
+    RecurringRecord,
 };
 use super::route_record::{BookingRecord, KeptRecord, MovedRecord};
 use crate::fleet::{AssignmentRequest, Booking, Fact, KeptRoute, Moved, Reaction, USUAL_KIND};
@@ -179,6 +180,22 @@ enum Record {
         worker: u32,
         at: i64,
     },
+    Noted {
+        worker: u32,
+        place: LastPlaceRecord,
+    },
+    Narrowed {
+        worker: u32,
+        place: LastPlaceRecord,
+        by: String,
+        at: i64,
+    },
+    Cleared {
+        worker: u32,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        by: Option<String>,
+        at: i64,
+    },
     Advanced {
         assignment: u64,
         state: AssignmentStateRecord,
@@ -333,6 +350,9 @@ impl From<&Fact> for Record {
             Fact::Returned { robot, kind, node, at } => record_returned(*robot, kind, *node, *at),
             Fact::RackTaken { robot, rack, node, at } => record_taken(*robot, *rack, *node, *at),
             Fact::WorkerRegistered { worker, name, at } => record_hired(*worker, name, *at),
+            Fact::WorkerNoted { .. } | Fact::WorkerNarrowed { .. } | Fact::WorkerCleared { .. } => {
+                record_of_place(fact)
+            }
             Fact::Assigned { assignment, worker, request, at } => {
                 record_assigned(*assignment, *worker, request, *at)
             }
@@ -362,6 +382,19 @@ impl From<&Fact> for Record {
 
 fn record_assigned(id: AssignmentId, worker: Option<WorkerId>, r: &AssignmentRequest, at: Time) -> Record {
     Record::Assigned { assignment: id.0, worker: worker.map(|w| w.0), request: r.into(), at: at.0 }
+}
+
+fn record_of_place(fact: &Fact) -> Record {
+    match fact {
+        Fact::WorkerNoted { worker, place } => Record::Noted { worker: worker.0, place: (*place).into() },
+        Fact::WorkerNarrowed { worker, place, by, at } => {
+            Record::Narrowed { worker: worker.0, place: (*place).into(), by: by.clone(), at: at.0 }
+        }
+        Fact::WorkerCleared { worker, by, at } => {
+            Record::Cleared { worker: worker.0, by: by.clone(), at: at.0 }
+        }
+        other => unreachable!("{other:?} is not about where a worker is"),
+    }
 }
 
 fn record_interrupted(robot: RobotId, worker: WorkerId, reaction: Reaction, at: Time) -> Record {
@@ -451,6 +484,15 @@ impl From<Record> for Fact {
             Record::RackTaken { robot, rack, node, at } => rack_taken(robot, rack, node, at),
             Record::Hired { worker, name, at } => {
                 Fact::WorkerRegistered { worker: WorkerId(worker), name, at: Time(at) }
+            }
+            Record::Noted { worker, place } => {
+                Fact::WorkerNoted { worker: WorkerId(worker), place: place.into() }
+            }
+            Record::Narrowed { worker, place, by, at } => {
+                Fact::WorkerNarrowed { worker: WorkerId(worker), place: place.into(), by, at: Time(at) }
+            }
+            Record::Cleared { worker, by, at } => {
+                Fact::WorkerCleared { worker: WorkerId(worker), by, at: Time(at) }
             }
             Record::Assigned { assignment, worker, request, at } => assigned(assignment, worker, request, at),
             Record::Given { assignment, worker, at } => given(assignment, worker, at),

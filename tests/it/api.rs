@@ -198,6 +198,7 @@ async fn every_route_is_described() {
         "/v1/workers/{id}",
         "/v1/workers/{id}/feed",
         "/v1/workers/{id}/clear",
+        "/v1/workers/{id}/narrow",
         "/v1/workers/{id}/position",
         "/v1/workers/{id}/assignments",
         "/v1/assignments",

@@ -408,3 +408,66 @@ async fn who_says_to_be_done_is_done_wherever_the_device_believes_to_be() {
     assert_eq!(send(at, "POST", "/v1/assignments/a77/done", &json, "").await.unwrap().status, 404);
     server.stop().await.unwrap();
 }
+
+/// Waits until a worker is known so, and gives the worker.
+async fn until_presence(at: SocketAddr, worker: &str, presence: &str) -> Value {
+    for _ in 0..200 {
+        let seen = get(at, &format!("/v1/workers/{worker}")).await.json();
+        if seen["presence"] == presence {
+            return seen;
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    panic!("{worker} does not become {presence}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn who_takes_the_headset_off_is_lost_at_once_and_a_supervisor_narrows_then_clears_that() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let post = async |path: &str, body: Value| {
+        let json = ("content-type", "application/json");
+        send(at, "POST", &format!("/v1/workers/{path}"), &[json], &body.to_string()).await.unwrap()
+    };
+    send(at, "POST", "/v1/workers", &[("content-type", "application/json")], r#"{"name": "anna"}"#)
+        .await
+        .unwrap();
+    let node = crate::helper::map();
+    let place = node.nodes[node.stations.iter().next().unwrap().node].at;
+    let mut headset = Headset::connect(at, "w1", "map").await;
+    headset.stand(place.x, place.y).await;
+    until_presence(at, "w1", "tracked").await;
+    let wanted = json!({"by": "Ben", "at": [place.x, place.y], "within_m": 0.8});
+    assert_eq!(post("w1/narrow", wanted.clone()).await.problem(409)["type"], "/problems/worker-not-lost");
+    let before = Instant::now();
+    headset.say(json!({"type": "bye"})).await;
+    while headset.any().await.is_some() {}
+    until_presence(at, "w1", "lost").await;
+    assert!(before.elapsed() < Duration::from_millis(2500), "not only after three seconds of silence");
+    tokio::time::sleep(Duration::from_secs(3)).await;
+    let wide = until_presence(at, "w1", "lost").await["area"].as_array().unwrap().len();
+    for (wrong, field) in [
+        (json!({"at": [place.x, place.y], "within_m": 0.8, "by": ""}), "by"),
+        (json!({"by": "Ben", "within_m": 0.8}), "at"),
+        (json!({"by": "Ben", "node": "nowhere", "within_m": 0.8}), "node"),
+        (json!({"by": "Ben", "at": [place.x, place.y], "within_m": 80}), "within_m"),
+        (json!({"by": "Ben", "at": [5000, 5000], "within_m": 2}), "at"),
+    ] {
+        assert_eq!(post("w1/narrow", wrong).await.problem(422)["errors"][0]["field"], field);
+    }
+    assert_eq!(post("w1/narrow", wanted).await.status, 204);
+    tokio::time::sleep(Duration::from_millis(300)).await;
+    let narrow = until_presence(at, "w1", "lost").await["area"].as_array().unwrap().len();
+    assert!(0 < narrow && narrow < wide, "{narrow} of {wide} places");
+    server.stop().await.unwrap();
+    let server = start(&folder).await;
+    let at = server.address();
+    let after = until_presence(at, "w1", "lost").await;
+    assert_eq!(after["area"].as_array().unwrap().len(), narrow, "a restart forgets neither: {after}");
+    let cleared =
+        send(at, "POST", "/v1/workers/w1/clear", &[("content-type", "application/json")], r#"{"by": "Ben"}"#);
+    assert_eq!(cleared.await.unwrap().status, 204);
+    until_presence(at, "w1", "absent").await;
+    server.stop().await.unwrap();
+}

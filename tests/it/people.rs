@@ -50,8 +50,12 @@ async fn a_worker_is_known_once_and_after_a_restart() {
         let problem = get(at, &format!("/v1/workers/{unknown}")).await.problem(404);
         assert!(problem["detail"].as_str().unwrap().contains("GET /v1/workers"), "{problem}");
     }
-    assert_eq!(post(at, "/v1/workers/w2/clear", &json!({})).await.status, 204);
-    post(at, "/v1/workers/w9/clear", &json!({})).await.problem(404);
+    let ben = json!({"by": "Ben"});
+    assert_eq!(post(at, "/v1/workers/w2/clear", &ben).await.status, 204);
+    post(at, "/v1/workers/w9/clear", &ben).await.problem(404);
+    for nobody in [json!({"by": " "}), json!({}), json!({"by": "x".repeat(81)})] {
+        post(at, "/v1/workers/w2/clear", &nobody).await.problem(422);
+    }
     server.stop().await.unwrap();
 }
 

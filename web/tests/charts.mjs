@@ -230,7 +230,7 @@ async function meet() {
         await page.waitForTimeout(250);
       }
     }
-    await post(`/v1/workers/${id}/clear`, {});
+    await post(`/v1/workers/${id}/clear`, { by: 'tests' });
     return false;
   });
 }

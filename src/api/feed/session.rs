@@ -273,6 +273,12 @@ impl Session<'_> {
                 Ok(())
             }
             HeadsetMessage::Done { assignment } => self.done(&assignment).await,
+            HeadsetMessage::Bye => {
+                // Poses do not wait for the journal, nor does this. A refusal changes nothing: the silence will say it.
+                let (api, worker) = (self.api.clone(), self.worker);
+                tokio::spawn(async move { api.ask(What::SignOff(worker)).await });
+                Err(SessionEnd::Bye(1000, "goodbye".into()))
+            }
             HeadsetMessage::Ack { version } => {
                 self.api.feeds.acknowledge(self.worker, version);
                 Ok(())

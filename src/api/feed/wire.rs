@@ -39,6 +39,8 @@ pub enum HeadsetMessage {
         /// Its number, as guidance names it.
         assignment: String,
     },
+    /// The wearer takes the device off, or closes its page: no more poses will come.
+    Bye,
     /// The guidance of this version is on the screen.
     Ack {
         /// Of the guidance.

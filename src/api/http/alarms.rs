@@ -8,16 +8,13 @@ use crate::api::Api;
 use crate::api::alarms::AlarmDto;
 use crate::api::dto::Page;
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, Params, PathPart};
+use crate::api::extract::{JsonBody, Params, PathPart, signed};
 use crate::api::text::{parse_alarm, parse_time};
 use crate::time::Time;
 use axum::Json;
 use axum::extract::State;
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
-
-/// The longest name of somebody who acknowledges, characters.
-const LONGEST_NAME: usize = 80;
 
 /// Which alarms to list.
 #[derive(Deserialize, IntoParams)]
@@ -131,12 +128,8 @@ pub async fn acknowledge(
     JsonBody(body): JsonBody<AcknowledgeBody>,
 ) -> Result<Json<AlarmDto>, Problem> {
     api.queue()?;
-    let by = body.by.trim();
-    if by.is_empty() || by.chars().count() > LONGEST_NAME || by.chars().any(char::is_control) {
-        let detail = format!("say who you are, in 1 to {LONGEST_NAME} characters");
-        return Err(Problem::invalid(vec![FieldError::new("by", detail)]));
-    }
-    let alarm = parse_alarm(&id).and_then(|id| api.alarms.acknowledge(id, by, (api.now)()));
+    let by = signed(&body.by).map_err(|e| Problem::invalid(vec![e]))?;
+    let alarm = parse_alarm(&id).and_then(|id| api.alarms.acknowledge(id, &by, (api.now)()));
     let unknown = || {
         let detail = format!("no alarm \"{id}\" is active; GET /v1/alarms lists those that are");
         Problem::unknown("alarm", detail)

@@ -15,6 +15,7 @@ mod history;
 mod jobs;
 mod kinds;
 mod lists;
+mod lost;
 mod map;
 mod page;
 mod past;
@@ -91,7 +92,8 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(stations::resume))
         .routes(routes!(workers::list, workers::hire))
         .routes(routes!(workers::get))
-        .routes(routes!(workers::clear))
+        .routes(routes!(lost::clear))
+        .routes(routes!(lost::narrow))
         .routes(routes!(session::feed))
         .routes(routes!(positions::one))
         .routes(routes!(positions::many))

@@ -1,4 +1,4 @@
-//! `/v1/workers`: who is on the floor, and the end of being lost.
+//! `/v1/workers`: who is on the floor.
 //!
 //! Main type: [`NewWorker`]. Refuses: to forget anybody.
 
@@ -92,22 +92,6 @@ pub async fn hire(
             let place = format!("/v1/workers/{}", worker_name(id));
             Ok((status, [(header::LOCATION, place)], Json(worker(&api, id, name.into()))))
         }
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Err(Problem::internal()),
-    }
-}
-
-/// Confirm that a worker has left the floor, or that nobody is where a worker was lost. Robots drive there again.
-#[utoipa::path(post, path = "/v1/workers/{id}/clear", tag = "people",
-    params(("id" = String, Path, example = "w1")), responses(
-    (status = 204, description = "Cleared"),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
-pub async fn clear(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
-    let id = api.feeds.worker(&id)?;
-    match api.ask(What::Clear(id)).await? {
-        Reply::Done { .. } => Ok(StatusCode::NO_CONTENT),
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
         _ => Err(Problem::internal()),
     }

@@ -39,6 +39,7 @@ fn anna() -> WorkerView {
         seen: None,
         speed_mps: 0.25,
         accuracy_m: 0.1,
+        area: vec![],
         regions_m: [1.0, 2.0, 3.0],
         guidance: Default::default(),
         goals: vec![],

@@ -20,11 +20,13 @@ const BACK_M: f64 = 1.0;
 
 impl HumanState {
     /// Takes in what was heard of workers.
-    pub(super) fn hear(&mut self, floor: Floor<'_>, heard: &[WorkerInput], now: Time) {
+    pub(super) fn hear(&mut self, core: &mut Core, heard: &[WorkerInput], now: Time) {
         for heard in heard {
             match heard {
-                WorkerInput::Seen(sighting) => self.sight(floor, sighting, now),
-                WorkerInput::Cleared(worker) => self.clear(*worker),
+                WorkerInput::Seen(sighting) => self.sight(core.floor(), sighting, now),
+                WorkerInput::Cleared(worker) => self.clear(*worker, now),
+                WorkerInput::Narrowed(worker, place) => self.person(*worker).track.remember(place.into()),
+                WorkerInput::SignedOff(worker) => self.sign_off(core, *worker, now),
             }
         }
     }
@@ -42,11 +44,14 @@ impl HumanState {
         self.follow_motion(&floor.settings.model, s, taken);
     }
 
-    /// Forgets what was believed of a worker: a supervisor says that it is wrong.
-    fn clear(&mut self, worker: WorkerId) {
+    /// Forgets what was believed of a worker: a supervisor says that it is wrong. Sightings from before that, which are
+    /// still on their way, change nothing any more.
+    pub(super) fn clear(&mut self, worker: WorkerId, now: Time) {
         self.intents.forget(worker);
-        let version = self.person(worker).version;
-        *self.person(worker) = Person { version, ..Person::default() };
+        let person = self.person(worker);
+        person.track.clear(now);
+        let (version, track) = (person.version, std::mem::take(&mut person.track));
+        *self.person(worker) = Person { version, track, ..Person::default() };
     }
 
     /// Follows all workers: where they are, whether they left their paths, where they may be going.
@@ -60,6 +65,7 @@ impl HumanState {
         if !self.people.is_empty() {
             self.infer(core.floor(), now);
             self.update_forecasts(core.floor(), now);
+            self.note_places(core, now);
         }
     }
 

@@ -11,6 +11,7 @@ pub(in crate::fleet) mod guidance;
 pub(in crate::fleet) mod intent;
 pub(in crate::fleet) mod intents;
 pub(in crate::fleet) mod keep_out;
+mod last_places;
 mod lets_pass;
 mod nearest;
 mod on_time;

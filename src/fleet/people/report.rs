@@ -37,7 +37,7 @@ impl HumanState {
         yielding: &YieldingState,
         now: Time,
     ) -> PeopleReport<'_> {
-        self.hear(core.floor(), heard, now);
+        self.hear(core, heard, now);
         self.follow(core, yielding, now);
         self.restrict(core.floor(), now);
         let guidance = self.guide(core.floor(), now);

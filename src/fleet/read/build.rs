@@ -11,11 +11,14 @@ use crate::fleet::state::floor::Floor;
 use crate::fleet::state::ledger::Service;
 use crate::fleet::state::worker::{ClosureView, Presence, WorkerEpisode, WorkerView};
 use crate::geometry::{Point, Pose};
-use crate::human::{Belief, IntentState};
+use crate::human::{Belief, IntentState, Whereabouts};
 use crate::id::{BodyId, JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
 use std::collections::BTreeMap;
+
+/// A worker who has just been lost is somewhere near the place, metres.
+const LEAST_AREA_M: f64 = 1.0;
 
 impl Fleet {
     /// Everything that outsiders may see.
@@ -132,9 +135,10 @@ impl Fleet {
             name: name.to_owned(),
             presence: place.map_or(Presence::Absent, |w| w.presence),
             pose: place.map(|w| Pose { at: w.at, heading: w.heading.unwrap_or(0.0) }),
-            seen: person.and_then(|p| p.track.newest()).map(|s| s.seen),
+            seen: person.and_then(|p| p.track.last_seen()),
             speed_mps: place.map_or(0.0, |w| w.velocity.norm()),
             accuracy_m: place.map_or(0.0, |w| w.sigma_m + w.reach_m),
+            area: place.map(|w| self.lost_area(&w)).unwrap_or_default(),
             regions_m: self.core.regions.widest_m(sigma),
             guidance,
             goals: self.goals_view(&belief),
@@ -143,6 +147,15 @@ impl Fleet {
             episodes: self.episodes_view(worker),
             feed: person.map(|p| p.track.counts()).unwrap_or_default(),
         }
+    }
+
+    fn lost_area(&self, w: &Whereabouts) -> Vec<NodeId> {
+        if w.presence != Presence::Lost {
+            return Vec::new();
+        }
+        let map = self.warehouse();
+        let within = self.people.afoot.nodes_within(map, w.at, w.reach_m.max(LEAST_AREA_M));
+        within.into_iter().map(|(node, _)| node).collect()
     }
 
     fn episodes_view(&self, worker: WorkerId) -> Vec<WorkerEpisode> {

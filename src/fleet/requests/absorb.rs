@@ -10,15 +10,20 @@ use crate::fleet::state::heard::{Heard, WorkerInput};
 use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
 use crate::fleet::state::job::{JobKind, JobRequest, JobState};
 use crate::fleet::state::ledger::RackAt;
-use crate::id::{Dense, JobId, RackId, RobotId};
+use crate::id::{Dense, JobId, RackId, RobotId, WorkerId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
 use crate::warehouse::walkway::Walkways;
 
 /// Takes all inputs in: observations of robots go to the scene, requests become facts or refusals. `walkways` is where
-/// workers can walk.
-pub(in crate::fleet) fn absorb(core: &mut Core, walkways: &Walkways, now: Time, inputs: Vec<Input>) -> Heard {
-    let mut intake = Intake { core, walkways, heard: Heard::default() };
+/// workers can walk, `lost` those of whom nobody knows where they are.
+pub(in crate::fleet) fn absorb(
+    core: &mut Core,
+    (walkways, lost): (&Walkways, &[WorkerId]),
+    now: Time,
+    inputs: Vec<Input>,
+) -> Heard {
+    let mut intake = Intake { core, walkways, lost, heard: Heard::default() };
     intake.take_in(now, inputs);
     intake.heard
 }

@@ -4,11 +4,14 @@
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::heard::Heard;
+use crate::id::WorkerId;
 use crate::warehouse::walkway::Walkways;
 
 /// Inputs as they are taken in.
 pub(super) struct Intake<'a> {
     pub core: &'a mut Core,
     pub walkways: &'a Walkways,
+    /// Workers of whom no source knows where they are.
+    pub lost: &'a [WorkerId],
     pub heard: Heard,
 }

@@ -7,10 +7,15 @@ use crate::fleet::state::fact::Fact;
 use crate::fleet::state::heard::WorkerInput;
 use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
 use crate::fleet::state::recurring::RecurringClosure;
-use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, Closure};
+use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, Closure, LastPlace};
+use crate::geometry::Spot;
 use crate::id::{AssignmentId, ClosureId, Dense, NodeId, SeriesId, WorkerId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
+use std::ops::RangeInclusive;
+
+/// How near to a place a supervisor may say that somebody is, millimetres: an unseen person is taken to get no farther.
+const NARROWS_MM: RangeInclusive<i64> = 500..=8000;
 
 impl Intake<'_> {
     /// Takes a request about people in.
@@ -28,7 +33,11 @@ impl Intake<'_> {
             Input::EndSeries { token, series } => (token, self.end_series(token, series, now)),
             Input::Evacuate { token } => (token, self.evacuate(token, now)),
             Input::EndEvacuation { token } => (token, self.end_evacuation(token, now)),
-            Input::ClearWorker { token, worker } => (token, self.clear_worker(token, worker)),
+            Input::ClearWorker { token, worker, by } => (token, self.clear_worker(token, worker, by, now)),
+            Input::SignedOff { token, worker } => (token, self.sign_off(token, worker)),
+            Input::NarrowWorker { token, worker, by, at, within_mm } => {
+                (token, self.narrow_worker(token, worker, by, (at, within_mm), now))
+            }
             Input::Halt { token, robot } => (token, self.halt(token, robot, now)),
             Input::Release { token, robot } => (token, self.release(token, robot, now)),
             Input::Station { token, station, order } => {
@@ -192,11 +201,51 @@ impl Intake<'_> {
         Ok(Reply::Done { token })
     }
 
-    fn clear_worker(&mut self, token: u64, worker: WorkerId) -> Result<Reply, Refusal> {
+    fn clear_worker(
+        &mut self,
+        token: u64,
+        worker: WorkerId,
+        by: String,
+        now: Time,
+    ) -> Result<Reply, Refusal> {
         if self.core.ledger.workers.get(worker).is_none() {
             return Err(Refusal::UnknownWorker(worker));
         }
         self.heard.people.push(WorkerInput::Cleared(worker));
+        self.core.record(Fact::WorkerCleared { worker, by: Some(by), at: now });
+        Ok(Reply::Done { token })
+    }
+
+    fn sign_off(&mut self, token: u64, worker: WorkerId) -> Result<Reply, Refusal> {
+        if self.core.ledger.workers.get(worker).is_none() {
+            return Err(Refusal::UnknownWorker(worker));
+        }
+        self.heard.people.push(WorkerInput::SignedOff(worker));
+        Ok(Reply::Done { token })
+    }
+
+    /// A supervisor has seen where a lost worker is.
+    fn narrow_worker(
+        &mut self,
+        token: u64,
+        worker: WorkerId,
+        by: String,
+        (at, within_mm): (Spot, i64),
+        now: Time,
+    ) -> Result<Reply, Refusal> {
+        if self.core.ledger.workers.get(worker).is_none() {
+            return Err(Refusal::UnknownWorker(worker));
+        }
+        if !self.lost.contains(&worker) {
+            return Err(Refusal::NotLost(worker));
+        }
+        let can_be = NARROWS_MM.contains(&within_mm) && self.walkways.on_floor(at.into()).is_some();
+        if !can_be {
+            return Err(Refusal::NoPlaceForPeople);
+        }
+        let place = LastPlace { at, seen: now, within_mm: Some(within_mm) };
+        self.heard.people.push(WorkerInput::Narrowed(worker, place));
+        self.core.record(Fact::WorkerNarrowed { worker, place, by, at: now });
         Ok(Reply::Done { token })
     }
 }

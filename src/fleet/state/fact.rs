@@ -5,7 +5,9 @@
 
 use crate::fleet::state::job::{JobRequest, JobState};
 use crate::fleet::state::recurring::RecurringClosure;
-use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, Closure, Encounter, Reaction};
+use crate::fleet::state::worker::{
+    AssignmentRequest, AssignmentState, Closure, Encounter, LastPlace, Reaction,
+};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::{Shift, Visit};
@@ -132,6 +134,33 @@ pub enum Fact {
         worker: WorkerId,
         /// The name.
         name: String,
+        /// When.
+        at: Time,
+    },
+    /// A worker is on the floor.
+    WorkerNoted {
+        /// Which.
+        worker: WorkerId,
+        /// Where.
+        place: LastPlace,
+    },
+    /// Somebody vouches for where a lost worker is.
+    WorkerNarrowed {
+        /// Which.
+        worker: WorkerId,
+        /// Where.
+        place: LastPlace,
+        /// Who says so.
+        by: String,
+        /// When.
+        at: Time,
+    },
+    /// A worker has left the floor, or somebody vouches that nobody is where one was lost.
+    WorkerCleared {
+        /// Which.
+        worker: WorkerId,
+        /// Who says so; nobody where the headset signed off at a door.
+        by: Option<String>,
         /// When.
         at: Time,
     },

@@ -2,6 +2,7 @@
 //!
 //! Main type: [`Heard`]. Refuses: to be kept.
 
+use crate::fleet::state::worker::LastPlace;
 use crate::human::Sighting;
 use crate::id::{RobotId, WorkerId};
 
@@ -12,6 +13,10 @@ pub(in crate::fleet) enum WorkerInput {
     Seen(Sighting),
     /// What was believed of a worker is wrong.
     Cleared(WorkerId),
+    /// A worker is near there.
+    Narrowed(WorkerId, LastPlace),
+    /// A worker will not be seen any more.
+    SignedOff(WorkerId),
 }
 
 /// What inputs mean for other rooms.

@@ -7,7 +7,7 @@ use crate::fleet::state::fault::Fault;
 use crate::fleet::state::job::JobRequest;
 use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::worker::{AssignmentRequest, Closure, Guidance};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, Spot};
 use crate::human::Sighting;
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::Time;
@@ -83,6 +83,28 @@ pub enum Input {
     },
     /// A worker has left the floor, or a supervisor vouches that nobody is where one was lost.
     ClearWorker {
+        /// Comes back with the reply.
+        token: u64,
+        /// The worker.
+        worker: WorkerId,
+        /// Who says so.
+        by: String,
+    },
+    /// A supervisor vouches for where a lost worker is.
+    NarrowWorker {
+        /// Comes back with the reply.
+        token: u64,
+        /// The worker.
+        worker: WorkerId,
+        /// Who says so.
+        by: String,
+        /// About where.
+        at: Spot,
+        /// How far from there at most, on foot, millimetres.
+        within_mm: i64,
+    },
+    /// A worker's headset was taken off, or its page closed, on purpose.
+    SignedOff {
         /// Comes back with the reply.
         token: u64,
         /// The worker.
@@ -198,6 +220,8 @@ impl Input {
             | Input::Cancel { token, .. }
             | Input::RegisterWorker { token, .. }
             | Input::ClearWorker { token, .. }
+            | Input::NarrowWorker { token, .. }
+            | Input::SignedOff { token, .. }
             | Input::Assign { token, .. }
             | Input::Unassign { token, .. }
             | Input::Finish { token, .. }
@@ -449,6 +473,10 @@ pub enum Refusal {
     TooManyCorners(usize),
     /// No worker has this number.
     UnknownWorker(WorkerId),
+    /// The worker is seen, or not on the floor: nobody has to vouch for the place.
+    NotLost(WorkerId),
+    /// Nobody can stand there, or so near to it that it would narrow anything.
+    NoPlaceForPeople,
     /// No assignment has this number, or it is over.
     UnknownAssignment(AssignmentId),
     /// No area is closed under this number.

@@ -69,6 +69,18 @@ pub struct Assignment {
     pub accepted: Time,
 }
 
+/// Where a worker on the floor was known to be, as the journal has it: to a few metres while the worker is seen, exactly
+/// where the worker was lost. So a restart knows where somebody may be whose headset is silent since.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LastPlace {
+    /// Where.
+    pub at: Spot,
+    /// When the worker was seen there.
+    pub seen: Time,
+    /// How far from there the worker is at most, on foot, where a supervisor vouches for that, millimetres.
+    pub within_mm: Option<i64>,
+}
+
 /// Whom a closure keeps out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Binds {
@@ -328,6 +340,9 @@ pub struct WorkerView {
     pub speed_mps: f64,
     /// One standard deviation of the position, metres, grown with silence.
     pub accuracy_m: f64,
+    /// Where the worker may be by now who is lost: nodes within the way that the worker may have walked, round walls and
+    /// racks. Empty while the worker is seen.
+    pub area: Vec<NodeId>,
     /// Radii of regions 1, 2 and 3, metres, for a robot without a rack.
     pub regions_m: [f64; 3],
     /// What the worker is told.

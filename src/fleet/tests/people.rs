@@ -319,7 +319,7 @@ fn a_worker_of_whom_nothing_is_heard_stops_robots_nearby_on_foot_until_cleared_a
     assert!(!within.is_empty() && !within.iter().any(moves), "after 25 s she may be there");
     let before = floor.fleet.ledger().counts.robot_deliveries;
     assert!(floor.fleet.yielding.state.giving_way().next().is_some(), "robots wait because of her");
-    floor.step(vec![Input::ClearWorker { token: 4, worker: ana.worker }]);
+    floor.step(vec![Input::ClearWorker { token: 4, worker: ana.worker, by: "Ben".into() }]);
     assert!(floor.fleet.yielding.state.giving_way().next().is_none(), "and nobody does any more");
     floor.run(120);
     assert!(floor.fleet.ledger().counts.robot_deliveries > before, "they go on");

@@ -113,7 +113,7 @@ fn who_is_shut_in_between_robots_that_cannot_move_is_told_to_stop() {
 /// [`break_at`] while somebody is on the floor, whom the robot must not be afraid of: she is cleared for the
 /// time.
 fn break_at_while(floor: &mut TestFloor, puppet: &mut Puppet, robot: u32, x: f64, y: f64) {
-    floor.step(vec![Input::ClearWorker { token: 9, worker: puppet.worker }]);
+    floor.step(vec![Input::ClearWorker { token: 9, worker: puppet.worker, by: "Ben".into() }]);
     break_at(floor, robot, x, y);
     let place = puppet.at;
     // She comes back a little to the side of her path, which starts anew where she is.

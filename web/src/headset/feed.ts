@@ -76,7 +76,13 @@ export class Feed {
     this.#look();
   }
 
+  /** The device is taken off, or its page closed: no more poses come. */
+  bye(): void {
+    this.#say({ type: 'bye' });
+  }
+
   stop(): void {
+    this.bye();
     this.#drop();
     this.#options.clock.cancel(this.#timers.retry);
     this.#options.clock.cancel(this.#timers.look);

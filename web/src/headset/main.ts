@@ -221,7 +221,7 @@ async function left(id: string, name: string, wrong = ''): Promise<void> {
   const error = make('p', { className: 'error', role: 'alert', textContent: wrong });
   again.addEventListener('click', () => void signIn());
   gone.addEventListener('click', () => {
-    void server.clear(id).then((answer) => {
+    void server.clear(id, name).then((answer) => {
       if (answer.kind === 'ok') void signIn(`${name} has left the floor.`);
       else error.textContent = words(answer);
     });
@@ -234,7 +234,7 @@ async function left(id: string, name: string, wrong = ''): Promise<void> {
 
 /** Says that nobody is there any more. Robots go on keeping away unless the server has heard it. */
 function leave(id: string, name: string): void {
-  void server.clear(id).then((answer) => (answer.kind === 'ok' ? signIn(`${name} has left the floor.`) : left(id, name, words(answer))));
+  void server.clear(id, name).then((answer) => (answer.kind === 'ok' ? signIn(`${name} has left the floor.`) : left(id, name, words(answer))));
 }
 
 /** The map on a phone. */

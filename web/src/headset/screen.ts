@@ -16,6 +16,7 @@ export class Screen {
 
   constructor(readonly root: HTMLElement, readonly wearer: Wearer) {
     document.addEventListener('visibilitychange', this.#sight);
+    addEventListener('pagehide', this.#hidden);
     void this.#keepLight();
   }
 
@@ -43,9 +44,12 @@ export class Screen {
 
   close(): void {
     document.removeEventListener('visibilitychange', this.#sight);
+    removeEventListener('pagehide', this.#hidden);
     this.wearer.stop();
     void this.#light?.release().catch(() => {});
   }
+
+  #hidden = (): void => this.wearer.bye();
 
   #sight = (): void => {
     if (document.visibilityState !== 'visible') return;

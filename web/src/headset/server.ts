@@ -21,8 +21,8 @@ export class Server {
   worker = (id: string) => this.#ask<Worker>('GET', `/v1/workers/${encodeURIComponent(id)}`);
   /** The same name is the same worker. */
   hire = (name: string) => this.#ask<Worker>('POST', '/v1/workers', { name });
-  /** The worker has left the floor. */
-  clear = (id: string) => this.#ask<null>('POST', `/v1/workers/${encodeURIComponent(id)}/clear`);
+  /** The worker has left the floor, and says so. */
+  clear = (id: string, by: string) => this.#ask<null>('POST', `/v1/workers/${encodeURIComponent(id)}/clear`, { by });
 
   open(id: string, events: LineEvents): Line {
     const url = new URL(`/v1/workers/${encodeURIComponent(id)}/feed`, location.href);

@@ -65,6 +65,11 @@ export class Wearer {
     });
   }
 
+  /** The page goes: no more poses come. */
+  bye(): void {
+    this.#feed.bye();
+  }
+
   start(): void {
     this.#feed.start();
   }

@@ -42,6 +42,9 @@ export class Api {
   retire = (robot: string) => this.#ask<null>('DELETE', `/v1/robots/${encodeURIComponent(robot)}`);
   station = (id: string, says: 'done' | 'short' | 'pause' | 'resume') =>
     this.#ask<null>('POST', `/v1/stations/${encodeURIComponent(id)}/${says}`);
+  clear = (worker: string, by: string) => this.#ask<null>('POST', `/v1/workers/${encodeURIComponent(worker)}/clear`, {}, { by });
+  narrow = (worker: string, where: { by: string; at: readonly [number, number]; within_m: number }) =>
+    this.#ask<null>('POST', `/v1/workers/${encodeURIComponent(worker)}/narrow`, {}, where);
   prioritise = (id: string, priority: number) => this.#ask<Job>('PATCH', `/v1/jobs/${encodeURIComponent(id)}`, {}, { priority });
   assign = (worker: string, task: { place: string; what: string; stay_s: number }, key: string) =>
     this.#ask<{ id: string }>('POST', `/v1/workers/${encodeURIComponent(worker)}/assignments`, { 'Idempotency-Key': key }, task);

@@ -106,6 +106,8 @@ export interface Worker {
   speed: number;
   /** One standard deviation of the position, metres. */
   accuracy: number;
+  /** Where somebody who is lost may be: places that robots keep out of, metres. Older recordings do not have it. */
+  area?: Point[];
   /** Radii, metres: robots stop, keep out, go slowly. */
   regions: [stop: number, out: number, slow: number];
   state: GuidanceState;

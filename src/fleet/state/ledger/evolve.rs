@@ -38,6 +38,10 @@ impl Ledger {
                 let id = self.promises.workers.push(name.clone());
                 assert_eq!(id, *worker, "workers are numbered in order");
             }
+            Fact::WorkerNoted { worker, place } | Fact::WorkerNarrowed { worker, place, .. } => {
+                self.promises.on_floor.insert(*worker, *place);
+            }
+            Fact::WorkerCleared { worker, .. } => _ = self.promises.on_floor.remove(worker),
             Fact::Assigned { assignment, worker, request, at } => {
                 self.assign(*assignment, *worker, request, *at);
             }

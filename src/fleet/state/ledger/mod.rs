@@ -15,7 +15,7 @@ use crate::fleet::state::job::Job;
 use crate::fleet::state::keys::Keys;
 use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::wishes::Wishes;
-use crate::fleet::state::worker::{Assignment, Closure};
+use crate::fleet::state::worker::{Assignment, Closure, LastPlace};
 use crate::id::{
     AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
 };
@@ -109,6 +109,8 @@ pub struct Promises {
     pub served: IdVec<StationId, u64>,
     /// All workers' names.
     pub workers: IdVec<WorkerId, String>,
+    /// Workers on the floor, with where each was last known to be.
+    pub on_floor: BTreeMap<WorkerId, LastPlace>,
     /// Assignments that are not over.
     pub assignments: BTreeMap<AssignmentId, Assignment>,
     /// The number of the next assignment.

@@ -81,6 +81,7 @@ impl Ledger {
             racks,
             served,
             workers: IdVec::new(),
+            on_floor: BTreeMap::new(),
             assignments: BTreeMap::new(),
             next_assignment: 1,
             assignment_keys: Keys::default(),

@@ -134,7 +134,7 @@ impl TinyWorld {
     /// The worker goes through a door.
     pub fn dismiss(&mut self) {
         if let Some(p) = self.worker.take() {
-            self.step(None, vec![Input::ClearWorker { token: 5, worker: p.worker }]);
+            self.step(None, vec![Input::ClearWorker { token: 5, worker: p.worker, by: "Ben".into() }]);
         }
     }
 

@@ -36,7 +36,7 @@ export function announced(closures: readonly Closure[]): Note[] {
 /** Sizes in metres; gauge and ring go around a robot's mark. */
 export const SIZE = {
   rack: 0.42, carried: 0.46, gauge: 0.12, ring: 0.28, person: 0.4, place: 0.72,
-  granted: 0.12, held: 0.07, ahead: 0.1,
+  granted: 0.12, held: 0.07, ahead: 0.1, area: 0.9,
 } as const;
 /** Pixels per metre from which on names and gauges appear, where neighbours no longer write over each other. */
 const NAMES_FROM = 76;
@@ -155,7 +155,8 @@ export class Composer {
     const sheet = this.sheets.regions;
     sheet.begin();
     for (let i = 0; i < people.length; i++) {
-      const { x, y, regions: [stop, out, slow], path } = people[i]!;
+      const { x, y, area, regions: [stop, out, slow], path } = people[i]!;
+      for (const [ax, ay] of area) sheet.put(KIND.hatch, ax, ay, SIZE.area, SIZE.area, ink.keeping, 0, Math.max(0.3, 6 * hair));
       sheet.put(KIND.dashring, x, y, 2 * slow, 2 * slow, ink.slowing, 0, 1.5 * hair);
       sheet.put(KIND.hatch, x, y, 2 * out, 2 * out, ink.keeping, 0, Math.max(0.3, 6 * hair));
       sheet.put(KIND.ring, x, y, 2 * out, 2 * out, ink.region, 0, 1.2 * hair);

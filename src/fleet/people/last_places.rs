@@ -1,0 +1,76 @@
+//! Workers who are not seen: noted while they are on the floor, so that a restart knows of them, and those who take
+//! their headsets off.
+//!
+//! Refuses: to take anybody off the floor whom nobody saw leave, or vouches for.
+
+use crate::fleet::people::state::HumanState;
+use crate::fleet::state::core::Core;
+use crate::fleet::state::fact::Fact;
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::worker::LastPlace;
+use crate::geometry::Point;
+use crate::human::{LastKnown, Presence};
+use crate::id::WorkerId;
+use crate::time::Time;
+use crate::warehouse::NodeKind;
+use std::collections::BTreeMap;
+
+/// A worker who is seen is noted again after so many metres, one who is lost after so few: after a restart the worker
+/// is looked for within eight.
+const NOTED_M: (f64, f64) = (5.0, 0.5);
+/// Who takes the headset off within this of a door has left the floor, metres.
+const DOOR_M: f64 = 3.0;
+
+impl From<&LastPlace> for LastKnown {
+    fn from(place: &LastPlace) -> LastKnown {
+        let within_m = place.within_mm.map(|mm| mm as f64 / 1000.0);
+        LastKnown { at: place.at.into(), seen: place.seen, within_m }
+    }
+}
+
+impl HumanState {
+    /// Takes over from the ledger who was on the floor. Nobody has been seen since.
+    pub(in crate::fleet) fn remember(&mut self, on_floor: &BTreeMap<WorkerId, LastPlace>) {
+        on_floor.iter().for_each(|(worker, place)| self.person(*worker).track.remember(place.into()));
+    }
+
+    /// Workers on the floor of whom nobody knows where they are.
+    pub(in crate::fleet) fn lost(&self, now: Time) -> Vec<WorkerId> {
+        let present = self.present(now).into_iter();
+        present.filter(|(_, place)| place.presence == Presence::Lost).map(|(worker, _)| worker).collect()
+    }
+
+    /// Notes in the ledger where workers are, coarsely.
+    pub(super) fn note_places(&self, core: &mut Core, now: Time) {
+        for (worker, place) in self.present(now) {
+            let track = &self.people[worker].track;
+            let Some(seen) = track.last_seen().filter(|_| !track.is_vouched()) else { continue };
+            let is_far = |noted: &LastPlace| {
+                let moved_m = (Point::from(noted.at) - place.at).norm();
+                let lost = place.presence == Presence::Lost;
+                moved_m > if lost { NOTED_M.1 } else { NOTED_M.0 } || noted.within_mm.is_some()
+            };
+            if core.ledger.on_floor.get(&worker).is_none_or(is_far) {
+                let place = LastPlace { at: place.at.into(), seen, within_mm: None };
+                core.record(Fact::WorkerNoted { worker, place });
+            }
+        }
+    }
+
+    /// A worker has taken the headset off. At a door that is leaving; anywhere else the worker is still there, and will
+    /// not be seen.
+    pub(super) fn sign_off(&mut self, core: &mut Core, worker: WorkerId, now: Time) {
+        let Some(place) = self.whereabouts(worker, now) else { return };
+        if is_at_door(core.floor(), place.at) && place.presence != Presence::Lost {
+            self.clear(worker, now);
+            core.record(Fact::WorkerCleared { worker, by: None, at: now });
+        } else {
+            self.person(worker).track.sign_off(now);
+        }
+    }
+}
+
+fn is_at_door(floor: Floor<'_>, at: Point) -> bool {
+    let doors = floor.warehouse().nodes_where(|kind| kind == NodeKind::Exit);
+    doors.iter().any(|door| (floor.warehouse().nodes[*door].at - at).norm() <= DOOR_M)
+}
