@@ -4,6 +4,7 @@
 //! wrong, and to write anything down: it hands out what changed.
 
 use super::text::{alarm_name, round3, time_text};
+use super::words::{AlarmKindDto, AlarmSeverityDto, AlarmStateDto, SubjectKindDto};
 use crate::alarm::{
     Acknowledgement, Alarm, AlarmCondition, AlarmKind, AlarmRegister, AlarmScope, AlarmSeverity, SubjectKind,
     operator_conditions,
@@ -112,9 +113,8 @@ impl Alarms {
 /// What an alarm is about.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct AlarmSubjectDto {
-    /// robot, worker, job, station, closure, floor or server.
-    #[schema(example = "robot")]
-    pub kind: &'static str,
+    /// What sort of thing it is.
+    pub kind: SubjectKindDto,
     /// Its id; `floor` and `server` for these two.
     #[schema(example = "robot-3")]
     pub id: String,
@@ -136,14 +136,12 @@ pub struct AlarmDto {
     /// Its number; numbers go on after a restart.
     #[schema(example = "al17")]
     pub id: String,
-    /// What it is about; the docs have a table of all kinds.
-    #[schema(example = "robot_silent")]
-    pub kind: &'static str,
-    /// notice, warning or critical.
-    #[schema(example = "warning")]
-    pub severity: &'static str,
-    /// active or cleared.
-    pub state: &'static str,
+    /// What it is about.
+    pub kind: AlarmKindDto,
+    /// How bad it is.
+    pub severity: AlarmSeverityDto,
+    /// Whether its cause is still there.
+    pub state: AlarmStateDto,
     /// With what something is wrong.
     pub subject: AlarmSubjectDto,
     /// In words.
@@ -172,10 +170,10 @@ impl From<&Alarm> for AlarmDto {
         let noted = |n: &Acknowledgement| AcknowledgementDto { by: n.by.clone(), at: time_text(n.at) };
         AlarmDto {
             id: alarm_name(a.id),
-            kind: a.kind.word(),
-            severity: a.severity.word(),
-            state: if a.cleared.is_some() { "cleared" } else { "active" },
-            subject: AlarmSubjectDto { kind: a.subject.kind.word(), id: a.subject.id.clone() },
+            kind: AlarmKindDto(a.kind),
+            severity: a.severity.into(),
+            state: if a.cleared.is_some() { AlarmStateDto::Cleared } else { AlarmStateDto::Active },
+            subject: AlarmSubjectDto { kind: a.subject.kind.into(), id: a.subject.id.clone() },
             text: a.text.clone(),
             remedy: a.remedy.clone(),
             x,

@@ -61,7 +61,7 @@ const RECENT: usize = 256;
 /// and gets `welcome`; it answers every `ping` with a `pong`; it sends `anchors` until they are `aligned`, then `pose`
 /// up to 60 times a second. The server sends `guidance` at once when it changed and four times a second else. Offer
 /// the protocol `giveway`, and `bearer.TOKEN` where a token is needed. All messages are shown in docs/headset.md.
-#[utoipa::path(get, path = "/v1/workers/{id}/feed", tag = "people",
+#[utoipa::path(get, path = "/v1/workers/{id}/feed", tag = "people", operation_id = "openWorkerFeed",
     params(("id" = String, Path, example = "w1")), responses(
     (status = 101, description = "The feed begins"),
     (status = 404, body = Problem, content_type = "application/problem+json"),

@@ -3,7 +3,8 @@
 //! Main types: [`HeadsetMessage`], [`PoseSaid`], [`AnchorSaid`]. Unknown keys are ignored, so that newer headsets can
 //! talk to older servers. Refuses: to judge numbers; [`super::intake`] does.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 /// Versions of the protocol that this server speaks, best first.
 pub const VERSIONS: [u32; 1] = [1];
@@ -149,7 +150,7 @@ pub struct GazeSaid {
 }
 
 /// What a gaze ray comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GazeKind {
     /// Straight ahead of the head.
@@ -158,17 +159,6 @@ pub enum GazeKind {
     Eye,
     /// A model's estimate.
     Estimated,
-}
-
-impl GazeKind {
-    /// The word for it on the wire.
-    pub fn word(self) -> &'static str {
-        match self {
-            GazeKind::Head => "head",
-            GazeKind::Eye => "eye",
-            GazeKind::Estimated => "estimated",
-        }
-    }
 }
 
 /// Joints of both hands: x, y, z in WebXR axes and radius, metres; usually 25 of them.

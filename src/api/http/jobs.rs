@@ -12,6 +12,7 @@ use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart};
 use crate::api::port::{Moment, What};
 use crate::api::refusal::refused;
 use crate::api::text::{job_name, parse_job_name, parse_time};
+use crate::api::words::{JobKindDto, JobStateDto};
 use crate::fleet::{JobKind, JobQuery, JobRequest, JobRow, Reply};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::Span;
@@ -33,7 +34,7 @@ const MOST_PREDECESSORS: usize = 100;
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewJob {
-    kind: WantedKind,
+    kind: JobKindDto,
     /// Name of a rack.
     #[schema(example = "K1")]
     rack: Option<String>,
@@ -58,24 +59,6 @@ pub struct NewJob {
     after: Option<Vec<String>>,
 }
 
-/// What is wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-enum WantedKind {
-    /// Bring a rack to a station, and put it back.
-    Deliver,
-    /// Put a rack onto the best free storage node.
-    Return,
-    /// Put a rack onto this storage node.
-    Relocate,
-    /// Send a robot to a free charger.
-    Charge,
-    /// Send a robot to a free parking place.
-    Park,
-    /// Send a robot to a node.
-    Go,
-}
-
 /// Which jobs to list.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
@@ -83,14 +66,15 @@ enum WantedKind {
 pub struct JobParams {
     /// How many at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
-    /// Only jobs in this state: waiting, assigned, carrying, picking, done, cancelled or failed.
+    /// Only jobs in this state.
+    #[param(value_type = Option<JobStateDto>)]
     state: Option<String>,
     /// `next` of the previous page.
     cursor: Option<String>,
 }
 
 /// Jobs, newest first.
-#[utoipa::path(get, path = "/v1/jobs", tag = "jobs", params(JobParams), responses(
+#[utoipa::path(get, path = "/v1/jobs", tag = "jobs", operation_id = "listJobs", params(JobParams), responses(
     (status = 200, description = "Jobs, newest first", body = Page<JobDto>),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
@@ -131,7 +115,8 @@ pub async fn list(
 }
 
 /// One job.
-#[utoipa::path(get, path = "/v1/jobs/{id}", tag = "jobs", params(("id" = String, Path, example = "j17")),
+#[utoipa::path(get, path = "/v1/jobs/{id}", tag = "jobs",
+    operation_id = "getJob", params(("id" = String, Path, example = "j17")),
     responses(
     (status = 200, description = "The job", body = JobDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
@@ -143,7 +128,7 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
 
 /// Submit a job. When this call returns, the job is durable. With an `Idempotency-Key`, a retry never makes a
 /// second job.
-#[utoipa::path(post, path = "/v1/jobs", tag = "jobs", request_body = NewJob,
+#[utoipa::path(post, path = "/v1/jobs", tag = "jobs", operation_id = "submitJob", request_body = NewJob,
     params(("Idempotency-Key" = Option<String>, Header, description = "Your own key, up to 255 characters")),
     responses(
     (status = 201, description = "Accepted and durable", body = JobDto, headers(("Location" = String))),
@@ -191,7 +176,7 @@ pub struct JobChange {
 }
 
 /// Change the priority of a job that no robot has yet.
-#[utoipa::path(patch, path = "/v1/jobs/{id}", tag = "jobs", request_body = JobChange,
+#[utoipa::path(patch, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "changeJob", request_body = JobChange,
     params(("id" = String, Path, example = "j17")), responses(
     (status = 200, description = "The job as it is now", body = JobDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
@@ -212,7 +197,8 @@ pub async fn prioritise(
 }
 
 /// Cancel a job. A robot that carries its rack puts it back first.
-#[utoipa::path(delete, path = "/v1/jobs/{id}", tag = "jobs", params(("id" = String, Path, example = "j17")),
+#[utoipa::path(delete, path = "/v1/jobs/{id}", tag = "jobs",
+    operation_id = "cancelJob", params(("id" = String, Path, example = "j17")),
     responses(
     (status = 200, description = "It is cancelled, or will be as soon as its rack is back", body = JobDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
@@ -245,7 +231,7 @@ fn dto(api: &Api, row: &JobRow) -> JobDto {
 struct Reader<'a> {
     map: &'a Warehouse,
     moment: &'a Moment,
-    kind: WantedKind,
+    kind: JobKindDto,
     errors: Vec<FieldError>,
 }
 
@@ -262,7 +248,7 @@ impl Reader<'_> {
         find: impl Fn(&Self, &str) -> Option<T>,
     ) -> Option<T> {
         let Some(text) = text else {
-            self.wrong(field, format!("required for {}", self.word()));
+            self.wrong(field, format!("required for {}", self.kind.word()));
             return None;
         };
         let found = find(self, text);
@@ -290,25 +276,14 @@ impl Reader<'_> {
         self.name("robot", new.robot.as_deref(), find).map(RobotId::at)
     }
 
-    fn word(&self) -> &'static str {
-        match self.kind {
-            WantedKind::Deliver => "deliver",
-            WantedKind::Return => "return",
-            WantedKind::Relocate => "relocate",
-            WantedKind::Charge => "charge",
-            WantedKind::Park => "park",
-            WantedKind::Go => "go",
-        }
-    }
-
     /// Complains about fields that this kind of job does not have.
     fn superfluous(&mut self, new: &NewJob) {
         let fields: &[&str] = match self.kind {
-            WantedKind::Deliver => &["rack", "station", "pick_s"],
-            WantedKind::Return => &["rack"],
-            WantedKind::Relocate => &["rack", "node"],
-            WantedKind::Charge | WantedKind::Park => &["robot"],
-            WantedKind::Go => &["robot", "node"],
+            JobKindDto::Deliver => &["rack", "station", "pick_s"],
+            JobKindDto::Return => &["rack"],
+            JobKindDto::Relocate => &["rack", "node"],
+            JobKindDto::Charge | JobKindDto::Park => &["robot"],
+            JobKindDto::Go => &["robot", "node"],
         };
         let given = [
             ("rack", new.rack.is_some()),
@@ -318,25 +293,25 @@ impl Reader<'_> {
             ("pick_s", new.pick_s.is_some()),
         ];
         for (field, _) in given.into_iter().filter(|(f, given)| *given && !fields.contains(f)) {
-            self.wrong(field, format!("no such field; a {} job has {}", self.word(), fields.join(", ")));
+            self.wrong(field, format!("no such field; a {} job has {}", self.kind.word(), fields.join(", ")));
         }
     }
 
     fn kind(&mut self, new: &NewJob) -> Option<JobKind> {
         Some(match self.kind {
-            WantedKind::Deliver => {
+            JobKindDto::Deliver => {
                 let (rack, station) = (self.rack(new), self.station(new));
                 let pick = new.pick_s.map(Span::from_secs_f64);
                 JobKind::Deliver { rack: rack?, station: station?, pick }
             }
-            WantedKind::Return => JobKind::Return { rack: self.rack(new)? },
-            WantedKind::Relocate => {
+            JobKindDto::Return => JobKind::Return { rack: self.rack(new)? },
+            JobKindDto::Relocate => {
                 let (rack, node) = (self.rack(new), self.node(new));
                 JobKind::Relocate { rack: rack?, node: node? }
             }
-            WantedKind::Charge => JobKind::Charge { robot: self.robot(new)? },
-            WantedKind::Park => JobKind::Park { robot: self.robot(new)? },
-            WantedKind::Go => {
+            JobKindDto::Charge => JobKind::Charge { robot: self.robot(new)? },
+            JobKindDto::Park => JobKind::Park { robot: self.robot(new)? },
+            JobKindDto::Go => {
                 let (robot, node) = (self.robot(new), self.node(new));
                 JobKind::Go { robot: robot?, node: node? }
             }

@@ -16,6 +16,7 @@ mod jobs;
 mod kinds;
 mod lists;
 mod map;
+mod openapi;
 mod page;
 mod past;
 mod positions;
@@ -42,25 +43,12 @@ use axum::routing::get;
 use tower_http::catch_panic::CatchPanicLayer;
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
-use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-#[derive(OpenApi)]
-#[openapi(info(
-    title = "Giveway",
-    description = "A warehouse fleet manager in which robots give way to people. Giveway is an \
-    efficiency layer, not a safety function: detection, braking and emergency stop are the robots' own. \
-    Ids are the names of the map; jobs are \"j17\", workers \"w1\", \
-    assignments \"a3\", closed areas \"c2\". Errors are application/problem+json (RFC 9457) and say \
-    what to do. A job is acknowledged only when it is durable: an answer 201 survives loss of power. The live \
-    feed is a WebSocket at /v1/live, headsets talk to /v1/workers/{id}/feed."
-))]
-struct Description;
-
 /// All routes, and what is said about them.
 pub fn router(api: Api) -> (Router, Document) {
-    let (v1, mut document) = OpenApiRouter::with_openapi(Description::openapi())
+    let (v1, document) = OpenApiRouter::with_openapi(openapi::Description::openapi())
         .routes(routes!(health::health))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))
@@ -113,9 +101,7 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(ws::live))
         .routes(routes!(health::metrics))
         .split_for_parts();
-    let bearer = SecurityScheme::Http(Http::new(HttpAuthScheme::Bearer));
-    document.components.get_or_insert_default().add_security_scheme("bearer", bearer);
-    let text = document.to_json().expect("the description is plain");
+    let text = openapi::described(&document).to_string();
     let described =
         move || async move { ([(header::CONTENT_TYPE, "application/json")], text.clone()).into_response() };
     let router = v1
@@ -131,7 +117,7 @@ pub fn router(api: Api) -> (Router, Document) {
 
 /// Lets authorised requests in; health needs no token.
 async fn authorise(State(api): State<Api>, request: Request, next: Next) -> Response {
-    let open = matches!(request.uri().path(), "/v1/health" | "/v1/health/live" | "/v1/health/ready");
+    let open = openapi::OPEN.contains(&request.uri().path());
     match api.gate.check(request.headers()) {
         Err(problem) if !open || problem.status != StatusCode::UNAUTHORIZED.as_u16() => {
             problem.into_response()
