@@ -186,16 +186,54 @@ impl From<&Alarm> for AlarmDto {
     }
 }
 
+/// An active alarm in the live feed; its times count from the feed's zero.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct AlarmRowDto {
+    /// Its number.
+    #[schema(example = "al17")]
+    pub id: String,
+    /// What it is about.
+    pub kind: AlarmKindDto,
+    /// How bad it is.
+    pub severity: AlarmSeverityDto,
+    /// What sort of thing it is about.
+    pub subject_kind: SubjectKindDto,
+    /// The id of that; null for the floor and the server.
+    #[schema(example = "robot-3")]
+    pub subject: Option<String>,
+    /// In words.
+    pub text: String,
+    /// What to do.
+    pub remedy: String,
+    /// Where on the map, metres; null if it is in no one place.
+    pub x: Option<f64>,
+    /// Metres.
+    pub y: Option<f64>,
+    /// How many robots wait because of it.
+    pub waiting: usize,
+    /// Since when its cause has been there, seconds.
+    pub since_s: f64,
+    /// Who has taken note; null if nobody has.
+    pub acknowledged_by: Option<String>,
+}
+
 /// An active alarm in the live feed; its times count from `started_s`.
 pub(super) fn row(alarm: &Alarm, started_s: f64) -> Value {
-    let seconds = |t: Time| round3(t.as_secs_f64() - started_s);
     let (x, y) = place(alarm.at).unzip();
     let is_a_thing = !matches!(alarm.subject.kind, SubjectKind::Floor | SubjectKind::Server);
-    json!({
-        "id": alarm_name(alarm.id), "kind": alarm.kind.word(), "severity": alarm.severity.word(),
-        "subject_kind": alarm.subject.kind.word(), "subject": is_a_thing.then_some(&alarm.subject.id),
-        "text": alarm.text, "remedy": alarm.remedy, "x": x, "y": y, "waiting": alarm.waiting,
-        "since_s": seconds(alarm.since), "acknowledged_by": alarm.acknowledged.as_ref().map(|n| &n.by),
+    json!(AlarmRowDto {
+        id: alarm_name(alarm.id),
+        kind: AlarmKindDto(alarm.kind),
+        severity: alarm.severity.into(),
+        subject_kind: alarm.subject.kind.into(),
+        subject: is_a_thing.then(|| alarm.subject.id.clone()),
+        text: alarm.text.clone(),
+        remedy: alarm.remedy.clone(),
+        x,
+        y,
+        waiting: alarm.waiting,
+        since_s: round3(alarm.since.as_secs_f64() - started_s),
+        acknowledged_by: alarm.acknowledged.as_ref().map(|n| n.by.clone()),
     })
 }
 

@@ -113,6 +113,31 @@ pub struct JobCountsDto {
     pub failed: u64,
 }
 
+/// Sums since the database began, and what the loop measured over the last minutes.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct CountersDto {
+    /// Racks served at stations.
+    pub robot_deliveries: u64,
+    /// Assignments completed by workers.
+    pub human_deliveries: u64,
+    /// Racks served per hour, over the last ten minutes.
+    pub deliveries_per_hour: f64,
+    /// Robots that came into region 1 of a worker.
+    pub encounters: u64,
+    /// How often a worker left the path.
+    pub deviations: u64,
+    /// How often a robot had to stop or to change its route because of a worker.
+    pub interruptions: u64,
+    /// Routes planned anew because of workers and closures.
+    pub replans: u64,
+    /// Length of a search for a route, median, microseconds.
+    pub plan_us_p50: u64,
+    /// The same, 99th percentile.
+    pub plan_us_p99: u64,
+    /// Step time, 99th percentile, microseconds.
+    pub step_us_p99: u64,
+}
+
 /// One job.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct JobDto {

@@ -10,7 +10,7 @@ use utoipa::ToSchema;
 pub const VERSIONS: [u32; 1] = [1];
 
 /// A message of a headset.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum HeadsetMessage {
     /// The first message.
@@ -48,7 +48,7 @@ pub enum HeadsetMessage {
 }
 
 /// The first message.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct HelloSaid {
     /// Versions of the protocol that the client speaks.
     pub versions: Vec<u32>,
@@ -58,7 +58,7 @@ pub struct HelloSaid {
 }
 
 /// The frame of poses.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PoseFrame {
     /// The device's own, which must be aligned.
@@ -68,18 +68,8 @@ pub enum PoseFrame {
     Map,
 }
 
-impl PoseFrame {
-    /// The word for it on the wire.
-    pub fn word(self) -> &'static str {
-        match self {
-            PoseFrame::Device => "device",
-            PoseFrame::Map => "map",
-        }
-    }
-}
-
 /// A mark on the floor.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct AnchorSaid {
     /// Where the device has it: WebXR axes, metres.
     pub device: [f64; 3],
@@ -96,7 +86,7 @@ pub struct AnchorSaid {
 }
 
 /// A pose.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct PoseSaid {
     /// The alignment that it belongs to.
     pub epoch: u32,
@@ -126,7 +116,7 @@ pub struct PoseSaid {
 }
 
 /// How well a device knows its pose.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum QualitySaid {
     /// Measured.
@@ -139,7 +129,7 @@ pub enum QualitySaid {
 }
 
 /// Where somebody looks, in the device's frame.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct GazeSaid {
     /// What the ray comes from.
     pub kind: GazeKind,
@@ -162,7 +152,7 @@ pub enum GazeKind {
 }
 
 /// Joints of both hands: x, y, z in WebXR axes and radius, metres; usually 25 of them.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, ToSchema)]
 pub struct HandsSaid {
     /// Left.
     pub l: Option<Vec<[f64; 4]>>,

@@ -5,6 +5,7 @@
 
 mod alarms;
 mod assignments;
+mod asyncapi;
 mod closures;
 mod encounters;
 mod evacuation;
@@ -40,6 +41,7 @@ use axum::http::{HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use serde_json::Value;
 use tower_http::catch_panic::CatchPanicLayer;
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
@@ -101,12 +103,14 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(ws::live))
         .routes(routes!(health::metrics))
         .split_for_parts();
-    let text = openapi::described(&document).to_string();
-    let described =
-        move || async move { ([(header::CONTENT_TYPE, "application/json")], text.clone()).into_response() };
+    let served = |document: Value| {
+        let text = document.to_string();
+        get(move || async move { ([(header::CONTENT_TYPE, "application/json")], text) })
+    };
     let router = v1
         .route_layer(middleware::from_fn_with_state(api.clone(), authorise))
-        .route("/openapi.json", get(described))
+        .route("/openapi.json", served(openapi::described(&document)))
+        .route("/asyncapi.json", served(asyncapi::messages()))
         .fallback(page::page)
         .method_not_allowed_fallback(wrong_method)
         .with_state(api.clone())
