@@ -100,6 +100,11 @@ fn finish(status: &str, response: &mut Value) {
     if response.get("description").is_none() {
         response["description"] = usual_words(status).into();
     }
+    for (media, content) in response.get_mut("content").into_iter().flat_map(members) {
+        if !media.contains("json") && !media.starts_with("text/") && !media.contains("text;") {
+            content["schema"] = json!({"type": "string", "format": "binary"});
+        }
+    }
     let (name, words, schema) = match status {
         "429" | "503" => {
             ("Retry-After", "Seconds after which a retry makes sense", json!({"type": "integer"}))
