@@ -13,6 +13,7 @@ use crate::id::{Dense, NodeId, RobotId};
 use crate::timeline::Holder;
 use crate::warehouse::{NodeKind, Warehouse};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
 /// One page of a list.
@@ -167,10 +168,34 @@ pub struct JobDto {
     /// Why it failed, or what it waits for.
     #[schema(example = "waiting for j16 to be over")]
     pub why: Option<String>,
+    /// The customer's own text.
+    #[schema(example = "order 4711")]
+    pub reference: Option<String>,
+    /// The customer's own labels.
+    #[schema(example = json!({"wave": "7"}))]
+    pub labels: BTreeMap<String, String>,
     /// When it was accepted, RFC 3339.
     pub created: String,
-    /// When its state changed last, RFC 3339.
+    /// When it, or its state, changed last, RFC 3339.
     pub updated: String,
+    /// When it came to each state.
+    pub times: JobTimesDto,
+}
+
+/// When a job came to each state, RFC 3339; null where it did not. If a robot gives it back, it waits again, and the times
+/// of that attempt are null again.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct JobTimesDto {
+    /// It was accepted.
+    pub accepted: String,
+    /// A robot got it (state `assigned`).
+    pub assigned: Option<String>,
+    /// The robot had lifted the rack (`carrying`).
+    pub lifted: Option<String>,
+    /// The rack stood at the station (`picking`).
+    pub at_station: Option<String>,
+    /// It was over (`done`, `cancelled` or `failed`).
+    pub ended: Option<String>,
 }
 
 /// Gives names to ids.
@@ -280,8 +305,17 @@ impl Names<'_> {
             after: request.after.iter().map(|j| job_name(*j)).collect(),
             state: record.job.state.into(),
             why: self.why_of_job(record),
+            reference: request.reference.clone(),
+            labels: request.labels.clone(),
             created: time_text(record.job.accepted),
             updated: time_text(record.updated),
+            times: JobTimesDto {
+                accepted: time_text(record.job.accepted),
+                assigned: record.times.assigned.map(time_text),
+                lifted: record.times.lifted.map(time_text),
+                at_station: record.times.arrived.map(time_text),
+                ended: record.times.ended.map(time_text),
+            },
         }
     }
 

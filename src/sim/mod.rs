@@ -13,6 +13,7 @@ pub mod detection;
 mod digest;
 pub mod encounter;
 mod guard;
+mod job_line;
 pub mod laws;
 mod leavers;
 mod link;

@@ -19,6 +19,7 @@ mod fixture;
 mod guard;
 mod helper;
 mod history;
+mod jobs;
 mod journal;
 mod live;
 mod load;

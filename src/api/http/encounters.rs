@@ -176,7 +176,7 @@ mod tests {
             closest: 0.9,
             robot_speed: 0.5,
             worker_speed: 1.2,
-            reaction: "stopped",
+            reaction: crate::api::words::ReactionDto::Stopped,
             delay_s: 2.0,
         };
         let text = csv(&[e]);

@@ -6,6 +6,7 @@
 mod alarms;
 mod assignments;
 mod asyncapi;
+mod batch;
 mod closures;
 mod encounters;
 mod evacuation;
@@ -17,6 +18,7 @@ mod jobs;
 mod kinds;
 mod lists;
 mod map;
+mod new_job;
 mod openapi;
 mod page;
 mod past;
@@ -69,7 +71,8 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(why::job))
         .routes(routes!(timelines::timelines))
         .routes(routes!(jobs::list, jobs::submit))
-        .routes(routes!(jobs::get, jobs::prioritise, jobs::cancel))
+        .routes(routes!(batch::submit))
+        .routes(routes!(jobs::get, jobs::change, jobs::cancel))
         .routes(routes!(halt::fleet))
         .routes(routes!(halt::stop))
         .routes(routes!(halt::resume))
