@@ -11,11 +11,12 @@ use std::process::Command;
 use std::{env, fs, io};
 
 /// What the page is built from, below `web/`.
-const INPUTS: [&str; 12] = [
+const INPUTS: [&str; 13] = [
     "src",
     "public",
     "index.html",
     "headset.html",
+    "docs.html",
     "package.json",
     "package-lock.json",
     "vite.config.ts",

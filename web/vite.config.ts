@@ -38,11 +38,11 @@ export default defineConfig(({ mode }) => ({
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 700,
-    // Two pages that share no script: a headset need not load the dashboard.
-    rolldownOptions: { input: ['index.html', 'headset.html'] },
+    // Pages that share no script: neither a headset nor the page of the API need load the dashboard.
+    rolldownOptions: { input: ['index.html', 'headset.html', 'docs.html'] },
     ...(mode === 'single' ? single : {}),
   },
-  server: { proxy: { '/v1': { target: server, ws: true } } },
+  server: { proxy: { '/v1': { target: server, ws: true }, '/openapi.json': server, '/asyncapi.json': server } },
   // A minute for a test that takes a tenth of a second: a machine may be busy with other work.
   test: { environment: 'happy-dom', include: ['tests/**/*.test.ts'], testTimeout: 60_000, hookTimeout: 60_000 },
 }));

@@ -215,7 +215,7 @@ mod tests {
         let facts = (1..=last).map(|n| {
             let (rack, station) = (RackId(u32::from(n < last)), StationId(0));
             let kind = JobKind::Deliver { rack, station, pick: None };
-            let request = JobRequest { kind, priority: 0, deadline: None, after: vec![], key: None };
+            let request = JobRequest::new(kind);
             Fact::Accepted { job: JobId(n), request, at: Time(1) }
         });
         let fleet = Fleet::restore(Arc::new(lab()), Settings::default(), facts);

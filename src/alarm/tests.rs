@@ -113,7 +113,7 @@ impl StandingFloor {
     }
 
     fn submit(&mut self, kind: JobKind, deadline: Option<Time>) -> JobId {
-        let request = JobRequest { kind, priority: 0, deadline, after: vec![], key: None };
+        let request = JobRequest { deadline, ..JobRequest::new(kind) };
         match self.step(vec![Input::Submit { token: 7, request }]).pop() {
             Some(Reply::Accepted { job, .. }) => job,
             other => panic!("not accepted: {other:?}"),

@@ -4,6 +4,7 @@
 //! wrong, and to write anything down: it hands out what changed.
 
 use super::text::{alarm_name, round3, time_text};
+use super::words::{AlarmKindDto, AlarmSeverityDto, AlarmStateDto, SubjectKindDto};
 use crate::alarm::{
     Acknowledgement, Alarm, AlarmCondition, AlarmKind, AlarmRegister, AlarmScope, AlarmSeverity, SubjectKind,
     operator_conditions,
@@ -112,9 +113,8 @@ impl Alarms {
 /// What an alarm is about.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct AlarmSubjectDto {
-    /// robot, worker, job, station, closure, floor or server.
-    #[schema(example = "robot")]
-    pub kind: &'static str,
+    /// What sort of thing it is.
+    pub kind: SubjectKindDto,
     /// Its id; `floor` and `server` for these two.
     #[schema(example = "robot-3")]
     pub id: String,
@@ -136,14 +136,12 @@ pub struct AlarmDto {
     /// Its number; numbers go on after a restart.
     #[schema(example = "al17")]
     pub id: String,
-    /// What it is about; the docs have a table of all kinds.
-    #[schema(example = "robot_silent")]
-    pub kind: &'static str,
-    /// notice, warning or critical.
-    #[schema(example = "warning")]
-    pub severity: &'static str,
-    /// active or cleared.
-    pub state: &'static str,
+    /// What it is about.
+    pub kind: AlarmKindDto,
+    /// How bad it is.
+    pub severity: AlarmSeverityDto,
+    /// Whether its cause is still there.
+    pub state: AlarmStateDto,
     /// With what something is wrong.
     pub subject: AlarmSubjectDto,
     /// In words.
@@ -172,10 +170,10 @@ impl From<&Alarm> for AlarmDto {
         let noted = |n: &Acknowledgement| AcknowledgementDto { by: n.by.clone(), at: time_text(n.at) };
         AlarmDto {
             id: alarm_name(a.id),
-            kind: a.kind.word(),
-            severity: a.severity.word(),
-            state: if a.cleared.is_some() { "cleared" } else { "active" },
-            subject: AlarmSubjectDto { kind: a.subject.kind.word(), id: a.subject.id.clone() },
+            kind: AlarmKindDto(a.kind),
+            severity: a.severity.into(),
+            state: if a.cleared.is_some() { AlarmStateDto::Cleared } else { AlarmStateDto::Active },
+            subject: AlarmSubjectDto { kind: a.subject.kind.into(), id: a.subject.id.clone() },
             text: a.text.clone(),
             remedy: a.remedy.clone(),
             x,
@@ -188,16 +186,54 @@ impl From<&Alarm> for AlarmDto {
     }
 }
 
+/// An active alarm in the live feed; its times count from the feed's zero.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct AlarmRowDto {
+    /// Its number.
+    #[schema(example = "al17")]
+    pub id: String,
+    /// What it is about.
+    pub kind: AlarmKindDto,
+    /// How bad it is.
+    pub severity: AlarmSeverityDto,
+    /// What sort of thing it is about.
+    pub subject_kind: SubjectKindDto,
+    /// The id of that; null for the floor and the server.
+    #[schema(example = "robot-3")]
+    pub subject: Option<String>,
+    /// In words.
+    pub text: String,
+    /// What to do.
+    pub remedy: String,
+    /// Where on the map, metres; null if it is in no one place.
+    pub x: Option<f64>,
+    /// Metres.
+    pub y: Option<f64>,
+    /// How many robots wait because of it.
+    pub waiting: usize,
+    /// Since when its cause has been there, seconds.
+    pub since_s: f64,
+    /// Who has taken note; null if nobody has.
+    pub acknowledged_by: Option<String>,
+}
+
 /// An active alarm in the live feed; its times count from `started_s`.
 pub(super) fn row(alarm: &Alarm, started_s: f64) -> Value {
-    let seconds = |t: Time| round3(t.as_secs_f64() - started_s);
     let (x, y) = place(alarm.at).unzip();
     let is_a_thing = !matches!(alarm.subject.kind, SubjectKind::Floor | SubjectKind::Server);
-    json!({
-        "id": alarm_name(alarm.id), "kind": alarm.kind.word(), "severity": alarm.severity.word(),
-        "subject_kind": alarm.subject.kind.word(), "subject": is_a_thing.then_some(&alarm.subject.id),
-        "text": alarm.text, "remedy": alarm.remedy, "x": x, "y": y, "waiting": alarm.waiting,
-        "since_s": seconds(alarm.since), "acknowledged_by": alarm.acknowledged.as_ref().map(|n| &n.by),
+    json!(AlarmRowDto {
+        id: alarm_name(alarm.id),
+        kind: AlarmKindDto(alarm.kind),
+        severity: alarm.severity.into(),
+        subject_kind: alarm.subject.kind.into(),
+        subject: is_a_thing.then(|| alarm.subject.id.clone()),
+        text: alarm.text.clone(),
+        remedy: alarm.remedy.clone(),
+        x,
+        y,
+        waiting: alarm.waiting,
+        since_s: round3(alarm.since.as_secs_f64() - started_s),
+        acknowledged_by: alarm.acknowledged.as_ref().map(|n| n.by.clone()),
     })
 }
 

@@ -4,15 +4,16 @@
 //! them. Ids on the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
 
 use super::text::{closure_name, job_name, round3, time_text, worker_name};
+use super::words::{DoingDto, FaultDto, JobKindDto, JobStateDto, RobotStateDto};
 use crate::alarm::displacement_words;
 use crate::fleet::{
-    Counts, Doing, Fault, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotState, RobotView, View,
-    Why,
+    Counts, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotState, RobotView, View, Why,
 };
 use crate::id::{Dense, NodeId, RobotId};
 use crate::timeline::Holder;
 use crate::warehouse::{NodeKind, Warehouse};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
 /// One page of a list.
@@ -38,10 +39,11 @@ pub struct RobotDto {
     pub heading: f64,
     /// Metres per second.
     pub speed: f64,
-    /// idle, busy, free, interrupted or failed; gone in the live feed, where robots go by number.
+    /// What it is up to; `gone` in the live feed only, where robots go by number.
+    #[schema(value_type = RobotStateDto)]
     pub state: &'static str,
     /// What it is doing.
-    #[schema(example = "carrying")]
+    #[schema(value_type = DoingDto)]
     pub doing: &'static str,
     /// Its robot kind.
     #[schema(example = "robot")]
@@ -50,8 +52,8 @@ pub struct RobotDto {
     pub maintenance: bool,
     /// Whether it is to leave the floor, and has not left yet.
     pub leaving: bool,
-    /// The fault that it reports: broken, emergency_stop, manual, obstructed or unplugged; null if none.
-    #[schema(example = "emergency_stop")]
+    /// The fault that it reports; null if none.
+    #[schema(value_type = Option<FaultDto>)]
     pub fault: Option<&'static str>,
     /// The rack on it.
     pub rack: Option<String>,
@@ -112,14 +114,39 @@ pub struct JobCountsDto {
     pub failed: u64,
 }
 
+/// Sums since the database began, and what the loop measured over the last minutes.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct CountersDto {
+    /// Racks served at stations.
+    pub robot_deliveries: u64,
+    /// Assignments completed by workers.
+    pub human_deliveries: u64,
+    /// Racks served per hour, over the last ten minutes.
+    pub deliveries_per_hour: f64,
+    /// Robots that came into region 1 of a worker.
+    pub encounters: u64,
+    /// How often a worker left the path.
+    pub deviations: u64,
+    /// How often a robot had to stop or to change its route because of a worker.
+    pub interruptions: u64,
+    /// Routes planned anew because of workers and closures.
+    pub replans: u64,
+    /// Length of a search for a route, median, microseconds.
+    pub plan_us_p50: u64,
+    /// The same, 99th percentile.
+    pub plan_us_p99: u64,
+    /// Step time, 99th percentile, microseconds.
+    pub step_us_p99: u64,
+}
+
 /// One job.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct JobDto {
     /// Its number.
     #[schema(example = "j17")]
     pub id: String,
-    /// deliver, return, relocate, charge, park or go.
-    pub kind: &'static str,
+    /// What is wanted.
+    pub kind: JobKindDto,
     /// The rack to move.
     pub rack: Option<String>,
     /// The station to bring it to.
@@ -136,15 +163,39 @@ pub struct JobDto {
     pub deadline: Option<String>,
     /// Jobs that must be over first.
     pub after: Vec<String>,
-    /// waiting, assigned, carrying, picking, done, cancelled or failed.
-    pub state: &'static str,
+    /// How far it has come.
+    pub state: JobStateDto,
     /// Why it failed, or what it waits for.
     #[schema(example = "waiting for j16 to be over")]
     pub why: Option<String>,
+    /// The customer's own text.
+    #[schema(example = "order 4711")]
+    pub reference: Option<String>,
+    /// The customer's own labels.
+    #[schema(example = json!({"wave": "7"}))]
+    pub labels: BTreeMap<String, String>,
     /// When it was accepted, RFC 3339.
     pub created: String,
-    /// When its state changed last, RFC 3339.
+    /// When it, or its state, changed last, RFC 3339.
     pub updated: String,
+    /// When it came to each state.
+    pub times: JobTimesDto,
+}
+
+/// When a job came to each state, RFC 3339; null where it did not. If a robot gives it back, it waits again, and the times
+/// of that attempt are null again.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct JobTimesDto {
+    /// It was accepted.
+    pub accepted: String,
+    /// A robot got it (state `assigned`).
+    pub assigned: Option<String>,
+    /// The robot had lifted the rack (`carrying`).
+    pub lifted: Option<String>,
+    /// The rack stood at the station (`picking`).
+    pub at_station: Option<String>,
+    /// It was over (`done`, `cancelled` or `failed`).
+    pub ended: Option<String>,
 }
 
 /// Gives names to ids.
@@ -177,11 +228,11 @@ impl Names<'_> {
             heading: round3(r.pose.heading),
             speed: round3(r.speed_mps),
             state: state_word(r.state),
-            doing: doing_word(r.doing),
+            doing: DoingDto::from(r.doing).word(),
             kind: r.kind.clone(),
             maintenance: r.maintenance,
             leaving: r.leaving,
-            fault: r.fault.map(Fault::word),
+            fault: r.fault.map(|fault| FaultDto::from(fault).word()),
             rack: r.rack.and_then(rack),
             job: r.job.map(job_name),
             battery: round3(r.battery),
@@ -243,7 +294,7 @@ impl Names<'_> {
         let rack = request.kind.rack().and_then(|r| self.map.racks.get(r));
         JobDto {
             id: job_name(record.id),
-            kind: request.kind.word(),
+            kind: request.kind.into(),
             rack: gone.rack.clone().or_else(|| rack.map(|r| r.name.clone())),
             station: gone.station.clone().or_else(|| station.map(|s| s.name.clone())),
             node,
@@ -252,10 +303,19 @@ impl Names<'_> {
             priority: request.priority,
             deadline: request.deadline.map(time_text),
             after: request.after.iter().map(|j| job_name(*j)).collect(),
-            state: record.job.state.word(),
+            state: record.job.state.into(),
             why: self.why_of_job(record),
+            reference: request.reference.clone(),
+            labels: request.labels.clone(),
             created: time_text(record.job.accepted),
             updated: time_text(record.updated),
+            times: JobTimesDto {
+                accepted: time_text(record.job.accepted),
+                assigned: record.times.assigned.map(time_text),
+                lifted: record.times.lifted.map(time_text),
+                at_station: record.times.arrived.map(time_text),
+                ended: record.times.ended.map(time_text),
+            },
         }
     }
 
@@ -424,32 +484,7 @@ pub const GONE: &str = "gone";
 
 /// The word for a robot's state.
 pub fn state_word(s: RobotState) -> &'static str {
-    match s {
-        RobotState::Idle => "idle",
-        RobotState::Busy => "busy",
-        RobotState::Free => "free",
-        RobotState::Interrupted => "interrupted",
-        RobotState::Failed => "failed",
-        RobotState::Gone => GONE,
-    }
-}
-
-fn doing_word(d: Doing) -> &'static str {
-    match d {
-        Doing::Idle => "idle",
-        Doing::ToRack => "to_rack",
-        Doing::Lifting => "lifting",
-        Doing::Carrying => "carrying",
-        Doing::Queueing => "queueing",
-        Doing::Picking => "picking",
-        Doing::Returning => "returning",
-        Doing::SettingDown => "setting_down",
-        Doing::ToCharger => "to_charger",
-        Doing::Charging => "charging",
-        Doing::Parking => "parking",
-        Doing::Going => "going",
-        Doing::Failed => "failed",
-    }
+    RobotStateDto::from(s).word()
 }
 
 fn why_failed(why: JobFailure, node_name: impl Fn(NodeId) -> String) -> String {

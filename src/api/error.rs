@@ -17,13 +17,13 @@ pub struct Problem {
     /// The kind of error in words.
     pub title: &'static str,
     /// The HTTP status.
-    #[schema(example = 422)]
+    #[schema(example = 422, minimum = 400, maximum = 599)]
     pub status: u16,
     /// What happened here, and what to do.
     pub detail: String,
     /// The path of the request.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>)]
+    #[schema(value_type = Option<String>, nullable = false)]
     pub instance: Option<Box<str>>,
     /// The fields that are wrong; left out if no field is.
     #[serde(skip_serializing_if = "Vec::is_empty")]

@@ -1,7 +1,7 @@
 //! Reading requests: bodies, queries and paths, with every rejection a problem that says what to do.
 //!
-//! Main types: [`JsonBody`], [`Params`], [`PathPart`], [`IdempotencyKey`]. Refuses: unknown fields, bodies over 64 KiB,
-//! other media types.
+//! Main types: [`JsonBody`], [`Params`], [`PathPart`], [`IdempotencyKey`]. Refuses: unknown fields, bodies over 64 KiB (a
+//! batch of jobs may have more), other media types.
 
 use super::error::{FieldError, Problem};
 use axum::extract::rejection::{PathRejection, QueryRejection};
@@ -25,10 +25,10 @@ pub fn signed(by: &str) -> Result<String, FieldError> {
     Ok(by.to_owned())
 }
 
-/// A JSON body.
-pub struct JsonBody<T>(pub T);
+/// A JSON body of so many bytes at most.
+pub struct JsonBody<T, const LIMIT: usize = BODY_LIMIT>(pub T);
 
-impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for JsonBody<T> {
+impl<T: DeserializeOwned, S: Send + Sync, const LIMIT: usize> FromRequest<S> for JsonBody<T, LIMIT> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
@@ -39,8 +39,8 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for JsonBody<T> {
             let detail = format!("the body is \"{media}\": send JSON with `Content-Type: application/json`");
             return Err(Problem::new(status, "media-type", "The body is not JSON", detail));
         }
-        let bytes = axum::body::to_bytes(request.into_body(), BODY_LIMIT).await.map_err(|_| {
-            let detail = format!("the body is cut off or longer than {BODY_LIMIT} bytes");
+        let bytes = axum::body::to_bytes(request.into_body(), LIMIT).await.map_err(|_| {
+            let detail = format!("the body is cut off or longer than {LIMIT} bytes");
             Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
         })?;
         serde_json::from_slice(&bytes).map(JsonBody).map_err(|e| match e.classify() {

@@ -1,14 +1,16 @@
-//! Guidance as JSON: what a headset is told, in words.
+//! Guidance as it travels: what a headset is told, in words.
 //!
-//! Main functions: [`guidance`]; main type: [`GuidanceKey`], which says when a client is told at once. Refuses: to
+//! Main function: [`guidance`]; main types: [`GuidanceDto`], and [`GuidanceKey`], which says when a client is told at once. Refuses: to
 //! decide what workers are told.
 
 use super::dto::Names;
 use super::text::{assignment_name, round3};
+use super::words::GuidanceStateDto;
 use crate::fleet::{Guidance, GuidanceReason, GuidanceState, NearRobot};
 use crate::geometry::{Point, wrap_angle};
 use crate::time::Time;
-use serde_json::{Value, json};
+use serde::Serialize;
+use utoipa::ToSchema;
 
 /// What makes a client be told at once when it changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,29 +39,96 @@ pub struct GuidanceContext<'a> {
     pub now: Time,
 }
 
-/// Guidance as a headset gets it.
-pub fn guidance(told: Option<&Guidance>, beside: GuidanceContext<'_>) -> Value {
+/// What a worker is told.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct GuidanceDto {
+    /// What the worker is told.
+    pub state: GuidanceStateDto,
+    /// Why, in words.
+    #[schema(example = "you left the path")]
+    pub reason: Option<String>,
+    /// Counts up with every new path.
+    pub version: u64,
+    /// The path from here on, metres.
+    pub path: Vec<[f64; 2]>,
+    /// The next corner, metres.
+    pub next: Option<[f64; 2]>,
+    /// Seconds to the end of the path at usual speed.
+    pub eta_s: Option<f64>,
+    /// How long to wait, seconds.
+    pub wait_s: Option<f64>,
+    /// What the path is for.
+    #[schema(example = "a3")]
+    pub assignment: Option<String>,
+    /// Robots near, the nearest first.
+    pub near: Vec<NearRobotDto>,
+    /// The newest pose that was taken into account.
+    pub pose: Option<PoseRefDto>,
+}
+
+/// A robot near a worker.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct NearRobotDto {
+    /// The robot.
+    #[schema(example = "robot-3")]
+    pub id: String,
+    /// Metres.
+    pub distance: f64,
+    /// From where the worker faces, radians, to the left; null if that is not known.
+    pub bearing: Option<f64>,
+    /// The same from the map's x axis.
+    pub bearing_map: f64,
+    /// Seconds until it is closest; null if it does not come closer.
+    pub closest_s: Option<f64>,
+    /// Metres per second.
+    pub speed: f64,
+}
+
+/// Names a pose that the headset sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
+pub struct PoseRefDto {
+    /// The alignment that it belongs to.
+    pub epoch: u32,
+    /// Its number.
+    pub seq: u64,
+}
+
+/// Guidance as a headset gets it, but for the pose that it goes by.
+pub fn guidance(told: Option<&Guidance>, beside: GuidanceContext<'_>) -> GuidanceDto {
     let Some(g) = told else {
-        return json!({
-            "type": "guidance", "state": GuidanceState::Idle.word(), "reason": null, "version": 0, "path": [],
-            "next": null, "eta_s": null, "assignment": null, "near": [],
-        });
+        return GuidanceDto {
+            state: GuidanceStateDto::Idle,
+            reason: None,
+            version: 0,
+            path: Vec::new(),
+            next: None,
+            eta_s: None,
+            wait_s: None,
+            assignment: None,
+            near: Vec::new(),
+            pose: None,
+        };
     };
-    let near = |r: &NearRobot| {
-        json!({
-            "id": beside.names.robot(r.robot), "distance": round3(r.distance_m),
-            "bearing": beside.heading.map(|h| round3(wrap_angle(r.bearing - h))),
-            "bearing_map": round3(r.bearing), "closest_s": r.closest.map(|s| round3(s.as_secs_f64())),
-            "speed": round3(r.speed_mps),
-        })
+    let near = |r: &NearRobot| NearRobotDto {
+        id: beside.names.robot(r.robot),
+        distance: round3(r.distance_m),
+        bearing: beside.heading.map(|h| round3(wrap_angle(r.bearing - h))),
+        bearing_map: round3(r.bearing),
+        closest_s: r.closest.map(|s| round3(s.as_secs_f64())),
+        speed: round3(r.speed_mps),
     };
-    json!({
-        "type": "guidance", "state": g.state.word(), "reason": g.reason.map(|r| reason(r, beside.names)),
-        "version": g.version, "path": line(&g.path), "next": g.next.map(corner),
-        "eta_s": g.eta.map(|t| round3((t - beside.now).as_secs_f64())),
-        "wait_s": g.wait.map(|t| round3((t - beside.now).as_secs_f64().max(0.0))),
-        "assignment": g.assignment.map(assignment_name), "near": g.near.iter().map(near).collect::<Vec<_>>(),
-    })
+    GuidanceDto {
+        state: g.state.into(),
+        reason: g.reason.map(|r| reason(r, beside.names)),
+        version: g.version,
+        path: line(&g.path),
+        next: g.next.map(corner),
+        eta_s: g.eta.map(|t| round3((t - beside.now).as_secs_f64())),
+        wait_s: g.wait.map(|t| round3((t - beside.now).as_secs_f64().max(0.0))),
+        assignment: g.assignment.map(assignment_name),
+        near: g.near.iter().map(near).collect(),
+        pose: None,
+    }
 }
 
 pub(super) fn reason(reason: GuidanceReason, names: Names<'_>) -> String {
@@ -140,12 +209,12 @@ mod tests {
             heading,
             now: Time(3_000_000),
         };
-        let text = guidance(Some(&told), beside(Some(3.0)));
+        let told_left = guidance(Some(&told), beside(Some(3.0)));
         let expected = std::f64::consts::TAU - 6.0;
-        assert_eq!(text["near"][0]["bearing"], json!(round3(expected)), "{text}");
-        assert_eq!((text["eta_s"].clone(), text["state"].clone()), (json!(2.0), json!("stop")));
-        assert_eq!(text["wait_s"], json!(1.5));
-        assert_eq!(guidance(Some(&told), beside(None))["near"][0]["bearing"], Value::Null);
-        assert_eq!(guidance(None, beside(None))["state"], "idle");
+        assert_eq!(told_left.near[0].bearing, Some(round3(expected)), "{told_left:?}");
+        assert_eq!((told_left.eta_s, told_left.state), (Some(2.0), GuidanceStateDto::Stop));
+        assert_eq!(told_left.wait_s, Some(1.5));
+        assert_eq!(guidance(Some(&told), beside(None)).near[0].bearing, None);
+        assert_eq!(guidance(None, beside(None)).state, GuidanceStateDto::Idle);
     }
 }

@@ -25,6 +25,7 @@ pub mod recording;
 mod refusal;
 pub mod text;
 pub mod waits;
+mod words;
 mod ws;
 
 pub use http::{alive, router};

@@ -5,14 +5,17 @@
 
 use super::dto::Names;
 use super::feed::hub::CarriedSenses;
+use super::feed::wire::GazeKind;
 use super::guidance::{line, reason};
 use super::text::{assignment_name, closure_name, offset_text, round3, series_name, time_text, worker_name};
+use super::words::{
+    AssignmentStateDto, BindsDto, ClosureStateDto, GuidanceStateDto, IntentStateDto, PresenceDto,
+    ReactionDto, WeekdayDto,
+};
 use crate::fleet::{
-    AssignmentRow, AssignmentState, Closure, EncounterRow, GuidanceState, Reaction, RecurringClosure,
-    WorkerEpisode, WorkerView,
+    AssignmentRow, AssignmentState, Closure, EncounterRow, RecurringClosure, WorkerEpisode, WorkerView,
 };
 use crate::geometry::{Point, inside};
-use crate::human::IntentState;
 use crate::id::{ClosureId, Dense, NodeId, SeriesId, WorkerId};
 use crate::time::Time;
 use serde::Serialize;
@@ -26,8 +29,8 @@ pub struct WorkerDto {
     pub id: String,
     /// The name under which the worker was registered.
     pub name: String,
-    /// absent, tracked, stale or lost.
-    pub presence: &'static str,
+    /// Whether the worker is on the floor, and how well the place is known.
+    pub presence: PresenceDto,
     /// Metres; null if the worker has not been seen.
     pub x: Option<f64>,
     /// Metres.
@@ -44,8 +47,8 @@ pub struct WorkerDto {
     pub area: Vec<[f64; 2]>,
     /// Radii of the stop, keep-out and slow zones around the worker, metres.
     pub regions: [f64; 3],
-    /// What the worker is told: idle, following, deviating, redirected or stop.
-    pub state: &'static str,
+    /// What the worker is told.
+    pub state: GuidanceStateDto,
     /// Why, in words.
     #[schema(example = "you left the path")]
     pub reason: Option<String>,
@@ -117,8 +120,8 @@ pub struct WorkerDetailDto {
 /// A stretch of time in which a worker was most probably up to the same thing.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct EpisodeDto {
-    /// goal: on the way to the place; undecided: on the way to one of several; elsewhere: to no known place.
-    pub state: &'static str,
+    /// What the worker was up to.
+    pub state: IntentStateDto,
     /// Metres; null if it is no goal.
     pub x: Option<f64>,
     /// Metres.
@@ -129,13 +132,8 @@ pub struct EpisodeDto {
 
 impl From<&WorkerEpisode> for EpisodeDto {
     fn from(e: &WorkerEpisode) -> EpisodeDto {
-        let state = match e.state {
-            IntentState::Goal(_) => "goal",
-            IntentState::Undecided => "undecided",
-            IntentState::Elsewhere => "elsewhere",
-        };
         let (x, y) = (e.place.map(|p| round3(p.x)), e.place.map(|p| round3(p.y)));
-        EpisodeDto { state, x, y, since: time_text(e.since) }
+        EpisodeDto { state: e.state.into(), x, y, since: time_text(e.since) }
     }
 }
 
@@ -153,8 +151,8 @@ pub struct SensesDto {
 /// A ray: map x, map y, height.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct GazeDto {
-    /// head, eye or estimated.
-    pub kind: &'static str,
+    /// What it comes from.
+    pub kind: GazeKind,
     /// Where it begins, metres.
     pub origin: [f64; 3],
     /// Its direction, of length one.
@@ -185,8 +183,8 @@ pub struct AssignmentDto {
     pub stay_s: f64,
     /// What, in the customer's words.
     pub what: String,
-    /// waiting, walking, working, done or cancelled.
-    pub state: &'static str,
+    /// How far it has come.
+    pub state: AssignmentStateDto,
     /// When it was accepted, RFC 3339.
     pub created: String,
     /// When its state changed last, RFC 3339.
@@ -207,10 +205,10 @@ pub struct ClosureDto {
     pub from: String,
     /// Until when, RFC 3339; null if it stays closed until somebody opens it.
     pub until: Option<String>,
-    /// announced, closed or over.
-    pub state: &'static str,
-    /// Whom it keeps out: robots, people or both.
-    pub binds: &'static str,
+    /// Whether it is closed.
+    pub state: ClosureStateDto,
+    /// Whom it keeps out.
+    pub binds: BindsDto,
     /// The recurring closure of which it is an occurrence.
     #[schema(example = "s1")]
     pub series: Option<String>,
@@ -233,14 +231,14 @@ pub struct RecurringClosureDto {
     /// How long each occurrence lasts, seconds.
     pub lasts_s: f64,
     /// The days of the week on which occurrences begin.
-    pub weekdays: Vec<&'static str>,
+    pub weekdays: Vec<WeekdayDto>,
     /// How far the building's time is ahead of UTC.
     #[schema(example = "+01:00")]
     pub utc_offset: String,
     /// No occurrence begins then or later, RFC 3339; null if it recurs until somebody ends it.
     pub until: Option<String>,
-    /// Whom it keeps out: robots, people or both.
-    pub binds: &'static str,
+    /// Whom it keeps out.
+    pub binds: BindsDto,
     /// Why.
     pub reason: String,
     /// When the next occurrence begins, RFC 3339; null if the last one has begun.
@@ -249,9 +247,16 @@ pub struct RecurringClosureDto {
     pub occurrences: Vec<ClosureDto>,
 }
 
-/// The days of the week on the wire.
-pub const WEEKDAYS: [&str; 7] =
-    ["monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday"];
+/// The days of the week, as the bits of a recurrence have them.
+pub const WEEKDAYS: [WeekdayDto; 7] = [
+    WeekdayDto::Monday,
+    WeekdayDto::Tuesday,
+    WeekdayDto::Wednesday,
+    WeekdayDto::Thursday,
+    WeekdayDto::Friday,
+    WeekdayDto::Saturday,
+    WeekdayDto::Sunday,
+];
 
 /// A robot that came into region 1 of a worker.
 #[derive(Clone, Debug, Serialize, ToSchema)]
@@ -281,8 +286,8 @@ pub struct EncounterDto {
     pub robot_speed: f64,
     /// Speed of the worker then.
     pub worker_speed: f64,
-    /// What the fleet did about the robot: kept, slowed, held, rerouted or stopped.
-    pub reaction: &'static str,
+    /// What the fleet did about the robot.
+    pub reaction: ReactionDto,
     /// How much later the task that the robot had when it began ends than was planned then, seconds; as known at the
     /// end of the encounter.
     pub delay_s: f64,
@@ -311,7 +316,7 @@ impl Names<'_> {
         WorkerDto {
             id: worker_name(id),
             name: w.name.clone(),
-            presence: w.presence.word(),
+            presence: w.presence.into(),
             x: w.pose.map(|p| round3(p.at.x)),
             y: w.pose.map(|p| round3(p.at.y)),
             heading: w.pose.map(|p| round3(p.heading)),
@@ -320,7 +325,7 @@ impl Names<'_> {
             accuracy: round3(w.accuracy_m),
             area: w.area.iter().map(|n| self.place(*n)).collect(),
             regions: w.regions_m.map(round3),
-            state: g.state.word(),
+            state: g.state.into(),
             reason: g.reason.map(|r| reason(r, *self)),
             version: g.version,
             path: line(&g.path),
@@ -348,7 +353,7 @@ impl Names<'_> {
         WorkerDto {
             id: worker_name(id),
             name,
-            presence: crate::fleet::Presence::Absent.word(),
+            presence: PresenceDto::Absent,
             x: None,
             y: None,
             heading: None,
@@ -357,7 +362,7 @@ impl Names<'_> {
             accuracy: 0.0,
             area: Vec::new(),
             regions: [0.0; 3],
-            state: GuidanceState::Idle.word(),
+            state: GuidanceStateDto::Idle,
             reason: None,
             version: 0,
             path: Vec::new(),
@@ -379,7 +384,7 @@ impl Names<'_> {
             place: record.gone.node.clone().unwrap_or_else(|| self.node(a.request.place)),
             stay_s: a.request.stay.as_secs_f64(),
             what: a.request.what.clone(),
-            state: a.state.word(),
+            state: a.state.into(),
             created: time_text(a.accepted),
             updated: time_text(record.updated),
         }
@@ -407,8 +412,8 @@ impl Names<'_> {
             nodes: nodes.collect(),
             from: time_text(closure.window.start()),
             until: (!end.is_forever()).then(|| time_text(end)),
-            state: closure.state(now).word(),
-            binds: closure.binds.word(),
+            state: closure.state(now).into(),
+            binds: closure.binds.into(),
             series: closure.series.map(series_name),
             reason: closure.reason.clone(),
         }
@@ -437,7 +442,7 @@ impl Names<'_> {
             weekdays: days.map(|(_, day)| *day).collect(),
             utc_offset: offset_text(recurrence.utc_offset),
             until: (!recurrence.until.is_forever()).then(|| time_text(recurrence.until)),
-            binds: area.binds.word(),
+            binds: area.binds.into(),
             reason: area.reason.clone(),
             next: next.map(time_text),
             occurrences: open.into_iter().map(|c| self.closure(c.id, &c.closure, now)).collect(),
@@ -472,7 +477,7 @@ impl Names<'_> {
             closest: m(e.closest_mm),
             robot_speed: m(e.robot_mmps),
             worker_speed: m(e.worker_mmps),
-            reaction: Reaction::word(e.reaction),
+            reaction: e.reaction.into(),
             delay_s: e.delay.as_secs_f64(),
         }
     }

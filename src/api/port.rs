@@ -7,8 +7,8 @@
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
-    Expected, Fleet, JobQuery, JobRequest, JobRow, NodeOccupancy, RecurringClosure, Reply, RobotKind,
-    StationOrder, View, Waiting,
+    Expected, Fleet, JobChange, JobQuery, JobRequest, JobRow, NodeOccupancy, RecurringClosure, Reply,
+    RobotKind, StationOrder, View, Waiting,
 };
 use crate::geometry::Spot;
 use crate::history::{History, LoopTimes};
@@ -54,6 +54,8 @@ pub struct FleetRequest {
 pub enum What {
     /// A job.
     Submit(JobRequest),
+    /// Several jobs, each for itself.
+    SubmitBatch(Vec<JobRequest>),
     /// The end of one.
     Cancel(JobId),
     /// A robot to join: its name, its kind, where it stands.
@@ -96,8 +98,8 @@ pub enum What {
     Release(Option<RobotId>),
     /// What the person at a station says.
     Station(StationId, StationOrder),
-    /// Another priority for a waiting job.
-    Prioritise(JobId, u8),
+    /// What is to be different about a waiting job.
+    Change(JobId, JobChange),
 }
 
 /// What is too much to be in every view: the thread that owns the fleet works it out on request, from the fleet as it

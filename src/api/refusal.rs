@@ -20,7 +20,11 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             Problem::conflict("job-is-over", "The job is over", detail)
         }
         Refusal::JobHasBegun(job) => {
-            let detail = format!("a robot works on {} already: a new priority has no effect", job_name(job));
+            let detail = format!(
+                "a robot works on {} already, so it cannot be changed: cancel it and submit another one, or let it \
+                 go on",
+                job_name(job)
+            );
             Problem::conflict("job-has-begun", "The job has begun", detail)
         }
         Refusal::UnknownPredecessor(job) => field("after", format!("{} does not exist", job_name(job))),
@@ -42,6 +46,13 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             let name = map.stations.get(station).map_or_else(|| format!("{station:?}"), |s| s.name.clone());
             let detail = format!("no rack stands at {name}: GET /v1/stations says what is on its way");
             Problem::conflict("nothing-to-pick", "There is nothing to pick from", detail)
+        }
+        Refusal::DeadlineIsOver => {
+            field("deadline", "it is over already: give a time to come, or none".into())
+        }
+        Refusal::HasNoStation(kind) => field("station", format!("a {kind} job has no station")),
+        Refusal::HasNoRobot(kind) => {
+            field("robot", format!("a {kind} job names no robot: Giveway chooses the best one"))
         }
         Refusal::Priority(p) => field("priority", format!("{p} is not between 0 and 9")),
         Refusal::TooMany(kind, n) => too_many(kind, n),

@@ -5,6 +5,7 @@
 use super::dto::Names;
 use super::port::WaitChain;
 use super::text::{closure_name, job_name, round3, time_text, worker_name};
+use super::words::{WaitCauseDto as About, WaitedKindDto as By, WaiterKindDto};
 use crate::fleet::{Act, Because, JobWhy, Waiting, Who, Why};
 use crate::id::Dense;
 use crate::time::Time;
@@ -35,12 +36,10 @@ pub struct LinkDto {
     /// The robot, the job or the worker.
     #[schema(example = "robot-1")]
     pub who: String,
-    /// robot, job or worker.
-    pub kind: &'static str,
-    /// What the link is about: resource, queue, person, closure, route, failed, emergency_stop, manual, obstructed,
-    /// unplugged, displaced, silent, job, rack, robot, no_robot, station, closed, blocked, place, battery; or, for a
-    /// robot that waits for nothing, stop, drives, later, stays; for a worker, robot, no_way, walks, stands, lost.
-    pub cause: &'static str,
+    /// Which of the three it is.
+    pub kind: WaiterKindDto,
+    /// What the link is about.
+    pub cause: About,
     /// In words, without the name of the robot or job.
     #[schema(example = "waits for R33, held by robot-2")]
     pub text: String,
@@ -50,8 +49,8 @@ pub struct LinkDto {
     /// What holds it, or what the link is about: a robot, worker, job, closure or station.
     #[schema(example = "robot-2")]
     pub by: Option<String>,
-    /// robot, worker, job, closure or station.
-    pub by_kind: Option<&'static str>,
+    /// What sort of thing `by` is.
+    pub by_kind: Option<By>,
     /// How many others pass first.
     pub ahead: usize,
     /// Until when, as things stand, RFC 3339; null if that cannot be known.
@@ -72,11 +71,11 @@ impl Names<'_> {
 
     fn link(&self, waiting: &Waiting, at: Time) -> LinkDto {
         let (who, kind) = match waiting.who {
-            Who::Robot(r) => (self.robot(r), "robot"),
-            Who::Job(j) => (job_name(j), "job"),
-            Who::Worker(w) => (worker_name(w), "worker"),
+            Who::Robot(r) => (self.robot(r), WaiterKindDto::Robot),
+            Who::Job(j) => (job_name(j), WaiterKindDto::Job),
+            Who::Worker(w) => (worker_name(w), WaiterKindDto::Worker),
         };
-        let link = |cause, by: Option<(String, &'static str)>, text: String| {
+        let link = |cause, by: Option<(String, By)>, text: String| {
             let (by, by_kind) = by.unzip();
             let until = waiting.until.map(time_text);
             let until_s = waiting.until.map(|t| round3((t - at).as_secs_f64()));
@@ -105,38 +104,40 @@ impl Names<'_> {
             }
             Because::Job(why) => {
                 let (cause, by) = match why {
-                    JobWhy::After(j) => ("job", Some((job_name(j), "job"))),
-                    JobWhy::RackBusy(_, r, _) => ("rack", Some((self.robot(r), "robot"))),
+                    JobWhy::After(j) => (About::Job, Some((job_name(j), By::Job))),
+                    JobWhy::RackBusy(_, r, _) => (About::Rack, Some((self.robot(r), By::Robot))),
                     JobWhy::RobotBusy(r, _) | JobWhy::Robot(r, _) => {
-                        ("robot", Some((self.robot(r), "robot")))
+                        (About::Robot, Some((self.robot(r), By::Robot)))
                     }
-                    JobWhy::NoRobot | JobWhy::NoKind => ("no_robot", None),
+                    JobWhy::NoRobot | JobWhy::NoKind => (About::NoRobot, None),
                     JobWhy::StationFull(s) | JobWhy::StationPaused(s) | JobWhy::StationBlocked(s, _) => {
-                        let name = self.map.stations.get(s).map(|s| (s.name.clone(), "station"));
-                        ("station", name)
+                        let name = self.map.stations.get(s).map(|s| (s.name.clone(), By::Station));
+                        (About::Station, name)
                     }
-                    JobWhy::ClosedOff => ("closed", None),
+                    JobWhy::ClosedOff => (About::Closed, None),
                     JobWhy::RackBlocked(_, r) | JobWhy::WayBlocked(r) => {
-                        ("blocked", Some((self.robot(r), "robot")))
+                        (About::Blocked, Some((self.robot(r), By::Robot)))
                     }
-                    JobWhy::NoPlace(_) => ("place", None),
-                    JobWhy::RobotLow(r) => ("battery", Some((self.robot(r), "robot"))),
+                    JobWhy::NoPlace(_) => (About::Place, None),
+                    JobWhy::RobotLow(r) => (About::Battery, Some((self.robot(r), By::Robot))),
                 };
                 link(cause, by, active(&self.why_job(why)))
             }
-            Because::AtStop(act) => link("stop", None, at_stop(act).into()),
-            Because::Drives => link("drives", None, "drives on and then frees it".into()),
-            Because::Later => link("later", None, "goes on as planned".into()),
-            Because::Stays => link("stays", None, "stands where it may stay".into()),
-            Because::Walks => link("walks", None, "walks on, or is at work".into()),
+            Because::AtStop(act) => link(About::Stop, None, at_stop(act).into()),
+            Because::Drives => link(About::Drives, None, "drives on and then frees it".into()),
+            Because::Later => link(About::Later, None, "goes on as planned".into()),
+            Because::Stays => link(About::Stays, None, "stands where it may stay".into()),
+            Because::Walks => link(About::Walks, None, "walks on, or is at work".into()),
             Because::InTheWay(r) => {
                 let by = self.robot(r);
                 let text = format!("waits for {by}, which is in the way");
-                link("robot", Some((by, "robot")), text)
+                link(About::Robot, Some((by, By::Robot)), text)
             }
-            Because::NoWay => link("no_way", None, "was told to stop: there is no way on".into()),
-            Because::Stands => link("stands", None, "stands, and may walk on or not".into()),
-            Because::Lost => link("lost", None, "cannot be placed: the headset has lost its place".into()),
+            Because::NoWay => link(About::NoWay, None, "was told to stop: there is no way on".into()),
+            Because::Stands => link(About::Stands, None, "stands, and may walk on or not".into()),
+            Because::Lost => {
+                link(About::Lost, None, "cannot be placed: the headset has lost its place".into())
+            }
         }
     }
 
@@ -149,27 +150,29 @@ impl Names<'_> {
         robot.map_or_else(|| self.why(why), |robot| self.why_of(robot, why))
     }
 
-    fn about(&self, why: Why) -> (&'static str, Option<(String, &'static str)>) {
+    fn about(&self, why: Why) -> (About, Option<(String, By)>) {
         match why {
-            Why::WaitsFor(_, Holder::Robot(r)) => ("resource", Some((self.robot(r), "robot"))),
-            Why::WaitsFor(_, Holder::Worker(w)) => ("resource", Some((worker_name(w), "worker"))),
-            Why::GivesWay(w) => ("person", Some((worker_name(w), "worker"))),
-            Why::Closed(c) => ("closure", Some((closure_name(c), "closure"))),
-            Why::QueueFull(s) => ("queue", self.map.stations.get(s).map(|s| (s.name.clone(), "station"))),
-            Why::NoRoute => ("route", None),
-            Why::Failed => ("failed", None),
-            Why::EmergencyStop => ("emergency_stop", None),
-            Why::Manual => ("manual", None),
-            Why::Obstructed(_) | Why::WayObstructed(_) => ("obstructed", None),
-            Why::Unplugged => ("unplugged", None),
-            Why::Displaced(_) => ("displaced", None),
-            Why::BlockedBy(r) => ("robot", Some((self.robot(r), "robot"))),
-            Why::Silent => ("silent", None),
-            Why::Paused => ("paused", None),
-            Why::Maintenance => ("maintenance", None),
-            Why::Leaving | Why::Gone => ("leaving", None),
-            Why::Stopped => ("stopped", None),
-            Why::Evacuation => ("evacuation", None),
+            Why::WaitsFor(_, Holder::Robot(r)) => (About::Resource, Some((self.robot(r), By::Robot))),
+            Why::WaitsFor(_, Holder::Worker(w)) => (About::Resource, Some((worker_name(w), By::Worker))),
+            Why::GivesWay(w) => (About::Person, Some((worker_name(w), By::Worker))),
+            Why::Closed(c) => (About::Closure, Some((closure_name(c), By::Closure))),
+            Why::QueueFull(s) => {
+                (About::Queue, self.map.stations.get(s).map(|s| (s.name.clone(), By::Station)))
+            }
+            Why::NoRoute => (About::Route, None),
+            Why::Failed => (About::Failed, None),
+            Why::EmergencyStop => (About::EmergencyStop, None),
+            Why::Manual => (About::Manual, None),
+            Why::Obstructed(_) | Why::WayObstructed(_) => (About::Obstructed, None),
+            Why::Unplugged => (About::Unplugged, None),
+            Why::Displaced(_) => (About::Displaced, None),
+            Why::BlockedBy(r) => (About::Robot, Some((self.robot(r), By::Robot))),
+            Why::Silent => (About::Silent, None),
+            Why::Paused => (About::Paused, None),
+            Why::Maintenance => (About::Maintenance, None),
+            Why::Leaving | Why::Gone => (About::Leaving, None),
+            Why::Stopped => (About::Stopped, None),
+            Why::Evacuation => (About::Evacuation, None),
         }
     }
 }

@@ -52,7 +52,7 @@ pub struct LiveParams {
 /// the reader's version, connect again. With `thin=true` patches carry numbers by row (docs/api.md, "Live feed").
 /// With `senses=true` there are messages `{"type": "senses", "workers": [{"id", "gaze", "hands", "battery"}]}`
 /// besides. Offer the protocol `giveway`, and `bearer.TOKEN` where a token is needed.
-#[utoipa::path(get, path = "/v1/live", tag = "floor", params(LiveParams), responses(
+#[utoipa::path(get, path = "/v1/live", tag = "floor", operation_id = "openLiveFeed", params(LiveParams), responses(
     (status = 101, description = "The feed begins"),
     (status = 426, description = "Not a WebSocket", body = Problem,
      content_type = "application/problem+json"),

@@ -158,7 +158,8 @@ fn orders(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
         for i in 0..4 {
             let after = if i == 0 { vec![] } else { vec![JobId(next)] };
             let key = Some(format!("order {s}, line {i}"));
-            let request = JobRequest { kind, priority: 1, deadline: Some(now), after, key };
+            let request =
+                JobRequest { priority: 1, deadline: Some(now), after, key, ..JobRequest::new(kind) };
             inputs.push(Input::Submit { token: 0, request });
         }
     }

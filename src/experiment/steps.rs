@@ -137,7 +137,7 @@ fn requests(warehouse: &Warehouse, case: StepsCase, now: Time) -> Vec<Input> {
 }
 
 fn submit(token: usize, kind: JobKind, after: &[JobId]) -> Input {
-    let request = JobRequest { kind, priority: 5, deadline: None, after: after.to_vec(), key: None };
+    let request = JobRequest { priority: 5, after: after.to_vec(), ..JobRequest::new(kind) };
     Input::Submit { token: token as u64, request }
 }
 

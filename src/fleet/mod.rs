@@ -21,7 +21,7 @@ pub use read::area::Area;
 pub use read::backlog::{Backlog, Pending};
 pub use read::occupancy::{MOST_NODES, NodeOccupancy};
 pub use read::rows::{
-    AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JobQuery, JobRow,
+    AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JobQuery, JobRow, JobTimes,
 };
 pub use read::safety_regions::{RegionStay, SafetyRegion};
 pub use read::view::{Counts, Doing, JobWhy, RobotState, RobotView, StationView, View};
@@ -30,7 +30,7 @@ pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 pub use state::fact::{Act, Booking, Fact, KeptRoute, Moved, Purpose, Stop, Task};
 pub use state::fault::Fault;
 pub use state::io::{Bounded, Command, Input, Refusal, Reply, StationOrder, Step, Telemetry, Waypoint};
-pub use state::job::{Job, JobFailure, JobKind, JobRequest, JobState};
+pub use state::job::{Job, JobChange, JobFailure, JobKind, JobRequest, JobState};
 pub use state::keys::{KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums};

@@ -98,7 +98,7 @@ fn deliver(rack: u32) -> JobKind {
 }
 
 fn request(kind: JobKind) -> JobRequest {
-    JobRequest { kind, priority: 0, deadline: None, after: Vec::new(), key: None }
+    JobRequest::new(kind)
 }
 
 impl TestFloor {

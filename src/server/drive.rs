@@ -437,7 +437,7 @@ mod tests {
         let away = |n: &NodeId| (drive.fleet.warehouse().nodes[*n].at - from).norm();
         let node = drive.fleet.warehouse().nodes.ids().max_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
         let kind = JobKind::Go { robot, node };
-        let request = JobRequest { kind, priority: 5, deadline: None, after: vec![], key: None };
+        let request = JobRequest { priority: 5, ..JobRequest::new(kind) };
         let _answers = [ask(&queue, What::Submit(request)), ask(&queue, What::Hire("anna".into()))];
         let seen = loop {
             drive.turn(&mut published);

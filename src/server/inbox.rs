@@ -127,6 +127,7 @@ impl Inbox {
 fn input(token: u64, what: What) -> Input {
     match what {
         What::Submit(request) => Input::Submit { token, request },
+        What::SubmitBatch(requests) => Input::SubmitBatch { token, requests },
         What::Cancel(job) => Input::Cancel { token, job },
         What::Register(name, kind, node) => Input::Register { token, name, kind, node },
         What::Maintain(robot, begins) => Input::Maintain { token, robot, begins },
@@ -148,7 +149,7 @@ fn input(token: u64, what: What) -> Input {
         What::Halt(robot) => Input::Halt { token, robot },
         What::Release(robot) => Input::Release { token, robot },
         What::Station(station, order) => Input::Station { token, station, order },
-        What::Prioritise(job, priority) => Input::Prioritise { token, job, priority },
+        What::Change(job, change) => Input::Change { token, job, change },
     }
 }
 

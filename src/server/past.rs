@@ -6,7 +6,7 @@ use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::port::{Later, Records};
 use crate::fleet::{
     Assignment, AssignmentQuery, AssignmentRow, AssignmentState, EncounterQuery, EncounterRow, Fact,
-    GoneNames, Job, JobQuery, JobRow, JobState,
+    GoneNames, Job, JobQuery, JobRow, JobState, JobTimes,
 };
 use crate::id::{AssignmentId, JobId};
 use std::collections::BTreeMap;
@@ -41,18 +41,27 @@ impl Lists {
             Fact::Accepted { job: id, request, at } => {
                 let (gone, request) = (GoneNames::default(), request.clone());
                 let job = Job { request, state: JobState::Waiting, accepted: *at };
-                self.jobs.insert(*id, JobRow { id: *id, job, robot: None, updated: *at, gone });
+                let (robot, times, changed) = (None, JobTimes::default(), false);
+                self.jobs.insert(*id, JobRow { id: *id, job, robot, updated: *at, times, changed, gone });
             }
             Fact::Progressed { job, state, at, .. } => {
                 if let Some(record) = self.jobs.get_mut(job) {
                     record.job.state = *state;
                     record.robot = state.robot().or(record.robot);
                     record.updated = *at;
+                    record.times.note(*state, *at);
                 }
             }
             Fact::Prioritised { job, priority, at } => {
                 if let Some(record) = self.jobs.get_mut(job) {
-                    (record.job.request.priority, record.updated) = (*priority, *at);
+                    (record.job.request.priority, record.updated, record.changed) = (*priority, *at, true);
+                }
+            }
+            Fact::JobChanged { job, kind, priority, deadline, at } => {
+                if let Some(record) = self.jobs.get_mut(job) {
+                    let request = &mut record.job.request;
+                    (request.kind, request.priority, request.deadline) = (*kind, *priority, *deadline);
+                    (record.updated, record.changed) = (*at, true);
                 }
             }
             Fact::Assigned { assignment: id, worker, request, at } => {
@@ -88,7 +97,12 @@ impl Records for PastLists {
 
     fn jobs(&self, filter: JobQuery) -> Later<'_, Result<Vec<JobRow>, String>> {
         let before = filter.before.unwrap_or(JobId(u64::MAX));
-        let wanted = |r: &&JobRow| filter.state.is_none_or(|s| r.job.state.word() == s);
+        let wanted = |r: &&JobRow| {
+            let request = &r.job.request;
+            filter.state.is_none_or(|s| r.job.state.word() == s)
+                && (filter.reference.is_none() || request.reference == filter.reference)
+                && filter.label.as_ref().is_none_or(|(key, value)| request.labels.get(key) == Some(value))
+        };
         let lists = self.lists();
         let newest_first = lists.jobs.range(..before).rev().map(|(_, r)| r);
         let found: Vec<_> = newest_first.filter(wanted).take(filter.limit as usize).cloned().collect();

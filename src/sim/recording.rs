@@ -4,8 +4,9 @@
 //! the header, then a line per step, then the digest of all facts. What a robot says twice in the same words is
 //! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
+use super::job_line::{ChangeLine, JobLine};
 use crate::fleet::{
-    AssignmentRequest, Binds, Closure, Fault, Input, JobKind, JobRequest, Recurrence, RecurringClosure,
+    AssignmentRequest, Binds, Closure, Fault, Input, JobChange, JobRequest, Recurrence, RecurringClosure,
     StationOrder, Telemetry, USUAL_KIND, Weekdays,
 };
 use crate::geometry::{Point, Pose, Spot};
@@ -137,14 +138,9 @@ enum Other {
     Maintain(u64, u32, bool),
     Retire(u64, u32),
     TakeRack(u64, u32, u32),
-    Submit {
-        token: u64,
-        kind: LineKind,
-        priority: u8,
-        deadline: Option<i64>,
-        after: Vec<u64>,
-        key: Option<String>,
-    },
+    Submit(JobLine),
+    /// Token, and lines whose tokens mean nothing.
+    SubmitBatch(u64, Vec<JobLine>),
     Cancel(u64, u64),
     #[serde(rename = "hire")]
     RegisterWorker(u64, String),
@@ -187,20 +183,11 @@ enum Other {
     EndEvacuation(u64),
     Halt(u64, Option<u32>),
     Release(u64, Option<u32>),
+    /// From before more than the priority could be changed.
     Prioritise(u64, u64, u8),
+    Change(u64, u64, ChangeLine),
     /// Token, station, what it says.
     Station(u64, u32, Says),
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum LineKind {
-    Deliver(u32, u32, Option<i64>),
-    Return(u32),
-    Relocate(u32, u32),
-    Charge(u32),
-    Park(u32),
-    Go(u32, u32),
 }
 
 #[derive(Serialize, Deserialize)]
@@ -314,7 +301,10 @@ fn asked(input: &Input) -> Other {
         Input::Maintain { token, robot, begins } => Other::Maintain(*token, robot.0, *begins),
         Input::Retire { token, robot } => Other::Retire(*token, robot.0),
         Input::TakeRack { token, rack, node } => Other::TakeRack(*token, rack.0, node.0),
-        Input::Submit { token, request } => submit(*token, request),
+        Input::Submit { token, request } => Other::Submit(JobLine::new(*token, request)),
+        Input::SubmitBatch { token, requests } => {
+            Other::SubmitBatch(*token, requests.iter().map(|request| JobLine::new(0, request)).collect())
+        }
         Input::Cancel { token, job } => Other::Cancel(*token, job.0),
         Input::RegisterWorker { token, name } => Other::RegisterWorker(*token, name.clone()),
         Input::ClearWorker { token, worker, by } => Other::ClearedBy(*token, worker.0, by.clone()),
@@ -346,7 +336,7 @@ fn asked(input: &Input) -> Other {
         Input::EndEvacuation { token } => Other::EndEvacuation(*token),
         Input::Halt { token, robot } => Other::Halt(*token, robot.map(|r| r.0)),
         Input::Release { token, robot } => Other::Release(*token, robot.map(|r| r.0)),
-        Input::Prioritise { token, job, priority } => Other::Prioritise(*token, job.0, *priority),
+        Input::Change { token, job, change } => Other::Change(*token, job.0, change.into()),
         Input::Station { token, station, order } => Other::Station(*token, station.0, (*order).into()),
         Input::Telemetry(_) | Input::Sighted(_) => unreachable!("they have places of their own in a line"),
     }
@@ -396,25 +386,6 @@ fn robots() -> String {
 
 fn is_robots(binds: &String) -> bool {
     binds == Binds::Robots.word()
-}
-
-fn submit(token: u64, request: &JobRequest) -> Other {
-    let kind = match request.kind {
-        JobKind::Deliver { rack, station, pick } => LineKind::Deliver(rack.0, station.0, pick.map(|p| p.0)),
-        JobKind::Return { rack } => LineKind::Return(rack.0),
-        JobKind::Relocate { rack, node } => LineKind::Relocate(rack.0, node.0),
-        JobKind::Charge { robot } => LineKind::Charge(robot.0),
-        JobKind::Park { robot } => LineKind::Park(robot.0),
-        JobKind::Go { robot, node } => LineKind::Go(robot.0, node.0),
-    };
-    Other::Submit {
-        token,
-        kind,
-        priority: request.priority,
-        deadline: request.deadline.map(|d| d.0),
-        after: request.after.iter().map(|j| j.0).collect(),
-        key: request.key.clone(),
-    }
 }
 
 /// A line of a recording, read.
@@ -523,7 +494,11 @@ fn other(o: Other) -> Input {
         }
         Other::Halt(token, robot) => Input::Halt { token, robot: robot.map(RobotId) },
         Other::Release(token, robot) => Input::Release { token, robot: robot.map(RobotId) },
-        Other::Prioritise(token, job, priority) => Input::Prioritise { token, job: JobId(job), priority },
+        Other::Prioritise(token, job, priority) => {
+            let change = JobChange { priority: Some(priority), ..JobChange::default() };
+            Input::Change { token, job: JobId(job), change }
+        }
+        Other::Change(token, job, change) => Input::Change { token, job: JobId(job), change: change.into() },
         Other::Station(token, station, order) => {
             Input::Station { token, station: StationId(station), order: order.into() }
         }
@@ -558,22 +533,9 @@ fn other(o: Other) -> Input {
         Other::Evacuate(token) => Input::Evacuate { token },
         Other::EndEvacuation(token) => Input::EndEvacuation { token },
         Other::Reopen(token, closure) => Input::Reopen { token, closure: ClosureId(closure) },
-        Other::Submit { token, kind, priority, deadline, after, key } => {
-            let kind = match kind {
-                LineKind::Deliver(rack, station, pick) => {
-                    JobKind::Deliver { rack: RackId(rack), station: StationId(station), pick: pick.map(Span) }
-                }
-                LineKind::Return(rack) => JobKind::Return { rack: RackId(rack) },
-                LineKind::Relocate(rack, node) => {
-                    JobKind::Relocate { rack: RackId(rack), node: NodeId(node) }
-                }
-                LineKind::Charge(robot) => JobKind::Charge { robot: RobotId(robot) },
-                LineKind::Park(robot) => JobKind::Park { robot: RobotId(robot) },
-                LineKind::Go(robot, node) => JobKind::Go { robot: RobotId(robot), node: NodeId(node) },
-            };
-            let after = after.into_iter().map(JobId).collect();
-            let request = JobRequest { kind, priority, deadline: deadline.map(Time), after, key };
-            Input::Submit { token, request }
+        Other::Submit(line) => Input::Submit { token: line.token, request: line.into() },
+        Other::SubmitBatch(token, lines) => {
+            Input::SubmitBatch { token, requests: lines.into_iter().map(JobRequest::from).collect() }
         }
     }
 }

@@ -93,13 +93,7 @@ fn a_robot_gets_no_current_from_a_charger_that_is_out_of_order_and_says_so_while
     assert_eq!(seen(&sim).fault, Some(Fault::Unplugged));
     let before = seen(&sim).battery;
     let away = sim.fleet.warehouse().nodes_where(|k| k == NodeKind::Parking)[0];
-    let request = JobRequest {
-        kind: JobKind::Go { robot, node: away },
-        priority: 0,
-        deadline: None,
-        after: vec![],
-        key: None,
-    };
+    let request = JobRequest::new(JobKind::Go { robot, node: away });
     let go = Input::Submit { token: 1, request };
     sim.fleet.step(sim.now(), vec![go]);
     while sim.world.node_of(robot) == Some(charger) {

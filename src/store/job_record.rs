@@ -6,6 +6,7 @@ use crate::fleet::{JobFailure, JobKind, JobRequest, JobState, Purpose, Task};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -25,6 +26,10 @@ pub(super) struct RequestRecord {
     deadline: Option<i64>,
     after: Vec<u64>,
     key: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    reference: Option<String>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    labels: BTreeMap<String, String>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -69,9 +74,9 @@ pub(super) enum PurposeRecord {
     Go,
 }
 
-impl From<&JobRequest> for RequestRecord {
-    fn from(r: &JobRequest) -> RequestRecord {
-        let kind = match r.kind {
+impl From<JobKind> for KindRecord {
+    fn from(kind: JobKind) -> KindRecord {
+        match kind {
             JobKind::Deliver { rack, station, pick } => {
                 KindRecord::Deliver { rack: rack.0, station: station.0, pick: pick.map(|p| p.0) }
             }
@@ -80,20 +85,13 @@ impl From<&JobRequest> for RequestRecord {
             JobKind::Charge { robot } => KindRecord::Charge { robot: robot.0 },
             JobKind::Park { robot } => KindRecord::Park { robot: robot.0 },
             JobKind::Go { robot, node } => KindRecord::Go { robot: robot.0, node: node.0 },
-        };
-        RequestRecord {
-            kind,
-            priority: r.priority,
-            deadline: r.deadline.map(|t| t.0),
-            after: r.after.iter().map(|j| j.0).collect(),
-            key: r.key.clone(),
         }
     }
 }
 
-impl From<RequestRecord> for JobRequest {
-    fn from(r: RequestRecord) -> JobRequest {
-        let kind = match r.kind {
+impl From<KindRecord> for JobKind {
+    fn from(kind: KindRecord) -> JobKind {
+        match kind {
             KindRecord::Deliver { rack, station, pick } => {
                 JobKind::Deliver { rack: RackId(rack), station: StationId(station), pick: pick.map(Span) }
             }
@@ -104,13 +102,34 @@ impl From<RequestRecord> for JobRequest {
             KindRecord::Charge { robot } => JobKind::Charge { robot: RobotId(robot) },
             KindRecord::Park { robot } => JobKind::Park { robot: RobotId(robot) },
             KindRecord::Go { robot, node } => JobKind::Go { robot: RobotId(robot), node: NodeId(node) },
-        };
+        }
+    }
+}
+
+impl From<&JobRequest> for RequestRecord {
+    fn from(r: &JobRequest) -> RequestRecord {
+        RequestRecord {
+            kind: r.kind.into(),
+            priority: r.priority,
+            deadline: r.deadline.map(|t| t.0),
+            after: r.after.iter().map(|j| j.0).collect(),
+            key: r.key.clone(),
+            reference: r.reference.clone(),
+            labels: r.labels.clone(),
+        }
+    }
+}
+
+impl From<RequestRecord> for JobRequest {
+    fn from(r: RequestRecord) -> JobRequest {
         JobRequest {
-            kind,
+            kind: r.kind.into(),
             priority: r.priority,
             deadline: r.deadline.map(Time),
             after: r.after.into_iter().map(JobId).collect(),
             key: r.key,
+            reference: r.reference,
+            labels: r.labels,
         }
     }
 }

@@ -4,25 +4,35 @@
 
 use super::gone::Gone;
 use super::{Store, StoreError, job_record};
-use crate::fleet::{Fact, Job, JobKind, JobQuery, JobRequest, JobRow, JobState};
+use crate::fleet::{Fact, Job, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
-use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
+use sqlx::{QueryBuilder, Row};
+
+/// What is read of a job.
+macro_rules! columns {
+    () => {
+        "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, why, worker, \
+         created, updated, reference, assigned_at, lifted_at, arrived_at, ended_at, changed, \
+         (SELECT json_group_object(key, value) FROM job_labels WHERE job = jobs.id) AS labels FROM jobs"
+    };
+}
 
 const ACCEPT: &str = "INSERT INTO jobs \
-    (id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, created, updated) \
-    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, 'waiting', $12, $12)";
-const PROGRESS: &str = "UPDATE jobs SET state = $2, why = $3, worker = $4, updated = $5 WHERE id = $1";
-const FINISH: &str = "UPDATE jobs SET state = $2, why = $3, updated = $4 WHERE id = $1";
-const PRIORITISE: &str = "UPDATE jobs SET priority = $2, updated = $3 WHERE id = $1";
-const ONE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, \
-    key, state, why, worker, created, updated FROM jobs WHERE id = $1";
-const PAGE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, \
-    key, state, why, worker, created, updated FROM jobs WHERE id < $1 ORDER BY id DESC LIMIT $2";
-const PAGE_OF_STATE: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, \
-    key, state, why, worker, created, updated FROM jobs WHERE id < $1 AND state = $3 \
-    ORDER BY id DESC LIMIT $2";
+    (id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, created, updated, reference) \
+    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, 'waiting', $12, $12, $13)";
+const LABEL: &str = "INSERT INTO job_labels (job, key, value) VALUES ($1, $2, $3)";
+const PROGRESS: &str = "UPDATE jobs SET state = $2, why = $3, worker = $4, updated = $5, \
+    assigned_at = CASE $2 WHEN 'waiting' THEN NULL WHEN 'assigned' THEN $5 ELSE assigned_at END, \
+    lifted_at = CASE $2 WHEN 'carrying' THEN $5 WHEN 'picking' THEN lifted_at ELSE NULL END, \
+    arrived_at = CASE $2 WHEN 'picking' THEN $5 ELSE NULL END WHERE id = $1";
+const FINISH: &str = "UPDATE jobs SET state = $2, why = $3, updated = $4, ended_at = $4 WHERE id = $1";
+const PRIORITISE: &str = "UPDATE jobs SET priority = $2, updated = $3, changed = 1 WHERE id = $1";
+const CHANGE: &str = "UPDATE jobs SET station = $2, robot = $3, priority = $4, deadline = $5, updated = $6, \
+    changed = 1 WHERE id = $1";
+const ONE: &str = concat!(columns!(), " WHERE id = $1");
+const COLUMNS: &str = columns!();
 const COUNT: &str =
     "SELECT count(*), coalesce(sum(state NOT IN ('done', 'cancelled', 'failed')), 0) FROM jobs";
 
@@ -46,12 +56,22 @@ impl Store {
     /// # Errors
     /// Where the database does not answer.
     pub async fn jobs(&self, q: &JobQuery) -> Result<Vec<JobRow>, StoreError> {
-        let before = q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX));
-        let query = match q.state {
-            None => sqlx::query(PAGE).bind(before).bind(q.limit),
-            Some(state) => sqlx::query(PAGE_OF_STATE).bind(before).bind(q.limit).bind(state),
-        };
-        query.fetch_all(&self.readers).await?.iter().map(|row| decode(row, &self.gone)).collect()
+        let mut query = QueryBuilder::new(COLUMNS);
+        query.push(" WHERE id < ");
+        query.push_bind(q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX)));
+        if let Some(state) = q.state {
+            query.push(" AND state = ").push_bind(state);
+        }
+        if let Some(reference) = &q.reference {
+            query.push(" AND reference = ").push_bind(reference);
+        }
+        if let Some((key, value)) = &q.label {
+            query.push(" AND id IN (SELECT job FROM job_labels WHERE key = ").push_bind(key);
+            query.push(" AND value = ").push_bind(value).push(")");
+        }
+        query.push(" ORDER BY id DESC LIMIT ").push_bind(q.limit);
+        let rows = query.build().fetch_all(&self.readers).await?;
+        rows.iter().map(|row| decode(row, &self.gone)).collect()
     }
 
     /// How many jobs there are, and how many of them are not over.
@@ -71,6 +91,11 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<()
         Fact::Accepted { job, request, at } => accept(db, *job, request, *at).await,
         Fact::Progressed { job, state, at, .. } => progress(db, *job, *state, *at).await,
         Fact::Prioritised { job, priority, at } => prioritise(db, *job, *priority, *at).await,
+        Fact::JobChanged { job, kind, priority, deadline, at } => {
+            let query = sqlx::query(CHANGE).bind(job.0.cast_signed()).bind(kind.station().map(|s| s.0));
+            let query = query.bind(kind.robot().map(|r| r.0)).bind(priority).bind(deadline.map(|t| t.0));
+            query.bind(at.0).execute(db).await.map(|_| ())
+        }
         _ => Ok(()),
     }
 }
@@ -104,8 +129,12 @@ async fn accept(
         .bind(serde_json::to_string(&after).expect("a list of numbers is JSON"))
         .bind(&request.key)
         .bind(at.0)
-        .execute(db)
+        .bind(&request.reference)
+        .execute(&mut *db)
         .await?;
+    for (key, value) in &request.labels {
+        sqlx::query(LABEL).bind(id.0.cast_signed()).bind(key).bind(value).execute(&mut *db).await?;
+    }
     Ok(())
 }
 
@@ -150,6 +179,8 @@ fn decode(row: &SqliteRow, gone: &Gone) -> Result<JobRow, StoreError> {
         deadline: row.try_get::<Option<i64>, _>("deadline")?.map(Time),
         after: after.into_iter().map(JobId).collect(),
         key: row.try_get("key")?,
+        reference: row.try_get("reference")?,
+        labels: serde_json::from_str(row.try_get("labels")?).map_err(|e| broken(&e.to_string()))?,
     };
     let why: Option<&str> = row.try_get("why")?;
     let state = match (row.try_get("state")?, worker, why) {
@@ -165,7 +196,15 @@ fn decode(row: &SqliteRow, gone: &Gone) -> Result<JobRow, StoreError> {
         (state, _, _) => return Err(broken(&format!("state {state} and its columns do not go together"))),
     };
     let gone = gone.of_job(&request.kind, state);
+    let time = |column| Ok::<_, sqlx::Error>(row.try_get::<Option<i64>, _>(column)?.map(Time));
     Ok(JobRow {
+        times: JobTimes {
+            assigned: time("assigned_at")?,
+            lifted: time("lifted_at")?,
+            arrived: time("arrived_at")?,
+            ended: time("ended_at")?,
+        },
+        changed: row.try_get("changed")?,
         gone,
         id: JobId(id.unsigned_abs()),
         job: Job { request, state, accepted: Time(row.try_get("created")?) },

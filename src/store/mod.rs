@@ -245,6 +245,7 @@ fn migrator() -> Migrator {
     let sixth = include_str!("../../migrations/sqlite/0006_kinds.sql").into_sql_str();
     let seventh = include_str!("../../migrations/sqlite/0007_nearest.sql").into_sql_str();
     let eighth = include_str!("../../migrations/sqlite/0008_alarms.sql").into_sql_str();
+    let ninth = include_str!("../../migrations/sqlite/0009_job_labels.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
@@ -254,6 +255,7 @@ fn migrator() -> Migrator {
         Migration::new(6, "kinds".into(), MigrationType::Simple, sixth, false),
         Migration::new(7, "nearest".into(), MigrationType::Simple, seventh, false),
         Migration::new(8, "alarms".into(), MigrationType::Simple, eighth, false),
+        Migration::new(9, "job_labels".into(), MigrationType::Simple, ninth, false),
     ])
 }
 

@@ -3,7 +3,7 @@
 //! Main types: `Record` with [`VERSION`]; [`encode`] and [`decode`]. Field names are short and never reused
 //! with another meaning: a journal outlives the program that wrote it. Refuses: to guess what a newer version means.
 
-use super::job_record::{RequestRecord, StateRecord, TaskRecord};
+use super::job_record::{KindRecord, RequestRecord, StateRecord, TaskRecord};
 use super::people_record::{
     AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, LastPlaceRecord, ReactionRecord,
     RecurringRecord,
@@ -249,6 +249,13 @@ enum Record {
         priority: u8,
         at: i64,
     },
+    JobChanged {
+        job: u64,
+        kind: KindRecord,
+        priority: u8,
+        deadline: Option<i64>,
+        at: i64,
+    },
     Encountered(EncounterRecord),
     Deviated {
         worker: u32,
@@ -368,6 +375,16 @@ impl From<&Fact> for Record {
             Fact::StationResumed { station, at } => Record::StationResumed { station: station.0, at: at.0 },
             Fact::Prioritised { job, priority, at } => {
                 Record::Prioritised { job: job.0, priority: *priority, at: at.0 }
+            }
+            Fact::JobChanged { job, kind, priority, deadline, at } => {
+                let deadline = deadline.map(|t| t.0);
+                Record::JobChanged {
+                    job: job.0,
+                    kind: (*kind).into(),
+                    priority: *priority,
+                    deadline,
+                    at: at.0,
+                }
             }
             Fact::Encountered(encounter) => Record::Encountered(encounter.into()),
             Fact::Deviated { worker, at } => Record::Deviated { worker: worker.0, at: at.0 },
@@ -509,6 +526,10 @@ impl From<Record> for Fact {
             }
             Record::Prioritised { job, priority, at } => {
                 Fact::Prioritised { job: JobId(job), priority, at: Time(at) }
+            }
+            Record::JobChanged { job, kind, priority, deadline, at } => {
+                let deadline = deadline.map(Time);
+                Fact::JobChanged { job: JobId(job), kind: kind.into(), priority, deadline, at: Time(at) }
             }
             Record::Encountered(encounter) => Fact::Encountered(encounter.into()),
             Record::Deviated { worker, at } => Fact::Deviated { worker: WorkerId(worker), at: Time(at) },

@@ -272,7 +272,7 @@ async fn work(folder: &Folder, map: &Arc<Warehouse>, steps: usize, every: usize)
     for step in 0..steps {
         let relocate = JobKind::Go { robot: RobotId(0), node: NodeId(5) };
         let kind = if step == 900 { relocate } else { JobKind::Return { rack: RackId(3) } };
-        let request = JobRequest { kind, priority: 1, deadline: None, after: vec![], key: None };
+        let request = JobRequest { priority: 1, ..JobRequest::new(kind) };
         let wanted = [500, 900].contains(&step);
         let (entry, _) =
             run.step(wanted.then_some(Input::Submit { token: 1, request }).into_iter().collect());
@@ -352,7 +352,7 @@ async fn a_floor_goes_on_under_every_changed_map_and_its_lists_agree_with_its_le
         }
         let open: Vec<JobId> = run.fleet.ledger().jobs.keys().copied().collect();
         assert!(!open.is_empty(), "it was in the middle of things");
-        let all = JobQuery { state: None, before: None, limit: 1000 };
+        let all = JobQuery { limit: 1000, ..JobQuery::default() };
         let rows = store.jobs(&all).await.unwrap();
         assert!(rows.iter().all(|row| row.gone == giveway::fleet::GoneNames::default()));
         while open.iter().any(|job| run.fleet.ledger().jobs.contains_key(job)) {
@@ -395,7 +395,7 @@ async fn a_database_of_a_build_that_did_not_keep_the_map_wants_its_old_map_once(
 async fn names_that_are_gone_from_the_map_stay_in_the_lists_over_several_changes() {
     let folder = Folder::new();
     work(&folder, &Arc::new(map()), 1300, 400).await;
-    let all = JobQuery { state: None, before: None, limit: 1000 };
+    let all = JobQuery { limit: 1000, ..JobQuery::default() };
     let named = |rows: Vec<giveway::fleet::JobRow>, map: &Warehouse| {
         let name = |row: &giveway::fleet::JobRow| {
             let rack = row.job.request.kind.rack()?;

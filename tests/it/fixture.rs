@@ -64,7 +64,7 @@ fn wishes(step: usize) -> Vec<Input> {
 async fn promised(store: &Store, fleet: &Fleet) -> Value {
     let ledger = fleet.ledger();
     let text = |value: &dyn std::fmt::Debug| format!("{value:?}");
-    let jobs = store.jobs(&JobQuery { state: None, before: None, limit: 1000 }).await.unwrap();
+    let jobs = store.jobs(&JobQuery { limit: 1000, ..JobQuery::default() }).await.unwrap();
     let assignments = AssignmentQuery { limit: 1000, ..AssignmentQuery::default() };
     let assignments = store.assignments(&assignments).await.unwrap();
     let place = |r: RobotId| json!([ledger.robots[r].name, ledger.warehouse().nodes[ledger.node_of(r)].name]);

@@ -1,5 +1,6 @@
 //! Folders, servers and a small HTTP client for the tests.
 
+use crate::schema::{DOCUMENT, check_answer};
 use giveway::server::{Config, Server, SimulatedFloor};
 use giveway::sim::Scenario;
 use serde_json::Value;
@@ -111,8 +112,26 @@ impl Answer {
     }
 }
 
-/// One request on a connection of its own.
+/// One request on a connection of its own. The answer is compared with what the server's own description says.
 pub async fn send(
+    at: SocketAddr,
+    method: &str,
+    path: &str,
+    headers: &[(&str, &str)],
+    body: &str,
+) -> std::io::Result<Answer> {
+    let answer = exchange(at, method, path, headers, body).await?;
+    if DOCUMENT.get().is_none() && path.starts_with("/v1/") {
+        match exchange(at, "GET", "/openapi.json", &[], "").await {
+            Ok(document) if document.status == 200 => _ = DOCUMENT.set(document.json()),
+            _ => {}
+        }
+    }
+    check_answer(method, path, &answer);
+    Ok(answer)
+}
+
+async fn exchange(
     at: SocketAddr,
     method: &str,
     path: &str,

@@ -347,7 +347,7 @@ async fn what_is_over_leaves_the_lists_after_the_days_of_the_settings_in_slices(
     assert_eq!(store.count_jobs().await.unwrap().0, 301, "a slice");
     store.append(4, &[tick(4)]).await.unwrap();
     store.append(5, &[tick(5)]).await.unwrap();
-    let all = JobQuery { state: None, before: None, limit: 1000 };
+    let all = JobQuery { limit: 1000, ..JobQuery::default() };
     let left: Vec<JobId> = store.jobs(&all).await.unwrap().iter().map(|row| row.id).collect();
     assert_eq!(left, [JobId(501), JobId(1)], "what is open stays, and what is not old");
     let all = EncounterQuery { limit: 10, ..EncounterQuery::default() };

@@ -12,7 +12,7 @@ use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
 
 type Socket = WebSocketStream<MaybeTlsStream<tokio::net::TcpStream>>;
 
-async fn connect(at: SocketAddr, query: &str, protocols: &str) -> Result<Socket, Error> {
+pub async fn connect(at: SocketAddr, query: &str, protocols: &str) -> Result<Socket, Error> {
     let mut request = format!("ws://{at}/v1/live{query}").into_client_request()?;
     if !protocols.is_empty() {
         request.headers_mut().insert("sec-websocket-protocol", protocols.parse().unwrap());
@@ -21,7 +21,7 @@ async fn connect(at: SocketAddr, query: &str, protocols: &str) -> Result<Socket,
 }
 
 /// The next text; `None` when the feed ends.
-async fn next(socket: &mut Socket) -> Option<Value> {
+pub async fn next(socket: &mut Socket) -> Option<Value> {
     loop {
         let message = tokio::time::timeout(Duration::from_secs(5), socket.next()).await.expect("a message");
         match message {

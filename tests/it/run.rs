@@ -24,7 +24,7 @@ pub fn nothing(map: &Arc<Warehouse>, scenario: &Scenario) -> Ledger {
 /// A delivery with a key, or without.
 pub fn deliver(rack: u32, key: Option<&str>) -> JobRequest {
     let kind = JobKind::Deliver { rack: RackId(rack), station: StationId(0), pick: None };
-    JobRequest { kind, priority: 5, deadline: None, after: vec![], key: key.map(str::to_owned) }
+    JobRequest { priority: 5, key: key.map(str::to_owned), ..JobRequest::new(kind) }
 }
 
 impl Run {

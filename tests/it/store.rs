@@ -19,7 +19,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 fn request(kind: JobKind) -> JobRequest {
-    JobRequest { kind, priority: 3, deadline: None, after: vec![], key: None }
+    JobRequest { priority: 3, ..JobRequest::new(kind) }
 }
 
 fn deliver() -> JobRequest {
@@ -107,12 +107,15 @@ fn every_fact() -> Vec<Fact> {
         Fact::Halted { robot: Some(robot), at },
         Fact::Released { robot: Some(robot), at },
         Fact::Prioritised { job: JobId(99), priority: 9, at },
+        Fact::JobChanged { job: JobId(99), kind: kinds[0], priority: 9, deadline: Some(at), at },
     ];
     for (i, kind) in kinds.into_iter().enumerate() {
         let mut request = request(kind);
         request.deadline = Some(at);
         request.after = vec![JobId(1), JobId(2)];
         request.key = Some("a key".into());
+        request.reference = Some("order 4711".into());
+        request.labels = [("wave".to_owned(), format!("{i}"))].into();
         facts.push(Fact::Accepted { job: JobId(i as u64 + 1), request, at });
     }
     facts.extend(states.map(|state| Fact::Progressed { job, state, tasked: None, at }));
@@ -307,12 +310,17 @@ async fn what_was_appended_is_loaded_and_projected() {
     let row = store.job(JobId(7)).await.unwrap().unwrap();
     assert_eq!(row.job.state, JobState::Failed(JobFailure::Predecessor(JobId(7))));
     assert_eq!(row.robot, Some(RobotId(2)), "the last one at work on it");
-    let failed = JobQuery { state: Some("failed"), before: None, limit: 10 };
+    let failed = JobQuery { state: Some("failed"), limit: 10, ..JobQuery::default() };
     assert_eq!(store.jobs(&failed).await.unwrap().len(), 1);
-    let older = JobQuery { state: None, before: Some(JobId(3)), limit: 10 };
+    let older = JobQuery { before: Some(JobId(3)), limit: 10, ..JobQuery::default() };
     let ids: Vec<_> = store.jobs(&older).await.unwrap().iter().map(|row| row.id).collect();
     assert_eq!(ids, [JobId(2), JobId(1)]);
     assert_eq!(store.count_jobs().await.unwrap(), (7, 6));
+    let named = JobQuery { reference: Some("order 4711".into()), limit: 10, ..JobQuery::default() };
+    assert_eq!(store.jobs(&named).await.unwrap().len(), 7);
+    let labelled = JobQuery { label: Some(("wave".into(), "2".into())), limit: 10, ..JobQuery::default() };
+    let ids: Vec<_> = store.jobs(&labelled).await.unwrap().iter().map(|row| row.id).collect();
+    assert_eq!(ids, [JobId(3)]);
 }
 
 #[tokio::test]

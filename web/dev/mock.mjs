@@ -61,8 +61,9 @@ export async function startMock({ port, width = 40, height = 25, robots = 50, pe
 async function answer(fleet, map, request, url) {
   const [, , what, id] = url.pathname.split('/');
   if (what === 'map') return [200, map];
-  if (what !== 'jobs') return [404, { title: 'Not found', status: 404, detail: `There is nothing at ${url.pathname}.` }];
-  if (request.method === 'POST') return submit(fleet, map, request);
+  if (!['jobs', 'jobs:batch'].includes(what)) return [404, { title: 'Not found', status: 404, detail: `There is nothing at ${url.pathname}.` }];
+  if (what === 'jobs:batch') return submitAll(fleet, map, request);
+  if (request.method === 'POST') return submit(fleet, map, await read(request), request.headers['idempotency-key']);
   if (id) {
     const job = fleet.jobs.find((j) => j.id === id);
     if (!job) return [404, { title: 'No such job', status: 404, detail: `There is no job ${id}.` }];
@@ -76,11 +77,20 @@ async function answer(fleet, map, request, url) {
   return [200, { items: all.slice(from, from + limit), next: all.length > from + limit ? String(from + limit) : null }];
 }
 
-async function submit(fleet, map, request) {
+async function read(request) {
   const chunks = [];
   for await (const chunk of request) chunks.push(chunk);
-  const job = JSON.parse(Buffer.concat(chunks).toString());
-  const key = request.headers['idempotency-key'];
+  return JSON.parse(Buffer.concat(chunks).toString());
+}
+
+async function submitAll(fleet, map, request) {
+  const outcomes = (await read(request)).jobs.map(({ key, job }) => submit(fleet, map, job, key));
+  const results = outcomes.map(([status, told]) => (status === 201 ? { id: told.id, new: true, problem: null } : { id: null, new: false, problem: told }));
+  const accepted = results.filter((r) => r.id !== null).length;
+  return [200, { accepted, refused: results.length - accepted, results }];
+}
+
+function submit(fleet, map, job, key) {
   if (fleet.keys.has(key)) return [201, fleet.keys.get(key)];
   const lists = { rack: map.racks, station: map.stations, node: map.nodes, robot: fleet.robots.map((r) => r.wire) };
   const errors = Object.entries(lists)

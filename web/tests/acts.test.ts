@@ -60,9 +60,9 @@ describe('jobs from a table', () => {
     expect(cells('kind;rack\nreturn;K1')[1]?.cells).toEqual(['return', 'K1']);
   });
   it('makes a job of each line that is right', () => {
-    const read = readJobs('kind,rack,station,priority,pick_s\nDeliver,K1,W1,5,12\nreturn,K2,,,\n', KNOWN, NOW);
+    const read = readJobs('kind,rack,station,priority,pick_s,reference\nDeliver,K1,W1,5,12,"order 4711, line 1"\nreturn,K2,,,,\n', KNOWN, NOW);
     expect(read.kind === 'table' && read.lines.map((l) => l.job)).toEqual([
-      { kind: 'deliver', rack: 'K1', station: 'W1', priority: 5, pick_s: 12 }, { kind: 'return', rack: 'K2', priority: 0 },
+      { kind: 'deliver', rack: 'K1', station: 'W1', priority: 5, pick_s: 12, reference: 'order 4711, line 1' }, { kind: 'return', rack: 'K2', priority: 0 },
     ]);
   });
   it('says for each line what is wrong, and makes no job of it', () => {

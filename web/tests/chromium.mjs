@@ -75,7 +75,7 @@ export async function until(what, so, seconds = 240) {
 
 /** Says how many checks passed, and ends. */
 export async function finish(browser) {
-  await browser.close();
+  await browser?.close();
   console.log(`${passed} passed, ${failed} failed`);
   process.exit(failed === 0 ? 0 : 1);
 }

@@ -342,7 +342,7 @@ fn senses(alignment: &Alignment, said: &PoseSaid) -> Senses {
     let near = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= FAR_M);
     let gaze = said.gaze.filter(|g| near(&g.origin)).and_then(|g| {
         let dir = pose::direction(alignment, g.dir)?;
-        Some(Gaze { kind: g.kind.word(), origin: pose::place(alignment, g.origin), dir })
+        Some(Gaze { kind: g.kind, origin: pose::place(alignment, g.origin), dir })
     });
     let joint = |&[x, y, z, radius]: &[f64; 4]| {
         let sound = near(&[x, y, z]) && (0.0..1.0).contains(&radius);

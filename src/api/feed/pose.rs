@@ -4,6 +4,7 @@
 //! nothing. Pure. Refuses: quaternions that are no rotation.
 
 use super::align::Alignment;
+use super::wire::GazeKind;
 use crate::geometry::{Point, Vector};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -36,7 +37,7 @@ pub fn facing(rotation: UnitQuaternion<f64>) -> Option<f64> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gaze {
     /// Whether the ray comes from the head, from the eyes, or is estimated.
-    pub kind: &'static str,
+    pub kind: GazeKind,
     /// Where the ray begins: map x, map y, height; metres.
     pub origin: [f64; 3],
     /// Its direction in the same axes, of length one.

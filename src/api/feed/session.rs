@@ -6,12 +6,13 @@
 use super::clock::{Exchange, PingOutcome};
 use super::hub::{Connection, Told};
 use super::intake::{PoseIntake, pairs};
+use super::message::FeedMessage;
 use super::thin::RateLimiter;
 use super::warn::Warnings;
 use super::wire::{AnchorSaid, HeadsetMessage, HelloSaid, PoseSaid, VERSIONS};
 use crate::api::error::Problem;
 use crate::api::extract::PathPart;
-use crate::api::guidance::{GuidanceContext, GuidanceKey, guidance};
+use crate::api::guidance::{GuidanceContext, GuidanceDto, GuidanceKey, PoseRefDto, guidance};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{assignment_name, parse_assignment, worker_name};
@@ -24,7 +25,6 @@ use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
 use axum::http::StatusCode;
 use axum::response::Response;
-use serde_json::{Value, json};
 use std::collections::VecDeque;
 use std::time::Duration;
 use tokio::task::JoinSet;
@@ -61,7 +61,7 @@ const RECENT: usize = 256;
 /// and gets `welcome`; it answers every `ping` with a `pong`; it sends `anchors` until they are `aligned`, then `pose`
 /// up to 60 times a second. The server sends `guidance` at once when it changed and four times a second else. Offer
 /// the protocol `giveway`, and `bearer.TOKEN` where a token is needed. All messages are shown in docs/headset.md.
-#[utoipa::path(get, path = "/v1/workers/{id}/feed", tag = "people",
+#[utoipa::path(get, path = "/v1/workers/{id}/feed", tag = "people", operation_id = "openWorkerFeed",
     params(("id" = String, Path, example = "w1")), responses(
     (status = 101, description = "The feed begins"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
@@ -153,11 +153,16 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
         Err(end) => Some(end),
     };
     if let Some(SessionEnd::Bye(code, reason)) = end {
-        let text = json!({"type": "error", "text": reason}).to_string();
+        let text = text(&FeedMessage::Error { text: reason.clone() });
         _ = timeout(SEND, socket.send(Message::Text(text.into()))).await;
         let frame = CloseFrame { code, reason: short(&reason).into() };
         _ = timeout(SEND, socket.send(Message::Close(Some(frame)))).await;
     }
+}
+
+/// A message as it travels.
+fn text(message: &FeedMessage) -> String {
+    serde_json::to_string(message).expect("messages are plain")
 }
 
 /// Reasons in close frames have room for 123 bytes.
@@ -190,11 +195,15 @@ async fn greeting(socket: &mut WebSocket) -> Result<HelloSaid, SessionEnd> {
 
 impl Session<'_> {
     async fn run(&mut self, hello: &HelloSaid) -> Result<(), SessionEnd> {
-        let welcome = json!({
-            "type": "welcome", "version": VERSIONS[0], "worker": worker_name(self.worker),
-            "name": self.api.feeds.name(self.worker), "frame": hello.frame.word(),
-            "epoch": self.intake.epoch(), "aligned": self.intake.alignment().is_some(), "rate_hz": 60,
-        });
+        let welcome = FeedMessage::Welcome {
+            version: VERSIONS[0],
+            worker: worker_name(self.worker),
+            name: self.api.feeds.name(self.worker),
+            frame: hello.frame,
+            epoch: self.intake.epoch(),
+            aligned: self.intake.alignment().is_some(),
+            rate_hz: 60,
+        };
         self.send(welcome).await?;
         let mut closing = self.api.closing.clone();
         loop {
@@ -266,7 +275,7 @@ impl Session<'_> {
             HeadsetMessage::Reset => {
                 self.intake.reset();
                 let aligned = self.intake.alignment().is_some();
-                self.send(json!({"type": "epoch", "epoch": self.intake.epoch(), "aligned": aligned})).await
+                self.send(FeedMessage::Epoch { epoch: self.intake.epoch(), aligned }).await
             }
             HeadsetMessage::Resync => {
                 self.intake.clock.resync();
@@ -309,7 +318,7 @@ impl Session<'_> {
     }
 
     async fn reported(&mut self, id: AssignmentId, refused: Option<String>) -> Result<(), SessionEnd> {
-        self.send(json!({"type": "done", "assignment": assignment_name(id), "refused": refused})).await
+        self.send(FeedMessage::Done { assignment: assignment_name(id), refused }).await
     }
 
     /// Reads a pose and hands it on.
@@ -360,7 +369,7 @@ impl Session<'_> {
         self.next_ping += 1;
         self.intake.clock.pinged(now);
         self.pings.push_back((id, now));
-        self.send(json!({"type": "ping", "id": id})).await
+        self.send(FeedMessage::Ping { id }).await
     }
 
     async fn pong(&mut self, id: u64, t1: f64, t2: f64, now: Time) -> Result<(), SessionEnd> {
@@ -375,7 +384,7 @@ impl Session<'_> {
                 let error = self.intake.clock.error(now).unwrap_or_default();
                 let jumped = outcome == PingOutcome::Jumped;
                 let error_ms = error.0 as f64 / 1000.0;
-                self.send(json!({"type": "clock", "error_ms": error_ms, "jumped": jumped})).await
+                self.send(FeedMessage::Clock { error_ms, jumped }).await
             }
             PingOutcome::Absurd => {
                 let text = "t1 and t2 are milliseconds of one monotonic clock, t1 before t2";
@@ -398,14 +407,21 @@ impl Session<'_> {
             alignment
         });
         let answer = match fit {
-            Ok(a) => json!({
-                "type": "aligned", "epoch": self.intake.epoch(), "theta": a.theta, "shift": [a.shift.x, a.shift.y],
-                "rms_m": a.rms_m, "heading_error": a.heading_error, "dropped": a.dropped,
-            }),
-            Err((reason, remedy)) => json!({
-                "type": "refused", "what": "anchors", "reason": reason, "remedy": remedy,
-                "epoch": self.intake.epoch(), "aligned": self.intake.alignment().is_some(),
-            }),
+            Ok(a) => FeedMessage::Aligned {
+                epoch: self.intake.epoch(),
+                theta: a.theta,
+                shift: [a.shift.x, a.shift.y],
+                rms_m: a.rms_m,
+                heading_error: a.heading_error,
+                dropped: a.dropped,
+            },
+            Err((reason, remedy)) => FeedMessage::Refused {
+                what: "anchors",
+                reason,
+                remedy: remedy.into(),
+                epoch: self.intake.epoch(),
+                aligned: self.intake.alignment().is_some(),
+            },
         };
         self.send(answer).await
     }
@@ -423,13 +439,13 @@ impl Session<'_> {
         let considered = self.handed.iter().rev().find(|(received, ..)| *received <= at).copied();
         let moment = self.api.moment();
         let names = Names { map: &self.api.map, view: &moment.view };
-        let pose = considered.map(|(_, epoch, seq)| json!({"epoch": epoch, "seq": seq}));
-        let mut message = guidance(told.as_ref(), GuidanceContext { names, heading: self.heading, now });
-        message["pose"] = pose.into();
+        let pose = considered.map(|(_, epoch, seq)| PoseRefDto { epoch, seq });
+        let context = GuidanceContext { names, heading: self.heading, now };
+        let message = GuidanceDto { pose, ..guidance(told.as_ref(), context) };
         let stopped = key.state == GuidanceState::Stop;
         let began = self.sent.is_none_or(|sent| sent.state != GuidanceState::Stop);
         (self.sent, self.sent_at) = (Some(key), now);
-        self.send(message).await?;
+        self.send(FeedMessage::Guidance(Box::new(message))).await?;
         if let Some((received, ..)) = considered.filter(|_| stopped && began) {
             let took = (self.api.now)() - received;
             self.api.metrics.pose_to_stop.observe(took.as_secs_f64());
@@ -451,14 +467,14 @@ impl Session<'_> {
     async fn warn(&mut self, code: &'static str, count: u64, text: &str) -> Result<(), SessionEnd> {
         match self.warnings.note(code, count, (self.api.now)()) {
             Some(count) => {
-                self.send(json!({"type": "warning", "code": code, "count": count, "text": text})).await
+                self.send(FeedMessage::Warning { code: code.into(), count, text: text.into() }).await
             }
             None => Ok(()),
         }
     }
 
-    async fn send(&mut self, message: Value) -> Result<(), SessionEnd> {
-        let message = Message::Text(message.to_string().into());
+    async fn send(&mut self, message: FeedMessage) -> Result<(), SessionEnd> {
+        let message = Message::Text(text(&message).into());
         match timeout(SEND, self.socket.send(message)).await {
             Ok(Ok(())) => Ok(()),
             _ => Err(SessionEnd::Gone),

@@ -3,13 +3,14 @@
 //! Main types: [`HeadsetMessage`], [`PoseSaid`], [`AnchorSaid`]. Unknown keys are ignored, so that newer headsets can
 //! talk to older servers. Refuses: to judge numbers; [`super::intake`] does.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 /// Versions of the protocol that this server speaks, best first.
 pub const VERSIONS: [u32; 1] = [1];
 
 /// A message of a headset.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum HeadsetMessage {
     /// The first message.
@@ -49,7 +50,7 @@ pub enum HeadsetMessage {
 }
 
 /// The first message.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct HelloSaid {
     /// Versions of the protocol that the client speaks.
     pub versions: Vec<u32>,
@@ -59,7 +60,7 @@ pub struct HelloSaid {
 }
 
 /// The frame of poses.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PoseFrame {
     /// The device's own, which must be aligned.
@@ -69,18 +70,8 @@ pub enum PoseFrame {
     Map,
 }
 
-impl PoseFrame {
-    /// The word for it on the wire.
-    pub fn word(self) -> &'static str {
-        match self {
-            PoseFrame::Device => "device",
-            PoseFrame::Map => "map",
-        }
-    }
-}
-
 /// A mark on the floor.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct AnchorSaid {
     /// Where the device has it: WebXR axes, metres.
     pub device: [f64; 3],
@@ -97,7 +88,7 @@ pub struct AnchorSaid {
 }
 
 /// A pose.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct PoseSaid {
     /// The alignment that it belongs to.
     pub epoch: u32,
@@ -127,7 +118,7 @@ pub struct PoseSaid {
 }
 
 /// How well a device knows its pose.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum QualitySaid {
     /// Measured.
@@ -140,7 +131,7 @@ pub enum QualitySaid {
 }
 
 /// Where somebody looks, in the device's frame.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct GazeSaid {
     /// What the ray comes from.
     pub kind: GazeKind,
@@ -151,7 +142,7 @@ pub struct GazeSaid {
 }
 
 /// What a gaze ray comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GazeKind {
     /// Straight ahead of the head.
@@ -162,19 +153,8 @@ pub enum GazeKind {
     Estimated,
 }
 
-impl GazeKind {
-    /// The word for it on the wire.
-    pub fn word(self) -> &'static str {
-        match self {
-            GazeKind::Head => "head",
-            GazeKind::Eye => "eye",
-            GazeKind::Estimated => "estimated",
-        }
-    }
-}
-
 /// Joints of both hands: x, y, z in WebXR axes and radius, metres; usually 25 of them.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, ToSchema)]
 pub struct HandsSaid {
     /// Left.
     pub l: Option<Vec<[f64; 4]>>,

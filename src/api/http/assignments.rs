@@ -12,6 +12,7 @@ use crate::api::people::{ASSIGNMENT_STATES, AssignmentDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{assignment_name, parse_assignment};
+use crate::api::words::AssignmentStateDto;
 use crate::fleet::{AssignmentQuery, AssignmentRequest, AssignmentRow, Reply};
 use crate::id::{AssignmentId, WorkerId};
 use crate::time::Span;
@@ -51,14 +52,15 @@ pub struct NewAssignment {
 pub struct AssignmentParams {
     /// How many at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
-    /// Only those in this state: waiting, walking, working, done or cancelled.
+    /// Only those in this state.
+    #[param(value_type = Option<AssignmentStateDto>)]
     state: Option<String>,
     /// `next` of the previous page.
     cursor: Option<String>,
 }
 
 /// A worker's assignments, newest first.
-#[utoipa::path(get, path = "/v1/workers/{id}/assignments", tag = "people",
+#[utoipa::path(get, path = "/v1/workers/{id}/assignments", tag = "people", operation_id = "listAssignmentsOfWorker",
     params(("id" = String, Path, example = "w1"), AssignmentParams), responses(
     (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
     (status = 404, body = Problem, content_type = "application/problem+json"),
@@ -74,7 +76,8 @@ pub async fn of_worker(
 }
 
 /// All assignments, newest first.
-#[utoipa::path(get, path = "/v1/assignments", tag = "people", params(AssignmentParams), responses(
+#[utoipa::path(get, path = "/v1/assignments", tag = "people",
+    operation_id = "listAssignments", params(AssignmentParams), responses(
     (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
@@ -86,7 +89,7 @@ pub async fn all(
 }
 
 /// One assignment.
-#[utoipa::path(get, path = "/v1/assignments/{id}", tag = "people",
+#[utoipa::path(get, path = "/v1/assignments/{id}", tag = "people", operation_id = "getAssignment",
     params(("id" = String, Path, example = "a3")), responses(
     (status = 200, description = "The assignment", body = AssignmentDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
@@ -98,7 +101,8 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
 
 /// Give a worker something to do. When this call returns, the assignment is durable. With an `Idempotency-Key`, a
 /// retry never makes a second assignment.
-#[utoipa::path(post, path = "/v1/workers/{id}/assignments", tag = "people", request_body = NewAssignment,
+#[utoipa::path(post, path = "/v1/workers/{id}/assignments", tag = "people",
+    operation_id = "assignToWorker", request_body = NewAssignment,
     params(("id" = String, Path, example = "w1"),
     ("Idempotency-Key" = Option<String>, Header, description = "Your own key, up to 255 characters")),
     responses(
@@ -124,7 +128,8 @@ pub async fn assign(
 /// Give the nearest free worker something to do. The assignment waits (`worker` is null) until a worker on the floor
 /// has nothing else to do; then it goes to the one with the shortest walk, the oldest assignment first. When this call
 /// returns, the assignment is durable. With an `Idempotency-Key`, a retry never makes a second assignment.
-#[utoipa::path(post, path = "/v1/assignments", tag = "people", request_body = NewAssignment,
+#[utoipa::path(post, path = "/v1/assignments", tag = "people",
+    operation_id = "assignToNearestWorker", request_body = NewAssignment,
     params(("Idempotency-Key" = Option<String>, Header, description = "Your own key, up to 255 characters")),
     responses(
     (status = 201, description = "Accepted and durable", body = AssignmentDto, headers(("Location" = String))),
@@ -170,7 +175,7 @@ async fn hand_in(
 }
 
 /// Cancel an assignment.
-#[utoipa::path(delete, path = "/v1/assignments/{id}", tag = "people",
+#[utoipa::path(delete, path = "/v1/assignments/{id}", tag = "people", operation_id = "cancelAssignment",
     params(("id" = String, Path, example = "a3")), responses(
     (status = 200, description = "It is cancelled", body = AssignmentDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
@@ -185,7 +190,7 @@ pub async fn cancel(State(api): State<Api>, PathPart(id): PathPart) -> Result<Js
 }
 
 /// Report that the worker has finished an assignment, wherever the worker was seen. Headsets report it over the feed.
-#[utoipa::path(post, path = "/v1/assignments/{id}/done", tag = "people",
+#[utoipa::path(post, path = "/v1/assignments/{id}/done", tag = "people", operation_id = "finishAssignment",
     params(("id" = String, Path, example = "a3")), responses(
     (status = 200, description = "It is done", body = AssignmentDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),

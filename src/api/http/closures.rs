@@ -13,6 +13,7 @@ use crate::api::people::{ClosureDto, RecurringClosureDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{closure_name, parse_closure, parse_series, parse_time, series_name};
+use crate::api::words::BindsDto;
 use crate::fleet::{Binds, Closure, Recurrence, RecurringClosure, Refusal, Reply};
 use crate::geometry::{Point, Spot};
 use crate::id::{ClosureId, NodeId, SeriesId};
@@ -51,8 +52,8 @@ pub struct NewClosure {
     /// Why, for people who see it.
     #[schema(example = "oil on the floor")]
     reason: String,
-    /// Whom it keeps out: robots, people or both; both if absent.
-    #[schema(example = "both")]
+    /// Whom it keeps out; both if absent.
+    #[schema(value_type = Option<BindsDto>, example = "both")]
     binds: Option<String>,
     /// Closed again and again. `from` and `until` then say between which times occurrences begin.
     recurs: Option<NewRecurrence>,
@@ -75,7 +76,7 @@ enum ClosedId {
 }
 
 /// All areas that are closed or announced, and those whose closure ended less than a day ago.
-#[utoipa::path(get, path = "/v1/closures", tag = "people", params(Paging), responses(
+#[utoipa::path(get, path = "/v1/closures", tag = "people", operation_id = "listClosures", params(Paging), responses(
     (status = 200, description = "Areas in the order in which they were requested", body = Page<ClosureDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn list(
@@ -89,7 +90,8 @@ pub async fn list(
 /// Close an area, now or later. When this call returns, the closure is durable. Before it begins, robots are routed
 /// around it and robots parked inside leave; once it has begun, robots inside drive out and others stay out. At its
 /// end the area opens by itself.
-#[utoipa::path(post, path = "/v1/closures", tag = "people", request_body = NewClosure, responses(
+#[utoipa::path(post, path = "/v1/closures", tag = "people",
+    operation_id = "closeArea", request_body = NewClosure, responses(
     (status = 201, description = "Closed and durable", body = ClosedDto, headers(("Location" = String))),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
@@ -134,7 +136,7 @@ async fn recur(
 }
 
 /// One closed area, or one that is closed again and again.
-#[utoipa::path(get, path = "/v1/closures/{id}", tag = "people",
+#[utoipa::path(get, path = "/v1/closures/{id}", tag = "people", operation_id = "getClosure",
     params(("id" = String, Path, example = "c2")), responses(
     (status = 200, description = "The area", body = ClosedDto),
     (status = 404, body = Problem, content_type = "application/problem+json")))]
@@ -156,7 +158,7 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
 }
 
 /// Open an area again. Of a recurring closure, one occurrence (c7), or all of them for good (s1).
-#[utoipa::path(delete, path = "/v1/closures/{id}", tag = "people",
+#[utoipa::path(delete, path = "/v1/closures/{id}", tag = "people", operation_id = "openArea",
     params(("id" = String, Path, example = "c2")), responses(
     (status = 204, description = "Open again"),
     (status = 404, body = Problem, content_type = "application/problem+json"),

@@ -46,7 +46,8 @@ pub struct EncounterParams {
 }
 
 /// Encounters, newest first, as JSON or as CSV.
-#[utoipa::path(get, path = "/v1/encounters", tag = "people", params(EncounterParams), responses(
+#[utoipa::path(get, path = "/v1/encounters", tag = "people",
+    operation_id = "listEncounters", params(EncounterParams), responses(
     (status = 200, description = "Encounters, newest first", content(
         (Page<EncounterDto> = "application/json"), (String = "text/csv"))),
     (status = 422, body = Problem, content_type = "application/problem+json"),
@@ -143,7 +144,7 @@ fn csv(items: &[EncounterDto]) -> String {
         let cells = [e.id.to_string(), e.worker.clone(), quoted(&e.robot), e.began.clone()];
         let cells = cells.join(",");
         let numbers = numbers.join(",");
-        text += &format!("{cells},{},{numbers},{},{}\r\n", e.lasted_s, e.reaction, e.delay_s);
+        text += &format!("{cells},{},{numbers},{},{}\r\n", e.lasted_s, e.reaction.word(), e.delay_s);
     }
     text
 }
@@ -175,7 +176,7 @@ mod tests {
             closest: 0.9,
             robot_speed: 0.5,
             worker_speed: 1.2,
-            reaction: "stopped",
+            reaction: crate::api::words::ReactionDto::Stopped,
             delay_s: 2.0,
         };
         let text = csv(&[e]);

@@ -24,7 +24,8 @@ pub struct EvacuationDto {
 }
 
 /// Whether the building is evacuated, and who is still inside.
-#[utoipa::path(get, path = "/v1/evacuation", tag = "people", responses((status = 200, body = EvacuationDto)))]
+#[utoipa::path(get, path = "/v1/evacuation", tag = "people",
+    operation_id = "getEvacuation", responses((status = 200, body = EvacuationDto)))]
 pub async fn get(State(api): State<Api>) -> Json<EvacuationDto> {
     let moment = api.moment();
     let view = &moment.view;
@@ -40,7 +41,7 @@ pub async fn get(State(api): State<Api>) -> Json<EvacuationDto> {
 /// Evacuate the building. Workers are led to the nearest door that can be reached; robots on the ways to the doors
 /// leave them, all others stand; no job begins. It lasts until somebody ends it, even across a restart. This is not a
 /// safety function: the alarm system of the building is.
-#[utoipa::path(post, path = "/v1/evacuation", tag = "people", responses(
+#[utoipa::path(post, path = "/v1/evacuation", tag = "people", operation_id = "beginEvacuation", responses(
     (status = 204, description = "It has begun, and is durable"),
     (status = 409, description = "The map has no doors", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
@@ -51,7 +52,7 @@ pub async fn begin(State(api): State<Api>) -> Result<StatusCode, Problem> {
 
 /// End the evacuation. Robots go on with what they carry, jobs that wait begin, and workers go on with their
 /// assignments.
-#[utoipa::path(delete, path = "/v1/evacuation", tag = "people", responses(
+#[utoipa::path(delete, path = "/v1/evacuation", tag = "people", operation_id = "endEvacuation", responses(
     (status = 204, description = "It is over"),
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]

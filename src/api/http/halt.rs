@@ -30,7 +30,8 @@ pub struct FleetDto {
 }
 
 /// What is stopped or paused by hand.
-#[utoipa::path(get, path = "/v1/fleet", tag = "floor", responses((status = 200, body = FleetDto)))]
+#[utoipa::path(get, path = "/v1/fleet", tag = "floor",
+    operation_id = "getFleet", responses((status = 200, body = FleetDto)))]
 pub async fn fleet(State(api): State<Api>) -> Json<FleetDto> {
     let moment = api.moment();
     let names = Names { map: &api.map, view: &moment.view };
@@ -45,7 +46,7 @@ pub async fn fleet(State(api): State<Api>) -> Json<FleetDto> {
 
 /// Stop all robots. They are told at once and stand still until the fleet is resumed, even across a restart. This is
 /// not an emergency stop: a robot that cannot be reached drives on to the end of its grant.
-#[utoipa::path(post, path = "/v1/fleet/stop", tag = "floor", responses(
+#[utoipa::path(post, path = "/v1/fleet/stop", tag = "floor", operation_id = "stopFleet", responses(
     (status = 204, description = "All robots were told to stop, and that is durable"),
     (status = 503, description = "They were told, but that is not durable yet", body = Problem,
      content_type = "application/problem+json")))]
@@ -54,7 +55,7 @@ pub async fn stop(State(api): State<Api>) -> Result<StatusCode, Problem> {
 }
 
 /// Resume the fleet. Robots that were paused individually stay paused.
-#[utoipa::path(post, path = "/v1/fleet/resume", tag = "floor", responses(
+#[utoipa::path(post, path = "/v1/fleet/resume", tag = "floor", operation_id = "resumeFleet", responses(
     (status = 204, description = "Robots go on"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn resume(State(api): State<Api>) -> Result<StatusCode, Problem> {
@@ -62,7 +63,7 @@ pub async fn resume(State(api): State<Api>) -> Result<StatusCode, Problem> {
 }
 
 /// Pause one robot. It stands where it is, keeps what it holds, and gets no job; robots behind it wait.
-#[utoipa::path(post, path = "/v1/robots/{id}/pause", tag = "floor",
+#[utoipa::path(post, path = "/v1/robots/{id}/pause", tag = "floor", operation_id = "pauseRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It was told to stop, and that is durable"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
@@ -73,7 +74,7 @@ pub async fn pause(State(api): State<Api>, PathPart(id): PathPart) -> Result<Sta
 }
 
 /// Resume a robot that is paused, or that was fenced off because the facts about it contradicted one another.
-#[utoipa::path(post, path = "/v1/robots/{id}/resume", tag = "floor",
+#[utoipa::path(post, path = "/v1/robots/{id}/resume", tag = "floor", operation_id = "resumeRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It goes on, unless the whole fleet is stopped"),
     (status = 404, body = Problem, content_type = "application/problem+json"),

@@ -36,7 +36,7 @@ pub struct Health {
 
 /// Whether the server and the floor are well: 200, or 503 with every critical alarm that no operator asked for. Needs
 /// no token.
-#[utoipa::path(get, path = "/v1/health", tag = "server", responses(
+#[utoipa::path(get, path = "/v1/health", tag = "server", operation_id = "getHealth", responses(
     (status = 200, description = "No critical alarm is active, but for what an operator asked for", body = Health),
     (status = 503, description = "A critical alarm is active, or the server is starting", body = Problem,
      content_type = "application/problem+json")))]
@@ -114,7 +114,7 @@ fn fails_for(api: &Api, is_so: impl Fn(&Alarm) -> bool) -> Result<(), Problem> {
 }
 
 /// Metrics for Prometheus, as OpenMetrics text.
-#[utoipa::path(get, path = "/metrics", tag = "server", responses(
+#[utoipa::path(get, path = "/metrics", tag = "server", operation_id = "getMetrics", responses(
     (status = 200, description = "Metrics", body = String,
      content_type = "application/openmetrics-text; version=1.0.0; charset=utf-8")))]
 pub async fn metrics(State(api): State<Api>) -> Response {

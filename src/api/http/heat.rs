@@ -8,6 +8,7 @@ use crate::api::dto::Names;
 use crate::api::error::Problem;
 use crate::api::extract::Params;
 use crate::api::text::{round3, time_text};
+use crate::api::words::HeatUnitDto;
 use crate::fleet::EncounterQuery;
 use crate::history::{DAY, HEAT_STEP, floor};
 use crate::time::Time;
@@ -59,8 +60,8 @@ pub struct HeatDto {
     pub from: String,
     /// End of the sum.
     pub to: String,
-    /// What `amount` counts: seconds or encounters.
-    pub unit: &'static str,
+    /// What `amount` counts.
+    pub unit: HeatUnitDto,
     /// Side of the square that stands for a place, metres.
     pub size: f64,
     /// Places, those with the most first, 5000 at most.
@@ -81,7 +82,7 @@ pub struct CellDto {
 }
 
 /// Where robots waited (by node), or where robots and workers met (by square metre, where the worker was).
-#[utoipa::path(get, path = "/v1/heat", tag = "floor", params(HeatParams), responses(
+#[utoipa::path(get, path = "/v1/heat", tag = "floor", operation_id = "getHeat", params(HeatParams), responses(
     (status = 200, description = "Amounts by place", body = HeatDto),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
@@ -91,10 +92,10 @@ pub async fn heat(State(api): State<Api>, Params(p): Params<HeatParams>) -> Resu
         HeatKind::Waiting => {
             let oldest = api.moment().view.now - HEAT_STEP * DAY as i64;
             let from = floor(from.max(oldest), HEAT_STEP);
-            (from, "seconds", api.map.footprint_m, waiting(&api, from, to))
+            (from, HeatUnitDto::Seconds, api.map.footprint_m, waiting(&api, from, to))
         }
         HeatKind::Encounters => {
-            (from, "encounters", CELL_MM as f64 / 1000.0, encounters(&api, from, to).await?)
+            (from, HeatUnitDto::Encounters, CELL_MM as f64 / 1000.0, encounters(&api, from, to).await?)
         }
     };
     cells.sort_by(|a, b| b.amount.total_cmp(&a.amount).then(a.x.total_cmp(&b.x)).then(a.y.total_cmp(&b.y)));

@@ -7,6 +7,7 @@ use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
 use crate::api::text::{parse_time, round3, time_text};
+use crate::api::words::PolicyDto;
 use crate::history::{Bucket, TIERS, floor};
 use crate::time::{Span, Time};
 use axum::Json;
@@ -52,7 +53,8 @@ pub struct HistoryDto {
     pub step_s: i64,
     /// When `time_s` of the live feed was zero, RFC 3339.
     pub started: String,
-    /// How the fleet deals with people: nhir, shir, phir or giveway.
+    /// How the fleet deals with people.
+    #[schema(value_type = PolicyDto)]
     pub arm: &'static str,
     /// In order of time. A bucket without data is left out: the server was not running.
     pub buckets: Vec<BucketDto>,
@@ -97,7 +99,7 @@ pub struct BucketDto {
 
 /// Deliveries, encounters, interruptions, planning and waiting over time. One hour is kept in steps of ten seconds, one
 /// day in steps of a minute, and 31 days in steps of ten minutes, even across a restart.
-#[utoipa::path(get, path = "/v1/history", tag = "floor", params(HistoryParams), responses(
+#[utoipa::path(get, path = "/v1/history", tag = "floor", operation_id = "getHistory", params(HistoryParams), responses(
     (status = 200, description = "Figures over time", body = HistoryDto),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn history(

@@ -156,7 +156,7 @@ pub enum FootprintDto {
 }
 
 /// All robot kinds: those of the scenario with which the server was started, and those that were added.
-#[utoipa::path(get, path = "/v1/kinds", tag = "floor", responses(
+#[utoipa::path(get, path = "/v1/kinds", tag = "floor", operation_id = "listKinds", responses(
     (status = 200, description = "All kinds", body = Vec<KindDto>),
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
@@ -174,7 +174,7 @@ pub async fn kinds(State(api): State<Api>) -> Result<Json<Vec<KindDto>>, Problem
 
 /// Add a robot kind beside those of the scenario, or replace one that was added. Robots of it may join from the next
 /// start of the server on: the floor is worked out for its kinds then, and the database is carried over to them.
-#[utoipa::path(put, path = "/v1/kinds/{name}", tag = "floor", request_body = NewKind,
+#[utoipa::path(put, path = "/v1/kinds/{name}", tag = "floor", operation_id = "putKind", request_body = NewKind,
     params(("name" = String, Path, example = "shuttle")), responses(
     (status = 201, description = "It is added, and that is durable", body = KindDto),
     (status = 200, description = "It replaces the one of its name, and that is durable", body = KindDto),
@@ -207,7 +207,7 @@ pub async fn put(
 }
 
 /// Remove a robot kind that was added and that no robot is of. No robot of it joins any more.
-#[utoipa::path(delete, path = "/v1/kinds/{name}", tag = "floor",
+#[utoipa::path(delete, path = "/v1/kinds/{name}", tag = "floor", operation_id = "removeKind",
     params(("name" = String, Path, example = "shuttle")), responses(
     (status = 204, description = "It is removed, and that is durable"),
     (status = 404, description = "No kind of this name was added", body = Problem,

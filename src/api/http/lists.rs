@@ -26,7 +26,7 @@ pub struct Paging {
 }
 
 /// All racks.
-#[utoipa::path(get, path = "/v1/racks", tag = "floor", params(Paging), responses(
+#[utoipa::path(get, path = "/v1/racks", tag = "floor", operation_id = "listRacks", params(Paging), responses(
     (status = 200, description = "Racks in the map's order", body = Page<RackDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn racks(
@@ -38,7 +38,7 @@ pub async fn racks(
 }
 
 /// All stations.
-#[utoipa::path(get, path = "/v1/stations", tag = "floor", params(Paging), responses(
+#[utoipa::path(get, path = "/v1/stations", tag = "floor", operation_id = "listStations", params(Paging), responses(
     (status = 200, description = "Stations in the map's order", body = Page<StationDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn stations(
@@ -50,7 +50,7 @@ pub async fn stations(
 }
 
 /// All robots on the floor.
-#[utoipa::path(get, path = "/v1/robots", tag = "floor", params(Paging), responses(
+#[utoipa::path(get, path = "/v1/robots", tag = "floor", operation_id = "listRobots", params(Paging), responses(
     (status = 200, description = "Robots in order of joining", body = Page<RobotDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn robots(

@@ -10,7 +10,7 @@ use axum::response::{IntoResponse, Response};
 use sha2::{Digest, Sha256};
 
 /// The building.
-#[utoipa::path(get, path = "/v1/map", tag = "floor", responses(
+#[utoipa::path(get, path = "/v1/map", tag = "floor", operation_id = "getMap", responses(
     (status = 200, description = "The building", body = MapDto),
     (status = 304, description = "Unchanged: its ETag is the one in If-None-Match")))]
 pub async fn map(State(api): State<Api>, headers: HeaderMap) -> Response {

@@ -5,6 +5,8 @@
 
 mod alarms;
 mod assignments;
+mod asyncapi;
+mod batch;
 mod closures;
 mod encounters;
 mod evacuation;
@@ -17,6 +19,8 @@ mod kinds;
 mod lists;
 mod lost;
 mod map;
+mod new_job;
+mod openapi;
 mod page;
 mod past;
 mod positions;
@@ -40,28 +44,16 @@ use axum::http::{HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use serde_json::Value;
 use tower_http::catch_panic::CatchPanicLayer;
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
-use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-#[derive(OpenApi)]
-#[openapi(info(
-    title = "Giveway",
-    description = "A warehouse fleet manager in which robots give way to people. Giveway is an \
-    efficiency layer, not a safety function: detection, braking and emergency stop are the robots' own. \
-    Ids are the names of the map; jobs are \"j17\", workers \"w1\", \
-    assignments \"a3\", closed areas \"c2\". Errors are application/problem+json (RFC 9457) and say \
-    what to do. A job is acknowledged only when it is durable: an answer 201 survives loss of power. The live \
-    feed is a WebSocket at /v1/live, headsets talk to /v1/workers/{id}/feed."
-))]
-struct Description;
-
 /// All routes, and what is said about them.
 pub fn router(api: Api) -> (Router, Document) {
-    let (v1, mut document) = OpenApiRouter::with_openapi(Description::openapi())
+    let (v1, document) = OpenApiRouter::with_openapi(openapi::Description::openapi())
         .routes(routes!(health::health))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))
@@ -80,7 +72,8 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(why::job))
         .routes(routes!(timelines::timelines))
         .routes(routes!(jobs::list, jobs::submit))
-        .routes(routes!(jobs::get, jobs::prioritise, jobs::cancel))
+        .routes(routes!(batch::submit))
+        .routes(routes!(jobs::get, jobs::change, jobs::cancel))
         .routes(routes!(halt::fleet))
         .routes(routes!(halt::stop))
         .routes(routes!(halt::resume))
@@ -115,14 +108,14 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(ws::live))
         .routes(routes!(health::metrics))
         .split_for_parts();
-    let bearer = SecurityScheme::Http(Http::new(HttpAuthScheme::Bearer));
-    document.components.get_or_insert_default().add_security_scheme("bearer", bearer);
-    let text = document.to_json().expect("the description is plain");
-    let described =
-        move || async move { ([(header::CONTENT_TYPE, "application/json")], text.clone()).into_response() };
+    let served = |document: Value| {
+        let text = document.to_string();
+        get(move || async move { ([(header::CONTENT_TYPE, "application/json")], text) })
+    };
     let router = v1
         .route_layer(middleware::from_fn_with_state(api.clone(), authorise))
-        .route("/openapi.json", get(described))
+        .route("/openapi.json", served(openapi::described(&document)))
+        .route("/asyncapi.json", served(asyncapi::messages()))
         .fallback(page::page)
         .method_not_allowed_fallback(wrong_method)
         .with_state(api.clone())
@@ -133,7 +126,7 @@ pub fn router(api: Api) -> (Router, Document) {
 
 /// Lets authorised requests in; health needs no token.
 async fn authorise(State(api): State<Api>, request: Request, next: Next) -> Response {
-    let open = matches!(request.uri().path(), "/v1/health" | "/v1/health/live" | "/v1/health/ready");
+    let open = openapi::OPEN.contains(&request.uri().path());
     match api.gate.check(request.headers()) {
         Err(problem) if !open || problem.status != StatusCode::UNAUTHORIZED.as_u16() => {
             problem.into_response()

@@ -1,6 +1,6 @@
 //! The web page, built into the program, and the answer to every path that is not there.
 //!
-//! Main function: [`page`]. Files with a hash in their name never change; `index.html` and `headset.html`
+//! Main function: [`page`]. Files with a hash in their name never change; the pages themselves
 //! are asked for again each time. Refuses: scripts from elsewhere, by Content-Security-Policy.
 
 use crate::api::assets::file;
@@ -26,6 +26,7 @@ pub async fn page(method: Method, uri: Uri, headers: HeaderMap) -> Response {
     let name = match path {
         "" => "index.html",
         "headset" => "headset.html",
+        "docs" => "docs.html",
         other => other,
     };
     match file(name) {

@@ -78,7 +78,7 @@ struct SpanDto {
 }
 
 /// What is kept of the past: spans, and the bookmarks from `from` to `to`.
-#[utoipa::path(get, path = "/v1/past", tag = "past", params(SpanParams), responses(
+#[utoipa::path(get, path = "/v1/past", tag = "past", operation_id = "getPast", params(SpanParams), responses(
     (status = 200, description = "Spans and bookmarks", body = PastDto),
     (status = 404, description = "This server keeps no past", body = Problem,
      content_type = "application/problem+json"),
@@ -126,7 +126,8 @@ pub struct FiguresDto {
 
 /// What was counted from `from` to `to`: running sums, one every ten seconds, whose differences make charts. Where
 /// `covered_s` falls, or grows by less than the clock, there is a gap. What versions before this one kept has none.
-#[utoipa::path(get, path = "/v1/past/figures", tag = "past", params(FigureParams), responses(
+#[utoipa::path(get, path = "/v1/past/figures", tag = "past",
+    operation_id = "getPastFigures", params(FigureParams), responses(
     (status = 200, description = "Running sums", body = FiguresDto),
     (status = 404, description = "This server keeps no past", body = Problem,
      content_type = "application/problem+json"),
@@ -150,7 +151,7 @@ pub async fn figures(
 
 /// The frames of a span, as a recording: JSON lines, packed with gzip. It begins with the last key frame before
 /// `from`.
-#[utoipa::path(get, path = "/v1/past/reel", tag = "past", params(SpanParams), responses(
+#[utoipa::path(get, path = "/v1/past/reel", tag = "past", operation_id = "getPastReel", params(SpanParams), responses(
     (status = 200, description = "The reel", body = Vec<u8>, content_type = "application/gzip"),
     (status = 404, description = "Nothing is kept of that time", body = Problem,
      content_type = "application/problem+json"),

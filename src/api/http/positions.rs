@@ -75,7 +75,8 @@ pub struct TakenDto {
 }
 
 /// Report where a worker is.
-#[utoipa::path(post, path = "/v1/workers/{id}/position", tag = "people", request_body = NewPosition,
+#[utoipa::path(post, path = "/v1/workers/{id}/position", tag = "people",
+    operation_id = "reportPosition", request_body = NewPosition,
     params(("id" = String, Path, example = "w1")), responses(
     (status = 202, description = "Accepted; the fleet evaluates it in its next step"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
@@ -94,7 +95,8 @@ pub async fn one(
 }
 
 /// Report where many workers are. If one position is wrong, the others are accepted all the same.
-#[utoipa::path(post, path = "/v1/positions", tag = "people", request_body = NewPositions, responses(
+#[utoipa::path(post, path = "/v1/positions", tag = "people",
+    operation_id = "reportPositions", request_body = NewPositions, responses(
     (status = 200, description = "How many were accepted, and why others were not", body = TakenDto),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn many(

@@ -9,6 +9,7 @@ use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
 use crate::api::people::{RecurringClosureDto, WEEKDAYS};
 use crate::api::text::{parse_offset, parse_time_of_day};
+use crate::api::words::WeekdayDto;
 use crate::fleet::{Recurrence, Weekdays};
 use crate::time::{Span, Time, Window};
 use axum::Json;
@@ -23,7 +24,7 @@ const DAY: Span = Span::from_secs(24 * 3600);
 #[serde(deny_unknown_fields)]
 pub struct NewRecurrence {
     /// Days of the week, in English; every day if absent.
-    #[schema(example = json!(["monday", "thursday"]))]
+    #[schema(value_type = Option<Vec<WeekdayDto>>, example = json!(["monday", "thursday"]))]
     weekdays: Option<Vec<String>>,
     /// From this time of day on.
     #[schema(example = "22:00")]
@@ -37,7 +38,8 @@ pub struct NewRecurrence {
 }
 
 /// All areas that are closed again and again, each with its occurrences that are in force or announced.
-#[utoipa::path(get, path = "/v1/closures/recurring", tag = "people", params(Paging), responses(
+#[utoipa::path(get, path = "/v1/closures/recurring", tag = "people",
+    operation_id = "listRecurringClosures", params(Paging), responses(
     (status = 200, description = "In the order in which they were requested", body = Page<RecurringClosureDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn list(
@@ -76,10 +78,11 @@ impl NewRecurrence {
         let utc_offset = utc_offset.unwrap_or(Span::ZERO);
         let mut days = 0;
         for name in self.weekdays.iter().flatten() {
-            match WEEKDAYS.iter().position(|day| day == name) {
+            match WEEKDAYS.iter().position(|day| day.word() == name) {
                 Some(day) => days |= 1 << day,
                 None => {
-                    let detail = format!("\"{name}\" is not one of {}", WEEKDAYS.join(", "));
+                    let detail =
+                        format!("\"{name}\" is not one of {}", WEEKDAYS.map(WeekdayDto::word).join(", "));
                     errors.push(FieldError::new("recurs.weekdays", detail));
                 }
             }

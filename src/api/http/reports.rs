@@ -28,7 +28,8 @@ const SEND: Duration = Duration::from_secs(2);
 
 /// Send an identityReport or a statusReport. Only the uuids of workers are accepted: register the worker with the uuid
 /// as its name, or name it in the settings.
-#[utoipa::path(post, path = "/v1/massrobotics", tag = "people", request_body = InteropReport, responses(
+#[utoipa::path(post, path = "/v1/massrobotics", tag = "people",
+    operation_id = "postInteropReport", request_body = InteropReport, responses(
     (status = 202, description = "Accepted; the fleet evaluates it in its next step"),
     (status = 404, description = "No worker is known under this uuid", body = Problem,
      content_type = "application/problem+json"),
@@ -44,7 +45,7 @@ pub async fn post(
 
 /// The same reports as texts of a WebSocket, one after the other. A refused report is answered with the problem, each
 /// kind at most every two seconds.
-#[utoipa::path(get, path = "/v1/massrobotics", tag = "people", responses(
+#[utoipa::path(get, path = "/v1/massrobotics", tag = "people", operation_id = "streamInteropReports", responses(
     (status = 101, description = "Reports may be sent"),
     (status = 426, description = "Not a WebSocket", body = Problem,
      content_type = "application/problem+json")))]

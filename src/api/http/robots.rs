@@ -60,7 +60,8 @@ fn usual_kind() -> String {
 }
 
 /// Register a robot that stands on a node that no other robot holds. The same name is the same robot.
-#[utoipa::path(post, path = "/v1/robots", tag = "floor", request_body = NewRobot, responses(
+#[utoipa::path(post, path = "/v1/robots", tag = "floor",
+    operation_id = "registerRobot", request_body = NewRobot, responses(
     (status = 201, description = "It has joined, and that is durable; GET /v1/robots shows it", body = JoinedDto),
     (status = 200, description = "It had joined before, wherever it is by now", body = JoinedDto),
     (status = 409, description = "Another robot holds the node", body = Problem,
@@ -103,7 +104,7 @@ pub async fn register(
 /// parking place. Switch it off there: once it has been silent for ten seconds it is gone and nothing is kept free for
 /// it. A broken one is gone then wherever it stands, if it has no rack on it. Jobs that name it fail. To bring it back,
 /// register it again under its name.
-#[utoipa::path(delete, path = "/v1/robots/{id}", tag = "floor",
+#[utoipa::path(delete, path = "/v1/robots/{id}", tag = "floor", operation_id = "retireRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It will leave, and that is durable"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
@@ -115,7 +116,7 @@ pub async fn retire(State(api): State<Api>, PathPart(id): PathPart) -> Result<St
 
 /// Send a robot to maintenance. It finishes what it has begun, gives back what it has not, goes to a parking place and
 /// gets no jobs until `DELETE` lets it work again, even across a restart.
-#[utoipa::path(put, path = "/v1/robots/{id}/maintenance", tag = "floor",
+#[utoipa::path(put, path = "/v1/robots/{id}/maintenance", tag = "floor", operation_id = "beginMaintenance",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It goes to maintenance, and that is durable"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
@@ -125,7 +126,7 @@ pub async fn maintain(State(api): State<Api>, PathPart(id): PathPart) -> Result<
 }
 
 /// End a robot's maintenance, or let a robot stay that was to leave.
-#[utoipa::path(delete, path = "/v1/robots/{id}/maintenance", tag = "floor",
+#[utoipa::path(delete, path = "/v1/robots/{id}/maintenance", tag = "floor", operation_id = "endMaintenance",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It works again"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
@@ -136,7 +137,7 @@ pub async fn work_again(State(api): State<Api>, PathPart(id): PathPart) -> Resul
 
 /// Say that people took a rack off a robot that cannot drive, and where in storage it stands now. A delivery with this
 /// rack waits for another robot, and the robot can be taken off the floor.
-#[utoipa::path(post, path = "/v1/racks/{id}/taken", tag = "floor", request_body = TakenRack,
+#[utoipa::path(post, path = "/v1/racks/{id}/taken", tag = "floor", operation_id = "takeRack", request_body = TakenRack,
     params(("id" = String, Path, example = "rack-1")), responses(
     (status = 204, description = "It stands there, and that is durable"),
     (status = 404, description = "There is no such rack", body = Problem,

@@ -14,7 +14,7 @@ use axum::http::StatusCode;
 
 /// End a pick: the job ends as done, and the robot takes its rack away. A pick lasts until this call; `pick_s` of a job
 /// is only how long it is planned to take.
-#[utoipa::path(post, path = "/v1/stations/{id}/done", tag = "floor",
+#[utoipa::path(post, path = "/v1/stations/{id}/done", tag = "floor", operation_id = "finishPick",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "The pick has ended, and that is durable"),
     (status = 404, description = "There is no such station", body = Problem,
@@ -27,7 +27,7 @@ pub async fn done(State(api): State<Api>, PathPart(id): PathPart) -> Result<Stat
 }
 
 /// End a pick because goods were missing: the job ends as failed, with that reason, and the rack is taken away.
-#[utoipa::path(post, path = "/v1/stations/{id}/short", tag = "floor",
+#[utoipa::path(post, path = "/v1/stations/{id}/short", tag = "floor", operation_id = "reportShortPick",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "The pick has ended, and that is durable"),
     (status = 404, description = "There is no such station", body = Problem,
@@ -40,7 +40,7 @@ pub async fn short(State(api): State<Api>, PathPart(id): PathPart) -> Result<Sta
 }
 
 /// Pause picking at a station: no more racks are fetched for it; those in its queue wait.
-#[utoipa::path(post, path = "/v1/stations/{id}/pause", tag = "floor",
+#[utoipa::path(post, path = "/v1/stations/{id}/pause", tag = "floor", operation_id = "pauseStation",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "Picking is paused, and that is durable"),
     (status = 404, description = "There is no such station", body = Problem,
@@ -52,7 +52,7 @@ pub async fn pause(State(api): State<Api>, PathPart(id): PathPart) -> Result<Sta
 }
 
 /// Resume picking at a station.
-#[utoipa::path(post, path = "/v1/stations/{id}/resume", tag = "floor",
+#[utoipa::path(post, path = "/v1/stations/{id}/resume", tag = "floor", operation_id = "resumeStation",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "Picking goes on, and that is durable"),
     (status = 404, description = "There is no such station", body = Problem,

@@ -10,6 +10,7 @@ use crate::api::extract::Params;
 use crate::api::feed::FAR_M;
 use crate::api::port::Question;
 use crate::api::text::{closure_name, round3, time_text, worker_name};
+use crate::api::words::{CauseKindDto, EffectDto, HolderKindDto};
 use crate::fleet::{Area, MOST_NODES, NodeOccupancy, RegionStay, SafetyRegion};
 use crate::geometry::Point;
 use crate::route::{Cause, Condition, Effect};
@@ -78,8 +79,8 @@ pub struct RegionStayDto {
     /// The robot, or the worker, around whom the region is.
     #[schema(example = "robot-2")]
     pub of: String,
-    /// robot or worker.
-    pub kind: &'static str,
+    /// Which of the two it is.
+    pub kind: HolderKindDto,
     /// 2: nothing is planned into it; 3: around that, robots are slow. Around a robot: where a person would be in those
     /// regions of the robot.
     pub region: u8,
@@ -95,8 +96,8 @@ pub struct HoldDto {
     /// The robot, or the worker.
     #[schema(example = "robot-2")]
     pub by: String,
-    /// robot or worker.
-    pub kind: &'static str,
+    /// Which of the two it is.
+    pub kind: HolderKindDto,
     /// Seconds from `at`; below 0 if it has begun.
     pub from_s: f64,
     /// Seconds from `at`; null if it has no end.
@@ -113,15 +114,14 @@ pub struct ConditionDto {
     /// The worker, the closure, or the robot that stands there but has its reservations elsewhere.
     #[schema(example = "w1")]
     pub by: String,
-    /// worker, closure or robot.
-    pub kind: &'static str,
+    /// What sort of thing imposes it.
+    pub kind: CauseKindDto,
     /// Seconds from `at`; below 0 if it has begun.
     pub from_s: f64,
     /// Seconds from `at`; null if it has no end.
     pub to_s: Option<f64>,
-    /// closed: no robot may be there. still: none may come or go. slow: only at `limit_mps`. price: being
-    /// there costs the search as much as being `price_s` later; it grows with the probability that a worker is there.
-    pub effect: &'static str,
+    /// What it does to robots.
+    pub effect: EffectDto,
     /// Metres per second, without and with a rack.
     pub limit_mps: Option<[f64; 2]>,
     /// Seconds.
@@ -130,7 +130,7 @@ pub struct ConditionDto {
 
 /// Which robots and workers hold the nodes of an area and when, and what people and closed areas impose there, for up
 /// to two minutes ahead.
-#[utoipa::path(get, path = "/v1/timelines", tag = "floor", params(AreaParams), responses(
+#[utoipa::path(get, path = "/v1/timelines", tag = "floor", operation_id = "getTimelines", params(AreaParams), responses(
     (status = 200, description = "Up to 200 nodes, from the top left on", body = TimelinesDto),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "Too many questions; see Retry-After", body = Problem,
@@ -184,10 +184,10 @@ fn strip(names: Names, strip: &NodeOccupancy, at: Time) -> StripDto {
     }
 }
 
-fn holder(names: Names, holder: Holder) -> (String, &'static str) {
+fn holder(names: Names, holder: Holder) -> (String, HolderKindDto) {
     match holder {
-        Holder::Robot(r) => (names.robot(r), "robot"),
-        Holder::Worker(w) => (worker_name(w), "worker"),
+        Holder::Robot(r) => (names.robot(r), HolderKindDto::Robot),
+        Holder::Worker(w) => (worker_name(w), HolderKindDto::Worker),
     }
 }
 
@@ -209,18 +209,18 @@ fn hold(names: Names, held: &Held, at: Time) -> HoldDto {
 
 fn condition(names: Names, c: &Condition, at: Time) -> ConditionDto {
     let (by, kind) = match c.cause {
-        Cause::Worker(w) => (worker_name(w), "worker"),
-        Cause::Closure(c) => (closure_name(c), "closure"),
-        Cause::Robot(r) => (names.robot(r), "robot"),
-        Cause::Obstruction(n) => (names.node(n), "obstruction"),
-        Cause::Evacuation => ("evacuation".into(), "evacuation"),
+        Cause::Worker(w) => (worker_name(w), CauseKindDto::Worker),
+        Cause::Closure(c) => (closure_name(c), CauseKindDto::Closure),
+        Cause::Robot(r) => (names.robot(r), CauseKindDto::Robot),
+        Cause::Obstruction(n) => (names.node(n), CauseKindDto::Obstruction),
+        Cause::Evacuation => ("evacuation".into(), CauseKindDto::Evacuation),
     };
     let (effect, limit_mps, price_s) = match c.effect {
-        Effect::Closed => ("closed", None, None),
-        Effect::NoEntryOrExit => ("still", None, None),
+        Effect::Closed => (EffectDto::Closed, None, None),
+        Effect::NoEntryOrExit => (EffectDto::Still, None, None),
         // A limit that is none has no number in JSON.
-        Effect::Slow(l) => ("slow", Some(l.map(round3)), None),
-        Effect::SoftCost(p) => ("price", None, Some(round3(p.as_secs_f64()))),
+        Effect::Slow(l) => (EffectDto::Slow, Some(l.map(round3)), None),
+        Effect::SoftCost(p) => (EffectDto::Price, None, Some(round3(p.as_secs_f64()))),
     };
     let (from_s, to_s) = seconds(c.window, at);
     ConditionDto { by, kind, from_s, to_s, effect, limit_mps, price_s }

@@ -14,7 +14,7 @@ use axum::Json;
 use axum::extract::State;
 
 /// Why a robot waits: the resource, what holds it, until when, and what that holder waits for, down to the root cause.
-#[utoipa::path(get, path = "/v1/robots/{id}/why", tag = "floor",
+#[utoipa::path(get, path = "/v1/robots/{id}/why", tag = "floor", operation_id = "explainRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 200, description = "The chain; for a robot that does not wait, what it is doing", body = WhyDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
@@ -27,7 +27,8 @@ pub async fn robot(State(api): State<Api>, PathPart(id): PathPart) -> Result<Jso
 }
 
 /// Why a job waits: for another job, its rack, a robot, or for what its robot waits for, down to the root cause.
-#[utoipa::path(get, path = "/v1/jobs/{id}/why", tag = "jobs", params(("id" = String, Path, example = "j17")),
+#[utoipa::path(get, path = "/v1/jobs/{id}/why", tag = "jobs",
+    operation_id = "explainJob", params(("id" = String, Path, example = "j17")),
     responses(
     (status = 200, description = "The chain; empty for a job that is over, or that a robot is about to take",
      body = WhyDto),

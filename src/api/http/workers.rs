@@ -32,7 +32,7 @@ pub struct NewWorker {
 }
 
 /// All workers.
-#[utoipa::path(get, path = "/v1/workers", tag = "people", params(Paging), responses(
+#[utoipa::path(get, path = "/v1/workers", tag = "people", operation_id = "listWorkers", params(Paging), responses(
     (status = 200, description = "Workers in order of joining", body = Page<WorkerDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn list(
@@ -44,7 +44,7 @@ pub async fn list(
 }
 
 /// One worker, with gaze, hands and charge if a headset reports them.
-#[utoipa::path(get, path = "/v1/workers/{id}", tag = "people",
+#[utoipa::path(get, path = "/v1/workers/{id}", tag = "people", operation_id = "getWorker",
     params(("id" = String, Path, example = "w1")), responses(
     (status = 200, description = "The worker", body = WorkerDetailDto),
     (status = 404, body = Problem, content_type = "application/problem+json")))]
@@ -67,7 +67,8 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
 }
 
 /// Register a worker. The same name is the same worker.
-#[utoipa::path(post, path = "/v1/workers", tag = "people", request_body = NewWorker, responses(
+#[utoipa::path(post, path = "/v1/workers", tag = "people",
+    operation_id = "registerWorker", request_body = NewWorker, responses(
     (status = 201, description = "Registered, and that is durable", body = WorkerDto,
      headers(("Location" = String))),
     (status = 200, description = "Registered before", body = WorkerDto),

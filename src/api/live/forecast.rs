@@ -9,25 +9,36 @@ use crate::id::Dense;
 use crate::time::Span;
 use serde::Serialize;
 use serde_json::{Value, json};
+use utoipa::ToSchema;
 
 /// What is forecast of one worker.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct ForecastDto {
+    /// The worker.
+    #[schema(example = "w1")]
     pub worker: String,
+    /// In order of time.
     pub parts: Vec<PartDto>,
     #[serde(skip)]
     row: usize,
 }
 
 /// One bell curve: metres, standard deviations and correlation, and its share of the probability at that moment.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, ToSchema)]
 pub struct PartDto {
+    /// Seconds from now.
     pub after_s: f64,
+    /// Its share of the probability at that moment.
     pub p: f64,
+    /// Its middle, metres.
     pub x: f64,
+    /// Metres.
     pub y: f64,
+    /// Standard deviation along x, metres.
     pub sx: f64,
+    /// Along y.
     pub sy: f64,
+    /// The correlation of the two, -0.99 to 0.99.
     pub tilt: f64,
 }
 

@@ -5,7 +5,7 @@
 use super::forecast::{ForecastDto, forecasts};
 use crate::alarm::Alarm;
 use crate::api::alarms;
-use crate::api::dto::{JobCountsDto, Names, RackDto, RobotDto, StationDto};
+use crate::api::dto::{CountersDto, JobCountsDto, Names, RackDto, RobotDto, StationDto};
 use crate::api::people::WorkerDto;
 use crate::api::port::Moment;
 use crate::api::text::round3;
@@ -76,11 +76,17 @@ impl Frame {
             forecasts: forecasts(&moment.forecasts),
             closures: plain(names.closures()),
             jobs: plain(JobCountsDto::from(counts)),
-            counters: json!({
-                "robot_deliveries": counts.robot_deliveries, "human_deliveries": counts.human_deliveries,
-                "deliveries_per_hour": m.deliveries_per_hour.round(), "encounters": counts.encounters,
-                "deviations": counts.deviations, "interruptions": counts.interruptions, "replans": counts.replans,
-                "plan_us_p50": m.plan_us_p50, "plan_us_p99": m.plan_us_p99, "step_us_p99": m.step_us_p99,
+            counters: plain(CountersDto {
+                robot_deliveries: counts.robot_deliveries,
+                human_deliveries: counts.human_deliveries,
+                deliveries_per_hour: m.deliveries_per_hour.round(),
+                encounters: counts.encounters,
+                deviations: counts.deviations,
+                interruptions: counts.interruptions,
+                replans: counts.replans,
+                plan_us_p50: m.plan_us_p50,
+                plan_us_p99: m.plan_us_p99,
+                step_us_p99: m.step_us_p99,
             }),
             alarms: active.iter().map(|a| alarms::row(a, started_s)).collect(),
             time_s: round3(moment.time_s),

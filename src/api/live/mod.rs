@@ -10,6 +10,7 @@ mod forecast;
 mod frame;
 pub(super) mod thin;
 
+pub use forecast::ForecastDto;
 pub use frame::Frame;
 
 use super::port::Moment;

@@ -6,6 +6,7 @@
 
 use crate::api::live::Frame;
 use crate::api::text::{closure_name, round3, worker_name};
+use crate::api::words::{PresenceDto, ReactionDto};
 use crate::fleet::{Encounter, Fact, Reaction};
 use crate::id::{Dense, RobotId, WorkerId};
 use crate::time::Time;
@@ -28,6 +29,7 @@ pub struct Mark {
     pub place: Option<[f64; 2]>,
     /// The details of an encounter; absent from other kinds, and from what versions before this one wrote.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
     pub encounter: Option<Met>,
 }
 
@@ -53,7 +55,8 @@ pub struct Met {
     pub robot_speed: f64,
     /// Speed of the worker then.
     pub worker_speed: f64,
-    /// What the fleet did about the robot: kept, slowed, held, rerouted or stopped.
+    /// What the fleet did about the robot.
+    #[schema(value_type = ReactionDto)]
     pub reaction: String,
     /// How much later the robot's task ends than was planned when it began, seconds.
     pub delay_s: f64,
@@ -212,7 +215,7 @@ pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
         }
     }
     for (before, now) in old.workers.iter().zip(&new.workers) {
-        if now.presence == "lost" && before.presence != "lost" {
+        if now.presence == PresenceDto::Lost && before.presence != PresenceDto::Lost {
             let words = format!("{} is lost: robots stop around the last known position", now.name);
             let place = now.x.zip(now.y).map(|(x, y)| [x, y]);
             let (who, encounter) = (vec![now.id.clone()], None);

@@ -1,9 +1,9 @@
 //! Jobs, assignments and encounters as lists have them, and which of them are wanted.
 //!
-//! Main types: [`JobRow`], [`AssignmentRow`], [`EncounterRow`], and a query for each. The store reads them, a recording
+//! Main types: [`JobRow`], [`JobTimes`], [`AssignmentRow`], [`EncounterRow`], and a query for each. The store reads them, a recording
 //! makes them from facts, and the API gives their names. Refuses: to know where they are kept.
 
-use crate::fleet::state::job::Job;
+use crate::fleet::state::job::{Job, JobState};
 use crate::fleet::state::worker::{Assignment, Encounter};
 use crate::id::{AssignmentId, JobId, RobotId, WorkerId};
 use crate::time::Time;
@@ -17,10 +17,40 @@ pub struct JobRow {
     pub job: Job,
     /// The robot at work on it, or the last one that was.
     pub robot: Option<RobotId>,
-    /// When its state changed last.
+    /// When it or its state changed last.
     pub updated: Time,
+    /// When it came to each state.
+    pub times: JobTimes,
+    /// Whether it was changed after it was submitted.
+    pub changed: bool,
     /// Names of what it speaks of and the map no longer has.
     pub gone: GoneNames,
+}
+
+/// When a job came to each state. If a robot gives it back, the times of that attempt are forgotten.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct JobTimes {
+    /// A robot got it.
+    pub assigned: Option<Time>,
+    /// The robot had lifted the rack.
+    pub lifted: Option<Time>,
+    /// The rack stood at the station.
+    pub arrived: Option<Time>,
+    /// It was over: done, cancelled or failed.
+    pub ended: Option<Time>,
+}
+
+impl JobTimes {
+    /// The job has come to this state.
+    pub fn note(&mut self, state: JobState, at: Time) {
+        match state {
+            JobState::Waiting => *self = JobTimes::default(),
+            JobState::Assigned { .. } => *self = JobTimes { assigned: Some(at), ..JobTimes::default() },
+            JobState::Carrying { .. } => (self.lifted, self.arrived) = (Some(at), None),
+            JobState::Picking { .. } => self.arrived = Some(at),
+            JobState::Done | JobState::Cancelled | JobState::Failed(_) => self.ended = Some(at),
+        }
+    }
 }
 
 /// The names of what a row speaks of, where the map does not have it any more.
@@ -39,6 +69,10 @@ pub struct GoneNames {
 pub struct JobQuery {
     /// Only jobs in this state, by its word.
     pub state: Option<&'static str>,
+    /// Only jobs with this reference.
+    pub reference: Option<String>,
+    /// Only jobs with this label: its key and value.
+    pub label: Option<(String, String)>,
     /// Only jobs older than this one.
     pub before: Option<JobId>,
     /// How many at most.

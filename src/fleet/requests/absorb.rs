@@ -46,6 +46,10 @@ impl Intake<'_> {
                     };
                     self.core.out.replies.push(reply);
                 }
+                Input::SubmitBatch { token, requests } => {
+                    let results = requests.into_iter().map(|request| self.submit(request, now)).collect();
+                    self.core.out.replies.push(Reply::BatchTaken { token, results });
+                }
                 Input::Cancel { token, job } => {
                     let reply = match self.cancel(job, now) {
                         Ok(()) => Reply::Cancelled { token, job },
@@ -79,6 +83,9 @@ impl Intake<'_> {
         if request.priority > 9 {
             return Err(Refusal::Priority(request.priority));
         }
+        if request.deadline.is_some_and(|deadline| deadline < now) {
+            return Err(Refusal::DeadlineIsOver);
+        }
         if request.after.len() > self.core.settings.after_max {
             return Err(Refusal::TooManyBefore(self.core.settings.after_max));
         }
@@ -110,7 +117,7 @@ impl Intake<'_> {
 }
 
 impl Floor<'_> {
-    fn check_places(&self, kind: &JobKind) -> Result<(), Refusal> {
+    pub(super) fn check_places(&self, kind: &JobKind) -> Result<(), Refusal> {
         let w = self.warehouse();
         let rack_known = |r: RackId| r.ix() < w.racks.len();
         let robot_known = |r: RobotId| r.ix() < self.ledger.robots.len();

@@ -5,6 +5,7 @@
 //! Refuses: to decide anything about robots.
 
 mod absorb;
+mod change;
 mod enrolment;
 mod intake;
 mod operator;

@@ -9,8 +9,7 @@ use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Refusal, Reply};
-use crate::fleet::state::job::JobState;
-use crate::id::{Dense, JobId, RobotId};
+use crate::id::{Dense, RobotId};
 use crate::time::Time;
 
 impl Intake<'_> {
@@ -38,30 +37,6 @@ impl Intake<'_> {
             robot.is_some_and(|r| self.core.ledger.robots.get(r).is_some_and(|r| r.fenced.is_some()));
         if self.core.floor().halted_since(robot)?.is_some() || fenced {
             self.core.record(Fact::Released { robot, at: now });
-        }
-        Ok(Reply::Done { token })
-    }
-
-    /// A job that no robot has yet gets another priority.
-    pub(in crate::fleet) fn prioritise(
-        &mut self,
-        token: u64,
-        job: JobId,
-        priority: u8,
-        now: Time,
-    ) -> Result<Reply, Refusal> {
-        if priority > 9 {
-            return Err(Refusal::Priority(priority));
-        }
-        if job.0 == 0 || job.0 >= self.core.ledger.next_job {
-            return Err(Refusal::UnknownJob(job));
-        }
-        let Some(record) = self.core.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
-        if record.state != JobState::Waiting {
-            return Err(Refusal::JobHasBegun(job));
-        }
-        if record.request.priority != priority {
-            self.core.record(Fact::Prioritised { job, priority, at: now });
         }
         Ok(Reply::Done { token })
     }

@@ -49,7 +49,7 @@ impl Intake<'_> {
             Input::Maintain { token, robot, begins } => (token, self.maintain(token, robot, begins, now)),
             Input::Retire { token, robot } => (token, self.retire(token, robot, now)),
             Input::TakeRack { token, rack, node } => (token, self.take_rack_off(token, rack, node, now)),
-            Input::Prioritise { token, job, priority } => (token, self.prioritise(token, job, priority, now)),
+            Input::Change { token, job, change } => (token, self.change(token, job, change, now)),
             _ => unreachable!("telemetry, sightings and jobs are taken in elsewhere"),
         };
         self.core.out.replies.push(answer.unwrap_or_else(|why| Reply::Refused { token, why }));

@@ -3,7 +3,7 @@
 //! Main type: [`Fact`]. Facts carry results (the chosen route, the time), never recipes: a better planner cannot
 //! rewrite history. Refuses: observations (poses, battery), which are seen again after a restart.
 
-use crate::fleet::state::job::{JobRequest, JobState};
+use crate::fleet::state::job::{JobKind, JobRequest, JobState};
 use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::worker::{
     AssignmentRequest, AssignmentState, Closure, Encounter, LastPlace, Reaction,
@@ -273,6 +273,19 @@ pub enum Fact {
         /// 0 to 9.
         priority: u8,
         /// When.
+        at: Time,
+    },
+    /// A waiting job is another one in more than its priority.
+    JobChanged {
+        /// Which.
+        job: JobId,
+        /// What is wanted now.
+        kind: JobKind,
+        /// 0 to 9.
+        priority: u8,
+        /// When it should be done now.
+        deadline: Option<Time>,
+        /// When it was changed.
         at: Time,
     },
     /// A robot met a worker. For the record; nothing is promised by it.

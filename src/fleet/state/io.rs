@@ -4,7 +4,7 @@
 
 use crate::fleet::state::fact::{Act, Fact};
 use crate::fleet::state::fault::Fault;
-use crate::fleet::state::job::JobRequest;
+use crate::fleet::state::job::{JobChange, JobRequest};
 use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::worker::{AssignmentRequest, Closure, Guidance};
 use crate::geometry::{Pose, Spot};
@@ -64,6 +64,14 @@ pub enum Input {
         token: u64,
         /// What.
         request: JobRequest,
+    },
+    /// A customer wants several jobs done. Each is accepted or refused for itself; those that are accepted are so in one
+    /// step, and durable together.
+    SubmitBatch {
+        /// Comes back with the reply.
+        token: u64,
+        /// What, in this order.
+        requests: Vec<JobRequest>,
     },
     /// A customer does not want a job any more.
     Cancel {
@@ -196,14 +204,14 @@ pub enum Input {
         /// What.
         order: StationOrder,
     },
-    /// A waiting job is to come earlier, or later.
-    Prioritise {
+    /// A job that no robot has yet is to be another one.
+    Change {
         /// Comes back with the reply.
         token: u64,
         /// Which.
         job: JobId,
-        /// 0 to 9.
-        priority: u8,
+        /// In what.
+        change: JobChange,
     },
 }
 
@@ -217,6 +225,7 @@ impl Input {
             | Input::Retire { token, .. }
             | Input::TakeRack { token, .. }
             | Input::Submit { token, .. }
+            | Input::SubmitBatch { token, .. }
             | Input::Cancel { token, .. }
             | Input::RegisterWorker { token, .. }
             | Input::ClearWorker { token, .. }
@@ -234,7 +243,7 @@ impl Input {
             | Input::Halt { token, .. }
             | Input::Release { token, .. }
             | Input::Station { token, .. }
-            | Input::Prioritise { token, .. } => Some(*token),
+            | Input::Change { token, .. } => Some(*token),
         }
     }
 }
@@ -345,6 +354,13 @@ pub enum Reply {
         /// Whether it is new.
         new: bool,
     },
+    /// What became of several jobs, in their order.
+    BatchTaken {
+        /// Of the request.
+        token: u64,
+        /// The number of each and whether it is new, or why it is refused.
+        results: Vec<Result<(JobId, bool), Refusal>>,
+    },
     /// The job is cancelled, now or before.
     Cancelled {
         /// Of the request.
@@ -394,7 +410,7 @@ pub enum Reply {
         series: SeriesId,
     },
     /// It is so: a worker is cleared, an assignment cancelled, an area open again, a robot halted or released, a job
-    /// has its priority.
+    /// changed.
     Done {
         /// Of the request.
         token: u64,
@@ -413,6 +429,7 @@ impl Reply {
     pub fn token(&self) -> u64 {
         match *self {
             Reply::Accepted { token, .. }
+            | Reply::BatchTaken { token, .. }
             | Reply::Cancelled { token, .. }
             | Reply::Registered { token, .. }
             | Reply::WorkerRegistered { token, .. }
@@ -465,6 +482,12 @@ pub enum Refusal {
     NothingToPick(StationId),
     /// A priority is a number from 0 to 9.
     Priority(u8),
+    /// A job cannot be done before now.
+    DeadlineIsOver,
+    /// Jobs of this kind have no station that could be changed.
+    HasNoStation(&'static str),
+    /// Jobs of this kind name no robot.
+    HasNoRobot(&'static str),
     /// There are as many of a kind as the fleet takes.
     TooMany(Bounded, usize),
     /// A job comes after more others than it may.

@@ -1,10 +1,11 @@
 //! Jobs: what a customer wants, and how far it has come.
 //!
-//! Main types: [`JobKind`], [`JobRequest`], [`Job`], [`JobState`]. Refuses: to know how a job is carried out.
+//! Main types: [`JobKind`], [`JobRequest`], [`JobChange`], [`Job`], [`JobState`]. Refuses: to know how a job is carried out.
 
 use crate::id::{BodyId, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
+use std::collections::BTreeMap;
 
 /// What is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -115,6 +116,31 @@ pub struct JobRequest {
     pub after: Vec<JobId>,
     /// The customer's own key: the same key never makes a second job.
     pub key: Option<String>,
+    /// The customer's own text, for people and for finding the job again. Nothing is decided by it.
+    pub reference: Option<String>,
+    /// The customer's own labels by key. Nothing is decided by them.
+    pub labels: BTreeMap<String, String>,
+}
+
+impl JobRequest {
+    /// This, whenever there is time for it.
+    pub fn new(kind: JobKind) -> JobRequest {
+        let (after, labels) = (Vec::new(), BTreeMap::new());
+        JobRequest { kind, priority: 0, deadline: None, after, key: None, reference: None, labels }
+    }
+}
+
+/// What is to be different about a job that waits; nothing where a field is to stay.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct JobChange {
+    /// 0 to 9.
+    pub priority: Option<u8>,
+    /// When it should be done; nothing inside for no time.
+    pub deadline: Option<Option<Time>>,
+    /// Where its rack is wanted.
+    pub station: Option<StationId>,
+    /// Which robot has to do it.
+    pub robot: Option<RobotId>,
 }
 
 /// How far a job has come. `Waiting → Assigned → Carrying → Picking → Done`; [`super::life`] has the whole table.

@@ -63,7 +63,10 @@ fn a_waiting_job_changes_its_priority_and_one_at_work_does_not() {
     let first = floor.submit(request(deliver(3)));
     floor.until(60, "a robot has it", |f| f.is(first, "assigned"));
     let (second, third) = (floor.submit(request(deliver(8))), floor.submit(request(deliver(5))));
-    let set = |job, priority| Input::Prioritise { token: 3, job, priority };
+    let set = |job, priority| {
+        let change = JobChange { priority: Some(priority), ..JobChange::default() };
+        Input::Change { token: 3, job, change }
+    };
     assert_eq!(floor.hand(set(third, 9)), Reply::Done { token: 3 });
     let refused = |why| Reply::Refused { token: 3, why };
     assert_eq!(floor.hand(set(first, 9)), refused(Refusal::JobHasBegun(first)));
@@ -72,4 +75,63 @@ fn a_waiting_job_changes_its_priority_and_one_at_work_does_not() {
     floor.until_over(900);
     assert!(floor.when(third, "assigned") < floor.when(second, "assigned"), "it overtook");
     assert_eq!(floor.hand(set(second, 1)), refused(Refusal::JobIsOver(second)));
+}
+
+#[test]
+fn a_waiting_job_changes_its_station_its_deadline_and_its_robot_whole_or_not_at_all() {
+    let mut floor = TestFloor::lab(2);
+    let first = floor.submit(request(deliver(3)));
+    let after = |kind| JobRequest { after: vec![first], ..request(kind) };
+    let second = floor.submit(after(deliver(8)));
+    let go = JobKind::Park { robot: RobotId(0) };
+    let third = floor.submit(after(go));
+    let now = floor.now;
+    let none = JobChange::default();
+    let set = |job, change| Input::Change { token: 3, job, change };
+    let refused = |why| Reply::Refused { token: 3, why };
+    let wanted = |floor: &TestFloor, job| floor.fleet.ledger().jobs[&job].request.clone();
+    let before = wanted(&floor, second);
+
+    let past = JobChange { deadline: Some(Some(Time(1))), priority: Some(4), ..none };
+    assert_eq!(floor.hand(set(second, past)), refused(Refusal::DeadlineIsOver));
+    let robot = JobChange { robot: Some(RobotId(1)), priority: Some(4), ..none };
+    assert_eq!(floor.hand(set(second, robot)), refused(Refusal::HasNoRobot("deliver")));
+    let nowhere = JobChange { station: Some(StationId(99)), priority: Some(4), ..none };
+    assert_eq!(floor.hand(set(second, nowhere)), refused(Refusal::UnknownPlace));
+    let station = JobChange { station: Some(StationId(0)), ..none };
+    assert_eq!(floor.hand(set(third, station)), refused(Refusal::HasNoStation("park")));
+    assert_eq!(wanted(&floor, second), before, "nothing of a refused change is done");
+
+    let deadline = now + Span::from_secs(3600);
+    let other = StationId::at(floor.fleet.warehouse().stations.len() - 1);
+    let all =
+        JobChange { deadline: Some(Some(deadline)), station: Some(other), priority: Some(4), robot: None };
+    assert_eq!(floor.hand(set(second, all)), Reply::Done { token: 3 });
+    let changed = wanted(&floor, second);
+    assert_eq!((changed.deadline, changed.priority), (Some(deadline), 4));
+    assert_eq!((changed.kind.station(), changed.kind.rack()), (Some(other), before.kind.rack()));
+    assert_eq!(floor.hand(set(second, JobChange { deadline: Some(None), ..none })), Reply::Done { token: 3 });
+    assert_eq!(wanted(&floor, second), JobRequest { deadline: None, ..changed });
+    assert_eq!(floor.hand(set(third, robot)), Reply::Done { token: 3 });
+    assert_eq!(wanted(&floor, third).kind, JobKind::Park { robot: RobotId(1) });
+    floor.until_over(900);
+    assert_eq!(floor.done(), 3);
+}
+
+#[test]
+fn a_batch_is_taken_in_one_step_and_each_job_for_itself() {
+    let mut floor = TestFloor::lab(1);
+    floor.step(vec![]);
+    let keyed = |key: &str, kind| JobRequest { key: Some(key.into()), ..request(kind) };
+    let late = JobRequest { deadline: Some(Time(1)), ..request(deliver(5)) };
+    let requests = vec![keyed("a", deliver(3)), keyed("a", deliver(3)), late, keyed("b", deliver(8))];
+    let step = floor.step(vec![Input::SubmitBatch { token: 5, requests: requests.clone() }]);
+    let (first, second) = (JobId(1), JobId(2));
+    let results =
+        vec![Ok((first, true)), Ok((first, false)), Err(Refusal::DeadlineIsOver), Ok((second, true))];
+    assert_eq!(step.replies, [Reply::BatchTaken { token: 5, results }]);
+    // A key is answered with its job even when the deadline has passed since.
+    let again = requests.into_iter().map(|r| JobRequest { deadline: Some(Time(1)), ..r }).take(1).collect();
+    let step = floor.step(vec![Input::SubmitBatch { token: 6, requests: again }]);
+    assert_eq!(step.replies, [Reply::BatchTaken { token: 6, results: vec![Ok((first, false))] }]);
 }

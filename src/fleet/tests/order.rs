@@ -41,7 +41,7 @@ fn take_in(ledger: &mut Ledger, event: &OrderEvent, at: Time) {
             };
             let after = after.filter(|a| *a < ledger.next_job).map(JobId).into_iter().collect();
             let deadline = due_s.map(|s| at + Span::from_secs(s));
-            let request = JobRequest { kind, priority, deadline, after, key: None };
+            let request = JobRequest { priority, deadline, after, ..JobRequest::new(kind) };
             ledger.evolve(&Fact::Accepted { job: JobId(ledger.next_job), request, at });
         }
         OrderEvent::End { job, well } if live(ledger, job) => end(ledger, JobId(job), well, at),

@@ -135,13 +135,8 @@ fn a_robot_beside_the_place_where_somebody_works_is_not_in_the_way() {
     let mut floor = TestFloor::thesis(1);
     let w = floor.fleet.warehouse().clone();
     let place = w.nodes_where(|k| k == NodeKind::Storage)[20];
-    let request = JobRequest {
-        kind: JobKind::Go { robot: RobotId(0), node: place },
-        priority: 5,
-        deadline: None,
-        after: vec![],
-        key: None,
-    };
+    let go = JobKind::Go { robot: RobotId(0), node: place };
+    let request = JobRequest { priority: 5, ..JobRequest::new(go) };
     floor.step(vec![Input::Submit { token: 1, request }]);
     let robot = |floor: &TestFloor| floor.world.truth().next().unwrap().1.pose.at;
     while (robot(&floor) - w.nodes[place].at).norm() > 0.01 {

@@ -55,7 +55,7 @@ mod tests {
         let (name, kind) = ("robot-1".into(), "robot".into());
         let joins = Fact::Registered { robot: RobotId(0), name, kind, node, at: Time(1) };
         let park = JobKind::Park { robot: RobotId(0) };
-        let request = JobRequest { kind: park, priority: 0, deadline: None, after: vec![], key: None };
+        let request = JobRequest::new(park);
         let (goal, stay, job) = (NodeId(0), NodeId(0), JobId(1));
         let task = Task::Move { job: Some(job), goal, stay, purpose: Purpose::Park };
         let state = JobState::Assigned { robot: RobotId(0) };

@@ -63,8 +63,7 @@ impl Choices {
 
     /// A job in place of a plain delivery, handed in with this token.
     pub fn request(&mut self, plain: JobKind, token: u64, now: Time, fleet: &Fleet) -> JobRequest {
-        let mut request =
-            JobRequest { kind: plain, priority: 0, deadline: None, after: Vec::new(), key: None };
+        let mut request = JobRequest::new(plain);
         if self.is_plain() {
             return request;
         }
@@ -230,10 +229,7 @@ mod tests {
         let mut choices = Choices::new(Habits::default(), &lab(), 1);
         for i in 0..100 {
             let request = choices.request(plain(i % 4), u64::from(i), Time::ZERO, &fleet());
-            assert_eq!(
-                request,
-                JobRequest { kind: plain(i % 4), priority: 0, deadline: None, after: vec![], key: None }
-            );
+            assert_eq!(request, JobRequest::new(plain(i % 4)));
         }
         assert!(choices.meddle(Time::ZERO, Span::from_secs(3600), false, &fleet()).is_empty());
     }

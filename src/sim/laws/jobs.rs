@@ -46,6 +46,10 @@ impl JobLaws {
                 Fact::Accepted { job, request, .. } => {
                     self.open.insert(*job, (request.kind, JobState::Waiting, now));
                 }
+                Fact::JobChanged { job, kind, .. } => match self.open.get_mut(job) {
+                    Some(entry) => entry.0 = *kind,
+                    None => broken.push(Violation::JobLost(*job)),
+                },
                 Fact::Progressed { job, state, .. } => {
                     broken.extend(self.progress(*job, *state, now, world, fleet))
                 }

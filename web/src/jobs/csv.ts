@@ -11,10 +11,11 @@ export interface CsvLine {
 }
 export type CsvRead = { kind: 'table'; lines: CsvLine[] } | { kind: 'unreadable'; why: string };
 
-export const COLUMNS = ['kind', 'rack', 'station', 'node', 'robot', 'priority', 'deadline_min', 'pick_s'] as const;
+export const COLUMNS = ['kind', 'rack', 'station', 'node', 'robot', 'priority', 'deadline_min', 'pick_s', 'reference'] as const;
 export const EXAMPLE = 'kind,rack,station,priority\ndeliver,K1,W1,5\nreturn,K2,,0\n';
 export const MOST_LINES = 1_000;
 const LONGEST_PICK_S = 3_600;
+const LONGEST_REFERENCE = 200;
 
 /** Cells of every line that has any; quotes as in RFC 4180. */
 export function cells(text: string): { line: number; cells: string[] }[] {
@@ -102,5 +103,8 @@ function readLine(row: { line: number; cells: string[] }, names: readonly string
     else if (!(seconds >= 0 && seconds <= LONGEST_PICK_S)) errors.push(`pick_s must be 0 to ${LONGEST_PICK_S} seconds.`);
     else if (job) job.pick_s = seconds;
   }
+  const reference = found['reference'] ?? '';
+  if (reference.length > LONGEST_REFERENCE) errors.push(`The reference is longer than ${LONGEST_REFERENCE} characters.`);
+  else if (reference !== '' && job) job.reference = reference;
   return { ...at, job: errors.length === 0 ? job : null, errors };
 }

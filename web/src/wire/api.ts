@@ -3,7 +3,7 @@
 import type { Socket, SocketEvents } from './link';
 import type { Past, Sum } from './past';
 import type {
-  AlarmPage, AlarmRecord, Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobPage, JobState, NewClosure, NewJob,
+  AlarmPage, AlarmRecord, Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobBatch, JobPage, JobState, NewClosure, NewJob,
   Problem, RobotKind, Timelines, Why, WorkerDetail,
 } from './types';
 
@@ -87,6 +87,11 @@ export class Api {
 
   submit(job: NewJob, key: string): Promise<Answer<Job>> {
     return this.#ask<Job>('POST', '/v1/jobs', { 'Idempotency-Key': key }, job);
+  }
+
+  /** Up to 1000 jobs, each with a key of its own, in one request: they become durable together. */
+  submitAll(jobs: readonly { key: string; job: NewJob }[]): Promise<Answer<JobBatch>> {
+    return this.#ask<JobBatch>('POST', '/v1/jobs:batch', {}, { jobs });
   }
 
   get token(): string | null {

@@ -308,6 +308,13 @@ export interface NewJob {
   priority: number;
   deadline?: string;
   pick_s?: number;
+  reference?: string;
+}
+/** What became of each of many jobs, in their order. */
+export interface JobBatch {
+  accepted: number;
+  refused: number;
+  results: { id: string | null; new: boolean; problem: Problem | null }[];
 }
 
 /** One link of a wait chain. */

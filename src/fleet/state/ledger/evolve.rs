@@ -30,6 +30,9 @@ impl Ledger {
             Fact::Prioritised { job, priority, .. } => {
                 self.promises.jobs.get_mut(job).expect("only live jobs change").request.priority = *priority;
             }
+            Fact::JobChanged { job, kind, priority, deadline, .. } => {
+                self.change_job(*job, *kind, *priority, *deadline);
+            }
             Fact::KeysExpired { jobs, assignments } => {
                 jobs.iter().for_each(|job| self.promises.keys.forget(*job));
                 assignments.iter().for_each(|assignment| self.promises.assignment_keys.forget(*assignment));
@@ -164,6 +167,18 @@ impl Ledger {
             .jobs
             .insert(id, Job { request: request.clone(), state: JobState::Waiting, accepted: at });
         self.index.note_named(id, &request.kind, JobState::Waiting);
+    }
+
+    /// A job that waits becomes another one.
+    fn change_job(&mut self, id: JobId, kind: JobKind, priority: u8, deadline: Option<Time>) {
+        let job = self.promises.jobs.get_mut(&id).expect("only live jobs change");
+        assert_eq!(job.state, JobState::Waiting, "{id:?} is changed while a robot has it");
+        assert_eq!(job.request.kind.rack(), kind.rack(), "{id:?} gets another rack");
+        let before = std::mem::replace(&mut job.request.kind, kind);
+        (job.request.priority, job.request.deadline) = (priority, deadline);
+        // The robot that was named before has nothing to wait for any more.
+        self.index.note_named(id, &before, JobState::Cancelled);
+        self.index.note_named(id, &kind, JobState::Waiting);
     }
 
     /// Since when one robot, or the whole fleet, is to stand.

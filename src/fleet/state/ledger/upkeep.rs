@@ -82,7 +82,9 @@ impl Ledger {
                 self.index_robot(*robot);
                 cut.iter().for_each(|kept| self.index_robot(kept.robot));
             }
-            Fact::Accepted { job, .. } | Fact::Prioritised { job, .. } => self.index_job(*job),
+            Fact::Accepted { job, .. } | Fact::Prioritised { job, .. } | Fact::JobChanged { job, .. } => {
+                self.index_job(*job);
+            }
             Fact::Progressed { job, state, tasked, at } => {
                 if let Some((robot, _)) = tasked {
                     self.index_robot(*robot);

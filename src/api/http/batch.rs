@@ -1,0 +1,158 @@
+//! `POST /v1/jobs:batch`: many jobs in one request, each accepted or refused for itself.
+//!
+//! Main types: [`NewJobs`], [`BatchDto`]. Those that are accepted are so in one step of the fleet and in one transaction,
+//! so that a thousand take no longer than one. Refuses: to let one wrong row refuse the others.
+
+use super::jobs::{check_same, read};
+use super::new_job::NewJob;
+use crate::api::Api;
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::{IdempotencyKey, JsonBody};
+use crate::api::port::What;
+use crate::api::refusal::refused;
+use crate::api::text::job_name;
+use crate::fleet::{JobRequest, Refusal, Reply};
+use crate::id::JobId;
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use utoipa::ToSchema;
+
+/// The most jobs in one request.
+const MOST_JOBS: usize = 1000;
+
+/// How long such a request may be, bytes: a thousand jobs with long references and some labels.
+const LIMIT: usize = 1024 * 1024;
+
+/// The longest key.
+const LONGEST_KEY: usize = 255;
+
+/// Many jobs.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewJobs {
+    /// 1 to 1000 of them.
+    #[schema(value_type = Vec<BatchRow>, min_items = 1, max_items = 1000)]
+    jobs: Vec<Value>,
+}
+
+/// One of many jobs.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BatchRow {
+    /// Your own key for this job, 1 to 255 characters: the same key never makes a second one, as with the header of
+    /// single submissions. If absent, the row has the key of the request, if that has one, and its position.
+    #[schema(example = "order-4711-line-1", min_length = 1, max_length = 255)]
+    key: Option<String>,
+    /// The job.
+    job: NewJob,
+}
+
+/// What became of many jobs.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct BatchDto {
+    /// How many are accepted, now or before under the same key.
+    accepted: usize,
+    /// How many are not.
+    refused: usize,
+    /// What became of each, in the order of the request.
+    results: Vec<BatchResult>,
+}
+
+/// What became of one of many jobs: it has either an id or a problem.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct BatchResult {
+    /// The job's number.
+    #[schema(example = "j17")]
+    id: Option<String>,
+    /// Whether it was accepted now, and not before under the same key.
+    new: bool,
+    /// Why it is not accepted.
+    problem: Option<Problem>,
+}
+
+/// Submit up to 1000 jobs. Each is accepted or refused for itself; when this call returns, those that are accepted are
+/// durable, all in one transaction. With keys, a retry never makes a second job.
+#[utoipa::path(post, path = "/v1/jobs:batch", tag = "jobs", operation_id = "submitJobs", request_body = NewJobs,
+    params(("Idempotency-Key" = Option<String>, Header,
+            description = "Your own key for the whole request, up to 200 characters")),
+    responses(
+    (status = 200, description = "What became of each", body = BatchDto),
+    (status = 413, description = "The body is longer than 1 MiB", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, description = "There are no jobs, or more than 1000", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn submit(
+    State(api): State<Api>,
+    IdempotencyKey(key): IdempotencyKey,
+    JsonBody(new): JsonBody<NewJobs, LIMIT>,
+) -> Result<Json<BatchDto>, Problem> {
+    check_size(&new, key.as_deref())?;
+    let rows: Vec<_> =
+        new.jobs.into_iter().enumerate().map(|(i, row)| read_row(&api, row, i, &key)).collect();
+    let requests: Vec<JobRequest> = rows.iter().filter_map(|row| row.as_ref().ok().cloned()).collect();
+    let taken = if requests.is_empty() { Vec::new() } else { ask(&api, requests).await? };
+    let mut taken = taken.into_iter();
+    let mut results = Vec::with_capacity(rows.len());
+    for row in rows {
+        let outcome = match row {
+            Ok(request) => finish(&api, request, taken.next().ok_or_else(Problem::internal)?).await,
+            Err(problem) => Err(problem),
+        };
+        results.push(match outcome {
+            Ok((job, new)) => BatchResult { id: Some(job_name(job)), new, problem: None },
+            Err(problem) => BatchResult { id: None, new: false, problem: Some(problem) },
+        });
+    }
+    let accepted = results.iter().filter(|r| r.id.is_some()).count();
+    Ok(Json(BatchDto { accepted, refused: results.len() - accepted, results }))
+}
+
+fn check_size(new: &NewJobs, key: Option<&str>) -> Result<(), Problem> {
+    if !(1..=MOST_JOBS).contains(&new.jobs.len()) {
+        let detail = format!(
+            "{} jobs; 1 to {MOST_JOBS} are allowed: send the rest in another request",
+            new.jobs.len()
+        );
+        return Err(Problem::invalid(vec![FieldError::new("jobs", detail)]));
+    }
+    // There must be room for the position.
+    if key.is_some_and(|key| key.len() > 200) {
+        return Err(Problem::malformed("Idempotency-Key of a batch must be 1 to 200 characters"));
+    }
+    Ok(())
+}
+
+fn read_row(api: &Api, row: Value, i: usize, key: &Option<String>) -> Result<JobRequest, Problem> {
+    let row: BatchRow = serde_json::from_value(row).map_err(|e| {
+        Problem::new(StatusCode::UNPROCESSABLE_ENTITY, "invalid", "Some fields are wrong", e.to_string())
+    })?;
+    if row.key.as_ref().is_some_and(|key| !(1..=LONGEST_KEY).contains(&key.len())) {
+        let detail = format!("1 to {LONGEST_KEY} characters");
+        return Err(Problem::invalid(vec![FieldError::new("key", detail)]));
+    }
+    let key = row.key.or_else(|| key.as_ref().map(|key| format!("{key}#{i}")));
+    Ok(JobRequest { key, ..row.job.read(&api.map, &api.moment())? })
+}
+
+async fn ask(api: &Api, requests: Vec<JobRequest>) -> Result<Vec<Result<(JobId, bool), Refusal>>, Problem> {
+    match api.ask(What::SubmitBatch(requests)).await? {
+        Reply::BatchTaken { results, .. } => Ok(results),
+        _ => Err(Problem::internal()),
+    }
+}
+
+/// A job that is not new must be the one that this key was given for.
+async fn finish(
+    api: &Api,
+    request: JobRequest,
+    taken: Result<(JobId, bool), Refusal>,
+) -> Result<(JobId, bool), Problem> {
+    let (job, new) = taken.map_err(|why| refused(&api.map, why))?;
+    if !new {
+        check_same(&read(api, job).await?, request)?;
+    }
+    Ok((job, new))
+}

@@ -1,0 +1,237 @@
+//! A job as customers submit it, read from JSON.
+//!
+//! Main type: [`NewJob`]. Refuses: fields that the kind of job does not have, names that the map does not have, and all
+//! of them at once rather than one by one.
+
+use crate::api::error::{FieldError, Problem};
+use crate::api::port::Moment;
+use crate::api::text::{parse_job_name, parse_time};
+use crate::api::words::JobKindDto;
+use crate::fleet::{JobKind, JobRequest};
+use crate::id::{Dense, NodeId, RackId, RobotId, StationId};
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use utoipa::ToSchema;
+
+/// The longest reference, in characters.
+const LONGEST_REFERENCE: usize = 200;
+
+/// The most labels.
+const MOST_LABELS: usize = 16;
+
+/// The longest key of a label, and the longest value, in characters.
+const LONGEST_KEY: usize = 40;
+const LONGEST_VALUE: usize = 100;
+
+/// The longest pick, seconds.
+const LONGEST_PICK_S: f64 = 3600.0;
+
+/// How many jobs one may come after.
+const MOST_PREDECESSORS: usize = 100;
+
+/// A job as a customer submits it. Which fields it has depends on its kind: `deliver` rack, station,
+/// pick_s?; `return` rack; `relocate` rack, node; `charge` and `park` robot; `go` robot, node.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewJob {
+    kind: JobKindDto,
+    /// Name of a rack.
+    #[schema(example = "K1")]
+    rack: Option<String>,
+    /// Name of a station.
+    #[schema(example = "S1")]
+    station: Option<String>,
+    /// Name of a node.
+    node: Option<String>,
+    /// Name of a robot.
+    robot: Option<String>,
+    /// How long the pick takes, seconds; the station's usual time if absent.
+    #[schema(minimum = 0, maximum = 3600)]
+    pick_s: Option<f64>,
+    /// 0 (whenever) to 9 (before all others); 0 if absent.
+    #[schema(minimum = 0, maximum = 9)]
+    priority: Option<i64>,
+    /// When it should be done, RFC 3339, not before now.
+    #[schema(example = "2027-01-31T12:00:00Z")]
+    deadline: Option<String>,
+    /// Jobs that must be over first, at most 100.
+    #[schema(example = json!(["j17"]), max_items = 100)]
+    after: Option<Vec<String>>,
+    /// Your own text, up to 200 characters: lists show it and find jobs by it.
+    #[schema(example = "order 4711", max_length = 200)]
+    reference: Option<String>,
+    /// Your own labels, up to 16: keys of 1 to 40 letters, digits, `-`, `_` and `.`; values of up to 100 characters.
+    /// Lists find jobs by one.
+    #[schema(example = json!({"wave": "7", "customer": "northern"}))]
+    labels: Option<BTreeMap<String, String>>,
+}
+
+/// A deadline; complains where it is no time.
+pub(super) fn read_deadline(text: Option<&str>, errors: &mut Vec<FieldError>) -> Option<Time> {
+    let time = parse_time(text?);
+    if time.is_none() {
+        let detail = format!("\"{}\" is not a time such as 2027-01-31T12:00:00Z", text.unwrap_or(""));
+        errors.push(FieldError::new("deadline", detail));
+    }
+    time
+}
+
+/// A robot of the latest view.
+pub(super) fn robot_named(moment: &Moment, name: &str) -> Option<RobotId> {
+    moment.view.robots.iter().position(|robot| robot.name == name).map(RobotId::at)
+}
+
+/// Reads fields and collects what is wrong with them.
+struct Reader<'a> {
+    map: &'a Warehouse,
+    moment: &'a Moment,
+    kind: JobKindDto,
+    errors: Vec<FieldError>,
+}
+
+impl Reader<'_> {
+    fn wrong(&mut self, field: &str, detail: impl Into<String>) {
+        self.errors.push(FieldError::new(field, detail));
+    }
+
+    /// A name that this kind of job needs, looked up.
+    fn name<T>(
+        &mut self,
+        field: &str,
+        text: Option<&str>,
+        find: impl Fn(&Self, &str) -> Option<T>,
+    ) -> Option<T> {
+        let Some(text) = text else {
+            self.wrong(field, format!("required for {}", self.kind.word()));
+            return None;
+        };
+        let found = find(self, text);
+        if found.is_none() {
+            let list = if field == "node" { "map".into() } else { format!("{field}s") };
+            self.wrong(field, format!("there is no {field} \"{text}\"; GET /v1/{list} lists them"));
+        }
+        found
+    }
+
+    fn rack(&mut self, new: &NewJob) -> Option<RackId> {
+        self.name("rack", new.rack.as_deref(), |r, text| r.map.rack_named(text))
+    }
+
+    fn node(&mut self, new: &NewJob) -> Option<NodeId> {
+        self.name("node", new.node.as_deref(), |r, text| r.map.node_named(text))
+    }
+
+    fn station(&mut self, new: &NewJob) -> Option<StationId> {
+        self.name("station", new.station.as_deref(), |r, text| r.map.station_named(text))
+    }
+
+    fn robot(&mut self, new: &NewJob) -> Option<RobotId> {
+        self.name("robot", new.robot.as_deref(), |r, text| robot_named(r.moment, text))
+    }
+
+    /// Complains about fields that this kind of job does not have.
+    fn superfluous(&mut self, new: &NewJob) {
+        let fields: &[&str] = match self.kind {
+            JobKindDto::Deliver => &["rack", "station", "pick_s"],
+            JobKindDto::Return => &["rack"],
+            JobKindDto::Relocate => &["rack", "node"],
+            JobKindDto::Charge | JobKindDto::Park => &["robot"],
+            JobKindDto::Go => &["robot", "node"],
+        };
+        let given = [
+            ("rack", new.rack.is_some()),
+            ("station", new.station.is_some()),
+            ("node", new.node.is_some()),
+            ("robot", new.robot.is_some()),
+            ("pick_s", new.pick_s.is_some()),
+        ];
+        for (field, _) in given.into_iter().filter(|(f, given)| *given && !fields.contains(f)) {
+            self.wrong(field, format!("no such field; a {} job has {}", self.kind.word(), fields.join(", ")));
+        }
+    }
+
+    /// Complains about a reference or labels that are too long, too many or empty.
+    fn names(&mut self, new: &NewJob) {
+        let fits = |text: &str, longest: usize| {
+            (1..=longest).contains(&text.chars().count()) && !text.chars().any(char::is_control)
+        };
+        if new.reference.as_deref().is_some_and(|text| !fits(text, LONGEST_REFERENCE)) {
+            self.wrong("reference", format!("1 to {LONGEST_REFERENCE} characters without line breaks"));
+        }
+        let labels = new.labels.iter().flatten();
+        if labels.clone().count() > MOST_LABELS {
+            self.wrong("labels", format!("at most {MOST_LABELS} are allowed"));
+        }
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+        for (key, value) in labels.take(MOST_LABELS) {
+            if !fits(key, LONGEST_KEY) || !key.chars().all(plain) {
+                let detail = format!("keys have 1 to {LONGEST_KEY} letters, digits, `-`, `_` or `.`");
+                self.wrong("labels", detail);
+            } else if !fits(value, LONGEST_VALUE) {
+                let detail = format!("1 to {LONGEST_VALUE} characters without line breaks");
+                self.wrong(&format!("labels.{key}"), detail);
+            }
+        }
+    }
+
+    fn kind(&mut self, new: &NewJob) -> Option<JobKind> {
+        Some(match self.kind {
+            JobKindDto::Deliver => {
+                let (rack, station) = (self.rack(new), self.station(new));
+                let pick = new.pick_s.map(Span::from_secs_f64);
+                JobKind::Deliver { rack: rack?, station: station?, pick }
+            }
+            JobKindDto::Return => JobKind::Return { rack: self.rack(new)? },
+            JobKindDto::Relocate => {
+                let (rack, node) = (self.rack(new), self.node(new));
+                JobKind::Relocate { rack: rack?, node: node? }
+            }
+            JobKindDto::Charge => JobKind::Charge { robot: self.robot(new)? },
+            JobKindDto::Park => JobKind::Park { robot: self.robot(new)? },
+            JobKindDto::Go => {
+                let (robot, node) = (self.robot(new), self.node(new));
+                JobKind::Go { robot: robot?, node: node? }
+            }
+        })
+    }
+}
+
+impl NewJob {
+    /// As the fleet takes it, without a key.
+    pub(super) fn read(&self, map: &Warehouse, moment: &Moment) -> Result<JobRequest, Problem> {
+        let mut r = Reader { map, moment, kind: self.kind, errors: Vec::new() };
+        r.superfluous(self);
+        if self.pick_s.is_some_and(|s| !(0.0..=LONGEST_PICK_S).contains(&s)) {
+            r.wrong("pick_s", format!("must be 0 to {LONGEST_PICK_S} seconds"));
+        }
+        let priority = self.priority.unwrap_or(0);
+        if !(0..=9).contains(&priority) {
+            r.wrong("priority", format!("{priority} is not between 0 and 9"));
+        }
+        let deadline = read_deadline(self.deadline.as_deref(), &mut r.errors);
+        r.names(self);
+        let names = self.after.as_deref().unwrap_or(&[]);
+        if names.len() > MOST_PREDECESSORS {
+            r.wrong("after", format!("{} jobs; at most {MOST_PREDECESSORS} are allowed", names.len()));
+        }
+        let mut after = Vec::new();
+        for (i, name) in names.iter().take(MOST_PREDECESSORS).enumerate() {
+            match parse_job_name(name) {
+                Some(id) => after.push(id),
+                None => {
+                    r.wrong(&format!("after[{i}]"), format!("\"{name}\" is not a job id; ids look like j17"))
+                }
+            }
+        }
+        match (r.kind(self), r.errors.is_empty()) {
+            (Some(kind), true) => {
+                let priority = u8::try_from(priority).unwrap_or(0);
+                let (reference, labels) = (self.reference.clone(), self.labels.clone().unwrap_or_default());
+                Ok(JobRequest { priority, deadline, after, reference, labels, ..JobRequest::new(kind) })
+            }
+            _ => Err(Problem::invalid(r.errors)),
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! The words of the wire: every field that takes one of a few words has an enum here, which the API's description
+//! shows.
+//!
+//! Main macro: `words`. An enum that stands for a type of the core is made from it variant by variant, so the compiler
+//! finds words that are missing. Refuses: words that stand for nothing.
+
+use crate::alarm::{AlarmKind, AlarmSeverity, SubjectKind};
+use crate::aware::HumanAwarePolicy;
+use crate::fleet::{
+    AssignmentState, Binds, ClosureState, Doing, Fault, GuidanceState, JobKind, JobState, Presence, Reaction,
+    RobotState,
+};
+use crate::human::IntentState;
+use serde::{Deserialize, Serialize, Serializer};
+use utoipa::openapi::{ObjectBuilder, RefOr, Schema, Type};
+use utoipa::{PartialSchema, ToSchema};
+
+/// An enum whose variants travel as words; `of` makes one from each variant of a type of the core.
+macro_rules! words {
+    ($(#[$doc:meta])* $name:ident { $($variant:ident $word:tt,)+ }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+        #[allow(missing_docs, reason = "the variants are the words")]
+        pub enum $name { $(#[serde(rename = $word)] $variant,)+ }
+
+        impl $name {
+            /// The word on the wire.
+            #[allow(dead_code, reason = "some are only serialised")]
+            pub fn word(self) -> &'static str {
+                match self { $($name::$variant => $word,)+ }
+            }
+        }
+    };
+    ($(#[$doc:meta])* $name:ident of $core:ident { $($variant:ident $word:tt,)+ }) => {
+        words! { $(#[$doc])* $name { $($variant $word,)+ } }
+
+        impl From<$core> for $name {
+            fn from(core: $core) -> $name {
+                match core { $($core::$variant { .. } => $name::$variant,)+ }
+            }
+        }
+    };
+}
+
+words! {
+    /// What a robot is up to; `gone` in the live feed only, where robots go by number.
+    RobotStateDto of RobotState {
+        Idle "idle", Busy "busy", Free "free", Interrupted "interrupted", Failed "failed", Gone "gone",
+    }
+}
+
+words! {
+    /// What a robot is doing.
+    DoingDto of Doing {
+        Idle "idle", ToRack "to_rack", Lifting "lifting", Carrying "carrying", Queueing "queueing",
+        Picking "picking", Returning "returning", SettingDown "setting_down", ToCharger "to_charger",
+        Charging "charging", Parking "parking", Going "going", Failed "failed",
+    }
+}
+
+words! {
+    /// A fault that a robot reports.
+    FaultDto of Fault {
+        Broken "broken", EmergencyStop "emergency_stop", Manual "manual", Obstructed "obstructed",
+        Unplugged "unplugged",
+    }
+}
+
+words! {
+    /// What is wanted. `deliver`: bring a rack to a station, and put it back; `return`: put a rack onto the best free
+    /// storage node; `relocate`: put a rack onto this storage node; `charge`: send a robot to a free charger; `park`:
+    /// to a free parking place; `go`: to a node.
+    JobKindDto of JobKind {
+        Deliver "deliver", Return "return", Relocate "relocate", Charge "charge", Park "park", Go "go",
+    }
+}
+
+words! {
+    /// How far a job has come.
+    JobStateDto of JobState {
+        Waiting "waiting", Assigned "assigned", Carrying "carrying", Picking "picking", Done "done",
+        Cancelled "cancelled", Failed "failed",
+    }
+}
+
+words! {
+    /// With what something is wrong.
+    SubjectKindDto of SubjectKind {
+        Robot "robot", Worker "worker", Job "job", Station "station", Closure "closure", Floor "floor",
+        Server "server",
+    }
+}
+
+words! {
+    /// How bad an alarm is.
+    AlarmSeverityDto of AlarmSeverity { Notice "notice", Warning "warning", Critical "critical", }
+}
+
+words! {
+    /// Whether the cause of an alarm is still there.
+    AlarmStateDto { Active "active", Cleared "cleared", }
+}
+
+words! {
+    /// Whether a worker is on the floor, and how well the place is known.
+    PresenceDto of Presence { Absent "absent", Tracked "tracked", Stale "stale", Lost "lost", }
+}
+
+words! {
+    /// What a worker is told.
+    GuidanceStateDto of GuidanceState {
+        Idle "idle", Following "following", Deviating "deviating", Redirected "redirected", Stop "stop",
+    }
+}
+
+words! {
+    /// `goal`: on the way to the place; `undecided`: to one of several; `elsewhere`: to no known place.
+    IntentStateDto of IntentState { Goal "goal", Undecided "undecided", Elsewhere "elsewhere", }
+}
+
+words! {
+    /// How far an assignment has come.
+    AssignmentStateDto of AssignmentState {
+        Waiting "waiting", Walking "walking", Working "working", Done "done", Cancelled "cancelled",
+    }
+}
+
+words! {
+    /// Whether an area is closed.
+    ClosureStateDto of ClosureState { Announced "announced", Closed "closed", Over "over", }
+}
+
+words! {
+    /// Whom a closed area keeps out.
+    BindsDto of Binds { Robots "robots", People "people", Both "both", }
+}
+
+words! {
+    /// A day of the week.
+    WeekdayDto {
+        Monday "monday", Tuesday "tuesday", Wednesday "wednesday", Thursday "thursday", Friday "friday",
+        Saturday "saturday", Sunday "sunday",
+    }
+}
+
+words! {
+    /// What the fleet did about a robot near a worker.
+    ReactionDto of Reaction {
+        Kept "kept", Slowed "slowed", Held "held", Rerouted "rerouted", Stopped "stopped",
+    }
+}
+
+words! {
+    /// How the fleet deals with people.
+    PolicyDto of HumanAwarePolicy { Nhir "nhir", Shir "shir", Phir "phir", Giveway "giveway", }
+}
+
+words! {
+    /// What an amount counts.
+    HeatUnitDto { Seconds "seconds", Encounters "encounters", }
+}
+
+words! {
+    /// What holds a node, or around what a safety region is.
+    HolderKindDto { Robot "robot", Worker "worker", }
+}
+
+words! {
+    /// What imposes a condition on a node.
+    CauseKindDto {
+        Worker "worker", Closure "closure", Robot "robot", Obstruction "obstruction", Evacuation "evacuation",
+    }
+}
+
+words! {
+    /// `closed`: no robot may be there; `still`: none may come or go; `slow`: only at `limit_mps`; `price`: being there
+    /// costs the search as much as being `price_s` later, which grows with the probability that a worker is there.
+    EffectDto { Closed "closed", Still "still", Slow "slow", Price "price", }
+}
+
+words! {
+    /// What waits.
+    WaiterKindDto { Robot "robot", Job "job", Worker "worker", }
+}
+
+words! {
+    /// What is waited for.
+    WaitedKindDto { Robot "robot", Worker "worker", Job "job", Closure "closure", Station "station", }
+}
+
+words! {
+    /// What a link of a wait chain is about. A robot that waits for nothing has `stop`, `drives`, `later` or `stays`; a
+    /// worker `robot`, `no_way`, `walks`, `stands` or `lost`.
+    WaitCauseDto {
+        Resource "resource", Queue "queue", Person "person", Closure "closure", Route "route", Failed "failed",
+        EmergencyStop "emergency_stop", Manual "manual", Obstructed "obstructed", Unplugged "unplugged",
+        Displaced "displaced", Silent "silent", Paused "paused", Maintenance "maintenance", Leaving "leaving",
+        Stopped "stopped", Evacuation "evacuation", Job "job", Rack "rack", Robot "robot", NoRobot "no_robot",
+        Station "station", Closed "closed", Blocked "blocked", Place "place", Battery "battery", Stop "stop",
+        Drives "drives", Later "later", Stays "stays", NoWay "no_way", Walks "walks", Stands "stands",
+        Lost "lost",
+    }
+}
+
+/// What an alarm is about; docs/alarms.md has a table of all kinds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AlarmKindDto(pub AlarmKind);
+
+impl Serialize for AlarmKindDto {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.word())
+    }
+}
+
+impl PartialSchema for AlarmKindDto {
+    fn schema() -> RefOr<Schema> {
+        let words = AlarmKind::ALL.map(AlarmKind::word);
+        let text = "What an alarm is about; docs/alarms.md has a table of all kinds.";
+        let schema = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(words));
+        schema.description(Some(text)).build().into()
+    }
+}
+
+impl ToSchema for AlarmKindDto {}

@@ -1,0 +1,67 @@
+//! A customer changes a job that no robot has yet.
+//!
+//! Refuses: to change what a robot works on; that would have to be cancelled and submitted anew.
+
+use crate::fleet::requests::intake::Intake;
+use crate::fleet::state::fact::Fact;
+use crate::fleet::state::io::{Refusal, Reply};
+use crate::fleet::state::job::{JobChange, JobKind, JobState};
+use crate::id::JobId;
+use crate::time::Time;
+
+impl Intake<'_> {
+    /// Changes a waiting job, whole or not at all.
+    pub(in crate::fleet) fn change(
+        &mut self,
+        token: u64,
+        job: JobId,
+        change: JobChange,
+        now: Time,
+    ) -> Result<Reply, Refusal> {
+        if job.0 == 0 || job.0 >= self.core.ledger.next_job {
+            return Err(Refusal::UnknownJob(job));
+        }
+        let Some(record) = self.core.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
+        if record.state != JobState::Waiting {
+            return Err(Refusal::JobHasBegun(job));
+        }
+        let before = &record.request;
+        let kind = changed_kind(before.kind, &change)?;
+        if kind != before.kind {
+            self.core.floor().check_places(&kind)?;
+        }
+        let priority = change.priority.unwrap_or(before.priority);
+        if priority > 9 {
+            return Err(Refusal::Priority(priority));
+        }
+        if change.deadline.flatten().is_some_and(|deadline| deadline < now) {
+            return Err(Refusal::DeadlineIsOver);
+        }
+        let deadline = change.deadline.unwrap_or(before.deadline);
+        if (kind, deadline) != (before.kind, before.deadline) {
+            self.core.record(Fact::JobChanged { job, kind, priority, deadline, at: now });
+        } else if priority != before.priority {
+            self.core.record(Fact::Prioritised { job, priority, at: now });
+        }
+        Ok(Reply::Done { token })
+    }
+}
+
+/// What is wanted then. The kind itself and its rack stay.
+fn changed_kind(kind: JobKind, change: &JobChange) -> Result<JobKind, Refusal> {
+    let JobChange { station, robot, .. } = *change;
+    match kind {
+        JobKind::Deliver { .. } if robot.is_some() => Err(Refusal::HasNoRobot(kind.word())),
+        JobKind::Deliver { rack, station: before, pick } => {
+            Ok(JobKind::Deliver { rack, station: station.unwrap_or(before), pick })
+        }
+        _ if station.is_some() => Err(Refusal::HasNoStation(kind.word())),
+        JobKind::Return { .. } | JobKind::Relocate { .. } if robot.is_some() => {
+            Err(Refusal::HasNoRobot(kind.word()))
+        }
+        JobKind::Return { .. } | JobKind::Relocate { .. } => Ok(kind),
+        JobKind::Charge { robot: before } => Ok(JobKind::Charge { robot: robot.unwrap_or(before) }),
+        JobKind::Park { robot: before } => Ok(JobKind::Park { robot: robot.unwrap_or(before) }),
+        JobKind::Go { robot: before, node } => Ok(JobKind::Go { robot: robot.unwrap_or(before), node }),
+    }
+}
