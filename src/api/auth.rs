@@ -60,13 +60,16 @@ impl Gate {
             let detail = format!("without tokens this server answers at localhost only, not at \"{host}\"");
             return Err(forbid(detail));
         }
-        let Some(origin) = text(header::ORIGIN) else { return Ok(()) };
-        let site = origin.split_once("://").map_or("?", |(_, site)| site);
-        // A page under development comes from another port of this machine.
-        if site == host || (is_loopback(site) && is_loopback(host)) {
+        let origin = text(header::ORIGIN);
+        let is_own = |origin: &str| origin.split_once("://").is_some_and(|(_, site)| site == host);
+        // Browsers say where a request comes from; one that sends no origin, such as for a picture, says at least that.
+        let site = headers.get("sec-fetch-site").map(|v| v.to_str().unwrap_or("?"));
+        let is_same = site.is_none_or(|site| matches!(site, "same-origin" | "none"));
+        if origin.is_none_or(is_own) && is_same {
             return Ok(());
         }
-        Err(forbid(format!("a page of {origin} may not use the server at {host}")))
+        let page = origin.unwrap_or("another site");
+        Err(forbid(format!("a page of {page} may not use the server at {host}")))
     }
 }
 
@@ -109,7 +112,15 @@ mod tests {
         assert_eq!(check(&open, &[("host", "[::1]:8080")]), 200);
         assert_eq!(check(&open, &[("host", "localhost:8080"), ("origin", "http://localhost:8080")]), 200);
         assert_eq!(check(&open, &[("host", "localhost:8080"), ("origin", "http://evil.example")]), 403);
-        assert_eq!(check(&open, &[("host", "localhost:8080"), ("origin", "http://localhost:5173")]), 200);
+        let local = ("host", "localhost:8080");
+        assert_eq!(
+            check(&open, &[local, ("origin", "http://localhost:5173")]),
+            403,
+            "another page of this machine"
+        );
+        for (site, status) in [("same-origin", 200), ("none", 200), ("same-site", 403), ("cross-site", 403)] {
+            assert_eq!(check(&open, &[local, ("sec-fetch-site", site)]), status, "{site}");
+        }
         assert_eq!(check(&open, &[("host", "localhost:8080"), ("origin", "null")]), 403);
         assert_eq!(check(&open, &[("host", "evil.example")]), 403, "a name that was made to point here");
     }

@@ -8,9 +8,13 @@ use axum::extract::rejection::{PathRejection, QueryRejection};
 use axum::extract::{FromRequest, FromRequestParts, Path, Query, Request};
 use axum::http::{StatusCode, header, request::Parts};
 use serde::de::DeserializeOwned;
+use std::time::Duration;
 
 /// How long a body may be, bytes.
 pub const BODY_LIMIT: usize = 64 * 1024;
+
+/// How long a body may take.
+const BODY_TIME: Duration = Duration::from_secs(20);
 
 /// The longest name of somebody who signs, characters.
 const LONGEST_SIGNATURE: usize = 80;
@@ -39,7 +43,12 @@ impl<T: DeserializeOwned, S: Send + Sync, const LIMIT: usize> FromRequest<S> for
             let detail = format!("the body is \"{media}\": send JSON with `Content-Type: application/json`");
             return Err(Problem::new(status, "media-type", "The body is not JSON", detail));
         }
-        let bytes = axum::body::to_bytes(request.into_body(), LIMIT).await.map_err(|_| {
+        let read = axum::body::to_bytes(request.into_body(), LIMIT);
+        let read = tokio::time::timeout(BODY_TIME, read).await.map_err(|_| {
+            let detail = format!("the body did not come within {} s: send it at once", BODY_TIME.as_secs());
+            Problem::new(StatusCode::REQUEST_TIMEOUT, "slow-body", "The body is too slow", detail)
+        })?;
+        let bytes = read.map_err(|_| {
             let detail = format!("the body is cut off or longer than {LIMIT} bytes");
             Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
         })?;

@@ -10,6 +10,7 @@ mod alarm_keeper;
 mod certificate;
 mod clock;
 mod config;
+mod connections;
 mod custody;
 mod drive;
 mod entrance;
@@ -27,6 +28,7 @@ mod records;
 mod rescue;
 mod show;
 mod start;
+mod strangers;
 mod tls;
 mod watchdog;
 
@@ -411,19 +413,20 @@ fn spawn_loop(
     Ok(end)
 }
 
-async fn listen(door: Door, router: Router, mut closes: watch::Receiver<bool>) -> std::io::Result<()> {
-    let closed = async move { _ = closes.wait_for(|closing| *closing).await.is_ok() };
+async fn listen(door: Door, router: Router, closes: watch::Receiver<bool>) -> std::io::Result<()> {
     let (listener, tls) = door;
     if let Some(config) = tls {
         let listener = tls::TlsListener::new(listener, config)?;
-        return axum::serve(listener, router).with_graceful_shutdown(closed).await;
+        connections::serve(listener, router, closes).await;
+        return Ok(());
     }
     let listener = listener.tap_io(|stream| {
         if let Err(e) = stream.set_nodelay(true) {
             tracing::debug!("TCP_NODELAY: {e}");
         }
     });
-    axum::serve(listener, router).with_graceful_shutdown(closed).await
+    connections::serve(listener, router, closes).await;
+    Ok(())
 }
 
 /// Publishes every new view in the live feed; if none comes, raises an alarm.

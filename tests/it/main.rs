@@ -31,5 +31,6 @@ mod run;
 mod schema;
 mod stations;
 mod store;
+mod strangers;
 mod tls;
 mod why;

@@ -79,7 +79,7 @@ fn complete(path: &str, method: &str, operation: &mut Value) {
     let mut statuses = vec![403, 500];
     statuses.extend(needs_token.then_some(401));
     statuses.extend((has_parameters || has_body).then_some(400));
-    statuses.extend(if has_body { &[413, 415, 422][..] } else { &[] });
+    statuses.extend(if has_body { &[408, 413, 415, 422][..] } else { &[] });
     statuses.extend(if writes { &[409, 503][..] } else { &[] });
     let responses = operation["responses"].as_object_mut().expect("every operation has responses");
     for status in statuses {
@@ -126,6 +126,7 @@ fn usual_words(status: &str) -> String {
         "401" => "A token is needed".into(),
         "403" => "Requests of foreign pages, or under a foreign host name, are refused".into(),
         "404" => "There is no such thing".into(),
+        "408" => "The body did not come in time".into(),
         "409" => "Not in this state, or a recording is shown; `detail` says what to do".into(),
         "413" => format!("The body is longer than {BODY_LIMIT} bytes"),
         "415" => "The body is not sent as `application/json`".into(),
