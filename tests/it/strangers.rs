@@ -43,13 +43,8 @@ async fn five_hundred_strangers_who_are_idle_or_slow_keep_nobody_out_and_are_hun
         if i % 100 == 99 {
             let before = Instant::now();
             assert_eq!(get(at, "/v1/health").await.status, 200);
-            let hired = send(
-                at,
-                "POST",
-                "/v1/workers",
-                &[("content-type", "application/json")],
-                &format!(r#"{{"name": "picker-{i}"}}"#),
-            );
+            let name = format!(r#"{{"name": "picker-{i}"}}"#);
+            let hired = send(at, "POST", "/v1/workers", &[("content-type", "application/json")], &name);
             assert_eq!(hired.await.unwrap().status, 201);
             assert!(before.elapsed() < Duration::from_secs(3), "{i} strangers keep others waiting");
         }
@@ -60,7 +55,10 @@ async fn five_hundred_strangers_who_are_idle_or_slow_keep_nobody_out_and_are_hun
     let answered = timeout(Duration::from_secs(5), operator.read_exact(&mut head)).await;
     assert!(answered.is_ok_and(|read| read.is_ok()), "the operator's connection is still good");
     for stranger in &mut strangers[480..] {
-        assert!(until_hung_up(stranger, Duration::from_secs(20)).await.is_some(), "it never says what it wants");
+        assert!(
+            until_hung_up(stranger, Duration::from_secs(20)).await.is_some(),
+            "it never says what it wants"
+        );
     }
     let answer = until_hung_up(&mut slow_body, Duration::from_secs(10)).await;
     // It was a stranger itself, so it may have had to leave before the time for its body was over.
