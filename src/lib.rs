@@ -299,7 +299,9 @@
 //! | what the swarm draws, how it shrinks, prints | `sim/swarm/draw.rs`, `maps.rs`; `shrink.rs`; `cli/swarm.rs` |
 //! | what a recording holds | `sim/recording.rs` |
 //! | what simulated robots, radios, customers do | `sim/robot.rs`, `sim/link.rs`, `sim/customers/` |
-//! | an endpoint, a wire type | `api/http/`, `api/dto.rs`; `web/src/` |
+//! | an endpoint, a wire type | `api/http/`, `api/dto.rs`; its words: `api/words.rs`; `web/src/` |
+//! | what `/openapi.json`, `/asyncapi.json`, `/docs` say | `api/http/openapi.rs`, `asyncapi.rs`; `web/src/docs/` |
+//! | what may be changed about a job; many jobs at once | `fleet/requests/change.rs`; `api/http/batch.rs` |
 //! | an error by its status: 400, 404, 409, 429, 503 | `api/error.rs`; refusals of the fleet: `api/refusal.rs` |
 //! | idempotency | `fleet/state/keys.rs`; `api/extract.rs` (`IdempotencyKey`) |
 //! | what is stored, and how | `store/record.rs` (facts), `store/ledger_record.rs` (snapshots), `migrations/` |

@@ -182,8 +182,8 @@ pub struct JobDto {
     pub times: JobTimesDto,
 }
 
-/// When a job came to each state, RFC 3339; null where it did not. If a robot gives it back, it waits again, and the times
-/// of that attempt are null again.
+/// When a job came to each state, RFC 3339; null where it did not. If a robot gives it back, it waits again, and the
+/// times of that attempt are null again.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct JobTimesDto {
     /// It was accepted.

@@ -1,7 +1,7 @@
 //! Reading requests: bodies, queries and paths, with every rejection a problem that says what to do.
 //!
-//! Main types: [`JsonBody`], [`Params`], [`PathPart`], [`IdempotencyKey`]. Refuses: unknown fields, bodies over 64 KiB (a
-//! batch of jobs may have more), other media types.
+//! Main types: [`JsonBody`], [`Params`], [`PathPart`], [`IdempotencyKey`]. Refuses: unknown fields, bodies over 64 KiB
+//! (a batch of jobs may have more), other media types.
 
 use super::error::{FieldError, Problem};
 use axum::extract::rejection::{PathRejection, QueryRejection};

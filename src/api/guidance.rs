@@ -1,7 +1,7 @@
 //! Guidance as it travels: what a headset is told, in words.
 //!
-//! Main function: [`guidance`]; main types: [`GuidanceDto`], and [`GuidanceKey`], which says when a client is told at once. Refuses: to
-//! decide what workers are told.
+//! Main function: [`guidance`]; main types: [`GuidanceDto`], and [`GuidanceKey`], which says when a client is told at
+//! once. Refuses: to decide what workers are told.
 
 use super::dto::Names;
 use super::text::{assignment_name, round3};

@@ -13,21 +13,14 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
     let field = |field: &str, detail: String| Problem::invalid(vec![FieldError::new(field, detail)]);
     let node = |n: NodeId| map.nodes.get(n).map_or_else(|| format!("{n:?}"), |node| node.name.clone());
     match why {
-        Refusal::UnknownJob(job) => Problem::unknown("job", format!("{} does not exist", job_name(job))),
-        Refusal::JobIsOver(job) => {
-            let detail =
-                format!("{} is over already; GET /v1/jobs/{} says how", job_name(job), job_name(job));
-            Problem::conflict("job-is-over", "The job is over", detail)
-        }
-        Refusal::JobHasBegun(job) => {
-            let detail = format!(
-                "a robot works on {} already, so it cannot be changed: cancel it and submit another one, or let it \
-                 go on",
-                job_name(job)
-            );
-            Problem::conflict("job-has-begun", "The job has begun", detail)
-        }
-        Refusal::UnknownPredecessor(job) => field("after", format!("{} does not exist", job_name(job))),
+        Refusal::UnknownJob(_)
+        | Refusal::JobIsOver(_)
+        | Refusal::JobHasBegun(_)
+        | Refusal::UnknownPredecessor(_)
+        | Refusal::DeadlineIsOver
+        | Refusal::HasNoStation(_)
+        | Refusal::HasNoRobot(_)
+        | Refusal::Priority(_) => about_jobs(why),
         Refusal::UnknownPlace => {
             Problem::invalid(vec![FieldError::new("kind", "no such rack, station, node or robot")])
         }
@@ -47,14 +40,6 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
             let detail = format!("no rack stands at {name}: GET /v1/stations says what is on its way");
             Problem::conflict("nothing-to-pick", "There is nothing to pick from", detail)
         }
-        Refusal::DeadlineIsOver => {
-            field("deadline", "it is over already: give a time to come, or none".into())
-        }
-        Refusal::HasNoStation(kind) => field("station", format!("a {kind} job has no station")),
-        Refusal::HasNoRobot(kind) => {
-            field("robot", format!("a {kind} job names no robot: Giveway chooses the best one"))
-        }
-        Refusal::Priority(p) => field("priority", format!("{p} is not between 0 and 9")),
         Refusal::TooMany(kind, n) => too_many(kind, n),
         Refusal::TooManyBefore(most) => field("after", format!("a job can wait for at most {most} others")),
         Refusal::TooManyCorners(most) => field("outline", format!("an area has at most {most} corners")),
@@ -126,6 +111,37 @@ fn no_kind_for(map: &Warehouse, rack: RackId) -> String {
 
 fn not_for_kind(node: &str) -> String {
     format!("no lanes for this robot kind lead to {node} and away from it: choose another node")
+}
+
+/// What customers want of jobs.
+fn about_jobs(why: Refusal) -> Problem {
+    let field = |field: &str, detail: String| Problem::invalid(vec![FieldError::new(field, detail)]);
+    match why {
+        Refusal::UnknownJob(job) => Problem::unknown("job", format!("{} does not exist", job_name(job))),
+        Refusal::JobIsOver(job) => {
+            let detail =
+                format!("{} is over already; GET /v1/jobs/{} says how", job_name(job), job_name(job));
+            Problem::conflict("job-is-over", "The job is over", detail)
+        }
+        Refusal::JobHasBegun(job) => {
+            let detail = format!(
+                "a robot works on {} already, so it cannot be changed: cancel it and submit another one, or let it \
+                 go on",
+                job_name(job)
+            );
+            Problem::conflict("job-has-begun", "The job has begun", detail)
+        }
+        Refusal::UnknownPredecessor(job) => field("after", format!("{} does not exist", job_name(job))),
+        Refusal::DeadlineIsOver => {
+            field("deadline", "it is over already: give a time to come, or none".into())
+        }
+        Refusal::HasNoStation(kind) => field("station", format!("a {kind} job has no station")),
+        Refusal::HasNoRobot(kind) => {
+            field("robot", format!("a {kind} job names no robot: Giveway chooses the best one"))
+        }
+        Refusal::Priority(p) => field("priority", format!("{p} is not between 0 and 9")),
+        other => unreachable!("{other:?} is about no job"),
+    }
 }
 
 /// What is closed, what recurs, and evacuations.

@@ -103,24 +103,7 @@ impl Names<'_> {
                 LinkDto { resource, ..link(cause, by, active(&text)) }
             }
             Because::Job(why) => {
-                let (cause, by) = match why {
-                    JobWhy::After(j) => (About::Job, Some((job_name(j), By::Job))),
-                    JobWhy::RackBusy(_, r, _) => (About::Rack, Some((self.robot(r), By::Robot))),
-                    JobWhy::RobotBusy(r, _) | JobWhy::Robot(r, _) => {
-                        (About::Robot, Some((self.robot(r), By::Robot)))
-                    }
-                    JobWhy::NoRobot | JobWhy::NoKind => (About::NoRobot, None),
-                    JobWhy::StationFull(s) | JobWhy::StationPaused(s) | JobWhy::StationBlocked(s, _) => {
-                        let name = self.map.stations.get(s).map(|s| (s.name.clone(), By::Station));
-                        (About::Station, name)
-                    }
-                    JobWhy::ClosedOff => (About::Closed, None),
-                    JobWhy::RackBlocked(_, r) | JobWhy::WayBlocked(r) => {
-                        (About::Blocked, Some((self.robot(r), By::Robot)))
-                    }
-                    JobWhy::NoPlace(_) => (About::Place, None),
-                    JobWhy::RobotLow(r) => (About::Battery, Some((self.robot(r), By::Robot))),
-                };
+                let (cause, by) = self.about_job(why);
                 link(cause, by, active(&self.why_job(why)))
             }
             Because::AtStop(act) => link(About::Stop, None, at_stop(act).into()),
@@ -138,6 +121,25 @@ impl Names<'_> {
             Because::Lost => {
                 link(About::Lost, None, "cannot be placed: the headset has lost its place".into())
             }
+        }
+    }
+
+    fn about_job(&self, why: JobWhy) -> (About, Option<(String, By)>) {
+        match why {
+            JobWhy::After(j) => (About::Job, Some((job_name(j), By::Job))),
+            JobWhy::RackBusy(_, r, _) => (About::Rack, Some((self.robot(r), By::Robot))),
+            JobWhy::RobotBusy(r, _) | JobWhy::Robot(r, _) => (About::Robot, Some((self.robot(r), By::Robot))),
+            JobWhy::NoRobot | JobWhy::NoKind => (About::NoRobot, None),
+            JobWhy::StationFull(s) | JobWhy::StationPaused(s) | JobWhy::StationBlocked(s, _) => {
+                let name = self.map.stations.get(s).map(|s| (s.name.clone(), By::Station));
+                (About::Station, name)
+            }
+            JobWhy::ClosedOff => (About::Closed, None),
+            JobWhy::RackBlocked(_, r) | JobWhy::WayBlocked(r) => {
+                (About::Blocked, Some((self.robot(r), By::Robot)))
+            }
+            JobWhy::NoPlace(_) => (About::Place, None),
+            JobWhy::RobotLow(r) => (About::Battery, Some((self.robot(r), By::Robot))),
         }
     }
 

@@ -222,3 +222,33 @@ impl PartialSchema for AlarmKindDto {
 }
 
 impl ToSchema for AlarmKindDto {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::id::{RackId, RobotId};
+
+    #[test]
+    fn words_of_the_wire_are_those_that_the_core_writes_down_and_filters_by() {
+        let robot = RobotId(0);
+        let at_work =
+            [JobState::Assigned { robot }, JobState::Carrying { robot }, JobState::Picking { robot }];
+        for state in [JobState::Waiting, JobState::Done, JobState::Cancelled].into_iter().chain(at_work) {
+            assert_eq!(JobStateDto::from(state).word(), state.word());
+        }
+        for kind in [JobKind::Return { rack: RackId(0) }, JobKind::Park { robot }, JobKind::Charge { robot }]
+        {
+            assert_eq!(JobKindDto::from(kind).word(), kind.word());
+        }
+        for severity in AlarmSeverity::ALL {
+            assert_eq!(AlarmSeverityDto::from(severity).word(), severity.word());
+        }
+        for state in crate::api::people::ASSIGNMENT_STATES {
+            assert_eq!(AssignmentStateDto::from(state).word(), state.word());
+        }
+        for policy in [HumanAwarePolicy::Nhir, HumanAwarePolicy::Giveway] {
+            assert_eq!(PolicyDto::from(policy).word(), policy.word());
+        }
+        assert_eq!(serde_json::to_value(FaultDto::EmergencyStop).unwrap(), Fault::EmergencyStop.word());
+    }
+}

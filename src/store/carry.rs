@@ -44,9 +44,10 @@ const RENUMBER: [&str; 7] = [
     "UPDATE heat SET node = -1 - node WHERE node < 0",
 ];
 const WAIT_AGAIN: &str = "UPDATE jobs SET state = 'waiting', why = NULL, worker = NULL, updated = $1, \
-     assigned_at = NULL, lifted_at = NULL, arrived_at = NULL \
+    assigned_at = NULL, lifted_at = NULL, arrived_at = NULL \
     WHERE id IN (SELECT value FROM json_each($2))";
-const FAIL: &str = "UPDATE jobs SET state = $3, why = $4, updated = $1, ended_at = $1 WHERE id IN (SELECT value FROM json_each($2))";
+const FAIL: &str = "UPDATE jobs SET state = $3, why = $4, updated = $1, ended_at = $1 \
+    WHERE id IN (SELECT value FROM json_each($2))";
 const CANCEL: &str =
     "UPDATE assignments SET state = $3, updated = $1 WHERE id IN (SELECT value FROM json_each($2))";
 const FORGET: [&str; 2] = ["DELETE FROM steps", "DELETE FROM snapshots"];

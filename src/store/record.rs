@@ -9,7 +9,7 @@ use super::people_record::{
     RecurringRecord,
 };
 use super::route_record::{BookingRecord, KeptRecord, MovedRecord};
-use crate::fleet::{AssignmentRequest, Booking, Fact, KeptRoute, Moved, Reaction, USUAL_KIND};
+use crate::fleet::{AssignmentRequest, Booking, Fact, JobKind, KeptRoute, Moved, Reaction, USUAL_KIND};
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
@@ -377,14 +377,7 @@ impl From<&Fact> for Record {
                 Record::Prioritised { job: job.0, priority: *priority, at: at.0 }
             }
             Fact::JobChanged { job, kind, priority, deadline, at } => {
-                let deadline = deadline.map(|t| t.0);
-                Record::JobChanged {
-                    job: job.0,
-                    kind: (*kind).into(),
-                    priority: *priority,
-                    deadline,
-                    at: at.0,
-                }
+                record_job_changed(*job, *kind, (*priority, *deadline), *at)
             }
             Fact::Encountered(encounter) => Record::Encountered(encounter.into()),
             Fact::Deviated { worker, at } => Record::Deviated { worker: worker.0, at: at.0 },
@@ -538,6 +531,16 @@ impl From<Record> for Fact {
             rest => about_closures(rest),
         }
     }
+}
+
+fn record_job_changed(
+    job: JobId,
+    kind: JobKind,
+    (priority, deadline): (u8, Option<Time>),
+    at: Time,
+) -> Record {
+    let deadline = deadline.map(|t| t.0);
+    Record::JobChanged { job: job.0, kind: kind.into(), priority, deadline, at: at.0 }
 }
 
 fn record_registered(robot: RobotId, (name, kind): (&str, &str), node: NodeId, at: Time) -> Record {

@@ -1,8 +1,8 @@
 //! Poses of people in, guidance out: the feed of headsets, tags and gateways.
 //!
 //! [`align`], [`clock`], [`pose`], [`thin`], [`intake`] and [`warn`] are pure: numbers in, numbers out. [`wire`] is
-//! what headsets say, [`message`] what they are told, [`hub`] is where poses of all sources and guidance for all workers meet, [`session`] is one
-//! connection. Refuses: to judge where people can be, which the core does, and queues.
+//! what headsets say, [`message`] what they are told, [`hub`] is where poses of all sources and guidance for all
+//! workers meet, [`session`] is one connection. Refuses: to judge where people can be, which the core does, and queues.
 
 pub mod align;
 pub mod clock;

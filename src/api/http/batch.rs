@@ -1,7 +1,7 @@
 //! `POST /v1/jobs:batch`: many jobs in one request, each accepted or refused for itself.
 //!
-//! Main types: [`NewJobs`], [`BatchDto`]. Those that are accepted are so in one step of the fleet and in one transaction,
-//! so that a thousand take no longer than one. Refuses: to let one wrong row refuse the others.
+//! Main types: [`NewJobs`], [`BatchDto`]. The accepted ones share one step of the fleet and one transaction, so that a
+//! thousand take no longer than one. Refuses: to let one wrong row refuse the others.
 
 use super::jobs::{check_same, read};
 use super::new_job::NewJob;

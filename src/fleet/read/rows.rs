@@ -1,7 +1,7 @@
 //! Jobs, assignments and encounters as lists have them, and which of them are wanted.
 //!
-//! Main types: [`JobRow`], [`JobTimes`], [`AssignmentRow`], [`EncounterRow`], and a query for each. The store reads them, a recording
-//! makes them from facts, and the API gives their names. Refuses: to know where they are kept.
+//! Main types: [`JobRow`], [`JobTimes`], [`AssignmentRow`], [`EncounterRow`], and a query for each. The store reads
+//! them, a recording makes them from facts, and the API gives their names. Refuses: to know where they are kept.
 
 use crate::fleet::state::job::{Job, JobState};
 use crate::fleet::state::worker::{Assignment, Encounter};

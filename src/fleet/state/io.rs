@@ -65,8 +65,8 @@ pub enum Input {
         /// What.
         request: JobRequest,
     },
-    /// A customer wants several jobs done. Each is accepted or refused for itself; those that are accepted are so in one
-    /// step, and durable together.
+    /// A customer wants several jobs done. Each is accepted or refused for itself; the accepted ones are durable
+    /// together.
     SubmitBatch {
         /// Comes back with the reply.
         token: u64,

@@ -1,6 +1,7 @@
 //! Jobs: what a customer wants, and how far it has come.
 //!
-//! Main types: [`JobKind`], [`JobRequest`], [`JobChange`], [`Job`], [`JobState`]. Refuses: to know how a job is carried out.
+//! Main types: [`JobKind`], [`JobRequest`], [`JobChange`], [`Job`], [`JobState`]. Refuses: to know how a job is carried
+//! out.
 
 use crate::id::{BodyId, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
