@@ -43,7 +43,8 @@ pub struct WorkerDto {
     pub speed: f64,
     /// One standard deviation of the position, metres; it grows while no pose comes.
     pub accuracy: f64,
-    /// Where a lost worker may be by now: `[x, y]` of nodes that robots keep out of, metres; empty if the worker is seen.
+    /// Where a lost worker may be by now: `[x, y]` of nodes that robots keep out of, metres; empty if the worker is
+    /// seen.
     pub area: Vec<[f64; 2]>,
     /// Radii of the stop, keep-out and slow zones around the worker, metres.
     pub regions: [f64; 3],

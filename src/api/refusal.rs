@@ -43,23 +43,10 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         Refusal::TooMany(kind, n) => too_many(kind, n),
         Refusal::TooManyBefore(most) => field("after", format!("a job can wait for at most {most} others")),
         Refusal::TooManyCorners(most) => field("outline", format!("an area has at most {most} corners")),
-        Refusal::UnknownWorker(worker) => {
-            let name = worker_name(worker);
-            Problem::unknown("worker", format!("{name} does not exist; GET /v1/workers lists all"))
-        }
-        Refusal::NotLost(worker) => {
-            let detail = format!("{} is seen, or not on the floor: nobody has to look", worker_name(worker));
-            Problem::conflict("worker-not-lost", "The worker is not lost", detail)
-        }
-        Refusal::NoPlaceForPeople => {
-            let detail =
-                "nobody can stand there, or `within_m` is not from 0.5 to 8: choose a place on a walkway";
-            field("at", detail.into())
-        }
-        Refusal::UnknownAssignment(id) => {
-            let detail = format!("{} is over already, or never existed", assignment_name(id));
-            Problem::conflict("assignment-is-over", "The assignment is over", detail)
-        }
+        Refusal::UnknownWorker(_)
+        | Refusal::NotLost(_)
+        | Refusal::NoPlaceForPeople
+        | Refusal::UnknownAssignment(_) => about_people(why),
         Refusal::UnknownSeries(_) | Refusal::Recurrence | Refusal::NoExits | Refusal::UnknownClosure(_) => {
             about_closures(why)
         }
@@ -80,6 +67,30 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         Refusal::EmptyArea => {
             field("outline", "an area needs at least three corners, and `until` must be after `from`".into())
         }
+    }
+}
+
+/// Workers, and what they are to do.
+fn about_people(why: Refusal) -> Problem {
+    match why {
+        Refusal::UnknownWorker(worker) => {
+            let name = worker_name(worker);
+            Problem::unknown("worker", format!("{name} does not exist; GET /v1/workers lists all"))
+        }
+        Refusal::NotLost(worker) => {
+            let detail = format!("{} is seen, or not on the floor: nobody has to look", worker_name(worker));
+            Problem::conflict("worker-not-lost", "The worker is not lost", detail)
+        }
+        Refusal::NoPlaceForPeople => {
+            let detail =
+                "nobody can stand there, or `within_m` is not from 0.5 to 8: choose a place on a walkway";
+            Problem::invalid(vec![FieldError::new("at", detail)])
+        }
+        Refusal::UnknownAssignment(id) => {
+            let detail = format!("{} is over already, or never existed", assignment_name(id));
+            Problem::conflict("assignment-is-over", "The assignment is over", detail)
+        }
+        other => unreachable!("{other:?} is about nobody"),
     }
 }
 

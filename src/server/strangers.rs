@@ -1,7 +1,7 @@
 //! Connections that have not shown that they belong here: a bounded number of them, so that they keep nobody out.
 //!
-//! Main types: [`Strangers`], [`Stranger`]. A connection is a stranger until a request of it was let in. If there are too
-//! many, the one that has been here longest has to leave. Refuses: to close a connection that was let in.
+//! Main types: [`Strangers`], [`Stranger`]. A connection is a stranger until a request of it was let in. If there are
+//! too many, the one that has been here longest has to leave. Refuses: to close a connection that was let in.
 
 use std::collections::{BTreeMap, HashMap};
 use std::net::IpAddr;

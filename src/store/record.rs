@@ -357,9 +357,6 @@ impl From<&Fact> for Record {
             Fact::Returned { robot, kind, node, at } => record_returned(*robot, kind, *node, *at),
             Fact::RackTaken { robot, rack, node, at } => record_taken(*robot, *rack, *node, *at),
             Fact::WorkerRegistered { worker, name, at } => record_hired(*worker, name, *at),
-            Fact::WorkerNoted { .. } | Fact::WorkerNarrowed { .. } | Fact::WorkerCleared { .. } => {
-                record_of_place(fact)
-            }
             Fact::Assigned { assignment, worker, request, at } => {
                 record_assigned(*assignment, *worker, request, *at)
             }
@@ -385,7 +382,7 @@ impl From<&Fact> for Record {
                 record_interrupted(*robot, *worker, *reaction, *at)
             }
             Fact::KeysExpired { jobs, assignments } => record_keys_expired(jobs, assignments),
-            rest => of_closures(rest),
+            rest => of_places(rest),
         }
     }
 }
@@ -394,7 +391,8 @@ fn record_assigned(id: AssignmentId, worker: Option<WorkerId>, r: &AssignmentReq
     Record::Assigned { assignment: id.0, worker: worker.map(|w| w.0), request: r.into(), at: at.0 }
 }
 
-fn record_of_place(fact: &Fact) -> Record {
+/// Where workers are, and what is closed.
+fn of_places(fact: &Fact) -> Record {
     match fact {
         Fact::WorkerNoted { worker, place } => Record::Noted { worker: worker.0, place: (*place).into() },
         Fact::WorkerNarrowed { worker, place, by, at } => {
@@ -403,7 +401,7 @@ fn record_of_place(fact: &Fact) -> Record {
         Fact::WorkerCleared { worker, by, at } => {
             Record::Cleared { worker: worker.0, by: by.clone(), at: at.0 }
         }
-        other => unreachable!("{other:?} is not about where a worker is"),
+        rest => of_closures(rest),
     }
 }
 
@@ -495,15 +493,6 @@ impl From<Record> for Fact {
             Record::Hired { worker, name, at } => {
                 Fact::WorkerRegistered { worker: WorkerId(worker), name, at: Time(at) }
             }
-            Record::Noted { worker, place } => {
-                Fact::WorkerNoted { worker: WorkerId(worker), place: place.into() }
-            }
-            Record::Narrowed { worker, place, by, at } => {
-                Fact::WorkerNarrowed { worker: WorkerId(worker), place: place.into(), by, at: Time(at) }
-            }
-            Record::Cleared { worker, by, at } => {
-                Fact::WorkerCleared { worker: WorkerId(worker), by, at: Time(at) }
-            }
             Record::Assigned { assignment, worker, request, at } => assigned(assignment, worker, request, at),
             Record::Given { assignment, worker, at } => given(assignment, worker, at),
             Record::Advanced { assignment, state, at } => {
@@ -521,16 +510,35 @@ impl From<Record> for Fact {
                 Fact::Prioritised { job: JobId(job), priority, at: Time(at) }
             }
             Record::JobChanged { job, kind, priority, deadline, at } => {
-                let deadline = deadline.map(Time);
-                Fact::JobChanged { job: JobId(job), kind: kind.into(), priority, deadline, at: Time(at) }
+                job_changed(job, kind, (priority, deadline), at)
             }
             Record::Encountered(encounter) => Fact::Encountered(encounter.into()),
             Record::Deviated { worker, at } => Fact::Deviated { worker: WorkerId(worker), at: Time(at) },
             Record::Interrupted { robot, worker, reaction, at } => interrupted(robot, worker, reaction, at),
             Record::KeysExpired { jobs, assignments } => keys_expired(jobs, assignments),
-            rest => about_closures(rest),
+            rest => about_places(rest),
         }
     }
+}
+
+fn about_places(record: Record) -> Fact {
+    match record {
+        Record::Noted { worker, place } => {
+            Fact::WorkerNoted { worker: WorkerId(worker), place: place.into() }
+        }
+        Record::Narrowed { worker, place, by, at } => {
+            Fact::WorkerNarrowed { worker: WorkerId(worker), place: place.into(), by, at: Time(at) }
+        }
+        Record::Cleared { worker, by, at } => {
+            Fact::WorkerCleared { worker: WorkerId(worker), by, at: Time(at) }
+        }
+        rest => about_closures(rest),
+    }
+}
+
+fn job_changed(job: u64, kind: KindRecord, (priority, deadline): (u8, Option<i64>), at: i64) -> Fact {
+    let (kind, deadline) = (kind.into(), deadline.map(Time));
+    Fact::JobChanged { job: JobId(job), kind, priority, deadline, at: Time(at) }
 }
 
 fn record_job_changed(

@@ -53,7 +53,26 @@ use utoipa_axum::routes;
 
 /// All routes, and what is said about them.
 pub fn router(api: Api) -> (Router, Document) {
-    let (v1, document) = OpenApiRouter::with_openapi(openapi::Description::openapi())
+    let (v1, document) = routes().split_for_parts();
+    let served = |document: Value| {
+        let text = document.to_string();
+        get(move || async move { ([(header::CONTENT_TYPE, "application/json")], text) })
+    };
+    let router = v1
+        .route_layer(middleware::from_fn_with_state(api.clone(), authorise))
+        .route("/openapi.json", served(openapi::described(&document)))
+        .route("/asyncapi.json", served(asyncapi::messages()))
+        .fallback(page::page)
+        .method_not_allowed_fallback(wrong_method)
+        .with_state(api.clone())
+        .layer(CatchPanicLayer::custom(|_| Problem::internal().into_response()))
+        .layer(middleware::from_fn_with_state(api, account));
+    (router, document)
+}
+
+/// The routes that are described, each beside what it says of itself.
+fn routes() -> OpenApiRouter<Api> {
+    OpenApiRouter::with_openapi(openapi::Description::openapi())
         .routes(routes!(health::health))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))
@@ -107,21 +126,6 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(heat::heat))
         .routes(routes!(ws::live))
         .routes(routes!(health::metrics))
-        .split_for_parts();
-    let served = |document: Value| {
-        let text = document.to_string();
-        get(move || async move { ([(header::CONTENT_TYPE, "application/json")], text) })
-    };
-    let router = v1
-        .route_layer(middleware::from_fn_with_state(api.clone(), authorise))
-        .route("/openapi.json", served(openapi::described(&document)))
-        .route("/asyncapi.json", served(asyncapi::messages()))
-        .fallback(page::page)
-        .method_not_allowed_fallback(wrong_method)
-        .with_state(api.clone())
-        .layer(CatchPanicLayer::custom(|_| Problem::internal().into_response()))
-        .layer(middleware::from_fn_with_state(api, account));
-    (router, document)
 }
 
 /// Lets authorised requests in; health needs no token.

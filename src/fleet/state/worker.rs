@@ -69,8 +69,8 @@ pub struct Assignment {
     pub accepted: Time,
 }
 
-/// Where a worker on the floor was known to be, as the journal has it: to a few metres while the worker is seen, exactly
-/// where the worker was lost. So a restart knows where somebody may be whose headset is silent since.
+/// Where a worker on the floor was known to be, as the journal has it: to a few metres while the worker is seen,
+/// exactly where the worker was lost. So a restart knows where somebody may be whose headset is silent since.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LastPlace {
     /// Where.
@@ -340,8 +340,8 @@ pub struct WorkerView {
     pub speed_mps: f64,
     /// One standard deviation of the position, metres, grown with silence.
     pub accuracy_m: f64,
-    /// Where the worker may be by now who is lost: nodes within the way that the worker may have walked, round walls and
-    /// racks. Empty while the worker is seen.
+    /// Where a lost worker may be by now: nodes within the way that the worker may have walked, round walls and racks.
+    /// Empty while the worker is seen.
     pub area: Vec<NodeId>,
     /// Radii of regions 1, 2 and 3, metres, for a robot without a rack.
     pub regions_m: [f64; 3],

@@ -8,7 +8,7 @@
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::traffic::state::Traffic;
+use crate::fleet::traffic::state::{Obstruction, Traffic};
 use crate::id::{NodeId, RobotId};
 use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
@@ -21,21 +21,6 @@ const CLOSED: Span = Span::from_secs(120);
 const CLOSED_UNSAID: Span = Span::from_secs(30);
 /// A charger that gave no current is tried again after this.
 const OUT_OF_ORDER: Span = Span::from_secs(600);
-
-/// A place that is closed for a while because a robot could not get there.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::fleet) struct Obstruction {
-    /// The robot that was kept from it last.
-    pub by: RobotId,
-    /// The node that this robot had come from.
-    pub from: NodeId,
-    /// Since when it is closed.
-    pub since: Time,
-    /// When it is tried again.
-    pub until: Time,
-    /// Whether the robot reported that something stands there.
-    pub said: bool,
-}
 
 impl Traffic {
     /// Notes where robots are obstructed, or get no current; closes those places while they are noted. To be called in

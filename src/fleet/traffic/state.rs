@@ -5,7 +5,6 @@
 use crate::fleet::state::core::Core;
 use crate::fleet::state::needs::Needs;
 use crate::fleet::state::planners::Planners;
-use crate::fleet::traffic::obstruction::Obstruction;
 use crate::id::{IdVec, NodeId, ResourceId, RobotId};
 use crate::route::Cause;
 use crate::time::{Span, Time};
@@ -34,6 +33,21 @@ pub(in crate::fleet) enum Direction {
     Forward,
     /// To the node that it reached last.
     Back,
+}
+
+/// A place that is closed for a while because a robot could not get there.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::fleet) struct Obstruction {
+    /// The robot that was kept from it last.
+    pub by: RobotId,
+    /// The node that this robot had come from.
+    pub from: NodeId,
+    /// Since when it is closed.
+    pub since: Time,
+    /// When it is tried again.
+    pub until: Time,
+    /// Whether the robot reported that something stands there.
+    pub said: bool,
 }
 
 /// How often routes were searched for. It promises nothing to any robot, so it is no fact and starts at zero with the
