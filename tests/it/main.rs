@@ -22,6 +22,7 @@ mod journal;
 mod live;
 mod load;
 mod measured;
+mod page_filters;
 mod past;
 mod people;
 mod recovery;

@@ -74,8 +74,8 @@ await check('A robot is taken off the floor in its card, is gone when it was swi
   const all = await robots();
   const id = (all.find((r) => r.state === 'idle') ?? all.at(-1)).id;
   await choose(id);
-  await card.getByRole('button', { name: 'Take off the floor' }).click();
-  await card.getByRole('button', { name: 'Let it stay' }).waitFor({ timeout: PATIENCE });
+  await card.getByRole('button', { name: 'Remove from the floor' }).click();
+  await card.getByRole('button', { name: 'Keep on the floor' }).waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}leaving.png` });
   await page.getByText(`${id} is not on the floor.`).waitFor({ timeout: 4 * PATIENCE });
   const left = await robots();
@@ -89,7 +89,7 @@ await check('A robot is taken off the floor in its card, is gone when it was swi
     if (answer.status() === 201) { back = node.id; break; }
   }
   assert(back !== null, 'no place was free');
-  await card.getByRole('button', { name: 'Take off the floor' }).waitFor({ timeout: PATIENCE });
+  await card.getByRole('button', { name: 'Remove from the floor' }).waitFor({ timeout: PATIENCE });
   await page.getByText(`${all.length} robots`, { exact: true }).waitFor({ timeout: PATIENCE });
   await card.getByRole('button', { name: 'Close' }).click();
   return `${id} left and came back at ${back}`;

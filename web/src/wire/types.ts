@@ -275,7 +275,7 @@ export function parseMessage(text: string): Message | null {
 export const JOB_KINDS = ['deliver', 'return', 'relocate', 'charge', 'park', 'go'] as const;
 export type JobKind = (typeof JOB_KINDS)[number];
 export const JOB_STATES = [
-  'waiting', 'assigned', 'carrying', 'queued', 'picking', 'done', 'cancelled', 'failed',
+  'waiting', 'assigned', 'carrying', 'picking', 'done', 'cancelled', 'failed',
 ] as const;
 export type JobState = (typeof JOB_STATES)[number];
 
