@@ -24,8 +24,9 @@ pub use read::rows::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JobQuery, JobRow,
 };
 pub use read::safety_regions::{RegionStay, SafetyRegion};
-pub use read::view::{Counts, Doing, JobWhy, RobotState, RobotView, StationView, View};
+pub use read::view::{Counts, JobWhy, RobotState, RobotView, StationView, View};
 pub use read::why::{Because, LostWorker, Standstill, Waiting, Who};
+pub use state::activity::{Activity, Doing};
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 pub use state::fact::{Act, Booking, Fact, KeptRoute, Moved, Purpose, Stop, Task};
 pub use state::fault::Fault;
@@ -135,6 +136,7 @@ impl Fleet {
         let interrupted = |robot| self.yielding.procedure.holds(robot);
         self.traffic.grant(&mut self.core, &self.yielding.state, interrupted, now);
         self.note_waits(now);
+        waits::note_activities(&mut self.core, now);
         std::mem::take(&mut self.core.out)
     }
 

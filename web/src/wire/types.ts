@@ -40,9 +40,14 @@ export interface Lane {
   for: Traveller[];
 }
 
-export const ROBOT_STATES = ['idle', 'busy', 'free', 'interrupted', 'failed'] as const;
+/** What a robot can be at, as the server says it. */
+export const ACTIVITIES = [
+  'idle', 'driving', 'handling', 'picking', 'queueing', 'charging', 'waiting', 'paused', 'stopped', 'out_of_service', 'offline', 'failed',
+] as const;
 /** One that has left the floor keeps its place in the list of the feed, where robots go by number. */
-export type RobotState = (typeof ROBOT_STATES)[number] | 'gone';
+export type Activity = (typeof ACTIVITIES)[number] | 'gone';
+/** Whether the task of a robot goes on. */
+export type RobotState = 'idle' | 'busy' | 'free' | 'interrupted' | 'failed' | 'gone';
 export type Doing =
   | 'to_rack' | 'lifting' | 'carrying' | 'queueing' | 'picking' | 'returning' | 'setting_down'
   | 'to_charger' | 'charging' | 'parking' | 'going' | 'idle' | 'waiting' | 'failed';
@@ -53,6 +58,10 @@ export interface Robot {
   y: number;
   heading: number;
   speed: number;
+  /** Null in recordings of earlier versions. */
+  activity: Activity | null;
+  /** Since when it has been at that, RFC 3339; null in recordings of earlier versions. */
+  since: string | null;
   state: RobotState;
   doing: Doing;
   /** What robots of its kind are called. */
@@ -215,6 +224,8 @@ export interface Snapshot {
   type: 'snapshot';
   version: number;
   time_s: number;
+  /** When `time_s` was zero, RFC 3339. Recordings of earlier versions do not say. */
+  started?: string;
   simulated: boolean;
   robots: Robot[];
   racks: Rack[];
