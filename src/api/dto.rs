@@ -456,9 +456,6 @@ const PAUSED: &str = "paused by hand";
 pub const JOB_STATES: [&str; 7] =
     ["waiting", "assigned", "carrying", "picking", "done", "cancelled", "failed"];
 
-/// The word for a robot that has left the floor: lists leave it out.
-pub const GONE: &str = "gone";
-
 /// The word for a robot's state.
 pub fn state_word(s: RobotState) -> &'static str {
     match s {
@@ -467,7 +464,7 @@ pub fn state_word(s: RobotState) -> &'static str {
         RobotState::Free => "free",
         RobotState::Interrupted => "interrupted",
         RobotState::Failed => "failed",
-        RobotState::Gone => GONE,
+        RobotState::Gone => "gone",
     }
 }
 

@@ -20,6 +20,9 @@ pub use people::forecast::{AHEAD_S, Expected};
 pub use read::area::Area;
 pub use read::backlog::{Backlog, Pending};
 pub use read::occupancy::{MOST_NODES, NodeOccupancy};
+pub use read::robot_events::{
+    RobotChange, RobotEventQuery, RobotEventRow, RobotEventSource, RobotJobCounts, robot_change,
+};
 pub use read::rows::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JobQuery, JobRow,
 };

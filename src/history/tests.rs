@@ -31,6 +31,7 @@ fn robot(at: usize, why: Option<Why>) -> RobotView {
         activity: crate::fleet::Activity::Driving,
         since: Time::ZERO,
         driven_m: 0.0,
+        heard: None,
         job: None,
         granted: vec![NodeId::at(at)],
         held: vec![],

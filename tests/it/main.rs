@@ -26,6 +26,7 @@ mod page_filters;
 mod past;
 mod people;
 mod recovery;
+mod robots;
 mod run;
 mod stations;
 mod store;

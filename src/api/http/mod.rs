@@ -21,6 +21,7 @@ mod past;
 mod positions;
 mod recurring;
 mod reports;
+mod robot_life;
 mod robots;
 mod stations;
 mod timelines;
@@ -70,7 +71,8 @@ pub fn router(api: Api) -> (Router, Document) {
         .routes(routes!(lists::racks))
         .routes(routes!(lists::stations))
         .routes(routes!(lists::robots, robots::register))
-        .routes(routes!(robots::retire))
+        .routes(routes!(robot_life::get, robots::retire))
+        .routes(routes!(robot_life::history))
         .routes(routes!(robots::take_rack))
         .routes(routes!(robots::maintain, robots::work_again))
         .routes(routes!(kinds::kinds))

@@ -6,6 +6,7 @@ use crate::geometry::{Point, Pose};
 use crate::human::{Mixture, Part};
 use crate::id::{Dense, NodeId, WorkerId};
 use crate::time::Span;
+use crate::time::Time;
 use serde_json::{Value, json};
 
 fn robot(name: &str, x: f64) -> RobotView {
@@ -27,6 +28,7 @@ fn robot(name: &str, x: f64) -> RobotView {
         activity: Activity::Driving,
         since: Time::ZERO,
         driven_m: 0.0,
+        heard: None,
         job: None,
         granted: vec![],
         held: vec![],

@@ -4,8 +4,8 @@ use super::tests::{TestFolder, cut};
 use super::*;
 use crate::api::port::Moment;
 use crate::fleet::{
-    Activity, Backlog, Counts, Doing, Encounter, JobKind, Pending, Reaction, RobotState, RobotView, Task, View,
-    Why,
+    Activity, Backlog, Counts, Doing, Encounter, JobKind, Pending, Reaction, RobotState, RobotView, Task,
+    View, Why,
 };
 use crate::geometry::{Point, Pose, Spot};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
@@ -34,6 +34,7 @@ fn frame(zero: Time, at_s: f64) -> Arc<Frame> {
         activity: Activity::Driving,
         since: Time::ZERO,
         driven_m: 0.0,
+        heard: None,
         job: None,
         granted: vec![],
         held: vec![],

@@ -101,6 +101,7 @@ impl Fleet {
             name: record.name.clone(),
             pose: seen.map_or(stands, |t| t.pose),
             seen: seen.map(|t| t.seen),
+            heard: self.core.scene.heard(r),
             speed_mps: seen.map_or(0.0, |t| t.speed_mps),
             kind: record.kind.clone(),
             battery: seen.map_or(0.0, |t| t.battery),

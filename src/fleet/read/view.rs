@@ -74,6 +74,8 @@ pub struct RobotView {
     pub pose: Pose,
     /// When it was seen last.
     pub seen: Option<Time>,
+    /// When its newest report came in.
+    pub heard: Option<Time>,
     /// How fast, metres per second.
     pub speed_mps: f64,
     /// The name of its kind.
