@@ -4,7 +4,7 @@ import type { Socket, SocketEvents } from './link';
 import type { Past, Sum } from './past';
 import type {
   AlarmPage, AlarmRecord, Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobPage, JobState, NewClosure, NewJob,
-  Problem, RobotKind, Timelines, Why, WorkerDetail,
+  Problem, RobotDetail, RobotHistoryPage, RobotKind, Timelines, Why, WorkerDetail,
 } from './types';
 
 export type Answer<T> =
@@ -39,6 +39,10 @@ export class Api {
   resume = (robot: string) => this.#ask<null>('POST', `/v1/robots/${encodeURIComponent(robot)}/resume`);
   maintain = (robot: string) => this.#ask<null>('PUT', `/v1/robots/${encodeURIComponent(robot)}/maintenance`);
   workAgain = (robot: string) => this.#ask<null>('DELETE', `/v1/robots/${encodeURIComponent(robot)}/maintenance`);
+  robot = (id: string) => this.#ask<RobotDetail>('GET', `/v1/robots/${encodeURIComponent(id)}`);
+  /** What happened to a robot, newest first: a page of it. */
+  robotHistory = (id: string, cursor: string | null) =>
+    this.#ask<RobotHistoryPage>('GET', `/v1/robots/${encodeURIComponent(id)}/history?${new URLSearchParams({ limit: '20', ...(cursor === null ? {} : { cursor }) })}`);
   retire = (robot: string) => this.#ask<null>('DELETE', `/v1/robots/${encodeURIComponent(robot)}`);
   station = (id: string, says: 'done' | 'short' | 'pause' | 'resume') =>
     this.#ask<null>('POST', `/v1/stations/${encodeURIComponent(id)}/${says}`);

@@ -81,6 +81,34 @@ export interface Robot {
   held: number[];
   why: string | null;
 }
+/** One robot with what the feed leaves out. */
+export interface RobotDetail {
+  id: string;
+  /** When its last report came in, RFC 3339; null if none has since the server started. */
+  heard: string | null;
+  silent_s: number | null;
+  /** Since the server started. */
+  driven_m: number;
+  started: string;
+  jobs_done: number;
+  jobs_failed: number;
+  alarms: AlarmRecord[];
+}
+/** Something that happened to a robot. */
+export interface RobotEvent {
+  at: string;
+  kind: 'job' | 'alarm' | 'change';
+  /** The job or the alarm. */
+  id: string | null;
+  /** The state of the job, the kind of the alarm, or the change in a word. */
+  what: string;
+  text: string | null;
+  ended: string | null;
+}
+export interface RobotHistoryPage {
+  items: RobotEvent[];
+  next: string | null;
+}
 export interface Rack {
   id: string;
   node: number | null;

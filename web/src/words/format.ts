@@ -23,6 +23,9 @@ export function span(seconds: number): string {
   return `${Math.floor(s / 3_600)} h ${Math.floor((s % 3_600) / 60)} min`;
 }
 
+/** How far, in the unit a person would say. */
+export const metres = (m: number): string => (m < 1_000 ? `${Math.round(m)} m` : `${(m / 1_000).toFixed(1)} km`);
+
 /** The floor's own clock, which in a simulation is not the time of day. */
 export function clock(seconds: number): string {
   const s = Math.max(0, Math.floor(seconds));

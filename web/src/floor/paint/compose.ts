@@ -254,7 +254,8 @@ export class Composer {
         break;
       case 'stopped':
         sheet.put(KIND.disc, x, y, d, d, colour);
-        sheet.put(KIND.box, x, y, 0.9 * r, 0.9 * r, ink.tick);
+        sheet.put(KIND.box, x, y, 0.75 * r, 0.75 * r, ink.tick);
+        sheet.put(KIND.ring, x, y, 1.65 * r, 1.65 * r, ink.tick, 0, 0.14 * r);
         break;
       case 'out_of_service':
         hollow();
