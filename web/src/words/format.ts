@@ -23,6 +23,9 @@ export function span(seconds: number): string {
   return `${Math.floor(s / 3_600)} h ${Math.floor((s % 3_600) / 60)} min`;
 }
 
+/** The same in the largest unit alone. */
+export const roughly = (seconds: number): string => span(seconds).split(' ').slice(0, 2).join(' ');
+
 /** How far, in the unit a person would say. */
 export const metres = (m: number): string => (m < 1_000 ? `${Math.round(m)} m` : `${(m / 1_000).toFixed(1)} km`);
 
@@ -40,7 +43,7 @@ export function timeOfDay(rfc3339: string | null): string {
 }
 
 export const ACTIVITY_WORDS: Record<Activity, string> = {
-  idle: 'Idle', driving: 'Driving', handling: 'Handling a rack', picking: 'Picking', queueing: 'Queueing', charging: 'Charging',
+  idle: 'Idle', driving: 'Driving', handling: 'Handling', picking: 'Picking', queueing: 'Queueing', charging: 'Charging',
   waiting: 'Waiting', paused: 'Paused', stopped: 'Stopped', out_of_service: 'Out of service', offline: 'Offline', failed: 'Failed',
   gone: 'Gone',
 };
