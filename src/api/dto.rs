@@ -39,8 +39,8 @@ pub struct RobotDto<N = String> {
     pub heading: f64,
     /// Metres per second.
     pub speed: f64,
-    /// What it is at: idle, driving, waiting, handling (lifting a rack or setting it down), queueing, picking, charging,
-    /// paused, stopped, out_of_service, failed or offline; gone in the live feed, where robots go by number.
+    /// What it is at: idle, driving, waiting, handling (lifting a rack or setting it down), queueing, picking,
+    /// charging, paused, stopped, out_of_service, failed or offline; gone in the live feed, where robots go by number.
     #[schema(example = "driving")]
     pub activity: &'static str,
     /// Since when it has been so, RFC 3339.

@@ -196,10 +196,10 @@ fn end_recording(mut file: super::recording::RecordingWriter, sim: &Simulation) 
     file.finish()
 }
 
-/// What the floor could deliver at least, if robots never got in each other's way. A run in which they pass through one
-/// another shows that, but not as a proof: it is dispatched by the same heuristics, which meet other situations there and
-/// sometimes choose worse. On a floor whose stations are the limit, such a run can end a few deliveries short of the
-/// true one. What was truly delivered is possible, so the bound is never less.
+/// What the floor could deliver at least, if robots never got in each other's way. A run in which they pass through
+/// one another shows that, but not as a proof: it is dispatched by the same heuristics, which meet other situations
+/// there and sometimes choose worse. On a floor whose stations are the limit, such a run can end a few deliveries short
+/// of the true one. What was truly delivered is possible, so the bound is never less.
 fn throughput_bound(delivered: u64, unhindered: u64) -> u64 {
     unhindered.max(delivered)
 }

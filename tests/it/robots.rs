@@ -22,8 +22,19 @@ async fn order(at: SocketAddr, method: &str, path: &str) {
     assert_eq!(answer.status, 204, "{method} {path}: {answer:?}");
 }
 
-fn words(page: &Value) -> Vec<&str> {
-    page["items"].as_array().unwrap().iter().map(|e| e["what"].as_str().unwrap()).collect()
+/// Robots begin at chargers or parking places.
+fn both_rest(page: &Value) -> bool {
+    let rests = |r: &Value| r["activity"] == "idle" || r["activity"] == "charging";
+    page["items"].as_array().is_some_and(|robots| robots.len() == 2 && robots.iter().all(rests))
+}
+
+/// The entries of a history but for alarms, which a busy machine may raise.
+fn entries(page: &Value) -> Vec<Value> {
+    page["items"].as_array().unwrap().iter().filter(|e| e["kind"] != "alarm").cloned().collect()
+}
+
+fn words(page: &Value) -> Vec<String> {
+    entries(page).iter().map(|e| e["what"].as_str().unwrap().to_owned()).collect()
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -31,10 +42,7 @@ async fn robots_are_listed_by_what_they_are_at_and_nodes_by_name() {
     let folder = Folder::new();
     let server = start(&folder).await;
     let at = server.address();
-    until(at, "/v1/robots?activity=idle", "two idle robots", |page| {
-        page["items"].as_array().unwrap().len() == 2
-    })
-    .await;
+    until(at, "/v1/robots", "that both rest", both_rest).await;
     order(at, "POST", "/v1/robots/robot-2/pause").await;
     let paused = until(at, "/v1/robots?activity=paused", "one", |p| !p["items"][0].is_null()).await;
     let robot = &paused["items"][0];
@@ -59,10 +67,7 @@ async fn the_life_of_a_robot_is_told_by_the_server_also_after_a_restart() {
     let folder = Folder::new();
     let server = start(&folder).await;
     let at = server.address();
-    until(at, "/v1/robots?activity=idle", "two idle robots", |page| {
-        page["items"].as_array().unwrap().len() == 2
-    })
-    .await;
+    until(at, "/v1/robots", "that both rest", both_rest).await;
     order(at, "POST", "/v1/robots/robot-2/pause").await;
     assert_eq!(post(at, None, &delivery(0)).await.unwrap().status, 201);
     let one = until(at, "/v1/robots/robot-1", "a job done", |r| r["jobs_done"] == 1).await;
@@ -80,7 +85,7 @@ async fn the_life_of_a_robot_is_told_by_the_server_also_after_a_restart() {
     let told = get(at, "/v1/robots/robot-1/history").await.json();
     let expected = ["back_in_service", "out_of_service", "done", "joined"];
     assert_eq!(words(&told), expected, "newest first: {told}");
-    let job = &told["items"][2];
+    let job = &entries(&told)[2];
     assert_eq!((&job["kind"], &job["id"], &job["text"]), (&json!("job"), &json!("j1"), &json!("deliver")));
     let of_other = get(at, "/v1/robots/robot-2/history").await.json();
     assert_eq!(words(&of_other), ["resumed", "paused", "joined"], "{of_other}");
@@ -90,11 +95,12 @@ async fn the_life_of_a_robot_is_told_by_the_server_also_after_a_restart() {
     let mut path = "/v1/robots/robot-1/history?limit=1".to_owned();
     loop {
         let page = get(at, &path).await.json();
-        paged.extend(page["items"].as_array().unwrap().clone());
+        assert_eq!(page["items"].as_array().unwrap().len(), 1);
+        paged.extend(entries(&page));
         let Some(next) = page["next"].as_str() else { break };
         path = format!("/v1/robots/robot-1/history?limit=1&cursor={next}");
     }
-    assert_eq!(json!(paged), told["items"]);
+    assert_eq!(paged, entries(&told));
     let done = job["at"].as_str().unwrap();
     let before = get(at, &format!("/v1/robots/robot-1/history?to={done}")).await.json();
     assert_eq!(words(&before), ["joined"], "what began at that time is not before it");

@@ -1,4 +1,5 @@
-//! `/v1/robots/{id}` and its history: one robot with its errors, its link and what it has done, and what happened to it.
+//! `/v1/robots/{id}` and its history: one robot with its errors, its link and what it has done, and what happened
+//! to it.
 //!
 //! Main types: [`RobotDetailDto`], [`RobotEventDto`]. Refuses: pages of more than 500.
 
@@ -51,8 +52,8 @@ pub struct RobotEventDto {
     /// The job or the alarm; null for a change.
     #[schema(example = "j17")]
     pub id: Option<String>,
-    /// The state of the job; the kind of the alarm; or joined, failed, repaired, fenced, paused, resumed, fleet_stopped,
-    /// fleet_resumed, out_of_service, back_in_service, leaving, left or returned.
+    /// The state of the job; the kind of the alarm; or joined, failed, repaired, fenced, paused, resumed,
+    /// fleet_stopped, fleet_resumed, out_of_service, back_in_service, leaving, left or returned.
     #[schema(example = "done")]
     pub what: String,
     /// The kind of the job, or the text of the alarm.

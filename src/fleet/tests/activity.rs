@@ -15,9 +15,9 @@ impl TestFloor {
 fn a_delivery_is_told_activity_by_activity_each_with_when_it_began() {
     let mut floor = TestFloor::thesis(1);
     floor.run(2);
-    assert_eq!(floor.activity(R0).0, Activity::Idle);
+    assert_eq!(floor.activity(R0).0, Activity::Charging, "robots begin at chargers");
     floor.submit(request(deliver(3)));
-    let (mut told, mut last) = (vec![Activity::Idle], floor.activity(R0));
+    let (mut told, mut last) = (vec![Activity::Charging], floor.activity(R0));
     while !floor.fleet.ledger().jobs.is_empty() || !floor.is_idle(R0) {
         floor.step(vec![]);
         let now = floor.activity(R0);
@@ -103,5 +103,6 @@ fn a_robot_that_cannot_drive_is_failed_and_one_in_maintenance_is_out_of_service(
     floor.step(vec![Input::Maintain { token: 4, robot: RobotId(1), begins: true }]);
     let rests = |f: &TestFloor| f.activity(RobotId(1)).0 == Activity::OutOfService;
     floor.until(120, "it rests in maintenance", rests);
-    floor.until(120, "it is repaired", |f| f.activity(R0).0 == Activity::Idle);
+    floor.until(120, "it is repaired", |f| f.activity(R0).0 != Activity::Failed);
+    assert_eq!(floor.fleet.why(R0), None);
 }
