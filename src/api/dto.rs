@@ -25,9 +25,10 @@ pub struct Page<T> {
     pub next: Option<String>,
 }
 
-/// One robot. `N` is how nodes are called: by name, or by index in the live feed.
+/// One robot.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct RobotDto<N = String> {
+    // `N` is how nodes are called: by name, or by index in the live feed.
     /// Its name.
     #[schema(example = "robot-1")]
     pub id: String,
@@ -70,20 +71,23 @@ pub struct RobotDto<N = String> {
     /// Charge, 0 to 1.
     pub battery: f64,
     /// The nodes granted to it, in order: it may drive to them now.
+    #[schema(value_type = Vec<String>)]
     pub granted: Vec<N>,
     /// The nodes reserved for it beyond these, in order.
+    #[schema(value_type = Vec<String>)]
     pub held: Vec<N>,
     /// Why it does not go on; null if nothing holds it up.
     #[schema(example = "waiting for A12, held by robot-7")]
     pub why: Option<String>,
 }
 
-/// One rack. `N` as for robots.
+/// One rack.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct RackDto<N = String> {
     /// Its name.
     pub id: String,
     /// The node on which it stands.
+    #[schema(value_type = Option<String>)]
     pub node: Option<N>,
     /// The robot that carries it.
     pub robot: Option<String>,
