@@ -4,15 +4,16 @@
 //! them. Ids on the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
 
 use super::text::{closure_name, job_name, round3, time_text, worker_name};
-use super::words::{DoingDto, FaultDto, JobKindDto, JobStateDto, RobotStateDto};
+use super::words::{ActivityDto, DoingDto, FaultDto, JobKindDto, JobStateDto, RobotStateDto};
 use crate::alarm::displacement_words;
 use crate::fleet::{
     Counts, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotState, RobotView, View, Why,
 };
 use crate::id::{Dense, NodeId, RobotId};
+use crate::time::Time;
 use crate::timeline::Holder;
 use crate::warehouse::{NodeKind, Warehouse};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
@@ -27,7 +28,8 @@ pub struct Page<T> {
 
 /// One robot.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct RobotDto {
+pub struct RobotDto<N = String> {
+    // `N` is how nodes are called: by name, or by index in the live feed.
     /// Its name.
     #[schema(example = "robot-1")]
     pub id: String,
@@ -39,10 +41,17 @@ pub struct RobotDto {
     pub heading: f64,
     /// Metres per second.
     pub speed: f64,
-    /// What it is up to; `gone` in the live feed only, where robots go by number.
+    /// What it is at; `gone` in the live feed only, where robots go by number.
+    #[schema(value_type = ActivityDto)]
+    pub activity: &'static str,
+    /// Since when it has been so, RFC 3339.
+    #[schema(value_type = String, example = "2027-01-31T12:00:00Z")]
+    #[serde(serialize_with = "as_text")]
+    pub since: Time,
+    /// Whether its task goes on; `gone` in the live feed only.
     #[schema(value_type = RobotStateDto)]
     pub state: &'static str,
-    /// What it is doing.
+    /// What it does for its task, whether it gets on or not.
     #[schema(value_type = DoingDto)]
     pub doing: &'static str,
     /// Its robot kind.
@@ -62,10 +71,12 @@ pub struct RobotDto {
     pub job: Option<String>,
     /// Charge, 0 to 1.
     pub battery: f64,
-    /// Indices of the nodes granted to it, in order: it may drive to them now.
-    pub granted: Vec<usize>,
-    /// Indices of the nodes reserved for it beyond these, in order.
-    pub held: Vec<usize>,
+    /// The nodes granted to it, in order: it may drive to them now.
+    #[schema(value_type = Vec<String>)]
+    pub granted: Vec<N>,
+    /// The nodes reserved for it beyond these, in order.
+    #[schema(value_type = Vec<String>)]
+    pub held: Vec<N>,
     /// Why it does not go on; null if nothing holds it up.
     #[schema(example = "waiting for A12, held by robot-7")]
     pub why: Option<String>,
@@ -73,11 +84,12 @@ pub struct RobotDto {
 
 /// One rack.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct RackDto {
+pub struct RackDto<N = String> {
     /// Its name.
     pub id: String,
-    /// Index of the node on which it stands.
-    pub node: Option<usize>,
+    /// The node on which it stands.
+    #[schema(value_type = Option<String>)]
+    pub node: Option<N>,
     /// The robot that carries it.
     pub robot: Option<String>,
 }
@@ -198,6 +210,10 @@ pub struct JobTimesDto {
     pub ended: Option<String>,
 }
 
+fn as_text<S: Serializer>(t: &Time, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(&time_text(*t))
+}
+
 /// Gives names to ids.
 #[derive(Clone, Copy)]
 pub struct Names<'a> {
@@ -220,13 +236,29 @@ impl Names<'_> {
 
     /// All robots.
     pub fn robots(&self) -> Vec<RobotDto> {
+        self.view.robots.iter().map(|robot| self.one_robot(robot)).collect()
+    }
+
+    /// One robot.
+    pub fn one_robot(&self, robot: &RobotView) -> RobotDto {
+        self.robot_with(robot, |n| self.node(n))
+    }
+
+    /// All robots, with indices of nodes.
+    pub fn robot_rows(&self) -> Vec<RobotDto<usize>> {
+        self.view.robots.iter().map(|robot| self.robot_with(robot, |n| n.ix())).collect()
+    }
+
+    fn robot_with<N>(&self, r: &RobotView, node: impl Fn(NodeId) -> N) -> RobotDto<N> {
         let rack = |r| self.map.racks.get(r).map(|rack| rack.name.clone());
-        let robot = |r: &crate::fleet::RobotView| RobotDto {
+        RobotDto {
             id: r.name.clone(),
             x: round3(r.pose.at.x),
             y: round3(r.pose.at.y),
             heading: round3(r.pose.heading),
             speed: round3(r.speed_mps),
+            activity: r.activity.word(),
+            since: r.since,
             state: state_word(r.state),
             doing: DoingDto::from(r.doing).word(),
             kind: r.kind.clone(),
@@ -236,20 +268,28 @@ impl Names<'_> {
             rack: r.rack.and_then(rack),
             job: r.job.map(job_name),
             battery: round3(r.battery),
-            granted: r.granted.iter().map(|n| n.ix()).collect(),
-            held: r.held.iter().map(|n| n.ix()).collect(),
+            granted: r.granted.iter().map(|n| node(*n)).collect(),
+            held: r.held.iter().map(|n| node(*n)).collect(),
             why: r.why.map(|why| self.why_of(r, why)),
-        };
-        self.view.robots.iter().map(robot).collect()
+        }
     }
 
     /// All racks.
     pub fn racks(&self) -> Vec<RackDto> {
+        self.racks_with(|n| self.node(n))
+    }
+
+    /// All racks, with indices of nodes.
+    pub fn rack_rows(&self) -> Vec<RackDto<usize>> {
+        self.racks_with(|n| n.ix())
+    }
+
+    fn racks_with<N>(&self, name: impl Fn(NodeId) -> N) -> Vec<RackDto<N>> {
         let racks = self.map.racks.iter().enumerate();
         let at = |i: usize, home: NodeId| match self.view.racks.get(i) {
             Some(RackAt::On(robot)) => (None, Some(self.robot(*robot))),
-            Some(RackAt::Stored(node)) => (Some(node.ix()), None),
-            None => (Some(home.ix()), None),
+            Some(RackAt::Stored(node)) => (Some(name(*node)), None),
+            None => (Some(name(home)), None),
         };
         let rack = |(i, rack): (usize, &crate::warehouse::Rack)| {
             let (node, robot) = at(i, rack.home);
@@ -478,9 +518,6 @@ const PAUSED: &str = "paused by hand";
 /// The words for the states of a job, in order of life.
 pub const JOB_STATES: [&str; 7] =
     ["waiting", "assigned", "carrying", "picking", "done", "cancelled", "failed"];
-
-/// The word for a robot that has left the floor: lists leave it out.
-pub const GONE: &str = "gone";
 
 /// The word for a robot's state.
 pub fn state_word(s: RobotState) -> &'static str {

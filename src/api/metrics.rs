@@ -6,7 +6,7 @@
 use super::dto::{JobCountsDto, state_word};
 use super::port::Moment;
 use crate::alarm::Alarm;
-use crate::fleet::{FeedCounts, InsertionCounts, Presence};
+use crate::fleet::{Activity, FeedCounts, InsertionCounts, Presence, View};
 use prometheus_client::encoding::EncodeLabelSet;
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::counter::Counter;
@@ -32,6 +32,13 @@ pub struct HttpLabels {
 pub struct StateLabel {
     /// Its word.
     pub state: String,
+}
+
+/// What a robot is at.
+#[derive(Clone, Debug, Hash, PartialEq, Eq, EncodeLabelSet)]
+pub struct ActivityLabel {
+    /// Its word.
+    pub activity: &'static str,
 }
 
 /// How far ahead.
@@ -89,6 +96,8 @@ pub struct Metrics {
     alarms: Family<AlarmLabels, Gauge>,
     jobs: Family<StateLabel, Gauge>,
     robots: Family<StateLabel, Gauge>,
+    activities: Family<ActivityLabel, Gauge>,
+    longest: Family<ActivityLabel, Gauge<f64, AtomicU64>>,
     robot_deliveries: Gauge,
     human_deliveries: Gauge,
     encounters: Gauge,
@@ -133,6 +142,8 @@ impl Default for Metrics {
             alarms: Family::default(),
             jobs: Family::default(),
             robots: Family::default(),
+            activities: Family::default(),
+            longest: Family::default(),
             robot_deliveries: Gauge::default(),
             human_deliveries: Gauge::default(),
             encounters: Gauge::default(),
@@ -174,7 +185,10 @@ impl Metrics {
         r.register("http_requests", "HTTP requests by route and status", self.http.clone());
         r.register("alarms", "Active alarms by kind and severity", self.alarms.clone());
         r.register("jobs", "Jobs by state", self.jobs.clone());
-        r.register("robots", "Robots by state", self.robots.clone());
+        r.register("robots", "Robots by whether their task goes on", self.robots.clone());
+        r.register("robot_activities", "Robots by what they are at", self.activities.clone());
+        let longest = "For how long one robot has been at it, of those the longest";
+        r.register_with_unit("robot_activity_longest", longest, Unit::Seconds, self.longest.clone());
         r.register("robot_deliveries", "Racks served at stations", self.robot_deliveries.clone());
         r.register("human_deliveries", "Assignments completed by workers", self.human_deliveries.clone());
         r.register("plans", "Routes planned", self.plans.clone());
@@ -249,6 +263,16 @@ impl Metrics {
         self.poses_refused.get_or_create(&ReasonLabel { reason }).inc();
     }
 
+    fn look_at_activities(&self, view: &View) {
+        for activity in Activity::ALL {
+            let label = ActivityLabel { activity: activity.word() };
+            let at_it = || view.robots.iter().filter(|r| r.activity == activity);
+            let longest = at_it().map(|r| (view.now - r.since).as_secs_f64()).fold(0.0, f64::max);
+            self.activities.get_or_create(&label).set(at_it().count() as i64);
+            self.longest.get_or_create(&label).set(longest);
+        }
+    }
+
     fn look_at_insertions(&self, counts: InsertionCounts) {
         self.insertions_tried.set(counts.tried.cast_signed());
         self.insertions.set(counts.succeeded.cast_signed());
@@ -294,6 +318,7 @@ impl Metrics {
             let n = moment.view.robots.iter().filter(|r| state_word(r.state) == state).count();
             self.robots.get_or_create(&label(state)).set(n as i64);
         }
+        self.look_at_activities(&moment.view);
         self.robot_deliveries.set(counts.robot_deliveries.cast_signed());
         self.human_deliveries.set(counts.human_deliveries.cast_signed());
         self.look_at_people(moment);

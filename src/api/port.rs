@@ -8,7 +8,7 @@ use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
     Expected, Fleet, JobChange, JobQuery, JobRequest, JobRow, NodeOccupancy, RecurringClosure, Reply,
-    RobotKind, StationOrder, View, Waiting,
+    RobotEventQuery, RobotEventRow, RobotJobCounts, RobotKind, StationOrder, View, Waiting,
 };
 use crate::geometry::Spot;
 use crate::history::{History, LoopTimes};
@@ -38,6 +38,10 @@ pub trait Records: Send + Sync {
     fn alarms(&self, filter: AlarmQuery) -> Later<'_, Result<Vec<Alarm>, String>>;
     /// Some encounters, newest first.
     fn encounters(&self, filter: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>>;
+    /// What happened to a robot, newest first.
+    fn robot_events(&self, filter: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>>;
+    /// What became of the jobs of a robot.
+    fn robot_jobs(&self, robot: RobotId) -> Later<'_, Result<RobotJobCounts, String>>;
 }
 
 /// A request to the fleet.

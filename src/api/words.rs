@@ -7,8 +7,8 @@
 use crate::alarm::{AlarmKind, AlarmSeverity, SubjectKind};
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::{
-    AssignmentState, Binds, ClosureState, Doing, Fault, GuidanceState, JobKind, JobState, Presence, Reaction,
-    RobotState,
+    Activity, AssignmentState, Binds, ClosureState, Doing, Fault, GuidanceState, JobKind, JobState, Presence,
+    Reaction, RobotState,
 };
 use crate::human::IntentState;
 use serde::{Deserialize, Serialize, Serializer};
@@ -46,6 +46,16 @@ words! {
     /// What a robot is up to; `gone` in the live feed only, where robots go by number.
     RobotStateDto of RobotState {
         Idle "idle", Busy "busy", Free "free", Interrupted "interrupted", Failed "failed", Gone "gone",
+    }
+}
+
+words! {
+    /// What a robot is at. `handling`: lifting a rack or setting it down; `waiting`: standing on its way; `offline`: not
+    /// heard of; `gone` in the live feed only, where robots go by number.
+    ActivityDto of Activity {
+        Idle "idle", Driving "driving", Waiting "waiting", Handling "handling", Queueing "queueing",
+        Picking "picking", Charging "charging", Paused "paused", Stopped "stopped",
+        OutOfService "out_of_service", Failed "failed", Offline "offline", Gone "gone",
     }
 }
 

@@ -20,12 +20,16 @@ pub use people::forecast::{AHEAD_S, Expected};
 pub use read::area::Area;
 pub use read::backlog::{Backlog, Pending};
 pub use read::occupancy::{MOST_NODES, NodeOccupancy};
+pub use read::robot_events::{
+    RobotChange, RobotEventQuery, RobotEventRow, RobotEventSource, RobotJobCounts, robot_change,
+};
 pub use read::rows::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JobQuery, JobRow, JobTimes,
 };
 pub use read::safety_regions::{RegionStay, SafetyRegion};
-pub use read::view::{Counts, Doing, JobWhy, RobotState, RobotView, StationView, View};
+pub use read::view::{Counts, JobWhy, RobotState, RobotView, StationView, View};
 pub use read::why::{Because, LostWorker, Standstill, Waiting, Who};
+pub use state::activity::{Activity, Doing};
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 pub use state::fact::{Act, Booking, Fact, KeptRoute, Moved, Purpose, Stop, Task};
 pub use state::fault::Fault;
@@ -137,6 +141,7 @@ impl Fleet {
         let interrupted = |robot| self.yielding.procedure.holds(robot);
         self.traffic.grant(&mut self.core, &self.yielding.state, interrupted, now);
         self.note_waits(now);
+        waits::note_activities(&mut self.core, now);
         std::mem::take(&mut self.core.out)
     }
 

@@ -1,5 +1,6 @@
 //! The core as a whole, step by step, on a simulated floor whose laws are checked at every step.
 
+mod activity;
 mod after;
 mod cancel;
 mod carry;

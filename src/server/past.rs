@@ -6,9 +6,11 @@ use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::port::{Later, Records};
 use crate::fleet::{
     Assignment, AssignmentQuery, AssignmentRow, AssignmentState, EncounterQuery, EncounterRow, Fact,
-    GoneNames, Job, JobQuery, JobRow, JobState, JobTimes,
+    GoneNames, Job, JobQuery, JobRow, JobState, JobTimes, RobotEventQuery, RobotEventRow, RobotEventSource,
+    RobotJobCounts, robot_change,
 };
-use crate::id::{AssignmentId, JobId};
+use crate::id::{AssignmentId, JobId, RobotId};
+use crate::time::Time;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard};
 
@@ -17,6 +19,8 @@ struct Lists {
     jobs: BTreeMap<JobId, JobRow>,
     assignments: BTreeMap<AssignmentId, AssignmentRow>,
     encounters: Vec<EncounterRow>,
+    /// What happened to robots besides their jobs; nothing for the whole fleet.
+    changes: Vec<(Option<RobotId>, RobotEventRow)>,
 }
 
 /// What had happened up to the moment that is shown.
@@ -25,9 +29,12 @@ pub struct PastLists(Mutex<Lists>);
 
 impl PastLists {
     /// Takes the facts of a step in.
-    pub fn add(&self, facts: &[Fact]) {
+    pub fn add(&self, facts: &[Fact], at: Time) {
         let mut lists = self.lists();
-        facts.iter().for_each(|fact| lists.add(fact));
+        for fact in facts {
+            lists.add(fact);
+            lists.note(fact, at);
+        }
     }
 
     fn lists(&self) -> MutexGuard<'_, Lists> {
@@ -36,6 +43,29 @@ impl PastLists {
 }
 
 impl Lists {
+    fn note(&mut self, fact: &Fact, at: Time) {
+        let Some((robot, change)) = robot_change(fact) else { return };
+        let (source, id) = (RobotEventSource::Change, self.changes.len() as i64 + 1);
+        let word = change.word().to_owned();
+        self.changes.push((robot, RobotEventRow { at, source, id, word, text: None, ended: None }));
+    }
+
+    /// What happened to a robot, in no order.
+    fn events(&self, robot: RobotId) -> Vec<RobotEventRow> {
+        let jobs = self.jobs.values().filter(|row| row.robot == Some(robot)).map(|row| RobotEventRow {
+            at: row.updated,
+            source: RobotEventSource::Job,
+            id: row.id.0.cast_signed(),
+            word: row.job.state.word().to_owned(),
+            text: Some(row.job.request.kind.word().to_owned()),
+            ended: None,
+        });
+        let its = |(of, row): &(Option<RobotId>, RobotEventRow)| {
+            of.is_none_or(|of| of == robot).then(|| row.clone())
+        };
+        jobs.chain(self.changes.iter().filter_map(its)).collect()
+    }
+
     fn add(&mut self, fact: &Fact) {
         match fact {
             Fact::Accepted { job: id, request, at } => {
@@ -144,5 +174,30 @@ impl Records for PastLists {
         let newest_first = lists.encounters.iter().rev();
         let found: Vec<_> = newest_first.filter(wanted).take(f.limit as usize).cloned().collect();
         Box::pin(async move { Ok(found) })
+    }
+
+    /// Without alarms: a recording has no list of them.
+    fn robot_events(&self, q: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>> {
+        let mut found = self.lists().events(q.robot);
+        let key = |row: &RobotEventRow| (row.at, row.source, row.id);
+        found.retain(|row| {
+            q.from.is_none_or(|t| row.at >= t)
+                && q.to.is_none_or(|t| row.at < t)
+                && q.before.is_none_or(|before| key(row) < before)
+        });
+        found.sort_by_key(|row| std::cmp::Reverse(key(row)));
+        found.truncate(q.limit as usize);
+        Box::pin(async move { Ok(found) })
+    }
+
+    fn robot_jobs(&self, robot: RobotId) -> Later<'_, Result<RobotJobCounts, String>> {
+        let lists = self.lists();
+        let its = |state| {
+            let ended = lists.jobs.values().filter(|r| r.robot == Some(robot) && r.job.state.word() == state);
+            ended.count() as u64
+        };
+        let counts = RobotJobCounts { done: its("done"), failed: its("failed") };
+        drop(lists);
+        Box::pin(async move { Ok(counts) })
     }
 }

@@ -4,8 +4,11 @@
 
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::port::{Later, Records};
-use crate::fleet::{AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, JobQuery, JobRow};
-use crate::id::{AssignmentId, JobId};
+use crate::fleet::{
+    AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, JobQuery, JobRow, RobotEventQuery,
+    RobotEventRow, RobotJobCounts,
+};
+use crate::id::{AssignmentId, JobId, RobotId};
 use crate::store::{Store, StoreError};
 use std::sync::Arc;
 
@@ -35,6 +38,14 @@ impl Records for Shelf {
 
     fn encounters(&self, query: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>> {
         Box::pin(async move { self.0.encounters(&query).await.map_err(told) })
+    }
+
+    fn robot_events(&self, query: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>> {
+        Box::pin(async move { self.0.robot_events(&query).await.map_err(told) })
+    }
+
+    fn robot_jobs(&self, robot: RobotId) -> Later<'_, Result<RobotJobCounts, String>> {
+        Box::pin(async move { self.0.robot_jobs(robot).await.map_err(told) })
     }
 }
 

@@ -195,7 +195,7 @@ impl Screen {
                     while let Ok(question) = self.questions.try_recv() {
                         question.answer(&player.fleet, now);
                     }
-                    self.past.add(&step.facts);
+                    self.past.add(&step.facts, now);
                     if (now - published).as_secs_f64() >= PUBLISH.as_secs_f64() * self.speed.max(1.0) {
                         published = now;
                         self.publish(&player, now);

@@ -1,5 +1,5 @@
-//! The journal of steps, snapshots of what they led to, the lists of jobs, assignments, encounters and alarms, and
-//! figures over time, in SQLite.
+//! The journal of steps, snapshots of what they led to, the lists of jobs, assignments, encounters and alarms,
+//! what happened to robots, and figures over time, in SQLite.
 //!
 //! Main types: [`Store`] (open, load, append, snapshot, rows of lists), [`StepEntry`], [`Loaded`], [`StoreError`];
 //! [`record`] is the wire form of facts, [`ledger_record`]
@@ -30,6 +30,7 @@ mod people;
 mod people_record;
 pub mod record;
 mod retention;
+mod robots;
 mod route_record;
 mod seal;
 mod snapshot;
@@ -246,6 +247,7 @@ fn migrator() -> Migrator {
     let seventh = include_str!("../../migrations/sqlite/0007_nearest.sql").into_sql_str();
     let eighth = include_str!("../../migrations/sqlite/0008_alarms.sql").into_sql_str();
     let ninth = include_str!("../../migrations/sqlite/0009_job_labels.sql").into_sql_str();
+    let tenth = include_str!("../../migrations/sqlite/0010_robots.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
@@ -256,6 +258,7 @@ fn migrator() -> Migrator {
         Migration::new(7, "nearest".into(), MigrationType::Simple, seventh, false),
         Migration::new(8, "alarms".into(), MigrationType::Simple, eighth, false),
         Migration::new(9, "job_labels".into(), MigrationType::Simple, ninth, false),
+        Migration::new(10, "robots".into(), MigrationType::Simple, tenth, false),
     ])
 }
 

@@ -3,7 +3,9 @@
 //! Main types: [`StepEntry`], [`Loaded`]; [`Store::append`], [`Store::load`]. A row is written whole or not at all, so
 //! no start ever sees a part of a step. Refuses: rows that cannot be read, gaps, and rows of another process.
 
-use super::{ABOUT, BEGIN, COMMIT, ROLLBACK, Store, StoreError, jobs, people, record, retention, snapshot};
+use super::{
+    ABOUT, BEGIN, COMMIT, ROLLBACK, Store, StoreError, jobs, people, record, retention, robots, snapshot,
+};
 use crate::fleet::{Fact, Ledger};
 use crate::time::Time;
 use futures_util::TryStreamExt;
@@ -121,6 +123,7 @@ impl Store {
             for fact in &step.facts {
                 jobs::project(&mut *connection, fact).await?;
                 people::project(&mut *connection, fact).await?;
+                robots::project(&mut *connection, fact, step.at).await?;
             }
         }
         if let Some(step) = missing.last() {

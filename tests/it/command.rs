@@ -55,6 +55,19 @@ impl Drop for Shown {
 }
 
 #[test]
+fn the_throughput_bound_is_never_below_what_was_delivered() {
+    // Stations are the limit on this floor: with this seed, robots that pass through one another deliver less.
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/thesis-20.json");
+    let ran = giveway(&["sim", scenario, "--seed", "2", "--duration", "1200", "--json"]);
+    assert!(ran.status.success(), "{ran:?}");
+    let report = json_of(&ran);
+    let figure = |key: &str| report[key].as_f64().unwrap_or_else(|| panic!("no {key} in {report}"));
+    assert!(figure("robot_deliveries") > 100.0, "{report}");
+    assert!(figure("throughput_bound") >= figure("robot_deliveries"), "{report}");
+    assert!(figure("throughput_bound_ratio") <= 1.0, "{report}");
+}
+
+#[test]
 fn a_recording_steps_through_the_same_and_a_changed_one_is_found_out() {
     let folder = Folder::new();
     let (path, report) = record(&folder, "lab.jsonl");

@@ -46,23 +46,23 @@ async fn a_robot_joins_over_http_once_and_is_still_there_after_a_restart() {
     let server = start(&folder).await;
     let at = server.address();
     until(at, "robot-1", "there", |_| true).await;
-    let held: Vec<usize> = get(at, "/v1/robots").await.json()["items"]
+    let held: Vec<String> = get(at, "/v1/robots").await.json()["items"]
         .as_array()
         .unwrap()
         .iter()
         .flat_map(|r| [&r["granted"], &r["held"]].map(|n| n.as_array().unwrap().clone()).concat())
-        .map(|n| n.as_u64().unwrap() as usize)
+        .map(|n| n.as_str().unwrap().to_owned())
         .collect();
     let map = map();
-    let free = |(i, n): &(usize, &giveway::warehouse::Node)| n.kind == NodeKind::Storage && !held.contains(i);
-    let (_, node) = map.nodes.iter().enumerate().rfind(free).expect("no robot holds some storage node");
+    let free = |n: &&giveway::warehouse::Node| n.kind == NodeKind::Storage && !held.contains(&n.name);
+    let node = map.nodes.iter().rev().find(free).expect("no robot holds some storage node");
     let new = json!({"name": "late-1", "node": node.name});
     let joined = register(at, &new).await;
     assert_eq!((joined.status, joined.json()["id"].as_str()), (201, Some("late-1")), "{}", joined.text);
     assert_eq!(register(at, &new).await.status, 200, "the same name is the same robot");
     until(at, "late-1", "seen on the floor", |r| r["kind"] == "robot").await;
 
-    let taken = map.nodes.iter().nth(held[0]).unwrap().name.clone();
+    let taken = held[0].clone();
     let problem = register(at, &json!({"name": "x", "node": taken})).await.problem(409);
     assert!(problem["detail"].as_str().unwrap().contains("choose another node"), "{problem}");
     for (wrong, field) in [
@@ -127,12 +127,13 @@ async fn a_robot_leaves_over_http_and_comes_back_under_its_name() {
     until(at, "robot-2", "there", |_| true).await;
     assert_eq!(robot(at, "robot-1").await, None, "a restart does not bring it back");
     let racks = get(at, "/v1/racks").await.json();
-    let taken = racks["items"].as_array().unwrap().iter().filter_map(|r| r["node"].as_u64());
-    let taken: Vec<usize> = taken.map(|n| n as usize).collect();
+    let taken = racks["items"].as_array().unwrap().iter().filter_map(|r| r["node"].as_str());
+    let taken: Vec<&str> = taken.collect();
     let map = map();
-    let free: Vec<&str> = (map.nodes.iter().enumerate())
-        .filter(|(i, n)| n.kind == NodeKind::Parking || n.kind == NodeKind::Storage && !taken.contains(i))
-        .map(|(_, n)| n.name.as_str())
+    let is_free = |n: &str| !taken.contains(&n);
+    let free: Vec<&str> = (map.nodes.iter())
+        .filter(|n| n.kind == NodeKind::Parking || n.kind == NodeKind::Storage && is_free(&n.name))
+        .map(|n| n.name.as_str())
         .collect();
     let mut statuses = Vec::new();
     for node in free {

@@ -38,7 +38,7 @@ export async function startMock({ port, width = 40, height = 25, robots = 50, pe
       return;
     }
     sockets.handleUpgrade(request, socket, head, (client) => {
-      client.send(JSON.stringify({ type: 'snapshot', version, simulated: true, ...last }));
+      client.send(JSON.stringify({ type: 'snapshot', version, started: new Date(0).toISOString(), simulated: true, ...last }));
     });
   });
   const timer = setInterval(() => {

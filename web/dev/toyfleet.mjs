@@ -35,6 +35,13 @@ export class ToyFleet {
     this.people.step(dt);
     this.robots.forEach((robot, k) => robot.wire.state !== 'failed' && this.#drive(robot, k, dt));
     this.#work();
+    this.robots.forEach(({ wire }) => this.#note(wire));
+  }
+
+  /** What a robot is at, and since when. */
+  #note(w) {
+    const activity = w.state === 'failed' ? 'failed' : w.why !== null ? 'waiting' : w.speed > 0 ? 'driving' : w.rack ? 'handling' : 'idle';
+    if (w.activity !== activity) Object.assign(w, { activity, since: new Date(this.time * 1_000).toISOString() });
   }
 
   #drive(robot, k, dt) {

@@ -98,7 +98,7 @@ await check('It is acknowledged by keys alone, with a name that the server keeps
 });
 await check('The history has it, with who acknowledged it', async () => {
   await alarms.getByRole('button', { name: 'History' }).click();
-  const dialog = page.getByRole('dialog', { name: 'Alarms of the past' });
+  const dialog = page.getByRole('dialog', { name: 'Past alarms' });
   await dialog.locator('tr[data-alarm="robot_failed"]').first().waitFor({ timeout: PATIENCE });
   await dialog.getByText(/^Ben, /).first().waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}alarm-history.png` });

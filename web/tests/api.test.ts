@@ -29,11 +29,15 @@ test('a table of encounters that does not come says so', async () => {
   shown.csv!.take(new MouseEvent('click', { cancelable: true }));
   await expect.poll(() => shown.wrong).toBe('The disk is full.');
 });
-test('while the past is shown, nothing is sent that would change the present', async () => {
+test('while the past is shown, only the stop of all robots is sent to the present', async () => {
   const api = new Api();
   api.shows = 'past';
   answer('{}', 200, 'application/json');
-  expect(await api.stopFleet()).toMatchObject({ kind: 'refused', problem: { status: 409 } });
+  for (const sent of [api.resumeFleet(), api.pause('robot-1'), api.evacuate()]) {
+    expect(await sent).toMatchObject({ kind: 'refused', problem: { status: 409 } });
+  }
   expect(fetch).not.toHaveBeenCalled();
+  expect((await api.stopFleet()).kind).toBe('ok');
+  expect(vi.mocked(fetch).mock.calls[0]![0]).toBe('/v1/fleet/stop');
   expect((await api.map()).kind).toBe('ok');
 });

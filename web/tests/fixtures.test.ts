@@ -4,7 +4,7 @@ import { describe, expect, test } from 'vitest';
 import { Stage } from '../src/floor/scene/scene';
 import { explain } from '../src/jobs/jobform';
 import { EMPTY, reduce } from '../src/wire/mirror';
-import { JOB_KINDS, JOB_STATES, parseMessage, ROBOT_STATES, type FloorMap, type JobPage, type Problem } from '../src/wire/types';
+import { JOB_KINDS, JOB_STATES, ACTIVITIES, parseMessage, type FloorMap, type JobPage, type Problem } from '../src/wire/types';
 import { robot, snapshot, worker } from './samples';
 
 const files = import.meta.glob<string>('../fixtures/*.json', { eager: true, query: '?raw', import: 'default' });
@@ -33,7 +33,8 @@ describe('what the server writes', () => {
     }
     for (const r of message.robots) {
       expect(Object.keys(r)).toEqual(expect.arrayContaining(Object.keys(robot(''))));
-      expect(ROBOT_STATES).toContain(r.state);
+      expect(ACTIVITIES).toContain(r.activity);
+      expect(Date.parse(r.since!)).toBeGreaterThan(0);
     }
     expect(message.workers.length).toBeGreaterThan(0);
     for (const w of message.workers) expect(Object.keys(w)).toEqual(expect.arrayContaining(Object.keys(worker(''))));

@@ -1,6 +1,6 @@
 // Numbers and words as people read them.
 import { describe, expect, test } from 'vitest';
-import { clock, count, doing, micros, percent, span, timeOfDay } from '../src/words/format';
+import { clock, count, doing, metres, micros, percent, roughly, span, timeOfDay } from '../src/words/format';
 import { linkWords } from '../src/words/linkwords';
 import type { Doing } from '../src/wire/types';
 
@@ -14,6 +14,10 @@ describe('formatting', () => {
     expect([-3, 12.9, 75, 3_700].map(span)).toEqual(['0 s', '12 s', '1 min 15 s', '1 h 1 min']);
   });
 
+  test('a rough span has one unit, and a distance the one that fits', () => {
+    expect([3, 75, 3_700].map(roughly)).toEqual(['3 s', '1 min', '1 h']);
+    expect([0.4, 999, 1_250].map(metres)).toEqual(['0 m', '999 m', '1.3 km']);
+  });
   test('the floor clock counts hours beyond a day', () => {
     expect([0, 3_661, 90_000].map(clock)).toEqual(['00:00:00', '01:01:01', '25:00:00']);
   });

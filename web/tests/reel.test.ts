@@ -90,8 +90,8 @@ describe('a reel', () => {
   });
 
   test.each([
-    ['nothing', [], 'This is not a reel'],
-    ['another text', ['hello'], 'This is not a reel'],
+    ['nothing', [], 'This is not a recording'],
+    ['another text', ['hello'], 'This is not a recording'],
     ['a recording', ['{"giveway_recording":1}'], '--reel OUT.reel'],
     ['a newer format', [header({ reel: 2 })], 'format 2'],
     ['only a header', [header()], 'cut off too soon'],

@@ -87,7 +87,7 @@ await check('A bookmark leads to the deviation, and shows who it was', async () 
 await check('The jobs of then are listed, and why their robots waited, down to the root', async () => {
   await button('Pause').click();
   await bar().getByRole('button', { name: 'Jobs', exact: true }).click();
-  const list = page.getByRole('region', { name: 'Jobs then' });
+  const list = page.getByRole('region', { name: 'Jobs at this moment' });
   const waits = () => list.locator('tbody tr', { hasText: /held by robot-/ }).first();
   for (let steps = 0; steps < 40 && !(await waits().isVisible()); steps++) await page.locator('body').press('ArrowLeft');
   const words = (await waits().innerText()).replaceAll(/\s+/g, ' ');
@@ -282,12 +282,22 @@ await check('A running server shows its own past, in which nothing can be change
   await button('Replay').click();
   await badge().waitFor({ timeout: PATIENCE });
   await bookmarks().getByText("all robots were stopped by hand").waitFor({ timeout: PATIENCE });
-  assert(await button('Stop all robots').isDisabled(), 'the stop is no button of the past');
   assert((await page.getByRole('button', { name: 'Submit' }).count()) === 0, 'jobs can be handed in');
   await page.waitForTimeout(1_000);
   await page.screenshot({ path: `${SHOTS}replay-server.png` });
 });
 await axe('a server');
+await check('The live floor can be stopped during a replay, and is resumed only from the present', async () => {
+  await button('Stop all robots now (live)').click();
+  await page.getByText('All robots are stopped by hand').waitFor({ timeout: PATIENCE });
+  const fleet = await (await page.request.get(`${server.url}/v1/fleet`)).json();
+  assert(fleet.stopped !== null, JSON.stringify(fleet));
+  await page.getByText('Go back to live to resume them.').waitFor({ timeout: PATIENCE });
+  assert((await button('Resume all robots').count()) === 0, 'it can be resumed from the past');
+  await page.screenshot({ path: `${SHOTS}replay-stopped.png` });
+  await page.request.post(`${server.url}/v1/fleet/resume`);
+  await button('Stop all robots now (live)').waitFor({ timeout: PATIENCE });
+});
 await check('A server has charts and jobs of its past', async () => {
   await then('Jobs');
   await page.getByRole('heading', { name: /the list is as of \d\d:\d\d:\d\d/ }).waitFor({ timeout: PATIENCE });

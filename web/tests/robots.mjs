@@ -4,7 +4,7 @@ import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, check, finish, isRefusal, listen, openBrowser, until } from './chromium.mjs';
+import { PATIENCE, assert, assertAccessible, check, finish, isRefusal, listen, openBrowser, until } from './chromium.mjs';
 import { serve } from './serve.mjs';
 
 const program = process.argv[2];
@@ -74,8 +74,8 @@ await check('A robot is taken off the floor in its card, is gone when it was swi
   const all = await robots();
   const id = (all.find((r) => r.state === 'idle') ?? all.at(-1)).id;
   await choose(id);
-  await card.getByRole('button', { name: 'Take off the floor' }).click();
-  await card.getByRole('button', { name: 'Let it stay' }).waitFor({ timeout: PATIENCE });
+  await card.getByRole('button', { name: 'Remove from the floor' }).click();
+  await card.getByRole('button', { name: 'Keep on the floor' }).waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}leaving.png` });
   await page.getByText(`${id} is not on the floor.`).waitFor({ timeout: 4 * PATIENCE });
   const left = await robots();
@@ -89,10 +89,102 @@ await check('A robot is taken off the floor in its card, is gone when it was swi
     if (answer.status() === 201) { back = node.id; break; }
   }
   assert(back !== null, 'no place was free');
-  await card.getByRole('button', { name: 'Take off the floor' }).waitFor({ timeout: PATIENCE });
+  await card.getByRole('button', { name: 'Remove from the floor' }).waitFor({ timeout: PATIENCE });
   await page.getByText(`${all.length} robots`, { exact: true }).waitFor({ timeout: PATIENCE });
   await card.getByRole('button', { name: 'Close' }).click();
   return `${id} left and came back at ${back}`;
+});
+const panel = page.getByRole('region', { name: 'Robots', exact: true });
+const three = (await robots()).slice(0, 3).map((r) => r.id);
+const lines = () => panel.locator('tbody tr[data-robot]');
+await check('The tab of robots lists them all, sorted by a click on a heading and searched by a word', async () => {
+  await page.getByRole('button', { name: 'Robots', exact: true }).click();
+  const all = await robots();
+  await until('a line for every robot', async () => (await lines().count()) === all.length, 20);
+  await panel.getByRole('button', { name: 'Battery' }).click();
+  const charges = (await lines().evaluateAll((rows) => rows.map((row) => row.innerText))).map((text) => Number(/(\d+) %/.exec(text)[1]));
+  assert(charges.every((c, i) => i === 0 || c >= charges[i - 1] - 1), charges.join());
+  await panel.getByRole('button', { name: 'Robot', exact: true }).click();
+  await panel.getByRole('searchbox', { name: 'Search robots' }).fill('shuttle');
+  const shuttles = all.filter((r) => r.kind === 'shuttle').length;
+  await until('only shuttles', async () => (await lines().count()) === shuttles, 20);
+  await panel.getByRole('searchbox', { name: 'Search robots' }).fill('');
+  return `${all.length} robots, ${shuttles} shuttles`;
+});
+await check('Several robots are paused and resumed at once by keys alone, and the count of paused ones filters map and list', async () => {
+  for (const id of three) {
+    await panel.getByRole('checkbox', { name: `Select ${id}`, exact: true }).focus();
+    await page.keyboard.press('Space');
+  }
+  await panel.getByText('3 selected').waitFor({ timeout: PATIENCE });
+  await panel.getByRole('button', { name: 'Pause', exact: true }).focus();
+  await page.keyboard.press('Enter');
+  await panel.getByText('3 robots paused.').waitFor({ timeout: PATIENCE });
+  await until('three paused robots', async () => (await ask('/v1/robots?activity=paused')).items.length === 3, 20);
+  const count = page.locator('button[data-activity="paused"]');
+  await until('a count of them', async () => /Paused.*\b3$/s.test((await count.innerText()).trim()), 20);
+  await count.click();
+  await until('only paused robots in the list', async () => (await lines().count()) === 3 && (await panel.locator('tr[data-activity="paused"]').count()) === 3, 20);
+  for (const theme of ['Light', 'Dark']) {
+    await page.getByLabel('Theme').selectOption({ label: theme });
+    await page.waitForTimeout(300);
+    await page.screenshot({ path: `${SHOTS}robots-${theme.toLowerCase()}.png` });
+    await assertAccessible(page, `robots, ${theme}`);
+  }
+  await count.click();
+  await until('all robots in the list', async () => (await lines().count()) > 3, 20);
+  await panel.getByRole('button', { name: 'Resume', exact: true }).click();
+  await panel.getByText('3 robots resumed.').waitFor({ timeout: PATIENCE });
+  await until('no paused robot', async () => (await ask('/v1/robots?activity=paused')).items.length === 0, 20);
+  await panel.getByRole('button', { name: 'Dismiss' }).click();
+});
+await check('Robots go out of service and back, and are sent to charge', async () => {
+  await panel.getByRole('button', { name: 'Charge', exact: true }).click();
+  await panel.getByText('3 robots sent to charge.').waitFor({ timeout: PATIENCE });
+  await panel.getByRole('button', { name: 'Out of service', exact: true }).click();
+  await panel.getByText('3 robots going out of service.').waitFor({ timeout: PATIENCE });
+  await until('maintenance', async () => (await robots()).filter((r) => r.maintenance).length === 3, 20);
+  await panel.getByRole('button', { name: 'Back in service', exact: true }).click();
+  await panel.getByText('3 robots back in service.').waitFor({ timeout: PATIENCE });
+  await until('no maintenance', async () => (await robots()).every((r) => !r.maintenance), 20);
+});
+await check('The card of a robot has its life from the server, also in a page that was just opened', async () => {
+  await page.reload();
+  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
+  await choose(three[0]);
+  const story = card.getByRole('list', { name: 'What happened to the robot' });
+  for (const words of ['back in service', 'sent out of service', 'resumed', 'paused by hand']) {
+    await story.getByText(words, { exact: true }).first().waitFor({ timeout: PATIENCE });
+  }
+  await card.getByText(/^\d+ m$|^[\d.]+ km$/).first().waitFor({ timeout: PATIENCE });
+  for (const theme of ['Light', 'Dark']) {
+    await page.getByLabel('Theme').selectOption({ label: theme });
+    await page.waitForTimeout(300);
+    await page.screenshot({ path: `${SHOTS}robot-card-${theme.toLowerCase()}.png` });
+    await assertAccessible(page, `card of a robot, ${theme}`);
+  }
+  await card.getByRole('button', { name: 'Close' }).click();
+});
+await check('Every state that the filter of the jobs list offers is one that the server knows', async () => {
+  await page.getByRole('button', { name: 'Jobs', exact: true }).click();
+  const filter = page.getByLabel('Show jobs in state');
+  for (const state of await filter.locator('option').evaluateAll((options) => options.map((o) => o.value))) {
+    const answer = page.waitForResponse((r) => r.url().includes('/v1/jobs?') && (state === 'any' || r.url().includes(`state=${state}`)), { timeout: PATIENCE });
+    await filter.selectOption(state);
+    assert((await answer).status() === 200, `${state}: ${(await answer).status()}`);
+  }
+  assert((await page.getByRole('region', { name: 'Jobs', exact: true }).getByRole('alert').count()) === 0, 'the list complains');
+});
+await check('The visible area of the whole hall is refused once where it is too large, and then not asked for again', async () => {
+  await page.getByRole('button', { name: 'Timelines', exact: true }).click();
+  const asked = [];
+  page.on('request', (r) => { if (r.url().includes('/v1/timelines')) asked.push(r.url()); });
+  await page.getByRole('button', { name: 'Use the visible area' }).click();
+  await page.waitForTimeout(4_000);
+  const many = map.nodes.length > 200;
+  assert(many ? asked.length === 1 : asked.length > 2, `${asked.length} requests for ${map.nodes.length} places`);
+  if (many) await page.getByText(/choose a smaller area/).waitFor({ timeout: PATIENCE });
+  return `${map.nodes.length} places, ${asked.length} requests`;
 });
 await check('Nothing was complained about', async () => {
   assert(complaints.length === 0, complaints.join('; '));

@@ -2,7 +2,7 @@
 import type { Robot, Snapshot, Worker } from '../src/wire/types';
 
 export const robot = (id: string, more: Partial<Robot> = {}): Robot => ({
-  id, x: 0, y: 0, heading: 0, speed: 0, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null, rack: null, job: null, battery: 1,
+  id, x: 0, y: 0, heading: 0, speed: 0, activity: 'idle', since: '1970-01-01T00:00:00Z', state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null, rack: null, job: null, battery: 1,
   granted: [], held: [], why: null, ...more,
 });
 
@@ -12,7 +12,7 @@ export const worker = (id: string, more: Partial<Worker> = {}): Worker => ({
 });
 
 export const snapshot = (more: Partial<Snapshot> = {}): Snapshot => ({
-  type: 'snapshot', version: 1, time_s: 0, simulated: true, robots: [], racks: [], stations: [],
+  type: 'snapshot', version: 1, time_s: 0, started: '1970-01-01T00:00:00Z', simulated: true, robots: [], racks: [], stations: [],
   workers: [], closures: [],
   jobs: { waiting: 0, active: 0, done: 0, cancelled: 0, failed: 0 },
   counters: {

@@ -28,7 +28,7 @@ const colour = () => `rgb(${(used += 1)}, 0, 0)`;
 const PALETTE: Palette = { of: new Proxy({}, { get: () => colour() }) as Palette['of'], looks: LOOKS.map(colour) };
 const VIEW = fit(MAP.bounds, 800, 500);
 const NOTHING: readonly Forecast[] = [];
-const NOBODY = { robot: -1, person: -1, place: null };
+const NOBODY = { robot: -1, person: -1, place: null, look: -1 };
 
 function mirrorOf(more: Partial<Snapshot>): Mirror {
   const reduced = reduce(EMPTY, snapshot(more));
@@ -59,7 +59,7 @@ describe('a sheet', () => {
 describe('the composition', () => {
   test('every state has a shape of its own', () => {
     const shapes = LOOKS.map((look) => {
-      const stage = stageOf({ robots: [robot('r', look === 'charging' ? { doing: 'charging' } : { state: look })] });
+      const stage = stageOf({ robots: [robot('r', { activity: look })] });
       const composer = new Composer(PALETTE);
       composer.compose(stage.scene, { ...VIEW, scale: 20 }, NOBODY, []);
       return kinds(composer.sheets.robots).join();
@@ -197,11 +197,11 @@ describe('a story', () => {
       if (reduced.kind === 'gap') throw new Error('gap');
       story.note((mirror = reduced.mirror));
     };
-    next({ robots: [{ id: 'r1', state: 'busy', doing: 'to_rack' }], moves: [1, 500, 0] });
+    next({ robots: [{ id: 'r1', activity: 'driving', state: 'busy', doing: 'to_rack' }], moves: [1, 500, 0] });
     next({ racks: [{ id: 'K1', node: null, robot: 'r1' }], workers: [{ id: 'w1', state: 'deviating', reason: 'you left the path' }] });
     next({ racks: [{ id: 'K1', node: 1, robot: null }], robots: [{ id: 'r1', why: 'giving way to worker w1' }] });
     const told = (kind: 'robot' | 'rack' | 'worker', id: string) => story.of({ kind, id }).map((line) => line.text);
-    expect(told('robot', 'r1')).toEqual(['giving way to worker w1', 'driving to its rack', 'busy']);
+    expect(told('robot', 'r1')).toEqual(['giving way to worker w1', 'driving to its rack', 'driving']);
     expect(told('robot', 'r2')).toEqual([]);
     expect(told('rack', 'K1')).toEqual(['set down at S', 'lifted by r1']);
     expect(told('worker', 'w1')).toEqual(['off the path: you left the path']);

@@ -7,7 +7,7 @@ import { readReel } from '../src/replay/reel';
 import { Replay } from '../src/replay/replay.svelte';
 import { metIn } from '../src/encounters/met';
 import { waitedAt } from '../src/jobs/waited';
-import { PastTimelines } from '../src/timelines/shown';
+import { PastTimelines, timelinesOf } from '../src/timelines/shown';
 import type { Api, FloorMap, Mark, Sum } from '../src/wire';
 import { robot, snapshot } from './samples';
 
@@ -120,6 +120,14 @@ describe('what a reel has beside pictures', () => {
     expect(await recording.sums(0, 600, 10)).toEqual([sum(0)]);
     expect(typeof (await recording.sums(1, 600, 10))).toBe('string');
     expect(asked).toEqual([[0, 600, 10], [1, 600, 10]]);
+  });
+  test('an area that is too large is refused once, and not asked for again', async () => {
+    const refused = (status: number) => ({ kind: 'refused', problem: { title: 'No', status, detail: 'more than 200: choose a smaller area' } }) as const;
+    const answers = [refused(422), refused(503)];
+    const timelines = () => Promise.resolve(answers.shift()!);
+    const shown = timelinesOf({ tense: 'now', api: { timelines } }, map);
+    expect(await shown.ask([0, 0, 9, 9], 60)).toMatchObject({ wrong: 'more than 200: choose a smaller area', pause_ms: null });
+    expect((await shown.ask([0, 0, 9, 9], 60)).pause_ms).toBeGreaterThan(0);
   });
   test('timelines are worked out again only where the moment or the area changed', () => {
     const replay = new Replay(new FileRecording(readReel(lines())), 10, null, () => {});

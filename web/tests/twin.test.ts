@@ -10,7 +10,7 @@ import { Shapes, STRIDE, type Colour } from '../src/headset/shapes';
 import { box } from '../src/headset/solids';
 import { driveOf, driveOfPad } from '../src/headset/steer';
 import { drag, EYE_M, fromMap, headingOf, matricesOf, onMap, perspective, poseOf, seated, shifted, step, turned, WALK_MPS, type Eye } from '../src/headset/walk';
-import { EMPTY, reduce, type FloorMap, type Mirror, type Snapshot } from '../src/wire';
+import { ACTIVITIES, EMPTY, reduce, type FloorMap, type Mirror, type Snapshot } from '../src/wire';
 
 const close = (v: readonly number[]) => [...v].map((n) => expect.closeTo(n, 5) as number);
 const corners = (shapes: Shapes): Vec3[] => {
@@ -184,7 +184,7 @@ describe('the hall', () => {
   const c: Colour = [1, 1, 1, 1];
   const ink: HallInk = {
     sky: c, floor: c, edge: c, lane: c, blocked: c, closed: [1, 0, 0, 1], places: { charger: [0, 1, 0, 1] }, frame: c, goods: [c, c],
-    states: { idle: c, busy: c, free: c, interrupted: c, failed: c, gone: c, charging: c }, nose: c, person: c, region: c,
+    states: Object.fromEntries([...ACTIVITIES, 'gone'].map((one) => [one, c])) as HallInk['states'], nose: c, person: c, region: c,
   };
   const row = { heading: 0, speed: 0, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null, rack: null, job: null, battery: 1, granted: [], held: [], why: null };
   const floor = (more: object): Mirror => {

@@ -7,11 +7,11 @@ use crate::api::port::{Later, Moment, Records, SharedHistory};
 use crate::api::{Api, Kinds, auth::Gate, live::Live, massrobotics::Interop, metrics::Metrics, router};
 use crate::fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, Guidance, GuidanceReason, GuidanceState,
-    JobQuery, JobRow, View,
+    JobQuery, JobRow, RobotEventQuery, RobotEventRow, RobotJobCounts, View,
 };
 use crate::geometry::Point;
 use crate::human::{SightingOutcome, Track};
-use crate::id::{AssignmentId, IdVec, JobId, WorkerId};
+use crate::id::{AssignmentId, IdVec, JobId, RobotId, WorkerId};
 use crate::time::{Span, Time};
 use futures_util::{SinkExt, StreamExt};
 use serde_json::{Value, json};
@@ -46,6 +46,12 @@ impl Records for Nothing {
     }
     fn encounters(&self, _: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>> {
         Box::pin(async { Ok(Vec::new()) })
+    }
+    fn robot_events(&self, _: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>> {
+        Box::pin(async { Ok(Vec::new()) })
+    }
+    fn robot_jobs(&self, _: RobotId) -> Later<'_, Result<RobotJobCounts, String>> {
+        Box::pin(async { Ok(RobotJobCounts::default()) })
     }
 }
 

@@ -3,9 +3,11 @@
 //! Main functions: [`racks`], [`stations`], [`robots`]. Refuses: pages of more than 500.
 
 use crate::api::Api;
-use crate::api::dto::{GONE, Names, Page, RackDto, RobotDto, StationDto};
+use crate::api::dto::{Names, Page, RackDto, RobotDto, StationDto};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
+use crate::api::words::ActivityDto;
+use crate::fleet::{Activity, RobotView};
 use axum::Json;
 use axum::extract::State;
 use serde::Deserialize;
@@ -49,17 +51,40 @@ pub async fn stations(
     page(Names { map: &api.map, view: &moment.view }.stations(), &p)
 }
 
-/// All robots on the floor.
-#[utoipa::path(get, path = "/v1/robots", tag = "floor", operation_id = "listRobots", params(Paging), responses(
+/// Which robots to list.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct RobotParams {
+    /// Only robots that are at this; `gone` finds none.
+    #[param(value_type = Option<ActivityDto>)]
+    activity: Option<String>,
+    /// How many items at most, 1 to 500; 100 if absent.
+    limit: Option<u32>,
+    /// `next` of the previous page.
+    cursor: Option<String>,
+}
+
+/// All robots on the floor, or those that are at something.
+#[utoipa::path(get, path = "/v1/robots", tag = "floor", operation_id = "listRobots", params(RobotParams), responses(
     (status = 200, description = "Robots in order of joining", body = Page<RobotDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn robots(
     State(api): State<Api>,
-    Params(p): Params<Paging>,
+    Params(p): Params<RobotParams>,
 ) -> Result<Json<Page<RobotDto>>, Problem> {
+    let wanted = p.activity.as_deref().map(Activity::of_word);
+    if wanted == Some(None) {
+        let words = Activity::ALL.map(Activity::word).join(", ");
+        return Err(Problem::invalid(vec![FieldError::new("activity", format!("it is not one of {words}"))]));
+    }
     let moment = api.moment();
-    let robots = Names { map: &api.map, view: &moment.view }.robots();
-    page(robots.into_iter().filter(|r| r.state != GONE).collect(), &p)
+    let names = Names { map: &api.map, view: &moment.view };
+    let is_wanted = |r: &&RobotView| {
+        r.activity != Activity::Gone && wanted.flatten().is_none_or(|activity| r.activity == activity)
+    };
+    let robots = moment.view.robots.iter().filter(is_wanted).map(|r| names.one_robot(r)).collect();
+    page(robots, &Paging { limit: p.limit, cursor: p.cursor })
 }
 
 /// A limit within bounds.

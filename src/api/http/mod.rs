@@ -26,6 +26,7 @@ mod past;
 mod positions;
 mod recurring;
 mod reports;
+mod robot_life;
 mod robots;
 mod stations;
 mod timelines;
@@ -82,7 +83,8 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(lists::racks))
         .routes(routes!(lists::stations))
         .routes(routes!(lists::robots, robots::register))
-        .routes(routes!(robots::retire))
+        .routes(routes!(robot_life::get, robots::retire))
+        .routes(routes!(robot_life::history))
         .routes(routes!(robots::take_rack))
         .routes(routes!(robots::maintain, robots::work_again))
         .routes(routes!(kinds::kinds))

@@ -8,7 +8,7 @@ use crate::api::alarms;
 use crate::api::dto::{CountersDto, JobCountsDto, Names, RackDto, RobotDto, StationDto};
 use crate::api::people::WorkerDto;
 use crate::api::port::Moment;
-use crate::api::text::round3;
+use crate::api::text::{round3, time_text};
 use crate::fleet::{Backlog, Presence};
 use crate::history::waits;
 use crate::time::{Span, Time};
@@ -23,8 +23,8 @@ pub type FrameItem = Map<String, Value>;
 /// The view as it travels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
-    pub(in crate::api) robots: Vec<RobotDto>,
-    pub(in crate::api) racks: Vec<RackDto>,
+    pub(in crate::api) robots: Vec<RobotDto<usize>>,
+    pub(in crate::api) racks: Vec<RackDto<usize>>,
     pub(in crate::api) stations: Vec<StationDto>,
     pub(in crate::api) workers: Vec<WorkerDto>,
     pub(in crate::api) forecasts: Vec<ForecastDto>,
@@ -33,11 +33,11 @@ pub struct Frame {
     pub(in crate::api) counters: Value,
     pub(in crate::api) alarms: Value,
     pub(in crate::api) time_s: f64,
-    /// For recordings only: the live feed does not send it.
+    /// For recordings; the live feed sends only `zero` of it.
     pub(in crate::api) beside: Beside,
 }
 
-/// What a frame has beside what the live feed sends.
+/// What a frame has beside what changes in the live feed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Beside {
     /// The time from which the seconds of the frame count.
@@ -69,8 +69,8 @@ impl Frame {
         let counts = moment.view.counts;
         let m = moment.measured;
         Frame {
-            robots: names.robots(),
-            racks: names.racks(),
+            robots: names.robot_rows(),
+            racks: names.rack_rows(),
             stations: names.stations(),
             workers: names.workers(),
             forecasts: forecasts(&moment.forecasts),
@@ -97,6 +97,7 @@ impl Frame {
     pub(in crate::api) fn snapshot(&self, version: u64) -> Value {
         json!({
             "type": "snapshot", "version": version, "time_s": self.time_s, "simulated": true,
+            "started": time_text(self.beside.zero),
             "robots": self.robots, "racks": self.racks, "stations": self.stations,
             "workers": self.workers, "forecasts": self.forecasts, "closures": self.closures,
             "jobs": self.jobs, "counters": self.counters, "alarms": self.alarms,

@@ -1,11 +1,12 @@
 //! The feed as readers of both formats see it, against frames that change all the time.
 
 use super::*;
-use crate::fleet::{AHEAD_S, Doing, Expected, Presence, RobotState, RobotView, Task, WorkerView};
+use crate::fleet::{AHEAD_S, Activity, Doing, Expected, Presence, RobotState, RobotView, Task, WorkerView};
 use crate::geometry::{Point, Pose};
 use crate::human::{Mixture, Part};
 use crate::id::{Dense, NodeId, WorkerId};
 use crate::time::Span;
+use crate::time::Time;
 use serde_json::{Value, json};
 
 fn robot(name: &str, x: f64) -> RobotView {
@@ -24,6 +25,10 @@ fn robot(name: &str, x: f64) -> RobotView {
         task: Task::Idle,
         rack: None,
         doing: Doing::Idle,
+        activity: Activity::Driving,
+        since: Time::ZERO,
+        driven_m: 0.0,
+        heard: None,
         job: None,
         granted: vec![],
         held: vec![],

@@ -61,25 +61,25 @@ fn packed<V: Into<Value>, const N: usize>(entries: impl Iterator<Item = (usize, 
 }
 
 /// Row, and the step in millimetres.
-fn moved((i, (old, new)): Pair<RobotDto>) -> Option<(usize, [i64; 2])> {
+fn moved((i, (old, new)): Pair<RobotDto<usize>>) -> Option<(usize, [i64; 2])> {
     let step = [thousandths(new.x) - thousandths(old.x), thousandths(new.y) - thousandths(old.y)];
     (step != [0, 0]).then_some((i, step))
 }
 
 /// Row, and the heading in milliradians.
-fn turned((i, (old, new)): Pair<RobotDto>) -> Option<(usize, [i64; 1])> {
+fn turned((i, (old, new)): Pair<RobotDto<usize>>) -> Option<(usize, [i64; 1])> {
     (old.heading != new.heading).then(|| (i, [thousandths(new.heading)]))
 }
 
 /// Row, and the speed in centimetres a second.
-fn sped((i, (old, new)): Pair<RobotDto>) -> Option<(usize, [i64; 1])> {
-    let cmps = |r: &RobotDto| (r.speed * 100.0).round() as i64;
+fn sped((i, (old, new)): Pair<RobotDto<usize>>) -> Option<(usize, [i64; 1])> {
+    let cmps = |r: &RobotDto<usize>| (r.speed * 100.0).round() as i64;
     (cmps(old) != cmps(new)).then(|| (i, [cmps(new)]))
 }
 
 /// Row, how many nodes were left behind, how many are granted now, how many of the rest stay, and the nodes that
 /// come after them. The way is what is granted and then what is held.
-fn way((i, (old, new)): Pair<RobotDto>) -> Option<Vec<usize>> {
+fn way((i, (old, new)): Pair<RobotDto<usize>>) -> Option<Vec<usize>> {
     if old.granted == new.granted && old.held == new.held {
         return None;
     }

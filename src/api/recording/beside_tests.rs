@@ -4,7 +4,8 @@ use super::tests::{TestFolder, cut};
 use super::*;
 use crate::api::port::Moment;
 use crate::fleet::{
-    Backlog, Counts, Doing, Encounter, JobKind, Pending, Reaction, RobotState, RobotView, Task, View, Why,
+    Activity, Backlog, Counts, Doing, Encounter, JobKind, Pending, Reaction, RobotState, RobotView, Task,
+    View, Why,
 };
 use crate::geometry::{Point, Pose, Spot};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
@@ -30,6 +31,10 @@ fn frame(zero: Time, at_s: f64) -> Arc<Frame> {
         task: Task::Idle,
         rack: None,
         doing: Doing::Idle,
+        activity: Activity::Driving,
+        since: Time::ZERO,
+        driven_m: 0.0,
+        heard: None,
         job: None,
         granted: vec![],
         held: vec![],

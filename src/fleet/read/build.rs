@@ -5,8 +5,9 @@
 use crate::fleet::Fleet;
 use crate::fleet::dispatch::jobs::stations_with_enough;
 use crate::fleet::people::intents::task_place;
-use crate::fleet::read::view::{Counts, Doing, RobotState, RobotView, StationView, View};
-use crate::fleet::state::fact::{Act, Purpose, Task};
+use crate::fleet::read::view::{Counts, RobotState, RobotView, StationView, View};
+use crate::fleet::state::activity::Activity;
+use crate::fleet::state::fact::Task;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::ledger::Service;
 use crate::fleet::state::worker::{ClosureView, Presence, WorkerEpisode, WorkerView};
@@ -14,7 +15,6 @@ use crate::geometry::{Point, Pose};
 use crate::human::{Belief, IntentState, Whereabouts};
 use crate::id::{BodyId, JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::time::Time;
-use crate::warehouse::NodeKind;
 use std::collections::BTreeMap;
 
 /// A worker who has just been lost is somewhere near the place, metres.
@@ -23,7 +23,7 @@ const LEAST_AREA_M: f64 = 1.0;
 impl Fleet {
     /// Everything that outsiders may see.
     pub fn view(&self, now: Time) -> View {
-        let robots: Vec<RobotView> = self.core.ledger.robots.ids().map(|r| self.robot_view(r)).collect();
+        let robots: Vec<RobotView> = self.core.ledger.robots.ids().map(|r| self.robot_view(r, now)).collect();
         let stations = self.core.warehouse().stations.ids().map(|s| self.station_view(s)).collect();
         let waiting = self.core.ledger.index().queue.len() as u64;
         let active = self.core.ledger.jobs.len() as u64 - waiting;
@@ -91,7 +91,7 @@ impl Fleet {
         }
     }
 
-    fn robot_view(&self, r: RobotId) -> RobotView {
+    fn robot_view(&self, r: RobotId, now: Time) -> RobotView {
         let record = &self.core.ledger.robots[r];
         let seen = self.core.scene.robot(r);
         let chain = self.core.ledger.chain(r);
@@ -99,10 +99,12 @@ impl Fleet {
             (from..to).filter_map(|s| chain.get(s)).map(|v| v.node).collect()
         };
         let stands = Pose { at: self.core.warehouse().nodes[self.core.ledger.node_of(r)].at, heading: 0.0 };
+        let (activity, since) = self.activity(r, now);
         RobotView {
             name: record.name.clone(),
             pose: seen.map_or(stands, |t| t.pose),
             seen: seen.map(|t| t.seen),
+            heard: self.core.scene.heard(r),
             speed_mps: seen.map_or(0.0, |t| t.speed_mps),
             kind: record.kind.clone(),
             battery: seen.map_or(0.0, |t| t.battery),
@@ -114,11 +116,26 @@ impl Fleet {
             task: record.task,
             rack: self.core.ledger.rack_on(r),
             doing: self.floor().doing(r),
+            activity,
+            since,
+            driven_m: self.core.scene.driven_m(r),
             job: record.task.job(),
             granted: nodes(chain.first(), chain.granted()),
             held: nodes(chain.granted(), chain.end()),
             why: self.why(r),
         }
+    }
+
+    /// What a robot is at, and since when. What a person ordered is durable: it has lasted since the order.
+    fn activity(&self, robot: RobotId, now: Time) -> (Activity, Time) {
+        let noted = self.core.activities.of(robot);
+        let (activity, since) = noted.unwrap_or_else(|| (self.floor().activity(robot, self.why(robot)), now));
+        let ordered = match activity {
+            Activity::Paused => self.core.ledger.robots[robot].paused,
+            Activity::Stopped => self.core.ledger.stopped.or(self.core.ledger.evacuation),
+            _ => None,
+        };
+        (activity, ordered.unwrap_or(since))
     }
 
     fn worker_views(&self, now: Time) -> Vec<WorkerView> {
@@ -216,28 +233,6 @@ impl Floor<'_> {
             Task::Idle => RobotState::Idle,
             Task::Move { job: None, .. } => RobotState::Free,
             _ => RobotState::Busy,
-        }
-    }
-
-    fn doing(&self, r: RobotId) -> Doing {
-        let record = &self.ledger.robots[r];
-        let chain = self.ledger.chain(r);
-        let at_stop = record.stops.first().filter(|s| s.serial == chain.first()).map(|s| s.act);
-        let queueing = || matches!(self.warehouse().nodes[self.ledger.node_of(r)].kind, NodeKind::Queue(_));
-        match (record.task, at_stop) {
-            _ if record.failed => Doing::Failed,
-            (Task::Fetch { .. }, Some(Act::Lift(_))) => Doing::Lifting,
-            (Task::Fetch { .. }, _) => Doing::ToRack,
-            (Task::Deliver { .. }, Some(Act::Pick(_))) => Doing::Picking,
-            (Task::Deliver { .. }, _) if queueing() => Doing::Queueing,
-            (Task::Deliver { .. }, _) => Doing::Carrying,
-            (Task::Store { .. }, Some(Act::Set(_))) => Doing::SettingDown,
-            (Task::Store { .. }, _) => Doing::Returning,
-            (Task::Move { purpose: Purpose::Charge, .. }, _) => Doing::ToCharger,
-            (Task::Move { purpose: Purpose::Park, .. }, _) => Doing::Parking,
-            (Task::Move { purpose: Purpose::Go, .. }, _) => Doing::Going,
-            (Task::Idle, _) if self.at_charger(r) => Doing::Charging,
-            (Task::Idle, _) => Doing::Idle,
         }
     }
 

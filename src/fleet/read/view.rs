@@ -4,6 +4,7 @@
 //! a simulation of an hour needs none of the 36 000 it could have. Refuses: to be an input of any decision.
 
 use crate::aware::zone_answers::ZoneCounts;
+use crate::fleet::state::activity::{Activity, Doing};
 use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
@@ -73,6 +74,8 @@ pub struct RobotView {
     pub pose: Pose,
     /// When it was seen last.
     pub seen: Option<Time>,
+    /// When its newest report came in.
+    pub heard: Option<Time>,
     /// How fast, metres per second.
     pub speed_mps: f64,
     /// The name of its kind.
@@ -93,8 +96,14 @@ pub struct RobotView {
     pub task: Task,
     /// The rack on it.
     pub rack: Option<RackId>,
-    /// What it is at, in a word.
+    /// What it does for its task, whether it gets on or not.
     pub doing: Doing,
+    /// What it is at, in a word.
+    pub activity: Activity,
+    /// Since when.
+    pub since: Time,
+    /// How far it was seen to drive since the program started, metres.
+    pub driven_m: f64,
     /// The job it works on.
     pub job: Option<JobId>,
     /// Nodes that it has been granted, in order, from where it is.
@@ -120,37 +129,6 @@ pub enum RobotState {
     Failed,
     /// Has left the floor.
     Gone,
-}
-
-/// What a robot is at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Doing {
-    /// Nothing.
-    Idle,
-    /// Driving to a rack.
-    ToRack,
-    /// Lifting it.
-    Lifting,
-    /// Carrying it to a station.
-    Carrying,
-    /// In the queue of a station.
-    Queueing,
-    /// At the station.
-    Picking,
-    /// Bringing the rack to storage.
-    Returning,
-    /// Setting it down.
-    SettingDown,
-    /// Driving to a charger.
-    ToCharger,
-    /// Charging.
-    Charging,
-    /// Driving to a parking place.
-    Parking,
-    /// Driving where it was sent.
-    Going,
-    /// Broken.
-    Failed,
 }
 
 /// One station.

@@ -3,6 +3,7 @@
 //! Main type: [`Core`]. Each room has it as an argument, reads it through [`Floor`], and changes what was promised by
 //! facts alone. Refuses: to keep anything that belongs to one room.
 
+use crate::fleet::state::activity::Activities;
 use crate::fleet::state::fact::{Fact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Step;
@@ -32,6 +33,8 @@ pub(in crate::fleet) struct Core {
     pub restrictions: Restrictions,
     /// What robots and workers wait for, as of the end of the last step.
     pub waits: WaitGraph,
+    /// What robots are at, as of the end of the last step.
+    pub activities: Activities,
     /// How near robots of each kind come to people, and how fast.
     pub regions: KindRegions,
     /// What the map says about storage.
@@ -50,6 +53,7 @@ impl Core {
         Core {
             restrictions: Restrictions::none(warehouse, &regions),
             waits: WaitGraph::default(),
+            activities: Activities::default(),
             regions,
             storage: Storage::new(warehouse),
             scene: Scene::default(),

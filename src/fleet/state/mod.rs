@@ -3,6 +3,7 @@
 //! Main types: [`ledger::Ledger`] (a fold over [`fact::Fact`]s), [`scene::Scene`], [`io::Input`], [`io::Step`].
 //! Refuses: to decide anything; it knows no other room.
 
+pub mod activity;
 pub(in crate::fleet) mod binding;
 pub(in crate::fleet) mod closed_areas;
 pub(in crate::fleet) mod core;

@@ -28,6 +28,8 @@ pub struct RobotSeen {
     pub told: Option<Time>,
     /// Whether it was found once where the ledger has it.
     placed: bool,
+    /// How far it has driven, metres: the sum of the steps between its poses.
+    driven_m: f64,
 }
 
 /// A robot that stands where it does.
@@ -71,6 +73,7 @@ impl Scene {
         let free = before.map_or(Span::ZERO, |b| b.free) + since;
         // One that was found kept begins anew when it has forgotten its way.
         seen.still = (t.stands() && (may_drive || free < KEPT)).then_some(StandsStill { free, said: now });
+        seen.driven_m += seen.newest.filter(|_| !t.stands()).map_or(0.0, |n| (t.pose.at - n.pose.at).norm());
         let before = seen.newest.replace(t).and_then(|n| n.fault);
         match seen.still.is_some_and(|still| still.free >= KEPT) {
             true => _ = self.kept.insert(t.robot),
@@ -104,6 +107,11 @@ impl Scene {
     /// A robot as it is seen.
     pub fn robot(&self, robot: RobotId) -> Option<&Telemetry> {
         self.robots.get(robot.ix())?.newest.as_ref()
+    }
+
+    /// How far a robot was seen to drive, metres.
+    pub fn driven_m(&self, robot: RobotId) -> f64 {
+        self.robots.get(robot.ix()).map_or(0.0, |seen| seen.driven_m)
     }
 
     /// When the newest observation of a robot came in.

@@ -1,6 +1,6 @@
-//! What each robot and each worker waits for, noted once in every step: the wait-for graph.
+//! What each robot and each worker waits for, noted once in every step: the wait-for graph; and what each robot is at.
 //!
-//! Main function: [`note_waits`]. All that is shown or decided about waiting reads the graph
+//! Main functions: [`note_waits`], [`note_activities`]. All that is shown or decided about waiting reads the graph
 //! ([`WaitGraph`](crate::fleet::state::wait_graph::WaitGraph)), and nothing else finds out why something waits.
 //! Refuses: to decide what is done about it.
 
@@ -42,4 +42,14 @@ pub(in crate::fleet) fn note_waits(
     }
     graph.find_ends(now);
     core.waits = graph;
+}
+
+/// Notes what each robot is at, after [`note_waits`]. O(robots).
+pub(in crate::fleet) fn note_activities(core: &mut Core, now: Time) {
+    let mut activities = std::mem::take(&mut core.activities);
+    for robot in core.ledger.robots.ids() {
+        let why = core.waits.robot(robot).why;
+        activities.note(robot, core.floor().activity(robot, why), now);
+    }
+    core.activities = activities;
 }

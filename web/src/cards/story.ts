@@ -1,7 +1,7 @@
 // What happened to each thing since the page was opened, in a few lines: what a mirror says now that the
 // one before did not. It remembers only what changed, and no more than the last lines of it.
-import { clock, doing, GUIDANCE_WORDS, PRESENCE_WORDS, STATE_WORDS } from '../words';
-import { type MapNode, type Mirror, type Rack, type Robot, row, type Station, type Table, type Worker } from '../wire';
+import { activityWords, clock, doing, GUIDANCE_WORDS, PRESENCE_WORDS } from '../words';
+import { activityOf, type MapNode, type Mirror, type Rack, type Robot, row, type Station, type Table, type Worker } from '../wire';
 import type { Picked } from '../floor';
 
 export interface Line {
@@ -59,7 +59,7 @@ function changed<T extends { id: string }>(old: Table<T>, now: Table<T>, see: (b
 
 function robotLines(a: Robot, b: Robot): (string | null)[] {
   return [
-    a.state === b.state ? null : (STATE_WORDS[b.state] ?? b.state).toLowerCase(),
+    activityOf(a) === activityOf(b) ? null : activityWords(activityOf(b)).toLowerCase(),
     a.doing === b.doing ? null : doing(b.doing),
     a.job === b.job || b.job === null ? null : `started job ${b.job}`,
     a.why === b.why ? null : (b.why ?? 'continues'),

@@ -2,7 +2,7 @@
 import type { Encounter, Reaction } from '../wire';
 
 export const REACTION_WORDS: Record<Reaction, string> = {
-  kept: 'nothing', slowed: 'slowed the robot', held: 'made the robot wait', rerouted: 'rerouted the robot', stopped: 'stopped the robot',
+  kept: 'none needed', slowed: 'slowed the robot', held: 'made the robot wait', rerouted: 'rerouted the robot', stopped: 'stopped the robot',
 };
 export const SORTS = ['began', 'closest', 'robot_speed', 'worker_speed', 'delay_s'] as const;
 export type Sort = (typeof SORTS)[number];

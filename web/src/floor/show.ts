@@ -1,6 +1,6 @@
 // Runs the floor: owns the camera, the kept picture of the ground and the animation loop. It draws what
 // it is given and knows no panel.
-import type { Closure, FloorMap, Mirror, Point } from '../wire';
+import type { Activity, Closure, FloorMap, Mirror, Point } from '../wire';
 import type { Picked } from './scene/picked';
 import type { Cell } from './paint/heatmap';
 import { announced, Composer, type Chosen } from './paint/compose';
@@ -10,7 +10,7 @@ import type { Forecast } from './paint/heat';
 import type { Frame, Painter } from './paint/painter';
 import { readPalette, type Palette } from './paint/palette';
 import { placeOf, thingAt, thingBeside } from './scene/pick';
-import { Stage } from './scene/scene';
+import { LOOKS, Stage } from './scene/scene';
 import { fit, pan, toWorld, zoomAt, type View } from './scene/view';
 
 export interface ShowOptions {
@@ -39,7 +39,7 @@ export class Show {
   #composer: Composer;
   /** Kept from one frame to the next: only its parts change. */
   #drawn: Frame;
-  #picks: Chosen = { robot: -1, person: -1, place: null };
+  #picks: Chosen = { robot: -1, person: -1, place: null, look: -1 };
   #mirror: Mirror | null = null;
   #forecasts: readonly Forecast[] = [];
   #how: 'glide' | 'jump' = 'jump';
@@ -104,6 +104,12 @@ export class Show {
   choose(picked: Picked | null): void {
     this.#chosen = picked;
     if (picked !== null) this.#marked = null;
+    this.#dirty = true;
+  }
+
+  /** Shows robots that are at anything else pale; null shows all alike. */
+  filter(only: Activity | null): void {
+    this.#picks.look = only === null ? -1 : (LOOKS as readonly string[]).indexOf(only);
     this.#dirty = true;
   }
 

@@ -3,7 +3,7 @@ import type { Vec2 } from './frame';
 import { isInside } from './polygon';
 import { Shapes, type Colour } from './shapes';
 import { area, beside, box, column, edge, line, placeAt } from './solids';
-import type { Closure, FloorMap, Footprint, Mirror, NodeKind, Robot, RobotKind, Worker } from '../wire';
+import { activityOf, type Activity, type Closure, type FloorMap, type Footprint, type Mirror, type NodeKind, type Robot, type RobotKind, type Worker } from '../wire';
 
 export interface HallInk {
   /** Around and above the floor, and in the distance. */
@@ -17,7 +17,7 @@ export interface HallInk {
   places: Partial<Record<NodeKind, Colour>>;
   frame: Colour;
   goods: readonly Colour[];
-  states: Record<Robot['state'] | 'charging', Colour>;
+  states: Record<Activity, Colour>;
   nose: Colour;
   person: Colour;
   region: Colour;
@@ -113,7 +113,7 @@ export function halfOf(footprint: Footprint | null | undefined, usual: number): 
 export function robot(shapes: Shapes, it: Robot, mover: Mover, near: boolean, sizes: { kinds: readonly RobotKind[]; usual: number }, ink: HallInk): void {
   const { at, heading } = mover;
   const [l, w] = halfOf(sizes.kinds.find((k) => k.name === it.kind)?.footprint, sizes.usual).map((half) => half * 0.92) as [number, number];
-  const colour = ink.states[it.doing === 'charging' ? 'charging' : it.state];
+  const colour = ink.states[activityOf(it)];
   box(shapes, { at, heading, half: [l, w], from: 0.04, to: 0.27 }, colour);
   box(shapes, { at, heading, half: [l * 0.6, w * 0.6], from: 0.27, to: 0.31 }, ink.frame);
   // The nose says where it faces.

@@ -1,6 +1,7 @@
 // Colours, read from the style sheet, where each is written once.
 import type { HallInk } from './hall';
 import type { Colour, Ink } from './shapes';
+import { ACTIVITIES } from '../wire';
 
 const known = new Map<string, string>();
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => known.clear());
@@ -42,10 +43,7 @@ export function hallInk(): HallInk {
     sky: of('twin-sky'), floor: of('map-floor'), edge: of('map-edge'), lane: of('map-lane'), blocked: of('twin-blocked'), closed: of('map-closed'),
     places: { station: of('map-station'), queue: of('map-queue'), charger: of('map-charger'), parking: of('map-parking'), exit: of('map-exit') },
     frame: of('twin-frame'), goods: ['twin-goods-1', 'twin-goods-2', 'twin-goods-3'].map(of),
-    states: {
-      idle: of('state-idle'), busy: of('state-busy'), free: of('state-free'), interrupted: of('state-interrupted'), failed: of('state-failed'),
-      gone: of('state-idle'), charging: of('state-charging'),
-    },
+    states: Object.fromEntries([...ACTIVITIES.map((one) => [one, of(`state-${one}`)]), ['gone', of('state-idle')]]) as HallInk['states'],
     nose: of('twin-nose'), person: of('map-person'), region: of('map-region'),
   };
 }

@@ -77,7 +77,7 @@ export function jobsThen(replay: Pick<Replay, 'recording' | 't' | 'waiting'>, mi
   const { waiting, done, cancelled, failed } = mirror.jobs;
   const at = (t: number): string => moment(recording.start, t);
   return {
-    label: 'Jobs then', title: `Jobs in progress at this moment: ${robots.length}`, region: 'Tables of jobs then',
+    label: 'Jobs at this moment', title: `Jobs in progress at this moment: ${robots.length}`, region: 'Tables of jobs at this moment',
     note: `${waiting} waited for a robot, ${done} were done, ${cancelled} cancelled, ${failed} failed`,
     tables: [underWay(robots), waitingThen(waited, waiting, list && at(list.at), at)],
     foot: footOf(list, waiting - waited.length, waited.length, replay.waiting),

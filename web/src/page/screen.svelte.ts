@@ -12,6 +12,8 @@ const PANEL_MS = 250;
 export class Screen implements Stream {
   /** The mirror as the panels show it. */
   mirror = $state.raw<Mirror>(EMPTY);
+  /** The present as the panels show it, also while the past is shown. */
+  present = $state.raw<Mirror>(EMPTY);
   /** The past, while that is shown instead of the present. */
   replay = $state.raw<Replay | null>(null);
   readonly memory = new Memory();
@@ -86,6 +88,7 @@ export class Screen implements Stream {
       this.memory.note(latest, valueOf(this.map)?.nodes ?? []);
       this.mirror = latest;
     }
+    if (this.present !== this.#live.mirror) this.present = this.#live.mirror;
     this.#live.look();
   }
 }

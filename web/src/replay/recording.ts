@@ -57,7 +57,7 @@ export class FileRecording implements Recording {
   #reel: Reel;
 
   constructor(reel: Reel) {
-    if (!reel.map) throw new Error('This reel contains no map, so it cannot be shown.');
+    if (!reel.map) throw new Error('This recording contains no map, so it cannot be shown.');
     this.name = reel.name;
     this.map = reel.map;
     this.start = reel.start;

@@ -26,7 +26,7 @@ export interface Reel {
   lists: Listed[];
 }
 
-const NO_REEL = 'This is not a reel. Make one with “giveway replay --reel”, or save one from a replay; its name ends in .reel.';
+const NO_REEL = 'This is not a recording for this page. Save one from a replay, or make one with “giveway replay FILE --reel OUT.reel”.';
 const LINE = /^\{"at":(-?[\d.e+]+),"(key|patch|mark|sum|waiting)":/;
 
 /** Reads lines; a last one that was cut off is left out. */
@@ -45,7 +45,7 @@ export function readReel(lines: Iterable<string>): Reel {
     else if (kind === 'waiting') reel.lists.push({ at, text });
     else reel.frames.push({ at, kind, text });
   }
-  if (!reel.frames.some((frame) => frame.kind === 'key')) throw new Error('This reel has no key frame: it was cut off too soon.');
+  if (!reel.frames.some((frame) => frame.kind === 'key')) throw new Error('This recording has no key frame: it was cut off too soon.');
   reel.marks.sort((a, b) => a.at_s - b.at_s);
   return reel;
 }
@@ -59,10 +59,10 @@ function headerOf(line: unknown): Pick<Reel, 'name' | 'start' | 'map'> {
   }
   if (typeof header !== 'object' || header === null) throw new Error(NO_REEL);
   if ('giveway_recording' in header) {
-    throw new Error('This is a recording, not a reel. Type: giveway replay FILE --reel OUT.reel, and open that.');
+    throw new Error('This page cannot play recordings of “giveway sim --record” directly. Type: giveway replay FILE --reel OUT.reel, and open OUT.reel.');
   }
   if (!('reel' in header)) throw new Error(NO_REEL);
-  if (header.reel !== 1) throw new Error(`This reel has format ${String(header.reel)}; this page knows format 1. Use a newer Giveway.`);
+  if (header.reel !== 1) throw new Error(`This recording has format ${String(header.reel)}; this page knows format 1. Use a newer Giveway.`);
   const { name, start, map } = header as { name?: unknown; start?: unknown; map?: FloorMap | null };
   return { name: String(name ?? ''), start: typeof start === 'number' ? start : null, map: map ?? null };
 }

@@ -10,8 +10,8 @@ export interface Held {
   /** Null where there is nothing to show instead of what is shown: it is coming. */
   readonly seen: Timelines | null;
   readonly wrong: string | null;
-  /** When to ask again, milliseconds. */
-  readonly pause_ms: number;
+  /** When to ask again, milliseconds; null if the same area would be refused again. */
+  readonly pause_ms: number | null;
 }
 export interface TimelinesShown {
   readonly tense: 'now' | 'then';
@@ -38,7 +38,7 @@ async function askNow(api: Pick<Api, 'timelines'>, area: Area, ahead: number): P
   const nothing: Timelines = { at: '', ahead_s: ahead, nodes: [] };
   // What was refused is not shown as it was before.
   const seen = answer.kind === 'ok' ? answer.value : answer.kind === 'refused' ? nothing : null;
-  return { seen, wrong: trouble(answer), pause_ms: EVERY_MS };
+  return { seen, wrong: trouble(answer), pause_ms: answer.kind === 'refused' && answer.problem.status === 422 ? null : EVERY_MS };
 }
 
 /** Timelines around the moment that a replay shows. */

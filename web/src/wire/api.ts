@@ -4,7 +4,7 @@ import type { Socket, SocketEvents } from './link';
 import type { Past, Sum } from './past';
 import type {
   AlarmPage, AlarmRecord, Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobBatch, JobPage, JobState, NewClosure, NewJob,
-  Problem, RobotKind, Timelines, Why, WorkerDetail,
+  Problem, RobotDetail, RobotHistoryPage, RobotKind, Timelines, Why, WorkerDetail,
 } from './types';
 
 export type Answer<T> =
@@ -19,7 +19,7 @@ const PAST: Problem = { title: 'The past cannot be changed', status: 409, detail
 export class Api {
   /** Called when the server answers 401. */
   onLocked: () => void = () => {};
-  /** While the past is shown, nothing is asked of the present that would change it. */
+  /** While the past is shown, nothing is asked of the present that would change it, except to stop all robots. */
   shows: 'present' | 'past' = 'present';
 
   map = () => this.#ask<FloorMap>('GET', '/v1/map');
@@ -33,12 +33,16 @@ export class Api {
 
   evacuate = () => this.#ask<null>('POST', '/v1/evacuation');
   endEvacuation = () => this.#ask<null>('DELETE', '/v1/evacuation');
-  stopFleet = () => this.#ask<null>('POST', '/v1/fleet/stop');
+  stopFleet = () => this.#send<null>('POST', '/v1/fleet/stop');
   resumeFleet = () => this.#ask<null>('POST', '/v1/fleet/resume');
   pause = (robot: string) => this.#ask<null>('POST', `/v1/robots/${encodeURIComponent(robot)}/pause`);
   resume = (robot: string) => this.#ask<null>('POST', `/v1/robots/${encodeURIComponent(robot)}/resume`);
   maintain = (robot: string) => this.#ask<null>('PUT', `/v1/robots/${encodeURIComponent(robot)}/maintenance`);
   workAgain = (robot: string) => this.#ask<null>('DELETE', `/v1/robots/${encodeURIComponent(robot)}/maintenance`);
+  robot = (id: string) => this.#ask<RobotDetail>('GET', `/v1/robots/${encodeURIComponent(id)}`);
+  /** What happened to a robot, newest first: a page of it. */
+  robotHistory = (id: string, cursor: string | null) =>
+    this.#ask<RobotHistoryPage>('GET', `/v1/robots/${encodeURIComponent(id)}/history?${new URLSearchParams({ limit: '20', ...(cursor === null ? {} : { cursor }) })}`);
   retire = (robot: string) => this.#ask<null>('DELETE', `/v1/robots/${encodeURIComponent(robot)}`);
   station = (id: string, says: 'done' | 'short' | 'pause' | 'resume') =>
     this.#ask<null>('POST', `/v1/stations/${encodeURIComponent(id)}/${says}`);
@@ -115,6 +119,10 @@ export class Api {
 
   async #ask<T>(method: string, path: string, headers: Record<string, string> = {}, body?: object): Promise<Answer<T>> {
     if (this.shows === 'past' && method !== 'GET') return { kind: 'refused', problem: PAST };
+    return this.#send<T>(method, path, headers, body);
+  }
+
+  async #send<T>(method: string, path: string, headers: Record<string, string> = {}, body?: object): Promise<Answer<T>> {
     const all: Record<string, string> = { Accept: 'application/json', ...headers };
     if (this.token) all['Authorization'] = `Bearer ${this.token}`;
     if (body) all['Content-Type'] = 'application/json';

@@ -5,4 +5,4 @@ export * from './past';
 export { Api, trouble, type Answer } from './api';
 export { Keys, newKey } from './keys';
 export { Link, retryDelay, type Clock, type LinkState, type Socket, type SocketEvents } from './link';
-export { EMPTY, onFloor, reduce, row, type Mirror, type Table } from './mirror';
+export { activityOf, ageOf, EMPTY, onFloor, reduce, row, type Mirror, type Table } from './mirror';

@@ -1,7 +1,7 @@
 // The page's copy of the floor: a pure reducer over snapshots and patches. Untouched rows keep their
 // identity from one version to the next. It opens no socket and reads no clock.
 import type {
-  Alarm, Changed, Closure, Counters, JobCounts, Message, WorkerForecast, Patch, Rack, Robot, Station, Worker,
+  Activity, Alarm, Changed, Closure, Counters, JobCounts, Message, WorkerForecast, Patch, Rack, Robot, RobotState, Station, Worker,
 } from './types';
 
 export interface Table<T> {
@@ -12,6 +12,8 @@ export interface Mirror {
   /** null until the first snapshot. */
   readonly version: number | null;
   readonly time_s: number;
+  /** When `time_s` was zero, in milliseconds of the epoch; null where a recording does not say. */
+  readonly started: number | null;
   readonly source: 'simulated' | 'real' | 'unknown';
   readonly robots: Table<Robot>;
   readonly racks: Table<Rack>;
@@ -25,6 +27,20 @@ export interface Mirror {
 }
 /** The robots without those that have left. */
 export const onFloor = (mirror: Mirror): readonly Robot[] => mirror.robots.rows.filter((r) => r.state !== 'gone');
+
+/** What earlier versions recorded, in the words of today. */
+const OF_STATE: Record<RobotState, Activity> = {
+  idle: 'idle', busy: 'driving', free: 'driving', interrupted: 'waiting', failed: 'failed', gone: 'gone',
+};
+/** What a robot is at. */
+export const activityOf = (robot: Pick<Robot, 'activity' | 'state'>): Activity => robot.activity ?? OF_STATE[robot.state];
+
+/** For how long a robot has been at what it is at, seconds; null where a recording does not say. */
+export function ageOf(mirror: Pick<Mirror, 'time_s' | 'started'>, robot: Pick<Robot, 'since'>): number | null {
+  if (mirror.started === null || robot.since === null) return null;
+  const since_s = (Date.parse(robot.since) - mirror.started) / 1_000;
+  return Math.max(0, mirror.time_s - since_s);
+}
 /** `gap`: the patch builds on another version, and only a new snapshot helps. */
 export type Reduced = { kind: 'snapshot' | 'patched'; mirror: Mirror } | { kind: 'gap' };
 
@@ -34,8 +50,8 @@ const NO_COUNTERS: Counters = {
   deviations: 0, interruptions: 0, plan_us_p50: 0, plan_us_p99: 0, step_us_p99: 0,
 };
 const BLANK_ROBOT: Robot = {
-  id: '', x: 0, y: 0, heading: 0, speed: 0, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null, rack: null, job: null,
-  battery: 1, granted: [], held: [], why: null,
+  id: '', x: 0, y: 0, heading: 0, speed: 0, activity: null, since: null, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null,
+  rack: null, job: null, battery: 1, granted: [], held: [], why: null,
 };
 const BLANK_RACK: Rack = { id: '', node: null, robot: null };
 const BLANK_STATION: Station = { id: '', robot: null, queue: [], served: 0, picking: false, paused: null };
@@ -46,7 +62,7 @@ const BLANK_WORKER: Worker = {
 };
 
 export const EMPTY: Mirror = {
-  version: null, time_s: 0, source: 'unknown',
+  version: null, time_s: 0, started: null, source: 'unknown',
   robots: tableOf([], BLANK_ROBOT), racks: tableOf([], BLANK_RACK), stations: tableOf([], BLANK_STATION),
   workers: tableOf([], BLANK_WORKER), closures: [], forecasts: [],
   jobs: NO_JOBS, counters: NO_COUNTERS, alarms: [],
@@ -62,6 +78,7 @@ export function reduce(mirror: Mirror, message: Message): Reduced {
     mirror: {
       version: message.version,
       time_s: message.time_s,
+      started: message.started === undefined ? null : Date.parse(message.started),
       source: message.simulated ? 'simulated' : 'real',
       robots: tableOf(message.robots, BLANK_ROBOT),
       racks: tableOf(message.racks, BLANK_RACK),
@@ -86,6 +103,7 @@ function patched(old: Mirror, patch: Patch): Mirror {
   return {
     version: patch.version,
     time_s: patch.time_s ?? old.time_s,
+    started: old.started,
     source: old.source,
     robots: drive(merge(old.robots, patch.robots, BLANK_ROBOT), old.robots, patch),
     racks: merge(old.racks, patch.racks, BLANK_RACK),

@@ -40,9 +40,14 @@ export interface Lane {
   for: Traveller[];
 }
 
-export const ROBOT_STATES = ['idle', 'busy', 'free', 'interrupted', 'failed'] as const;
+/** What a robot can be at, as the server says it. */
+export const ACTIVITIES = [
+  'idle', 'driving', 'handling', 'picking', 'queueing', 'charging', 'waiting', 'paused', 'stopped', 'out_of_service', 'offline', 'failed',
+] as const;
 /** One that has left the floor keeps its place in the list of the feed, where robots go by number. */
-export type RobotState = (typeof ROBOT_STATES)[number] | 'gone';
+export type Activity = (typeof ACTIVITIES)[number] | 'gone';
+/** Whether the task of a robot goes on. */
+export type RobotState = 'idle' | 'busy' | 'free' | 'interrupted' | 'failed' | 'gone';
 export type Doing =
   | 'to_rack' | 'lifting' | 'carrying' | 'queueing' | 'picking' | 'returning' | 'setting_down'
   | 'to_charger' | 'charging' | 'parking' | 'going' | 'idle' | 'waiting' | 'failed';
@@ -53,6 +58,10 @@ export interface Robot {
   y: number;
   heading: number;
   speed: number;
+  /** Null in recordings of earlier versions. */
+  activity: Activity | null;
+  /** Since when it has been at that, RFC 3339; null in recordings of earlier versions. */
+  since: string | null;
   state: RobotState;
   doing: Doing;
   /** What robots of its kind are called. */
@@ -71,6 +80,34 @@ export interface Robot {
   /** Nodes kept for it further on, which it may not enter yet. */
   held: number[];
   why: string | null;
+}
+/** One robot with what the feed leaves out. */
+export interface RobotDetail {
+  id: string;
+  /** When its last report came in, RFC 3339; null if none has since the server started. */
+  heard: string | null;
+  silent_s: number | null;
+  /** Since the server started. */
+  driven_m: number;
+  started: string;
+  jobs_done: number;
+  jobs_failed: number;
+  alarms: AlarmRecord[];
+}
+/** Something that happened to a robot. */
+export interface RobotEvent {
+  at: string;
+  kind: 'job' | 'alarm' | 'change';
+  /** The job or the alarm. */
+  id: string | null;
+  /** The state of the job, the kind of the alarm, or the change in a word. */
+  what: string;
+  text: string | null;
+  ended: string | null;
+}
+export interface RobotHistoryPage {
+  items: RobotEvent[];
+  next: string | null;
 }
 export interface Rack {
   id: string;
@@ -217,6 +254,8 @@ export interface Snapshot {
   type: 'snapshot';
   version: number;
   time_s: number;
+  /** When `time_s` was zero, RFC 3339. Recordings of earlier versions do not say. */
+  started?: string;
   simulated: boolean;
   robots: Robot[];
   racks: Rack[];
@@ -277,7 +316,7 @@ export function parseMessage(text: string): Message | null {
 export const JOB_KINDS = ['deliver', 'return', 'relocate', 'charge', 'park', 'go'] as const;
 export type JobKind = (typeof JOB_KINDS)[number];
 export const JOB_STATES = [
-  'waiting', 'assigned', 'carrying', 'queued', 'picking', 'done', 'cancelled', 'failed',
+  'waiting', 'assigned', 'carrying', 'picking', 'done', 'cancelled', 'failed',
 ] as const;
 export type JobState = (typeof JOB_STATES)[number];
 

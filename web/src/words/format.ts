@@ -1,5 +1,5 @@
 // Numbers and words for people: one place, so that the same thing reads the same everywhere.
-import type { Doing, GuidanceState, JobKind, JobState, Presence, RobotState } from '../wire';
+import type { Activity, Doing, GuidanceState, JobKind, JobState, Presence } from '../wire';
 
 const whole = new Intl.NumberFormat('en', { maximumFractionDigits: 0 });
 
@@ -23,6 +23,12 @@ export function span(seconds: number): string {
   return `${Math.floor(s / 3_600)} h ${Math.floor((s % 3_600) / 60)} min`;
 }
 
+/** The same in the largest unit alone. */
+export const roughly = (seconds: number): string => span(seconds).split(' ').slice(0, 2).join(' ');
+
+/** How far, in the unit a person would say. */
+export const metres = (m: number): string => (m < 1_000 ? `${Math.round(m)} m` : `${(m / 1_000).toFixed(1)} km`);
+
 /** The floor's own clock, which in a simulation is not the time of day. */
 export function clock(seconds: number): string {
   const s = Math.max(0, Math.floor(seconds));
@@ -36,9 +42,13 @@ export function timeOfDay(rfc3339: string | null): string {
   return date.toLocaleTimeString('en-GB', { hour: '2-digit', minute: '2-digit', second: '2-digit' });
 }
 
-export const STATE_WORDS: Record<RobotState, string> = {
-  idle: 'Idle', busy: 'Busy', free: 'Free', interrupted: 'Interrupted', failed: 'Failed', gone: 'Gone',
+export const ACTIVITY_WORDS: Record<Activity, string> = {
+  idle: 'Idle', driving: 'Driving', handling: 'Handling', picking: 'Picking', queueing: 'Queueing', charging: 'Charging',
+  waiting: 'Waiting', paused: 'Paused', stopped: 'Stopped', out_of_service: 'Out of service', offline: 'Offline', failed: 'Failed',
+  gone: 'Gone',
 };
+/** A newer server may name something this page has no words for; then its own word is shown. */
+export const activityWords = (a: Activity): string => ACTIVITY_WORDS[a] ?? String(a).replaceAll('_', ' ');
 
 export const GUIDANCE_WORDS: Record<GuidanceState, string> = {
   idle: 'No task', following: 'On the path', deviating: 'Off the path', redirected: 'On a new path',

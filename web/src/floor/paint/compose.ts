@@ -16,6 +16,8 @@ export interface Chosen {
   robot: number;
   person: number;
   place: readonly [x: number, y: number] | null;
+  /** Robots of other looks are pale: an index into LOOKS, or -1. */
+  look: number;
 }
 
 /** Words at a place, above everything. */
@@ -45,7 +47,14 @@ const GAUGES_FROM = 28;
 const TICKS_FROM = 5;
 const WORD_PX = 11;
 /** Least radii in pixels: what needs a person stays visible on a whole floor. */
-const LEAST: Record<Look, number> = { idle: 2.2, busy: 2.4, free: 2.4, charging: 2.2, interrupted: 4, failed: 5 };
+const LEAST: Record<Look, number> = {
+  idle: 2.2, driving: 2.4, handling: 2.4, picking: 2.4, queueing: 2.4, charging: 2.2, waiting: 4, paused: 4, stopped: 4, out_of_service: 3,
+  offline: 5, failed: 5,
+};
+/** Looks in whose middle the floor is seen. */
+const HOLLOW: readonly Look[] = ['idle', 'picking', 'queueing', 'out_of_service', 'offline'];
+/** Looks whose mark says so much that it leaves no room for where the robot faces. */
+const FACELESS: readonly Look[] = ['failed', 'charging', 'paused', 'stopped', 'out_of_service', 'offline'];
 /** Of a person's mark, metres: never so small that it is lost among the robots. */
 export const personRadius = (scale: number): number => Math.max(SIZE.person, 6 / scale);
 const PERSON_REACH = 1.35;
@@ -54,7 +63,7 @@ type Inks = ReturnType<typeof inksOf>;
 
 function inksOf({ of: c, looks }: Palette) {
   return {
-    looks: looks.map((css) => inkOf(css)),
+    looks: looks.map((css) => inkOf(css)), faint: inkOf(c.gauge, 0.4),
     rack: inkOf(c.rack), rackEdge: inkOf(c['rack-edge']), carried: inkOf(c.carried), under: inkOf(c.carried, 0.16),
     granted: inkOf(c.granted), held: inkOf(c.held), tick: inkOf(c.tick), floor: inkOf(c.floor),
     gauge: inkOf(c.gauge), track: inkOf(c.edge), low: inkOf(c.low), halo: inkOf(c.halo), label: inkOf(c.label),
@@ -186,9 +195,11 @@ export class Composer {
     }
     // Like after like, so that a painter can draw a run of them at once.
     for (let look = 0; look < LOOKS.length; look++) {
-      for (let i = 0; i < scene.robots; i++) if (scene.look[i] === look) this.#body(scene, i, scale);
+      for (let i = 0; i < scene.robots; i++) if (scene.look[i] === look) this.#body(scene, i, scale, chosen.look);
     }
-    if (scale > TICKS_FROM) for (let i = 0; i < scene.robots; i++) this.#tick(scene, i, hair);
+    if (scale > TICKS_FROM) for (let i = 0; i < scene.robots; i++) {
+      if (chosen.look < 0 || scene.look[i] === chosen.look) this.#tick(scene, i, hair);
+    }
     for (let i = 0; i < scene.robots; i++) this.#battery(scene, i, scale);
     const edge = Math.max(0.09, hair);
     for (let i = 0; i < scene.racks; i++) {
@@ -199,7 +210,7 @@ export class Composer {
   }
 
   /** A shape of its own for each state, so that nobody needs the colours. */
-  #body(scene: Scene, i: number, scale: number): void {
+  #body(scene: Scene, i: number, scale: number, only: number): void {
     const ink = this.#inks;
     const sheet = this.sheets.robots;
     const look = scene.look[i]!;
@@ -207,24 +218,53 @@ export class Composer {
     const r = Math.max(scene.reach[i]!, LEAST[LOOKS[look]!] / scale);
     const d = 2 * r;
     const colour = ink.looks[look]!;
+    if (only >= 0 && look !== only) return sheet.put(KIND.disc, x, y, r, r, ink.faint);
+    const hollow = (): void => {
+      sheet.put(KIND.disc, x, y, d, d, ink.floor);
+      sheet.put(KIND.ring, x, y, d, d, colour, 0, 0.25 * r);
+    };
     switch (LOOKS[look]!) {
-      case 'busy': sheet.put(KIND.disc, x, y, d, d, colour); break;
+      case 'driving': sheet.put(KIND.disc, x, y, d, d, colour); break;
+      case 'handling':
+        sheet.put(KIND.disc, x, y, d, d, colour);
+        sheet.put(KIND.frame, x, y, r, r, ink.tick, 0, 0.18 * r);
+        break;
       case 'idle':
         sheet.put(KIND.disc, x, y, d, d, ink.floor);
         sheet.put(KIND.ring, x, y, d, d, colour, 0, 0.32 * r);
         break;
-      case 'free':
-        sheet.put(KIND.disc, x, y, d, d, ink.floor);
-        sheet.put(KIND.ring, x, y, d, d, colour, 0, 0.22 * r);
+      case 'picking':
+        hollow();
         sheet.put(KIND.disc, x, y, d / 2, d / 2, colour);
+        break;
+      case 'queueing':
+        hollow();
+        sheet.put(KIND.box, x, y, r, 0.35 * r, colour, scene.heading[i]!);
         break;
       case 'charging':
         sheet.put(KIND.disc, x, y, d, d, colour);
         if (scale > TICKS_FROM) sheet.put(KIND.bolt, x, y, 1.5 * r, 1.5 * r, ink.tick);
         break;
-      case 'interrupted':
+      case 'waiting':
         sheet.put(KIND.box, x, y, 1.9 * r, 1.9 * r, ink.halo, Math.PI / 4);
         sheet.put(KIND.box, x, y, 1.6 * r, 1.6 * r, colour, Math.PI / 4);
+        break;
+      case 'paused':
+        sheet.put(KIND.disc, x, y, d, d, colour);
+        for (const side of [-1, 1]) sheet.put(KIND.box, x + 0.32 * side * r, y, 0.32 * r, r, ink.tick);
+        break;
+      case 'stopped':
+        sheet.put(KIND.disc, x, y, d, d, colour);
+        sheet.put(KIND.box, x, y, 0.75 * r, 0.75 * r, ink.tick);
+        sheet.put(KIND.ring, x, y, 1.65 * r, 1.65 * r, ink.tick, 0, 0.14 * r);
+        break;
+      case 'out_of_service':
+        hollow();
+        sheet.put(KIND.cross, x, y, 1.2 * r, 1.2 * r, colour, 0, 0.22 * r);
+        break;
+      case 'offline':
+        sheet.put(KIND.box, x, y, 1.7 * r, 1.7 * r, ink.floor, Math.PI / 4);
+        sheet.put(KIND.frame, x, y, 1.6 * r, 1.6 * r, colour, Math.PI / 4, 0.3 * r);
         break;
       case 'failed':
         sheet.put(KIND.box, x, y, d, d, colour);
@@ -238,8 +278,8 @@ export class Composer {
     const ink = this.#inks;
     const look = scene.look[i]!;
     const word = LOOKS[look]!;
-    if (word === 'failed' || word === 'charging') return;
-    const hollow = word === 'idle' || word === 'free';
+    if (FACELESS.includes(word)) return;
+    const hollow = HOLLOW.includes(word);
     const [x, y, turn] = [scene.x[i]!, scene.y[i]!, scene.heading[i]!];
     const [dx, dy] = [Math.cos(turn), Math.sin(turn)];
     const reach = scene.reach[i]!;

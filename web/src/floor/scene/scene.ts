@@ -1,6 +1,6 @@
 // Everything that moves, as typed arrays that a painter can draw without asking elsewhere. `take` turns a
 // mirror into arrays (about ten times a second); `at` moves them between two patches (every frame).
-import { type FloorMap, type Footprint, type MapNode, type Mirror, type Robot, ROBOT_STATES, row } from '../../wire';
+import { ACTIVITIES, activityOf, type FloorMap, type Footprint, type MapNode, type Mirror, type Robot, row } from '../../wire';
 import { People, type Person } from './people';
 import { shortTurn } from './turn';
 
@@ -9,8 +9,8 @@ export interface Paths {
   at: Float32Array;
   from: Uint32Array;
 }
-/** How a robot is drawn: its state, and charging, which is a state to whoever looks. */
-export const LOOKS = [...ROBOT_STATES, 'charging'] as const;
+/** How a robot is drawn: by what it is at. What needs a person lies above the rest. */
+export const LOOKS = ACTIVITIES;
 export type Look = (typeof LOOKS)[number];
 
 export interface Scene {
@@ -93,7 +93,7 @@ export class Stage {
       this.#to[k] = x;
       this.#to[k + 1] = y;
       this.#to[k + 2] = r.heading;
-      s.look[i] = Math.max(0, (LOOKS as readonly string[]).indexOf(r.doing === 'charging' ? 'charging' : r.state));
+      s.look[i] = Math.max(0, (LOOKS as readonly string[]).indexOf(activityOf(r)));
       s.battery[i] = r.battery;
       s.reach[i] = this.#reach.get(r.kind) ?? USUAL_REACH_M;
       s.ids[i] = r.id;

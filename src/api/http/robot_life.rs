@@ -1,0 +1,193 @@
+//! `/v1/robots/{id}` and its history: one robot with its errors, its link and what it has done, and what happened
+//! to it.
+//!
+//! Main types: [`RobotDetailDto`], [`RobotEventDto`]. Refuses: pages of more than 500.
+
+use super::lists::checked_limit;
+use super::why::parse_robot;
+use crate::alarm::SubjectKind;
+use crate::api::Api;
+use crate::api::alarms::AlarmDto;
+use crate::api::dto::{Names, Page, RobotDto};
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::{Params, PathPart};
+use crate::api::text::{alarm_name, job_name, parse_time, round3, time_text};
+use crate::fleet::{RobotEventQuery, RobotEventRow, RobotEventSource};
+use crate::id::{Dense, JobId};
+use crate::time::Time;
+use axum::Json;
+use axum::extract::State;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+/// One robot with what lists leave out.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct RobotDetailDto {
+    /// As in the list.
+    #[serde(flatten)]
+    pub robot: RobotDto,
+    /// When its last report came in, RFC 3339; null if none has since the server started.
+    pub heard: Option<String>,
+    /// For how long no report has come in, seconds.
+    pub silent_s: Option<f64>,
+    /// How far it was seen to drive since the server started, metres.
+    pub driven_m: f64,
+    /// When the server started, RFC 3339.
+    pub started: String,
+    /// Jobs that it did, as far as the list of jobs reaches.
+    pub jobs_done: u64,
+    /// Jobs that it could not do, likewise.
+    pub jobs_failed: u64,
+    /// Active alarms about it, the worst first.
+    pub alarms: Vec<AlarmDto>,
+}
+
+/// Something that happened to a robot.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct RobotEventDto {
+    /// When, RFC 3339: of a job, when its state changed last; of an alarm, when it was raised.
+    pub at: String,
+    /// job, alarm or change.
+    pub kind: &'static str,
+    /// The job or the alarm; null for a change.
+    #[schema(example = "j17")]
+    pub id: Option<String>,
+    /// The state of the job; the kind of the alarm; or joined, failed, repaired, fenced, paused, resumed,
+    /// fleet_stopped, fleet_resumed, out_of_service, back_in_service, leaving, left or returned.
+    #[schema(example = "done")]
+    pub what: String,
+    /// The kind of the job, or the text of the alarm.
+    #[schema(example = "deliver")]
+    pub text: Option<String>,
+    /// When the alarm ended, RFC 3339.
+    pub ended: Option<String>,
+}
+
+/// Which part of a history to list.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct RobotHistoryParams {
+    /// Only what happened at this time or later, RFC 3339.
+    #[param(example = "2027-01-31T06:00:00Z")]
+    from: Option<String>,
+    /// Only what happened before this time.
+    to: Option<String>,
+    /// How many at most, 1 to 500; 50 if absent.
+    limit: Option<u32>,
+    /// `next` of the previous page.
+    cursor: Option<String>,
+}
+
+/// One robot: what it is at, its errors, its link, how far it drove and which jobs it did.
+#[utoipa::path(get, path = "/v1/robots/{id}", tag = "floor", operation_id = "getRobot",
+    params(("id" = String, Path, example = "robot-1")), responses(
+    (status = 200, description = "The robot", body = RobotDetailDto),
+    (status = 404, description = "No robot has this name", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 503, description = "The database does not answer", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<RobotDetailDto>, Problem> {
+    let robot = parse_robot(&api, &id)?;
+    let jobs = api.records.robot_jobs(robot).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let moment = api.moment();
+    let row = &moment.view.robots[robot.ix()];
+    let is_about_it =
+        |subject: &crate::alarm::AlarmSubject| subject.kind == SubjectKind::Robot && subject.id == id;
+    let alarms = api.alarms.list();
+    Ok(Json(RobotDetailDto {
+        robot: Names { map: &api.map, view: &moment.view }.one_robot(row),
+        heard: row.heard.map(time_text),
+        silent_s: row.heard.map(|t| round3((moment.view.now - t).as_secs_f64().max(0.0))),
+        driven_m: round3(row.driven_m),
+        started: time_text(api.figures.started),
+        jobs_done: jobs.done,
+        jobs_failed: jobs.failed,
+        alarms: alarms.iter().filter(|a| is_about_it(&a.subject)).map(AlarmDto::from).collect(),
+    }))
+}
+
+/// What happened to a robot, newest first: its jobs, alarms about it, failures, and what people ordered.
+#[utoipa::path(get, path = "/v1/robots/{id}/history", tag = "floor", operation_id = "listRobotHistory",
+    params(("id" = String, Path, example = "robot-1"), RobotHistoryParams), responses(
+    (status = 200, description = "What happened, newest first", body = Page<RobotEventDto>),
+    (status = 404, description = "No robot has this name", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, description = "A parameter is wrong", body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "The database does not answer", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn history(
+    State(api): State<Api>,
+    PathPart(id): PathPart,
+    Params(p): Params<RobotHistoryParams>,
+) -> Result<Json<Page<RobotEventDto>>, Problem> {
+    let robot = parse_robot(&api, &id)?;
+    let limit = checked_limit(p.limit, 50)?;
+    let mut errors = Vec::new();
+    let (from, to) = (time("from", p.from.as_deref(), &mut errors), time("to", p.to.as_deref(), &mut errors));
+    let before = p.cursor.as_deref().and_then(|text| {
+        let entry = parse_cursor(text);
+        if entry.is_none() {
+            errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));
+        }
+        entry
+    });
+    if !errors.is_empty() {
+        return Err(Problem::invalid(errors));
+    }
+    let query = RobotEventQuery { robot, name: id, from, to, before, limit: limit + 1 };
+    let mut rows = api.records.robot_events(query).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let more = rows.len() > limit as usize;
+    rows.truncate(limit as usize);
+    let cursor = |row: &RobotEventRow| format!("{}-{}-{}", row.at.0, row.source.number(), row.id);
+    let next = rows.last().filter(|_| more).map(cursor);
+    Ok(Json(Page { items: rows.into_iter().map(event).collect(), next }))
+}
+
+fn time(field: &str, text: Option<&str>, errors: &mut Vec<FieldError>) -> Option<Time> {
+    let text = text?;
+    let time = parse_time(text);
+    if time.is_none() {
+        let detail = format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z");
+        errors.push(FieldError::new(field, detail));
+    }
+    time
+}
+
+/// The entry after which a page begins: its time, its list and its number there.
+fn parse_cursor(text: &str) -> Option<(Time, RobotEventSource, i64)> {
+    let mut parts = text.splitn(3, '-').map(str::parse::<i64>);
+    let mut number = || parts.next()?.ok();
+    Some((Time(number()?), RobotEventSource::of_number(number()?)?, number()?))
+}
+
+fn event(row: RobotEventRow) -> RobotEventDto {
+    let number = row.id.unsigned_abs();
+    let (kind, id) = match row.source {
+        RobotEventSource::Job => ("job", Some(job_name(JobId(number)))),
+        RobotEventSource::Alarm => ("alarm", Some(alarm_name(number))),
+        RobotEventSource::Change => ("change", None),
+    };
+    RobotEventDto {
+        at: time_text(row.at),
+        kind,
+        id,
+        what: row.word,
+        text: row.text,
+        ended: row.ended.map(time_text),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cursor_is_read_as_it_was_written_and_nothing_else_is() {
+        let entry = (Time(1_800_000_000_000_001), RobotEventSource::Alarm, 17);
+        assert_eq!(parse_cursor("1800000000000001-2-17"), Some(entry));
+        for wrong in ["", "17", "1-2", "1-9-3", "1-2-x", "1-2-3-4"] {
+            assert_eq!(parse_cursor(wrong), None, "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! What happened to each robot: what the facts say of it alone, and its jobs and alarms with that in one list.
+//!
+//! Main functions: [`Store::robot_events`], [`Store::robot_jobs`]. Refuses: names, which others give to ids.
+
+use super::{Store, StoreError};
+use crate::fleet::{Fact, RobotEventQuery, RobotEventRow, RobotEventSource, RobotJobCounts, robot_change};
+use crate::id::RobotId;
+use crate::time::Time;
+use sqlx::Row;
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
+
+const NOTE: &str = "INSERT INTO robot_changes (robot, at, what) VALUES ($1, $2, $3)";
+const COUNTS: &str = "SELECT coalesce(sum(state = 'done'), 0), coalesce(sum(state = 'failed'), 0) \
+    FROM jobs WHERE worker = $1";
+const EVENTS: &str = "SELECT at, source, id, word, text, ended FROM ( \
+    SELECT updated AS at, 1 AS source, id, state AS word, kind AS text, NULL AS ended FROM jobs WHERE worker = $1 \
+    UNION ALL SELECT since, 2, id, kind, text, cleared FROM alarms WHERE subject_kind = 'robot' AND subject = $2 \
+    UNION ALL SELECT at, 3, id, what, NULL, NULL FROM robot_changes WHERE robot = $1 \
+    UNION ALL SELECT at, 3, id, what, NULL, NULL FROM robot_changes WHERE robot IS NULL) \
+    WHERE (at, source, id) < ($3, $4, $5) AND at >= $6 AND at < $7 \
+    ORDER BY at DESC, source DESC, id DESC LIMIT $8";
+
+impl Store {
+    /// What happened to a robot, newest first.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn robot_events(&self, q: &RobotEventQuery) -> Result<Vec<RobotEventRow>, StoreError> {
+        let (at, source, id) = q.before.unwrap_or((Time(i64::MAX), RobotEventSource::Change, i64::MAX));
+        let rows = sqlx::query(EVENTS)
+            .bind(q.robot.0)
+            .bind(&q.name)
+            .bind(at.0)
+            .bind(source.number())
+            .bind(id)
+            .bind(q.from.map_or(i64::MIN, |t| t.0))
+            .bind(q.to.map_or(i64::MAX, |t| t.0))
+            .bind(q.limit)
+            .fetch_all(&self.readers)
+            .await?;
+        let rows: Result<Vec<_>, sqlx::Error> = rows.iter().map(decode).collect();
+        Ok(rows?.into_iter().flatten().collect())
+    }
+
+    /// How many jobs in the list a robot did, and could not do.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn robot_jobs(&self, robot: RobotId) -> Result<RobotJobCounts, StoreError> {
+        let row = sqlx::query(COUNTS).bind(robot.0).fetch_one(&self.readers).await?;
+        let (done, failed): (i64, i64) = (row.try_get(0)?, row.try_get(1)?);
+        Ok(RobotJobCounts { done: done.unsigned_abs(), failed: failed.unsigned_abs() })
+    }
+}
+
+/// Writes down what a fact of a step at this time says of a robot alone.
+pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact, at: Time) -> Result<(), sqlx::Error> {
+    if let Some((robot, what)) = robot_change(fact) {
+        sqlx::query(NOTE).bind(robot.map(|r| r.0)).bind(at.0).bind(what.word()).execute(db).await?;
+    }
+    Ok(())
+}
+
+/// Nothing where the row is from a newer version.
+fn decode(row: &SqliteRow) -> Result<Option<RobotEventRow>, sqlx::Error> {
+    let Some(source) = RobotEventSource::of_number(row.try_get("source")?) else { return Ok(None) };
+    Ok(Some(RobotEventRow {
+        at: Time(row.try_get("at")?),
+        source,
+        id: row.try_get("id")?,
+        word: row.try_get("word")?,
+        text: row.try_get("text")?,
+        ended: row.try_get::<Option<i64>, _>("ended")?.map(Time),
+    }))
+}

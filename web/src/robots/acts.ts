@@ -1,0 +1,70 @@
+// What a person may tell several robots at once. Each robot is told by a request of its own, a few at a time.
+import { activityOf, newKey, trouble, type Answer, type Api, type Robot } from '../wire';
+
+export type ActsApi = Pick<Api, 'pause' | 'resume' | 'maintain' | 'workAgain' | 'submit'>;
+
+export interface RobotAct {
+  readonly id: string;
+  readonly label: string;
+  /** What it does, for whoever hovers. */
+  readonly title: string;
+  /** What is said when it is done. */
+  readonly done: string;
+  /** Whether it makes sense for a robot. */
+  readonly fits: (robot: Robot) => boolean;
+  readonly tell: (api: ActsApi, id: string) => Promise<Answer<unknown>>;
+}
+
+const inService = (robot: Robot): boolean => !robot.maintenance && !robot.leaving;
+
+export const ROBOT_ACTS: readonly RobotAct[] = [
+  {
+    id: 'pause', label: 'Pause', title: 'They stop where they are, keep their reservations and get no new job', done: 'paused',
+    fits: (robot) => activityOf(robot) !== 'paused', tell: (api, id) => api.pause(id),
+  },
+  {
+    id: 'resume', label: 'Resume', title: 'They continue where they were', done: 'resumed',
+    fits: (robot) => activityOf(robot) === 'paused' || activityOf(robot) === 'failed', tell: (api, id) => api.resume(id),
+  },
+  {
+    id: 'charge', label: 'Charge', title: 'They drive to a free charger when they have finished their job', done: 'sent to charge',
+    fits: inService, tell: (api, id) => api.submit({ kind: 'charge', robot: id, priority: 0 }, newKey()),
+  },
+  {
+    id: 'park', label: 'Park', title: 'They drive to a free parking place when they have finished their job', done: 'sent to park',
+    fits: inService, tell: (api, id) => api.submit({ kind: 'park', robot: id, priority: 0 }, newKey()),
+  },
+  {
+    id: 'out', label: 'Out of service', title: 'They finish what they carry, go to a parking place and get no new job', done: 'going out of service',
+    fits: inService, tell: (api, id) => api.maintain(id),
+  },
+  {
+    id: 'back', label: 'Back in service', title: 'They take jobs again', done: 'back in service',
+    fits: (robot) => !inService(robot), tell: (api, id) => api.workAgain(id),
+  },
+];
+
+/** So many requests are under way at once. */
+const AT_ONCE = 8;
+
+export interface Told {
+  readonly words: string;
+  readonly wrong: boolean;
+}
+
+/** Tells robots one after the other, and says what came of it. */
+export async function tellAll(act: RobotAct, api: ActsApi, ids: readonly string[]): Promise<Told> {
+  const refused: string[] = [];
+  for (let i = 0; i < ids.length; i += AT_ONCE) {
+    const some = ids.slice(i, i + AT_ONCE);
+    const answers = await Promise.all(some.map((id) => act.tell(api, id)));
+    answers.forEach((answer, k) => {
+      const why = trouble(answer);
+      if (why !== null) refused.push(`${some[k]}: ${why}`);
+    });
+  }
+  const robots = (n: number): string => `${n} ${n === 1 ? 'robot' : 'robots'}`;
+  if (refused.length === 0) return { words: `${robots(ids.length)} ${act.done}.`, wrong: false };
+  const more = refused.length > 3 ? ` And ${refused.length - 3} more.` : '';
+  return { words: `${robots(refused.length)} of ${ids.length} refused. ${refused.slice(0, 3).join(' ')}${more}`, wrong: true };
+}
