@@ -26,10 +26,10 @@ pub struct Page<T> {
     pub next: Option<String>,
 }
 
+// `N` is how nodes are called: by name, or by index in the live feed.
 /// One robot.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct RobotDto<N = String> {
-    // `N` is how nodes are called: by name, or by index in the live feed.
     /// Its name.
     #[schema(example = "robot-1")]
     pub id: String,

@@ -50,8 +50,8 @@ words! {
 }
 
 words! {
-    /// What a robot is at. `handling`: lifting a rack or setting it down; `waiting`: standing on its way; `offline`: not
-    /// heard of; `gone` in the live feed only, where robots go by number.
+    /// What a robot is at. `handling`: lifting a rack or setting it down; `waiting`: standing on its way; `offline`:
+    /// not heard of; `gone` in the live feed only, where robots go by number.
     ActivityDto of Activity {
         Idle "idle", Driving "driving", Waiting "waiting", Handling "handling", Queueing "queueing",
         Picking "picking", Charging "charging", Paused "paused", Stopped "stopped",

@@ -6,7 +6,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 import { promisify } from 'node:util';
-import { PATIENCE, assert, assertAccessible, check, finish, isLostLink, listen, openBrowser } from './chromium.mjs';
+import { PATIENCE, assert, assertAccessible, check, finish, isLostLink, listen, openBrowser, until } from './chromium.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -281,7 +281,7 @@ await check('A running server shows its own past, in which nothing can be change
   await page.waitForTimeout(4_000);
   await button('Replay').click();
   await badge().waitFor({ timeout: PATIENCE });
-  await bookmarks().getByText("all robots were stopped by hand").waitFor({ timeout: PATIENCE });
+  await bookmarks().getByText("all robots were stopped by hand").first().waitFor({ timeout: PATIENCE });
   assert((await page.getByRole('button', { name: 'Submit' }).count()) === 0, 'jobs can be handed in');
   await page.waitForTimeout(1_000);
   await page.screenshot({ path: `${SHOTS}replay-server.png` });
@@ -289,9 +289,8 @@ await check('A running server shows its own past, in which nothing can be change
 await axe('a server');
 await check('The live floor can be stopped during a replay, and is resumed only from the present', async () => {
   await button('Stop all robots now (live)').click();
-  await page.getByText('All robots are stopped by hand').waitFor({ timeout: PATIENCE });
-  const fleet = await (await page.request.get(`${server.url}/v1/fleet`)).json();
-  assert(fleet.stopped !== null, JSON.stringify(fleet));
+  const stopped = async () => (await (await page.request.get(`${server.url}/v1/fleet`)).json()).stopped;
+  await until('a stopped fleet', async () => (await stopped()) !== null, 20);
   await page.getByText('Go back to live to resume them.').waitFor({ timeout: PATIENCE });
   assert((await button('Resume all robots').count()) === 0, 'it can be resumed from the past');
   await page.screenshot({ path: `${SHOTS}replay-stopped.png` });
@@ -345,7 +344,7 @@ await check('A saved reel opens in the page; another file is refused in words', 
   await badge().waitFor({ timeout: PATIENCE });
   await writeFile(file('no.reel'), 'hello\n');
   await chooser.setInputFiles(file('no.reel'));
-  await page.getByRole('alert').filter({ hasText: 'This is not a reel' }).waitFor({ timeout: PATIENCE });
+  await page.getByRole('alert').filter({ hasText: 'This is not a recording' }).waitFor({ timeout: PATIENCE });
   await button('Dismiss').click();
   await button('Back to live').click();
 });
@@ -370,7 +369,7 @@ await check('What a killed server kept is there when it is back', async () => {
   await page.goto(`${server.url}/#replay?from=${spans[0].from_s}&to=${spans[0].to_s}`);
   await badge().waitFor({ timeout: PATIENCE });
   await drawn();
-  await bookmarks().getByText("all robots were stopped by hand").waitFor({ timeout: PATIENCE });
+  await bookmarks().getByText("all robots were stopped by hand").first().waitFor({ timeout: PATIENCE });
   return `${(spans[0].to_s - spans[0].from_s).toFixed(1)} s`;
 });
 await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));

@@ -125,11 +125,20 @@ impl Components {
     /// A row of which only the id and what changed are sent.
     fn change<T: ToSchema>(&mut self) -> Value {
         let name = format!("{}Change", T::name().trim_end_matches("Dto"));
-        let mut row = json!(T::schema());
+        // As it is in the snapshot, which is described before.
+        let mut row = self.schemas[&*T::name()].clone();
         row["required"] = json!(["id"]);
         row["description"] = "The id, and what changed.".into();
         self.schemas.insert(name.clone(), row);
         json!({"$ref": format!("#/components/schemas/{name}")})
+    }
+
+    /// In the live feed nodes go by their index in the map, where lists name them.
+    fn nodes_by_index(&mut self) {
+        let index = |schema: &mut Value, types: Value| schema["type"] = types;
+        index(&mut self.schemas["RobotDto"]["properties"]["granted"]["items"], json!("integer"));
+        index(&mut self.schemas["RobotDto"]["properties"]["held"]["items"], json!("integer"));
+        index(&mut self.schemas["RackDto"]["properties"]["node"], json!(["integer", "null"]));
     }
 
     fn live(&mut self) -> Vec<String> {
@@ -155,6 +164,7 @@ impl Components {
             forecasts.clone(),
         ];
         snapshot.extend(rest.clone());
+        self.nodes_by_index();
         let head = [("base", whole.clone()), ("version", whole), ("time_s", seconds)];
         let rows = [
             ("robots", list(self.change::<RobotDto>())),

@@ -18,7 +18,6 @@ fn a_delivery_is_told_activity_by_activity_each_with_when_it_began() {
     assert_eq!(floor.activity(R0).0, Activity::Charging, "robots begin at chargers");
     floor.submit(request(deliver(3)));
     let mut last = floor.activity(R0);
-    // The step that takes the job in may hand it out, too.
     let mut told = vec![Activity::Charging, last.0];
     while !floor.fleet.ledger().jobs.is_empty() || !floor.is_idle(R0) {
         floor.step(vec![]);
