@@ -136,9 +136,18 @@ impl Components {
     /// In the live feed nodes go by their index in the map, where lists name them.
     fn nodes_by_index(&mut self) {
         let index = |schema: &mut Value, types: Value| schema["type"] = types;
-        index(&mut self.schemas["RobotDto"]["properties"]["granted"]["items"], json!("integer"));
-        index(&mut self.schemas["RobotDto"]["properties"]["held"]["items"], json!("integer"));
-        index(&mut self.schemas["RackDto"]["properties"]["node"], json!(["integer", "null"]));
+        index(
+            &mut self.schemas[&*RobotDto::<String>::name()]["properties"]["granted"]["items"],
+            json!("integer"),
+        );
+        index(
+            &mut self.schemas[&*RobotDto::<String>::name()]["properties"]["held"]["items"],
+            json!("integer"),
+        );
+        index(
+            &mut self.schemas[&*RackDto::<String>::name()]["properties"]["node"],
+            json!(["integer", "null"]),
+        );
     }
 
     fn live(&mut self) -> Vec<String> {
@@ -157,6 +166,7 @@ impl Components {
             ("version", whole.clone()),
             ("time_s", seconds.clone()),
             ("simulated", json!({"type": "boolean"})),
+            ("started", json!({"type": "string", "description": "When second 0 of the feed was, RFC 3339"})),
             ("robots", list(self.schema::<RobotDto>(true))),
             ("racks", list(self.schema::<RackDto>(true))),
             ("stations", list(self.schema::<StationDto>(true))),
