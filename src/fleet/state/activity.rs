@@ -1,7 +1,7 @@
 //! What a robot is at, in one word, and since when. Lists, feeds, metrics and pages all show this word, and none of
 //! them finds it out again.
 //!
-//! Main types: [`Activity`], [`Activities`]; [`Doing`] says what a robot does for its task, whether it gets on or not.
+//! Main types: [`Activity`], `Activities`; [`Doing`] says what a robot does for its task, whether it gets on or not.
 //! Refuses: to be an input of any decision.
 
 use crate::fleet::state::fact::{Act, Purpose, Task};
