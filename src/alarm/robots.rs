@@ -191,8 +191,8 @@ impl RobotWatch {
     }
 }
 
-/// Obstacles that robots have turned away from: nobody stands before them any more, and still somebody has to clear the
-/// way.
+/// Obstacles that robots have turned away from: no robot stands before them any more, and still the way has to be
+/// cleared.
 pub(super) fn left_obstacles(
     fleet: &Fleet,
     robots: &BTreeMap<RobotId, AlarmCondition>,

@@ -4,6 +4,8 @@
 //! (a batch of jobs may have more), other media types.
 
 use super::error::{FieldError, Problem};
+use super::text::parse_time;
+use crate::time::Time;
 use axum::extract::rejection::{PathRejection, QueryRejection};
 use axum::extract::{FromRequest, FromRequestParts, Path, Query, Request};
 use axum::http::{StatusCode, header, request::Parts};
@@ -27,6 +29,21 @@ pub fn signed(by: &str) -> Result<String, FieldError> {
         return Err(FieldError::new("by", detail));
     }
     Ok(by.to_owned())
+}
+
+/// The time in a field, if there is one; complains where it is none.
+pub fn read_time(field: &str, text: Option<&str>, errors: &mut Vec<FieldError>) -> Option<Time> {
+    let text = text?;
+    let time = parse_time(text);
+    if time.is_none() {
+        errors.push(FieldError::new(field, no_time(text)));
+    }
+    time
+}
+
+/// What is wrong with a text that is no time.
+pub fn no_time(text: &str) -> String {
+    format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z")
 }
 
 /// A JSON body of so many bytes at most.

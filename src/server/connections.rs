@@ -1,6 +1,6 @@
 //! Serves connections until the server closes.
 //!
-//! Main function: [`serve`]. Whoever is slow to say what it wants, or says nothing, is hung up on. Refuses: to let
+//! Main function: [`serve`]. The server hangs up on a client that is slow to say what it wants. Refuses: to let
 //! connections of strangers keep others out.
 
 use super::strangers::{Stranger, Strangers};

@@ -107,6 +107,44 @@ await check('The history has it, with who acknowledged it', async () => {
   await dialog.waitFor({ state: 'detached', timeout: PATIENCE });
   return robot;
 });
+await check('A person who is lost has a way out: the area is shown, narrowed by a click, and cleared with a name', async () => {
+  const post = (path, data) => context.request.post(new URL(path, url).href, { data });
+  const worker = (await (await post('/v1/workers', { name: 'anna' })).json()).id;
+  const seen = async () => ask(`/v1/workers/${worker}`);
+  const place = (await ask('/v1/map')).nodes.find((n) => n.kind === 'aisle');
+  assert((await post(`/v1/workers/${worker}/position`, { x: place.x, y: place.y, accuracy_m: 0.1 })).ok(), 'the position is not taken');
+  await until('a lost worker in a wide area', async () => { const w = await seen(); return w.presence === 'lost' && w.area.length > 20; }, 30);
+  const wide = (await seen()).area.length;
+  await page.getByLabel('Find on the floor').fill('anna');
+  await page.keyboard.press('Enter');
+  const form = page.getByRole('form', { name: 'Lost person' });
+  await form.getByText(/Robots keep out of [1-9]\d* places/).waitFor({ timeout: PATIENCE });
+  const name = form.getByLabel('Your name');
+  assert((await name.inputValue()) === 'Ben', 'who acknowledged an alarm is known');
+  await name.fill('');
+  await form.getByRole('button', { name: 'Nobody is there' }).click();
+  await form.getByText(/Say who you are/).waitFor({ timeout: PATIENCE });
+  assert((await seen()).presence === 'lost', 'cleared without a name');
+  await name.fill('Ben');
+  for (const theme of ['Light', 'Dark']) {
+    await page.getByLabel('Theme').selectOption({ label: theme });
+    await page.waitForTimeout(600);
+    await page.screenshot({ path: `${SHOTS}lost-${theme.toLowerCase()}.png` });
+    await assertAccessible(page, `a lost person, ${theme}`);
+  }
+  await form.getByLabel('How near').selectOption({ label: 'within 1.5 m' });
+  await page.getByRole('region', { name: 'Person', exact: true }).getByRole('button', { name: 'Centre' }).click();
+  await page.waitForTimeout(1_000);
+  await form.getByRole('button', { name: 'anna is near…' }).click();
+  const floor = await page.locator('canvas').first().boundingBox();
+  await page.mouse.click(floor.x + floor.width / 2, floor.y + floor.height / 2);
+  await form.getByText(/keep out of 1\.5 m/).waitFor({ timeout: PATIENCE });
+  await until('a smaller area', async () => (await seen()).area.length < wide / 2, 20);
+  const narrow = (await seen()).area.length;
+  await form.getByRole('button', { name: 'Nobody is there' }).click();
+  await until('nobody', async () => (await seen()).presence === 'absent', 20);
+  return `${wide} places, then ${narrow}`;
+});
 await check('On a phone the list is as usable', async () => {
   await page.setViewportSize({ width: 390, height: 800 });
   await failed.scrollIntoViewIfNeeded();

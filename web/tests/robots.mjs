@@ -31,8 +31,12 @@ const ask = async (path) => (await context.request.get(new URL(path, url).href))
 const robots = async () => (await ask('/v1/robots')).items;
 const card = page.getByRole('region', { name: 'Robot', exact: true });
 const choose = async (id) => {
-  await page.getByLabel('Find on the floor').fill(id);
-  await page.keyboard.press('Enter');
+  // Right after a reload the field may not know the robots yet.
+  await until(`the card of ${id}`, async () => {
+    await page.getByLabel('Find on the floor').fill(id);
+    await page.keyboard.press('Enter');
+    return (await card.count()) > 0 && (await card.innerText()).startsWith(id);
+  }, 20);
 };
 
 await page.goto(url);
@@ -179,6 +183,8 @@ await check('The visible area of the whole hall is refused once where it is too 
   await page.getByRole('button', { name: 'Timelines', exact: true }).click();
   const asked = [];
   page.on('request', (r) => { if (r.url().includes('/v1/timelines')) asked.push(r.url()); });
+  // A robot that was found is shown large.
+  await page.getByRole('button', { name: 'Show the whole floor' }).click();
   await page.getByRole('button', { name: 'Use the visible area' }).click();
   await page.waitForTimeout(4_000);
   const many = map.nodes.length > 200;

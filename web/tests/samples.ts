@@ -7,7 +7,7 @@ export const robot = (id: string, more: Partial<Robot> = {}): Robot => ({
 });
 
 export const worker = (id: string, more: Partial<Worker> = {}): Worker => ({
-  id, name: id, presence: 'tracked', x: 0, y: 0, heading: 0, speed: 0, accuracy: 0.1, regions: [1, 2, 3],
+  id, name: id, presence: 'tracked', x: 0, y: 0, heading: 0, speed: 0, accuracy: 0.1, area: [], regions: [1, 2, 3],
   state: 'idle', reason: null, path: [], assignment: null, goals: [], undecided: 1, elsewhere: 0, ...more,
 });
 

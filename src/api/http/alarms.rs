@@ -8,9 +8,8 @@ use crate::api::Api;
 use crate::api::alarms::AlarmDto;
 use crate::api::dto::Page;
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, Params, PathPart, signed};
-use crate::api::text::{parse_alarm, parse_time};
-use crate::time::Time;
+use crate::api::extract::{JsonBody, Params, PathPart, read_time, signed};
+use crate::api::text::parse_alarm;
 use axum::Json;
 use axum::extract::State;
 use serde::Deserialize;
@@ -79,16 +78,8 @@ async fn history(api: &Api, p: &AlarmParams, active: &[Alarm]) -> Result<Json<Pa
 
 fn query(p: &AlarmParams) -> Result<AlarmQuery, Problem> {
     let mut errors = Vec::new();
-    let mut time = |field: &str, text: &Option<String>| -> Option<Time> {
-        let text = text.as_deref()?;
-        let time = parse_time(text);
-        if time.is_none() {
-            let detail = format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z");
-            errors.push(FieldError::new(field, detail));
-        }
-        time
-    };
-    let (from, to) = (time("from", &p.from), time("to", &p.to));
+    let from = read_time("from", p.from.as_deref(), &mut errors);
+    let to = read_time("to", p.to.as_deref(), &mut errors);
     let before = p.cursor.as_deref().map(str::parse::<u64>);
     if let Some(Err(_)) = before {
         errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));

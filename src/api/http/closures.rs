@@ -7,12 +7,12 @@ use super::recurring::NewRecurrence;
 use crate::api::Api;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, Params, PathPart};
+use crate::api::extract::{JsonBody, Params, PathPart, read_time};
 use crate::api::feed::FAR_M;
 use crate::api::people::{ClosureDto, RecurringClosureDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
-use crate::api::text::{closure_name, parse_closure, parse_series, parse_time, series_name};
+use crate::api::text::{closure_name, parse_closure, parse_series, series_name};
 use crate::api::words::BindsDto;
 use crate::fleet::{Binds, Closure, Recurrence, RecurringClosure, Refusal, Reply};
 use crate::geometry::{Point, Spot};
@@ -201,18 +201,9 @@ impl NewClosure {
             }
         };
         let now = (api.now)();
-        let mut time = |field: &str, text: &Option<String>, usual: Time| {
-            let text = text.as_deref()?;
-            let time = parse_time(text);
-            if time.is_none() {
-                let detail = format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z");
-                errors.push(FieldError::new(field, detail));
-            }
-            Some(time.unwrap_or(usual))
-        };
-        let given = time("from", &self.from, now);
-        let from = given.unwrap_or(now);
-        let until = time("until", &self.until, Time::MAX).unwrap_or(Time::MAX);
+        let from = read_time("from", self.from.as_deref(), &mut errors).unwrap_or(now);
+        let given = self.from.as_ref().map(|_| from);
+        let until = read_time("until", self.until.as_deref(), &mut errors).unwrap_or(Time::MAX);
         if until <= from.max(now) {
             errors.push(FieldError::new("until", "must be after `from` and in the future"));
         }

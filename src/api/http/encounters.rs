@@ -6,12 +6,10 @@ use super::lists::checked_limit;
 use crate::api::Api;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::Params;
+use crate::api::extract::{Params, read_time};
 use crate::api::people::EncounterDto;
-use crate::api::text::parse_time;
 use crate::fleet::EncounterQuery;
 use crate::id::{Dense, RobotId};
-use crate::time::Time;
 use axum::Json;
 use axum::extract::State;
 use axum::http::{HeaderMap, header};
@@ -98,16 +96,8 @@ fn wants_table(headers: &HeaderMap, p: &EncounterParams) -> Result<bool, Problem
 
 fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterQuery, Problem> {
     let mut errors = Vec::new();
-    let mut time = |field: &str, text: &Option<String>| -> Option<Time> {
-        let text = text.as_deref()?;
-        let time = parse_time(text);
-        if time.is_none() {
-            let detail = format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z");
-            errors.push(FieldError::new(field, detail));
-        }
-        time
-    };
-    let (from, to) = (time("from", &p.from), time("to", &p.to));
+    let from = read_time("from", p.from.as_deref(), &mut errors);
+    let to = read_time("to", p.to.as_deref(), &mut errors);
     let worker = p.worker.as_deref().and_then(|text| {
         let worker = api.feeds.worker(text);
         worker.map_err(|problem| errors.push(FieldError::new("worker", problem.detail))).ok()

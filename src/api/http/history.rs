@@ -5,8 +5,8 @@
 
 use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::Params;
-use crate::api::text::{parse_time, round3, time_text};
+use crate::api::extract::{Params, read_time};
+use crate::api::text::{round3, time_text};
 use crate::api::words::PolicyDto;
 use crate::history::{Bucket, TIERS, floor};
 use crate::time::{Span, Time};
@@ -125,16 +125,7 @@ pub async fn history(
 /// From when to when; the last hour if the request does not say.
 pub fn stretch(api: &Api, from: Option<&str>, to: Option<&str>) -> Result<(Time, Time), Problem> {
     let mut errors = Vec::new();
-    let mut time = |field: &str, text: Option<&str>| -> Option<Time> {
-        let time = parse_time(text?);
-        if time.is_none() {
-            let detail =
-                format!("\"{}\" is not a time such as 2027-01-31T12:00:00Z", text.unwrap_or_default());
-            errors.push(FieldError::new(field, detail));
-        }
-        time
-    };
-    let (from, to) = (time("from", from), time("to", to));
+    let (from, to) = (read_time("from", from, &mut errors), read_time("to", to, &mut errors));
     // A recording has a time of its own. What happens at this very moment belongs to it.
     let to = to.unwrap_or_else(|| api.moment().view.now + Span(1));
     let from = from.unwrap_or(to - HOUR);

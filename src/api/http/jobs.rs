@@ -4,11 +4,11 @@
 //! robot works on.
 
 use super::lists::checked_limit;
-use super::new_job::{NewJob, read_deadline, robot_named};
+use super::new_job::{NewJob, robot_named};
 use crate::api::Api;
 use crate::api::dto::{JOB_STATES, JobDto, Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart};
+use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_time};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{job_name, parse_job_name};
@@ -223,7 +223,7 @@ impl JobPatch {
             }
             robot
         });
-        let deadline = self.deadline.as_ref().map(|text| read_deadline(text.as_deref(), &mut errors));
+        let deadline = self.deadline.as_ref().map(|text| read_time("deadline", text.as_deref(), &mut errors));
         if !errors.is_empty() {
             return Err(Problem::invalid(errors));
         }

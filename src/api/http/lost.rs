@@ -2,12 +2,11 @@
 //!
 //! Main types: [`VouchBody`], [`NarrowBody`]. Refuses: to take anybody's word without a name.
 
+use super::halt::done;
 use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, PathPart, signed};
 use crate::api::port::What;
-use crate::api::refusal::refused;
-use crate::fleet::Reply;
 use crate::geometry::{Spot, to_mm};
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -100,13 +99,5 @@ fn spot(api: &Api, body: &NarrowBody) -> Result<Spot, FieldError> {
             at.ok_or_else(|| FieldError::new("node", format!("the map has no node \"{name}\"")))
         }
         _ => Err(FieldError::new("at", "give either `at`, two numbers in metres, or `node`")),
-    }
-}
-
-async fn done(api: &Api, what: What) -> Result<StatusCode, Problem> {
-    match api.ask(what).await? {
-        Reply::Done { .. } => Ok(StatusCode::NO_CONTENT),
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Err(Problem::internal()),
     }
 }

@@ -4,12 +4,13 @@
 //! of them at once rather than one by one.
 
 use crate::api::error::{FieldError, Problem};
+use crate::api::extract::read_time;
 use crate::api::port::Moment;
-use crate::api::text::{parse_job_name, parse_time};
+use crate::api::text::parse_job_name;
 use crate::api::words::JobKindDto;
 use crate::fleet::{JobKind, JobRequest};
 use crate::id::{Dense, NodeId, RackId, RobotId, StationId};
-use crate::time::{Span, Time};
+use crate::time::Span;
 use crate::warehouse::Warehouse;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -66,16 +67,6 @@ pub struct NewJob {
     /// Lists find jobs by one.
     #[schema(example = json!({"wave": "7", "customer": "northern"}))]
     labels: Option<BTreeMap<String, String>>,
-}
-
-/// A deadline; complains where it is no time.
-pub(super) fn read_deadline(text: Option<&str>, errors: &mut Vec<FieldError>) -> Option<Time> {
-    let time = parse_time(text?);
-    if time.is_none() {
-        let detail = format!("\"{}\" is not a time such as 2027-01-31T12:00:00Z", text.unwrap_or(""));
-        errors.push(FieldError::new("deadline", detail));
-    }
-    time
 }
 
 /// A robot of the latest view.
@@ -210,7 +201,7 @@ impl NewJob {
         if !(0..=9).contains(&priority) {
             r.wrong("priority", format!("{priority} is not between 0 and 9"));
         }
-        let deadline = read_deadline(self.deadline.as_deref(), &mut r.errors);
+        let deadline = read_time("deadline", self.deadline.as_deref(), &mut r.errors);
         r.names(self);
         let names = self.after.as_deref().unwrap_or(&[]);
         if names.len() > MOST_PREDECESSORS {

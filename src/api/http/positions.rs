@@ -5,7 +5,7 @@
 
 use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, PathPart};
+use crate::api::extract::{JsonBody, PathPart, no_time};
 use crate::api::feed::FAR_M;
 use crate::api::feed::hub::Untaken;
 use crate::api::massrobotics::USUAL_ACCURACY_M;
@@ -162,7 +162,7 @@ impl NewPosition {
         let seen = match self.at.as_deref() {
             None => now,
             Some(text) => match parse_time(text).map(|t| checked_time(t, now)) {
-                None => return wrong("at", format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z")),
+                None => return wrong("at", no_time(text)),
                 Some(Err(detail)) => return wrong("at", detail),
                 Some(Ok(seen)) => seen,
             },

@@ -10,8 +10,8 @@ use crate::api::Api;
 use crate::api::alarms::AlarmDto;
 use crate::api::dto::{Names, Page, RobotDto};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Params, PathPart};
-use crate::api::text::{alarm_name, job_name, parse_time, round3, time_text};
+use crate::api::extract::{Params, PathPart, read_time};
+use crate::api::text::{alarm_name, job_name, round3, time_text};
 use crate::fleet::{RobotEventQuery, RobotEventRow, RobotEventSource};
 use crate::id::{Dense, JobId};
 use crate::time::Time;
@@ -124,7 +124,8 @@ pub async fn history(
     let robot = parse_robot(&api, &id)?;
     let limit = checked_limit(p.limit, 50)?;
     let mut errors = Vec::new();
-    let (from, to) = (time("from", p.from.as_deref(), &mut errors), time("to", p.to.as_deref(), &mut errors));
+    let from = read_time("from", p.from.as_deref(), &mut errors);
+    let to = read_time("to", p.to.as_deref(), &mut errors);
     let before = p.cursor.as_deref().and_then(|text| {
         let entry = parse_cursor(text);
         if entry.is_none() {
@@ -142,16 +143,6 @@ pub async fn history(
     let cursor = |row: &RobotEventRow| format!("{}-{}-{}", row.at.0, row.source.number(), row.id);
     let next = rows.last().filter(|_| more).map(cursor);
     Ok(Json(Page { items: rows.into_iter().map(event).collect(), next }))
-}
-
-fn time(field: &str, text: Option<&str>, errors: &mut Vec<FieldError>) -> Option<Time> {
-    let text = text?;
-    let time = parse_time(text);
-    if time.is_none() {
-        let detail = format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z");
-        errors.push(FieldError::new(field, detail));
-    }
-    time
 }
 
 /// The entry after which a page begins: its time, its list and its number there.

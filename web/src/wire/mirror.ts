@@ -56,7 +56,7 @@ const BLANK_ROBOT: Robot = {
 const BLANK_RACK: Rack = { id: '', node: null, robot: null };
 const BLANK_STATION: Station = { id: '', robot: null, queue: [], served: 0, picking: false, paused: null };
 const BLANK_WORKER: Worker = {
-  id: '', name: '', presence: 'absent', x: null, y: null, heading: null, speed: 0, accuracy: 0,
+  id: '', name: '', presence: 'absent', x: null, y: null, heading: null, speed: 0, accuracy: 0, area: [],
   regions: [0, 0, 0], state: 'idle', reason: null, path: [], assignment: null, goals: [], undecided: 1,
   elsewhere: 0,
 };

@@ -143,8 +143,8 @@ export interface Worker {
   speed: number;
   /** One standard deviation of the position, metres. */
   accuracy: number;
-  /** Where somebody who is lost may be: places that robots keep out of, metres. Older recordings do not have it. */
-  area?: Point[];
+  /** Where a person who is lost may be: places that robots keep out of, metres; empty while the person is seen. */
+  area: Point[];
   /** Radii, metres: robots stop, keep out, go slowly. */
   regions: [stop: number, out: number, slow: number];
   state: GuidanceState;

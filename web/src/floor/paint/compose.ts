@@ -166,9 +166,12 @@ export class Composer {
     for (let i = 0; i < people.length; i++) {
       const { x, y, area, regions: [stop, out, slow], path } = people[i]!;
       for (const [ax, ay] of area) sheet.put(KIND.hatch, ax, ay, SIZE.area, SIZE.area, ink.keeping, 0, Math.max(0.3, 6 * hair));
-      sheet.put(KIND.dashring, x, y, 2 * slow, 2 * slow, ink.slowing, 0, 1.5 * hair);
-      sheet.put(KIND.hatch, x, y, 2 * out, 2 * out, ink.keeping, 0, Math.max(0.3, 6 * hair));
-      sheet.put(KIND.ring, x, y, 2 * out, 2 * out, ink.region, 0, 1.2 * hair);
+      // Of a person who is lost, the places say it better than circles: they end at racks and walls.
+      if (area.length === 0) {
+        sheet.put(KIND.dashring, x, y, 2 * slow, 2 * slow, ink.slowing, 0, 1.5 * hair);
+        sheet.put(KIND.hatch, x, y, 2 * out, 2 * out, ink.keeping, 0, Math.max(0.3, 6 * hair));
+        sheet.put(KIND.ring, x, y, 2 * out, 2 * out, ink.region, 0, 1.2 * hair);
+      }
       sheet.put(KIND.disc, x, y, 2 * stop, 2 * stop, ink.stopping);
       sheet.put(KIND.ring, x, y, 2 * stop, 2 * stop, ink.region, 0, 2 * hair);
       const colour = i === chosen ? ink.chosen : ink.ahead;

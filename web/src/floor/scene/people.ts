@@ -9,8 +9,8 @@ export interface Person extends Place {
   title: string;
   presence: Worker['presence'];
   state: Worker['state'];
-  /** Where somebody who is lost may be. */
-  area: NonNullable<Worker['area']>;
+  /** Where a person who is lost may be. */
+  area: Worker['area'];
   /** Radii of the regions where robots stop, keep out and go slowly. */
   regions: Worker['regions'];
   /** The path ahead, metres. */
@@ -46,7 +46,7 @@ export class People {
     this.list = rows.map((w, i) => {
       return {
         id: w.id, title: titleOf(w), ...this.#from[i]!, presence: w.presence, state: w.state,
-        area: w.area ?? [], regions: w.regions, path: w.path,
+        area: w.area, regions: w.regions, path: w.path,
       };
     });
   }
