@@ -25,6 +25,7 @@ mod live;
 mod load;
 mod measured;
 mod page_filters;
+mod page_fixtures;
 mod past;
 mod people;
 mod recovery;

@@ -1,5 +1,5 @@
-// The contract from both sides: the server's own tests write fixtures/*.json, and here they are read as
-// the page reads them. A key that the server renames fails here before anybody opens a browser.
+// The contract from both sides: tests/it/page_fixtures.rs compares the keys of fixtures/*.json with those that the
+// server writes, and here the page reads them. A key that the server renames fails before anybody opens a browser.
 import { describe, expect, test } from 'vitest';
 import { Stage } from '../src/floor/scene/scene';
 import { explain } from '../src/jobs/jobform';

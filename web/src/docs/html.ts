@@ -15,7 +15,11 @@ export function link(href: string, text: string): HTMLElement {
   return make('a', { href }, text);
 }
 
-/** A paragraph; what stands between backticks is code. */
+/** A text; what stands between backticks is code. */
+export function prose(text: string): (Node | string)[] {
+  return text.split('`').map((part, i) => (i % 2 === 1 ? code(part) : part));
+}
+
 export function words(text: string): HTMLElement {
-  return make('p', {}, ...text.split('`').map((part, i) => (i % 2 === 1 ? code(part) : part)));
+  return make('p', {}, ...prose(text));
 }

@@ -1,6 +1,6 @@
 // A schema in HTML: its type in a line, with links to named schemas, and its fields in a table.
 import { nameOf, type Schema } from './description';
-import { code, link, make, words } from './html';
+import { code, link, make, words, prose } from './html';
 
 /** Bounds and examples of a value, in words. */
 function bounds(schema: Schema): string {
@@ -71,6 +71,6 @@ type Cell = Node | string | (Node | string)[];
 
 /** A table without a head: what the columns are can be seen. */
 export function table(rows: Cell[][]): HTMLElement {
-  const cells = (row: Cell[]): HTMLElement[] => row.map((cell) => make('td', {}, ...[cell].flat()));
+  const cells = (row: Cell[]): HTMLElement[] => row.map((cell) => make('td', {}, ...[cell].flat().flatMap((part) => (typeof part === 'string' ? prose(part) : [part]))));
   return make('table', {}, make('tbody', {}, ...rows.map((row) => make('tr', {}, ...cells(row)))));
 }
