@@ -80,6 +80,8 @@ pub struct Metrics {
     pub journal_errors: Counter,
     /// Open live feeds.
     pub live_clients: Gauge,
+    /// Open streams of events.
+    pub event_streams: Gauge,
     /// Open feeds of headsets.
     pub feeds: Gauge,
     /// Poses that came over feeds, as far as they were looked at.
@@ -132,6 +134,7 @@ impl Default for Metrics {
             journal_pending: Gauge::default(),
             journal_errors: Counter::default(),
             live_clients: Gauge::default(),
+            event_streams: Gauge::default(),
             feeds: Gauge::default(),
             poses_received: Counter::default(),
             poses_thinned: Counter::default(),
@@ -182,6 +185,7 @@ impl Metrics {
         r.register("journal_pending_facts", "Facts not durable yet", self.journal_pending.clone());
         r.register("journal_errors", "Times the database refused a write", self.journal_errors.clone());
         r.register("live_clients", "Open live feeds", self.live_clients.clone());
+        r.register("event_streams", "Open streams of events", self.event_streams.clone());
         r.register("http_requests", "HTTP requests by route and status", self.http.clone());
         r.register("alarms", "Active alarms by kind and severity", self.alarms.clone());
         r.register("jobs", "Jobs by state", self.jobs.clone());

@@ -7,8 +7,9 @@
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
-    Expected, Fleet, JobChange, JobQuery, JobRequest, JobRow, NodeOccupancy, RecurringClosure, Reply,
-    RobotEventQuery, RobotEventRow, RobotJobCounts, RobotKind, StationOrder, View, Waiting,
+    EventQuery, EventRow, EventSpan, Expected, Fleet, JobChange, JobQuery, JobRequest, JobRow, NodeOccupancy,
+    RecurringClosure, Reply, RobotEventQuery, RobotEventRow, RobotJobCounts, RobotKind, StationOrder, View,
+    Waiting,
 };
 use crate::geometry::Spot;
 use crate::history::{History, LoopTimes};
@@ -16,7 +17,7 @@ use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesI
 use crate::time::{Span, Time};
 use std::pin::Pin;
 use std::sync::{Arc, Mutex};
-use tokio::sync::oneshot;
+use tokio::sync::{oneshot, watch};
 
 /// An answer that comes later.
 pub type Later<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
@@ -42,6 +43,12 @@ pub trait Records: Send + Sync {
     fn robot_events(&self, filter: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>>;
     /// What became of the jobs of a robot.
     fn robot_jobs(&self, robot: RobotId) -> Later<'_, Result<RobotJobCounts, String>>;
+    /// Some events, in order.
+    fn events(&self, filter: EventQuery) -> Later<'_, Result<Vec<EventRow>, String>>;
+    /// Which events are kept.
+    fn event_span(&self) -> Later<'_, Result<EventSpan, String>>;
+    /// Changes when there may be new events.
+    fn events_changed(&self) -> watch::Receiver<()>;
 }
 
 /// A request to the fleet.

@@ -19,6 +19,7 @@ pub use crate::aware::zone_answers::ZoneCounts;
 pub use people::forecast::{AHEAD_S, Expected};
 pub use read::area::Area;
 pub use read::backlog::{Backlog, Pending};
+pub use read::events::{EventKind, EventQuery, EventRow, EventSpan, FloorEvent, floor_event};
 pub use read::occupancy::{MOST_NODES, NodeOccupancy};
 pub use read::robot_events::{
     RobotChange, RobotEventQuery, RobotEventRow, RobotEventSource, RobotJobCounts, robot_change,

@@ -5,12 +5,13 @@
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::port::{Later, Records};
 use crate::fleet::{
-    AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, JobQuery, JobRow, RobotEventQuery,
-    RobotEventRow, RobotJobCounts,
+    AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, EventQuery, EventRow, EventSpan, JobQuery,
+    JobRow, RobotEventQuery, RobotEventRow, RobotJobCounts,
 };
 use crate::id::{AssignmentId, JobId, RobotId};
 use crate::store::{Store, StoreError};
 use std::sync::Arc;
+use tokio::sync::watch;
 
 /// Durable lists, to be read.
 pub struct Shelf(pub Arc<Store>);
@@ -46,6 +47,18 @@ impl Records for Shelf {
 
     fn robot_jobs(&self, robot: RobotId) -> Later<'_, Result<RobotJobCounts, String>> {
         Box::pin(async move { self.0.robot_jobs(robot).await.map_err(told) })
+    }
+
+    fn events(&self, query: EventQuery) -> Later<'_, Result<Vec<EventRow>, String>> {
+        Box::pin(async move { self.0.events(&query).await.map_err(told) })
+    }
+
+    fn event_span(&self) -> Later<'_, Result<EventSpan, String>> {
+        Box::pin(async move { self.0.event_span().await.map_err(told) })
+    }
+
+    fn events_changed(&self) -> watch::Receiver<()> {
+        self.0.events_changed()
     }
 }
 

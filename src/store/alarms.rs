@@ -3,7 +3,7 @@
 //! Main functions: [`Store::keep_alarms`], [`Store::active_alarms`], [`Store::alarms`]. Refuses: to be what anything
 //! depends on: rows of kinds that this Giveway does not know are left out.
 
-use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError};
+use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError, events};
 use crate::alarm::{Acknowledgement, Alarm, AlarmKind, AlarmQuery, AlarmSeverity, AlarmSubject, SubjectKind};
 use crate::geometry::Spot;
 use crate::time::Time;
@@ -39,6 +39,7 @@ impl Store {
                 let _ = connection.close().await;
             }
         }
+        self.news.send_replace(());
         result
     }
 
@@ -89,6 +90,7 @@ async fn write(db: &mut SqliteConnection, alarms: &[Alarm]) -> Result<(), StoreE
             .bind(a.cleared.map(|t| t.0))
             .execute(&mut *db)
             .await?;
+        events::note_alarm(&mut *db, a).await?;
     }
     sqlx::query(FORGET).bind(MOST_PAST).execute(&mut *db).await?;
     sqlx::query(COMMIT).execute(&mut *db).await?;

@@ -6,6 +6,7 @@
 //! accepted, and to begin without a backup.
 
 use super::check::{back_up, sync_folder};
+use super::events::NOTE_JOBS;
 use super::gone::{BEYOND, Gone, GoneKind};
 use super::opening::free_name;
 use super::{Opening, Store, StoreError, floor, job_record, last_step, ledger_record, seal, steps};
@@ -195,6 +196,8 @@ async fn write(
     let cancelled = numbers(&carried.cancelled, |a| a.0);
     let (state, why) =
         (JobState::Failed(JobFailure::MapChanged), job_record::encode_failure(JobFailure::MapChanged));
+    sqlx::query(NOTE_JOBS).bind(at.0).bind(&jobs).bind(JobState::Waiting.word()).execute(&mut *tx).await?;
+    sqlx::query(NOTE_JOBS).bind(at.0).bind(&failed).bind(state.word()).execute(&mut *tx).await?;
     sqlx::query(WAIT_AGAIN).bind(at.0).bind(jobs).execute(&mut *tx).await?;
     sqlx::query(FAIL).bind(at.0).bind(failed).bind(state.word()).bind(why).execute(&mut *tx).await?;
     let word = AssignmentState::Cancelled.word();

@@ -13,6 +13,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use tokio::sync::watch;
 
 const INTEGRITY: &str = "PRAGMA integrity_check(20)";
 const COPY: &str = "VACUUM INTO $1";
@@ -39,7 +40,18 @@ impl Store {
         let lock = Arc::new(Lock::none(path));
         let (run, keep) = (String::new(), super::days(super::KEEP_DAYS));
         let (writer, readers, place) = (pool.clone(), pool, OpenFiles::default());
-        Ok(Store { writer, readers, place, last, run, keep, lock, gone, carried: None })
+        Ok(Store {
+            writer,
+            readers,
+            place,
+            last,
+            run,
+            keep,
+            lock,
+            gone,
+            carried: None,
+            news: watch::Sender::new(()),
+        })
     }
 
     /// The number of the last step when it was opened.

@@ -16,6 +16,7 @@ mod body_record;
 mod carry;
 mod check;
 mod error;
+mod events;
 mod floor;
 mod gone;
 mod history;
@@ -40,6 +41,7 @@ pub use alarms::MOST_PAST;
 pub use carry::{CarriedOver, CarryOver};
 pub use check::Belongs;
 pub use error::StoreError;
+pub use events::EVENTS_KEPT;
 pub use kinds::KindText;
 pub use opening::Opening;
 pub use seal::seal;
@@ -59,6 +61,7 @@ use sqlx::{AssertSqlSafe, SqlSafeStr};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
+use tokio::sync::watch;
 
 /// How long a statement waits for another program's lock.
 const BUSY: Duration = Duration::from_secs(5);
@@ -96,6 +99,8 @@ pub struct Store {
     /// Names of what the lists speak of and the map no longer has.
     gone: Gone,
     carried: Option<CarriedOver>,
+    /// Tells those who follow events that there may be new ones.
+    news: watch::Sender<()>,
 }
 
 impl Store {
@@ -160,7 +165,8 @@ impl Store {
         let gone = Gone::read(&readers).await?;
         lock.note(last);
         let (keep, lock) = (days(KEEP_DAYS), lock.clone());
-        Ok(Store { writer, readers, place, last, run, keep, lock, gone, carried })
+        let news = watch::Sender::new(());
+        Ok(Store { writer, readers, place, last, run, keep, lock, gone, carried, news })
     }
 
     /// Whether the files that it writes to are still the database. What is appended is acknowledged only then.
@@ -248,6 +254,7 @@ fn migrator() -> Migrator {
     let eighth = include_str!("../../migrations/sqlite/0008_alarms.sql").into_sql_str();
     let ninth = include_str!("../../migrations/sqlite/0009_job_labels.sql").into_sql_str();
     let tenth = include_str!("../../migrations/sqlite/0010_robots.sql").into_sql_str();
+    let twelfth = include_str!("../../migrations/sqlite/0012_events.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
@@ -259,6 +266,7 @@ fn migrator() -> Migrator {
         Migration::new(8, "alarms".into(), MigrationType::Simple, eighth, false),
         Migration::new(9, "job_labels".into(), MigrationType::Simple, ninth, false),
         Migration::new(10, "robots".into(), MigrationType::Simple, tenth, false),
+        Migration::new(12, "events".into(), MigrationType::Simple, twelfth, false),
     ])
 }
 

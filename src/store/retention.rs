@@ -4,6 +4,7 @@
 //! so that no append waits long; SQLite uses the pages again. Refuses: to delete what is not over, and what a start
 //! may need.
 
+use super::events::EVENTS_KEPT;
 use crate::time::{Span, Time};
 use sqlx::sqlite::SqliteConnection;
 
@@ -26,11 +27,16 @@ const LISTS: [&str; 5] = [
     "DELETE FROM robot_changes WHERE id IN (SELECT id FROM robot_changes WHERE at < $2 LIMIT $1)",
 ];
 
+/// Events from the first one on, so that none is missing between those that are kept.
+const EVENTS: &str =
+    "DELETE FROM events WHERE seq IN (SELECT seq FROM events WHERE at < $2 ORDER BY seq LIMIT $1)";
+
 /// Deletes some of what is too old `now`: what was over before the last `keep`, and steps that no start needs.
 pub(super) async fn tidy(db: &mut SqliteConnection, now: Time, keep: Span) -> Result<(), sqlx::Error> {
     sqlx::query(STEPS).bind(SLICE).execute(&mut *db).await?;
     for list in LISTS {
         sqlx::query(list).bind(SLICE).bind((now - keep).0).execute(&mut *db).await?;
     }
+    sqlx::query(EVENTS).bind(SLICE).bind((now - keep.min(EVENTS_KEPT)).0).execute(&mut *db).await?;
     Ok(())
 }

@@ -4,7 +4,8 @@
 //! no start ever sees a part of a step. Refuses: rows that cannot be read, gaps, and rows of another process.
 
 use super::{
-    ABOUT, BEGIN, COMMIT, ROLLBACK, Store, StoreError, jobs, people, record, retention, robots, snapshot,
+    ABOUT, BEGIN, COMMIT, ROLLBACK, Store, StoreError, events, jobs, people, record, retention, robots,
+    snapshot,
 };
 use crate::fleet::{Fact, Ledger};
 use crate::time::Time;
@@ -93,6 +94,7 @@ impl Store {
             }
         }
         result?;
+        self.news.send_replace(());
         self.lock.note(next - 1 + steps.len() as i64);
         self.place.check()
     }
@@ -124,6 +126,7 @@ impl Store {
                 jobs::project(&mut *connection, fact).await?;
                 people::project(&mut *connection, fact).await?;
                 robots::project(&mut *connection, fact, step.at).await?;
+                events::project(&mut *connection, fact, step.at).await?;
             }
         }
         if let Some(step) = missing.last() {

@@ -12,6 +12,7 @@ mod custody;
 mod database;
 mod description;
 mod enrolment;
+mod events;
 mod faults;
 mod feed;
 mod fence;

@@ -14,13 +14,13 @@ use tokio::time::Instant;
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// The real program.
-struct Program {
+pub struct Program {
     child: Child,
-    address: SocketAddr,
+    pub address: SocketAddr,
 }
 
 impl Program {
-    fn start(folder: &Folder) -> Program {
+    pub fn start(folder: &Folder) -> Program {
         Program::with(folder, SCENARIO)
     }
 
@@ -43,7 +43,7 @@ impl Program {
     }
 
     /// `kill -9`.
-    fn kill(mut self) {
+    pub fn kill(mut self) {
         self.child.kill().unwrap();
         self.child.wait().unwrap();
     }

@@ -10,6 +10,7 @@ mod batch;
 mod closures;
 mod encounters;
 mod evacuation;
+mod events;
 mod halt;
 mod health;
 mod heat;
@@ -121,6 +122,7 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(closures::get, closures::reopen))
         .routes(routes!(evacuation::get, evacuation::begin, evacuation::end))
         .routes(routes!(encounters::list))
+        .routes(routes!(events::list))
         .routes(routes!(past::past))
         .routes(routes!(past::figures))
         .routes(routes!(past::recording))

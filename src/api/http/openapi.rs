@@ -32,6 +32,7 @@ const WRITES: [&str; 4] = ["post", "put", "patch", "delete"];
         (name = "jobs", description = "What customers want: submit, list, change, cancel."),
         (name = "floor", description = "The map, and what is on it: robots, racks, stations, and why they wait."),
         (name = "people", description = "Workers, what they are to do, closed areas, encounters."),
+        (name = "events", description = "What happened, in order, for other systems."),
         (name = "past", description = "What happened: recordings and their figures."),
         (name = "server", description = "Health, alarms, metrics."),
     )

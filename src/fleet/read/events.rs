@@ -1,0 +1,194 @@
+//! Events: changes of state that other systems follow, as facts tell them.
+//!
+//! Main types: [`FloorEvent`], [`EventKind`]; [`floor_event`] finds the event of a fact. Refuses: routes and grants,
+//! which are nobody's business outside, and to know the state before, which whoever keeps events knows.
+
+use super::robot_events::robot_change;
+use crate::fleet::state::fact::Fact;
+use crate::fleet::state::job::JobState;
+use crate::id::{RobotId, WorkerId};
+use crate::time::Time;
+
+/// What an event is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum EventKind {
+    /// A job.
+    Job,
+    /// A robot.
+    Robot,
+    /// The whole fleet.
+    Fleet,
+    /// A worker.
+    Worker,
+    /// A worker's assignment.
+    Assignment,
+    /// A closed area.
+    Closure,
+    /// An alarm.
+    Alarm,
+    /// A robot that came close to a worker.
+    Encounter,
+}
+
+impl EventKind {
+    /// All of them.
+    pub const ALL: [EventKind; 8] = [
+        EventKind::Job,
+        EventKind::Robot,
+        EventKind::Fleet,
+        EventKind::Worker,
+        EventKind::Assignment,
+        EventKind::Closure,
+        EventKind::Alarm,
+        EventKind::Encounter,
+    ];
+
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            EventKind::Job => "job",
+            EventKind::Robot => "robot",
+            EventKind::Fleet => "fleet",
+            EventKind::Worker => "worker",
+            EventKind::Assignment => "assignment",
+            EventKind::Closure => "closure",
+            EventKind::Alarm => "alarm",
+            EventKind::Encounter => "encounter",
+        }
+    }
+
+    /// The one of this word.
+    pub fn of_word(word: &str) -> Option<EventKind> {
+        EventKind::ALL.into_iter().find(|kind| kind.word() == word)
+    }
+}
+
+/// Something that happened, for other systems.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FloorEvent {
+    /// What it is about.
+    pub kind: EventKind,
+    /// The number of what it is about; nothing for the fleet, and for encounters, which have none.
+    pub subject: Option<u64>,
+    /// The state since then, in a word.
+    pub new: &'static str,
+    /// The robot that has to do with it.
+    pub robot: Option<RobotId>,
+    /// The worker who has to do with it.
+    pub worker: Option<WorkerId>,
+    /// When, where the fact says so; otherwise when its step was.
+    pub at: Option<Time>,
+}
+
+impl FloorEvent {
+    fn of(kind: EventKind, subject: Option<u64>, new: &'static str) -> FloorEvent {
+        FloorEvent { kind, subject, new, robot: None, worker: None, at: None }
+    }
+
+    fn with_worker(self, worker: Option<WorkerId>) -> FloorEvent {
+        FloorEvent { worker, ..self }
+    }
+}
+
+/// What other systems are told of a fact, if anything.
+pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
+    use EventKind::{Assignment, Closure, Encounter, Fleet, Job, Robot, Worker};
+    if let Some((robot, change)) = robot_change(fact) {
+        let event = match robot {
+            Some(robot) => FloorEvent {
+                robot: Some(robot),
+                ..FloorEvent::of(Robot, Some(robot.0.into()), change.word())
+            },
+            None => FloorEvent::of(Fleet, None, change.word()),
+        };
+        return Some(event);
+    }
+    let worker = |worker: &WorkerId, new| {
+        FloorEvent::of(Worker, Some(u64::from(worker.0)), new).with_worker(Some(*worker))
+    };
+    Some(match fact {
+        Fact::Accepted { job, .. } => FloorEvent::of(Job, Some(job.0), JobState::Waiting.word()),
+        Fact::Progressed { job, state, .. } => {
+            FloorEvent { robot: state.robot(), ..FloorEvent::of(Job, Some(job.0), state.word()) }
+        }
+        Fact::Prioritised { job, .. } | Fact::JobChanged { job, .. } => {
+            FloorEvent::of(Job, Some(job.0), JobState::Waiting.word())
+        }
+        Fact::Evacuated { .. } => FloorEvent::of(Fleet, None, "evacuation_began"),
+        Fact::EvacuationEnded { .. } => FloorEvent::of(Fleet, None, "evacuation_ended"),
+        Fact::WorkerRegistered { worker: w, .. } => worker(w, "registered"),
+        Fact::WorkerNoted { worker: w, .. } => worker(w, "on_floor"),
+        Fact::WorkerNarrowed { worker: w, .. } => worker(w, "lost_near"),
+        Fact::WorkerCleared { worker: w, .. } => worker(w, "left"),
+        Fact::Deviated { worker: w, .. } => worker(w, "deviated"),
+        Fact::Assigned { assignment, worker, .. } => {
+            FloorEvent::of(Assignment, Some(assignment.0), "waiting").with_worker(*worker)
+        }
+        Fact::Given { assignment, worker, .. } => {
+            FloorEvent::of(Assignment, Some(assignment.0), "given").with_worker(Some(*worker))
+        }
+        Fact::Advanced { assignment, state, .. } => {
+            FloorEvent::of(Assignment, Some(assignment.0), state.word())
+        }
+        Fact::Closed { closure, .. } => FloorEvent::of(Closure, Some(closure.0), "closed"),
+        Fact::Reopened { closure, .. } => FloorEvent::of(Closure, Some(closure.0), "reopened"),
+        Fact::Encountered(e) => FloorEvent {
+            robot: Some(e.robot),
+            at: Some(e.ended),
+            ..FloorEvent::of(Encounter, None, e.reaction.word()).with_worker(Some(e.worker))
+        },
+        _ => return None,
+    })
+}
+
+/// An event as it is kept.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EventRow {
+    /// Its number; later ones have greater numbers.
+    pub seq: i64,
+    /// When.
+    pub at: Time,
+    /// What it is about.
+    pub kind: EventKind,
+    /// The number of what it is about.
+    pub subject: Option<u64>,
+    /// The state before; nothing where none is known.
+    pub old: Option<String>,
+    /// The state since then.
+    pub new: String,
+    /// The robot that has to do with it.
+    pub robot: Option<RobotId>,
+    /// The worker who has to do with it.
+    pub worker: Option<WorkerId>,
+    /// Of an alarm, its text.
+    pub text: Option<String>,
+    /// Of a job, the customer's reference.
+    pub reference: Option<String>,
+}
+
+/// Which events to read: some kinds, after a number.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct EventQuery {
+    /// Only these kinds; all of them if there are none.
+    pub kinds: Vec<EventKind>,
+    /// Only those after this number.
+    pub after: i64,
+    /// How many at most.
+    pub limit: u32,
+}
+
+/// Which events are kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EventSpan {
+    /// The number before the first one that is kept; 0 where none was deleted.
+    pub before: i64,
+    /// The number of the last one that there was; 0 before the first.
+    pub last: i64,
+}
+
+impl EventSpan {
+    /// Whether somebody who has seen everything up to this number misses nothing.
+    pub fn follows(&self, after: i64) -> bool {
+        (self.before..=self.last).contains(&after)
+    }
+}
