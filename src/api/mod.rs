@@ -25,6 +25,7 @@ pub mod recording;
 mod refusal;
 pub mod text;
 pub mod waits;
+pub mod webhooks;
 mod words;
 mod ws;
 
@@ -58,6 +59,8 @@ pub struct Api {
     pub figures: Arc<SharedHistory>,
     /// Takes requests; absent where a recording is shown, since the past takes none.
     pub queue: Option<mpsc::Sender<FleetRequest>>,
+    /// Takes requests about webhooks; absent where a recording is shown.
+    pub hooks: Option<mpsc::Sender<webhooks::HookRequest>>,
     /// Takes questions.
     pub questions: mpsc::Sender<Question>,
     /// What stands.

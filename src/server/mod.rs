@@ -31,6 +31,7 @@ mod start;
 mod strangers;
 mod tls;
 mod watchdog;
+mod webhooks;
 
 pub use certificate::Identity;
 pub use clock::Clock;
@@ -299,8 +300,7 @@ async fn work(
     let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
     let alarm_keeper = tokio::spawn(alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone()));
     let (writer, thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
-    let historian = charts.historian;
-    let tasks = Tasks { http, writer, thread, feed, custody, keeper, historian, alarm_keeper };
+    let (hooks, asked) = webhooks::hook_queue();
     let api = Api {
         map,
         kinds,
@@ -308,6 +308,7 @@ async fn work(
         records: Arc::new(records::Shelf(store.clone())),
         figures: charts.figures,
         queue: Some(queue),
+        hooks: Some(hooks),
         questions: ask,
         alarms,
         past: past.folder,
@@ -319,8 +320,20 @@ async fn work(
         gate: Arc::new(gate),
         closing: closes,
     };
+    let hook_keeper = tokio::spawn(webhooks::HookKeeper::new(store.clone(), api.clone(), asked).run());
     entrance.open(router(api).0);
     drop(ready);
+    let tasks = Tasks {
+        http,
+        writer,
+        thread,
+        feed,
+        custody,
+        keeper,
+        historian: charts.historian,
+        alarm_keeper,
+        hook_keeper,
+    };
     tasks.run(&store, stopping, (&closing, &halt), &gone).await
 }
 
@@ -334,6 +347,7 @@ struct Tasks {
     keeper: JoinHandle<()>,
     historian: JoinHandle<()>,
     alarm_keeper: JoinHandle<()>,
+    hook_keeper: JoinHandle<()>,
 }
 
 impl Tasks {
@@ -345,8 +359,8 @@ impl Tasks {
         (closing, halt): (&watch::Sender<bool>, &watch::Sender<bool>),
         displaced: &watch::Receiver<bool>,
     ) -> anyhow::Result<()> {
-        let Tasks { mut http, mut writer, mut thread, mut feed, custody, keeper, historian, alarm_keeper } =
-            self;
+        let Tasks { mut http, mut writer, mut thread, mut feed, historian, alarm_keeper, .. } = self;
+        let Tasks { custody, keeper, hook_keeper, .. } = self;
         let ended: anyhow::Result<()> = tokio::select! {
             _ = stopping.wait_for(|stop| *stop) => Ok(()),
             _ = &mut thread => Err(anyhow!("the control loop failed, as logged above; nothing is lost")),
@@ -363,7 +377,8 @@ impl Tasks {
         };
         let _ = alarm_keeper.await;
         // The files are given back whatever happened: nothing that still knows the store can use it from here on.
-        for task in [feed.abort_handle(), custody.abort_handle(), keeper.abort_handle(), abort] {
+        let others = [&feed, &custody, &keeper, &hook_keeper].map(JoinHandle::abort_handle);
+        for task in others.into_iter().chain([abort]) {
             task.abort();
         }
         store.close().await;

@@ -99,6 +99,7 @@ impl Show {
             records: past.clone(),
             figures: figures.clone(),
             queue: None,
+            hooks: None,
             questions: ask,
             alarms: alarms.clone(),
             past: Some(kept),

@@ -36,6 +36,7 @@ mod route_record;
 mod seal;
 mod snapshot;
 mod steps;
+mod webhooks;
 
 pub use alarms::MOST_PAST;
 pub use carry::{CarriedOver, CarryOver};
@@ -47,6 +48,7 @@ pub use opening::Opening;
 pub use seal::seal;
 pub use snapshot::SNAPSHOT_AFTER;
 pub use steps::{Loaded, StepEntry};
+pub use webhooks::{FailedRow, HookRow};
 
 use crate::time::Span;
 use crate::warehouse::Warehouse;

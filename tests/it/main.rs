@@ -37,4 +37,5 @@ mod stations;
 mod store;
 mod strangers;
 mod tls;
+mod webhooks;
 mod why;

@@ -93,6 +93,7 @@ impl TestServer {
             records: Arc::new(Nothing),
             figures: Arc::new(SharedHistory::new(Time::ZERO, "giveway", Default::default())),
             queue: Some(mpsc::channel(1).0),
+            hooks: None,
             questions: mpsc::channel(1).0,
             alarms: Arc::new(Alarms::default()),
             past: None,

@@ -189,7 +189,7 @@ async fn know_robots(api: &Api, rows: &[EventRow]) {
 }
 
 /// An event with names.
-pub(super) fn event(api: &Api, row: EventRow) -> EventDto {
+pub fn event(api: &Api, row: EventRow) -> EventDto {
     let moment = api.moment();
     let robot = |r: crate::id::RobotId| moment.view.robots.get(r.ix()).map(|r| r.name.clone());
     let subject = row.subject.unwrap_or(0);

@@ -10,7 +10,7 @@ mod batch;
 mod closures;
 mod encounters;
 mod evacuation;
-mod events;
+pub(in crate::api) mod events;
 mod halt;
 mod health;
 mod heat;
@@ -31,6 +31,7 @@ mod robot_life;
 mod robots;
 mod stations;
 mod timelines;
+mod webhooks;
 mod why;
 mod workers;
 
@@ -123,6 +124,9 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(evacuation::get, evacuation::begin, evacuation::end))
         .routes(routes!(encounters::list))
         .routes(routes!(events::list))
+        .routes(routes!(webhooks::list, webhooks::add))
+        .routes(routes!(webhooks::remove))
+        .routes(routes!(webhooks::failures))
         .routes(routes!(past::past))
         .routes(routes!(past::figures))
         .routes(routes!(past::recording))

@@ -1,0 +1,240 @@
+//! `/v1/webhooks`: other systems that are told of events, instead of following them.
+//!
+//! Main types: [`WebhookDto`], [`NewWebhook`]. Refuses: addresses that are not HTTP, and to tell secrets again.
+
+use super::lists::checked_limit;
+use crate::api::Api;
+use crate::api::dto::Page;
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::{JsonBody, Params, PathPart};
+use crate::api::text::time_text;
+use crate::api::webhooks::{FailedMessage, HookReply, HookRequest, Webhook, new_secret, read_secret};
+use crate::fleet::EventKind;
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use serde::{Deserialize, Serialize};
+use tokio::sync::oneshot;
+use utoipa::{IntoParams, ToSchema};
+
+/// The longest address.
+const LONGEST_URL: usize = 2000;
+
+/// So many webhooks at most.
+const MOST_HOOKS: usize = 32;
+
+/// A system that is told of events.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct WebhookDto {
+    /// Its number.
+    #[schema(example = "h1")]
+    pub id: String,
+    /// Where messages are sent.
+    #[schema(example = "https://wms.example/giveway")]
+    pub url: String,
+    /// The kinds of events; all of them if there are none.
+    pub kinds: Vec<&'static str>,
+    /// Since when, RFC 3339.
+    pub created: String,
+    /// The number of the last event that was delivered or given up.
+    pub cursor: i64,
+    /// How often the next message was tried in vain.
+    pub attempts: u32,
+    /// Why the last attempt failed; null if none did since the last success.
+    pub failing: Option<String>,
+    /// What messages are signed with; null but in the answer to the request that made it.
+    pub secret: Option<String>,
+}
+
+/// A system to be told.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewWebhook {
+    /// Where to send messages: an address with http:// or https://.
+    #[schema(example = "https://wms.example/giveway", max_length = 2000)]
+    url: String,
+    /// Only events of these kinds; all if absent.
+    #[serde(default)]
+    #[schema(example = json!(["job"]))]
+    kinds: Vec<String>,
+    /// What to sign messages with, `whsec_` and 24 to 64 bytes in base64; made for you if absent.
+    secret: Option<String>,
+}
+
+/// A message that was given up after twenty attempts.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct FailedMessageDto {
+    /// The number of its first event.
+    pub first: i64,
+    /// The number of its last event: `GET /v1/events?after=` with the number before the first reads them again.
+    pub last: i64,
+    /// When it was given up, RFC 3339.
+    pub at: String,
+    /// How often it was tried.
+    pub attempts: u32,
+    /// Why the last attempt failed.
+    pub error: String,
+}
+
+/// Which page of the messages that were given up.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct FailureParams {
+    /// How many at most, 1 to 500; 50 if absent.
+    limit: Option<u32>,
+    /// `next` of the previous page.
+    cursor: Option<String>,
+}
+
+/// All systems that are told of events.
+#[utoipa::path(get, path = "/v1/webhooks", tag = "events", operation_id = "listWebhooks", responses(
+    (status = 200, description = "In order of being added", body = Vec<WebhookDto>),
+    (status = 503, description = "The database does not answer", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn list(State(api): State<Api>) -> Result<Json<Vec<WebhookDto>>, Problem> {
+    let hooks = ask(&api, HookRequest::List).await?;
+    Ok(Json(hooks.into_iter().map(dto).collect()))
+}
+
+/// Tell a system what happens from now on. Each message is a POST of `{"type": "giveway.events", "timestamp",
+/// "data": {"events": [...]}}` with up to a hundred events as `GET /v1/events` has them, in order, signed as the Standard
+/// Webhooks specification says: `webhook-id`, `webhook-timestamp`, and `webhook-signature` with the HMAC-SHA256 of
+/// `ID.TIMESTAMP.BODY`. Any answer 2xx within ten seconds takes it. Otherwise it is tried again after 1, 2, 4 … 300
+/// seconds, twenty times in all; then it is given up and listed in `failures`, and the next one is sent. After a restart a
+/// message may come twice, with the same `webhook-id`.
+#[utoipa::path(post, path = "/v1/webhooks", tag = "events", operation_id = "addWebhook", request_body = NewWebhook,
+    responses(
+    (status = 201, description = "From now on it is told; the secret is not shown again", body = WebhookDto),
+    (status = 400, description = "The body is not JSON", body = Problem, content_type = "application/problem+json"),
+    (status = 409, description = "There are too many, or a recording is shown", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, description = "A field is wrong", body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "The database does not answer", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn add(
+    State(api): State<Api>,
+    JsonBody(new): JsonBody<NewWebhook>,
+) -> Result<(StatusCode, Json<WebhookDto>), Problem> {
+    let (kinds, secret) = check(&new)?;
+    if ask(&api, HookRequest::List).await?.len() >= MOST_HOOKS {
+        let detail = format!("there are {MOST_HOOKS} webhooks, which is the limit: remove one first");
+        return Err(Problem::conflict("too-many-webhooks", "There are too many webhooks", detail));
+    }
+    let told = secret.clone();
+    let hook = ask(&api, |reply| HookRequest::Add(new.url, kinds, secret, reply)).await?;
+    Ok((StatusCode::CREATED, Json(WebhookDto { secret: Some(told), ..dto(hook) })))
+}
+
+/// Tell a system nothing any more.
+#[utoipa::path(delete, path = "/v1/webhooks/{id}", tag = "events", operation_id = "removeWebhook",
+    params(("id" = String, Path, example = "h1")), responses(
+    (status = 204, description = "It is told nothing any more"),
+    (status = 404, description = "There is no such webhook", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 409, description = "A recording is shown", body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "The database does not answer", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn remove(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+    let number = parse(&id)?;
+    match ask(&api, |reply| HookRequest::Remove(number, reply)).await? {
+        true => Ok(StatusCode::NO_CONTENT),
+        false => Err(unknown(&id)),
+    }
+}
+
+/// Messages to a system that were given up, newest first; the last thousand are kept.
+#[utoipa::path(get, path = "/v1/webhooks/{id}/failures", tag = "events", operation_id = "listWebhookFailures",
+    params(("id" = String, Path, example = "h1"), FailureParams), responses(
+    (status = 200, description = "What was given up", body = Page<FailedMessageDto>),
+    (status = 404, description = "There is no such webhook", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, description = "A parameter is wrong", body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "The database does not answer", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn failures(
+    State(api): State<Api>,
+    PathPart(id): PathPart,
+    Params(p): Params<FailureParams>,
+) -> Result<Json<Page<FailedMessageDto>>, Problem> {
+    let limit = checked_limit(p.limit, 50)?;
+    let wrong =
+        || Problem::invalid(vec![FieldError::new("cursor", "use the value of `next` in the previous page")]);
+    let before = p.cursor.map(|text| text.parse::<i64>().map_err(|_| wrong())).transpose()?;
+    let number = parse(&id)?;
+    let found = ask(&api, |reply| HookRequest::Failures(number, before, limit + 1, reply)).await?;
+    let mut found = found.ok_or_else(|| unknown(&id))?;
+    let more = found.len() > limit as usize;
+    found.truncate(limit as usize);
+    let next = found.last().filter(|_| more).map(|failed| failed.id.to_string());
+    Ok(Json(Page { items: found.into_iter().map(failed).collect(), next }))
+}
+
+async fn ask<T>(api: &Api, request: impl FnOnce(HookReply<T>) -> HookRequest) -> Result<T, Problem> {
+    let queue = api.hooks.as_ref().ok_or_else(Problem::of_recording)?;
+    let (reply, answer) = oneshot::channel();
+    let busy = || Problem::unavailable("too much is asked about webhooks: ask again in a second", 1);
+    queue.try_send(request(reply)).map_err(|_| busy())?;
+    answer.await.map_err(|_| busy())?.map_err(|why| Problem::unavailable(why, 2))
+}
+
+/// The kinds and the secret of a new webhook.
+fn check(new: &NewWebhook) -> Result<(Vec<EventKind>, String), Problem> {
+    let mut errors = Vec::new();
+    let host = new.url.parse::<axum::http::Uri>().ok().filter(|uri| {
+        matches!(uri.scheme_str(), Some("http" | "https")) && uri.host().is_some_and(|host| !host.is_empty())
+    });
+    if host.is_none() || new.url.len() > LONGEST_URL {
+        errors.push(FieldError::new("url", "give an address such as https://wms.example/giveway"));
+    }
+    let mut kinds = Vec::new();
+    for word in &new.kinds {
+        match EventKind::of_word(word) {
+            Some(kind) => kinds.push(kind),
+            None => {
+                let known = EventKind::ALL.map(EventKind::word).join(", ");
+                errors.push(FieldError::new("kinds", format!("\"{word}\" is not one of {known}")));
+            }
+        }
+    }
+    if new.secret.as_deref().is_some_and(|secret| read_secret(secret).is_none()) {
+        errors.push(FieldError::new("secret", "give whsec_ and 24 to 64 bytes in base64, or leave it out"));
+    }
+    if errors.is_empty() {
+        Ok((kinds, new.secret.clone().unwrap_or_else(new_secret)))
+    } else {
+        Err(Problem::invalid(errors))
+    }
+}
+
+fn parse(id: &str) -> Result<i64, Problem> {
+    id.strip_prefix('h').and_then(|digits| digits.parse().ok()).ok_or_else(|| unknown(id))
+}
+
+fn unknown(id: &str) -> Problem {
+    Problem::unknown("webhook", format!("there is no webhook \"{id}\"; GET /v1/webhooks lists them"))
+}
+
+fn dto(hook: Webhook) -> WebhookDto {
+    WebhookDto {
+        id: format!("h{}", hook.id),
+        url: hook.url,
+        kinds: hook.kinds.into_iter().map(EventKind::word).collect(),
+        created: time_text(hook.created),
+        cursor: hook.cursor,
+        attempts: hook.attempts,
+        failing: hook.failed,
+        secret: None,
+    }
+}
+
+fn failed(message: FailedMessage) -> FailedMessageDto {
+    let (first, last) = message.events;
+    FailedMessageDto {
+        first,
+        last,
+        at: time_text(message.at),
+        attempts: message.attempts,
+        error: message.error,
+    }
+}

@@ -1,0 +1,254 @@
+//! Tells webhooks of events, in order, each until it takes them or they are given up.
+//!
+//! Main types: [`HookKeeper`], [`Sender`]. How far a webhook is stands in the database: after a restart it goes on
+//! there, and a message may come twice, under the same id. Refuses: to follow redirects, and to let one webhook wait for
+//! another.
+
+use crate::api::Api;
+use crate::api::webhooks::{FailedMessage, HookRequest, Webhook, message, read_secret, signature};
+use crate::fleet::EventQuery;
+use crate::store::{FailedRow, HookRow, Store, StoreError};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::mpsc;
+use tokio::task::JoinSet;
+use tokio::time::{Instant, sleep_until};
+
+/// How many requests may wait.
+const WAITING: usize = 16;
+
+/// So many events are in a message at most.
+const AT_ONCE: u32 = 100;
+
+/// How long a receiver may take.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// The pause after a failure; each one is twice as long as the one before, up to the last.
+const PAUSES: (Duration, Duration) = (Duration::from_secs(1), Duration::from_secs(300));
+
+/// A message is given up after so many attempts, which take more than an hour.
+const ATTEMPTS: u32 = 20;
+
+/// How often it looks at least, should the database not have answered.
+const LOOK: Duration = Duration::from_secs(30);
+
+/// The end that the API has.
+pub fn hook_queue() -> (mpsc::Sender<HookRequest>, mpsc::Receiver<HookRequest>) {
+    mpsc::channel(WAITING)
+}
+
+/// Answers requests about webhooks, and tells them of events.
+pub struct HookKeeper {
+    store: Arc<Store>,
+    api: Api,
+    sender: Sender,
+    requests: mpsc::Receiver<HookRequest>,
+    /// Webhooks to which a message is on its way.
+    busy: BTreeSet<i64>,
+    on_the_way: JoinSet<(i64, u64, Result<Told, StoreError>)>,
+    /// Webhooks that rest after a failure, and until when.
+    resting: Vec<(i64, Instant)>,
+    /// How often there was news.
+    news: u64,
+    /// Webhooks that know everything up to this news.
+    known: BTreeMap<i64, u64>,
+}
+
+/// What came of an attempt.
+enum Told {
+    /// There was nothing to tell.
+    Nothing,
+    /// It was taken.
+    Taken,
+    /// It was not; after so many attempts.
+    Refused(u32),
+}
+
+impl HookKeeper {
+    /// One for a server.
+    pub fn new(store: Arc<Store>, api: Api, requests: mpsc::Receiver<HookRequest>) -> HookKeeper {
+        let (busy, on_the_way) = (BTreeSet::new(), JoinSet::new());
+        let (sender, known) = (Sender::new(), BTreeMap::new());
+        HookKeeper { store, api, sender, requests, busy, on_the_way, resting: Vec::new(), news: 0, known }
+    }
+
+    /// Until nothing can ask any more.
+    pub async fn run(mut self) {
+        let mut changed = self.store.events_changed();
+        loop {
+            if let Err(e) = self.begin().await {
+                tracing::warn!("webhooks are not told at present: {e}");
+            }
+            let look = Instant::now() + LOOK;
+            let next =
+                self.resting.iter().map(|(_, until)| *until).min().map_or(look, |until| until.min(look));
+            tokio::select! {
+                request = self.requests.recv() => match request {
+                    Some(request) => self.answer(request).await,
+                    None => return,
+                },
+                _ = changed.changed() => self.news += 1,
+                Some(done) = self.on_the_way.join_next() => self.note(done),
+                () = sleep_until(next) => {}
+            }
+        }
+    }
+
+    /// Starts a message to each webhook that neither rests nor has one on its way.
+    async fn begin(&mut self) -> Result<(), StoreError> {
+        self.resting.retain(|(_, until)| *until > Instant::now());
+        for hook in self.store.webhooks().await? {
+            let rests = self.resting.iter().any(|(id, _)| *id == hook.id);
+            let knows = self.known.get(&hook.id).is_some_and(|news| *news == self.news);
+            if rests || knows || !self.busy.insert(hook.id) {
+                continue;
+            }
+            let news = self.news;
+            let (store, api, sender) = (self.store.clone(), self.api.clone(), self.sender.clone());
+            self.on_the_way.spawn(async move { (hook.id, news, tell(&store, &api, &sender, &hook).await) });
+        }
+        Ok(())
+    }
+
+    /// Lets a webhook rest after a failure.
+    fn note(&mut self, done: Result<(i64, u64, Result<Told, StoreError>), tokio::task::JoinError>) {
+        let Ok((id, news, told)) = done else {
+            // Which one it was is not known any more: all may have another message, under the same id.
+            self.busy.clear();
+            return;
+        };
+        self.busy.remove(&id);
+        let attempts = match told {
+            Ok(Told::Taken) => return,
+            Ok(Told::Nothing) => {
+                self.known.insert(id, news);
+                return;
+            }
+            Ok(Told::Refused(attempts)) => attempts,
+            Err(e) => {
+                tracing::warn!("how far webhook {id} is cannot be written down: {e}");
+                1
+            }
+        };
+        let pause = PAUSES.0 * 2_u32.saturating_pow(attempts.saturating_sub(1).min(16));
+        self.resting.push((id, Instant::now() + pause.min(PAUSES.1)));
+    }
+
+    /// A receiver of an answer that is gone is no error.
+    async fn answer(&mut self, request: HookRequest) {
+        let text = |e: StoreError| {
+            tracing::error!("webhooks: {e}");
+            "the database does not answer; the server's log says why".to_owned()
+        };
+        match request {
+            HookRequest::List(reply) => {
+                let hooks = self.store.webhooks().await.map_err(text);
+                let _ = reply.send(hooks.map(|hooks| hooks.into_iter().map(shown).collect()));
+            }
+            HookRequest::Add(url, kinds, secret, reply) => {
+                let added = self.store.add_webhook(&url, &kinds, &secret, (self.api.now)()).await;
+                let _ = reply.send(added.map(shown).map_err(text));
+            }
+            HookRequest::Remove(id, reply) => {
+                let _ = reply.send(self.store.remove_webhook(id).await.map_err(text));
+            }
+            HookRequest::Failures(id, before, limit, reply) => {
+                let _ = reply.send(self.failures(id, before, limit).await.map_err(text));
+            }
+        }
+    }
+
+    async fn failures(
+        &self,
+        id: i64,
+        before: Option<i64>,
+        limit: u32,
+    ) -> Result<Option<Vec<FailedMessage>>, StoreError> {
+        if self.store.webhooks().await?.iter().all(|hook| hook.id != id) {
+            return Ok(None);
+        }
+        let rows = self.store.webhook_failures(id, before, limit).await?;
+        Ok(Some(rows.into_iter().map(failed).collect()))
+    }
+}
+
+/// Sends a webhook what comes next, and writes down what came of it.
+async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Result<Told, StoreError> {
+    let span = store.event_span().await?;
+    // Behind what is kept no longer, it goes on with what is.
+    let after = hook.cursor.max(span.before);
+    let query = EventQuery { kinds: hook.kinds.clone(), after, limit: AT_ONCE };
+    let rows = store.events(&query).await?;
+    let (Some(first), Some(last)) = (rows.first().map(|r| r.seq), rows.last().map(|r| r.seq)) else {
+        return Ok(Told::Nothing);
+    };
+    let id = format!("giveway-{}-{first}", hook.id);
+    let seconds = (api.now)().0 / 1_000_000;
+    let body = message(api, rows);
+    let secret = read_secret(&hook.secret).unwrap_or_default();
+    let signed = signature(&secret, &id, seconds, &body);
+    match sender.post(hook.url.clone(), [id, seconds.to_string(), signed], body).await {
+        Ok(()) => {
+            store.webhook_reached(hook.id, last).await?;
+            Ok(Told::Taken)
+        }
+        Err(why) => {
+            store.webhook_missed(hook.id, &why).await?;
+            let attempts = hook.attempts + 1;
+            tracing::warn!(
+                hook = hook.id,
+                attempts,
+                "a webhook does not take events {first} to {last}: {why}"
+            );
+            if attempts >= ATTEMPTS {
+                store.webhook_given_up(hook.id, (first, last), (api.now)()).await?;
+            }
+            Ok(Told::Refused(attempts))
+        }
+    }
+}
+
+/// Sends messages.
+#[derive(Clone)]
+pub struct Sender(ureq::Agent);
+
+impl Sender {
+    fn new() -> Sender {
+        let config = ureq::Agent::config_builder()
+            .timeout_global(Some(PATIENCE))
+            .max_redirects(0)
+            .max_redirects_will_error(true)
+            .user_agent(concat!("giveway/", env!("CARGO_PKG_VERSION")))
+            .build();
+        Sender(config.into())
+    }
+
+    /// Posts a message under an id, with its time and signature; says why it was not taken.
+    async fn post(&self, url: String, headers: [String; 3], body: String) -> Result<(), String> {
+        let agent = self.0.clone();
+        let post = move || {
+            let [id, seconds, signed] = headers;
+            agent
+                .post(url)
+                .header("content-type", "application/json")
+                .header("webhook-id", id)
+                .header("webhook-timestamp", seconds)
+                .header("webhook-signature", signed)
+                .send(body)
+                .map(|_| ())
+                .map_err(|e| e.to_string())
+        };
+        tokio::task::spawn_blocking(post).await.map_err(|_| "sending broke off".to_owned())?
+    }
+}
+
+fn shown(row: HookRow) -> Webhook {
+    let HookRow { id, url, kinds, created, cursor, attempts, failed, .. } = row;
+    Webhook { id, url, kinds, created, cursor, attempts, failed }
+}
+
+fn failed(row: FailedRow) -> FailedMessage {
+    let FailedRow { id, first, last, at, attempts, error } = row;
+    FailedMessage { id, events: (first, last), at, attempts, error }
+}

@@ -1,0 +1,125 @@
+//! Webhooks: a receiver that is away for a while is told everything in order, once it is back.
+
+use crate::helper::{Folder, delivery, get, post, send, start};
+use giveway::api::webhooks::{read_secret, signature};
+use serde_json::{Value, json};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpListener;
+
+/// Takes messages, or refuses them for so many times first.
+async fn receiver(refuse: usize) -> (String, Arc<Mutex<Vec<(String, String)>>>) {
+    let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let url = format!("http://{}/hook", listener.local_addr().unwrap());
+    let taken = Arc::new(Mutex::new(Vec::new()));
+    let messages = taken.clone();
+    tokio::spawn(async move {
+        let mut refuse = refuse;
+        while let Ok((mut stream, _)) = listener.accept().await {
+            let mut bytes = Vec::new();
+            let (head, body) = loop {
+                let mut some = [0; 4096];
+                let n = stream.read(&mut some).await.unwrap_or(0);
+                bytes.extend_from_slice(&some[..n]);
+                let text = String::from_utf8_lossy(&bytes).into_owned();
+                let Some((head, body)) = text.split_once("\r\n\r\n") else { continue };
+                let length = header(head, "content-length").parse::<usize>().unwrap();
+                if body.len() >= length || n == 0 {
+                    break (head.to_owned(), body.to_owned());
+                }
+            };
+            let status = if refuse > 0 { "500 No" } else { "204 Taken" };
+            if refuse == 0 {
+                messages.lock().unwrap().push((head, body));
+            }
+            refuse = refuse.saturating_sub(1);
+            let answer = format!("HTTP/1.1 {status}\r\ncontent-length: 0\r\nconnection: close\r\n\r\n");
+            let _ = stream.write_all(answer.as_bytes()).await;
+        }
+    });
+    (url, taken)
+}
+
+fn header<'a>(head: &'a str, name: &str) -> &'a str {
+    let line = head.lines().find(|line| line.to_lowercase().starts_with(&format!("{name}:")));
+    line.and_then(|line| line.split_once(':')).map_or("0", |(_, value)| value.trim())
+}
+
+async fn add(at: std::net::SocketAddr, hook: &Value) -> crate::helper::Answer {
+    let headers = [("content-type", "application/json")];
+    send(at, "POST", "/v1/webhooks", &headers, &hook.to_string()).await.unwrap()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_webhook_is_told_in_order_signed_and_again_until_it_takes_it() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let (url, taken) = receiver(2).await;
+    let made = add(at, &json!({"url": url, "kinds": ["job"]})).await;
+    assert_eq!(made.status, 201, "{made:?}");
+    let secret = read_secret(made.json()["secret"].as_str().unwrap()).unwrap();
+    let job = post(at, None, &delivery(0)).await.unwrap().json();
+    let mut events: Vec<Value> = Vec::new();
+    for _ in 0..200 {
+        events = taken
+            .lock()
+            .unwrap()
+            .iter()
+            .flat_map(|(_, body)| {
+                let message: Value = serde_json::from_str(body).unwrap();
+                message["data"]["events"].as_array().unwrap().clone()
+            })
+            .collect();
+        if events.len() >= 2 {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+    let states: Vec<_> = events.iter().take(2).map(|e| (e["id"].clone(), e["new"].clone())).collect();
+    assert_eq!(states, [(job["id"].clone(), json!("waiting")), (job["id"].clone(), json!("assigned"))]);
+    for (head, body) in taken.lock().unwrap().iter() {
+        let seconds = header(head, "webhook-timestamp").parse().unwrap();
+        let expected = signature(&secret, header(head, "webhook-id"), seconds, body);
+        assert_eq!(header(head, "webhook-signature"), expected);
+    }
+    let listed = get(at, "/v1/webhooks").await.json();
+    assert_eq!(
+        (&listed[0]["id"], &listed[0].get("secret")),
+        (&json!("h1"), &None),
+        "secrets are not told again"
+    );
+    assert_eq!(get(at, "/v1/webhooks/h1/failures").await.json()["items"], json!([]));
+    assert_eq!(send(at, "DELETE", "/v1/webhooks/h1", &[], "").await.unwrap().status, 204);
+    get(at, "/v1/webhooks/h1/failures").await.problem(404);
+    let wrong = json!({"url": "ftp://x", "kinds": ["jobs"], "secret": "short"});
+    assert_eq!(add(at, &wrong).await.problem(422)["errors"].as_array().unwrap().len(), 3);
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_webhook_that_is_away_shows_why_and_goes_on_after_a_restart() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let gone = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let url = format!("http://{}/hook", gone.local_addr().unwrap());
+    drop(gone);
+    assert_eq!(add(at, &json!({"url": url})).await.status, 201);
+    post(at, None, &delivery(0)).await.unwrap();
+    let mut listed = Value::Null;
+    for _ in 0..100 {
+        listed = get(at, "/v1/webhooks").await.json();
+        if listed[0]["failing"].is_string() {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+    assert!(listed[0]["failing"].is_string(), "{listed}");
+    server.stop().await.unwrap();
+    let again = start(&folder).await;
+    let after = get(again.address(), "/v1/webhooks").await.json();
+    assert_eq!((&after[0]["url"], &after[0]["cursor"]), (&listed[0]["url"], &listed[0]["cursor"]));
+    again.stop().await.unwrap();
+}
