@@ -144,3 +144,26 @@ fn map_check_warns_where_a_broken_robot_shuts_others_in_and_the_map_is_good_all_
     assert_eq!(found["shut_in"].as_array().map(Vec::len), Some(2), "{found}");
     assert_eq!(json_of(&checked)["stations"], 1);
 }
+
+#[test]
+fn map_check_tells_a_program_what_is_wrong_and_where_and_map_show_draws_it_in_red() {
+    let folder = Folder::new();
+    let path = folder.path().join("bad.json");
+    let mut bad: serde_json::Value = serde_json::from_str(&formats::json::write(&map())).unwrap();
+    bad["nodes"].as_array_mut().unwrap().push(serde_json::json!({"id": "island", "x": 9, "y": 9}));
+    bad["stations"] = serde_json::json!([]);
+    std::fs::write(&path, bad.to_string()).unwrap();
+    let path = path.to_str().unwrap();
+    let checked = giveway(&["map", "check", path, "--json"]);
+    assert_eq!(checked.status.code(), Some(1));
+    let told = json_of(&checked);
+    let errors = told["errors"].as_array().unwrap();
+    let island = errors.iter().find(|e| e["place"] == "nodes island").unwrap();
+    assert_eq!(island["at"], serde_json::json!([[9.0, 9.0]]), "{told}");
+    assert_eq!(told["warnings"][0]["place"], "stations", "{told}");
+    let shown = giveway(&["map", "show", path]);
+    assert_eq!(shown.status.code(), Some(1), "it is refused all the same");
+    let drawing = String::from_utf8_lossy(&shown.stdout);
+    assert!(drawing.starts_with("<svg") && drawing.contains("class=\"mark\""), "{drawing}");
+    assert!(String::from_utf8_lossy(&shown.stderr).contains("nodes island: no lane touches them"));
+}
