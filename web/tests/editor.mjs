@@ -73,7 +73,7 @@ await check('A place that nothing joins is found and marked in place, and undoin
   await draw('Charger', [9, 5]);
   const finding = page.getByRole('button', { name: /no lane touches them/ });
   await finding.waitFor({ timeout: PATIENCE });
-  assert((await page.locator('circle.mark.error').count()) > 0, 'no mark');
+  assert((await page.locator('path.mark.error').getAttribute('d')) !== '', 'no mark');
   await finding.click();
   assert((await page.locator('circle.mark.shown').count()) === 1, 'it is not shown');
   await page.screenshot({ path: `${SHOTS}editor-finding.png` });
