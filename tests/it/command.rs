@@ -28,12 +28,16 @@ fn record(folder: &Folder, name: &str) -> (PathBuf, Value) {
     (path, json_of(&ran))
 }
 
-/// The program, showing a recording until the test is over.
+/// The program, running until the test is over.
 struct Shown(Child);
 
 impl Shown {
     fn start(recording: &str) -> (Shown, SocketAddr) {
-        let arguments = ["replay", recording, "--listen", "127.0.0.1:0", "--speed", "1000"];
+        Shown::of(&["replay", recording, "--listen", "127.0.0.1:0", "--speed", "1000"])
+    }
+
+    /// The program with these arguments, which listens and says where in its first line.
+    fn of(arguments: &[&str]) -> (Shown, SocketAddr) {
         let program = Command::new(env!("CARGO_BIN_EXE_giveway"))
             .args(arguments)
             .stdout(Stdio::piped())
@@ -166,4 +170,28 @@ fn map_check_tells_a_program_what_is_wrong_and_where_and_map_show_draws_it_in_re
     let drawing = String::from_utf8_lossy(&shown.stdout);
     assert!(drawing.starts_with("<svg") && drawing.contains("class=\"mark\""), "{drawing}");
     assert!(String::from_utf8_lossy(&shown.stderr).contains("nodes island: no lane touches them"));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_server_starts_with_another_map_than_the_one_of_its_scenario() {
+    let folder = Folder::new();
+    let path = folder.path().join("drawn.json");
+    let mut drawn: serde_json::Value = serde_json::from_str(&formats::json::write(&map())).unwrap();
+    drawn["name"] = serde_json::json!("drawn");
+    std::fs::write(&path, drawn.to_string()).unwrap();
+    let (path, database) = (path.to_str().unwrap(), folder.database());
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/lab.json");
+    let database = database.to_str().unwrap();
+    let listen = ["serve", "--listen", "127.0.0.1:0", "--scenario", scenario];
+    let (_server, at) = Shown::of(&[&listen[..], &["--database", database, "--map", path]].concat());
+    let mut name = Value::Null;
+    for _ in 0..200 {
+        let answer = get(at, "/v1/map").await;
+        if answer.status == 200 {
+            name = answer.json()["name"].take();
+            break;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+    }
+    assert_eq!(name, "drawn");
 }
