@@ -264,7 +264,8 @@
 //! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog/` |
 //! | what waits for what (wait-for graph) | `fleet/state/wait_graph.rs`; who waits, and why: `fleet/waits/` |
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
-//! | which maps are refused; warnings | `warehouse/check/`; `warehouse/check/shut_in.rs` |
+//! | which maps are refused; warnings | `warehouse/check/`; `warehouse/check/shut_in.rs`, `improbable.rs` |
+//! | maps that are drawn, and tried out | `api/http/maps.rs`, `api/trial.rs`, `server/trial.rs`; `web/src/editor/` |
 //! | where people walk | `warehouse/walkway/` |
 //! | which observations are believed; what a deviation is | `human/source.rs`; `human/deviation.rs` |
 //! | which of several sources is believed, and where else a worker may be | `human/track.rs` |

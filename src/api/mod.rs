@@ -24,6 +24,7 @@ pub mod port;
 pub mod recording;
 mod refusal;
 pub mod text;
+pub mod trial;
 pub mod waits;
 pub mod webhooks;
 mod words;
@@ -77,6 +78,8 @@ pub struct Api {
     pub now: Now,
     /// Figures.
     pub metrics: Arc<metrics::Metrics>,
+    /// Tries maps out.
+    pub trials: trial::Trials,
     /// Decides which requests are authorised.
     pub gate: Arc<auth::Gate>,
     /// Turns true when the server shuts down.

@@ -2,14 +2,15 @@
 //!
 //! Main type: [`Map`]. Refuses: to write a map that it would not read.
 
-use super::{read, read_map, write};
+use super::{read, write};
 use crate::time::Span;
 use crate::warehouse::{
-    Blocks, MapSummary, ShutIn, formats, room_for, shut_in, shut_in_text, summary, to_svg,
+    Blocks, Finding, MapSummary, Remark, Review, Severity, ShutIn, formats, review, review_to_svg, room_for,
+    shut_in_text, summary,
 };
 use clap::{Args, Subcommand};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// What to do with maps.
@@ -17,7 +18,7 @@ use std::process::ExitCode;
 pub enum Map {
     /// Read a map, list every problem with its place and remedy, and summarise what the map holds.
     Check(CheckArgs),
-    /// Draw a map as SVG.
+    /// Draw a map as SVG; a refused one, too, with what is wrong in red.
     Show(ShowArgs),
     /// Make a map of rack blocks from parameters.
     Generate(GenerateArgs),
@@ -45,6 +46,34 @@ struct Checked {
     summary: MapSummary,
     /// Where a broken robot would shut others in.
     findings: Vec<ShutIn>,
+    /// What else looks odd.
+    warnings: Vec<Found>,
+}
+
+/// What `map check --json` prints of a refused map.
+#[derive(Serialize)]
+struct Refused {
+    /// Why it is refused.
+    errors: Vec<Found>,
+    /// What looks odd.
+    warnings: Vec<Found>,
+}
+
+/// A remark for programs.
+#[derive(Serialize)]
+struct Found {
+    place: String,
+    problem: String,
+    remedy: String,
+    /// Where on the floor, metres.
+    at: Vec<[f64; 2]>,
+}
+
+impl From<&Remark> for Found {
+    fn from(r: &Remark) -> Found {
+        let Finding { place, problem, remedy, .. } = r.finding.clone();
+        Found { place, problem, remedy, at: r.at.iter().map(|p| [p.x, p.y]).collect() }
+    }
 }
 
 /// Arguments of `map show`.
@@ -119,28 +148,69 @@ impl Map {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         match self {
             Map::Check(c) => c.run(),
-            Map::Show(s) => {
-                let warehouse = read_map(&s.map)?;
-                write(s.output.as_deref(), &to_svg(&warehouse))?;
-                Ok(ExitCode::SUCCESS)
-            }
+            Map::Show(s) => s.run(),
             Map::Generate(g) => g.run(),
             Map::Import(i) => i.run(),
         }
     }
 }
 
+/// Reads a map of any known format without refusing it for what it says; notes of an import go to standard error.
+fn reviewed(path: &Path) -> anyhow::Result<Review> {
+    let (draft, notes) = formats::import_draft(&read(path)?, &formats::Options::default())
+        .map_err(|e| anyhow::anyhow!("{} is refused:\n{e}", path.display()))?;
+    notes.0.iter().for_each(|n| eprintln!("note: {n}"));
+    Ok(review(&draft))
+}
+
+/// The errors of a refused map, as one text.
+fn refusal(path: &Path, review: &Review) -> String {
+    let errors: Vec<String> = review.of(Severity::Error).map(Remark::to_string).collect();
+    format!("{} is refused:\n{}", path.display(), errors.join("\n"))
+}
+
+impl ShowArgs {
+    fn run(self) -> anyhow::Result<ExitCode> {
+        let review = reviewed(&self.map)?;
+        let Some(drawing) = review_to_svg(&review) else { anyhow::bail!(refusal(&self.map, &review)) };
+        write(self.output.as_deref(), &drawing)?;
+        if review.is_good() {
+            return Ok(ExitCode::SUCCESS);
+        }
+        eprintln!("giveway: {}", refusal(&self.map, &review));
+        Ok(ExitCode::FAILURE)
+    }
+}
+
 impl CheckArgs {
     fn run(self) -> anyhow::Result<ExitCode> {
-        let warehouse = read_map(&self.map)?;
+        let review = reviewed(&self.map)?;
+        let of = |severity| review.of(severity).map(Found::from).collect::<Vec<_>>();
+        let Some(warehouse) = review.warehouse.as_ref().filter(|_| review.is_good()) else {
+            if self.json {
+                let refused = Refused { errors: of(Severity::Error), warnings: of(Severity::Warning) };
+                println!("{}", serde_json::to_string_pretty(&refused)?);
+                return Ok(ExitCode::FAILURE);
+            }
+            review.of(Severity::Warning).for_each(|w| println!("warning: {w}"));
+            anyhow::bail!(refusal(&self.map, &review));
+        };
         if let Some(robots) = self.robots {
-            room_for(&warehouse, robots).map_err(|e| anyhow::anyhow!("{}:\n{e}", self.map.display()))?;
+            room_for(warehouse, robots).map_err(|e| anyhow::anyhow!("{}:\n{e}", self.map.display()))?;
         }
-        let (summary, findings) = (summary(&warehouse), shut_in(&warehouse));
+        let (summary, findings) = (summary(warehouse), review.shut_in.clone());
         if self.json {
-            println!("{}", serde_json::to_string_pretty(&Checked { summary, findings })?);
+            println!(
+                "{}",
+                serde_json::to_string_pretty(&Checked {
+                    summary,
+                    findings,
+                    warnings: of(Severity::Warning)
+                })?
+            );
         } else {
             println!("{summary}");
+            review.of(Severity::Warning).for_each(|w| println!("warning: {w}"));
             shut_in_text(&findings).iter().for_each(|line| println!("warning: {line}"));
         }
         Ok(ExitCode::SUCCESS)

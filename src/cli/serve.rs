@@ -19,6 +19,9 @@ pub struct Serve {
     /// What was learned about people (`giveway learn`); the scenario's own, or the built-in figures, if absent.
     #[arg(long)]
     model: Option<std::path::PathBuf>,
+    /// A map other than the scenario's, in any format that `map import` knows. The database is carried over to it.
+    #[arg(long)]
+    map: Option<std::path::PathBuf>,
 }
 
 impl Serve {
@@ -26,7 +29,7 @@ impl Serve {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         trace_to_stderr();
         let config = Config::read(&self.flags)?;
-        let mut setup = Setup::read(&config.scenario, None, None)
+        let mut setup = Setup::read(&config.scenario, self.map.as_deref(), None)
             .context("there is nothing to run: name a scenario with --scenario")?;
         setup.use_model(self.model.as_deref())?;
         if let Some(method) = config.method {

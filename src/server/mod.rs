@@ -30,6 +30,7 @@ mod show;
 mod start;
 mod strangers;
 mod tls;
+mod trial;
 mod watchdog;
 mod webhooks;
 
@@ -267,7 +268,7 @@ async fn work(
     let (journal, writer) =
         journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
     let ((queue, requests), (ask, questions)) = (mpsc::channel(inbox::QUEUE), mpsc::channel(QUESTIONS));
-    let (displaced, gone) = watch::channel(false);
+    let ((displaced, gone), (halt, halted)) = (watch::channel(false), watch::channel(false));
     let custody = tokio::spawn(custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced));
     let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
     let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.base, &fleet);
@@ -296,7 +297,6 @@ async fn work(
         store: store.clone(),
         moments,
     };
-    let (halt, halted) = watch::channel(false);
     let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
     let alarm_keeper = tokio::spawn(alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone()));
     let (writer, thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
@@ -317,6 +317,7 @@ async fn work(
         interop: Arc::new(interop),
         now: Arc::new(move || clock.now()),
         metrics,
+        trials: trial::trials(),
         gate: Arc::new(gate),
         closing: closes,
     };

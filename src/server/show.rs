@@ -108,6 +108,7 @@ impl Show {
             interop: Arc::new(Interop::default()),
             now: Arc::new(move || clock.now()),
             metrics,
+            trials: super::trial::trials(),
             gate: Arc::new(Gate::default()),
             closing: closes.clone(),
         };

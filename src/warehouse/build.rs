@@ -11,7 +11,7 @@ use crate::geometry::{Point, Segment, turn_between};
 use crate::id::{Dense, IdVec, NodeId, StationId};
 use crate::time::Span;
 use smallvec::SmallVec;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Arrival headings closer than this are one (radians).
 const SAME_HEADING: f64 = 0.02;
@@ -134,6 +134,19 @@ impl Draft {
         let warehouse = self.assemble();
         check::well_formed(&warehouse, &check::Doubts::default())?;
         Ok(warehouse)
+    }
+
+    /// What is left of it without its bad parts, unchecked: for drawings only. Nothing where there are no nodes, or far
+    /// too many.
+    pub(super) fn salvaged(&self) -> Option<Warehouse> {
+        let (mut rest, _) = check::without_bad_parts(self)?;
+        let mut free: BTreeSet<&str> = rest.storage.iter().map(String::as_str).collect();
+        let good = self.racks.iter().filter(|r| free.remove(r.node.as_str())).cloned().collect();
+        rest.racks = good;
+        let good = |o: &Vec<Point>| o.iter().all(|p| p.x.is_finite() && p.y.is_finite());
+        rest.walkable.retain(good);
+        rest.obstacles.retain(good);
+        Some(rest.assemble())
     }
 
     /// Builds without the checks on the whole floor, for tests of single parts and benchmark grids.

@@ -19,12 +19,14 @@ pub mod walkway;
 
 pub use body::{Body, MOST_BODIES};
 pub use build::{Draft, DraftLane, DraftNode, DraftRack, DraftStation};
-pub use check::{Finding, Findings, ShutIn, room_for, shut_in, shut_in_text};
+pub use check::{
+    Finding, Findings, Remark, Review, Severity, ShutIn, review, room_for, shut_in, shut_in_text,
+};
 pub use footprint::{Footprint, Hull};
 pub use generate::{Blocks, kiva, lab, mixed, thesis};
 pub use sketch::sketch;
 pub use summary::{MapSummary, summary};
-pub use svg::to_svg;
+pub use svg::{review_to_svg, to_svg};
 
 use crate::geometry::Point;
 use crate::id::{ArcId, BodyId, Dense, IdVec, LaneId, NodeId, RackId, ResourceId, StationId};

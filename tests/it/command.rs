@@ -28,12 +28,16 @@ fn record(folder: &Folder, name: &str) -> (PathBuf, Value) {
     (path, json_of(&ran))
 }
 
-/// The program, showing a recording until the test is over.
+/// The program, running until the test is over.
 struct Shown(Child);
 
 impl Shown {
     fn start(recording: &str) -> (Shown, SocketAddr) {
-        let arguments = ["replay", recording, "--listen", "127.0.0.1:0", "--speed", "1000"];
+        Shown::of(&["replay", recording, "--listen", "127.0.0.1:0", "--speed", "1000"])
+    }
+
+    /// The program with these arguments, which listens and says where in its first line.
+    fn of(arguments: &[&str]) -> (Shown, SocketAddr) {
         let program = Command::new(env!("CARGO_BIN_EXE_giveway"))
             .args(arguments)
             .stdout(Stdio::piped())
@@ -143,4 +147,51 @@ fn map_check_warns_where_a_broken_robot_shuts_others_in_and_the_map_is_good_all_
     let found = &json_of(&checked)["findings"][0];
     assert_eq!(found["shut_in"].as_array().map(Vec::len), Some(2), "{found}");
     assert_eq!(json_of(&checked)["stations"], 1);
+}
+
+#[test]
+fn map_check_tells_a_program_what_is_wrong_and_where_and_map_show_draws_it_in_red() {
+    let folder = Folder::new();
+    let path = folder.path().join("bad.json");
+    let mut bad: serde_json::Value = serde_json::from_str(&formats::json::write(&map())).unwrap();
+    bad["nodes"].as_array_mut().unwrap().push(serde_json::json!({"id": "island", "x": 9, "y": 9}));
+    bad["stations"] = serde_json::json!([]);
+    std::fs::write(&path, bad.to_string()).unwrap();
+    let path = path.to_str().unwrap();
+    let checked = giveway(&["map", "check", path, "--json"]);
+    assert_eq!(checked.status.code(), Some(1));
+    let told = json_of(&checked);
+    let errors = told["errors"].as_array().unwrap();
+    let island = errors.iter().find(|e| e["place"] == "nodes island").unwrap();
+    assert_eq!(island["at"], serde_json::json!([[9.0, 9.0]]), "{told}");
+    assert_eq!(told["warnings"][0]["place"], "stations", "{told}");
+    let shown = giveway(&["map", "show", path]);
+    assert_eq!(shown.status.code(), Some(1), "it is refused all the same");
+    let drawing = String::from_utf8_lossy(&shown.stdout);
+    assert!(drawing.starts_with("<svg") && drawing.contains("class=\"mark\""), "{drawing}");
+    assert!(String::from_utf8_lossy(&shown.stderr).contains("nodes island: no lane touches them"));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_server_starts_with_another_map_than_the_one_of_its_scenario() {
+    let folder = Folder::new();
+    let path = folder.path().join("drawn.json");
+    let mut drawn: serde_json::Value = serde_json::from_str(&formats::json::write(&map())).unwrap();
+    drawn["name"] = serde_json::json!("drawn");
+    std::fs::write(&path, drawn.to_string()).unwrap();
+    let (path, database) = (path.to_str().unwrap(), folder.database());
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/lab.json");
+    let database = database.to_str().unwrap();
+    let listen = ["serve", "--listen", "127.0.0.1:0", "--scenario", scenario];
+    let (_server, at) = Shown::of(&[&listen[..], &["--database", database, "--map", path]].concat());
+    let mut name = Value::Null;
+    for _ in 0..200 {
+        let answer = get(at, "/v1/map").await;
+        if answer.status == 200 {
+            name = answer.json()["name"].take();
+            break;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+    }
+    assert_eq!(name, "drawn");
 }

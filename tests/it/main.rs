@@ -24,6 +24,7 @@ mod jobs;
 mod journal;
 mod live;
 mod load;
+mod maps;
 mod measured;
 mod page_filters;
 mod page_fixtures;

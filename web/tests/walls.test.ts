@@ -4,11 +4,12 @@ import { describe, expect, test } from 'vitest';
 /** In reading order: a room names only rooms above it. */
 const ROOMS = [
   'wire', 'words', 'parts', 'replay', 'floor', 'cards', 'why', 'robots', 'people', 'places', 'jobs', 'encounters',
-  'timelines', 'charts', 'alarms', 'page', 'headset', 'docs',
+  'timelines', 'charts', 'alarms', 'page', 'headset', 'docs', 'editor',
 ];
-/** The page of a wearer and that of the API load nothing of the dashboard. */
+/** The page of a wearer, that of the API and the map editor load nothing of the dashboard. */
 const HEADSET_KNOWS = ['wire', 'parts'];
 const DOCS_KNOWS = ['parts'];
+const EDITOR_KNOWS = ['parts'];
 
 type Sources = ReadonlyMap<string, string>;
 const files = import.meta.glob<string>('../src/**/*.{ts,svelte}', { eager: true, query: '?raw', import: 'default' });
@@ -46,6 +47,7 @@ function wrongs(sources: Sources): string[] {
       if (room !== '' && there < 0) wrong.push(`${path} imports ${other}, which is in no room`);
       if (room === 'headset' && !HEADSET_KNOWS.includes(to)) wrong.push(`${path} imports ${other}: the page of a wearer loads nothing of ${to}`);
       if (room === 'docs' && !DOCS_KNOWS.includes(to)) wrong.push(`${path} imports ${other}: the page of the API loads nothing of ${to}`);
+      if (room === 'editor' && !EDITOR_KNOWS.includes(to)) wrong.push(`${path} imports ${other}: the map editor loads nothing of ${to}`);
       const isDoor = other === `${to}/index.ts` || (other.endsWith('.svelte') && other.split('/').length === 2);
       if (!isDoor) wrong.push(`${path} imports ${other}, which is inside ${to}; its doors are index.ts and its components`);
     }

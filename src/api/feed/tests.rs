@@ -102,6 +102,7 @@ impl TestServer {
             interop: Arc::new(Interop::default()),
             now: Arc::new(move || Time(ticks.fetch_add(1, Ordering::Relaxed))),
             metrics: metrics.clone(),
+            trials: crate::api::trial::Trials::default(),
             gate: Arc::new(Gate::default()),
             closing: closes,
         };

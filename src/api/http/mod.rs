@@ -20,6 +20,7 @@ mod kinds;
 mod lists;
 mod lost;
 mod map;
+mod maps;
 mod new_job;
 mod openapi;
 mod page;
@@ -82,6 +83,9 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(alarms::list))
         .routes(routes!(alarms::acknowledge))
         .routes(routes!(map::map))
+        .routes(routes!(maps::file))
+        .routes(routes!(maps::check))
+        .routes(routes!(maps::trial))
         .routes(routes!(lists::racks))
         .routes(routes!(lists::stations))
         .routes(routes!(lists::robots, robots::register))

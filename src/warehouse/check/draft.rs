@@ -3,6 +3,7 @@
 //! Main functions: [`names_and_numbers`], [`without_bad_parts`]. Refuses: to look at ways through the building, which
 //! need ids.
 
+use super::place::FindingPlace;
 use super::{Doubts, Findings};
 use crate::geometry::Point;
 use crate::warehouse::build::{Draft, DraftLane, DraftRack};
@@ -55,7 +56,7 @@ pub(in crate::warehouse) fn names_and_numbers(draft: &Draft) -> Result<(), Findi
 fn nodes<'a>(draft: &'a Draft, found: &mut Findings) -> BTreeMap<&'a str, Point> {
     let mut at = BTreeMap::new();
     for node in &draft.nodes {
-        let place = format!("node {}", node.name);
+        let place = FindingPlace::of(format!("node {}", node.name), [&node.name]);
         good_name(&node.name, &place, found);
         if at.insert(node.name.as_str(), node.at).is_some() {
             found.add(&place, "the name is used twice", "rename one of the two");
@@ -76,7 +77,7 @@ fn is_far(p: Point) -> bool {
     [p.x, p.y].iter().any(|v| !v.is_finite() || v.abs() > FAR_M)
 }
 
-fn good_name(name: &str, place: &str, found: &mut Findings) {
+fn good_name(name: &str, place: &FindingPlace, found: &mut Findings) {
     if name.is_empty() || name.chars().count() > NAME_MAX || name.chars().any(char::is_control) {
         let remedy = format!("use 1 to {NAME_MAX} visible characters");
         found.add(place, "the name is empty, too long or has control characters", remedy);
@@ -95,7 +96,8 @@ fn lanes(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findings) {
     }
     for (name, count) in arrivals.into_iter().filter(|(_, count)| *count > ARRIVALS_MAX) {
         let problem = format!("{count} lanes end here");
-        found.add(format!("node {name}"), problem, format!("keep to at most {ARRIVALS_MAX}"));
+        let place = FindingPlace::of(format!("node {name}"), [name]);
+        found.add(place, problem, format!("keep to at most {ARRIVALS_MAX}"));
     }
 }
 
@@ -106,7 +108,7 @@ fn one_lane<'a>(
     ways: &mut BTreeSet<(&'a str, &'a str)>,
     found: &mut Findings,
 ) {
-    let place = format!("lane {}–{}", lane.from, lane.to);
+    let place = FindingPlace::of(format!("lane {}–{}", lane.from, lane.to), [&lane.from, &lane.to]);
     lane_numbers(lane, &place, found);
     match (at.get(lane.from.as_str()), at.get(lane.to.as_str())) {
         // Absurd positions are reported with their nodes.
@@ -130,7 +132,7 @@ fn one_lane<'a>(
     }
 }
 
-fn lane_numbers(lane: &DraftLane, place: &str, found: &mut Findings) {
+fn lane_numbers(lane: &DraftLane, place: &FindingPlace, found: &mut Findings) {
     let u = lane.users;
     if !(u.loaded || u.unloaded || u.people) {
         found.add(place, "nothing may use it", "name loaded, unloaded or people, or remove it");
@@ -146,7 +148,7 @@ fn lane_numbers(lane: &DraftLane, place: &str, found: &mut Findings) {
     }
 }
 
-fn lane_length(lane: &DraftLane, place: &str, straight: f64, found: &mut Findings) {
+fn lane_length(lane: &DraftLane, place: &FindingPlace, straight: f64, found: &mut Findings) {
     let length = lane.length_m.unwrap_or(straight);
     if length.is_nan() || length <= 0.0 {
         found.add(place, format!("its length is {length} m"), "move its ends apart or merge them");
@@ -162,7 +164,8 @@ fn lane_length(lane: &DraftLane, place: &str, straight: f64, found: &mut Finding
 fn stations(draft: &Draft, found: &mut Findings) {
     let mut names = BTreeSet::new();
     for station in &draft.stations {
-        let place = format!("station {}", station.name);
+        let line = std::iter::once(&station.node).chain(&station.queue);
+        let place = FindingPlace::of(format!("station {}", station.name), line);
         good_name(&station.name, &place, found);
         if !names.insert(station.name.as_str()) {
             found.add(&place, "the name is used twice", "rename one of the two");
@@ -178,7 +181,7 @@ fn racks(draft: &Draft, found: &mut Findings) {
     let storage: BTreeSet<&str> = draft.storage.iter().map(String::as_str).collect();
     let (mut names, mut taken) = (BTreeSet::new(), BTreeMap::new());
     for DraftRack { name, node, weight_kg, .. } in &draft.racks {
-        let place = format!("rack {name}");
+        let place = FindingPlace::of(format!("rack {name}"), [node]);
         good_name(name, &place, found);
         if !(0.0..=WEIGHT_MAX_KG).contains(weight_kg) {
             let remedy = format!("give kilograms from 0 to {WEIGHT_MAX_KG}");
@@ -211,14 +214,15 @@ fn roles(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findings) {
     let mut known: BTreeMap<&str, String> = BTreeMap::new();
     for (role, name) in plain.chain(stands).chain(queues) {
         if !at.contains_key(name.as_str()) {
-            found.add(&role, format!("there is no node {name}"), "add the node or correct the name");
+            found.add(role, format!("there is no node {name}"), "add the node or correct the name");
         } else if let Some(other) = known.get(name.as_str()) {
             let problem = if *other == role {
                 format!("listed twice in {role}")
             } else {
                 format!("listed in {other} and in {role}")
             };
-            found.add(format!("node {name}"), problem, "a node has one role: keep one entry");
+            let place = FindingPlace::of(format!("node {name}"), [name]);
+            found.add(place, problem, "a node has one role: keep one entry");
         } else {
             known.insert(name, role);
         }
@@ -228,7 +232,7 @@ fn roles(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findings) {
 fn outlines(draft: &Draft, found: &mut Findings) {
     for (kind, outlines) in [("walkable", &draft.walkable), ("obstacles", &draft.obstacles)] {
         for (i, outline) in outlines.iter().enumerate() {
-            let place = format!("outline {} of {kind}", i + 1);
+            let place = FindingPlace::outline(format!("outline {} of {kind}", i + 1), outline);
             if outline.len() < 3 {
                 found.add(&place, format!("{} corners", outline.len()), "an outline needs three or more");
             }

@@ -14,6 +14,7 @@
 //!
 //! Main function: [`well_formed`]. Refuses: to count on luck, i.e. on a robot moving out of the way.
 
+use super::place::FindingPlace;
 use super::{Doubts, Findings, list};
 use crate::id::{Dense, IdVec, LaneId, NodeId};
 use crate::warehouse::{Arc, NodeKind, Station, Warehouse};
@@ -79,7 +80,7 @@ fn standing(w: &Warehouse, doubtful: &Set, found: &mut Findings) -> Blocked {
                 }
             };
             let (name, other) = (&w.nodes[n].name, &w.nodes[o].name);
-            let place = format!("nodes {name} and {other}");
+            let place = FindingPlace::of(format!("nodes {name} and {other}"), [name, other]);
             let remedy = format!("move them apart by the footprint of {} m or more", w.footprint_m);
             if is_open(w.nodes[o].kind) {
                 found.add(place, format!("a robot at {name} blocks {other}"), remedy);
@@ -100,7 +101,8 @@ fn without_lanes(w: &Warehouse, doubtful: &Set, found: &mut Findings) {
     let lone: Vec<&str> =
         w.nodes.pairs().filter(|(n, _)| !touched[*n]).map(|(_, n)| n.name.as_str()).collect();
     if !lone.is_empty() {
-        found.add(format!("nodes {}", list(&lone)), "no lane touches them", "add lanes or remove them");
+        let place = FindingPlace::of(format!("nodes {}", list(&lone)), &lone);
+        found.add(place, "no lane touches them", "add lanes or remove them");
     }
 }
 
@@ -202,7 +204,7 @@ impl<'a> OpenFloor<'a> {
         if !nodes.is_empty() {
             let names: Vec<&str> = nodes.iter().map(|&n| self.w.nodes[n].name.as_str()).collect();
             let problem = problem + &self.why_blocked(nodes);
-            found.add(format!("nodes {}", list(&names)), problem, remedy);
+            found.add(FindingPlace::of(format!("nodes {}", list(&names)), &names), problem, remedy);
         }
     }
 
@@ -233,16 +235,18 @@ impl<'a> OpenFloor<'a> {
         let problem = format!("{robots} cannot {what} the main floor without crossing another place");
         let problem = problem + &self.why_blocked(&[n]);
         let remedy = format!("join it to open floor both ways by a lane for {robots}");
-        found.add(format!("node {}", self.w.nodes[n].name), problem, remedy);
+        let name = &self.w.nodes[n].name;
+        found.add(FindingPlace::of(format!("node {name}"), [name]), problem, remedy);
     }
 
     /// Reports a station that cannot be reached through its queue, or not be left without it.
     fn station(&self, station: &Station, found: &mut Findings) {
         let w = self.w;
-        let place = format!("station {}", station.name);
         let robots = self.robots();
         let mut line = vec![station.node];
         line.extend(&station.queue);
+        let names = line.iter().map(|&n| &w.nodes[n].name);
+        let place = FindingPlace::of(format!("station {}", station.name), names);
         let last = line[line.len() - 1];
         if !self.entered_from(last).any(|from| self.reached[from]) {
             let problem = format!("{robots} cannot reach {} from the main floor", w.nodes[last].name);

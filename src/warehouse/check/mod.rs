@@ -2,28 +2,41 @@
 //!
 //! Main types: [`Finding`], [`Findings`]. `draft` looks at names and numbers before ids exist; `floor` looks
 //! at the finished graph and asks whether robots can always get on (DESIGN §5, invariant a); `shut_in` warns of places
-//! from which robots cannot leave past one that broke down. Refuses: to stop at the first problem, and to mend anything
+//! from which robots cannot leave past one that broke down, `improbable` of sizes that look like a slip; `review` puts
+//! all of it together. Refuses: to stop at the first problem, and to mend anything
 //! itself.
 
 mod draft;
 mod floor;
+mod improbable;
+mod place;
+mod review;
+#[cfg(test)]
+mod review_tests;
 mod shut_in;
 #[cfg(test)]
 mod tests;
 
 pub(super) use draft::{names_and_numbers, without_bad_parts};
 pub(super) use floor::well_formed;
+pub use review::{Remark, Review, Severity, review};
 pub use shut_in::{ShutIn, shut_in, shut_in_text};
 
 use super::Warehouse;
+use crate::geometry::Point;
+use place::FindingPlace;
 use std::collections::BTreeSet;
 use std::fmt;
 
 /// One thing that is wrong with a map.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// Where in the map.
+    /// Where in the map, in words.
     pub place: String,
+    /// The nodes of that place by their names; some may not exist.
+    pub nodes: Vec<String>,
+    /// Corners of the outline that is meant, metres; none for other places.
+    pub corners: Vec<Point>,
     /// What is wrong.
     pub problem: String,
     /// What to do about it.
@@ -31,7 +44,7 @@ pub struct Finding {
 }
 
 /// All things that are wrong with a map; never empty where it is an error.
-#[derive(Clone, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Debug, PartialEq, Default)]
 pub struct Findings(pub Vec<Finding>);
 
 /// What is not known of a floor that was built without the bad parts of its draft. Nothing is reported that the
@@ -52,11 +65,13 @@ impl Findings {
 
     pub(super) fn add(
         &mut self,
-        place: impl Into<String>,
+        place: impl Into<FindingPlace>,
         problem: impl Into<String>,
         remedy: impl Into<String>,
     ) {
-        self.0.push(Finding { place: place.into(), problem: problem.into(), remedy: remedy.into() });
+        let FindingPlace { words, nodes, corners } = place.into();
+        let (problem, remedy) = (problem.into(), remedy.into());
+        self.0.push(Finding { place: words, nodes, corners, problem, remedy });
     }
 
     pub(super) fn into_result(self) -> Result<(), Findings> {

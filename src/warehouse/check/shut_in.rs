@@ -14,7 +14,8 @@
 //!
 //! Main type: [`ShutIn`]; main functions: [`shut_in`], [`shut_in_text`]. Refuses: to refuse a map.
 
-use super::list;
+use super::place::FindingPlace;
+use super::{Findings, list};
 use crate::id::{ArcId, Dense, IdVec, NodeId, StationId};
 use crate::warehouse::{Arc, NodeKind, Warehouse};
 use petgraph::algo::dominators::simple_fast;
@@ -93,6 +94,26 @@ pub fn shut_in_text(all: &[ShutIn]) -> Vec<String> {
         lines.push(format!("and {} more dead ends: --json lists them all", ends.len() - SHOWN));
     }
     lines
+}
+
+/// The same as findings with their places, one for each.
+pub(super) fn remarks_of(all: &[ShutIn]) -> Findings {
+    let mut found = Findings::default();
+    for s in all {
+        let words = match &s.stations[..] {
+            [] => format!("node {}", s.broken_on),
+            [station] => format!("station {station}"),
+            many => format!("stations {}", many.join(", ")),
+        };
+        let (on, robots, nodes) = (&s.broken_on, &s.robots, counted(s.shut_in.len()));
+        let place = FindingPlace::of(words, s.shut_in.iter().chain([on]));
+        found.add(
+            place,
+            format!("if a robot breaks down at {on}, {robots} on {nodes} cannot leave"),
+            s.remedy,
+        );
+    }
+    found
 }
 
 fn at_station(robots: &str, nodes: usize, names: &[&str]) -> String {

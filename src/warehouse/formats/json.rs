@@ -178,6 +178,13 @@ fn known_version<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
     if version == VERSION { Ok(version) } else { Err(D::Error::custom(message())) }
 }
 
+/// As it is written; not validated.
+impl<'de> Deserialize<'de> for Draft {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Draft, D::Error> {
+        MapRecord::deserialize(d).map(Draft::from)
+    }
+}
+
 impl From<MapRecord> for Draft {
     fn from(r: MapRecord) -> Draft {
         let outline = |corners: Vec<Corner>| corners.into_iter().map(|c| Point::new(c.0.0, c.1.0)).collect();

@@ -8,7 +8,7 @@ pub mod json;
 pub mod kiva;
 pub mod octile;
 
-use super::{Findings, Warehouse};
+use super::{Draft, Findings, Warehouse};
 use std::fmt;
 
 /// Why a text is no map.
@@ -84,24 +84,28 @@ impl fmt::Display for ImportNotes {
 /// [`MapError::Syntax`] where the text follows no known format, [`MapError::Findings`] where the building
 /// is not fit to plan on.
 pub fn import(text: &str, options: &Options) -> Result<(Warehouse, ImportNotes), MapError> {
+    let (draft, notes) = import_draft(text, options)?;
+    Ok((draft.build()?, notes))
+}
+
+/// Reads a map in any known format without validating it.
+///
+/// # Errors
+/// [`MapError::Syntax`] where the text follows no known format.
+pub fn import_draft(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapError> {
     let text = text.trim_start_matches('\u{feff}');
     let first = text.lines().next().unwrap_or_default().trim();
-    let (draft, notes) = if text.trim_start().starts_with('{') {
-        (json::parse_draft(text)?, ImportNotes::default())
+    if text.trim_start().starts_with('{') {
+        Ok((json::parse_draft(text)?, ImportNotes::default()))
     } else if first.starts_with("type") {
-        octile::parse(text, options)?
+        octile::parse(text, options)
     } else if first.split(',').count() == 2 && first.split(',').all(|n| n.trim().parse::<usize>().is_ok()) {
-        kiva::parse(text, options)?
+        kiva::parse(text, options)
     } else {
         let known =
             "a JSON map (\"{\"), an octile grid (\"type octile\") or a warehouse grid (\"rows,columns\")";
-        return Err(MapError::syntax(
-            1,
-            1,
-            format!("not a known map format; the text must start like {known}"),
-        ));
-    };
-    Ok((draft.build()?, notes))
+        Err(MapError::syntax(1, 1, format!("not a known map format; the text must start like {known}")))
+    }
 }
 
 #[cfg(test)]

@@ -1,23 +1,20 @@
 //! A map as a drawing: floor, lanes, places, with title, scale and legend.
 //!
 //! Main function: [`to_svg`]. Names are drawn where there are few nodes; stations always have theirs.
-//! Refuses: robots and people; a drawing shows the building only.
+//! A refused map is drawn without
+//! its bad parts, with its errors in red. Refuses: robots and people; a drawing shows the building only.
 
+mod canvas;
+mod marks;
+
+use super::check::{Remark, Review, Severity};
 use super::walkway::Walkways;
 use super::{Lane, MapSummary, Node, NodeKind, Users, Warehouse, summary};
-use crate::geometry::Point;
 use crate::id::NodeId;
+use canvas::{Canvas, MARGIN, escape};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// The longer side of the floor fills about so much, pixels.
-const FLOOR_PX: f64 = 1_600.0;
-/// Narrowest drawing, so that title and legend have room, pixels.
-const WIDTH_MIN: f64 = 640.0;
-/// Around everything, pixels.
-const MARGIN: f64 = 36.0;
-/// Height of the title, pixels.
-const TITLE: f64 = 76.0;
 /// Room for one entry of the legend, pixels.
 const ENTRY: (f64, f64) = (184.0, 28.0);
 /// Maps with fewer nodes show all names.
@@ -37,12 +34,23 @@ text{font-family:'Inter','Helvetica Neue',Arial,'DejaVu Sans',sans-serif;fill:#2
 
 /// Draws the map as a standalone SVG document.
 pub fn to_svg(w: &Warehouse) -> String {
+    draw(w, &[])
+}
+
+/// Draws a map with its errors in red, where they are and in words; nothing where nothing of it can be drawn.
+pub fn review_to_svg(review: &Review) -> Option<String> {
+    let errors: Vec<&Remark> = review.of(Severity::Error).collect();
+    Some(draw(review.warehouse.as_ref()?, &errors))
+}
+
+fn draw(w: &Warehouse, errors: &[&Remark]) -> String {
     let s = summary(w);
     let c = Canvas::around(w);
     let walks = Walkways::of(w);
     let entries = legend_entries(w, &s, !walks.edges().is_empty());
     let columns = ((c.width - 2.0 * MARGIN) / ENTRY.0).floor().max(1.0) as usize;
-    let height = c.legend_top() + entries.len().div_ceil(columns) as f64 * ENTRY.1 + MARGIN * 0.6;
+    let legend_end = c.legend_top() + entries.len().div_ceil(columns) as f64 * ENTRY.1;
+    let height = legend_end + marks::height(&c, errors) + MARGIN * 0.6;
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0} {height:.0}\" width=\"{0:.0}\" \
          height=\"{height:.0}\">\n<title>{1}</title>\n<style>{STYLE}\n</style>\n",
@@ -58,41 +66,9 @@ pub fn to_svg(w: &Warehouse) -> String {
     places(&mut out, &c, w);
     names(&mut out, &c, w);
     legend(&mut out, &c, &entries, columns);
+    marks::draw(&mut out, &c, errors, legend_end);
     out.push_str("</svg>\n");
     out
-}
-
-/// From metres to pixels.
-struct Canvas {
-    /// Pixels per metre.
-    scale: f64,
-    width: f64,
-    left: f64,
-    low: Point,
-    high: Point,
-}
-
-impl Canvas {
-    fn around(w: &Warehouse) -> Canvas {
-        let (low, high) = w.bounds();
-        let (low, high) = (Point::new(low.x - 0.5, low.y - 0.5), Point::new(high.x + 0.5, high.y + 0.5));
-        let size = high - low;
-        let scale = (FLOOR_PX / size.x.max(size.y)).clamp(0.5, 64.0);
-        let width = (size.x * scale + 2.0 * MARGIN).max(WIDTH_MIN);
-        Canvas { scale, width, left: (width - size.x * scale) / 2.0, low, high }
-    }
-
-    fn px(&self, p: Point) -> (f64, f64) {
-        (self.left + (p.x - self.low.x) * self.scale, MARGIN + TITLE + (self.high.y - p.y) * self.scale)
-    }
-
-    fn legend_top(&self) -> f64 {
-        self.px(self.low).1 + MARGIN * 0.8
-    }
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Appends formatted text; a string never refuses it.

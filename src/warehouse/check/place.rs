@@ -1,0 +1,47 @@
+//! Where something is wrong: in words for people, and by names and corners for drawings.
+//!
+//! Main type: [`FindingPlace`]. Refuses: to look anything up; names may be those of nodes that do not exist.
+
+use crate::geometry::Point;
+
+/// Where something is wrong.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FindingPlace {
+    /// In words.
+    pub words: String,
+    /// Names of the nodes that are meant.
+    pub nodes: Vec<String>,
+    /// Corners of the outline that is meant, metres.
+    pub corners: Vec<Point>,
+}
+
+impl FindingPlace {
+    /// A place that these nodes make up.
+    pub fn of<S: AsRef<str>>(words: impl Into<String>, nodes: impl IntoIterator<Item = S>) -> FindingPlace {
+        let nodes = nodes.into_iter().map(|name| name.as_ref().to_owned()).collect();
+        FindingPlace { words: words.into(), nodes, corners: Vec::new() }
+    }
+
+    /// An outline.
+    pub fn outline(words: impl Into<String>, corners: &[Point]) -> FindingPlace {
+        FindingPlace { words: words.into(), nodes: Vec::new(), corners: corners.to_vec() }
+    }
+}
+
+impl From<&str> for FindingPlace {
+    fn from(words: &str) -> FindingPlace {
+        FindingPlace::of(words, [""; 0])
+    }
+}
+
+impl From<String> for FindingPlace {
+    fn from(words: String) -> FindingPlace {
+        FindingPlace::of(words, [""; 0])
+    }
+}
+
+impl From<&FindingPlace> for FindingPlace {
+    fn from(place: &FindingPlace) -> FindingPlace {
+        place.clone()
+    }
+}
