@@ -10,6 +10,8 @@ pub mod alarms;
 mod assets;
 pub mod auth;
 mod building;
+mod called;
+pub mod caller;
 pub mod dto;
 pub mod error;
 mod extract;
@@ -33,8 +35,9 @@ pub use http::{alive, router};
 use crate::fleet::{Reply, RobotKind};
 use crate::warehouse::Warehouse;
 use alarms::Alarms;
+use caller::Caller;
 use error::Problem;
-use port::{FleetRequest, KindRequest, Moment, Now, Question, Records, SharedHistory, What};
+use port::{FleetRequest, KindRequest, Moment, Now, Question, Records, SharedHistory, TokenDesk, What};
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -76,6 +79,10 @@ pub struct Api {
     pub metrics: Arc<metrics::Metrics>,
     /// Decides which requests are authorised.
     pub gate: Arc<auth::Gate>,
+    /// Keeps named tokens; absent where a recording is shown.
+    pub tokens: Option<Arc<dyn TokenDesk>>,
+    /// Who called, in the copy of this that one request has.
+    pub caller: Arc<Caller>,
     /// Turns true when the server shuts down.
     pub closing: watch::Receiver<bool>,
 }

@@ -1,9 +1,10 @@
 //! What the API needs from the program that runs it: durable lists to read, a queue for requests, a clock, and the
 //! fleet's view.
 //!
-//! Main types: [`Records`], [`FleetRequest`], [`Question`],
+//! Main types: [`Records`], [`FleetRequest`], [`Question`], [`TokenDesk`],
 //! [`KindRequest`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know what answers.
 
+use super::caller::{NamedToken, TokenHash};
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
@@ -42,6 +43,18 @@ pub trait Records: Send + Sync {
     fn robot_events(&self, filter: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>>;
     /// What became of the jobs of a robot.
     fn robot_jobs(&self, robot: RobotId) -> Later<'_, Result<RobotJobCounts, String>>;
+}
+
+/// Keeps named tokens. What it answers is in force already. Errors are texts for people.
+pub trait TokenDesk: Send + Sync {
+    /// All tokens, also those that no longer hold, in the order in which they were added.
+    fn list(&self) -> Later<'_, Result<Vec<NamedToken>, String>>;
+    /// Adds one whose number, and time of making, are not known yet; nothing where another one of its name holds.
+    fn add(&self, new: NamedToken) -> Later<'_, Result<Option<NamedToken>, String>>;
+    /// Revokes one. Whether there was such a one that was not revoked.
+    fn revoke(&self, id: i64) -> Later<'_, Result<bool, String>>;
+    /// Puts another token, known by its digest, in the place of one that holds; nothing where there is no such one.
+    fn rotate(&self, id: i64, hash: TokenHash) -> Later<'_, Result<Option<NamedToken>, String>>;
 }
 
 /// A request to the fleet.

@@ -30,6 +30,7 @@ mod show;
 mod start;
 mod strangers;
 mod tls;
+mod tokens;
 mod watchdog;
 
 pub use certificate::Identity;
@@ -40,11 +41,13 @@ pub use show::Show;
 
 use crate::alarm::AlarmKind;
 use crate::api::alarms::Alarms;
+use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Moment, QUESTIONS};
-use crate::api::{Api, auth::Gate, router};
-use crate::sim::{OrderLine, Scenario};
+use crate::api::port::{Moment, Now, QUESTIONS, Question};
+use crate::api::{Api, auth::Gate, caller::Caller, router};
+use crate::fleet::Fleet;
+use crate::sim::{OrderLine, Scenario, World};
 use crate::store::{Store, StoreError};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
@@ -123,7 +126,10 @@ impl Server {
     /// # Errors
     /// Where anything is wrong; the text says what to do.
     pub async fn start(config: &Config, floor: SimulatedFloor) -> anyhow::Result<Server> {
-        let gate = config.gate()?;
+        let gate = Arc::new(config.gate()?);
+        if !config.new {
+            gate.learn(tokens::tokens_of(&config.database).await, Clock::start(None).started());
+        }
         let address = config.address(&gate).await?;
         let listener = TcpListener::bind(address).await.with_context(|| {
             let remedy = "stop the program that does, or choose another with --listen HOST:PORT";
@@ -206,7 +212,7 @@ type Door = (TcpListener, Option<Arc<rustls::ServerConfig>>);
 struct Front {
     entrance: Entrance,
     http: JoinHandle<std::io::Result<()>>,
-    gate: Gate,
+    gate: Arc<Gate>,
     /// Dropped when it no longer says "starting".
     ready: oneshot::Sender<()>,
     closing: watch::Sender<bool>,
@@ -214,7 +220,7 @@ struct Front {
 }
 
 impl Front {
-    fn open(door: Door, gate: Gate, ready: oneshot::Sender<()>) -> Front {
+    fn open(door: Door, gate: Arc<Gate>, ready: oneshot::Sender<()>) -> Front {
         let (entrance, (closing, closes)) = (Entrance::default(), watch::channel(false));
         let http = tokio::spawn(listen(door, entrance.router(), closes.clone()));
         Front { entrance, http, gate, ready, closing, closes }
@@ -272,35 +278,32 @@ async fn work(
     let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.base, &fleet);
     let keeper = tokio::spawn(keeper.run());
     let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
-    let drive = drive::DriveLoop {
-        fleet,
-        world,
+    let shared = LoopShares {
+        store: store.clone(),
         clock: clock.clone(),
-        period,
+        metrics: metrics.clone(),
+        alarms: alarms.clone(),
+        feeds: feeds.clone(),
+    };
+    let ends = LoopEnds {
         inbox: inbox::Inbox::new(requests, heard),
         questions,
-        outbox: outbox::Outbox::default(),
         journal,
-        measure: measure::Measure::default(),
         notes: charts.notes,
-        metrics: metrics.clone(),
-        ahead: ahead::LastForecasts::default(),
-        feeds: feeds.clone(),
         tap: past.tap,
-        alarms: alarms.clone(),
-        pace: drive::LoopPace::default(),
         displaced: gone.clone(),
-        rescue: rescue::Rescue::default(),
-        watchdog: watchdog::Watchdog::default(),
-        store: store.clone(),
         moments,
     };
+    let drive = drive_loop((fleet, world, period), ends, shared);
     let (halt, halted) = watch::channel(false);
     let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
     let alarm_keeper = tokio::spawn(alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone()));
     let (writer, thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
     let historian = charts.historian;
-    let tasks = Tasks { http, writer, thread, feed, custody, keeper, historian, alarm_keeper };
+    let now: Now = Arc::new(move || clock.now());
+    let (desk, desk_run) = tokens::TokenKeeper::start(store.clone(), gate.clone(), now.clone());
+    let tasks =
+        Tasks { http, writer, thread, feed, custody, keeper, desk: desk_run, historian, alarm_keeper };
     let api = Api {
         map,
         kinds,
@@ -314,14 +317,69 @@ async fn work(
         live,
         feeds,
         interop: Arc::new(interop),
-        now: Arc::new(move || clock.now()),
+        now,
         metrics,
-        gate: Arc::new(gate),
+        gate,
+        tokens: Some(Arc::new(desk)),
+        caller: Arc::new(Caller::nobody()),
         closing: closes,
     };
     entrance.open(router(api).0);
     drop(ready);
     tasks.run(&store, stopping, (&closing, &halt), &gone).await
+}
+
+/// What the loop shares with other parts.
+struct LoopShares {
+    store: Arc<Store>,
+    clock: Arc<Clock>,
+    metrics: Arc<Metrics>,
+    alarms: Arc<Alarms>,
+    feeds: Arc<Feeds>,
+}
+
+/// The loop's ends of channels.
+struct LoopEnds {
+    inbox: inbox::Inbox,
+    questions: mpsc::Receiver<Question>,
+    journal: journal::Journal,
+    notes: historian::HistorianSender,
+    tap: recordings::Tap,
+    displaced: watch::Receiver<bool>,
+    moments: watch::Sender<Arc<Moment>>,
+}
+
+/// The loop, before its first turn.
+fn drive_loop(
+    (fleet, world, period): (Fleet, World, Span),
+    ends: LoopEnds,
+    shared: LoopShares,
+) -> drive::DriveLoop {
+    let LoopEnds { inbox, questions, journal, notes, tap, displaced, moments } = ends;
+    let LoopShares { store, clock, metrics, alarms, feeds } = shared;
+    drive::DriveLoop {
+        fleet,
+        world,
+        clock,
+        period,
+        inbox,
+        questions,
+        outbox: outbox::Outbox::default(),
+        journal,
+        measure: measure::Measure::default(),
+        notes,
+        metrics,
+        ahead: ahead::LastForecasts::default(),
+        feeds,
+        tap,
+        alarms,
+        pace: drive::LoopPace::default(),
+        displaced,
+        rescue: rescue::Rescue::default(),
+        watchdog: watchdog::Watchdog::default(),
+        store,
+        moments,
+    }
 }
 
 /// What runs side by side.
@@ -332,6 +390,7 @@ struct Tasks {
     feed: JoinHandle<()>,
     custody: JoinHandle<()>,
     keeper: JoinHandle<()>,
+    desk: JoinHandle<()>,
     historian: JoinHandle<()>,
     alarm_keeper: JoinHandle<()>,
 }
@@ -345,8 +404,17 @@ impl Tasks {
         (closing, halt): (&watch::Sender<bool>, &watch::Sender<bool>),
         displaced: &watch::Receiver<bool>,
     ) -> anyhow::Result<()> {
-        let Tasks { mut http, mut writer, mut thread, mut feed, custody, keeper, historian, alarm_keeper } =
-            self;
+        let Tasks {
+            mut http,
+            mut writer,
+            mut thread,
+            mut feed,
+            custody,
+            keeper,
+            desk,
+            historian,
+            alarm_keeper,
+        } = self;
         let ended: anyhow::Result<()> = tokio::select! {
             _ = stopping.wait_for(|stop| *stop) => Ok(()),
             _ = &mut thread => Err(anyhow!("the control loop failed, as logged above; nothing is lost")),
@@ -363,7 +431,8 @@ impl Tasks {
         };
         let _ = alarm_keeper.await;
         // The files are given back whatever happened: nothing that still knows the store can use it from here on.
-        for task in [feed.abort_handle(), custody.abort_handle(), keeper.abort_handle(), abort] {
+        for task in [&feed, &custody, &keeper, &desk].map(JoinHandle::abort_handle).into_iter().chain([abort])
+        {
             task.abort();
         }
         store.close().await;

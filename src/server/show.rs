@@ -11,6 +11,7 @@ use super::{
 use crate::alarm::{AlarmKind, FloorWatch, LoopHealth};
 use crate::api::alarms::Alarms;
 use crate::api::auth::Gate;
+use crate::api::caller::Caller;
 use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
@@ -108,6 +109,8 @@ impl Show {
             now: Arc::new(move || clock.now()),
             metrics,
             gate: Arc::new(Gate::default()),
+            tokens: None,
+            caller: Arc::new(Caller::this_machine()),
             closing: closes.clone(),
         };
         let http = tokio::spawn(listen((listener, None), router(api).0, closes));

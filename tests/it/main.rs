@@ -36,4 +36,5 @@ mod stations;
 mod store;
 mod strangers;
 mod tls;
+mod tokens;
 mod why;

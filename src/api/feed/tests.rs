@@ -4,7 +4,9 @@ use super::hub::{Feeds, HeardSighting};
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::alarms::Alarms;
 use crate::api::port::{Later, Moment, Records, SharedHistory};
-use crate::api::{Api, Kinds, auth::Gate, live::Live, massrobotics::Interop, metrics::Metrics, router};
+use crate::api::{
+    Api, Kinds, auth::Gate, caller::Caller, live::Live, massrobotics::Interop, metrics::Metrics, router,
+};
 use crate::fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, Guidance, GuidanceReason, GuidanceState,
     JobQuery, JobRow, RobotEventQuery, RobotEventRow, RobotJobCounts, View,
@@ -93,6 +95,8 @@ impl TestServer {
             now: Arc::new(move || Time(ticks.fetch_add(1, Ordering::Relaxed))),
             metrics: metrics.clone(),
             gate: Arc::new(Gate::default()),
+            tokens: None,
+            caller: Arc::new(Caller::this_machine()),
             closing: closes,
         };
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();

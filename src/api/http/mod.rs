@@ -30,11 +30,13 @@ mod robot_life;
 mod robots;
 mod stations;
 mod timelines;
+mod tokens;
 mod why;
 mod workers;
 
 pub use health::alive;
 
+use super::caller::{Caller, Role};
 use super::error::Problem;
 use super::feed::session;
 use super::metrics::HttpLabels;
@@ -46,6 +48,7 @@ use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use serde_json::Value;
+use std::sync::Arc;
 use tower_http::catch_panic::CatchPanicLayer;
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
@@ -126,19 +129,28 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(past::recording))
         .routes(routes!(history::history))
         .routes(routes!(heat::heat))
+        .routes(routes!(tokens::list, tokens::make))
+        .routes(routes!(tokens::revoke))
+        .routes(routes!(tokens::rotate))
         .routes(routes!(ws::live))
         .routes(routes!(health::metrics))
 }
 
-/// Lets authorised requests in; health needs no token.
-async fn authorise(State(api): State<Api>, request: Request, next: Next) -> Response {
+/// Lets authorised requests in, and tells the handler whose they are; health needs no token.
+async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> Response {
     let open = openapi::OPEN.contains(&request.uri().path());
-    match api.gate.check(request.headers()) {
-        Err(problem) if !open || problem.status != StatusCode::UNAUTHORIZED.as_u16() => {
-            problem.into_response()
-        }
-        _ => next.run(request).await,
+    let caller = match api.gate.check(request.headers(), (api.now)()) {
+        Ok(caller) => caller,
+        Err(problem) if open && problem.status == StatusCode::UNAUTHORIZED.as_u16() => Caller::nobody(),
+        Err(problem) => return problem.into_response(),
+    };
+    let path = request.extensions().get::<MatchedPath>().map_or("", MatchedPath::as_str);
+    if path.starts_with("/v1/tokens") && caller.role != Role::Admin {
+        let detail = format!("{} may not do this: the role admin is needed", caller.name);
+        return Problem::new(StatusCode::FORBIDDEN, "role", "Another role is needed", detail).into_response();
     }
+    request.extensions_mut().insert(Arc::new(caller));
+    next.run(request).await
 }
 
 /// Counts requests, and writes the path into problems.
