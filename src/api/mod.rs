@@ -25,6 +25,7 @@ pub mod people;
 pub mod port;
 pub mod recording;
 mod refusal;
+mod roles;
 pub mod text;
 pub mod waits;
 mod words;

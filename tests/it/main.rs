@@ -30,6 +30,7 @@ mod past;
 mod people;
 mod recovery;
 mod robots;
+mod roles;
 mod run;
 mod schema;
 mod stations;

@@ -36,10 +36,11 @@ mod workers;
 
 pub use health::alive;
 
-use super::caller::{Caller, Role};
+use super::caller::Caller;
 use super::error::Problem;
 use super::feed::session;
 use super::metrics::HttpLabels;
+use super::roles::{Access, access_of, check_role};
 use super::{Api, ws};
 use axum::Router;
 use axum::extract::{MatchedPath, Request, State};
@@ -136,18 +137,17 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(health::metrics))
 }
 
-/// Lets authorised requests in, and tells the handler whose they are; health needs no token.
+/// Lets requests in whose caller has the role that the route needs, and tells the handler whose they are.
 async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> Response {
-    let open = openapi::OPEN.contains(&request.uri().path());
+    let open = access_of(request.method().as_str(), request.uri().path()) == Some(Access::Open);
     let caller = match api.gate.check(request.headers(), (api.now)()) {
         Ok(caller) => caller,
         Err(problem) if open && problem.status == StatusCode::UNAUTHORIZED.as_u16() => Caller::nobody(),
         Err(problem) => return problem.into_response(),
     };
-    let path = request.extensions().get::<MatchedPath>().map_or("", MatchedPath::as_str);
-    if path.starts_with("/v1/tokens") && caller.role != Role::Admin {
-        let detail = format!("{} may not do this: the role admin is needed", caller.name);
-        return Problem::new(StatusCode::FORBIDDEN, "role", "Another role is needed", detail).into_response();
+    let route = request.extensions().get::<MatchedPath>().map_or("", MatchedPath::as_str);
+    if let Err(problem) = check_role(&caller, request.method().as_str(), route, request.uri().path()) {
+        return problem.into_response();
     }
     request.extensions_mut().insert(Arc::new(caller));
     next.run(request).await
@@ -185,4 +185,24 @@ fn method_word(method: &Method) -> &'static str {
 async fn wrong_method(request: Request) -> Problem {
     let detail = format!("{} is not allowed here: /openapi.json lists what is", request.method());
     Problem::new(StatusCode::METHOD_NOT_ALLOWED, "method", "Method not allowed", detail)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::roles::RULES;
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_route_of_the_description_has_a_role_and_every_role_a_route() {
+        let document = serde_json::to_value(routes().split_for_parts().1).unwrap();
+        let mut described = BTreeSet::new();
+        for (path, item) in document["paths"].as_object().unwrap() {
+            described
+                .extend(item.as_object().unwrap().keys().map(|method| (method.to_uppercase(), path.clone())));
+        }
+        let ruled: Vec<(String, String)> = RULES.iter().map(|(m, p, _)| ((*m).into(), (*p).into())).collect();
+        assert_eq!(ruled.len(), ruled.iter().collect::<BTreeSet<_>>().len(), "no route has two rows");
+        assert_eq!(described, ruled.into_iter().collect());
+    }
 }

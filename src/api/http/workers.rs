@@ -5,6 +5,7 @@
 use super::lists::{Paging, page};
 use crate::api::Api;
 use crate::api::called::Called;
+use crate::api::caller::Role;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, Params, PathPart};
@@ -31,13 +32,17 @@ pub struct NewWorker {
     name: String,
 }
 
-/// All workers.
+/// All workers; a device gets its own alone.
 #[utoipa::path(get, path = "/v1/workers", tag = "people", operation_id = "listWorkers", params(Paging), responses(
     (status = 200, description = "Workers in order of joining", body = Page<WorkerDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<WorkerDto>>, Problem> {
-    let names = api.feeds.names().into_iter().enumerate();
-    page(names.map(|(i, name)| worker(&api, WorkerId::at(i), name)).collect(), &p)
+    let mut workers: Vec<(WorkerId, String)> =
+        api.feeds.names().into_iter().enumerate().map(|(i, name)| (WorkerId::at(i), name)).collect();
+    if api.caller.role == Role::Device {
+        workers.retain(|(id, _)| api.caller.subject.as_deref() == Some(&worker_name(*id)));
+    }
+    page(workers.into_iter().map(|(id, name)| worker(&api, id, name)).collect(), &p)
 }
 
 /// One worker, with gaze, hands and charge if a headset reports them.
