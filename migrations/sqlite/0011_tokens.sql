@@ -15,3 +15,20 @@ CREATE TABLE tokens (
 
 -- A name stands for one token at a time.
 CREATE UNIQUE INDEX tokens_by_name ON tokens (name) WHERE revoked IS NULL;
+
+-- Who asked to change something, and what came of it. `id` is when the request came, microseconds since 1970, made unique;
+-- `outcome` is the status of the answer, null where none is known. A request that caused facts is written in their
+-- transaction.
+CREATE TABLE audit (
+    id      INTEGER PRIMARY KEY,
+    actor   TEXT NOT NULL,
+    role    TEXT NOT NULL,
+    what    TEXT NOT NULL,
+    subject TEXT,
+    outcome INTEGER
+) STRICT;
+
+CREATE INDEX audit_by_actor ON audit (actor, id);
+
+-- Which facts of a step which request caused, as JSON; null where the fleet decided all of them by itself.
+ALTER TABLE steps ADD COLUMN causes TEXT;

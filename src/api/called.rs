@@ -3,6 +3,7 @@
 //! Main type: [`Called`]. Refuses: to check anything; the layer around the routes has done that.
 
 use super::Api;
+use super::audit::AuditEntry;
 use super::caller::Caller;
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
@@ -20,6 +21,7 @@ impl FromRequestParts<Api> for Called {
         if let Some(caller) = parts.extensions.get::<Arc<Caller>>() {
             api.caller = caller.clone();
         }
+        api.entry = parts.extensions.get::<Arc<AuditEntry>>().cloned();
         Ok(Called(api))
     }
 }

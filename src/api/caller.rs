@@ -61,7 +61,7 @@ pub struct Caller {
 
 impl Caller {
     /// Names that no token may have, since they are those of callers without a named token.
-    pub const RESERVED: [&'static str; 3] = ["configuration", "this machine", "nobody"];
+    pub const RESERVED: [&'static str; 4] = ["configuration", "this machine", "command line", "nobody"];
 
     /// Who talks to a server that needs no token.
     pub fn this_machine() -> Caller {

@@ -4,6 +4,7 @@
 //! Main types: [`Records`], [`FleetRequest`], [`Question`], [`TokenDesk`],
 //! [`KindRequest`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know what answers.
 
+use super::audit::{AuditEntry, AuditQuery};
 use super::caller::{NamedToken, TokenHash};
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
@@ -43,6 +44,10 @@ pub trait Records: Send + Sync {
     fn robot_events(&self, filter: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>>;
     /// What became of the jobs of a robot.
     fn robot_jobs(&self, robot: RobotId) -> Later<'_, Result<RobotJobCounts, String>>;
+    /// Who asked to change something, newest first; nobody where a recording is shown.
+    fn audit(&self, _: AuditQuery) -> Later<'_, Result<Vec<AuditEntry>, String>> {
+        Box::pin(async { Ok(Vec::new()) })
+    }
 }
 
 /// Keeps named tokens. What it answers is in force already. Errors are texts for people.
@@ -62,6 +67,8 @@ pub trait TokenDesk: Send + Sync {
 pub struct FleetRequest {
     /// What is asked.
     pub what: What,
+    /// Who asks, and as what it is written down.
+    pub by: Arc<AuditEntry>,
     /// Gets the answer once it is durable.
     pub reply: oneshot::Sender<Reply>,
 }

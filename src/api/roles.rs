@@ -106,11 +106,15 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("GET", "/v1/past/reel", Read),
     ("GET", "/v1/history", Read),
     ("GET", "/v1/heat", Read),
+    ("GET", "/v1/audit", Administer),
     ("GET", "/v1/tokens", Administer),
     ("POST", "/v1/tokens", Administer),
     ("DELETE", "/v1/tokens/{id}", Administer),
     ("POST", "/v1/tokens/{id}/rotate", Administer),
 ];
+
+/// Routes of reports of where people are.
+const REPORTS: [&str; 3] = ["/v1/positions", "/v1/workers/{id}/position", "/v1/massrobotics"];
 
 impl Access {
     /// The roles that may, besides a device for its own; none where everybody may.
@@ -144,6 +148,11 @@ impl Access {
 pub fn access_of(method: &str, route: &str) -> Option<Access> {
     let method = if method == "HEAD" { "GET" } else { method };
     RULES.iter().find(|(m, path, _)| *m == method && *path == route).map(|(_, _, access)| *access)
+}
+
+/// Whether a request is to change something, and so is written down. Reports of where people are, are observations.
+pub fn is_audited(method: &str, route: &str) -> bool {
+    !matches!(method, "GET" | "HEAD" | "OPTIONS") && !REPORTS.contains(&route)
 }
 
 /// Lets a caller use a route, at this path.

@@ -7,7 +7,7 @@ use crate::api::auth::{fresh_token, hash_of};
 use crate::api::caller::{Caller, Role};
 use crate::api::text::{parse_token_name, time_text, token_name};
 use crate::server::{Config, Flags};
-use crate::store::{TokenDraft, TokenRow, TokenTable};
+use crate::store::{AuditRow, TokenDraft, TokenRow, TokenTable};
 use crate::time::{Span, Time};
 use anyhow::{Context, bail, ensure};
 use clap::{Args, Subcommand};
@@ -148,18 +148,18 @@ async fn carry_out(table: &TokenTable, command: TokenCommand) -> anyhow::Result<
             let id = table.add(&draft).await?.with_context(|| {
                 format!("a token of \"{}\" holds: rotate or revoke it, or take another name", draft.name)
             })?;
-            shown(table, id, Some(token)).await
+            shown(table, id, Some(token), ("giveway token add", now)).await
         }
         TokenCommand::Rotate { token } => {
             let (id, fresh) = (find(table, &token).await?, fresh_token());
             let rotated = table.rotate(id, hash_of(&fresh), now).await?;
             ensure!(rotated, "\"{token}\" no longer holds: add another token");
-            shown(table, id, Some(fresh)).await
+            shown(table, id, Some(fresh), ("giveway token rotate", now)).await
         }
         TokenCommand::Revoke { token } => {
             let id = find(table, &token).await?;
             ensure!(table.revoke(id, now).await?, "\"{token}\" was revoked before");
-            shown(table, id, None).await
+            shown(table, id, None, ("giveway token revoke", now)).await
         }
     }
 }
@@ -196,7 +196,22 @@ async fn find(table: &TokenTable, text: &str) -> anyhow::Result<i64> {
     Ok(found.id)
 }
 
-async fn shown(table: &TokenTable, id: i64, token: Option<String>) -> anyhow::Result<Vec<TokenLine>> {
+/// The token to print, after it was written down what was done to it.
+async fn shown(
+    table: &TokenTable,
+    id: i64,
+    token: Option<String>,
+    (what, now): (&str, Time),
+) -> anyhow::Result<Vec<TokenLine>> {
+    let entry = AuditRow {
+        id: now.0,
+        actor: "command line".into(),
+        role: Role::Admin.word().into(),
+        what: what.into(),
+        subject: Some(token_name(id)),
+        outcome: Some(200),
+    };
+    table.note_audit(&entry).await?;
     let row = table.one(id).await?.context("the token is gone")?;
     Ok(vec![TokenLine::new(row, token)])
 }

@@ -7,6 +7,7 @@
 
 mod ahead;
 mod alarm_keeper;
+mod audit_keeper;
 mod certificate;
 mod clock;
 mod config;
@@ -41,6 +42,7 @@ pub use show::Show;
 
 use crate::alarm::AlarmKind;
 use crate::api::alarms::Alarms;
+use crate::api::audit::AuditDesk;
 use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::metrics::Metrics;
@@ -278,32 +280,22 @@ async fn work(
     let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.base, &fleet);
     let keeper = tokio::spawn(keeper.run());
     let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
-    let shared = LoopShares {
-        store: store.clone(),
-        clock: clock.clone(),
-        metrics: metrics.clone(),
-        alarms: alarms.clone(),
-        feeds: feeds.clone(),
-    };
-    let ends = LoopEnds {
-        inbox: inbox::Inbox::new(requests, heard),
-        questions,
-        journal,
-        notes: charts.notes,
-        tap: past.tap,
-        displaced: gone.clone(),
-        moments,
-    };
-    let drive = drive_loop((fleet, world, period), ends, shared);
+    let shares = LoopShares { store, clock, metrics, alarms, feeds };
+    let (inbox, notes, tap) = (inbox::Inbox::new(requests, heard), charts.notes, past.tap);
+    let ends = LoopEnds { inbox, questions, journal, notes, tap, displaced: gone.clone(), moments };
+    let drive = drive_loop((fleet, world, period), ends, shares.clone());
+    let LoopShares { store, clock, metrics, alarms, feeds } = shares;
     let (halt, halted) = watch::channel(false);
     let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
-    let alarm_keeper = tokio::spawn(alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone()));
+    let alarm_keeper = alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone());
     let (writer, thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
     let historian = charts.historian;
+    let (audit, answered) = AuditDesk::new(parts.last_audit);
+    let audit_keeper = audit_keeper::keep_audit(store.clone(), answered, halt.subscribe());
+    let keepers = [tokio::spawn(alarm_keeper), tokio::spawn(audit_keeper)];
     let now: Now = Arc::new(move || clock.now());
-    let (desk, desk_run) = tokens::TokenKeeper::start(store.clone(), gate.clone(), now.clone());
-    let tasks =
-        Tasks { http, writer, thread, feed, custody, keeper, desk: desk_run, historian, alarm_keeper };
+    let (tokens, desk) = tokens::TokenKeeper::start(store.clone(), gate.clone(), now.clone());
+    let tasks = Tasks { http, writer, thread, feed, custody, keeper, desk, historian, keepers };
     let api = Api {
         map,
         kinds,
@@ -320,8 +312,10 @@ async fn work(
         now,
         metrics,
         gate,
-        tokens: Some(Arc::new(desk)),
+        tokens: Some(Arc::new(tokens)),
+        audit: Arc::new(audit),
         caller: Arc::new(Caller::nobody()),
+        entry: None,
         closing: closes,
     };
     entrance.open(router(api).0);
@@ -330,6 +324,7 @@ async fn work(
 }
 
 /// What the loop shares with other parts.
+#[derive(Clone)]
 struct LoopShares {
     store: Arc<Store>,
     clock: Arc<Clock>,
@@ -392,7 +387,8 @@ struct Tasks {
     keeper: JoinHandle<()>,
     desk: JoinHandle<()>,
     historian: JoinHandle<()>,
-    alarm_keeper: JoinHandle<()>,
+    /// Of alarms and of the audit.
+    keepers: [JoinHandle<()>; 2],
 }
 
 impl Tasks {
@@ -404,17 +400,8 @@ impl Tasks {
         (closing, halt): (&watch::Sender<bool>, &watch::Sender<bool>),
         displaced: &watch::Receiver<bool>,
     ) -> anyhow::Result<()> {
-        let Tasks {
-            mut http,
-            mut writer,
-            mut thread,
-            mut feed,
-            custody,
-            keeper,
-            desk,
-            historian,
-            alarm_keeper,
-        } = self;
+        let Tasks { mut http, mut writer, mut thread, mut feed, custody, keeper, desk, historian, keepers } =
+            self;
         let ended: anyhow::Result<()> = tokio::select! {
             _ = stopping.wait_for(|stop| *stop) => Ok(()),
             _ = &mut thread => Err(anyhow!("the control loop failed, as logged above; nothing is lost")),
@@ -429,7 +416,9 @@ impl Tasks {
             Ok(()) => flush(thread, writer, historian, displaced).await,
             Err(_) => Ok(()),
         };
-        let _ = alarm_keeper.await;
+        for keeper in keepers {
+            let _ = keeper.await;
+        }
         // The files are given back whatever happened: nothing that still knows the store can use it from here on.
         for task in [&feed, &custody, &keeper, &desk].map(JoinHandle::abort_handle).into_iter().chain([abort])
         {

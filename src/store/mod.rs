@@ -1,5 +1,5 @@
 //! The journal of steps, snapshots of what they led to, the lists of jobs, assignments, encounters and alarms,
-//! what happened to robots, figures over time, and tokens, in SQLite.
+//! what happened to robots, figures over time, tokens and who asked for what, in SQLite.
 //!
 //! Main types: [`Store`] (open, load, append, snapshot, rows of lists), [`StepEntry`], [`Loaded`], [`StoreError`];
 //! [`record`] is the wire form of facts, [`ledger_record`]
@@ -12,6 +12,7 @@
 
 mod act_record;
 mod alarms;
+mod audit;
 mod body_record;
 mod carry;
 mod check;
@@ -38,6 +39,7 @@ mod steps;
 mod tokens;
 
 pub use alarms::MOST_PAST;
+pub use audit::{AuditFilter, AuditRow, StepCause};
 pub use carry::{CarriedOver, CarryOver};
 pub use check::Belongs;
 pub use error::StoreError;

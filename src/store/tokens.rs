@@ -3,7 +3,7 @@
 //! Main types: [`TokenTable`], [`TokenRow`], [`TokenDraft`]. The table can be written beside a running server, which
 //! reads it again every second. Refuses: to delete a row, and two tokens of one name that both hold.
 
-use super::{BUSY, Store, StoreError};
+use super::{AuditRow, BUSY, Store, StoreError, audit};
 use crate::time::Time;
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePool, SqlitePoolOptions, SqliteRow};
@@ -157,6 +157,15 @@ impl TokenTable {
     pub async fn rotate(&self, id: i64, hash: [u8; 32], now: Time) -> Result<bool, StoreError> {
         let done = sqlx::query(ROTATE).bind(id).bind(&hash[..]).bind(now.0).execute(&self.writer).await?;
         Ok(done.rows_affected() > 0)
+    }
+
+    /// Writes down that a token was made, renewed or revoked beside a server.
+    ///
+    /// # Errors
+    /// Where the database takes nothing.
+    pub async fn note_audit(&self, row: &AuditRow) -> Result<(), StoreError> {
+        let mut connection = self.writer.acquire().await?;
+        Ok(audit::note(&mut connection, row).await?)
     }
 
     /// Notes when a token was used.

@@ -6,6 +6,7 @@
 
 mod alarms;
 mod api;
+mod audit;
 mod carry;
 mod command;
 mod custody;

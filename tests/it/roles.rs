@@ -1,7 +1,7 @@
 //! What each role may, over HTTP and WebSocket.
 
 use crate::helper::{Folder, delivery};
-use crate::tokens::{ADMIN, make, start_closed, with};
+use crate::tokens::{ADMIN, make, start_closed, until_robots, with};
 use serde_json::json;
 use tokio_tungstenite::tungstenite::Error;
 use tokio_tungstenite::tungstenite::client::IntoClientRequest;
@@ -11,6 +11,7 @@ async fn each_role_does_what_it_may_and_is_told_which_other_one_is_needed() {
     let folder = Folder::new();
     let server = start_closed(&folder).await;
     let at = server.address();
+    until_robots(at, ADMIN).await;
     let mut tokens = Vec::new();
     for role in ["viewer", "operator", "integrator"] {
         tokens.push(make(at, role, role, None).await["token"].as_str().unwrap().to_owned());

@@ -18,6 +18,18 @@ pub async fn start_closed(folder: &Folder) -> Server {
     Server::start(&Config { token: Some(ADMIN.into()), ..config(folder) }, floor()).await.unwrap()
 }
 
+/// Waits until the robots of the floor have joined.
+pub async fn until_robots(at: SocketAddr, token: &str) {
+    for _ in 0..200 {
+        let listed = with(at, token, "GET", "/v1/robots", "").await.json();
+        if listed["items"].as_array().is_some_and(|robots| robots.len() == 2) {
+            return;
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    panic!("the robots never join");
+}
+
 /// A request with a token.
 pub async fn with(at: SocketAddr, token: &str, method: &str, path: &str, body: &str) -> Answer {
     let bearer = format!("Bearer {token}");

@@ -5,7 +5,8 @@ use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::alarms::Alarms;
 use crate::api::port::{Later, Moment, Records, SharedHistory};
 use crate::api::{
-    Api, Kinds, auth::Gate, caller::Caller, live::Live, massrobotics::Interop, metrics::Metrics, router,
+    Api, Kinds, audit::AuditDesk, auth::Gate, caller::Caller, live::Live, massrobotics::Interop,
+    metrics::Metrics, router,
 };
 use crate::fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, Guidance, GuidanceReason, GuidanceState,
@@ -96,7 +97,9 @@ impl TestServer {
             metrics: metrics.clone(),
             gate: Arc::new(Gate::default()),
             tokens: None,
+            audit: Arc::new(AuditDesk::new(0).0),
             caller: Arc::new(Caller::this_machine()),
+            entry: None,
             closing: closes,
         };
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();

@@ -6,6 +6,7 @@
 mod alarms;
 mod assignments;
 mod asyncapi;
+mod audit;
 mod batch;
 mod closures;
 mod encounters;
@@ -36,11 +37,12 @@ mod workers;
 
 pub use health::alive;
 
+use super::audit::AuditEntry;
 use super::caller::Caller;
 use super::error::Problem;
 use super::feed::session;
 use super::metrics::HttpLabels;
-use super::roles::{Access, access_of, check_role};
+use super::roles::{Access, access_of, check_role, is_audited, subject_of};
 use super::{Api, ws};
 use axum::Router;
 use axum::extract::{MatchedPath, Request, State};
@@ -130,6 +132,7 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(past::recording))
         .routes(routes!(history::history))
         .routes(routes!(heat::heat))
+        .routes(routes!(audit::list))
         .routes(routes!(tokens::list, tokens::make))
         .routes(routes!(tokens::revoke))
         .routes(routes!(tokens::rotate))
@@ -137,7 +140,8 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(health::metrics))
 }
 
-/// Lets requests in whose caller has the role that the route needs, and tells the handler whose they are.
+/// Lets requests in whose caller has the role that the route needs, tells the handler whose they are, and notes those
+/// that are to change something, with what came of them.
 async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> Response {
     let open = access_of(request.method().as_str(), request.uri().path()) == Some(Access::Open);
     let caller = match api.gate.check(request.headers(), (api.now)()) {
@@ -145,12 +149,34 @@ async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> 
         Err(problem) if open && problem.status == StatusCode::UNAUTHORIZED.as_u16() => Caller::nobody(),
         Err(problem) => return problem.into_response(),
     };
+    let (caller, method, path) = (Arc::new(caller), request.method().as_str(), request.uri().path());
     let route = request.extensions().get::<MatchedPath>().map_or("", MatchedPath::as_str);
-    if let Err(problem) = check_role(&caller, request.method().as_str(), route, request.uri().path()) {
-        return problem.into_response();
+    let entry = is_audited(method, route).then(|| {
+        let subject = subject_of(route, path).map(str::to_owned);
+        Arc::new(api.audit.begin(&caller, format!("{method} {route}"), subject, (api.now)()))
+    });
+    let response = match check_role(&caller, method, route, path) {
+        Err(problem) => problem.into_response(),
+        Ok(()) => {
+            request.extensions_mut().insert(caller);
+            if let Some(entry) = &entry {
+                request.extensions_mut().insert(entry.clone());
+            }
+            next.run(request).await
+        }
+    };
+    if let Some(entry) = entry {
+        let status = Some(response.status().as_u16());
+        let subject = entry.subject.clone().or_else(|| made(&response));
+        api.audit.end(AuditEntry { status, subject, ..(*entry).clone() });
     }
-    request.extensions_mut().insert(Arc::new(caller));
-    next.run(request).await
+    response
+}
+
+/// The id of what was made, where the answer says where that is.
+fn made(response: &Response) -> Option<String> {
+    let place = response.headers().get(header::LOCATION)?.to_str().ok()?;
+    Some(place.rsplit('/').next()?.to_owned())
 }
 
 /// Counts requests, and writes the path into problems.
