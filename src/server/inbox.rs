@@ -305,6 +305,6 @@ mod tests {
         assert_eq!(causes[0].request.actor, "this machine");
         let facts = &step.facts[causes[0].facts.clone()];
         assert!(matches!(facts, [crate::fleet::Fact::Halted { robot: None, .. }]), "{facts:?}");
-        assert_eq!(step.caused.len(), 4, "the fleet says it of simulated orders, too");
+        assert_eq!(step.caused.len(), 5, "the fleet says it of three orders and a robot that joins, too");
     }
 }
