@@ -1,53 +1,151 @@
 //! Authorisation: bearer tokens, and on an open loopback server only pages that it served itself.
 //!
-//! Main type: [`Gate`]. Tokens are kept as SHA-256 and compared in constant time. Without tokens the server
-//! listens on the loopback only; there, requests under a foreign host name or from a foreign page are
-//! refused, since any web page can make a browser talk to the loopback. Refuses: tokens in addresses, which
-//! end up in logs.
+//! Main type: [`Gate`]. Tokens are kept as SHA-256 and compared in constant time. Those of the settings
+//! are administrators'; named ones have a role and may change while the server runs. Without an administrator's token
+//! the server listens on the loopback only; there, requests under a foreign host name or from a foreign page are
+//! refused, since any web page can make a browser talk to the loopback. Refuses: tokens in addresses, which end up in
+//! logs.
 
+use super::caller::{Caller, NamedToken, Role, TokenHash};
 use super::error::Problem;
+use super::port::Now;
+use crate::time::Time;
 use axum::http::{HeaderMap, StatusCode, header};
 use sha2::{Digest, Sha256};
-use subtle::{Choice, ConstantTimeEq};
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+use subtle::{ConditionallySelectable, ConstantTimeEq};
+use tokio::sync::watch;
+use tokio::time::timeout;
+use uuid::Uuid;
 
 /// The word before a token in `Sec-WebSocket-Protocol`.
 const WS_BEARER: &str = "bearer.";
 
+/// Why a feed ends whose token no longer holds.
+pub const TOKEN_ENDED: &str = "the token of this connection no longer holds";
+
+/// How often it is looked whether a token of an open connection has expired.
+const LOOK: Duration = Duration::from_secs(1);
+
+/// A new token of 244 random bits, as text.
+pub fn fresh_token() -> String {
+    format!("gw_{}{}", Uuid::new_v4().simple(), Uuid::new_v4().simple())
+}
+
+/// What is kept of a token.
+pub fn hash_of(token: &str) -> TokenHash {
+    Sha256::digest(token).into()
+}
+
 /// Lets requests in or not.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Gate {
-    tokens: Vec<[u8; 32]>,
+    /// Those of the settings.
+    fixed: Vec<TokenHash>,
+    named: Mutex<NamedTokens>,
+    /// Says that named tokens changed.
+    changes: watch::Sender<()>,
+}
+
+/// Named tokens, and when each was used since that was last asked for.
+#[derive(Debug, Default)]
+struct NamedTokens {
+    all: Vec<NamedToken>,
+    /// Whether there ever was one of an administrator that held: then the server needs tokens until it ends.
+    closed: bool,
+    used: BTreeMap<i64, Time>,
 }
 
 impl Gate {
-    /// A gate that opens to these tokens; if there are none, to every client on this machine.
+    /// A gate that opens to these tokens of the settings; if there are none, to every client on this machine.
     pub fn new<'a>(tokens: impl IntoIterator<Item = &'a str>) -> Gate {
-        Gate { tokens: tokens.into_iter().map(|t| Sha256::digest(t).into()).collect() }
+        Gate { fixed: tokens.into_iter().map(hash_of).collect(), ..Gate::default() }
+    }
+
+    /// Takes these named tokens in the place of those it knew.
+    pub fn learn(&self, all: Vec<NamedToken>, now: Time) {
+        let mut named = self.named();
+        if named.all == all {
+            return;
+        }
+        named.closed |= all.iter().any(|t| t.role == Role::Admin && t.holds(now));
+        named.all = all;
+        drop(named);
+        self.changes.send_replace(());
     }
 
     /// Whether tokens are needed.
     pub fn is_closed(&self) -> bool {
-        !self.tokens.is_empty()
+        !self.fixed.is_empty() || self.named().closed
     }
 
-    /// Lets a request in.
+    /// Lets a request in, and says whose it is.
     ///
     /// # Errors
     /// 401 without a valid token, 403 for foreign hosts and pages.
-    pub fn check(&self, headers: &HeaderMap) -> Result<(), Problem> {
+    pub fn check(&self, headers: &HeaderMap, now: Time) -> Result<Caller, Problem> {
         self.check_origin(headers)?;
-        if !self.is_closed() || token_of(headers).is_some_and(|t| self.knows(t)) {
-            return Ok(());
+        match token_of(headers).map(|token| self.holder(&hash_of(token), now)) {
+            Some(Some(caller)) => return Ok(caller),
+            None if !self.is_closed() => return Ok(Caller::this_machine()),
+            // Whoever shows a token that was revoked is told so, even where none is needed.
+            Some(None) if !self.is_closed() && self.named().all.is_empty() => {
+                return Ok(Caller::this_machine());
+            }
+            _ => {}
         }
-        let detail = "this server needs a token: send `Authorization: Bearer TOKEN`, or offer the WebSocket \
-                      protocols `giveway` and `bearer.TOKEN`";
+        let detail = "this server needs a token that holds: send `Authorization: Bearer TOKEN`, or offer the \
+                      WebSocket protocols `giveway` and `bearer.TOKEN`";
         Err(Problem::new(StatusCode::UNAUTHORIZED, "unauthorized", "A token is needed", detail))
     }
 
-    fn knows(&self, token: &str) -> bool {
-        let digest: [u8; 32] = Sha256::digest(token).into();
-        let any = self.tokens.iter().fold(Choice::from(0), |any, known| any | known.ct_eq(&digest));
-        any.into()
+    /// Who has this token, if it holds.
+    fn holder(&self, digest: &TokenHash, now: Time) -> Option<Caller> {
+        let mut named = self.named();
+        let known = self.fixed.iter().chain(named.all.iter().map(|t| &t.hash));
+        // All are compared, whichever it is.
+        let found = known
+            .zip(1u32..)
+            .fold(0, |found, (hash, number)| u32::conditional_select(&found, &number, hash.ct_eq(digest)));
+        let index = (found as usize).checked_sub(1)?;
+        let Some(index) = index.checked_sub(self.fixed.len()) else {
+            return Some(Caller::of_configuration(*digest));
+        };
+        let token = named.all[index].clone();
+        if !token.holds(now) {
+            return None;
+        }
+        named.used.insert(token.id, now);
+        Some(token.caller())
+    }
+
+    /// Whether somebody who was let in would be let in again.
+    fn admits(&self, caller: &Caller, now: Time) -> bool {
+        match &caller.key {
+            None => !self.is_closed(),
+            Some(key) => {
+                self.fixed.contains(key) || self.named().all.iter().any(|t| t.hash == *key && t.holds(now))
+            }
+        }
+    }
+
+    /// Waits until the token of somebody who was let in no longer holds: it was revoked, made anew, or has expired.
+    pub async fn ended(&self, caller: &Caller, now: &Now) {
+        let mut changes = self.changes.subscribe();
+        while self.admits(caller, now()) {
+            _ = timeout(LOOK, changes.changed()).await;
+        }
+    }
+
+    /// When named tokens were used since the last call, by number.
+    pub fn take_used(&self) -> BTreeMap<i64, Time> {
+        std::mem::take(&mut self.named().used)
+    }
+
+    fn named(&self) -> MutexGuard<'_, NamedTokens> {
+        self.named.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Pages of other sites may not use a visitor's browser to reach this server.
@@ -96,13 +194,14 @@ fn is_loopback(host: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
 
     fn check(gate: &Gate, pairs: &[(&'static str, &str)]) -> u16 {
         let mut headers = HeaderMap::new();
         for (name, value) in pairs {
             headers.insert(*name, value.parse().unwrap());
         }
-        gate.check(&headers).map_or_else(|p| p.status, |()| 200)
+        gate.check(&headers, Time(10)).map_or_else(|p| p.status, |_| 200)
     }
 
     #[test]
@@ -133,5 +232,67 @@ mod tests {
         assert_eq!(check(&gate, &[("host", "site:80"), ("authorization", "Bearer gamma")]), 401);
         assert_eq!(check(&gate, &[("host", "site:80"), ("authorization", "Basic beta")]), 401);
         assert_eq!(check(&gate, &[("sec-websocket-protocol", "giveway, bearer.alpha")]), 200);
+    }
+
+    fn named(id: i64, token: &str, role: Role) -> NamedToken {
+        NamedToken {
+            id,
+            name: format!("name-{id}"),
+            role,
+            subject: None,
+            hash: hash_of(token),
+            created: Time(1),
+            expires: None,
+            revoked: None,
+            last_used: None,
+        }
+    }
+
+    #[test]
+    fn named_tokens_hold_until_they_expire_or_are_revoked() {
+        let gate = Gate::new(["of-the-settings"]);
+        let expired = NamedToken { expires: Some(Time(10)), ..named(2, "beta", Role::Viewer) };
+        let revoked = NamedToken { revoked: Some(Time(2)), ..named(3, "gamma", Role::Viewer) };
+        gate.learn(vec![named(1, "alpha", Role::Operator), expired, revoked], Time(10));
+        for (token, status) in
+            [("alpha", 200), ("beta", 401), ("gamma", 401), ("delta", 401), ("of-the-settings", 200)]
+        {
+            let header = format!("Bearer {token}");
+            assert_eq!(check(&gate, &[("host", "site"), ("authorization", &header)]), status, "{token}");
+        }
+        let mut headers = HeaderMap::new();
+        headers.insert("authorization", "Bearer alpha".parse().unwrap());
+        let caller = gate.check(&headers, Time(10)).unwrap();
+        assert_eq!((caller.name.as_str(), caller.role), ("name-1", Role::Operator));
+        assert_eq!(
+            gate.take_used(),
+            BTreeMap::from([(1, Time(10))]),
+            "those that did not hold were not used"
+        );
+    }
+
+    #[test]
+    fn the_first_token_of_an_administrator_closes_an_open_gate_for_good() {
+        let (gate, local) = (Gate::default(), ("host", "localhost:8080"));
+        gate.learn(vec![named(1, "alpha", Role::Viewer)], Time(10));
+        assert_eq!(check(&gate, &[local]), 200, "with a viewer alone nobody could make another token");
+        gate.learn(vec![named(2, "beta", Role::Admin)], Time(10));
+        assert_eq!(check(&gate, &[local]), 401);
+        let revoked = NamedToken { revoked: Some(Time(9)), ..named(2, "beta", Role::Admin) };
+        gate.learn(vec![revoked], Time(10));
+        assert_eq!(check(&gate, &[local]), 401, "it does not open by itself");
+    }
+
+    #[tokio::test]
+    async fn who_was_let_in_is_told_at_once_when_the_token_no_longer_holds() {
+        let gate = Gate::default();
+        gate.learn(vec![named(1, "alpha", Role::Admin)], Time(10));
+        let caller = named(1, "alpha", Role::Admin).caller();
+        let now: Now = Arc::new(|| Time(10));
+        let ended = gate.ended(&caller, &now);
+        tokio::pin!(ended);
+        assert!(timeout(Duration::from_millis(20), &mut ended).await.is_err(), "it holds");
+        gate.learn(Vec::new(), Time(10));
+        timeout(Duration::from_millis(500), &mut ended).await.expect("at once");
     }
 }

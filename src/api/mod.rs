@@ -8,8 +8,11 @@
 
 pub mod alarms;
 mod assets;
+pub mod audit;
 pub mod auth;
 mod building;
+mod called;
+pub mod caller;
 pub mod dto;
 pub mod error;
 mod extract;
@@ -23,6 +26,7 @@ pub mod people;
 pub mod port;
 pub mod recording;
 mod refusal;
+mod roles;
 pub mod text;
 pub mod trial;
 pub mod waits;
@@ -35,8 +39,10 @@ pub use http::{alive, router};
 use crate::fleet::{Reply, RobotKind};
 use crate::warehouse::Warehouse;
 use alarms::Alarms;
+use audit::{AuditDesk, AuditEntry};
+use caller::Caller;
 use error::Problem;
-use port::{FleetRequest, KindRequest, Moment, Now, Question, Records, SharedHistory, What};
+use port::{FleetRequest, KindRequest, Moment, Now, Question, Records, SharedHistory, TokenDesk, What};
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -82,6 +88,14 @@ pub struct Api {
     pub trials: trial::Trials,
     /// Decides which requests are authorised.
     pub gate: Arc<auth::Gate>,
+    /// Keeps named tokens; absent where a recording is shown.
+    pub tokens: Option<Arc<dyn TokenDesk>>,
+    /// Numbers requests that are to change something, and has them written down.
+    pub audit: Arc<AuditDesk>,
+    /// Who called, in the copy of this that one request has.
+    pub caller: Arc<Caller>,
+    /// The entry of that request, if it is to change something.
+    pub entry: Option<Arc<AuditEntry>>,
     /// Turns true when the server shuts down.
     pub closing: watch::Receiver<bool>,
 }
@@ -121,11 +135,22 @@ impl Api {
         }
     }
 
+    /// The entry of a request that came over a feed.
+    fn over_feed(&self, what: &What) -> AuditEntry {
+        let (words, worker) = match what {
+            What::Finish(worker, _) => ("done, over the feed", Some(*worker)),
+            What::SignOff(worker) => ("signed off, over the feed", Some(*worker)),
+            _ => ("over a feed", None),
+        };
+        self.audit.begin(&self.caller, words.into(), worker.map(text::worker_name), (self.now)())
+    }
+
     /// Asks the fleet and waits until its answer is durable.
     async fn ask(&self, what: What) -> Result<Reply, Problem> {
         let queue = self.queue()?;
         let (reply, answer) = oneshot::channel();
-        queue.try_send(FleetRequest { what, reply }).map_err(|_| {
+        let by = self.entry.clone().unwrap_or_else(|| Arc::new(self.over_feed(&what)));
+        queue.try_send(FleetRequest { what, by, reply }).map_err(|_| {
             let cause = self.alarms.list().into_iter().map(|a| a.text).collect::<Vec<_>>().join("; ");
             let cause = if cause.is_empty() { "too many requests are waiting".into() } else { cause };
             Problem::unavailable(format!("nothing was accepted: {cause}. Try again soon."), 1)

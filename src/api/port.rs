@@ -1,9 +1,11 @@
 //! What the API needs from the program that runs it: durable lists to read, a queue for requests, a clock, and the
 //! fleet's view.
 //!
-//! Main types: [`Records`], [`FleetRequest`], [`Question`],
+//! Main types: [`Records`], [`FleetRequest`], [`Question`], [`TokenDesk`],
 //! [`KindRequest`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know what answers.
 
+use super::audit::{AuditEntry, AuditQuery};
+use super::caller::{NamedToken, TokenHash};
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
@@ -49,6 +51,22 @@ pub trait Records: Send + Sync {
     fn event_span(&self) -> Later<'_, Result<EventSpan, String>>;
     /// Changes when there may be new events.
     fn events_changed(&self) -> watch::Receiver<()>;
+    /// Who asked to change something, newest first; nobody where a recording is shown.
+    fn audit(&self, _: AuditQuery) -> Later<'_, Result<Vec<AuditEntry>, String>> {
+        Box::pin(async { Ok(Vec::new()) })
+    }
+}
+
+/// Keeps named tokens. What it answers is in force already. Errors are texts for people.
+pub trait TokenDesk: Send + Sync {
+    /// All tokens, also those that no longer hold, in the order in which they were added.
+    fn list(&self) -> Later<'_, Result<Vec<NamedToken>, String>>;
+    /// Adds one whose number, and time of making, are not known yet; nothing where another one of its name holds.
+    fn add(&self, new: NamedToken) -> Later<'_, Result<Option<NamedToken>, String>>;
+    /// Revokes one. Whether there was such a one that was not revoked.
+    fn revoke(&self, id: i64) -> Later<'_, Result<bool, String>>;
+    /// Puts another token, known by its digest, in the place of one that holds; nothing where there is no such one.
+    fn rotate(&self, id: i64, hash: TokenHash) -> Later<'_, Result<Option<NamedToken>, String>>;
 }
 
 /// A request to the fleet.
@@ -56,6 +74,8 @@ pub trait Records: Send + Sync {
 pub struct FleetRequest {
     /// What is asked.
     pub what: What,
+    /// Who asks, and as what it is written down.
+    pub by: Arc<AuditEntry>,
     /// Gets the answer once it is durable.
     pub reply: oneshot::Sender<Reply>,
 }

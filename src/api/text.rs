@@ -99,6 +99,16 @@ pub fn parse_alarm(text: &str) -> Option<u64> {
     number(text, "al")
 }
 
+/// A token's number on the wire.
+pub fn token_name(id: i64) -> String {
+    format!("t{id}")
+}
+
+/// A token's number.
+pub fn parse_token_name(text: &str) -> Option<i64> {
+    number(text, "t").and_then(|id| i64::try_from(id).ok())
+}
+
 /// The number behind letters, from 1 on.
 fn number(text: &str, letters: &str) -> Option<u64> {
     let digits = text.strip_prefix(letters)?;

@@ -3,6 +3,8 @@
 //! Main function: [`live`]. Refuses: to buffer for a reader, and to read more than it must.
 
 use super::Api;
+use super::auth::TOKEN_ENDED;
+use super::called::Called;
 use super::error::Problem;
 use super::extract::Params;
 use super::feed::hub::CarriedSenses;
@@ -10,13 +12,13 @@ use super::live::{LAGGING, PatchFormat};
 use super::people::SensesDto;
 use super::text::worker_name;
 use crate::id::{Dense, WorkerId};
-use axum::extract::State;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{CloseFrame, Message, Utf8Bytes, WebSocket, WebSocketUpgrade, close_code};
 use axum::http::StatusCode;
 use axum::response::Response;
 use serde::Deserialize;
 use serde_json::json;
+use std::pin::pin;
 use std::time::Duration;
 use tokio::time::{MissedTickBehavior, interval, timeout};
 use utoipa::IntoParams;
@@ -59,7 +61,7 @@ pub struct LiveParams {
     (status = 503, description = "Too many readers", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn live(
-    State(api): State<Api>,
+    Called(api): Called,
     Params(p): Params<LiveParams>,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Problem> {
@@ -90,6 +92,7 @@ async fn serve(api: &Api, mut socket: WebSocket, p: &LiveParams) {
     let mut silent = 0;
     let shape = if p.thin == Some(true) { PatchFormat::Thin } else { PatchFormat::Plain };
     let (mut texts, mut version) = api.live.after(shape, p.since, api.live.kept());
+    let mut ended = pin!(api.gate.ended(&api.caller, &api.now));
     loop {
         let news = !texts.is_empty();
         let senses = (news && p.senses == Some(true)).then(|| senses(api));
@@ -115,6 +118,11 @@ async fn serve(api: &Api, mut socket: WebSocket, p: &LiveParams) {
                 if silent > SILENT_PINGS || !send(&mut socket, Message::Ping(Default::default())).await {
                     return;
                 }
+            }
+            () = &mut ended => {
+                let frame = CloseFrame { code: close_code::POLICY, reason: TOKEN_ENDED.into() };
+                send(&mut socket, Message::Close(Some(frame))).await;
+                return;
             }
             () = async { _ = closing.wait_for(|closing| *closing).await.is_ok() } => {
                 let frame = CloseFrame { code: close_code::AWAY, reason: "server shutting down".into() };

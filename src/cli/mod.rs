@@ -26,6 +26,7 @@ mod safe_space;
 mod serve;
 mod sim;
 mod swarm;
+mod token;
 
 use crate::warehouse::{Warehouse, formats};
 use clap::{Parser, Subcommand};
@@ -64,6 +65,8 @@ enum CliCommand {
     Bench(bench::Bench),
     /// Check, back up and restore the server's database.
     Database(database::DatabaseArgs),
+    /// Make, list, renew and revoke named tokens.
+    Token(token::TokenArgs),
     /// Learn about people from recorded tracks; the server and simulations use what was learned.
     Learn(learn::LearnArgs),
     /// Rerun published experiments.
@@ -82,6 +85,7 @@ pub fn run() -> ExitCode {
         Some(CliCommand::Serve(serve)) => serve.run(),
         Some(CliCommand::Bench(bench)) => bench.run(),
         Some(CliCommand::Database(database)) => database.run(),
+        Some(CliCommand::Token(token)) => token.run(),
         Some(CliCommand::Learn(learn)) => learn.run(),
         Some(CliCommand::Experiment(experiment)) => experiment.run(),
         None => arguments.serve.run(),

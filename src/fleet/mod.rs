@@ -34,7 +34,9 @@ pub use state::activity::{Activity, Doing};
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 pub use state::fact::{Act, Booking, Fact, KeptRoute, Moved, Purpose, Stop, Task};
 pub use state::fault::Fault;
-pub use state::io::{Bounded, Command, Input, Refusal, Reply, StationOrder, Step, Telemetry, Waypoint};
+pub use state::io::{
+    Bounded, CausedFacts, Command, Input, Refusal, Reply, StationOrder, Step, Telemetry, Waypoint,
+};
 pub use state::job::{Job, JobChange, JobFailure, JobKind, JobRequest, JobState};
 pub use state::keys::{KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};

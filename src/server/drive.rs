@@ -160,7 +160,8 @@ impl DriveLoop {
             self.note(self.clock.now() - looked, step.facts.len());
             self.send_urgent((looked, called), step.urgent, step.guidance);
             self.tap.note(&step.facts);
-            let after = self.journal.record(now, step.facts);
+            let causes = self.inbox.causes(&step.caused);
+            let after = self.journal.record(now, step.facts, causes);
             self.outbox.put(after, step.commands, step.replies);
         }
         if now - *published >= PUBLISH {
@@ -351,7 +352,7 @@ mod tests {
         let (mut drive, writer, queue) = drive(&folder).await;
         until(&mut drive, None).await;
         let fact = |i: u32| Fact::Deviated { worker: WorkerId(i), at: Time(1) };
-        drive.journal.record(Time(1), (0..20_000).map(fact).collect());
+        drive.journal.record(Time(1), (0..20_000).map(fact).collect(), Vec::new());
         assert!(drive.journal.is_full());
         let mut job = ask(&queue, What::Cancel(crate::id::JobId(1)));
         let mut by_hand = [What::Halt(None), What::Release(None)].map(|what| ask(&queue, what));
@@ -420,7 +421,8 @@ mod tests {
 
     fn ask(queue: &mpsc::Sender<FleetRequest>, what: What) -> oneshot::Receiver<Reply> {
         let (reply, answer) = oneshot::channel();
-        queue.try_send(FleetRequest { what, reply }).unwrap();
+        let by = inbox::somebody();
+        queue.try_send(FleetRequest { what, by, reply }).unwrap();
         answer
     }
 

@@ -4,12 +4,16 @@
 //! floor, so that no reply to the one can answer the other. Refuses: requests while the journal takes no facts; but
 //! stops and releases by hand are kept in their order, however many simulated orders wait.
 
+use super::audit_keeper::row_of;
+use crate::api::audit::AuditEntry;
 use crate::api::feed::hub::HeardSighting;
 use crate::api::port::{FleetRequest, What};
-use crate::fleet::{Input, Reply};
+use crate::fleet::{CausedFacts, Input, Reply};
 use crate::human::Sighting;
 use crate::sim::FIRST_TOKEN;
+use crate::store::StepCause;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use tokio::sync::{mpsc, oneshot};
 
 /// How many requests may wait on the queue.
@@ -22,12 +26,19 @@ const MOST_ORDERS: usize = 10_000;
 /// more than it holds.
 const MOST_REQUESTS: usize = 10_000;
 
+/// A request that was not answered yet.
+#[derive(Debug)]
+struct WaitingRequest {
+    by: Arc<AuditEntry>,
+    reply: oneshot::Sender<Reply>,
+}
+
 /// Requests, and where their answers go.
 #[derive(Debug)]
 pub struct Inbox {
     queue: mpsc::Receiver<FleetRequest>,
     heard: mpsc::Receiver<HeardSighting>,
-    waiting: BTreeMap<u64, oneshot::Sender<Reply>>,
+    waiting: BTreeMap<u64, WaitingRequest>,
     kept: Vec<Input>,
     /// Sightings that were taken out of the channel to look at them.
     early: Vec<Sighting>,
@@ -56,7 +67,7 @@ impl Inbox {
             }
             room -= 1;
             let token = self.token();
-            self.waiting.insert(token, ask.reply);
+            self.waiting.insert(token, WaitingRequest { by: ask.by, reply: ask.reply });
             inputs.push(input(token, ask.what));
         }
         inputs
@@ -114,11 +125,20 @@ impl Inbox {
         }
     }
 
+    /// Which requests from outside caused which facts of a step.
+    pub fn causes(&self, caused: &[CausedFacts]) -> Vec<StepCause> {
+        let of = |c: &CausedFacts| {
+            let request = row_of(&self.waiting.get(&c.token)?.by);
+            Some(StepCause { facts: c.facts.clone(), request })
+        };
+        caused.iter().filter_map(of).collect()
+    }
+
     /// Answers a request; simulated customers want no answer.
     pub fn answer(&mut self, reply: Reply) {
         if let Some(waiting) = self.waiting.remove(&reply.token()) {
             // A client that has left meanwhile finds the job in the list.
-            let _ = waiting.send(reply);
+            let _ = waiting.reply.send(reply);
         }
     }
 }
@@ -163,6 +183,14 @@ fn is_order(input: &Input) -> bool {
     matches!(input, Input::Submit { .. } | Input::Cancel { .. }) && is_simulated(input)
 }
 
+/// Who asks in tests.
+#[cfg(test)]
+pub fn somebody() -> Arc<AuditEntry> {
+    let caller = crate::api::caller::Caller::this_machine();
+    let desk = crate::api::audit::AuditDesk::new(0).0;
+    Arc::new(desk.begin(&caller, "POST /v1/fleet/stop".into(), None, crate::time::Time(7)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -171,7 +199,6 @@ mod tests {
     use crate::sim::{Scenario, World};
     use crate::time::Time;
     use crate::warehouse::lab;
-    use std::sync::Arc;
 
     const SCENARIO: &str =
         r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "jobs": {"backlog": 3}}"#;
@@ -184,7 +211,7 @@ mod tests {
 
     fn ask(queue: &mpsc::Sender<FleetRequest>, what: What) -> oneshot::Receiver<Reply> {
         let (reply, answer) = oneshot::channel();
-        queue.try_send(FleetRequest { what, reply }).unwrap();
+        queue.try_send(FleetRequest { what, by: somebody(), reply }).unwrap();
         answer
     }
 
@@ -262,5 +289,22 @@ mod tests {
         let inputs = inbox.drain(true);
         assert_eq!(inputs.len(), MOST_REQUESTS);
         assert_eq!(inbox.drain(true).len(), 1, "it is taken as soon as there is room");
+    }
+
+    #[test]
+    fn facts_of_a_step_are_those_of_who_asked_for_them_and_of_nobody_where_the_floor_is_simulated() {
+        let (mut inbox, queue, _feed) = inbox();
+        let _answers = [ask(&queue, What::Halt(None)), ask(&queue, What::Cancel(JobId(9)))];
+        let mut inputs = inbox.drain(false);
+        inputs.extend(orders());
+        let scenario = Scenario::parse(SCENARIO).unwrap();
+        let mut fleet = Fleet::new(Arc::new(lab()), scenario.settings());
+        let step = fleet.step(Time(3), inputs);
+        let causes = inbox.causes(&step.caused);
+        assert_eq!(causes.len(), 1, "what was refused caused nothing: {causes:?}");
+        assert_eq!(causes[0].request.actor, "this machine");
+        let facts = &step.facts[causes[0].facts.clone()];
+        assert!(matches!(facts, [crate::fleet::Fact::Halted { robot: None, .. }]), "{facts:?}");
+        assert_eq!(step.caused.len(), 5, "the fleet says it of three orders and a robot that joins, too");
     }
 }

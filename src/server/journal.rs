@@ -11,7 +11,7 @@ use crate::alarm::AlarmKind;
 use crate::api::alarms::Alarms;
 use crate::api::metrics::Metrics;
 use crate::fleet::{Fact, Ledger};
-use crate::store::{SNAPSHOT_AFTER, StepEntry, Store, StoreError};
+use crate::store::{SNAPSHOT_AFTER, StepCause, StepEntry, Store, StoreError};
 use crate::time::Time;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -112,12 +112,13 @@ pub fn journal(
 }
 
 impl Journal {
-    /// Records the facts of a step. What depends on them may leave when so many steps are durable as this says.
-    pub fn record(&mut self, at: Time, facts: Vec<Fact>) -> u64 {
+    /// Records the facts of a step, and which requests caused which. What depends on them may leave when so many steps
+    /// are durable as this says.
+    pub fn record(&mut self, at: Time, facts: Vec<Fact>, causes: Vec<StepCause>) -> u64 {
         if !facts.is_empty() {
             self.pending.fetch_add(facts.len() as u64, Ordering::Relaxed);
             // Fails only where the task has ended; the server ends then, too.
-            let _ = self.steps.send(StepEntry { at, facts });
+            let _ = self.steps.send(StepEntry { at, facts, causes });
             self.recorded += 1;
         }
         self.recorded

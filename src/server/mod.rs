@@ -7,6 +7,7 @@
 
 mod ahead;
 mod alarm_keeper;
+mod audit_keeper;
 mod certificate;
 mod clock;
 mod config;
@@ -30,6 +31,7 @@ mod show;
 mod start;
 mod strangers;
 mod tls;
+mod tokens;
 mod trial;
 mod watchdog;
 mod webhooks;
@@ -42,11 +44,14 @@ pub use show::Show;
 
 use crate::alarm::AlarmKind;
 use crate::api::alarms::Alarms;
+use crate::api::audit::AuditDesk;
+use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::metrics::Metrics;
-use crate::api::port::{Moment, QUESTIONS};
-use crate::api::{Api, auth::Gate, router};
-use crate::sim::{OrderLine, Scenario};
+use crate::api::port::{Moment, Now, QUESTIONS, Question};
+use crate::api::{Api, auth::Gate, caller::Caller, router};
+use crate::fleet::Fleet;
+use crate::sim::{OrderLine, Scenario, World};
 use crate::store::{Store, StoreError};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
@@ -125,7 +130,10 @@ impl Server {
     /// # Errors
     /// Where anything is wrong; the text says what to do.
     pub async fn start(config: &Config, floor: SimulatedFloor) -> anyhow::Result<Server> {
-        let gate = config.gate()?;
+        let gate = Arc::new(config.gate()?);
+        if !config.new {
+            gate.learn(tokens::tokens_of(&config.database).await, Clock::start(None).started());
+        }
         let address = config.address(&gate).await?;
         let listener = TcpListener::bind(address).await.with_context(|| {
             let remedy = "stop the program that does, or choose another with --listen HOST:PORT";
@@ -208,7 +216,7 @@ type Door = (TcpListener, Option<Arc<rustls::ServerConfig>>);
 struct Front {
     entrance: Entrance,
     http: JoinHandle<std::io::Result<()>>,
-    gate: Gate,
+    gate: Arc<Gate>,
     /// Dropped when it no longer says "starting".
     ready: oneshot::Sender<()>,
     closing: watch::Sender<bool>,
@@ -216,7 +224,7 @@ struct Front {
 }
 
 impl Front {
-    fn open(door: Door, gate: Gate, ready: oneshot::Sender<()>) -> Front {
+    fn open(door: Door, gate: Arc<Gate>, ready: oneshot::Sender<()>) -> Front {
         let (entrance, (closing, closes)) = (Entrance::default(), watch::channel(false));
         let http = tokio::spawn(listen(door, entrance.router(), closes.clone()));
         Front { entrance, http, gate, ready, closing, closes }
@@ -268,38 +276,26 @@ async fn work(
     let (journal, writer) =
         journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
     let ((queue, requests), (ask, questions)) = (mpsc::channel(inbox::QUEUE), mpsc::channel(QUESTIONS));
-    let ((displaced, gone), (halt, halted)) = (watch::channel(false), watch::channel(false));
+    let (displaced, gone) = watch::channel(false);
     let custody = tokio::spawn(custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced));
     let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
     let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.base, &fleet);
     let keeper = tokio::spawn(keeper.run());
     let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
-    let drive = drive::DriveLoop {
-        fleet,
-        world,
-        clock: clock.clone(),
-        period,
-        inbox: inbox::Inbox::new(requests, heard),
-        questions,
-        outbox: outbox::Outbox::default(),
-        journal,
-        measure: measure::Measure::default(),
-        notes: charts.notes,
-        metrics: metrics.clone(),
-        ahead: ahead::LastForecasts::default(),
-        feeds: feeds.clone(),
-        tap: past.tap,
-        alarms: alarms.clone(),
-        pace: drive::LoopPace::default(),
-        displaced: gone.clone(),
-        rescue: rescue::Rescue::default(),
-        watchdog: watchdog::Watchdog::default(),
-        store: store.clone(),
-        moments,
-    };
+    let shares = LoopShares { store, clock, metrics, alarms, feeds };
+    let (inbox, notes, tap) = (inbox::Inbox::new(requests, heard), charts.notes, past.tap);
+    let ends = LoopEnds { inbox, questions, journal, notes, tap, displaced: gone.clone(), moments };
+    let drive = drive_loop((fleet, world, period), ends, shares.clone());
+    let LoopShares { store, clock, metrics, alarms, feeds } = shares;
+    let (halt, halted) = watch::channel(false);
     let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
-    let alarm_keeper = tokio::spawn(alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone()));
+    let alarm_keeper = alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone());
     let (writer, thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
+    let (audit, answered) = AuditDesk::new(parts.last_audit);
+    let audit_keeper = audit_keeper::keep_audit(store.clone(), answered, halt.subscribe());
+    let keepers = [tokio::spawn(alarm_keeper), tokio::spawn(audit_keeper)];
+    let now: Now = Arc::new(move || clock.now());
+    let (tokens, desk) = tokens::TokenKeeper::start(store.clone(), gate.clone(), now.clone());
     let (hooks, asked) = webhooks::hook_queue();
     let api = Api {
         map,
@@ -315,27 +311,76 @@ async fn work(
         live,
         feeds,
         interop: Arc::new(interop),
-        now: Arc::new(move || clock.now()),
+        now,
         metrics,
         trials: trial::trials(),
-        gate: Arc::new(gate),
+        gate,
+        tokens: Some(Arc::new(tokens)),
+        audit: Arc::new(audit),
+        caller: Arc::new(Caller::nobody()),
+        entry: None,
         closing: closes,
     };
     let hook_keeper = tokio::spawn(webhooks::HookKeeper::new(store.clone(), api.clone(), asked).run());
     entrance.open(router(api).0);
     drop(ready);
-    let tasks = Tasks {
-        http,
-        writer,
-        thread,
-        feed,
-        custody,
-        keeper,
-        historian: charts.historian,
-        alarm_keeper,
-        hook_keeper,
-    };
+    let historian = charts.historian;
+    let tasks = Tasks { http, writer, thread, feed, custody, keeper, desk, historian, keepers, hook_keeper };
     tasks.run(&store, stopping, (&closing, &halt), &gone).await
+}
+
+/// What the loop shares with other parts.
+#[derive(Clone)]
+struct LoopShares {
+    store: Arc<Store>,
+    clock: Arc<Clock>,
+    metrics: Arc<Metrics>,
+    alarms: Arc<Alarms>,
+    feeds: Arc<Feeds>,
+}
+
+/// The loop's ends of channels.
+struct LoopEnds {
+    inbox: inbox::Inbox,
+    questions: mpsc::Receiver<Question>,
+    journal: journal::Journal,
+    notes: historian::HistorianSender,
+    tap: recordings::Tap,
+    displaced: watch::Receiver<bool>,
+    moments: watch::Sender<Arc<Moment>>,
+}
+
+/// The loop, before its first turn.
+fn drive_loop(
+    (fleet, world, period): (Fleet, World, Span),
+    ends: LoopEnds,
+    shared: LoopShares,
+) -> drive::DriveLoop {
+    let LoopEnds { inbox, questions, journal, notes, tap, displaced, moments } = ends;
+    let LoopShares { store, clock, metrics, alarms, feeds } = shared;
+    drive::DriveLoop {
+        fleet,
+        world,
+        clock,
+        period,
+        inbox,
+        questions,
+        outbox: outbox::Outbox::default(),
+        journal,
+        measure: measure::Measure::default(),
+        notes,
+        metrics,
+        ahead: ahead::LastForecasts::default(),
+        feeds,
+        tap,
+        alarms,
+        pace: drive::LoopPace::default(),
+        displaced,
+        rescue: rescue::Rescue::default(),
+        watchdog: watchdog::Watchdog::default(),
+        store,
+        moments,
+    }
 }
 
 /// What runs side by side.
@@ -346,8 +391,10 @@ struct Tasks {
     feed: JoinHandle<()>,
     custody: JoinHandle<()>,
     keeper: JoinHandle<()>,
+    desk: JoinHandle<()>,
     historian: JoinHandle<()>,
-    alarm_keeper: JoinHandle<()>,
+    /// Of alarms and of the audit.
+    keepers: [JoinHandle<()>; 2],
     hook_keeper: JoinHandle<()>,
 }
 
@@ -360,8 +407,8 @@ impl Tasks {
         (closing, halt): (&watch::Sender<bool>, &watch::Sender<bool>),
         displaced: &watch::Receiver<bool>,
     ) -> anyhow::Result<()> {
-        let Tasks { mut http, mut writer, mut thread, mut feed, historian, alarm_keeper, .. } = self;
-        let Tasks { custody, keeper, hook_keeper, .. } = self;
+        let Tasks { mut http, mut writer, mut thread, mut feed, historian, keepers, .. } = self;
+        let Tasks { custody, keeper, desk, hook_keeper, .. } = self;
         let ended: anyhow::Result<()> = tokio::select! {
             _ = stopping.wait_for(|stop| *stop) => Ok(()),
             _ = &mut thread => Err(anyhow!("the control loop failed, as logged above; nothing is lost")),
@@ -376,9 +423,11 @@ impl Tasks {
             Ok(()) => flush(thread, writer, historian, displaced).await,
             Err(_) => Ok(()),
         };
-        let _ = alarm_keeper.await;
+        for keeper in keepers {
+            let _ = keeper.await;
+        }
         // The files are given back whatever happened: nothing that still knows the store can use it from here on.
-        let others = [&feed, &custody, &keeper, &hook_keeper].map(JoinHandle::abort_handle);
+        let others = [&feed, &custody, &keeper, &desk, &hook_keeper].map(JoinHandle::abort_handle);
         for task in others.into_iter().chain([abort]) {
             task.abort();
         }

@@ -3,13 +3,15 @@
 //! Main type: [`Shelf`]. Refuses: to write.
 
 use crate::alarm::{Alarm, AlarmQuery};
+use crate::api::audit::{AuditEntry, AuditQuery};
+use crate::api::caller::Role;
 use crate::api::port::{Later, Records};
 use crate::fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, EventQuery, EventRow, EventSpan, JobQuery,
     JobRow, RobotEventQuery, RobotEventRow, RobotJobCounts,
 };
 use crate::id::{AssignmentId, JobId, RobotId};
-use crate::store::{Store, StoreError};
+use crate::store::{AuditFilter, AuditRow, Store, StoreError};
 use std::sync::Arc;
 use tokio::sync::watch;
 
@@ -45,6 +47,15 @@ impl Records for Shelf {
         Box::pin(async move { self.0.robot_events(&query).await.map_err(told) })
     }
 
+    fn audit(&self, q: AuditQuery) -> Later<'_, Result<Vec<AuditEntry>, String>> {
+        let AuditQuery { from, to, actor, before, limit } = q;
+        let filter = AuditFilter { from, to, actor, before, limit };
+        Box::pin(async move {
+            let rows = self.0.audit(&filter).await.map_err(told)?;
+            Ok(rows.into_iter().filter_map(entry).collect())
+        })
+    }
+
     fn robot_jobs(&self, robot: RobotId) -> Later<'_, Result<RobotJobCounts, String>> {
         Box::pin(async move { self.0.robot_jobs(robot).await.map_err(told) })
     }
@@ -60,6 +71,12 @@ impl Records for Shelf {
     fn events_changed(&self) -> watch::Receiver<()> {
         self.0.events_changed()
     }
+}
+
+/// A row as the API has it; nothing where its role is from another Giveway.
+fn entry(row: AuditRow) -> Option<AuditEntry> {
+    let AuditRow { id, actor, role, what, subject, outcome } = row;
+    Some(AuditEntry { id, actor, role: Role::of_word(&role)?, what, subject, status: outcome })
 }
 
 /// Logs the failure, once; the client only learns that it is the database.

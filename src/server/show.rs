@@ -10,7 +10,9 @@ use super::{
 };
 use crate::alarm::{AlarmKind, FloorWatch, LoopHealth};
 use crate::api::alarms::Alarms;
+use crate::api::audit::AuditDesk;
 use crate::api::auth::Gate;
+use crate::api::caller::Caller;
 use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
@@ -110,11 +112,14 @@ impl Show {
             metrics,
             trials: super::trial::trials(),
             gate: Arc::new(Gate::default()),
+            tokens: None,
+            audit: Arc::new(AuditDesk::new(0).0),
+            caller: Arc::new(Caller::this_machine()),
+            entry: None,
             closing: closes.clone(),
         };
         let http = tokio::spawn(listen((listener, None), router(api).0, closes));
-        let (measure, ahead) = (Measure::default(), LastForecasts::default());
-        let (watch, looked) = (FloorWatch::default(), None);
+        let (measure, ahead, watch) = (Measure::default(), LastForecasts::default(), FloorWatch::default());
         let screen = Screen {
             live,
             feeds,
@@ -123,7 +128,7 @@ impl Show {
             past,
             figures,
             watch,
-            looked,
+            looked: None,
             ahead,
             measure,
             speed,

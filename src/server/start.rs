@@ -38,6 +38,8 @@ pub struct ServerParts {
     pub charts: Charts,
     /// The scenario as its file has it, without kinds that were added.
     pub base: Scenario,
+    /// The number of the last request that was written down.
+    pub last_audit: i64,
 }
 
 /// Figures over time, and what keeps them.
@@ -147,6 +149,7 @@ pub async fn build(
         past,
         charts,
         base,
+        last_audit: store.last_audit().await?,
     };
     Ok((Built::Whole(Box::new(parts)), summary))
 }

@@ -1,5 +1,5 @@
 //! The journal of steps, snapshots of what they led to, the lists of jobs, assignments, encounters and alarms,
-//! what happened to robots, and figures over time, in SQLite.
+//! what happened to robots, figures over time, tokens and who asked for what, in SQLite.
 //!
 //! Main types: [`Store`] (open, load, append, snapshot, rows of lists), [`StepEntry`], [`Loaded`], [`StoreError`];
 //! [`record`] is the wire form of facts, [`ledger_record`]
@@ -12,6 +12,7 @@
 
 mod act_record;
 mod alarms;
+mod audit;
 mod body_record;
 mod carry;
 mod check;
@@ -36,9 +37,11 @@ mod route_record;
 mod seal;
 mod snapshot;
 mod steps;
+mod tokens;
 mod webhooks;
 
 pub use alarms::MOST_PAST;
+pub use audit::{AuditFilter, AuditRow, StepCause};
 pub use carry::{CarriedOver, CarryOver};
 pub use check::Belongs;
 pub use error::StoreError;
@@ -48,6 +51,7 @@ pub use opening::Opening;
 pub use seal::seal;
 pub use snapshot::SNAPSHOT_AFTER;
 pub use steps::{Loaded, StepEntry};
+pub use tokens::{TokenDraft, TokenRow, TokenTable};
 pub use webhooks::{FailedRow, HookRow};
 
 use crate::time::Span;
@@ -256,6 +260,7 @@ fn migrator() -> Migrator {
     let eighth = include_str!("../../migrations/sqlite/0008_alarms.sql").into_sql_str();
     let ninth = include_str!("../../migrations/sqlite/0009_job_labels.sql").into_sql_str();
     let tenth = include_str!("../../migrations/sqlite/0010_robots.sql").into_sql_str();
+    let eleventh = include_str!("../../migrations/sqlite/0011_tokens.sql").into_sql_str();
     let twelfth = include_str!("../../migrations/sqlite/0012_events.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
@@ -268,6 +273,7 @@ fn migrator() -> Migrator {
         Migration::new(8, "alarms".into(), MigrationType::Simple, eighth, false),
         Migration::new(9, "job_labels".into(), MigrationType::Simple, ninth, false),
         Migration::new(10, "robots".into(), MigrationType::Simple, tenth, false),
+        Migration::new(11, "tokens".into(), MigrationType::Simple, eleventh, false),
         Migration::new(12, "events".into(), MigrationType::Simple, twelfth, false),
     ])
 }

@@ -17,7 +17,7 @@ const STEPS: &str = "DELETE FROM steps \
     AND seq < (SELECT min(seq) FROM steps) + $1";
 
 /// Lists, by what is too old in them.
-const LISTS: [&str; 5] = [
+const LISTS: [&str; 6] = [
     "DELETE FROM jobs WHERE id IN (SELECT id FROM jobs \
      WHERE state IN ('done', 'cancelled', 'failed') AND updated < $2 LIMIT $1)",
     "DELETE FROM assignments WHERE id IN (SELECT id FROM assignments \
@@ -25,6 +25,7 @@ const LISTS: [&str; 5] = [
     "DELETE FROM encounters WHERE seq IN (SELECT seq FROM encounters WHERE began < $2 LIMIT $1)",
     "DELETE FROM alarms WHERE id IN (SELECT id FROM alarms WHERE cleared < $2 LIMIT $1)",
     "DELETE FROM robot_changes WHERE id IN (SELECT id FROM robot_changes WHERE at < $2 LIMIT $1)",
+    "DELETE FROM audit WHERE id IN (SELECT id FROM audit WHERE id < $2 LIMIT $1)",
 ];
 
 /// Events from the first one on, so that none is missing between those that are kept.

@@ -4,8 +4,8 @@
 //! no start ever sees a part of a step. Refuses: rows that cannot be read, gaps, and rows of another process.
 
 use super::{
-    ABOUT, BEGIN, COMMIT, ROLLBACK, Store, StoreError, events, jobs, people, record, retention, robots,
-    snapshot,
+    ABOUT, BEGIN, COMMIT, ROLLBACK, StepCause, Store, StoreError, audit, events, jobs, people, record,
+    retention, robots, snapshot,
 };
 use crate::fleet::{Fact, Ledger};
 use crate::time::Time;
@@ -16,7 +16,7 @@ use sqlx::sqlite::{SqliteConnection, SqlitePool, SqliteRow};
 const STEPS: &str = "SELECT seq, at, wire, facts FROM steps WHERE seq > $1 ORDER BY seq";
 pub(super) const LAST: &str = "SELECT max(coalesce((SELECT max(seq) FROM steps), 0), \
     coalesce((SELECT max(seq) FROM snapshots), 0))";
-const APPEND: &str = "INSERT INTO steps (seq, at, wire, run, facts) VALUES ($1, $2, $3, $4, $5)";
+const APPEND: &str = "INSERT INTO steps (seq, at, wire, run, facts, causes) VALUES ($1, $2, $3, $4, $5, $6)";
 
 /// What one step of the fleet recorded.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +25,8 @@ pub struct StepEntry {
     pub at: Time,
     /// What happened, in order.
     pub facts: Vec<Fact>,
+    /// Which requests caused which of them. Not read back with the facts: [`Store::causes`] says it.
+    pub causes: Vec<StepCause>,
 }
 
 /// What was promised when the database was opened.
@@ -120,8 +122,10 @@ impl Store {
                 .bind(record::VERSION)
                 .bind(&self.run)
                 .bind(record::encode(&step.facts))
+                .bind(audit::encode(&step.causes))
                 .execute(&mut *connection)
                 .await?;
+            audit::project(&mut *connection, &step.causes).await?;
             for fact in &step.facts {
                 jobs::project(&mut *connection, fact).await?;
                 people::project(&mut *connection, fact).await?;
@@ -171,5 +175,5 @@ fn decode(row: &SqliteRow) -> Result<(i64, StepEntry), StoreError> {
     let seq: i64 = row.try_get(0)?;
     let (at, text) = (Time(row.try_get(1)?), row.try_get(3)?);
     let facts = record::decode(row.try_get(2)?, text).map_err(|why| StoreError::Record { seq, why })?;
-    Ok((seq, StepEntry { at, facts }))
+    Ok((seq, StepEntry { at, facts, causes: Vec::new() }))
 }

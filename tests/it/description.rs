@@ -77,6 +77,8 @@ async fn the_openapi_document_is_whole() {
         assert_eq!(in_path, variables, "the variables of {name}");
         due.extend((!parameters.is_empty()).then_some("400"));
         due.extend((!name.contains("/v1/health")).then_some("401"));
+        let is_open = operation["x-roles"].as_array().is_none_or(Vec::is_empty);
+        assert_eq!(is_open, name.contains("/v1/health"), "{name} says which role it needs");
         if operation["requestBody"].is_object() {
             due.extend(["400", "413", "415", "422"]);
         }

@@ -69,8 +69,10 @@ fn rack_of(facts: &[Fact], robot: RobotId) -> String {
 async fn database(facts: Vec<Fact>) -> Folder {
     let folder = Folder::new();
     let store = Store::open(&folder.database(), &map()).await.unwrap();
-    let entries: Vec<StepEntry> =
-        facts.into_iter().map(|fact| StepEntry { at: Time(1), facts: vec![fact] }).collect();
+    let entries: Vec<StepEntry> = facts
+        .into_iter()
+        .map(|fact| StepEntry { at: Time(1), facts: vec![fact], causes: Vec::new() })
+        .collect();
     store.append(1, &entries).await.unwrap();
     store.close().await;
     folder

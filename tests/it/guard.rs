@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// So many facts, of no consequence.
 fn facts(n: usize) -> Vec<StepEntry> {
     let fact = Fact::Deviated { worker: WorkerId(0), at: Time(1) };
-    vec![StepEntry { at: Time(1), facts: vec![fact] }; n]
+    vec![StepEntry { at: Time(1), facts: vec![fact], causes: Vec::new() }; n]
 }
 
 fn beside(path: &Path, suffix: &str) -> PathBuf {

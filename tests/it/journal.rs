@@ -300,7 +300,11 @@ async fn other_new(database: &Path) -> SqliteConnection {
 async fn a_process_whose_database_another_one_has_opened_since_writes_nothing_more() {
     let folder = Folder::new();
     let store = Store::open(&folder.database(), &map()).await.unwrap();
-    let step = |i: i64| StepEntry { at: Time(i), facts: vec![Fact::Halted { robot: None, at: Time(i) }] };
+    let step = |i: i64| StepEntry {
+        at: Time(i),
+        facts: vec![Fact::Halted { robot: None, at: Time(i) }],
+        causes: Vec::new(),
+    };
     store.append(1, &[step(1)]).await.unwrap();
     let own = "SELECT count(*) FROM steps WHERE run = (SELECT value FROM about WHERE key = 'run')";
     assert_eq!(number(&folder.database(), own).await, 1, "each step says by whom it was written");
@@ -334,14 +338,15 @@ async fn what_is_over_leaves_the_lists_after_the_days_of_the_settings_in_slices(
     let mut facts = vec![accepted(JobId(1), Time(0))];
     facts.extend((2..=500).flat_map(|i| [accepted(JobId(i), Time(0)), over(JobId(i), Time(0))]));
     facts.push(Fact::Encountered(met(Time(0))));
-    store.append(1, &[StepEntry { at: Time(0), facts }]).await.unwrap();
+    store.append(1, &[StepEntry { at: Time(0), facts, causes: Vec::new() }]).await.unwrap();
     let late = Time(0) + DAY * 25;
     let facts = vec![accepted(JobId(501), late), over(JobId(501), late), Fact::Encountered(met(late))];
-    store.append(2, &[StepEntry { at: late, facts }]).await.unwrap();
+    store.append(2, &[StepEntry { at: late, facts, causes: Vec::new() }]).await.unwrap();
     assert_eq!(store.count_jobs().await.unwrap(), (501, 1), "nothing is old yet");
     let tick = |i: i64| StepEntry {
         at: Time(0) + DAY * 31,
         facts: vec![Fact::Released { robot: None, at: Time(i) }],
+        causes: Vec::new(),
     };
     store.append(3, &[tick(3)]).await.unwrap();
     assert_eq!(store.count_jobs().await.unwrap().0, 301, "a slice");

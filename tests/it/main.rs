@@ -6,6 +6,7 @@
 
 mod alarms;
 mod api;
+mod audit;
 mod carry;
 mod command;
 mod custody;
@@ -32,11 +33,13 @@ mod past;
 mod people;
 mod recovery;
 mod robots;
+mod roles;
 mod run;
 mod schema;
 mod stations;
 mod store;
 mod strangers;
 mod tls;
+mod tokens;
 mod webhooks;
 mod why;

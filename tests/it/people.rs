@@ -330,7 +330,7 @@ async fn encounters_are_listed_filtered_and_exported() {
         let facts = [worker(0, "anna"), worker(1, "ben")]
             .into_iter()
             .chain((0..5).map(|i| Fact::Encountered(met(i))));
-        let step = StepEntry { at: Time(1), facts: facts.collect() };
+        let step = StepEntry { at: Time(1), facts: facts.collect(), causes: Vec::new() };
         store.append(1, &[step]).await.unwrap();
         store.close().await;
     }

@@ -50,7 +50,7 @@ impl Run {
         self.world.command(self.now, step.urgent.clone());
         self.world.command(self.now, step.commands.clone());
         self.world.tell(self.now, step.guidance.clone());
-        let entry = StepEntry { at: self.now, facts: step.facts.clone() };
+        let entry = StepEntry { at: self.now, facts: step.facts.clone(), causes: Vec::new() };
         self.now += self.period;
         (entry, step)
     }

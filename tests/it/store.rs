@@ -253,7 +253,11 @@ async fn lists_about_people_follow_the_facts() {
 
 /// Steps of three facts each.
 fn entries(facts: Vec<Fact>) -> Vec<StepEntry> {
-    let step = |(i, facts): (usize, &[Fact])| StepEntry { at: Time(1000 + i as i64), facts: facts.to_vec() };
+    let step = |(i, facts): (usize, &[Fact])| StepEntry {
+        at: Time(1000 + i as i64),
+        facts: facts.to_vec(),
+        causes: Vec::new(),
+    };
     facts.chunks(3).enumerate().map(step).collect()
 }
 
@@ -328,7 +332,7 @@ async fn a_batch_that_is_appended_again_is_written_once_and_a_gap_is_refused() {
     let folder = Folder::new();
     let store = Store::open(&folder.database(), &map()).await.unwrap();
     let facts = vec![Fact::Accepted { job: JobId(1), request: deliver(), at: Time(5) }];
-    let batch = [StepEntry { at: Time(5), facts }];
+    let batch = [StepEntry { at: Time(5), facts, causes: Vec::new() }];
     store.append(1, &batch).await.unwrap();
     store.append(1, &batch).await.unwrap();
     assert_eq!(store.load(empty_ledger()).await.unwrap().facts(), 1);

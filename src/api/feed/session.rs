@@ -10,6 +10,8 @@ use super::message::FeedMessage;
 use super::thin::RateLimiter;
 use super::warn::Warnings;
 use super::wire::{AnchorSaid, HeadsetMessage, HelloSaid, PoseSaid, VERSIONS};
+use crate::api::auth::TOKEN_ENDED;
+use crate::api::called::Called;
 use crate::api::error::Problem;
 use crate::api::extract::PathPart;
 use crate::api::guidance::{GuidanceContext, GuidanceDto, GuidanceKey, PoseRefDto, guidance};
@@ -20,12 +22,12 @@ use crate::api::{Api, dto::Names};
 use crate::fleet::{GuidanceState, Reply};
 use crate::id::{AssignmentId, WorkerId};
 use crate::time::{Span, Time};
-use axum::extract::State;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
 use axum::http::StatusCode;
 use axum::response::Response;
 use std::collections::VecDeque;
+use std::pin::pin;
 use std::time::Duration;
 use tokio::task::JoinSet;
 use tokio::time::timeout;
@@ -68,7 +70,7 @@ const RECENT: usize = 256;
     (status = 426, description = "Not a WebSocket", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn feed(
-    State(api): State<Api>,
+    Called(api): Called,
     PathPart(id): PathPart,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Problem> {
@@ -205,7 +207,8 @@ impl Session<'_> {
             rate_hz: 60,
         };
         self.send(welcome).await?;
-        let mut closing = self.api.closing.clone();
+        let (api, mut closing) = (self.api, self.api.closing.clone());
+        let mut ended = pin!(api.gate.ended(&api.caller, &api.now));
         loop {
             self.ping().await?;
             let wait = self.wait();
@@ -225,6 +228,7 @@ impl Session<'_> {
                 () = async { _ = closing.wait_for(|closing| *closing).await.is_ok() } => {
                     return Err(SessionEnd::Bye(close_code::AWAY, "server shutting down".into()));
                 }
+                () = &mut ended => return Err(SessionEnd::Bye(close_code::POLICY, TOKEN_ENDED.into())),
                 Some(Ok((id, refused))) = self.reports.join_next() => self.reported(id, refused).await?,
                 () = tokio::time::sleep(wait) => self.tick().await?,
                 message = self.socket.recv() => self.hear(message).await?,

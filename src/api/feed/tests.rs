@@ -4,7 +4,10 @@ use super::hub::{Feeds, HeardSighting};
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::alarms::Alarms;
 use crate::api::port::{Later, Moment, Records, SharedHistory};
-use crate::api::{Api, Kinds, auth::Gate, live::Live, massrobotics::Interop, metrics::Metrics, router};
+use crate::api::{
+    Api, Kinds, audit::AuditDesk, auth::Gate, caller::Caller, live::Live, massrobotics::Interop,
+    metrics::Metrics, router,
+};
 use crate::fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, EventQuery, EventRow, EventSpan, Guidance,
     GuidanceReason, GuidanceState, JobQuery, JobRow, RobotEventQuery, RobotEventRow, RobotJobCounts, View,
@@ -104,6 +107,10 @@ impl TestServer {
             metrics: metrics.clone(),
             trials: crate::api::trial::Trials::default(),
             gate: Arc::new(Gate::default()),
+            tokens: None,
+            audit: Arc::new(AuditDesk::new(0).0),
+            caller: Arc::new(Caller::this_machine()),
+            entry: None,
             closing: closes,
         };
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();

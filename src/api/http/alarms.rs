@@ -6,12 +6,12 @@ use super::lists::checked_limit;
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::Api;
 use crate::api::alarms::AlarmDto;
+use crate::api::called::Called;
 use crate::api::dto::Page;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, Params, PathPart, read_time, signed};
 use crate::api::text::parse_alarm;
 use axum::Json;
-use axum::extract::State;
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
@@ -43,7 +43,7 @@ pub struct AlarmParams {
     (status = 503, description = "The database does not answer", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn list(
-    State(api): State<Api>,
+    Called(api): Called,
     Params(p): Params<AlarmParams>,
 ) -> Result<Json<Page<AlarmDto>>, Problem> {
     let active = api.alarms.list();
@@ -114,7 +114,7 @@ pub struct AcknowledgeBody {
      content_type = "application/problem+json"),
     (status = 422, description = "There is no name", body = Problem, content_type = "application/problem+json")))]
 pub async fn acknowledge(
-    State(api): State<Api>,
+    Called(api): Called,
     PathPart(id): PathPart,
     JsonBody(body): JsonBody<AcknowledgeBody>,
 ) -> Result<Json<AlarmDto>, Problem> {

@@ -5,6 +5,7 @@
 
 use super::lists::checked_limit;
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart};
@@ -17,7 +18,6 @@ use crate::fleet::{AssignmentQuery, AssignmentRequest, AssignmentRow, Reply};
 use crate::id::{AssignmentId, WorkerId};
 use crate::time::Span;
 use axum::Json;
-use axum::extract::State;
 use axum::http::{HeaderName, StatusCode, header};
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
@@ -67,7 +67,7 @@ pub struct AssignmentParams {
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn of_worker(
-    State(api): State<Api>,
+    Called(api): Called,
     PathPart(id): PathPart,
     Params(p): Params<AssignmentParams>,
 ) -> Result<Json<Page<AssignmentDto>>, Problem> {
@@ -82,7 +82,7 @@ pub async fn of_worker(
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn all(
-    State(api): State<Api>,
+    Called(api): Called,
     Params(p): Params<AssignmentParams>,
 ) -> Result<Json<Page<AssignmentDto>>, Problem> {
     list(&api, None, &p).await
@@ -94,7 +94,7 @@ pub async fn all(
     (status = 200, description = "The assignment", body = AssignmentDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
+pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
     let record = read(&api, parse_id(&id)?).await?;
     Ok(Json(dto(&api, &record)))
 }
@@ -116,7 +116,7 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn assign(
-    State(api): State<Api>,
+    Called(api): Called,
     PathPart(id): PathPart,
     IdempotencyKey(key): IdempotencyKey,
     JsonBody(new): JsonBody<NewAssignment>,
@@ -141,7 +141,7 @@ pub async fn assign(
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn assign_nearest(
-    State(api): State<Api>,
+    Called(api): Called,
     IdempotencyKey(key): IdempotencyKey,
     JsonBody(new): JsonBody<NewAssignment>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<AssignmentDto>), Problem> {
@@ -183,7 +183,7 @@ async fn hand_in(
      content_type = "application/problem+json"),
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn cancel(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
+pub async fn cancel(Called(api): Called, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
     let id = parse_id(&id)?;
     read(&api, id).await?;
     end(&api, id, What::Unassign(id)).await
@@ -198,7 +198,7 @@ pub async fn cancel(State(api): State<Api>, PathPart(id): PathPart) -> Result<Js
      content_type = "application/problem+json"),
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn finish(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
+pub async fn finish(Called(api): Called, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
     let id = parse_id(&id)?;
     let Some(worker) = read(&api, id).await?.assignment.worker else {
         let name = assignment_name(id);

@@ -6,6 +6,7 @@
 use super::jobs::{check_same, read};
 use super::new_job::NewJob;
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{IdempotencyKey, JsonBody};
 use crate::api::port::What;
@@ -14,7 +15,6 @@ use crate::api::text::job_name;
 use crate::fleet::{JobRequest, Refusal, Reply};
 use crate::id::JobId;
 use axum::Json;
-use axum::extract::State;
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -85,7 +85,7 @@ pub struct BatchResult {
     (status = 422, description = "There are no jobs, or more than 1000", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn submit(
-    State(api): State<Api>,
+    Called(api): Called,
     IdempotencyKey(key): IdempotencyKey,
     JsonBody(new): JsonBody<NewJobs, LIMIT>,
 ) -> Result<Json<BatchDto>, Problem> {

@@ -5,6 +5,7 @@
 use super::lists::{Paging, page};
 use super::recurring::NewRecurrence;
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, Params, PathPart, read_time};
@@ -19,7 +20,6 @@ use crate::geometry::{Point, Spot};
 use crate::id::{ClosureId, NodeId, SeriesId};
 use crate::time::{Time, Window};
 use axum::Json;
-use axum::extract::State;
 use axum::http::{HeaderName, StatusCode, header};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -79,10 +79,7 @@ enum ClosedId {
 #[utoipa::path(get, path = "/v1/closures", tag = "people", operation_id = "listClosures", params(Paging), responses(
     (status = 200, description = "Areas in the order in which they were requested", body = Page<ClosureDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
-pub async fn list(
-    State(api): State<Api>,
-    Params(p): Params<Paging>,
-) -> Result<Json<Page<ClosureDto>>, Problem> {
+pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<ClosureDto>>, Problem> {
     let moment = api.moment();
     page(Names { map: &api.map, view: &moment.view }.all_closures((api.now)()), &p)
 }
@@ -99,7 +96,7 @@ pub async fn list(
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn close(
-    State(api): State<Api>,
+    Called(api): Called,
     JsonBody(new): JsonBody<NewClosure>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<ClosedDto>), Problem> {
     let (area, recurrence) = new.read(&api)?;
@@ -140,7 +137,7 @@ async fn recur(
     params(("id" = String, Path, example = "c2")), responses(
     (status = 200, description = "The area", body = ClosedDto),
     (status = 404, body = Problem, content_type = "application/problem+json")))]
-pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<ClosedDto>, Problem> {
+pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<ClosedDto>, Problem> {
     let moment = api.moment();
     let names = Names { map: &api.map, view: &moment.view };
     let id = match parse_id(&id)? {
@@ -164,7 +161,7 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn reopen(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+pub async fn reopen(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let what = match parse_id(&id)? {
         ClosedId::Once(id) => What::Reopen(id),
         ClosedId::Recurring(series) => What::EndSeries(series),

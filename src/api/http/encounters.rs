@@ -4,6 +4,7 @@
 
 use super::lists::checked_limit;
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Params, read_time};
@@ -11,7 +12,6 @@ use crate::api::people::EncounterDto;
 use crate::fleet::EncounterQuery;
 use crate::id::{Dense, RobotId};
 use axum::Json;
-use axum::extract::State;
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
@@ -51,7 +51,7 @@ pub struct EncounterParams {
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn list(
-    State(api): State<Api>,
+    Called(api): Called,
     headers: HeaderMap,
     Params(p): Params<EncounterParams>,
 ) -> Result<Response, Problem> {

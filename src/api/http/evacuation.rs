@@ -3,13 +3,12 @@
 //! Main type: [`EvacuationDto`]. Refuses: to be an alarm system, or part of one.
 
 use super::halt::done;
-use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::error::Problem;
 use crate::api::port::What;
 use crate::api::text::time_text;
 use crate::fleet::{GuidanceReason, Presence, WorkerView};
 use axum::Json;
-use axum::extract::State;
 use axum::http::StatusCode;
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -26,7 +25,7 @@ pub struct EvacuationDto {
 /// Whether the building is evacuated, and who is still inside.
 #[utoipa::path(get, path = "/v1/evacuation", tag = "people",
     operation_id = "getEvacuation", responses((status = 200, body = EvacuationDto)))]
-pub async fn get(State(api): State<Api>) -> Json<EvacuationDto> {
+pub async fn get(Called(api): Called) -> Json<EvacuationDto> {
     let moment = api.moment();
     let view = &moment.view;
     let is_led = |w: &&WorkerView| {
@@ -46,7 +45,7 @@ pub async fn get(State(api): State<Api>) -> Json<EvacuationDto> {
     (status = 409, description = "The map has no doors", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn begin(State(api): State<Api>) -> Result<StatusCode, Problem> {
+pub async fn begin(Called(api): Called) -> Result<StatusCode, Problem> {
     done(&api, What::Evacuate).await
 }
 
@@ -56,6 +55,6 @@ pub async fn begin(State(api): State<Api>) -> Result<StatusCode, Problem> {
     (status = 204, description = "It is over"),
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn end(State(api): State<Api>) -> Result<StatusCode, Problem> {
+pub async fn end(Called(api): Called) -> Result<StatusCode, Problem> {
     done(&api, What::EndEvacuation).await
 }

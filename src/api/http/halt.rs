@@ -4,6 +4,7 @@
 
 use super::why::parse_robot;
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::dto::Names;
 use crate::api::error::Problem;
 use crate::api::extract::PathPart;
@@ -13,7 +14,6 @@ use crate::api::text::time_text;
 use crate::fleet::{Reply, Why};
 use crate::id::{Dense, RobotId};
 use axum::Json;
-use axum::extract::State;
 use axum::http::StatusCode;
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -32,7 +32,7 @@ pub struct FleetDto {
 /// What is stopped or paused by hand.
 #[utoipa::path(get, path = "/v1/fleet", tag = "floor",
     operation_id = "getFleet", responses((status = 200, body = FleetDto)))]
-pub async fn fleet(State(api): State<Api>) -> Json<FleetDto> {
+pub async fn fleet(Called(api): Called) -> Json<FleetDto> {
     let moment = api.moment();
     let names = Names { map: &api.map, view: &moment.view };
     let robots = moment.view.robots.iter().enumerate().filter(|(_, r)| r.why == Some(Why::Paused));
@@ -50,7 +50,7 @@ pub async fn fleet(State(api): State<Api>) -> Json<FleetDto> {
     (status = 204, description = "All robots were told to stop, and that is durable"),
     (status = 503, description = "They were told, but that is not durable yet", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn stop(State(api): State<Api>) -> Result<StatusCode, Problem> {
+pub async fn stop(Called(api): Called) -> Result<StatusCode, Problem> {
     done(&api, What::Halt(None)).await
 }
 
@@ -58,7 +58,7 @@ pub async fn stop(State(api): State<Api>) -> Result<StatusCode, Problem> {
 #[utoipa::path(post, path = "/v1/fleet/resume", tag = "floor", operation_id = "resumeFleet", responses(
     (status = 204, description = "Robots go on"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn resume(State(api): State<Api>) -> Result<StatusCode, Problem> {
+pub async fn resume(Called(api): Called) -> Result<StatusCode, Problem> {
     done(&api, What::Release(None)).await
 }
 
@@ -68,7 +68,7 @@ pub async fn resume(State(api): State<Api>) -> Result<StatusCode, Problem> {
     (status = 204, description = "It was told to stop, and that is durable"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn pause(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+pub async fn pause(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let robot = parse_robot(&api, &id)?;
     done(&api, What::Halt(Some(robot))).await
 }
@@ -79,7 +79,7 @@ pub async fn pause(State(api): State<Api>, PathPart(id): PathPart) -> Result<Sta
     (status = 204, description = "It goes on, unless the whole fleet is stopped"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn go_on(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+pub async fn go_on(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let robot = parse_robot(&api, &id)?;
     done(&api, What::Release(Some(robot))).await
 }

@@ -5,11 +5,11 @@
 
 use crate::alarm::{Alarm, AlarmKind, AlarmScope, AlarmSeverity};
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::fleet::RobotState;
 use crate::time::Span;
 use axum::Json;
-use axum::extract::State;
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
@@ -40,7 +40,7 @@ pub struct Health {
     (status = 200, description = "No critical alarm is active, but for what an operator asked for", body = Health),
     (status = 503, description = "A critical alarm is active, or the server is starting", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn health(State(api): State<Api>) -> Result<Json<Health>, Problem> {
+pub async fn health(Called(api): Called) -> Result<Json<Health>, Problem> {
     let is_bad = |a: &Alarm| a.severity == AlarmSeverity::Critical && a.kind.scope() != AlarmScope::Operator;
     fails_for(&api, is_bad)?;
     let moment = api.moment();
@@ -75,7 +75,7 @@ pub async fn alive() -> Json<Alive> {
     (status = 200, description = "The process works", body = Alive),
     (status = 503, description = "The control loop is stuck: restart the process", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn live(State(api): State<Api>) -> Result<Json<Alive>, Problem> {
+pub async fn live(Called(api): Called) -> Result<Json<Alive>, Problem> {
     let now = (api.now)();
     fails_for(&api, |a| a.kind == AlarmKind::LoopStuck && now - a.since > STUCK)?;
     Ok(alive().await)
@@ -97,7 +97,7 @@ pub struct Ready {
     (status = 200, description = "The server takes requests", body = Ready),
     (status = 503, description = "Nothing can be promised now; the text says why", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn ready(State(api): State<Api>) -> Result<Json<Ready>, Problem> {
+pub async fn ready(Called(api): Called) -> Result<Json<Ready>, Problem> {
     fails_for(&api, |a| a.kind.ends_readiness())?;
     Ok(Json(Ready { status: "ready" }))
 }
@@ -117,7 +117,7 @@ fn fails_for(api: &Api, is_so: impl Fn(&Alarm) -> bool) -> Result<(), Problem> {
 #[utoipa::path(get, path = "/metrics", tag = "server", operation_id = "getMetrics", responses(
     (status = 200, description = "Metrics", body = String,
      content_type = "application/openmetrics-text; version=1.0.0; charset=utf-8")))]
-pub async fn metrics(State(api): State<Api>) -> Response {
+pub async fn metrics(Called(api): Called) -> Response {
     let media = "application/openmetrics-text; version=1.0.0; charset=utf-8";
     api.metrics.note_alarms(&api.alarms.list());
     ([(header::CONTENT_TYPE, media)], api.metrics.text(&api.moment())).into_response()

@@ -4,6 +4,7 @@
 
 use super::history::stretch;
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::dto::Names;
 use crate::api::error::Problem;
 use crate::api::extract::Params;
@@ -13,7 +14,6 @@ use crate::fleet::EncounterQuery;
 use crate::history::{DAY, HEAT_STEP, floor};
 use crate::time::Time;
 use axum::Json;
-use axum::extract::State;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use utoipa::{IntoParams, ToSchema};
@@ -86,7 +86,7 @@ pub struct CellDto {
     (status = 200, description = "Amounts by place", body = HeatDto),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn heat(State(api): State<Api>, Params(p): Params<HeatParams>) -> Result<Json<HeatDto>, Problem> {
+pub async fn heat(Called(api): Called, Params(p): Params<HeatParams>) -> Result<Json<HeatDto>, Problem> {
     let (from, to) = stretch(&api, p.from.as_deref(), p.to.as_deref())?;
     let (from, unit, size, mut cells) = match p.kind {
         HeatKind::Waiting => {

@@ -4,6 +4,7 @@
 //! nothing is known.
 
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Params, read_time};
 use crate::api::text::{round3, time_text};
@@ -11,7 +12,6 @@ use crate::api::words::PolicyDto;
 use crate::history::{Bucket, TIERS, floor};
 use crate::time::{Span, Time};
 use axum::Json;
-use axum::extract::State;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -103,7 +103,7 @@ pub struct BucketDto {
     (status = 200, description = "Figures over time", body = HistoryDto),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn history(
-    State(api): State<Api>,
+    Called(api): Called,
     Params(p): Params<HistoryParams>,
 ) -> Result<Json<HistoryDto>, Problem> {
     let (from, to) = stretch(&api, p.from.as_deref(), p.to.as_deref())?;

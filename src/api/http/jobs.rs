@@ -6,6 +6,7 @@
 use super::lists::checked_limit;
 use super::new_job::{NewJob, robot_named};
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::dto::{JOB_STATES, JobDto, Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_time};
@@ -16,7 +17,6 @@ use crate::api::words::JobStateDto;
 use crate::fleet::{JobChange, JobQuery, JobRequest, JobRow, Reply};
 use crate::id::JobId;
 use axum::Json;
-use axum::extract::State;
 use axum::http::{HeaderName, StatusCode, header};
 use serde::{Deserialize, Deserializer};
 use utoipa::{IntoParams, ToSchema};
@@ -46,10 +46,7 @@ pub struct JobParams {
     (status = 200, description = "Jobs, newest first", body = Page<JobDto>),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn list(
-    State(api): State<Api>,
-    Params(p): Params<JobParams>,
-) -> Result<Json<Page<JobDto>>, Problem> {
+pub async fn list(Called(api): Called, Params(p): Params<JobParams>) -> Result<Json<Page<JobDto>>, Problem> {
     let limit = checked_limit(p.limit, 50)?;
     let mut errors = Vec::new();
     let state = p.state.as_deref().and_then(|word| {
@@ -96,7 +93,7 @@ pub async fn list(
     (status = 200, description = "The job", body = JobDto),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<JobDto>, Problem> {
+pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<JobDto>, Problem> {
     let row = read(&api, parse_id(&id)?).await?;
     Ok(Json(dto(&api, &row)))
 }
@@ -116,7 +113,7 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn submit(
-    State(api): State<Api>,
+    Called(api): Called,
     IdempotencyKey(key): IdempotencyKey,
     JsonBody(new): JsonBody<NewJob>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<JobDto>), Problem> {
@@ -189,7 +186,7 @@ fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<Str
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn change(
-    State(api): State<Api>,
+    Called(api): Called,
     PathPart(id): PathPart,
     JsonBody(patch): JsonBody<JobPatch>,
 ) -> Result<Json<JobDto>, Problem> {
@@ -240,7 +237,7 @@ impl JobPatch {
     (status = 409, description = "It is over already, or is part of a recording", body = Problem,
      content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn cancel(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<JobDto>, Problem> {
+pub async fn cancel(Called(api): Called, PathPart(id): PathPart) -> Result<Json<JobDto>, Problem> {
     let id = parse_id(&id)?;
     match api.ask(What::Cancel(id)).await? {
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),

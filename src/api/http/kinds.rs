@@ -5,6 +5,7 @@
 //! one another follows from the kinds, and the database is carried over to them. Refuses: to change kinds of the
 //! scenario, and kinds that robots are of.
 
+use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, PathPart};
 use crate::api::port::{KindRefusal, KindRequest};
@@ -12,7 +13,6 @@ use crate::api::{Api, Kinds};
 use crate::fleet::RobotKind;
 use crate::warehouse::Footprint;
 use axum::Json;
-use axum::extract::State;
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -160,7 +160,7 @@ pub enum FootprintDto {
     (status = 200, description = "All kinds", body = Vec<KindDto>),
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn kinds(State(api): State<Api>) -> Result<Json<Vec<KindDto>>, Problem> {
+pub async fn kinds(Called(api): Called) -> Result<Json<Vec<KindDto>>, Problem> {
     let kinds = &api.kinds;
     let added = match &kinds.requests {
         Some(_) => kinds.ask("", KindRequest::List).await?,
@@ -185,7 +185,7 @@ pub async fn kinds(State(api): State<Api>) -> Result<Json<Vec<KindDto>>, Problem
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn put(
-    State(api): State<Api>,
+    Called(api): Called,
     PathPart(name): PathPart,
     JsonBody(new): JsonBody<NewKind>,
 ) -> Result<(StatusCode, Json<KindDto>), Problem> {
@@ -216,7 +216,7 @@ pub async fn put(
      content_type = "application/problem+json"),
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn remove(State(api): State<Api>, PathPart(name): PathPart) -> Result<StatusCode, Problem> {
+pub async fn remove(Called(api): Called, PathPart(name): PathPart) -> Result<StatusCode, Problem> {
     refuse_used(&api, &name)?;
     api.kinds.ask(&name, |reply| KindRequest::Remove(name.clone(), reply)).await?;
     api.kinds.removed().insert(name);

@@ -2,14 +2,13 @@
 //!
 //! Main functions: [`racks`], [`stations`], [`robots`]. Refuses: pages of more than 500.
 
-use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::dto::{Names, Page, RackDto, RobotDto, StationDto};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
 use crate::api::words::ActivityDto;
 use crate::fleet::{Activity, RobotView};
 use axum::Json;
-use axum::extract::State;
 use serde::Deserialize;
 use utoipa::IntoParams;
 
@@ -31,10 +30,7 @@ pub struct Paging {
 #[utoipa::path(get, path = "/v1/racks", tag = "floor", operation_id = "listRacks", params(Paging), responses(
     (status = 200, description = "Racks in the map's order", body = Page<RackDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
-pub async fn racks(
-    State(api): State<Api>,
-    Params(p): Params<Paging>,
-) -> Result<Json<Page<RackDto>>, Problem> {
+pub async fn racks(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<RackDto>>, Problem> {
     let moment = api.moment();
     page(Names { map: &api.map, view: &moment.view }.racks(), &p)
 }
@@ -44,7 +40,7 @@ pub async fn racks(
     (status = 200, description = "Stations in the map's order", body = Page<StationDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn stations(
-    State(api): State<Api>,
+    Called(api): Called,
     Params(p): Params<Paging>,
 ) -> Result<Json<Page<StationDto>>, Problem> {
     let moment = api.moment();
@@ -70,7 +66,7 @@ pub struct RobotParams {
     (status = 200, description = "Robots in order of joining", body = Page<RobotDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn robots(
-    State(api): State<Api>,
+    Called(api): Called,
     Params(p): Params<RobotParams>,
 ) -> Result<Json<Page<RobotDto>>, Problem> {
     let wanted = p.activity.as_deref().map(Activity::of_word);

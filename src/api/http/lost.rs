@@ -4,11 +4,11 @@
 
 use super::halt::done;
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, PathPart, signed};
 use crate::api::port::What;
 use crate::geometry::{Spot, to_mm};
-use axum::extract::State;
 use axum::http::StatusCode;
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -49,7 +49,7 @@ pub struct NarrowBody {
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn clear(
-    State(api): State<Api>,
+    Called(api): Called,
     PathPart(id): PathPart,
     JsonBody(body): JsonBody<VouchBody>,
 ) -> Result<StatusCode, Problem> {
@@ -70,7 +70,7 @@ pub async fn clear(
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn narrow(
-    State(api): State<Api>,
+    Called(api): Called,
     PathPart(id): PathPart,
     JsonBody(body): JsonBody<NarrowBody>,
 ) -> Result<StatusCode, Problem> {

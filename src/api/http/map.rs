@@ -2,9 +2,8 @@
 //!
 //! Main function: [`map`]. Refuses: to send it again to a page that has it.
 
-use crate::api::Api;
 use crate::api::building::{MapDto, map_text};
-use axum::extract::State;
+use crate::api::called::Called;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use sha2::{Digest, Sha256};
@@ -13,7 +12,7 @@ use sha2::{Digest, Sha256};
 #[utoipa::path(get, path = "/v1/map", tag = "floor", operation_id = "getMap", responses(
     (status = 200, description = "The building", body = MapDto),
     (status = 304, description = "Unchanged: its ETag is the one in If-None-Match")))]
-pub async fn map(State(api): State<Api>, headers: HeaderMap) -> Response {
+pub async fn map(Called(api): Called, headers: HeaderMap) -> Response {
     let text = map_text(&api.map);
     let digest = Sha256::digest(&text);
     let etag = format!("\"{}\"", digest[..12].iter().map(|b| format!("{b:02x}")).collect::<String>());

@@ -6,6 +6,7 @@
 mod alarms;
 mod assignments;
 mod asyncapi;
+mod audit;
 mod batch;
 mod closures;
 mod encounters;
@@ -32,15 +33,19 @@ mod robot_life;
 mod robots;
 mod stations;
 mod timelines;
+mod tokens;
 mod webhooks;
 mod why;
 mod workers;
 
 pub use health::alive;
 
+use super::audit::AuditEntry;
+use super::caller::Caller;
 use super::error::Problem;
 use super::feed::session;
 use super::metrics::HttpLabels;
+use super::roles::{Access, access_of, check_role, is_audited, subject_of};
 use super::{Api, ws};
 use axum::Router;
 use axum::extract::{MatchedPath, Request, State};
@@ -49,6 +54,7 @@ use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use serde_json::Value;
+use std::sync::Arc;
 use tower_http::catch_panic::CatchPanicLayer;
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
@@ -136,19 +142,51 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(past::recording))
         .routes(routes!(history::history))
         .routes(routes!(heat::heat))
+        .routes(routes!(audit::list))
+        .routes(routes!(tokens::list, tokens::make))
+        .routes(routes!(tokens::revoke))
+        .routes(routes!(tokens::rotate))
         .routes(routes!(ws::live))
         .routes(routes!(health::metrics))
 }
 
-/// Lets authorised requests in; health needs no token.
-async fn authorise(State(api): State<Api>, request: Request, next: Next) -> Response {
-    let open = openapi::OPEN.contains(&request.uri().path());
-    match api.gate.check(request.headers()) {
-        Err(problem) if !open || problem.status != StatusCode::UNAUTHORIZED.as_u16() => {
-            problem.into_response()
+/// Lets requests in whose caller has the role that the route needs, tells the handler whose they are, and notes those
+/// that are to change something, with what came of them.
+async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> Response {
+    let open = access_of(request.method().as_str(), request.uri().path()) == Some(Access::Open);
+    let caller = match api.gate.check(request.headers(), (api.now)()) {
+        Ok(caller) => caller,
+        Err(problem) if open && problem.status == StatusCode::UNAUTHORIZED.as_u16() => Caller::nobody(),
+        Err(problem) => return problem.into_response(),
+    };
+    let (caller, method, path) = (Arc::new(caller), request.method().as_str(), request.uri().path());
+    let route = request.extensions().get::<MatchedPath>().map_or("", MatchedPath::as_str);
+    let entry = is_audited(method, route).then(|| {
+        let subject = subject_of(route, path).map(str::to_owned);
+        Arc::new(api.audit.begin(&caller, format!("{method} {route}"), subject, (api.now)()))
+    });
+    let response = match check_role(&caller, method, route, path) {
+        Err(problem) => problem.into_response(),
+        Ok(()) => {
+            request.extensions_mut().insert(caller);
+            if let Some(entry) = &entry {
+                request.extensions_mut().insert(entry.clone());
+            }
+            next.run(request).await
         }
-        _ => next.run(request).await,
+    };
+    if let Some(entry) = entry {
+        let status = Some(response.status().as_u16());
+        let subject = entry.subject.clone().or_else(|| made(&response));
+        api.audit.end(AuditEntry { status, subject, ..(*entry).clone() });
     }
+    response
+}
+
+/// The id of what was made, where the answer says where that is.
+fn made(response: &Response) -> Option<String> {
+    let place = response.headers().get(header::LOCATION)?.to_str().ok()?;
+    Some(place.rsplit('/').next()?.to_owned())
 }
 
 /// Counts requests, and writes the path into problems.
@@ -183,4 +221,24 @@ fn method_word(method: &Method) -> &'static str {
 async fn wrong_method(request: Request) -> Problem {
     let detail = format!("{} is not allowed here: /openapi.json lists what is", request.method());
     Problem::new(StatusCode::METHOD_NOT_ALLOWED, "method", "Method not allowed", detail)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::roles::RULES;
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_route_of_the_description_has_a_role_and_every_role_a_route() {
+        let document = serde_json::to_value(routes().split_for_parts().1).unwrap();
+        let mut described = BTreeSet::new();
+        for (path, item) in document["paths"].as_object().unwrap() {
+            described
+                .extend(item.as_object().unwrap().keys().map(|method| (method.to_uppercase(), path.clone())));
+        }
+        let ruled: Vec<(String, String)> = RULES.iter().map(|(m, p, _)| ((*m).into(), (*p).into())).collect();
+        assert_eq!(ruled.len(), ruled.iter().collect::<BTreeSet<_>>().len(), "no route has two rows");
+        assert_eq!(described, ruled.into_iter().collect());
+    }
 }

@@ -5,13 +5,11 @@
 //! that are not there; the routes and their descriptions are registered together.
 
 use crate::api::extract::BODY_LIMIT;
+use crate::api::roles::{Access, access_of};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
-
-/// Paths that need no token.
-pub const OPEN: [&str; 3] = ["/v1/health", "/v1/health/live", "/v1/health/ready"];
 
 /// Methods whose requests change something.
 const WRITES: [&str; 4] = ["post", "put", "patch", "delete"];
@@ -26,7 +24,7 @@ const WRITES: [&str; 4] = ["post", "put", "patch", "delete"];
         assignments \"a3\", closed areas \"c2\". Errors are application/problem+json (RFC 9457) and say \
         what to do. A job is acknowledged only when it is durable: an answer 201 survives loss of power. The live \
         feed is a WebSocket at /v1/live, headsets talk to /v1/workers/{id}/feed; /asyncapi.json describes their \
-        messages. /docs shows both descriptions as a page."
+        messages. /docs shows both descriptions as a page. Each operation says which role it needs."
     ),
     tags(
         (name = "jobs", description = "What customers want: submit, list, change, cancel."),
@@ -67,9 +65,11 @@ fn members(value: &mut Value) -> impl Iterator<Item = (&String, &mut Value)> {
 
 /// Adds the answers of the layers, and words where an answer has none.
 fn complete(path: &str, method: &str, operation: &mut Value) {
-    let needs_token = !OPEN.contains(&path);
-    if !needs_token {
-        operation["security"] = json!([{}, {"bearer": []}]);
+    let access = access_of(&method.to_uppercase(), path).unwrap_or(Access::Administer);
+    let needed = access.words();
+    match &needed {
+        None => operation["security"] = json!([{}, {"bearer": []}]),
+        Some(words) => tell_roles(access, words, operation),
     }
     let has_parameters = operation["parameters"].as_array().is_some_and(|list| !list.is_empty());
     let has_body = operation.get("requestBody").is_some();
@@ -78,17 +78,31 @@ fn complete(path: &str, method: &str, operation: &mut Value) {
     }
     let writes = WRITES.contains(&method);
     let mut statuses = vec![403, 500];
-    statuses.extend(needs_token.then_some(401));
+    statuses.extend(needed.is_some().then_some(401));
     statuses.extend((has_parameters || has_body).then_some(400));
     statuses.extend(if has_body { &[408, 413, 415, 422][..] } else { &[] });
     statuses.extend(if writes { &[409, 503][..] } else { &[] });
     let responses = operation["responses"].as_object_mut().expect("every operation has responses");
+    if let Some(words) = &needed {
+        let words = format!("The role {words} is needed, or the request is from a foreign page or host name");
+        let refusal = responses.entry("403").or_insert_with(problem);
+        refusal["description"] = words.into();
+    }
     for status in statuses {
         responses.entry(status.to_string()).or_insert_with(problem);
     }
     for (status, response) in responses {
         finish(status, response);
     }
+}
+
+/// Says which roles may, for people and, as `x-roles`, for programs; `x-own` is whether a device may for its own worker
+/// or robot.
+fn tell_roles(access: Access, words: &str, operation: &mut Value) {
+    let before = operation["description"].as_str().map_or(String::new(), |text| format!("{text}\n\n"));
+    operation["description"] = format!("{before}Needs the role {words}.").into();
+    operation["x-roles"] = json!(access.roles());
+    operation["x-own"] = access.is_for_own().into();
 }
 
 /// A response that is a problem.

@@ -3,6 +3,7 @@
 //! Main types: [`PastDto`], [`FiguresDto`], [`SpanParams`]. Refuses: frames of more than an hour in one answer.
 
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
 use crate::api::recording::{Cut, Folder, Mark, Sum, thinned};
@@ -10,7 +11,6 @@ use crate::api::text::{parse_time, round3, time_text};
 use crate::time::{Span, Time};
 use axum::Json;
 use axum::body::{Body, Bytes};
-use axum::extract::State;
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use flate2::Compression;
@@ -83,7 +83,7 @@ struct SpanDto {
     (status = 404, description = "This server keeps no past", body = Problem,
      content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
-pub async fn past(State(api): State<Api>, Params(p): Params<SpanParams>) -> Result<Json<PastDto>, Problem> {
+pub async fn past(Called(api): Called, Params(p): Params<SpanParams>) -> Result<Json<PastDto>, Problem> {
     let folder = folder(&api)?;
     let (from, to) = span(folder, &p.from, &p.to)?;
     let past = folder.past(from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY));
@@ -133,7 +133,7 @@ pub struct FiguresDto {
      content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn figures(
-    State(api): State<Api>,
+    Called(api): Called,
     Params(p): Params<FigureParams>,
 ) -> Result<Json<FiguresDto>, Problem> {
     let folder = folder(&api)?;
@@ -156,7 +156,7 @@ pub async fn figures(
     (status = 404, description = "Nothing is kept of that time", body = Problem,
      content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
-pub async fn recording(State(api): State<Api>, Params(p): Params<SpanParams>) -> Result<Response, Problem> {
+pub async fn recording(Called(api): Called, Params(p): Params<SpanParams>) -> Result<Response, Problem> {
     let folder = folder(&api)?;
     let (from, to) = span(folder, &p.from, &p.to)?;
     let from = from.or_else(|| Some(folder.past(0.0, 0.0).spans.first()?.0)).unwrap_or(0.0);

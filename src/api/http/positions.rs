@@ -4,6 +4,7 @@
 //! written down. Refuses: times that cannot be.
 
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, PathPart, no_time};
 use crate::api::feed::FAR_M;
@@ -15,7 +16,6 @@ use crate::human::{Quality, Sighting, SourceId};
 use crate::id::WorkerId;
 use crate::time::{Span, Time};
 use axum::Json;
-use axum::extract::State;
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -83,7 +83,7 @@ pub struct TakenDto {
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn one(
-    State(api): State<Api>,
+    Called(api): Called,
     PathPart(id): PathPart,
     JsonBody(new): JsonBody<NewPosition>,
 ) -> Result<StatusCode, Problem> {
@@ -100,7 +100,7 @@ pub async fn one(
     (status = 200, description = "How many were accepted, and why others were not", body = TakenDto),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn many(
-    State(api): State<Api>,
+    Called(api): Called,
     JsonBody(new): JsonBody<NewPositions>,
 ) -> Result<Json<TakenDto>, Problem> {
     if new.positions.len() > MOST {

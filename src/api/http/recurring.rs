@@ -3,7 +3,7 @@
 //! Main type: [`NewRecurrence`]. Refuses: calendars beyond days of the week in a fixed offset from UTC.
 
 use super::lists::{Paging, page};
-use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
@@ -13,7 +13,6 @@ use crate::api::words::WeekdayDto;
 use crate::fleet::{Recurrence, Weekdays};
 use crate::time::{Span, Time, Window};
 use axum::Json;
-use axum::extract::State;
 use serde::Deserialize;
 use utoipa::ToSchema;
 
@@ -43,7 +42,7 @@ pub struct NewRecurrence {
     (status = 200, description = "In the order in which they were requested", body = Page<RecurringClosureDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn list(
-    State(api): State<Api>,
+    Called(api): Called,
     Params(p): Params<Paging>,
 ) -> Result<Json<Page<RecurringClosureDto>>, Problem> {
     let moment = api.moment();

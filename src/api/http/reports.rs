@@ -5,15 +5,16 @@
 
 use super::positions::{checked_time, report};
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::JsonBody;
 use crate::api::feed::warn::Warnings;
 use crate::api::massrobotics::{InteropReport, Unfit};
-use axum::extract::State;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::http::StatusCode;
 use axum::response::Response;
+use std::pin::pin;
 use std::time::Duration;
 use tokio::time::timeout;
 
@@ -36,7 +37,7 @@ const SEND: Duration = Duration::from_secs(2);
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn post(
-    State(api): State<Api>,
+    Called(api): Called,
     JsonBody(said): JsonBody<InteropReport>,
 ) -> Result<StatusCode, Problem> {
     take(&api, &said)?;
@@ -50,7 +51,7 @@ pub async fn post(
     (status = 426, description = "Not a WebSocket", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn stream(
-    State(api): State<Api>,
+    Called(api): Called,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Problem> {
     let upgrade = upgrade.map_err(|e| {
@@ -64,9 +65,11 @@ pub async fn stream(
 async fn serve(api: &Api, mut socket: WebSocket) {
     let mut closing = api.closing.clone();
     let mut warnings = Warnings::default();
+    let mut ended = pin!(api.gate.ended(&api.caller, &api.now));
     loop {
         let message = tokio::select! {
             message = timeout(SILENT, socket.recv()) => message,
+            () = &mut ended => return,
             () = async { _ = closing.wait_for(|closing| *closing).await.is_ok() } => return,
         };
         let text = match message {

@@ -6,8 +6,8 @@
 use super::lists::checked_limit;
 use super::why::parse_robot;
 use crate::alarm::SubjectKind;
-use crate::api::Api;
 use crate::api::alarms::AlarmDto;
+use crate::api::called::Called;
 use crate::api::dto::{Names, Page, RobotDto};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Params, PathPart, read_time};
@@ -16,7 +16,6 @@ use crate::fleet::{RobotEventQuery, RobotEventRow, RobotEventSource};
 use crate::id::{Dense, JobId};
 use crate::time::Time;
 use axum::Json;
-use axum::extract::State;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -87,7 +86,7 @@ pub struct RobotHistoryParams {
      content_type = "application/problem+json"),
     (status = 503, description = "The database does not answer", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<RobotDetailDto>, Problem> {
+pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<RobotDetailDto>, Problem> {
     let robot = parse_robot(&api, &id)?;
     let jobs = api.records.robot_jobs(robot).await.map_err(|why| Problem::unavailable(why, 2))?;
     let moment = api.moment();
@@ -117,7 +116,7 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
     (status = 503, description = "The database does not answer", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn history(
-    State(api): State<Api>,
+    Called(api): Called,
     PathPart(id): PathPart,
     Params(p): Params<RobotHistoryParams>,
 ) -> Result<Json<Page<RobotEventDto>>, Problem> {

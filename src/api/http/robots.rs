@@ -7,14 +7,13 @@
 
 use super::halt::done;
 use super::why::parse_robot;
-use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, PathPart};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::fleet::{Reply, USUAL_KIND};
 use axum::Json;
-use axum::extract::State;
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -72,7 +71,7 @@ fn usual_kind() -> String {
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn register(
-    State(api): State<Api>,
+    Called(api): Called,
     JsonBody(new): JsonBody<NewRobot>,
 ) -> Result<(StatusCode, Json<JoinedDto>), Problem> {
     let name = new.name.trim().to_owned();
@@ -110,7 +109,7 @@ pub async fn register(
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 409, description = "It has left already", body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn retire(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+pub async fn retire(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     done(&api, What::Retire(parse_robot(&api, &id)?)).await
 }
 
@@ -121,7 +120,7 @@ pub async fn retire(State(api): State<Api>, PathPart(id): PathPart) -> Result<St
     (status = 204, description = "It goes to maintenance, and that is durable"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn maintain(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+pub async fn maintain(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     done(&api, What::Maintain(parse_robot(&api, &id)?, true)).await
 }
 
@@ -131,7 +130,7 @@ pub async fn maintain(State(api): State<Api>, PathPart(id): PathPart) -> Result<
     (status = 204, description = "It works again"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
-pub async fn work_again(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+pub async fn work_again(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     done(&api, What::Maintain(parse_robot(&api, &id)?, false)).await
 }
 
@@ -148,7 +147,7 @@ pub async fn work_again(State(api): State<Api>, PathPart(id): PathPart) -> Resul
      content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn take_rack(
-    State(api): State<Api>,
+    Called(api): Called,
     PathPart(id): PathPart,
     JsonBody(taken): JsonBody<TakenRack>,
 ) -> Result<StatusCode, Problem> {

@@ -3,13 +3,13 @@
 //! Main functions: [`done`], [`short`], [`pause`], [`resume`]. Refuses: to end a pick that has not begun.
 
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::error::Problem;
 use crate::api::extract::PathPart;
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::fleet::{Reply, StationOrder};
 use crate::id::StationId;
-use axum::extract::State;
 use axum::http::StatusCode;
 
 /// End a pick: the job ends as done, and the robot takes its rack away. A pick lasts until this call; `pick_s` of a job
@@ -22,7 +22,7 @@ use axum::http::StatusCode;
     (status = 409, description = "No rack stands there", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "It cannot be made durable now", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn done(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+pub async fn done(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     say(&api, &id, StationOrder::Done).await
 }
 
@@ -35,7 +35,7 @@ pub async fn done(State(api): State<Api>, PathPart(id): PathPart) -> Result<Stat
     (status = 409, description = "No rack stands there", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "It cannot be made durable now", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn short(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+pub async fn short(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     say(&api, &id, StationOrder::Short).await
 }
 
@@ -47,7 +47,7 @@ pub async fn short(State(api): State<Api>, PathPart(id): PathPart) -> Result<Sta
      content_type = "application/problem+json"),
     (status = 503, description = "It cannot be made durable now", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn pause(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+pub async fn pause(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     say(&api, &id, StationOrder::Pause).await
 }
 
@@ -59,7 +59,7 @@ pub async fn pause(State(api): State<Api>, PathPart(id): PathPart) -> Result<Sta
      content_type = "application/problem+json"),
     (status = 503, description = "It cannot be made durable now", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn resume(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+pub async fn resume(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     say(&api, &id, StationOrder::Resume).await
 }
 

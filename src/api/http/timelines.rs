@@ -3,7 +3,7 @@
 //! Main types: [`TimelinesDto`], [`AreaParams`]. Refuses: areas of too many nodes, and looking far ahead, where
 //! everything is replanned before it comes.
 
-use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::dto::Names;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
@@ -17,7 +17,6 @@ use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
 use crate::timeline::{Held, Holder, Layer};
 use axum::Json;
-use axum::extract::State;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -136,7 +135,7 @@ pub struct ConditionDto {
     (status = 503, description = "Too many questions; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn timelines(
-    State(api): State<Api>,
+    Called(api): Called,
     Params(p): Params<AreaParams>,
 ) -> Result<Json<TimelinesDto>, Problem> {
     let (area, ahead) = p.read()?;

@@ -3,6 +3,7 @@
 //! Main functions: [`robot`], [`job`]. Refuses: names that are none.
 
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::dto::Names;
 use crate::api::error::Problem;
 use crate::api::extract::PathPart;
@@ -11,7 +12,6 @@ use crate::api::text::{job_name, parse_job_name};
 use crate::api::waits::WhyDto;
 use crate::id::{Dense, RobotId};
 use axum::Json;
-use axum::extract::State;
 
 /// Why a robot waits: the resource, what holds it, until when, and what that holder waits for, down to the root cause.
 #[utoipa::path(get, path = "/v1/robots/{id}/why", tag = "floor", operation_id = "explainRobot",
@@ -20,7 +20,7 @@ use axum::extract::State;
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "Too many questions; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn robot(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<WhyDto>, Problem> {
+pub async fn robot(Called(api): Called, PathPart(id): PathPart) -> Result<Json<WhyDto>, Problem> {
     let robot = parse_robot(&api, &id)?;
     let waits = api.query(|reply| Question::Robot(robot, reply)).await?;
     Ok(Json(Names { map: &api.map, view: &api.moment().view }.chain(id, &waits)))
@@ -35,7 +35,7 @@ pub async fn robot(State(api): State<Api>, PathPart(id): PathPart) -> Result<Jso
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "Too many questions; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
-pub async fn job(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<WhyDto>, Problem> {
+pub async fn job(Called(api): Called, PathPart(id): PathPart) -> Result<Json<WhyDto>, Problem> {
     let job = parse_job_name(&id)
         .ok_or_else(|| Problem::unknown("job", format!("\"{id}\" is not a job id; ids look like j17")))?;
     let known = api.records.job(job).await.map_err(|why| Problem::unavailable(why, 2))?;

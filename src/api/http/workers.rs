@@ -4,6 +4,8 @@
 
 use super::lists::{Paging, page};
 use crate::api::Api;
+use crate::api::called::Called;
+use crate::api::caller::Role;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, Params, PathPart};
@@ -14,7 +16,6 @@ use crate::api::text::{round3, worker_name};
 use crate::fleet::Reply;
 use crate::id::{Dense, WorkerId};
 use axum::Json;
-use axum::extract::State;
 use axum::http::{HeaderName, StatusCode, header};
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -31,16 +32,17 @@ pub struct NewWorker {
     name: String,
 }
 
-/// All workers.
+/// All workers; a device gets its own alone.
 #[utoipa::path(get, path = "/v1/workers", tag = "people", operation_id = "listWorkers", params(Paging), responses(
     (status = 200, description = "Workers in order of joining", body = Page<WorkerDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
-pub async fn list(
-    State(api): State<Api>,
-    Params(p): Params<Paging>,
-) -> Result<Json<Page<WorkerDto>>, Problem> {
-    let names = api.feeds.names().into_iter().enumerate();
-    page(names.map(|(i, name)| worker(&api, WorkerId::at(i), name)).collect(), &p)
+pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<WorkerDto>>, Problem> {
+    let mut workers: Vec<(WorkerId, String)> =
+        api.feeds.names().into_iter().enumerate().map(|(i, name)| (WorkerId::at(i), name)).collect();
+    if api.caller.role == Role::Device {
+        workers.retain(|(id, _)| api.caller.subject.as_deref() == Some(&worker_name(*id)));
+    }
+    page(workers.into_iter().map(|(id, name)| worker(&api, id, name)).collect(), &p)
 }
 
 /// One worker, with gaze, hands and charge if a headset reports them.
@@ -48,7 +50,7 @@ pub async fn list(
     params(("id" = String, Path, example = "w1")), responses(
     (status = 200, description = "The worker", body = WorkerDetailDto),
     (status = 404, body = Problem, content_type = "application/problem+json")))]
-pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<WorkerDetailDto>, Problem> {
+pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<WorkerDetailDto>, Problem> {
     let id = api.feeds.worker(&id)?;
     let carried = api.feeds.carried(id).unwrap_or_default();
     let name = api.feeds.name(id).unwrap_or_default();
@@ -78,7 +80,7 @@ pub async fn get(State(api): State<Api>, PathPart(id): PathPart) -> Result<Json<
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn hire(
-    State(api): State<Api>,
+    Called(api): Called,
     JsonBody(new): JsonBody<NewWorker>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<WorkerDto>), Problem> {
     let name = new.name.trim();

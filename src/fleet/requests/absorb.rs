@@ -7,7 +7,7 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::heard::{Heard, WorkerInput};
-use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
+use crate::fleet::state::io::{Bounded, CausedFacts, Input, Refusal, Reply};
 use crate::fleet::state::job::{JobKind, JobRequest, JobState};
 use crate::fleet::state::ledger::RackAt;
 use crate::id::{Dense, JobId, RackId, RobotId, WorkerId};
@@ -34,35 +34,45 @@ impl Intake<'_> {
         self.core.scene.begin(now);
         self.expire_keys(now);
         for input in inputs {
-            match input {
-                Input::Telemetry(t) if t.robot.ix() < self.core.ledger.robots.len() => {
-                    self.core.scene.see(t, now)
-                }
-                Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry from an unknown robot"),
-                Input::Submit { token, request } => {
-                    let reply = match self.submit(request, now) {
-                        Ok((job, new)) => Reply::Accepted { token, job, new },
-                        Err(why) => Reply::Refused { token, why },
-                    };
-                    self.core.out.replies.push(reply);
-                }
-                Input::SubmitBatch { token, requests } => {
-                    let results = requests.into_iter().map(|request| self.submit(request, now)).collect();
-                    self.core.out.replies.push(Reply::BatchTaken { token, results });
-                }
-                Input::Cancel { token, job } => {
-                    let reply = match self.cancel(job, now) {
-                        Ok(()) => Reply::Cancelled { token, job },
-                        Err(why) => Reply::Refused { token, why },
-                    };
-                    self.core.out.replies.push(reply);
-                }
-                Input::Sighted(s) if s.worker.ix() < self.core.ledger.workers.len() => {
-                    self.heard.people.push(WorkerInput::Seen(s));
-                }
-                Input::Sighted(s) => tracing::warn!(worker = ?s.worker, "sighting of an unknown worker"),
-                request => self.absorb_request(request, now),
+            let (token, before) = (input.token(), self.core.out.facts.len());
+            self.take(input, now);
+            let facts = before..self.core.out.facts.len();
+            if let Some(token) = token.filter(|_| !facts.is_empty()) {
+                self.core.out.caused.push(CausedFacts { token, facts });
             }
+        }
+    }
+
+    /// Takes one input in.
+    fn take(&mut self, input: Input, now: Time) {
+        match input {
+            Input::Telemetry(t) if t.robot.ix() < self.core.ledger.robots.len() => {
+                self.core.scene.see(t, now)
+            }
+            Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry from an unknown robot"),
+            Input::Submit { token, request } => {
+                let reply = match self.submit(request, now) {
+                    Ok((job, new)) => Reply::Accepted { token, job, new },
+                    Err(why) => Reply::Refused { token, why },
+                };
+                self.core.out.replies.push(reply);
+            }
+            Input::SubmitBatch { token, requests } => {
+                let results = requests.into_iter().map(|request| self.submit(request, now)).collect();
+                self.core.out.replies.push(Reply::BatchTaken { token, results });
+            }
+            Input::Cancel { token, job } => {
+                let reply = match self.cancel(job, now) {
+                    Ok(()) => Reply::Cancelled { token, job },
+                    Err(why) => Reply::Refused { token, why },
+                };
+                self.core.out.replies.push(reply);
+            }
+            Input::Sighted(s) if s.worker.ix() < self.core.ledger.workers.len() => {
+                self.heard.people.push(WorkerInput::Seen(s));
+            }
+            Input::Sighted(s) => tracing::warn!(worker = ?s.worker, "sighting of an unknown worker"),
+            request => self.absorb_request(request, now),
         }
     }
 

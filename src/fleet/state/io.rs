@@ -13,6 +13,7 @@ use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesI
 use crate::time::Time;
 use crate::timeline::Reserved;
 use crate::warehouse::NodeKind;
+use std::ops::Range;
 
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.01;
@@ -543,4 +544,15 @@ pub struct Step {
     pub urgent: Vec<(RobotId, Command)>,
     /// What workers are told, where it changed. It leaves at once.
     pub guidance: Vec<(WorkerId, Guidance)>,
+    /// Which facts requests caused themselves, in order. What the fleet decided because of them is not among these.
+    pub caused: Vec<CausedFacts>,
+}
+
+/// Facts that one request caused.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CausedFacts {
+    /// The token of the request.
+    pub token: u64,
+    /// Their places among the facts of the step, counted from 0.
+    pub facts: Range<usize>,
 }

@@ -3,7 +3,7 @@
 import type { Socket, SocketEvents } from './link';
 import type { Past, Sum } from './past';
 import type {
-  AlarmPage, AlarmRecord, Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobBatch, JobPage, JobState, NewClosure, NewJob,
+  AlarmPage, AlarmRecord, AuditPage, Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobBatch, JobPage, JobState, NewClosure, NewJob,
   Problem, RobotDetail, RobotHistoryPage, RobotKind, Timelines, Why, WorkerDetail,
 } from './types';
 
@@ -70,6 +70,7 @@ export class Api {
     return this.#ask<Blob>('GET', `/v1/past/reel?${query}`, { Accept: 'application/gzip' });
   }
   alarms = (query: Record<string, string>) => this.#ask<AlarmPage>('GET', `/v1/alarms?${new URLSearchParams(query)}`);
+  audit = (query: Record<string, string>) => this.#ask<AuditPage>('GET', `/v1/audit?${new URLSearchParams(query)}`);
   acknowledge = (id: string, by: string) => this.#ask<AlarmRecord>('POST', `/v1/alarms/${encodeURIComponent(id)}/acknowledge`, {}, { by });
   worker = (id: string) => this.#ask<WorkerDetail>('GET', `/v1/workers/${encodeURIComponent(id)}`);
   history = (query: Record<string, string>) => this.#ask<HistoryPage>('GET', `/v1/history?${new URLSearchParams(query)}`);

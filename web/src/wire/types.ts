@@ -245,6 +245,22 @@ export interface AlarmRecord {
   acknowledged: { by: string; at: string } | null;
   cleared: string | null;
 }
+export type AuditOutcome = 'done' | 'refused' | 'failed' | 'unanswered';
+/** A request that was to change something: who asked, in which role, and what came of it. */
+export interface AuditEntry {
+  id: string;
+  at: string;
+  actor: string;
+  role: string;
+  what: string;
+  subject: string | null;
+  outcome: AuditOutcome;
+  status: number | null;
+}
+export interface AuditPage {
+  items: AuditEntry[];
+  next: string | null;
+}
 export interface AlarmPage {
   items: AlarmRecord[];
   next: string | null;

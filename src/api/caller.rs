@@ -1,0 +1,116 @@
+//! Who sends a request, what roles there are, and what is known of tokens.
+//!
+//! Main types: [`Caller`], [`Role`], [`NamedToken`]. Refuses: to decide what a role may do.
+
+use crate::time::Time;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// The digest of a token.
+pub type TokenHash = [u8; 32];
+
+/// What somebody may do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Role {
+    /// Reads.
+    Viewer,
+    /// Reads, and runs the floor: halts, releases, closures, alarms, maintenance, people who were lost.
+    Operator,
+    /// Reads, and orders: jobs and assignments.
+    Integrator,
+    /// Speaks for one worker or robot.
+    Device,
+    /// Everything.
+    Admin,
+}
+
+impl Role {
+    /// All roles.
+    pub const ALL: [Role; 5] = [Role::Viewer, Role::Operator, Role::Integrator, Role::Device, Role::Admin];
+
+    /// Its word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Role::Viewer => "viewer",
+            Role::Operator => "operator",
+            Role::Integrator => "integrator",
+            Role::Device => "device",
+            Role::Admin => "admin",
+        }
+    }
+
+    /// The role of a word.
+    pub fn of_word(word: &str) -> Option<Role> {
+        Role::ALL.into_iter().find(|role| role.word() == word)
+    }
+}
+
+/// Who sends a request.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Caller {
+    /// The name of the token; `configuration` for tokens of the settings, `this machine` where none is needed.
+    pub name: String,
+    /// What it may do.
+    pub role: Role,
+    /// The worker or robot that a device speaks for, as in paths: `w1`, `robot-2`.
+    pub subject: Option<String>,
+    /// The digest of its token; nothing where none is needed.
+    pub key: Option<TokenHash>,
+}
+
+impl Caller {
+    /// Names that no token may have, since they are those of callers without a named token.
+    pub const RESERVED: [&'static str; 4] = ["configuration", "this machine", "command line", "nobody"];
+
+    /// Who talks to a server that needs no token.
+    pub fn this_machine() -> Caller {
+        Caller { name: "this machine".into(), role: Role::Admin, subject: None, key: None }
+    }
+
+    /// Who has a token of the settings.
+    pub fn of_configuration(key: TokenHash) -> Caller {
+        Caller { name: "configuration".into(), role: Role::Admin, subject: None, key: Some(key) }
+    }
+
+    /// Somebody without a token where one is needed; only what needs none is open to them.
+    pub fn nobody() -> Caller {
+        Caller { name: "nobody".into(), role: Role::Viewer, subject: None, key: None }
+    }
+}
+
+/// A token with a name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedToken {
+    /// Its number.
+    pub id: i64,
+    /// Who uses it.
+    pub name: String,
+    /// What it may do.
+    pub role: Role,
+    /// The worker or robot that it speaks for, as in paths: `w1`, `robot-2`.
+    pub subject: Option<String>,
+    /// SHA-256 of it.
+    pub hash: TokenHash,
+    /// When it was made, or made anew.
+    pub created: Time,
+    /// From when on it no longer holds.
+    pub expires: Option<Time>,
+    /// When it was revoked.
+    pub revoked: Option<Time>,
+    /// About when it was used last.
+    pub last_used: Option<Time>,
+}
+
+impl NamedToken {
+    /// Whether it lets anybody in now.
+    pub fn holds(&self, now: Time) -> bool {
+        self.revoked.is_none() && self.expires.is_none_or(|end| now < end)
+    }
+
+    /// Who shows it.
+    pub fn caller(&self) -> Caller {
+        let (name, subject) = (self.name.clone(), self.subject.clone());
+        Caller { name, role: self.role, subject, key: Some(self.hash) }
+    }
+}

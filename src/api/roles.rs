@@ -1,0 +1,249 @@
+//! Which role each route needs: one table.
+//!
+//! Main function: [`check_role`]; [`access_of`] is the row of a route. Refuses: routes without a row, to everybody but
+//! administrators.
+
+use super::caller::{Caller, Role};
+use super::error::Problem;
+use axum::http::StatusCode;
+
+/// Who may use a route.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// Everybody, also without a token.
+    Open,
+    /// Everybody with a token.
+    Known,
+    /// Those who read.
+    Read,
+    /// Those who read, and a device what is its own.
+    ReadOwn,
+    /// Who runs the floor.
+    Operate,
+    /// Who orders.
+    Order,
+    /// Who runs the floor, and who orders.
+    Change,
+    /// Who reports where people are, and a device for its own worker.
+    Report,
+    /// A device for its own worker or robot.
+    Own,
+    /// Administrators.
+    Administer,
+}
+
+use Access::{Administer, Change, Known, Open, Operate, Order, Own, Read, ReadOwn, Report};
+
+/// Each route by method and path.
+pub const RULES: &[(&str, &str, Access)] = &[
+    ("GET", "/v1/health", Open),
+    ("GET", "/v1/health/live", Open),
+    ("GET", "/v1/health/ready", Open),
+    ("GET", "/metrics", Read),
+    ("GET", "/v1/live", Read),
+    ("GET", "/v1/map", Known),
+    ("GET", "/v1/kinds", Known),
+    ("PUT", "/v1/kinds/{name}", Administer),
+    ("DELETE", "/v1/kinds/{name}", Administer),
+    ("GET", "/v1/map:file", Read),
+    ("POST", "/v1/maps:check", Change),
+    ("POST", "/v1/maps:try", Change),
+    ("GET", "/v1/events", Read),
+    ("GET", "/v1/webhooks", Order),
+    ("POST", "/v1/webhooks", Administer),
+    ("DELETE", "/v1/webhooks/{id}", Administer),
+    ("GET", "/v1/webhooks/{id}/failures", Order),
+    ("GET", "/v1/racks", Read),
+    ("POST", "/v1/racks/{id}/taken", Operate),
+    ("GET", "/v1/stations", Read),
+    ("POST", "/v1/stations/{id}/done", Operate),
+    ("POST", "/v1/stations/{id}/short", Operate),
+    ("POST", "/v1/stations/{id}/pause", Operate),
+    ("POST", "/v1/stations/{id}/resume", Operate),
+    ("GET", "/v1/robots", Read),
+    ("POST", "/v1/robots", Administer),
+    ("GET", "/v1/robots/{id}", ReadOwn),
+    ("DELETE", "/v1/robots/{id}", Administer),
+    ("GET", "/v1/robots/{id}/history", ReadOwn),
+    ("GET", "/v1/robots/{id}/why", ReadOwn),
+    ("PUT", "/v1/robots/{id}/maintenance", Operate),
+    ("DELETE", "/v1/robots/{id}/maintenance", Operate),
+    ("POST", "/v1/robots/{id}/pause", Operate),
+    ("POST", "/v1/robots/{id}/resume", Operate),
+    ("GET", "/v1/fleet", Read),
+    ("POST", "/v1/fleet/stop", Operate),
+    ("POST", "/v1/fleet/resume", Operate),
+    ("GET", "/v1/jobs", Read),
+    ("POST", "/v1/jobs", Order),
+    ("POST", "/v1/jobs:batch", Order),
+    ("GET", "/v1/jobs/{id}", Read),
+    ("PATCH", "/v1/jobs/{id}", Change),
+    ("DELETE", "/v1/jobs/{id}", Change),
+    ("GET", "/v1/jobs/{id}/why", Read),
+    ("GET", "/v1/timelines", Read),
+    ("GET", "/v1/workers", Known),
+    ("POST", "/v1/workers", Administer),
+    ("GET", "/v1/workers/{id}", ReadOwn),
+    ("POST", "/v1/workers/{id}/clear", Operate),
+    ("POST", "/v1/workers/{id}/narrow", Operate),
+    ("GET", "/v1/workers/{id}/feed", Own),
+    ("POST", "/v1/workers/{id}/position", Report),
+    ("POST", "/v1/positions", Order),
+    ("GET", "/v1/massrobotics", Order),
+    ("POST", "/v1/massrobotics", Order),
+    ("GET", "/v1/workers/{id}/assignments", ReadOwn),
+    ("POST", "/v1/workers/{id}/assignments", Order),
+    ("GET", "/v1/assignments", Read),
+    ("POST", "/v1/assignments", Order),
+    ("GET", "/v1/assignments/{id}", Read),
+    ("DELETE", "/v1/assignments/{id}", Change),
+    ("POST", "/v1/assignments/{id}/done", Change),
+    ("GET", "/v1/closures", Read),
+    ("POST", "/v1/closures", Operate),
+    ("GET", "/v1/closures/recurring", Read),
+    ("GET", "/v1/closures/{id}", Read),
+    ("DELETE", "/v1/closures/{id}", Operate),
+    ("GET", "/v1/evacuation", Read),
+    ("POST", "/v1/evacuation", Operate),
+    ("DELETE", "/v1/evacuation", Operate),
+    ("GET", "/v1/alarms", Read),
+    ("POST", "/v1/alarms/{id}/acknowledge", Operate),
+    ("GET", "/v1/encounters", Read),
+    ("GET", "/v1/past", Read),
+    ("GET", "/v1/past/figures", Read),
+    ("GET", "/v1/past/reel", Read),
+    ("GET", "/v1/history", Read),
+    ("GET", "/v1/heat", Read),
+    ("GET", "/v1/audit", Administer),
+    ("GET", "/v1/tokens", Administer),
+    ("POST", "/v1/tokens", Administer),
+    ("DELETE", "/v1/tokens/{id}", Administer),
+    ("POST", "/v1/tokens/{id}/rotate", Administer),
+];
+
+/// Routes of reports of where people are.
+const REPORTS: [&str; 3] = ["/v1/positions", "/v1/workers/{id}/position", "/v1/massrobotics"];
+
+impl Access {
+    /// The roles that may, besides a device for its own; none where everybody may.
+    pub fn roles(self) -> &'static [Role] {
+        match self {
+            Open => &[],
+            Known => &Role::ALL,
+            Read | ReadOwn => &[Role::Viewer, Role::Operator, Role::Integrator, Role::Admin],
+            Operate => &[Role::Operator, Role::Admin],
+            Order | Report => &[Role::Integrator, Role::Admin],
+            Change => &[Role::Operator, Role::Integrator, Role::Admin],
+            Own | Administer => &[Role::Admin],
+        }
+    }
+
+    /// Whether a device may use it for the worker or robot for which it speaks.
+    pub fn is_for_own(self) -> bool {
+        matches!(self, ReadOwn | Report | Own)
+    }
+
+    /// Who may, in words; nothing where everybody may.
+    pub fn words(self) -> Option<String> {
+        let mut words: Vec<&str> = self.roles().iter().map(|role| role.word()).collect();
+        words.extend(self.is_for_own().then_some("device (its own)"));
+        let last = words.pop()?;
+        Some(if words.is_empty() { last.into() } else { format!("{} or {last}", words.join(", ")) })
+    }
+}
+
+/// The row of a route; `HEAD` is asked for as `GET` is.
+pub fn access_of(method: &str, route: &str) -> Option<Access> {
+    let method = if method == "HEAD" { "GET" } else { method };
+    RULES.iter().find(|(m, path, _)| *m == method && *path == route).map(|(_, _, access)| *access)
+}
+
+/// Whether a request is to change something, and so is written down. Reports of where people are, are observations.
+pub fn is_audited(method: &str, route: &str) -> bool {
+    !matches!(method, "GET" | "HEAD" | "OPTIONS") && !REPORTS.contains(&route)
+}
+
+/// Lets a caller use a route, at this path.
+///
+/// # Errors
+/// 403 that names the role that is needed.
+pub fn check_role(caller: &Caller, method: &str, route: &str, path: &str) -> Result<(), Problem> {
+    let access = access_of(method, route).unwrap_or(Administer);
+    let owns = || caller.subject.is_some() && caller.subject.as_deref() == subject_of(route, path);
+    if access == Open
+        || access.roles().contains(&caller.role)
+        || (access.is_for_own() && caller.role == Role::Device && owns())
+    {
+        return Ok(());
+    }
+    let subject = caller.subject.as_deref().map_or(String::new(), |s| format!(" of {s}"));
+    let needed = access.words().unwrap_or_default();
+    let detail = format!(
+        "\"{}\" has the role {}{subject}, and this needs the role {needed}",
+        caller.name,
+        caller.role.word()
+    );
+    Err(Problem::new(StatusCode::FORBIDDEN, "role", "Another role is needed", detail))
+}
+
+/// What stands at the variable of a route in a path.
+pub fn subject_of<'a>(route: &str, path: &'a str) -> Option<&'a str> {
+    let pairs = route.split('/').zip(path.split('/'));
+    pairs.into_iter().find(|(part, _)| part.starts_with('{')).map(|(_, text)| text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn may(role: Role, subject: Option<&str>, method: &str, route: &str, path: &str) -> bool {
+        let caller = Caller { name: "n".into(), role, subject: subject.map(Into::into), key: None };
+        check_role(&caller, method, route, path).is_ok()
+    }
+
+    #[test]
+    fn each_role_may_what_it_is_for() {
+        use Role::{Admin, Integrator, Operator, Viewer};
+        for (method, route, roles) in [
+            ("GET", "/v1/robots", &[Viewer, Operator, Integrator, Admin][..]),
+            ("HEAD", "/v1/robots", &[Viewer, Operator, Integrator, Admin]),
+            ("POST", "/v1/fleet/stop", &[Operator, Admin]),
+            ("POST", "/v1/jobs", &[Integrator, Admin]),
+            ("DELETE", "/v1/jobs/{id}", &[Operator, Integrator, Admin]),
+            ("GET", "/v1/map", &Role::ALL),
+            ("GET", "/v1/health", &Role::ALL),
+            ("POST", "/v1/robots", &[Admin]),
+            ("GET", "/v1/tokens", &[Admin]),
+            ("GET", "/v1/no/such/route", &[Admin]),
+        ] {
+            let allowed: Vec<Role> =
+                Role::ALL.into_iter().filter(|role| may(*role, None, method, route, route)).collect();
+            assert_eq!(allowed, roles, "{method} {route}");
+        }
+    }
+
+    #[test]
+    fn a_device_may_use_its_own_alone() {
+        let feed = "/v1/workers/{id}/feed";
+        assert!(may(Role::Device, Some("w1"), "GET", feed, "/v1/workers/w1/feed"));
+        assert!(!may(Role::Device, Some("w1"), "GET", feed, "/v1/workers/w2/feed"));
+        assert!(!may(Role::Device, None, "GET", feed, "/v1/workers/w1/feed"));
+        assert!(!may(Role::Operator, Some("w1"), "GET", feed, "/v1/workers/w1/feed"));
+        assert!(may(Role::Device, Some("robot-2"), "GET", "/v1/robots/{id}", "/v1/robots/robot-2"));
+        assert!(!may(
+            Role::Device,
+            Some("robot-2"),
+            "POST",
+            "/v1/robots/{id}/pause",
+            "/v1/robots/robot-2/pause"
+        ));
+    }
+
+    #[test]
+    fn a_refusal_names_the_role_that_is_needed() {
+        let caller = Caller { name: "anna".into(), role: Role::Viewer, subject: None, key: None };
+        let problem = check_role(&caller, "POST", "/v1/fleet/stop", "/v1/fleet/stop").unwrap_err();
+        let detail = "\"anna\" has the role viewer, and this needs the role operator or admin";
+        assert_eq!((problem.status, problem.detail.as_str()), (403, detail));
+    }
+}

@@ -1,0 +1,137 @@
+//! Named tokens between database and gate: what is written is in force before it is answered, and what another program
+//! writes within a second.
+//!
+//! Main type: [`TokenKeeper`]. Refuses: roles that this Giveway does not know; such a token does not hold.
+
+use crate::api::auth::Gate;
+use crate::api::caller::{NamedToken, Role, TokenHash};
+use crate::api::port::{Later, Now, TokenDesk};
+use crate::store::{Store, StoreError, TokenDraft, TokenRow};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::task::JoinHandle;
+
+/// How often the table is read.
+const LOOK: Duration = Duration::from_secs(1);
+
+/// Every so many looks it is written down when tokens were used.
+const USES: u32 = 10;
+
+/// Keeps tokens of a running server.
+#[derive(Clone)]
+pub struct TokenKeeper {
+    store: Arc<Store>,
+    gate: Arc<Gate>,
+    now: Now,
+}
+
+/// The tokens of a database that nobody has opened yet; none where there is no database.
+pub async fn tokens_of(database: &Path) -> Vec<NamedToken> {
+    if !std::fs::metadata(database).is_ok_and(|m| m.is_file() && m.len() > 0) {
+        return Vec::new();
+    }
+    let Ok(store) = Store::inspect(database).await else { return Vec::new() };
+    let rows = store.tokens().all().await.unwrap_or_default();
+    store.close().await;
+    rows.into_iter().filter_map(known).collect()
+}
+
+/// A row as the gate needs it; nothing where its role is from another Giveway.
+fn known(row: TokenRow) -> Option<NamedToken> {
+    let TokenRow { id, name, role, subject, hash, created, expires, revoked, last_used } = row;
+    let (role, hash) = (Role::of_word(&role)?, hash.try_into().ok()?);
+    Some(NamedToken { id, name, role, subject, hash, created, expires, revoked, last_used })
+}
+
+impl TokenKeeper {
+    /// One that keeps this gate as the database says, and its task.
+    pub fn start(store: Arc<Store>, gate: Arc<Gate>, now: Now) -> (TokenKeeper, JoinHandle<()>) {
+        let keeper = TokenKeeper { store, gate, now };
+        let task = tokio::spawn(keeper.clone().run());
+        (keeper, task)
+    }
+
+    /// Reads the table again and again, and writes down when tokens were used.
+    async fn run(self) {
+        for look in 0u32.. {
+            // Where the database does not answer, what is known stays in force.
+            if let Err(e) = self.learn().await {
+                tracing::debug!("tokens cannot be read: {e}");
+            }
+            if look.is_multiple_of(USES)
+                && let Err(e) = self.note_uses().await
+            {
+                tracing::debug!("it cannot be noted when tokens were used: {e}");
+            }
+            tokio::time::sleep(LOOK).await;
+        }
+    }
+
+    /// Puts what the database says in force.
+    async fn learn(&self) -> Result<(), StoreError> {
+        let rows = self.store.tokens().all().await?;
+        self.gate.learn(rows.into_iter().filter_map(known).collect(), (self.now)());
+        Ok(())
+    }
+
+    async fn note_uses(&self) -> Result<(), StoreError> {
+        for (id, at) in self.gate.take_used() {
+            self.store.tokens().note_use(id, at).await?;
+        }
+        Ok(())
+    }
+
+    /// Writes while the files are still the database, then puts that in force.
+    async fn change<T>(&self, write: impl Future<Output = Result<T, StoreError>>) -> Result<T, String> {
+        let written = async {
+            self.store.check_place()?;
+            let written = write.await?;
+            self.store.check_place()?;
+            self.learn().await?;
+            Ok(written)
+        };
+        written.await.map_err(told)
+    }
+
+    async fn one(&self, id: i64) -> Result<Option<NamedToken>, String> {
+        Ok(self.store.tokens().one(id).await.map_err(told)?.and_then(known))
+    }
+}
+
+impl TokenDesk for TokenKeeper {
+    fn list(&self) -> Later<'_, Result<Vec<NamedToken>, String>> {
+        Box::pin(async {
+            let rows = self.store.tokens().all().await.map_err(told)?;
+            Ok(rows.into_iter().filter_map(known).collect())
+        })
+    }
+
+    fn add(&self, new: NamedToken) -> Later<'_, Result<Option<NamedToken>, String>> {
+        Box::pin(async move {
+            let NamedToken { name, role, subject, hash, created, expires, .. } = new;
+            let draft = TokenDraft { name, role: role.word().into(), subject, hash, created, expires };
+            match self.change(self.store.tokens().add(&draft)).await? {
+                Some(id) => self.one(id).await,
+                None => Ok(None),
+            }
+        })
+    }
+
+    fn revoke(&self, id: i64) -> Later<'_, Result<bool, String>> {
+        Box::pin(async move { self.change(self.store.tokens().revoke(id, (self.now)())).await })
+    }
+
+    fn rotate(&self, id: i64, hash: TokenHash) -> Later<'_, Result<Option<NamedToken>, String>> {
+        Box::pin(async move {
+            let rotated = self.change(self.store.tokens().rotate(id, hash, (self.now)())).await?;
+            if rotated { self.one(id).await } else { Ok(None) }
+        })
+    }
+}
+
+/// Logs the failure, once; the client only learns that it is the database.
+fn told(e: StoreError) -> String {
+    tracing::error!("tokens: {e}");
+    "the database does not answer, or takes nothing; the server's log says why".into()
+}

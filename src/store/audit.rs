@@ -1,0 +1,172 @@
+//! What was asked of the server, by whom, and which facts came of it.
+//!
+//! Main types: [`AuditRow`], [`AuditFilter`], [`StepCause`]; [`Store::audit`] lists, [`Store::causes`] says who is
+//! behind a step. A request that caused facts is written down in their transaction. Refuses: to change what was
+//! written, but for the outcome of a request whose answer came later.
+
+use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError};
+use crate::time::Time;
+use futures_util::TryStreamExt;
+use serde::{Deserialize, Serialize};
+use sqlx::Row;
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
+use std::ops::Range;
+
+const BEGUN: &str = "INSERT OR IGNORE INTO audit (id, actor, role, what, subject, outcome) \
+    VALUES ($1, $2, $3, $4, $5, $6)";
+const ENDED: &str = "INSERT INTO audit (id, actor, role, what, subject, outcome) VALUES ($1, $2, $3, $4, $5, $6) \
+    ON CONFLICT (id) DO UPDATE SET outcome = excluded.outcome, subject = excluded.subject";
+const LAST: &str = "SELECT coalesce(max(id), 0) FROM audit";
+const SOME: &str = "SELECT * FROM audit WHERE id < $1 AND id >= $2 AND ($3 IS NULL OR actor = $3) \
+    ORDER BY id DESC LIMIT $4";
+const CAUSES: &str = "SELECT seq, causes FROM steps WHERE seq > $1 AND causes IS NOT NULL ORDER BY seq";
+
+/// A request that was to change something.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AuditRow {
+    /// When it came, microseconds since 1970, later where two came at once: its number.
+    pub id: i64,
+    /// Who asked.
+    pub actor: String,
+    /// The word of the role.
+    pub role: String,
+    /// What was asked: method and route.
+    pub what: String,
+    /// Of what: the id in the path, or of what was made.
+    pub subject: Option<String>,
+    /// The status of the answer; nothing where none is known.
+    pub outcome: Option<u16>,
+}
+
+/// Which requests to list.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct AuditFilter {
+    /// Only those that came at this time or later.
+    pub from: Option<Time>,
+    /// Only those that came before this time.
+    pub to: Option<Time>,
+    /// Only those of this name.
+    pub actor: Option<String>,
+    /// Only those with a smaller number.
+    pub before: Option<i64>,
+    /// How many at most.
+    pub limit: u32,
+}
+
+/// Which facts of a step a request caused.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StepCause {
+    /// Their places among the facts of the step, counted from 0.
+    pub facts: Range<usize>,
+    /// The request.
+    pub request: AuditRow,
+}
+
+impl Store {
+    /// Writes requests down that were answered.
+    ///
+    /// # Errors
+    /// Where the database takes nothing. Then nothing was written, and it may be tried again.
+    pub async fn keep_audit(&self, rows: &[AuditRow]) -> Result<(), StoreError> {
+        self.check_place()?;
+        let mut connection = self.writer.acquire().await?;
+        let result = keep(&mut connection, rows).await.map_err(StoreError::from);
+        if let Err(e) = &result {
+            // As with the journal: on a full disk SQLite has rolled back by itself.
+            let _ = sqlx::query(ROLLBACK).execute(&mut *connection).await;
+            if !e.leaves_connection_sound() {
+                let _ = connection.close().await;
+            }
+        }
+        result
+    }
+
+    /// The number of the last request that was written down; 0 where there is none.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn last_audit(&self) -> Result<i64, StoreError> {
+        Ok(sqlx::query_scalar(LAST).fetch_one(&self.readers).await?)
+    }
+
+    /// Some requests, newest first.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn audit(&self, q: &AuditFilter) -> Result<Vec<AuditRow>, StoreError> {
+        let end = q.before.unwrap_or(i64::MAX).min(q.to.map_or(i64::MAX, |t| t.0));
+        let rows = sqlx::query(SOME)
+            .bind(end)
+            .bind(q.from.map_or(i64::MIN, |t| t.0))
+            .bind(&q.actor)
+            .bind(q.limit)
+            .fetch_all(&self.readers)
+            .await?;
+        Ok(rows.iter().map(read).collect::<Result<_, _>>()?)
+    }
+
+    /// Who is behind the facts of the steps with a higher number than this, as far as the journal reaches: the number
+    /// of each such step, and what caused its facts. Facts of no request were decided by the fleet.
+    ///
+    /// # Errors
+    /// Where the database does not answer, or a row cannot be read.
+    pub async fn causes(&self, behind: i64) -> Result<Vec<(i64, Vec<StepCause>)>, StoreError> {
+        let mut found = Vec::new();
+        let mut rows = sqlx::query(CAUSES).bind(behind).fetch(&self.readers);
+        while let Some(row) = rows.try_next().await? {
+            let text: String = row.try_get(1)?;
+            let causes = serde_json::from_str(&text).map_err(|e| sqlx::Error::Decode(e.into()))?;
+            found.push((row.try_get(0)?, causes));
+        }
+        Ok(found)
+    }
+}
+
+/// Causes as a step's row has them; nothing where there are none.
+pub(super) fn encode(causes: &[StepCause]) -> Option<String> {
+    (!causes.is_empty()).then(|| serde_json::to_string(causes).expect("causes are plain"))
+}
+
+/// Writes the requests down that caused facts of a step, in its transaction.
+pub(super) async fn project(db: &mut SqliteConnection, causes: &[StepCause]) -> Result<(), sqlx::Error> {
+    for cause in causes {
+        write(&mut *db, BEGUN, &cause.request).await?;
+    }
+    Ok(())
+}
+
+async fn keep(db: &mut SqliteConnection, rows: &[AuditRow]) -> Result<(), sqlx::Error> {
+    sqlx::query(BEGIN).execute(&mut *db).await?;
+    for row in rows {
+        write(&mut *db, ENDED, row).await?;
+    }
+    sqlx::query(COMMIT).execute(&mut *db).await?;
+    Ok(())
+}
+
+/// Writes one request down that is answered at once, through a table of tokens.
+pub(super) async fn note(db: &mut SqliteConnection, row: &AuditRow) -> Result<(), sqlx::Error> {
+    write(db, BEGUN, row).await
+}
+
+async fn write(
+    db: &mut SqliteConnection,
+    statement: &'static str,
+    row: &AuditRow,
+) -> Result<(), sqlx::Error> {
+    let AuditRow { id, actor, role, what, subject, outcome } = row;
+    let query = sqlx::query(statement).bind(id).bind(actor).bind(role).bind(what).bind(subject);
+    query.bind(outcome.map(i64::from)).execute(db).await?;
+    Ok(())
+}
+
+fn read(row: &SqliteRow) -> Result<AuditRow, sqlx::Error> {
+    Ok(AuditRow {
+        id: row.try_get("id")?,
+        actor: row.try_get("actor")?,
+        role: row.try_get("role")?,
+        what: row.try_get("what")?,
+        subject: row.try_get("subject")?,
+        outcome: row.try_get::<Option<i64>, _>("outcome")?.and_then(|status| u16::try_from(status).ok()),
+    })
+}
