@@ -17,10 +17,20 @@ struct Follower {
 
 impl Follower {
     async fn open(at: SocketAddr, query: &str, last: Option<i64>) -> std::io::Result<Follower> {
+        Follower::open_as(at, query, last, "").await
+    }
+
+    /// With a token.
+    async fn open_as(
+        at: SocketAddr,
+        query: &str,
+        last: Option<i64>,
+        token: &str,
+    ) -> std::io::Result<Follower> {
         let mut stream = TcpStream::connect(at).await?;
         let resume = last.map_or(String::new(), |last| format!("last-event-id: {last}\r\n"));
         let head = format!(
-            "GET /v1/events{query} HTTP/1.1\r\nhost: {at}\r\naccept: text/event-stream\r\n{resume}\r\n"
+            "GET /v1/events{query} HTTP/1.1\r\nhost: {at}\r\naccept: text/event-stream\r\nauthorization: Bearer {token}\r\n{resume}\r\n"
         );
         stream.write_all(head.as_bytes()).await?;
         let mut lines = BufReader::new(stream).lines();
@@ -179,4 +189,19 @@ async fn who_follows_a_thousand_jobs_over_three_kills_has_the_books_of_the_serve
         .collect();
     assert_eq!(books.states, listed);
     assert!(listed.values().any(|state| state == "done"), "some were done");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_stream_of_events_ends_when_its_token_is_revoked() {
+    let folder = Folder::new();
+    let server = crate::tokens::start_closed(&folder).await;
+    let at = server.address();
+    let made = crate::tokens::make(at, "warehouse system", "integrator", None).await;
+    let token = made["token"].as_str().unwrap();
+    let mut follower = Follower::open_as(at, "?after=0", None, token).await.unwrap();
+    let path = format!("/v1/tokens/{}", made["id"].as_str().unwrap());
+    assert_eq!(crate::tokens::with(at, crate::tokens::ADMIN, "DELETE", &path, "").await.status, 204);
+    let end = timeout(Duration::from_secs(5), async { while follower.next().await.is_some() {} }).await;
+    assert!(end.is_ok(), "the stream ends with its token");
+    server.stop().await.unwrap();
 }

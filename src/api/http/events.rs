@@ -5,13 +5,13 @@
 
 use super::lists::checked_limit;
 use crate::api::Api;
+use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
 use crate::api::text::{alarm_name, assignment_name, closure_name, job_name, time_text, worker_name};
 use crate::fleet::{EventKind, EventQuery, EventRow};
 use crate::id::{AssignmentId, ClosureId, Dense, JobId};
 use axum::Json;
-use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
@@ -117,7 +117,7 @@ pub struct EventParams {
     (status = 503, description = "The database does not answer, or there are too many streams", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn list(
-    State(api): State<Api>,
+    Called(api): Called,
     headers: HeaderMap,
     Params(p): Params<EventParams>,
 ) -> Result<Response, Problem> {
@@ -280,6 +280,7 @@ impl EventStream {
             tokio::select! {
                 changed = self.changed.changed() => changed.ok()?,
                 _ = self.closing.wait_for(|closing| *closing) => return None,
+                () = self.api.gate.ended(&self.api.caller, &self.api.now) => return None,
             }
         }
     }
