@@ -130,7 +130,13 @@ impl Records for PastLists {
         let before = filter.before.unwrap_or(JobId(u64::MAX));
         let wanted = |r: &&JobRow| {
             let request = &r.job.request;
-            filter.state.is_none_or(|s| r.job.state.word() == s)
+            (filter.states.is_empty() || filter.states.contains(&r.job.state.word()))
+                && filter.rack.is_none_or(|rack| request.kind.rack() == Some(rack))
+                && filter.station.is_none_or(|station| request.kind.station() == Some(station))
+                && filter.robot.is_none_or(|robot| r.robot == Some(robot))
+                && filter.updated_since.is_none_or(|t| r.updated >= t)
+                && filter.from.is_none_or(|t| r.job.accepted >= t)
+                && filter.to.is_none_or(|t| r.job.accepted < t)
                 && (filter.reference.is_none() || request.reference == filter.reference)
                 && filter.label.as_ref().is_none_or(|(key, value)| request.labels.get(key) == Some(value))
         };

@@ -59,8 +59,25 @@ impl Store {
         let mut query = QueryBuilder::new(COLUMNS);
         query.push(" WHERE id < ");
         query.push_bind(q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX)));
-        if let Some(state) = q.state {
-            query.push(" AND state = ").push_bind(state);
+        if !q.states.is_empty() {
+            let mut states = query.push(" AND state IN (").separated(", ");
+            for state in &q.states {
+                states.push_bind(*state);
+            }
+            query.push(")");
+        }
+        let numbers = [
+            (" AND rack = ", q.rack.map(|rack| i64::from(rack.0))),
+            (" AND station = ", q.station.map(|station| i64::from(station.0))),
+            (" AND worker = ", q.robot.map(|robot| i64::from(robot.0))),
+            (" AND updated >= ", q.updated_since.map(|t| t.0)),
+            (" AND created >= ", q.from.map(|t| t.0)),
+            (" AND created < ", q.to.map(|t| t.0)),
+        ];
+        for (condition, number) in numbers {
+            if let Some(number) = number {
+                query.push(condition).push_bind(number);
+            }
         }
         if let Some(reference) = &q.reference {
             query.push(" AND reference = ").push_bind(reference);

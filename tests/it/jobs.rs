@@ -218,3 +218,40 @@ async fn a_job_says_when_it_came_to_each_state_and_none_is_due_before_now() {
     assert!(times.iter().all(|t| !t.is_empty()) && times.is_sorted(), "{job}");
     server.stop().await.unwrap();
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_list_of_jobs_is_limited_by_states_rack_station_robot_and_time() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let first = post(at, None, &delivery(0)).await.unwrap().json();
+    let second = post(at, None, &delivery(1)).await.unwrap().json();
+    let cancelled = format!("/v1/jobs/{}", second["id"].as_str().unwrap());
+    send(at, "DELETE", &cancelled, &[], "").await.unwrap();
+    let ids = async |query: &str| -> Vec<String> {
+        let page = get(at, &format!("/v1/jobs?{query}")).await.json();
+        page["items"].as_array().unwrap().iter().map(|job| job["id"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(ids("state=waiting,assigned,carrying,picking,done").await, ["j1"]);
+    assert_eq!(ids("state=cancelled,failed").await, ["j2"]);
+    assert_eq!(ids(&format!("rack={}", first["rack"].as_str().unwrap())).await, ["j1"]);
+    assert_eq!(ids(&format!("station={}", first["station"].as_str().unwrap())).await, ["j2", "j1"]);
+    let changed = get(at, &cancelled).await.json()["updated"].as_str().unwrap().to_owned();
+    assert!(ids(&format!("updated_since={changed}")).await.contains(&"j2".to_owned()));
+    assert_eq!(ids(&format!("to={}", first["created"].as_str().unwrap())).await, [""; 0]);
+    assert_eq!(ids(&format!("from={}", first["created"].as_str().unwrap())).await, ["j2", "j1"]);
+    for _ in 0..100 {
+        let any = ids("robot=robot-1").await.len() + ids("robot=robot-2").await.len();
+        if any > 0 {
+            break;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+    }
+    let served = [ids("robot=robot-1").await, ids("robot=robot-2").await].concat();
+    assert!(served.contains(&"j1".to_owned()), "one robot has it: {served:?}");
+    for wrong in ["state=waiting,lost", "rack=K99", "station=S9", "robot=r2d2", "from=now", "updated_since=1"]
+    {
+        get(at, &format!("/v1/jobs?{wrong}")).await.problem(422);
+    }
+    server.stop().await.unwrap();
+}

@@ -314,7 +314,7 @@ async fn what_was_appended_is_loaded_and_projected() {
     let row = store.job(JobId(7)).await.unwrap().unwrap();
     assert_eq!(row.job.state, JobState::Failed(JobFailure::Predecessor(JobId(7))));
     assert_eq!(row.robot, Some(RobotId(2)), "the last one at work on it");
-    let failed = JobQuery { state: Some("failed"), limit: 10, ..JobQuery::default() };
+    let failed = JobQuery { states: vec!["failed"], limit: 10, ..JobQuery::default() };
     assert_eq!(store.jobs(&failed).await.unwrap().len(), 1);
     let older = JobQuery { before: Some(JobId(3)), limit: 10, ..JobQuery::default() };
     let ids: Vec<_> = store.jobs(&older).await.unwrap().iter().map(|row| row.id).collect();

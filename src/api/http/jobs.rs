@@ -28,9 +28,25 @@ use utoipa::{IntoParams, ToSchema};
 pub struct JobParams {
     /// How many at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
-    /// Only jobs in this state.
-    #[param(value_type = Option<JobStateDto>)]
+    /// Only jobs in this state, or in one of several with commas between them.
+    #[param(value_type = Option<Vec<JobStateDto>>, style = Form, explode = false)]
     state: Option<String>,
+    /// Only jobs of this rack.
+    #[param(example = "K1")]
+    rack: Option<String>,
+    /// Only jobs for this station.
+    #[param(example = "P1")]
+    station: Option<String>,
+    /// Only jobs that this robot has, or had last.
+    #[param(example = "robot-1")]
+    robot: Option<String>,
+    /// Only jobs that changed at this time or later, RFC 3339.
+    #[param(example = "2027-01-31T06:00:00Z")]
+    updated_since: Option<String>,
+    /// Only jobs that were accepted at this time or later.
+    from: Option<String>,
+    /// Only jobs that were accepted before this time.
+    to: Option<String>,
     /// Only jobs with this reference.
     #[param(example = "order 4711", max_length = 200)]
     reference: Option<String>,
@@ -49,16 +65,6 @@ pub struct JobParams {
 pub async fn list(Called(api): Called, Params(p): Params<JobParams>) -> Result<Json<Page<JobDto>>, Problem> {
     let limit = checked_limit(p.limit, 50)?;
     let mut errors = Vec::new();
-    let state = p.state.as_deref().and_then(|word| {
-        let known = JOB_STATES.into_iter().find(|s| *s == word);
-        if known.is_none() {
-            errors.push(FieldError::new(
-                "state",
-                format!("\"{word}\" is not one of {}", JOB_STATES.join(", ")),
-            ));
-        }
-        known
-    });
     let before = p.cursor.as_deref().and_then(|cursor| {
         let id = parse_job_name(cursor);
         if id.is_none() {
@@ -73,10 +79,11 @@ pub async fn list(Called(api): Called, Params(p): Params<JobParams>) -> Result<J
         }
         label
     });
+    let filter = read_filter(&api, &p, &mut errors);
     if !errors.is_empty() {
         return Err(Problem::invalid(errors));
     }
-    let filter = JobQuery { state, reference: p.reference, label, before, limit: limit + 1 };
+    let filter = JobQuery { reference: p.reference, label, before, limit: limit + 1, ..filter };
     let mut rows = api.records.jobs(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
     let more = rows.len() > limit as usize;
     rows.truncate(limit as usize);
@@ -84,6 +91,44 @@ pub async fn list(Called(api): Called, Params(p): Params<JobParams>) -> Result<J
     let moment = api.moment();
     let names = Names { map: &api.map, view: &moment.view };
     Ok(Json(Page { items: rows.iter().map(|row| names.job(row)).collect(), next }))
+}
+
+/// What a list is limited to besides reference and label; complains about words, names and times that are none.
+fn read_filter(api: &Api, p: &JobParams, errors: &mut Vec<FieldError>) -> JobQuery {
+    let mut states = Vec::new();
+    for word in p.state.iter().flat_map(|text| text.split(',')).map(str::trim) {
+        match JOB_STATES.into_iter().find(|state| *state == word) {
+            Some(state) => states.push(state),
+            None => errors.push(FieldError::new(
+                "state",
+                format!("\"{word}\" is not one of {}", JOB_STATES.join(", ")),
+            )),
+        }
+    }
+    let moment = api.moment();
+    let rack = named("rack", p.rack.as_deref(), |name| api.map.rack_named(name), errors);
+    let station = named("station", p.station.as_deref(), |name| api.map.station_named(name), errors);
+    let robot = named("robot", p.robot.as_deref(), |name| robot_named(&moment, name), errors);
+    let mut time = |field: &str, text: &Option<String>| read_time(field, text.as_deref(), errors);
+    let updated_since = time("updated_since", &p.updated_since);
+    let (from, to) = (time("from", &p.from), time("to", &p.to));
+    JobQuery { states, rack, station, robot, updated_since, from, to, ..JobQuery::default() }
+}
+
+/// What has the name in a parameter, if there is one; complains where nothing has.
+fn named<T>(
+    field: &str,
+    name: Option<&str>,
+    find: impl Fn(&str) -> Option<T>,
+    errors: &mut Vec<FieldError>,
+) -> Option<T> {
+    let name = name?;
+    let found = find(name);
+    if found.is_none() {
+        let detail = format!("there is no {field} \"{name}\"; GET /v1/{field}s lists them");
+        errors.push(FieldError::new(field, detail));
+    }
+    found
 }
 
 /// One job.

@@ -5,7 +5,7 @@
 
 use crate::fleet::state::job::{Job, JobState};
 use crate::fleet::state::worker::{Assignment, Encounter};
-use crate::id::{AssignmentId, JobId, RobotId, WorkerId};
+use crate::id::{AssignmentId, JobId, RackId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 
 /// A job as it is listed.
@@ -67,8 +67,20 @@ pub struct GoneNames {
 /// Which jobs to list, newest first.
 #[derive(Clone, Debug, Default)]
 pub struct JobQuery {
-    /// Only jobs in this state, by its word.
-    pub state: Option<&'static str>,
+    /// Only jobs in one of these states, by their words; in any if there are none.
+    pub states: Vec<&'static str>,
+    /// Only jobs of this rack.
+    pub rack: Option<RackId>,
+    /// Only jobs for this station.
+    pub station: Option<StationId>,
+    /// Only jobs that this robot has, or had last.
+    pub robot: Option<RobotId>,
+    /// Only jobs that changed at this time or later.
+    pub updated_since: Option<Time>,
+    /// Only jobs that were accepted at this time or later.
+    pub from: Option<Time>,
+    /// Only jobs that were accepted before this time.
+    pub to: Option<Time>,
     /// Only jobs with this reference.
     pub reference: Option<String>,
     /// Only jobs with this label: its key and value.
