@@ -15,6 +15,7 @@ mod called;
 pub mod caller;
 pub mod dto;
 pub mod error;
+pub mod events;
 mod extract;
 pub mod feed;
 pub mod guidance;

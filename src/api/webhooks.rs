@@ -1,11 +1,10 @@
 //! What webhooks are asked and told: requests about them, the message of some events, and its signature.
 //!
-//! Main types: [`Webhook`], [`HookRequest`]; main functions: [`message`], [`signature`]. Messages and headers follow the
-//! Standard Webhooks specification 1.0.0 (standardwebhooks.com). Refuses: to send anything.
+//! Main types: [`Webhook`], [`HookRequest`]; main functions: [`message`], [`signature`]. Messages and headers follow
+//! the Standard Webhooks specification 1.0.0 (standardwebhooks.com). Refuses: to send anything.
 
-use super::Api;
-use super::http::events::event;
-use crate::fleet::{EventKind, EventRow};
+use super::events::event;
+use crate::fleet::{EventKind, EventRow, View};
 use crate::time::Time;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -63,7 +62,7 @@ pub enum HookRequest {
     Add(String, Vec<EventKind>, String, HookReply<Webhook>),
     /// One less; whether there was one of this number.
     Remove(i64, HookReply<bool>),
-    /// Messages of one that were given up, before a number, so many at most; nothing where there is none of this number.
+    /// Messages of one that were given up, before a number, so many at most; nothing where there is no such webhook.
     Failures(i64, Option<i64>, u32, HookReply<Option<Vec<FailedMessage>>>),
 }
 
@@ -80,8 +79,8 @@ pub fn new_secret() -> String {
 }
 
 /// The body of a message.
-pub fn message(api: &Api, rows: Vec<EventRow>) -> String {
-    let events: Vec<_> = rows.into_iter().map(|row| event(api, row)).collect();
+pub fn message(view: &View, rows: Vec<EventRow>) -> String {
+    let events: Vec<_> = rows.into_iter().map(|row| event(view, row)).collect();
     json!({"type": "giveway.events", "timestamp": events.last().map(|e| e.at.clone()), "data": {"events": events}})
         .to_string()
 }

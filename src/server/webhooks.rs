@@ -1,8 +1,8 @@
 //! Tells webhooks of events, in order, each until it takes them or they are given up.
 //!
 //! Main types: [`HookKeeper`], [`Sender`]. How far a webhook is stands in the database: after a restart it goes on
-//! there, and a message may come twice, under the same id. Refuses: to follow redirects, and to let one webhook wait for
-//! another.
+//! there, and a message may come twice, under the same id. Refuses: to follow redirects, and to let one webhook wait
+//! for another.
 
 use crate::api::Api;
 use crate::api::webhooks::{FailedMessage, HookRequest, Webhook, message, read_secret, signature};
@@ -46,7 +46,7 @@ pub struct HookKeeper {
     requests: mpsc::Receiver<HookRequest>,
     /// Webhooks to which a message is on its way.
     busy: BTreeSet<i64>,
-    on_the_way: JoinSet<(i64, u64, Result<Told, StoreError>)>,
+    on_the_way: JoinSet<(i64, u64, Result<Delivery, StoreError>)>,
     /// Webhooks that rest after a failure, and until when.
     resting: Vec<(i64, Instant)>,
     /// How often there was news.
@@ -56,7 +56,7 @@ pub struct HookKeeper {
 }
 
 /// What came of an attempt.
-enum Told {
+enum Delivery {
     /// There was nothing to tell.
     Nothing,
     /// It was taken.
@@ -112,7 +112,7 @@ impl HookKeeper {
     }
 
     /// Lets a webhook rest after a failure.
-    fn note(&mut self, done: Result<(i64, u64, Result<Told, StoreError>), tokio::task::JoinError>) {
+    fn note(&mut self, done: Result<(i64, u64, Result<Delivery, StoreError>), tokio::task::JoinError>) {
         let Ok((id, news, told)) = done else {
             // Which one it was is not known any more: all may have another message, under the same id.
             self.busy.clear();
@@ -120,12 +120,12 @@ impl HookKeeper {
         };
         self.busy.remove(&id);
         let attempts = match told {
-            Ok(Told::Taken) => return,
-            Ok(Told::Nothing) => {
+            Ok(Delivery::Taken) => return,
+            Ok(Delivery::Nothing) => {
                 self.known.insert(id, news);
                 return;
             }
-            Ok(Told::Refused(attempts)) => attempts,
+            Ok(Delivery::Refused(attempts)) => attempts,
             Err(e) => {
                 tracing::warn!("how far webhook {id} is cannot be written down: {e}");
                 1
@@ -174,24 +174,24 @@ impl HookKeeper {
 }
 
 /// Sends a webhook what comes next, and writes down what came of it.
-async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Result<Told, StoreError> {
+async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Result<Delivery, StoreError> {
     let span = store.event_span().await?;
     // Behind what is kept no longer, it goes on with what is.
     let after = hook.cursor.max(span.before);
     let query = EventQuery { kinds: hook.kinds.clone(), after, limit: AT_ONCE };
     let rows = store.events(&query).await?;
     let (Some(first), Some(last)) = (rows.first().map(|r| r.seq), rows.last().map(|r| r.seq)) else {
-        return Ok(Told::Nothing);
+        return Ok(Delivery::Nothing);
     };
     let id = format!("giveway-{}-{first}", hook.id);
     let seconds = (api.now)().0 / 1_000_000;
-    let body = message(api, rows);
+    let body = message(&api.moments.borrow().view, rows);
     let secret = read_secret(&hook.secret).unwrap_or_default();
     let signed = signature(&secret, &id, seconds, &body);
     match sender.post(hook.url.clone(), [id, seconds.to_string(), signed], body).await {
         Ok(()) => {
             store.webhook_reached(hook.id, last).await?;
-            Ok(Told::Taken)
+            Ok(Delivery::Taken)
         }
         Err(why) => {
             store.webhook_missed(hook.id, &why).await?;
@@ -204,7 +204,7 @@ async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Resu
             if attempts >= ATTEMPTS {
                 store.webhook_given_up(hook.id, (first, last), (api.now)()).await?;
             }
-            Ok(Told::Refused(attempts))
+            Ok(Delivery::Refused(attempts))
         }
     }
 }

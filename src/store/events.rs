@@ -24,7 +24,8 @@ const NOTE_ALARM: &str = "INSERT INTO events (at, kind, subject, old, new, text)
     $3, $4 WHERE $3 IS NOT (SELECT new FROM events WHERE kind = 'alarm' AND subject = $2 ORDER BY seq DESC LIMIT 1)";
 /// Jobs whose state changes without a fact, where a database is carried over to another map.
 pub(super) const NOTE_JOBS: &str = "INSERT INTO events (at, kind, subject, old, new) \
-    SELECT $1, 'job', value, (SELECT new FROM events WHERE kind = 'job' AND subject = value ORDER BY seq DESC LIMIT 1), \
+    SELECT $1, 'job', value, \
+    (SELECT new FROM events WHERE kind = 'job' AND subject = value ORDER BY seq DESC LIMIT 1), \
     $3 FROM json_each($2)";
 const SOME: &str = "SELECT seq, at, kind, subject, old, new, robot, worker, text, \
     CASE WHEN kind = 'job' THEN (SELECT reference FROM jobs WHERE id = subject) END AS reference \

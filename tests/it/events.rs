@@ -30,7 +30,8 @@ impl Follower {
         let mut stream = TcpStream::connect(at).await?;
         let resume = last.map_or(String::new(), |last| format!("last-event-id: {last}\r\n"));
         let head = format!(
-            "GET /v1/events{query} HTTP/1.1\r\nhost: {at}\r\naccept: text/event-stream\r\nconnection: close\r\nauthorization: Bearer {token}\r\n{resume}\r\n"
+            "GET /v1/events{query} HTTP/1.1\r\nhost: {at}\r\naccept: text/event-stream\r\n\
+             connection: close\r\nauthorization: Bearer {token}\r\n{resume}\r\n"
         );
         stream.write_all(head.as_bytes()).await?;
         let mut lines = BufReader::new(stream).lines();

@@ -1,16 +1,16 @@
 //! `/v1/events`: what happened, in order, for systems that follow the floor.
 //!
-//! Main types: [`EventDto`], [`EventParams`]. The same events come as a page of JSON or as a stream (server-sent
+//! Main types: [`EventPage`], [`EventParams`]. The same events come as a page of JSON or as a stream (server-sent
 //! events). Refuses: to leave out events silently: whoever is too far behind is told so.
 
 use super::lists::checked_limit;
 use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
+use crate::api::events::{EventDto, event};
 use crate::api::extract::Params;
-use crate::api::text::{alarm_name, assignment_name, closure_name, job_name, time_text, worker_name};
 use crate::fleet::{EventKind, EventQuery, EventRow};
-use crate::id::{AssignmentId, ClosureId, Dense, JobId};
+use crate::id::Dense;
 use axum::Json;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::sse::{Event, KeepAlive, Sse};
@@ -37,42 +37,6 @@ const KEEP_ALIVE: Duration = Duration::from_secs(10);
 
 /// How long a stream waits after the database did not answer.
 const AGAIN: Duration = Duration::from_secs(2);
-
-/// Something that happened.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct EventDto {
-    /// Its number. Later events have greater numbers; some numbers may be missing.
-    pub seq: i64,
-    /// When, RFC 3339.
-    pub at: String,
-    /// What it is about: job, robot, fleet, worker, assignment, closure, alarm or encounter.
-    #[schema(example = "job")]
-    pub kind: &'static str,
-    /// The job, robot, worker, assignment, closure or alarm; null for the fleet and for encounters.
-    #[schema(example = "j17")]
-    pub id: Option<String>,
-    /// The state before; null if none is known.
-    #[schema(example = "picking")]
-    pub old: Option<String>,
-    /// The state since then. Of a job, its state; if that is the same as before, something else about the job was
-    /// changed. Of a robot, what happened last, as in its history. Of a worker registered, on_floor, deviated,
-    /// lost_near or left. Of an assignment waiting, given, walking, working, done or cancelled. Of a closure closed or
-    /// reopened. Of an alarm active, acknowledged or cleared. Of the fleet fleet_stopped, fleet_resumed,
-    /// evacuation_began or evacuation_ended. Of an encounter what the fleet did about the robot.
-    #[schema(example = "done")]
-    pub new: String,
-    /// The robot that has to do with it.
-    #[schema(example = "robot-3")]
-    pub robot: Option<String>,
-    /// The worker who has to do with it.
-    #[schema(example = "w2")]
-    pub worker: Option<String>,
-    /// Of a job, your reference.
-    #[schema(example = "order 4711")]
-    pub reference: Option<String>,
-    /// Of an alarm, its text.
-    pub text: Option<String>,
-}
 
 /// Some events, in order.
 #[derive(Debug, Serialize, ToSchema)]
@@ -102,16 +66,16 @@ pub struct EventParams {
     limit: Option<u32>,
 }
 
-/// What happened, in order, for seven days: changes of state of jobs, robots, workers, assignments, closures and alarms,
-/// and encounters. With `Accept: text/event-stream` the events come as a stream of server-sent events, each with its
-/// number as `id`, its kind as `event` and the event as JSON in `data`. An event is written with what it tells, in one
+/// What happened, in order, for seven days: changes of state of jobs, robots, workers, assignments, closures and
+/// alarms, and encounters. With `Accept: text/event-stream` the events come as a stream of server-sent events, each with
+/// its number as `id`, its kind as `event` and the event as JSON in `data`. An event is written with what it tells, in one
 /// transaction: whoever goes on after the last number that was seen misses nothing, also if the server was killed.
 #[utoipa::path(get, path = "/v1/events", tag = "events", operation_id = "listEvents", params(EventParams,
     ("Last-Event-ID" = Option<i64>, Header, minimum = 0, description = "As `after`")), responses(
     (status = 200, description = "Events in order", content(
         (EventPage = "application/json"), (String = "text/event-stream"))),
-    (status = 410, description = "Events after this number are not kept any more, or there were none yet: the database \
-     is another one. Read the lists again, and go on after `last`", body = Problem,
+    (status = 410, description = "Events after this number are not kept any more, or there were none yet: \
+     the database is another one. Read the lists again, and go on after `last`", body = Problem,
      content_type = "application/problem+json"),
     (status = 422, description = "A parameter is wrong", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "The database does not answer, or there are too many streams", body = Problem,
@@ -132,7 +96,8 @@ pub async fn list(
     let begin = after.unwrap_or(if as_stream { span.last } else { span.before });
     if !span.follows(begin) {
         let detail = format!(
-            "events are kept from {} to {}, so those after {begin} cannot be told: read the lists again and go on after {}",
+            "events are kept from {} to {}, so those after {begin} cannot be told: \
+             read the lists again and go on after {}",
             span.before + 1,
             span.last,
             span.last
@@ -149,7 +114,7 @@ pub async fn list(
     let next = rows.last().filter(|_| full).map_or(span.last.max(begin), |row| row.seq);
     let next = rows.last().map_or(next, |row| next.max(row.seq));
     know_robots(&api, &rows).await;
-    let items = rows.into_iter().map(|row| event(&api, row)).collect();
+    let items = rows.into_iter().map(|row| event(&api.moment().view, row)).collect();
     Ok(Json(EventPage { items, next, last: span.last.max(next) }).into_response())
 }
 
@@ -188,34 +153,6 @@ async fn know_robots(api: &Api, rows: &[EventRow]) {
     let _ = tokio::time::timeout(NAMES, known).await;
 }
 
-/// An event with names.
-pub fn event(api: &Api, row: EventRow) -> EventDto {
-    let moment = api.moment();
-    let robot = |r: crate::id::RobotId| moment.view.robots.get(r.ix()).map(|r| r.name.clone());
-    let subject = row.subject.unwrap_or(0);
-    let id = match row.kind {
-        EventKind::Job => Some(job_name(JobId(subject))),
-        EventKind::Robot => row.robot.and_then(robot),
-        EventKind::Worker => row.worker.map(worker_name),
-        EventKind::Assignment => Some(assignment_name(AssignmentId(subject))),
-        EventKind::Closure => Some(closure_name(ClosureId(subject))),
-        EventKind::Alarm => Some(alarm_name(subject)),
-        EventKind::Fleet | EventKind::Encounter => None,
-    };
-    EventDto {
-        seq: row.seq,
-        at: time_text(row.at),
-        kind: row.kind.word(),
-        id,
-        old: row.old,
-        new: row.new,
-        robot: row.robot.and_then(robot),
-        worker: row.worker.map(worker_name),
-        reference: row.reference,
-        text: row.text,
-    }
-}
-
 /// A stream, and what it has to send.
 struct EventStream {
     api: Api,
@@ -248,7 +185,7 @@ fn texts(stream: EventStream) -> impl Stream<Item = Result<Event, Infallible>> {
     unfold(stream, |mut stream| async move {
         let row = stream.next().await?;
         let text = Event::default().id(row.seq.to_string()).event(row.kind.word());
-        let event = event(&stream.api, row);
+        let event = event(&stream.api.moment().view, row);
         let text = text.json_data(&event).expect("an event is JSON");
         Some((Ok(text), stream))
     })

@@ -11,7 +11,7 @@ mod batch;
 mod closures;
 mod encounters;
 mod evacuation;
-pub(in crate::api) mod events;
+mod events;
 mod halt;
 mod health;
 mod heat;
