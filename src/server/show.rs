@@ -88,9 +88,7 @@ impl Show {
         let clock = Clock::start(None);
         let live = Arc::new(Live::new(map.clone(), clock.now().0.unsigned_abs()));
         // Poses of today change nothing in the past: they are dropped.
-        let (feeds, _) = Feeds::new();
-        let feeds = Arc::new(feeds);
-        let past = Arc::new(PastLists::default());
+        let (feeds, past) = (Arc::new(Feeds::new().0), Arc::new(PastLists::default()));
         let arm = player.fleet.settings().policy.word();
         let figures = Arc::new(SharedHistory::new(Time::ZERO, arm, History::default()));
         let (closing, closes) = watch::channel(false);

@@ -67,9 +67,10 @@ pub struct EventParams {
 }
 
 /// What happened, in order, for seven days: changes of state of jobs, robots, workers, assignments, closures and
-/// alarms, and encounters. With `Accept: text/event-stream` the events come as a stream of server-sent events, each with
-/// its number as `id`, its kind as `event` and the event as JSON in `data`. An event is written with what it tells, in one
-/// transaction: whoever goes on after the last number that was seen misses nothing, also if the server was killed.
+/// alarms, and encounters. With `Accept: text/event-stream` the events come as a stream of server-sent events, each
+/// with its number as `id`, its kind as `event` and the event as JSON in `data`. An event is written with what it
+/// tells, in one transaction: whoever goes on after the last number that was seen misses nothing, also if the
+/// server was killed.
 #[utoipa::path(get, path = "/v1/events", tag = "events", operation_id = "listEvents", params(EventParams,
     ("Last-Event-ID" = Option<i64>, Header, minimum = 0, description = "As `after`")), responses(
     (status = 200, description = "Events in order", content(
