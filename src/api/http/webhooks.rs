@@ -100,8 +100,8 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Vec<WebhookDto>>, Probl
 /// Tell a system what happens from now on. Each message is a POST of `{"type": "giveway.events", "timestamp",
 /// "data": {"events": [...]}}` with up to a hundred events as `GET /v1/events` has them, in order, signed as the
 /// Standard Webhooks specification says: `webhook-id`, `webhook-timestamp`, and `webhook-signature` with the
-/// HMAC-SHA256 of `ID.TIMESTAMP.BODY`. Any answer 2xx within ten seconds takes it. Otherwise it is tried again
-/// after 1, 2, 4 … 300 seconds, twenty times in all; then it is given up and listed in `failures`, and the next one is sent.
+/// HMAC-SHA256 of `ID.TIMESTAMP.BODY`. Any answer 2xx within ten seconds takes it. Otherwise it is tried again after
+/// 1, 2, 4 … 300 seconds, twenty times in all; then it is given up and listed in `failures`, and the next one is sent.
 /// After a restart a message may come twice, with the same `webhook-id`.
 #[utoipa::path(post, path = "/v1/webhooks", tag = "events", operation_id = "addWebhook", request_body = NewWebhook,
     responses(
