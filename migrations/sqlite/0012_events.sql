@@ -19,7 +19,8 @@ CREATE INDEX events_by_subject ON events (kind, subject, seq);
 -- Old ones are deleted.
 CREATE INDEX events_by_time ON events (at);
 
--- Those who want to be told: where, of what, and how far they are.
+-- Those who want to be told: where, of what, and how far they are. `pending` is the last event of a message that was tried
+-- and not taken: it is tried again with the same events.
 CREATE TABLE webhooks (
     id       INTEGER PRIMARY KEY AUTOINCREMENT,
     url      TEXT NOT NULL,
@@ -28,6 +29,7 @@ CREATE TABLE webhooks (
     created  INTEGER NOT NULL,
     cursor   INTEGER NOT NULL,
     attempts INTEGER NOT NULL DEFAULT 0,
+    pending  INTEGER,
     failed   TEXT
 ) STRICT;
 

@@ -90,7 +90,7 @@ impl Gate {
         match token_of(headers).map(|token| self.holder(&hash_of(token), now)) {
             Some(Some(caller)) => return Ok(caller),
             None if !self.is_closed() => return Ok(Caller::this_machine()),
-            // Whoever shows a token that was revoked is told so, even where none is needed.
+            // A wrong or revoked token is refused even where none is needed, so that its owner notices.
             Some(None) if !self.is_closed() && self.named().all.is_empty() => {
                 return Ok(Caller::this_machine());
             }
@@ -121,7 +121,7 @@ impl Gate {
         Some(token.caller())
     }
 
-    /// Whether somebody who was let in would be let in again.
+    /// Whether this caller, who was admitted before, would be admitted again.
     fn admits(&self, caller: &Caller, now: Time) -> bool {
         match &caller.key {
             None => !self.is_closed(),
@@ -131,7 +131,7 @@ impl Gate {
         }
     }
 
-    /// Waits until the token of somebody who was let in no longer holds: it was revoked, made anew, or has expired.
+    /// Waits until the token of an admitted caller is no longer valid: it was revoked, rotated, or has expired.
     pub async fn ended(&self, caller: &Caller, now: &Now) {
         let mut changes = self.changes.subscribe();
         while self.admits(caller, now()) {

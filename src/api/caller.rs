@@ -9,7 +9,7 @@ use utoipa::ToSchema;
 /// The digest of a token.
 pub type TokenHash = [u8; 32];
 
-/// What somebody may do.
+/// What a caller may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
@@ -61,7 +61,7 @@ pub struct Caller {
 
 impl Caller {
     /// Names that no token may have, since they are those of callers without a named token.
-    pub const RESERVED: [&'static str; 4] = ["configuration", "this machine", "command line", "nobody"];
+    pub const RESERVED: [&'static str; 4] = ["configuration", "this machine", "command line", "anonymous"];
 
     /// Who talks to a server that needs no token.
     pub fn this_machine() -> Caller {
@@ -73,9 +73,9 @@ impl Caller {
         Caller { name: "configuration".into(), role: Role::Admin, subject: None, key: Some(key) }
     }
 
-    /// Somebody without a token where one is needed; only what needs none is open to them.
-    pub fn nobody() -> Caller {
-        Caller { name: "nobody".into(), role: Role::Viewer, subject: None, key: None }
+    /// A client without a token on a server that needs one: only routes that need no role are open to it.
+    pub fn anonymous() -> Caller {
+        Caller { name: "anonymous".into(), role: Role::Viewer, subject: None, key: None }
     }
 }
 

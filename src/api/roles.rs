@@ -28,11 +28,13 @@ pub enum Access {
     Report,
     /// A device for its own worker or robot.
     Own,
+    /// Who registers workers, and a device that signs in as its own worker, which the route checks by the name.
+    Enrol,
     /// Administrators.
     Administer,
 }
 
-use Access::{Administer, Change, Known, Open, Operate, Order, Own, Read, ReadOwn, Report};
+use Access::{Administer, Change, Enrol, Known, Open, Operate, Order, Own, Read, ReadOwn, Report};
 
 /// Each route by method and path.
 pub const RULES: &[(&str, &str, Access)] = &[
@@ -82,7 +84,7 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("GET", "/v1/jobs/{id}/why", Read),
     ("GET", "/v1/timelines", Read),
     ("GET", "/v1/workers", Known),
-    ("POST", "/v1/workers", Administer),
+    ("POST", "/v1/workers", Enrol),
     ("GET", "/v1/workers/{id}", ReadOwn),
     ("POST", "/v1/workers/{id}/clear", Operate),
     ("POST", "/v1/workers/{id}/narrow", Operate),
@@ -137,6 +139,7 @@ impl Access {
             Operate => &[Role::Operator, Role::Admin],
             Order | Report => &[Role::Integrator, Role::Admin],
             Change => &[Role::Operator, Role::Integrator, Role::Admin],
+            Enrol => &[Role::Device, Role::Admin],
             Own | Administer => &[Role::Admin],
         }
     }

@@ -421,7 +421,7 @@ mod tests {
 
     fn ask(queue: &mpsc::Sender<FleetRequest>, what: What) -> oneshot::Receiver<Reply> {
         let (reply, answer) = oneshot::channel();
-        let by = inbox::somebody();
+        let by = inbox::local_request();
         queue.try_send(FleetRequest { what, by, reply }).unwrap();
         answer
     }

@@ -183,9 +183,9 @@ fn is_order(input: &Input) -> bool {
     matches!(input, Input::Submit { .. } | Input::Cancel { .. }) && is_simulated(input)
 }
 
-/// Who asks in tests.
+/// The audit entry of a request in tests.
 #[cfg(test)]
-pub fn somebody() -> Arc<AuditEntry> {
+pub fn local_request() -> Arc<AuditEntry> {
     let caller = crate::api::caller::Caller::this_machine();
     let desk = crate::api::audit::AuditDesk::new(0).0;
     Arc::new(desk.begin(&caller, "POST /v1/fleet/stop".into(), None, crate::time::Time(7)))
@@ -211,7 +211,7 @@ mod tests {
 
     fn ask(queue: &mpsc::Sender<FleetRequest>, what: What) -> oneshot::Receiver<Reply> {
         let (reply, answer) = oneshot::channel();
-        queue.try_send(FleetRequest { what, by: somebody(), reply }).unwrap();
+        queue.try_send(FleetRequest { what, by: local_request(), reply }).unwrap();
         answer
     }
 

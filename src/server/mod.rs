@@ -317,7 +317,7 @@ async fn work(
         gate,
         tokens: Some(Arc::new(tokens)),
         audit: Arc::new(audit),
-        caller: Arc::new(Caller::nobody()),
+        caller: Arc::new(Caller::anonymous()),
         entry: None,
         closing: closes,
     };

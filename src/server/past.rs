@@ -5,15 +5,14 @@
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::port::{Later, Records};
 use crate::fleet::{
-    Assignment, AssignmentQuery, AssignmentRow, AssignmentState, EncounterQuery, EncounterRow, EventQuery,
-    EventRow, EventSpan, Fact, GoneNames, Job, JobQuery, JobRow, JobState, JobTimes, RobotEventQuery,
-    RobotEventRow, RobotEventSource, RobotJobCounts, robot_change,
+    Assignment, AssignmentQuery, AssignmentRow, AssignmentState, EncounterQuery, EncounterRow, Fact,
+    GoneNames, Job, JobQuery, JobRow, JobState, JobTimes, RobotEventQuery, RobotEventRow, RobotEventSource,
+    RobotJobCounts, robot_change,
 };
 use crate::id::{AssignmentId, JobId, RobotId};
 use crate::time::Time;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard};
-use tokio::sync::watch;
 
 #[derive(Default)]
 struct Lists {
@@ -161,19 +160,6 @@ impl Records for PastLists {
         let newest_first = lists.assignments.range(..before).rev().map(|(_, r)| r);
         let found: Vec<_> = newest_first.filter(wanted).take(f.limit as usize).cloned().collect();
         Box::pin(async move { Ok(found) })
-    }
-
-    /// A recording has no list of events.
-    fn events(&self, _: EventQuery) -> Later<'_, Result<Vec<EventRow>, String>> {
-        Box::pin(async { Ok(Vec::new()) })
-    }
-
-    fn event_span(&self) -> Later<'_, Result<EventSpan, String>> {
-        Box::pin(async { Ok(EventSpan::default()) })
-    }
-
-    fn events_changed(&self) -> watch::Receiver<()> {
-        watch::channel(()).1
     }
 
     /// Alarms of then are in the feed; a recording has no list of them.

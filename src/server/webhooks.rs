@@ -1,8 +1,8 @@
 //! Tells webhooks of events, in order, each until it takes them or they are given up.
 //!
 //! Main types: [`HookKeeper`], [`Sender`]. How far a webhook is stands in the database: after a restart it goes on
-//! there, and a message may come twice, under the same id. Refuses: to follow redirects, and to let one webhook wait
-//! for another.
+//! there, and events may come twice. Refuses: to follow redirects, and to let one webhook wait for
+//! another.
 
 use crate::api::Api;
 use crate::api::webhooks::{FailedMessage, HookRequest, Webhook, message, read_secret, signature};
@@ -30,7 +30,7 @@ const PAUSES: (Duration, Duration) = (Duration::from_secs(1), Duration::from_sec
 /// A message is given up after so many attempts, which take more than an hour.
 const ATTEMPTS: u32 = 20;
 
-/// How often it looks at least, should the database not have answered.
+/// How often each webhook is looked at, at least.
 const LOOK: Duration = Duration::from_secs(30);
 
 /// The end that the API has.
@@ -49,6 +49,8 @@ pub struct HookKeeper {
     on_the_way: JoinSet<(i64, u64, Result<Delivery, StoreError>)>,
     /// Webhooks that rest after a failure, and until when.
     resting: Vec<(i64, Instant)>,
+    /// The webhooks as the database has them; nothing after a change.
+    hooks: Option<Vec<HookRow>>,
     /// How often there was news.
     news: u64,
     /// Webhooks that know everything up to this news.
@@ -59,9 +61,9 @@ pub struct HookKeeper {
 enum Delivery {
     /// There was nothing to tell.
     Nothing,
-    /// It was taken.
-    Taken,
-    /// It was not; after so many attempts.
+    /// A message was taken, or the webhook is past events that are not for it.
+    Done,
+    /// A message was not taken; after so many attempts.
     Refused(u32),
 }
 
@@ -70,7 +72,18 @@ impl HookKeeper {
     pub fn new(store: Arc<Store>, api: Api, requests: mpsc::Receiver<HookRequest>) -> HookKeeper {
         let (busy, on_the_way) = (BTreeSet::new(), JoinSet::new());
         let (sender, known) = (Sender::new(), BTreeMap::new());
-        HookKeeper { store, api, sender, requests, busy, on_the_way, resting: Vec::new(), news: 0, known }
+        HookKeeper {
+            store,
+            api,
+            sender,
+            requests,
+            busy,
+            on_the_way,
+            resting: Vec::new(),
+            hooks: None,
+            news: 0,
+            known,
+        }
     }
 
     /// Until nothing can ask any more.
@@ -90,7 +103,7 @@ impl HookKeeper {
                 },
                 _ = changed.changed() => self.news += 1,
                 Some(done) = self.on_the_way.join_next() => self.note(done),
-                () = sleep_until(next) => {}
+                () = sleep_until(next) => if next == look { self.known.clear() },
             }
         }
     }
@@ -98,7 +111,11 @@ impl HookKeeper {
     /// Starts a message to each webhook that neither rests nor has one on its way.
     async fn begin(&mut self) -> Result<(), StoreError> {
         self.resting.retain(|(_, until)| *until > Instant::now());
-        for hook in self.store.webhooks().await? {
+        let hooks = match self.hooks.take() {
+            Some(hooks) => hooks,
+            None => self.store.webhooks().await?,
+        };
+        for hook in self.hooks.insert(hooks).clone() {
             let rests = self.resting.iter().any(|(id, _)| *id == hook.id);
             let knows = self.known.get(&hook.id).is_some_and(|news| *news == self.news);
             if rests || knows || !self.busy.insert(hook.id) {
@@ -119,8 +136,11 @@ impl HookKeeper {
             return;
         };
         self.busy.remove(&id);
+        if !matches!(told, Ok(Delivery::Nothing)) {
+            self.hooks = None;
+        }
         let attempts = match told {
-            Ok(Delivery::Taken) => return,
+            Ok(Delivery::Done) => return,
             Ok(Delivery::Nothing) => {
                 self.known.insert(id, news);
                 return;
@@ -147,10 +167,12 @@ impl HookKeeper {
                 let _ = reply.send(hooks.map(|hooks| hooks.into_iter().map(shown).collect()));
             }
             HookRequest::Add(url, kinds, secret, reply) => {
+                self.hooks = None;
                 let added = self.store.add_webhook(&url, &kinds, &secret, (self.api.now)()).await;
                 let _ = reply.send(added.map(shown).map_err(text));
             }
             HookRequest::Remove(id, reply) => {
+                self.hooks = None;
                 let _ = reply.send(self.store.remove_webhook(id).await.map_err(text));
             }
             HookRequest::Failures(id, before, limit, reply) => {
@@ -176,37 +198,44 @@ impl HookKeeper {
 /// Sends a webhook what comes next, and writes down what came of it.
 async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Result<Delivery, StoreError> {
     let span = store.event_span().await?;
-    // Behind what is kept no longer, it goes on with what is.
-    let after = hook.cursor.max(span.before);
-    let query = EventQuery { kinds: hook.kinds.clone(), after, limit: AT_ONCE };
-    let rows = store.events(&query).await?;
+    if hook.cursor < span.before {
+        store.webhook_missed(hook.id, span.before, "these events are not kept any more").await?;
+        store.webhook_given_up(hook.id, (hook.cursor + 1, span.before), (api.now)()).await?;
+        return Ok(Delivery::Done);
+    }
+    let query = EventQuery { kinds: hook.kinds.clone(), after: hook.cursor, limit: AT_ONCE };
+    let mut rows = store.events(&query).await?;
+    // A message that is tried again has the same events: receivers know it by its id.
+    rows.retain(|row| hook.pending.is_none_or(|pending| row.seq <= pending));
     let (Some(first), Some(last)) = (rows.first().map(|r| r.seq), rows.last().map(|r| r.seq)) else {
+        // So that events of other kinds, when they are deleted, do not look like events that were missed.
+        if hook.cursor < (span.before + span.last) / 2 {
+            store.webhook_reached(hook.id, span.last).await?;
+            return Ok(Delivery::Done);
+        }
         return Ok(Delivery::Nothing);
     };
-    let id = format!("giveway-{}-{first}", hook.id);
+    let id = format!("giveway-{}-{first}-{last}", hook.id);
     let seconds = (api.now)().0 / 1_000_000;
     let body = message(&api.moments.borrow().view, rows);
-    let secret = read_secret(&hook.secret).unwrap_or_default();
-    let signed = signature(&secret, &id, seconds, &body);
-    match sender.post(hook.url.clone(), [id, seconds.to_string(), signed], body).await {
-        Ok(()) => {
-            store.webhook_reached(hook.id, last).await?;
-            Ok(Delivery::Taken)
+    let sent = match read_secret(&hook.secret) {
+        Some(secret) => {
+            let signed = signature(&secret, &id, seconds, &body);
+            sender.post(hook.url.clone(), [id, seconds.to_string(), signed], body).await
         }
-        Err(why) => {
-            store.webhook_missed(hook.id, &why).await?;
-            let attempts = hook.attempts + 1;
-            tracing::warn!(
-                hook = hook.id,
-                attempts,
-                "a webhook does not take events {first} to {last}: {why}"
-            );
-            if attempts >= ATTEMPTS {
-                store.webhook_given_up(hook.id, (first, last), (api.now)()).await?;
-            }
-            Ok(Delivery::Refused(attempts))
-        }
+        None => Err("its secret cannot be read: remove this webhook and add it again".to_owned()),
+    };
+    let Err(why) = sent else {
+        store.webhook_reached(hook.id, last).await?;
+        return Ok(Delivery::Done);
+    };
+    store.webhook_missed(hook.id, last, &why).await?;
+    let attempts = hook.attempts + 1;
+    tracing::warn!(hook = hook.id, attempts, "a webhook does not take events {first} to {last}: {why}");
+    if attempts >= ATTEMPTS {
+        store.webhook_given_up(hook.id, (first, last), (api.now)()).await?;
     }
+    Ok(Delivery::Refused(attempts))
 }
 
 /// Sends messages.

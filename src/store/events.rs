@@ -16,9 +16,9 @@ use tokio::sync::watch;
 pub const EVENTS_KEPT: Span = Span::from_secs(7 * 24 * 3600);
 
 /// The state before is that of the last event about the same subject; encounters have none.
-const NOTE: &str = "INSERT INTO events (at, kind, subject, old, new, robot, worker, text) VALUES ($1, $2, $3, \
+const NOTE: &str = "INSERT INTO events (at, kind, subject, old, new, robot, worker) VALUES ($1, $2, $3, \
     CASE WHEN $2 = 'encounter' THEN NULL ELSE \
-    (SELECT new FROM events WHERE kind = $2 AND subject IS $3 ORDER BY seq DESC LIMIT 1) END, $4, $5, $6, $7)";
+    (SELECT new FROM events WHERE kind = $2 AND subject IS $3 ORDER BY seq DESC LIMIT 1) END, $4, $5, $6)";
 const NOTE_ALARM: &str = "INSERT INTO events (at, kind, subject, old, new, text) \
     SELECT $1, 'alarm', $2, (SELECT new FROM events WHERE kind = 'alarm' AND subject = $2 ORDER BY seq DESC LIMIT 1), \
     $3, $4 WHERE $3 IS NOT (SELECT new FROM events WHERE kind = 'alarm' AND subject = $2 ORDER BY seq DESC LIMIT 1)";
@@ -70,9 +70,9 @@ impl Store {
     }
 }
 
-/// Writes down what a fact of a step at this time means for others.
-pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact, at: Time) -> Result<(), sqlx::Error> {
-    let Some(event) = floor_event(fact) else { return Ok(()) };
+/// Writes down what a fact of a step at this time means for others, and whether it means anything.
+pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact, at: Time) -> Result<bool, sqlx::Error> {
+    let Some(event) = floor_event(fact) else { return Ok(false) };
     sqlx::query(NOTE)
         .bind(event.at.unwrap_or(at).0)
         .bind(event.kind.word())
@@ -80,10 +80,9 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact, at: Time) ->
         .bind(event.new)
         .bind(event.robot.map(|r| r.0))
         .bind(event.worker.map(|w| w.0))
-        .bind(None::<String>)
         .execute(db)
         .await?;
-    Ok(())
+    Ok(true)
 }
 
 /// Writes down what became of an alarm, if that has changed.

@@ -95,26 +95,28 @@ impl Store {
                 let _ = connection.close().await;
             }
         }
-        result?;
-        self.news.send_replace(());
+        if result? {
+            self.news.send_replace(());
+        }
         self.lock.note(next - 1 + steps.len() as i64);
         self.place.check()
     }
 
-    /// Writes steps in one transaction. Its statements are sent as they are: sqlx counts transactions by itself, and
+    /// Writes steps in one transaction; whether there were events among them. Its statements are sent as they are: sqlx counts transactions by itself, and
     /// loses count where SQLite rolls one back on its own, as on a full disk.
     async fn write(
         &self,
         connection: &mut SqliteConnection,
         next: i64,
         steps: &[StepEntry],
-    ) -> Result<(), StoreError> {
+    ) -> Result<bool, StoreError> {
         sqlx::query(BEGIN).execute(&mut *connection).await?;
         let last = self.last_of_this_run(connection).await?;
         if last != next - 1 && last != next - 1 + steps.len() as i64 {
             return Err(StoreError::OutOfStep { expected: next - 1, found: last });
         }
         let missing = if last == next - 1 { steps } else { &[] };
+        let mut news = false;
         for (seq, step) in (next..).zip(missing) {
             sqlx::query(APPEND)
                 .bind(seq)
@@ -130,14 +132,14 @@ impl Store {
                 jobs::project(&mut *connection, fact).await?;
                 people::project(&mut *connection, fact).await?;
                 robots::project(&mut *connection, fact, step.at).await?;
-                events::project(&mut *connection, fact, step.at).await?;
+                news |= events::project(&mut *connection, fact, step.at).await?;
             }
         }
         if let Some(step) = missing.last() {
             retention::tidy(&mut *connection, step.at, self.keep).await?;
         }
         sqlx::query(COMMIT).execute(&mut *connection).await?;
-        Ok(())
+        Ok(news)
     }
 
     /// The number of the last step, if this process is still the one that writes.

@@ -12,13 +12,14 @@ use sqlx::sqlite::SqliteRow;
 const MOST_FAILED: i64 = 1000;
 
 const ALL: &str =
-    "SELECT id, url, kinds, secret, created, cursor, attempts, failed FROM webhooks ORDER BY id";
+    "SELECT id, url, kinds, secret, created, cursor, attempts, pending, failed FROM webhooks ORDER BY id";
 const ADD: &str = "INSERT INTO webhooks (url, kinds, secret, created, cursor) VALUES ($1, $2, $3, $4, \
     coalesce((SELECT seq FROM sqlite_sequence WHERE name = 'events'), 0)) \
-    RETURNING id, url, kinds, secret, created, cursor, attempts, failed";
+    RETURNING id, url, kinds, secret, created, cursor, attempts, pending, failed";
 const REMOVE: &str = "DELETE FROM webhooks WHERE id = $1";
-const REACH: &str = "UPDATE webhooks SET cursor = $2, attempts = 0, failed = NULL WHERE id = $1";
-const MISS: &str = "UPDATE webhooks SET attempts = attempts + 1, failed = $2 WHERE id = $1";
+const REACH: &str =
+    "UPDATE webhooks SET cursor = $2, attempts = 0, pending = NULL, failed = NULL WHERE id = $1";
+const MISS: &str = "UPDATE webhooks SET attempts = attempts + 1, pending = $2, failed = $3 WHERE id = $1";
 const GIVE_UP: &str = "INSERT INTO webhook_failures (hook, first, last, at, attempts, error) \
     SELECT id, $2, $3, $4, attempts, coalesce(failed, '') FROM webhooks WHERE id = $1";
 const FORGET: &str = "DELETE FROM webhook_failures WHERE hook = $1 AND id <= \
@@ -43,6 +44,8 @@ pub struct HookRow {
     pub cursor: i64,
     /// How often the next message was tried.
     pub attempts: u32,
+    /// The last event of that message, once it was tried in vain.
+    pub pending: Option<i64>,
     /// Why the last attempt failed.
     pub failed: Option<String>,
 }
@@ -113,12 +116,12 @@ impl Store {
         Ok(())
     }
 
-    /// Notes that an attempt failed, and why.
+    /// Notes that a message that ends with this event was not taken, and why.
     ///
     /// # Errors
     /// Where the database takes nothing.
-    pub async fn webhook_missed(&self, id: i64, why: &str) -> Result<(), StoreError> {
-        sqlx::query(MISS).bind(id).bind(why).execute(&self.writer).await?;
+    pub async fn webhook_missed(&self, id: i64, last: i64, why: &str) -> Result<(), StoreError> {
+        sqlx::query(MISS).bind(id).bind(last).bind(why).execute(&self.writer).await?;
         Ok(())
     }
 
@@ -176,6 +179,7 @@ fn hook(row: &SqliteRow) -> Result<HookRow, StoreError> {
         created: Time(row.try_get("created")?),
         cursor: row.try_get("cursor")?,
         attempts: row.try_get("attempts")?,
+        pending: row.try_get("pending")?,
         failed: row.try_get("failed")?,
     })
 }

@@ -70,6 +70,17 @@ async fn a_device_speaks_for_its_own_worker_alone() {
     assert!(open("w1").await.is_ok());
     let Err(Error::Http(refused)) = open("w2").await else { panic!("the other worker's feed") };
     assert_eq!(refused.status(), 403);
+    let sign_in = async |name: &str| {
+        with(at, &token, "POST", "/v1/workers", &json!({ "name": name }).to_string()).await
+    };
+    let signed_in = sign_in("anna").await;
+    assert_eq!(
+        (signed_in.status, &signed_in.json()["id"]),
+        (200, &json!("w1")),
+        "as the headset's page does"
+    );
+    sign_in("ben").await.problem(403);
+    sign_in("carl").await.problem(403);
     assert_eq!(with(at, &token, "GET", "/v1/workers/w1", "").await.status, 200);
     with(at, &token, "GET", "/v1/workers/w2", "").await.problem(403);
     let listed = with(at, &token, "GET", "/v1/workers", "").await.json();

@@ -99,7 +99,8 @@ async fn a_webhook_is_told_in_order_signed_and_again_until_it_takes_it() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_webhook_that_is_away_shows_why_and_goes_on_after_a_restart() {
+async fn a_webhook_that_stays_away_shows_why_and_its_message_is_given_up_after_twenty_attempts_over_a_restart()
+ {
     let folder = Folder::new();
     let server = start(&folder).await;
     let at = server.address();
@@ -118,8 +119,27 @@ async fn a_webhook_that_is_away_shows_why_and_goes_on_after_a_restart() {
     }
     assert!(listed[0]["failing"].is_string(), "{listed}");
     server.stop().await.unwrap();
+    let store = giveway::store::Store::open(&folder.database(), &crate::helper::map()).await.unwrap();
+    let hook = store.webhooks().await.unwrap().remove(0);
+    assert_eq!(hook.cursor, listed[0]["cursor"], "it goes on where it was");
+    let pending = hook.pending.expect("a message was tried");
+    for _ in hook.attempts..19 {
+        store.webhook_missed(hook.id, pending, "refused by the test").await.unwrap();
+    }
+    store.close().await;
     let again = start(&folder).await;
-    let after = get(again.address(), "/v1/webhooks").await.json();
-    assert_eq!((&after[0]["url"], &after[0]["cursor"]), (&listed[0]["url"], &listed[0]["cursor"]));
+    let at = again.address();
+    let mut failures = Value::Null;
+    for _ in 0..100 {
+        failures = get(at, "/v1/webhooks/h1/failures").await.json()["items"].clone();
+        if failures[0].is_object() {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+    let given_up = (&failures[0]["attempts"], &failures[0]["first"], &failures[0]["last"]);
+    assert_eq!(given_up, (&json!(20), &json!(hook.cursor + 1), &json!(pending)), "{failures}");
+    let after = get(at, "/v1/webhooks").await.json();
+    assert!(after[0]["cursor"].as_i64() >= Some(pending), "it goes on behind what was given up: {after}");
     again.stop().await.unwrap();
 }

@@ -9,8 +9,8 @@ use crate::api::{
     metrics::Metrics, router,
 };
 use crate::fleet::{
-    AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, EventQuery, EventRow, EventSpan, Guidance,
-    GuidanceReason, GuidanceState, JobQuery, JobRow, RobotEventQuery, RobotEventRow, RobotJobCounts, View,
+    AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, Guidance, GuidanceReason, GuidanceState,
+    JobQuery, JobRow, RobotEventQuery, RobotEventRow, RobotJobCounts, View,
 };
 use crate::geometry::Point;
 use crate::human::{SightingOutcome, Track};
@@ -55,15 +55,6 @@ impl Records for Nothing {
     }
     fn robot_jobs(&self, _: RobotId) -> Later<'_, Result<RobotJobCounts, String>> {
         Box::pin(async { Ok(RobotJobCounts::default()) })
-    }
-    fn events(&self, _: EventQuery) -> Later<'_, Result<Vec<EventRow>, String>> {
-        Box::pin(async { Ok(Vec::new()) })
-    }
-    fn event_span(&self) -> Later<'_, Result<EventSpan, String>> {
-        Box::pin(async { Ok(EventSpan::default()) })
-    }
-    fn events_changed(&self) -> watch::Receiver<()> {
-        watch::channel(()).1
     }
 }
 

@@ -1,7 +1,7 @@
 //! `/v1/events`: what happened, in order, for systems that follow the floor.
 //!
 //! Main types: [`EventPage`], [`EventParams`]. The same events come as a page of JSON or as a stream (server-sent
-//! events). Refuses: to leave out events silently: whoever is too far behind is told so.
+//! events). Refuses: to leave out events silently: a reader that is too far behind gets 410.
 
 use super::lists::checked_limit;
 use crate::api::Api;
@@ -69,7 +69,7 @@ pub struct EventParams {
 /// What happened, in order, for seven days: changes of state of jobs, robots, workers, assignments, closures and
 /// alarms, and encounters. With `Accept: text/event-stream` the events come as a stream of server-sent events, each
 /// with its number as `id`, its kind as `event` and the event as JSON in `data`. An event is written with what it
-/// tells, in one transaction: whoever goes on after the last number that was seen misses nothing, also if the
+/// tells, in one transaction: a reader that goes on after the last number that it has seen misses nothing, also if the
 /// server was killed.
 #[utoipa::path(get, path = "/v1/events", tag = "events", operation_id = "listEvents", params(EventParams,
     ("Last-Event-ID" = Option<i64>, Header, minimum = 0, description = "As `after`")), responses(
@@ -212,7 +212,7 @@ impl EventStream {
                         continue;
                     }
                 }
-                // Somebody said so in the log.
+                // The failure is in the log already.
                 Err(_) => tokio::time::sleep(AGAIN).await,
             }
             tokio::select! {

@@ -156,7 +156,7 @@ async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> 
     let open = access_of(request.method().as_str(), request.uri().path()) == Some(Access::Open);
     let caller = match api.gate.check(request.headers(), (api.now)()) {
         Ok(caller) => caller,
-        Err(problem) if open && problem.status == StatusCode::UNAUTHORIZED.as_u16() => Caller::nobody(),
+        Err(problem) if open && problem.status == StatusCode::UNAUTHORIZED.as_u16() => Caller::anonymous(),
         Err(problem) => return problem.into_response(),
     };
     let (caller, method, path) = (Arc::new(caller), request.method().as_str(), request.uri().path());

@@ -102,7 +102,8 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Vec<WebhookDto>>, Probl
 /// Standard Webhooks specification says: `webhook-id`, `webhook-timestamp`, and `webhook-signature` with the
 /// HMAC-SHA256 of `ID.TIMESTAMP.BODY`. Any answer 2xx within ten seconds takes it. Otherwise it is tried again after
 /// 1, 2, 4 … 300 seconds, twenty times in all; then it is given up and listed in `failures`, and the next one is sent.
-/// After a restart a message may come twice, with the same `webhook-id`.
+/// A message that is tried again has the same events and `webhook-id`. After a kill, events may come again, perhaps
+/// with later ones: skip numbers that you have had.
 #[utoipa::path(post, path = "/v1/webhooks", tag = "events", operation_id = "addWebhook", request_body = NewWebhook,
     responses(
     (status = 201, description = "From now on it is told; the secret is not shown again", body = WebhookDto),

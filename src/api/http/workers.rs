@@ -68,7 +68,27 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Wor
     }))
 }
 
-/// Register a worker. The same name is the same worker.
+/// A worker as the answer to being registered.
+fn located(api: &Api, id: WorkerId, name: String) -> ([(HeaderName, String); 1], Json<WorkerDto>) {
+    let place = format!("/v1/workers/{}", worker_name(id));
+    ([(header::LOCATION, place)], Json(worker(api, id, name)))
+}
+
+/// The worker for whom a device speaks, if that is the one of this name.
+fn own_worker(api: &Api, name: &str) -> Result<([(HeaderName, String); 1], Json<WorkerDto>), Problem> {
+    let subject = api.caller.subject.as_deref().unwrap_or_default();
+    match api.feeds.worker(subject).ok().and_then(|id| Some((id, api.feeds.name(id)?))) {
+        Some((id, own)) if own == name => Ok(located(api, id, own)),
+        _ => {
+            let detail =
+                format!("this token is for the worker {subject} alone: sign in with that worker's name");
+            Err(Problem::new(StatusCode::FORBIDDEN, "role", "Another role is needed", detail))
+        }
+    }
+}
+
+/// Register a worker. The same name is the same worker. A device registers nobody: it signs in under the name of the
+/// worker for whom it speaks.
 #[utoipa::path(post, path = "/v1/workers", tag = "people",
     operation_id = "registerWorker", request_body = NewWorker, responses(
     (status = 201, description = "Registered, and that is durable", body = WorkerDto,
@@ -89,11 +109,14 @@ pub async fn hire(
         let detail = format!("must have 1 to {LONGEST_NAME} characters and no line breaks");
         return Err(Problem::invalid(vec![FieldError::new("name", detail)]));
     }
+    if api.caller.role == Role::Device {
+        return own_worker(&api, name).map(|own| (StatusCode::OK, own.0, own.1));
+    }
     match api.ask(What::Hire(name.into())).await? {
         Reply::WorkerRegistered { worker: id, new, .. } => {
             let status = if new { StatusCode::CREATED } else { StatusCode::OK };
-            let place = format!("/v1/workers/{}", worker_name(id));
-            Ok((status, [(header::LOCATION, place)], Json(worker(&api, id, name.into()))))
+            let (location, worker) = located(&api, id, name.into());
+            Ok((status, location, worker))
         }
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
         _ => Err(Problem::internal()),
