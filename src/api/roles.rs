@@ -20,6 +20,8 @@ pub enum Access {
     ReadOwn,
     /// Who runs the floor.
     Operate,
+    /// Who runs the floor, and a device for its own worker: the wearer says *I have left*.
+    OperateOwn,
     /// Who orders.
     Order,
     /// Who runs the floor, and who orders.
@@ -34,7 +36,9 @@ pub enum Access {
     Administer,
 }
 
-use Access::{Administer, Change, Enrol, Known, Open, Operate, Order, Own, Read, ReadOwn, Report};
+use Access::{
+    Administer, Change, Enrol, Known, Open, Operate, OperateOwn, Order, Own, Read, ReadOwn, Report,
+};
 
 /// Each route by method and path.
 pub const RULES: &[(&str, &str, Access)] = &[
@@ -86,7 +90,7 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("GET", "/v1/workers", Known),
     ("POST", "/v1/workers", Enrol),
     ("GET", "/v1/workers/{id}", ReadOwn),
-    ("POST", "/v1/workers/{id}/clear", Operate),
+    ("POST", "/v1/workers/{id}/clear", OperateOwn),
     ("POST", "/v1/workers/{id}/narrow", Operate),
     ("GET", "/v1/workers/{id}/feed", Own),
     ("POST", "/v1/workers/{id}/position", Report),
@@ -136,7 +140,7 @@ impl Access {
             Open => &[],
             Known => &Role::ALL,
             Read | ReadOwn => &[Role::Viewer, Role::Operator, Role::Integrator, Role::Admin],
-            Operate => &[Role::Operator, Role::Admin],
+            Operate | OperateOwn => &[Role::Operator, Role::Admin],
             Order | Report => &[Role::Integrator, Role::Admin],
             Change => &[Role::Operator, Role::Integrator, Role::Admin],
             Enrol => &[Role::Device, Role::Admin],
@@ -146,7 +150,7 @@ impl Access {
 
     /// Whether a device may use it for the worker or robot for which it speaks.
     pub fn is_for_own(self) -> bool {
-        matches!(self, ReadOwn | Report | Own)
+        matches!(self, ReadOwn | OperateOwn | Report | Own)
     }
 
     /// Who may, in words; nothing where everybody may.

@@ -79,6 +79,11 @@ async fn a_device_speaks_for_its_own_worker_alone() {
         (200, &json!("w1")),
         "as the headset's page does"
     );
+    let leave = async |worker: &str| {
+        with(at, &token, "POST", &format!("/v1/workers/{worker}/clear"), r#"{"by": "anna"}"#).await
+    };
+    assert_ne!(leave("w1").await.status, 403, "the wearer says that nobody is there any more");
+    leave("w2").await.problem(403);
     sign_in("ben").await.problem(403);
     sign_in("carl").await.problem(403);
     assert_eq!(with(at, &token, "GET", "/v1/workers/w1", "").await.status, 200);
