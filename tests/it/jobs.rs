@@ -240,12 +240,14 @@ async fn a_list_of_jobs_is_limited_by_states_rack_station_robot_and_time() {
     assert!(ids(&format!("updated_since={changed}")).await.contains(&"j2".to_owned()));
     assert_eq!(ids(&format!("to={}", first["created"].as_str().unwrap())).await, [""; 0]);
     assert_eq!(ids(&format!("from={}", first["created"].as_str().unwrap())).await, ["j2", "j1"]);
+    // Robots have names once the first picture of the floor is there.
+    crate::tokens::until_robots(at, "").await;
     for _ in 0..100 {
         let any = ids("robot=robot-1").await.len() + ids("robot=robot-2").await.len();
         if any > 0 {
             break;
         }
-        tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+        tokio::time::sleep(Duration::from_millis(100)).await;
     }
     let served = [ids("robot=robot-1").await, ids("robot=robot-2").await].concat();
     assert!(served.contains(&"j1".to_owned()), "one robot has it: {served:?}");

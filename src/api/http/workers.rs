@@ -68,14 +68,17 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Wor
     }))
 }
 
+/// A worker, and its address as the header `Location`.
+type LocatedWorker = ([(HeaderName, String); 1], Json<WorkerDto>);
+
 /// A worker as the answer to being registered.
-fn located(api: &Api, id: WorkerId, name: String) -> ([(HeaderName, String); 1], Json<WorkerDto>) {
+fn located(api: &Api, id: WorkerId, name: String) -> LocatedWorker {
     let place = format!("/v1/workers/{}", worker_name(id));
     ([(header::LOCATION, place)], Json(worker(api, id, name)))
 }
 
 /// The worker for whom a device speaks, if that is the one of this name.
-fn own_worker(api: &Api, name: &str) -> Result<([(HeaderName, String); 1], Json<WorkerDto>), Problem> {
+fn own_worker(api: &Api, name: &str) -> Result<LocatedWorker, Problem> {
     let subject = api.caller.subject.as_deref().unwrap_or_default();
     match api.feeds.worker(subject).ok().and_then(|id| Some((id, api.feeds.name(id)?))) {
         Some((id, own)) if own == name => Ok(located(api, id, own)),
