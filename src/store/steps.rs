@@ -102,8 +102,8 @@ impl Store {
         self.place.check()
     }
 
-    /// Writes steps in one transaction; whether there were events among them. Its statements are sent as they are: sqlx counts transactions by itself, and
-    /// loses count where SQLite rolls one back on its own, as on a full disk.
+    /// Writes steps in one transaction; whether there were events among them. Its statements are sent as they are:
+    /// sqlx counts transactions by itself, and loses count where SQLite rolls one back on its own, as on a full disk.
     async fn write(
         &self,
         connection: &mut SqliteConnection,
