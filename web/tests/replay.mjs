@@ -89,11 +89,17 @@ await check('The jobs of then are listed, and why their robots waited, down to t
   await bar().getByRole('button', { name: 'Jobs', exact: true }).click();
   const list = page.getByRole('region', { name: 'Jobs at this moment' });
   const waits = () => list.locator('tbody tr', { hasText: /held by robot-/ }).first();
-  for (let steps = 0; steps < 40 && !(await waits().isVisible()); steps++) await page.locator('body').press('ArrowLeft');
-  const words = (await waits().innerText()).replaceAll(/\s+/g, ' ');
-  await waits().getByRole('button').click();
   const chain = page.getByRole('region', { name: 'Why it waited' }).getByRole('listitem');
-  await chain.nth(1).waitFor({ timeout: PATIENCE });
+  let words = '';
+  // The robot that holds the place may drive by the moment at which this stops: such a chain has one link alone.
+  for (let steps = 0; steps < 40 && (await chain.count()) < 2; steps++) {
+    await page.locator('body').press('ArrowLeft');
+    if (!(await waits().isVisible())) continue;
+    words = (await waits().innerText()).replaceAll(/\s+/g, ' ');
+    await waits().getByRole('button').click();
+    await chain.nth(1).waitFor({ timeout: 5000 }).catch(() => null);
+  }
+  assert((await chain.count()) >= 2, `no robot waits for one that waits, at none of forty moments; the last is ${words}`);
   await page.screenshot({ path: `${SHOTS}replay-jobs.png` });
   return `${words}: ${await chain.count()} links`;
 });
