@@ -109,6 +109,16 @@ await check('A task is shown as the path on the floor, and drags look along it',
   await soon('the path', async () => Number(await reads('path')) > 1);
   const box = await page.locator('canvas').boundingBox();
   const middle = [box.x + box.width / 2, box.y + box.height / 2];
+  /** The heading, once what was done has reached the picture: a busy page is frames behind. */
+  const settled = async () => {
+    for (let last = NaN; ; ) {
+      await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+      const now = Number(await reads('heading'));
+      if (now === last) return now;
+      last = now;
+      await page.waitForTimeout(100);
+    }
+  };
   /** Drags the picture; a drag to the right turns to the left. Answers by how much. */
   const drag = async (dx, dy = 0) => {
     const before = Number(await reads('heading'));
@@ -116,8 +126,7 @@ await check('A task is shown as the path on the floor, and drags look along it',
     await page.mouse.down();
     await page.mouse.move(middle[0] + dx / 2, middle[1] + dy / 2, { steps: 3 });
     await page.mouse.up();
-    await page.waitForTimeout(150);
-    return Number(await reads('heading')) - before;
+    return (await settled()) - before;
   };
   const turn = await drag(200);
   assert(turn > 0.15 && turn < 0.4, `a drag of 200 pixels turns by ${turn.toFixed(2)}`);
