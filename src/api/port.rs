@@ -10,8 +10,8 @@ use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
     EventQuery, EventRow, EventSpan, Expected, Fleet, JobChange, JobQuery, JobRequest, JobRow, NodeOccupancy,
-    RecurringClosure, Reply, RobotEventQuery, RobotEventRow, RobotJobCounts, RobotKind, StationOrder, View,
-    Waiting,
+    RecurringClosure, Reply, RobotEventQuery, RobotEventRow, RobotJobCounts, RobotKind, ShiftRows,
+    StationOrder, View, Waiting,
 };
 use crate::geometry::Spot;
 use crate::history::{History, LoopTimes};
@@ -49,6 +49,8 @@ pub trait Records: Send + Sync {
     fn events(&self, _: EventQuery) -> Later<'_, Result<Vec<EventRow>, String>> {
         Box::pin(async { Ok(Vec::new()) })
     }
+    /// What the lists say about the time from one moment to another; what is not over lasts until the last of these.
+    fn shift(&self, between: (Time, Time), now: Time) -> Later<'_, Result<ShiftRows, String>>;
     /// Which events are kept.
     fn event_span(&self) -> Later<'_, Result<EventSpan, String>> {
         Box::pin(async { Ok(EventSpan::default()) })

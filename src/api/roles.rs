@@ -119,6 +119,7 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("GET", "/v1/past/figures", Read),
     ("GET", "/v1/past/reel", Read),
     ("GET", "/v1/history", Read),
+    ("GET", "/v1/report", Read),
     ("GET", "/v1/heat", Read),
     ("GET", "/v1/audit", Administer),
     ("GET", "/v1/tokens", Administer),

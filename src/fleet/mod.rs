@@ -28,6 +28,7 @@ pub use read::rows::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JobQuery, JobRow, JobTimes,
 };
 pub use read::safety_regions::{RegionStay, SafetyRegion};
+pub use read::shift::{EndedJob, ShiftRows};
 pub use read::view::{Counts, JobWhy, RobotState, RobotView, StationView, View};
 pub use read::why::{Because, LostWorker, Standstill, Waiting, Who};
 pub use state::activity::{Activity, Doing};

@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Bucket`]. Refuses: rates, which readers make of sums and of the time that is covered.
 
-use super::Lengths;
+use super::{Lengths, RobotTimes};
 use crate::fleet::Counts;
 use crate::time::{Span, Time};
 
@@ -33,6 +33,8 @@ pub struct Bucket {
     pub worker_time: Span,
     /// Time that robots stood although they would have driven on, all together.
     pub waiting_time: Span,
+    /// How long robots were at what, and waited for what.
+    pub robots: RobotTimes,
     /// How long searches took.
     pub searches: Lengths,
     /// The longest step, microseconds.
@@ -69,6 +71,7 @@ impl Bucket {
         self.plan_failures += other.plan_failures;
         self.worker_time += other.worker_time;
         self.waiting_time += other.waiting_time;
+        self.robots.add(&other.robots);
         self.searches.add(&other.searches);
         self.step_max_us = self.step_max_us.max(other.step_max_us);
     }

@@ -6,10 +6,12 @@
 //! of buckets and 10 MB of places in the worst case), to be an input of any decision.
 
 mod bucket;
+mod causes;
 mod heat;
 mod lengths;
 
 pub use bucket::Bucket;
+pub use causes::{RobotTimes, WaitCause};
 pub use heat::{DAY, Heat, HeatBucket, STEP as HEAT_STEP};
 pub use lengths::Lengths;
 
@@ -79,6 +81,7 @@ impl History {
         fresh.worker_time = span * people as i64;
         fresh.waiting_time = span * waiting().count() as i64;
         times.searches_us.iter().for_each(|us| fresh.searches.note(*us));
+        fresh.robots = RobotTimes::of(view, span);
         fresh.step_max_us = times.step_us;
         for (tier, (step, most)) in self.tiers.iter_mut().zip(TIERS) {
             push(tier, Bucket { start: floor(now, step), ..fresh.clone() }, most);

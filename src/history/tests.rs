@@ -177,3 +177,43 @@ fn of_very_many_places_those_with_the_most_waiting_are_kept() {
     let kept = heat.read(start(), start() + SECOND);
     assert!(kept.len() <= 2000, "{}", kept.len());
 }
+
+fn doing(activity: crate::fleet::Activity, why: Option<Why>) -> RobotView {
+    RobotView { activity, ..robot(0, why) }
+}
+
+#[test]
+fn a_robot_that_waits_for_a_robot_that_waits_waits_for_what_that_one_waits_for() {
+    use crate::fleet::Activity::{Charging, Driving, Failed, Paused, Picking, Waiting};
+    use crate::id::{ResourceId, RobotId, WorkerId};
+    use crate::timeline::Holder;
+    let on = |robot: usize| Some(Why::WaitsFor(ResourceId::at(0), Holder::Robot(RobotId::at(robot))));
+    let robots = vec![
+        doing(Waiting, on(1)),
+        doing(Waiting, on(2)),
+        doing(Waiting, Some(Why::GivesWay(WorkerId::at(0)))),
+        doing(Waiting, on(4)),
+        doing(Failed, Some(Why::Failed)),
+        doing(Waiting, on(6)),
+        doing(Driving, None),
+        // A circle of two.
+        doing(Waiting, on(8)),
+        doing(Waiting, on(7)),
+        doing(Waiting, on(10)),
+        doing(Paused, Some(Why::Paused)),
+        doing(Waiting, on(12)),
+        doing(Picking, None),
+        doing(Charging, None),
+    ];
+    let view = View { robots, ..View::default() };
+    let times = RobotTimes::of(&view, SECOND);
+    let waited = |cause: WaitCause| times.waiting[cause as usize].0 / SECOND.0;
+    assert_eq!(waited(WaitCause::Person), 3);
+    assert_eq!(waited(WaitCause::RobotOut), 1);
+    assert_eq!(waited(WaitCause::Traffic), 3);
+    assert_eq!(waited(WaitCause::ByHand), 1);
+    assert_eq!(waited(WaitCause::Station), 1);
+    assert_eq!(times.activities[Waiting as usize], SECOND * 9);
+    assert_eq!(RobotTimes::parse(&times.text()), times);
+    assert_eq!(RobotTimes::parse("juggling:5 driving:x picking:7").activities[Picking as usize], Span(7));
+}

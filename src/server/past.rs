@@ -7,7 +7,7 @@ use crate::api::port::{Later, Records};
 use crate::fleet::{
     Assignment, AssignmentQuery, AssignmentRow, AssignmentState, EncounterQuery, EncounterRow, Fact,
     GoneNames, Job, JobQuery, JobRow, JobState, JobTimes, RobotEventQuery, RobotEventRow, RobotEventSource,
-    RobotJobCounts, robot_change,
+    RobotJobCounts, ShiftRows, robot_change,
 };
 use crate::id::{AssignmentId, JobId, RobotId};
 use crate::time::Time;
@@ -160,6 +160,18 @@ impl Records for PastLists {
         let newest_first = lists.assignments.range(..before).rev().map(|(_, r)| r);
         let found: Vec<_> = newest_first.filter(wanted).take(f.limit as usize).cloned().collect();
         Box::pin(async move { Ok(found) })
+    }
+
+    fn shift(&self, between: (Time, Time), now: Time) -> Later<'_, Result<ShiftRows, String>> {
+        let within = |t: Time| between.0 <= t && t < between.1;
+        let mut out = ShiftRows::default();
+        let lists = self.lists();
+        lists.jobs.values().for_each(|row| out.note(row, between, now));
+        let done = |r: &&AssignmentRow| r.assignment.state == AssignmentState::Done && within(r.updated);
+        out.assignments_done = lists.assignments.values().filter(done).count() as u64;
+        let met = lists.encounters.iter().map(|row| &row.encounter).filter(|e| within(e.began));
+        out.encounters = met.cloned().collect();
+        Box::pin(async move { Ok(out) })
     }
 
     /// Alarms of then are in the feed; a recording has no list of them.

@@ -8,10 +8,11 @@ use crate::api::caller::Role;
 use crate::api::port::{Later, Records};
 use crate::fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, EventQuery, EventRow, EventSpan, JobQuery,
-    JobRow, RobotEventQuery, RobotEventRow, RobotJobCounts,
+    JobRow, RobotEventQuery, RobotEventRow, RobotJobCounts, ShiftRows,
 };
 use crate::id::{AssignmentId, JobId, RobotId};
 use crate::store::{AuditFilter, AuditRow, Store, StoreError};
+use crate::time::Time;
 use std::sync::Arc;
 use tokio::sync::watch;
 
@@ -41,6 +42,10 @@ impl Records for Shelf {
 
     fn encounters(&self, query: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>> {
         Box::pin(async move { self.0.encounters(&query).await.map_err(told) })
+    }
+
+    fn shift(&self, between: (Time, Time), now: Time) -> Later<'_, Result<ShiftRows, String>> {
+        Box::pin(async move { self.0.shift(between, now).await.map_err(told) })
     }
 
     fn robot_events(&self, query: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>> {

@@ -4,7 +4,7 @@
 //! cannot be read are left out.
 
 use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError};
-use crate::history::{Bucket, DAY, HEAT_STEP, HeatBucket, History, Lengths};
+use crate::history::{Bucket, DAY, HEAT_STEP, HeatBucket, History, Lengths, RobotTimes};
 use crate::id::NodeId;
 use crate::time::{Span, Time};
 use sqlx::Row;
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 const KEEP: &str = "INSERT OR REPLACE INTO history (step, start, covered, robot_deliveries, human_deliveries, \
     encounters, deviations, interruptions, replans, plans, plan_failures, worker_time, waiting_time, searches, \
-    step_max) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15)";
+    step_max, robots) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16)";
 const FORGET: &str = "DELETE FROM history WHERE step = $1 AND start < $2";
 const HISTORY: &str = "SELECT * FROM history ORDER BY step, start";
 const COOL: &str = "DELETE FROM heat WHERE start < $1 OR start = $2";
@@ -81,7 +81,8 @@ async fn write(
         let row = sqlx::query(KEEP).bind(step.0).bind(b.start.0).bind(b.covered.0);
         let row = counts.into_iter().fold(row, |row, n| row.bind(n.cast_signed()));
         let row = row.bind(b.worker_time.0).bind(b.waiting_time.0);
-        row.bind(b.searches.text()).bind(b.step_max_us.cast_signed()).execute(&mut *db).await?;
+        let row = row.bind(b.searches.text()).bind(b.step_max_us.cast_signed());
+        row.bind(b.robots.text()).execute(&mut *db).await?;
     }
     for (step, oldest) in History::kept_from(now) {
         sqlx::query(FORGET).bind(step.0).bind(oldest.0).execute(&mut *db).await?;
@@ -102,6 +103,7 @@ fn bucket(row: &SqliteRow) -> Result<(Span, Bucket), sqlx::Error> {
     let span = |name: &str| -> Result<Span, sqlx::Error> { Ok(Span(row.try_get(name)?)) };
     let count = |name: &str| -> Result<u64, sqlx::Error> { Ok(row.try_get::<i64, _>(name)?.unsigned_abs()) };
     let searches: &str = row.try_get("searches")?;
+    let robots: &str = row.try_get("robots")?;
     let bucket = Bucket {
         start: Time(row.try_get("start")?),
         covered: span("covered")?,
@@ -115,6 +117,7 @@ fn bucket(row: &SqliteRow) -> Result<(Span, Bucket), sqlx::Error> {
         plan_failures: count("plan_failures")?,
         worker_time: span("worker_time")?,
         waiting_time: span("waiting_time")?,
+        robots: RobotTimes::parse(robots),
         searches: Lengths::parse(searches).unwrap_or_default(),
         step_max_us: count("step_max")?,
     };

@@ -130,7 +130,7 @@ fn assignment(row: &SqliteRow, gone: &Gone) -> Result<AssignmentRow, StoreError>
     })
 }
 
-fn encounter(row: &SqliteRow) -> Result<EncounterRow, StoreError> {
+pub(super) fn encounter(row: &SqliteRow) -> Result<EncounterRow, StoreError> {
     use Reaction::{Held, Kept, Rerouted, Slowed, Stopped};
     let seq: i64 = row.try_get("seq")?;
     let word: &str = row.try_get("reaction")?;

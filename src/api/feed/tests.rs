@@ -10,7 +10,7 @@ use crate::api::{
 };
 use crate::fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, Guidance, GuidanceReason, GuidanceState,
-    JobQuery, JobRow, RobotEventQuery, RobotEventRow, RobotJobCounts, View,
+    JobQuery, JobRow, RobotEventQuery, RobotEventRow, RobotJobCounts, ShiftRows, View,
 };
 use crate::geometry::Point;
 use crate::human::{SightingOutcome, Track};
@@ -52,6 +52,9 @@ impl Records for Nothing {
     }
     fn robot_events(&self, _: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>> {
         Box::pin(async { Ok(Vec::new()) })
+    }
+    fn shift(&self, _: (Time, Time), _: Time) -> Later<'_, Result<ShiftRows, String>> {
+        Box::pin(async { Ok(ShiftRows::default()) })
     }
     fn robot_jobs(&self, _: RobotId) -> Later<'_, Result<RobotJobCounts, String>> {
         Box::pin(async { Ok(RobotJobCounts::default()) })

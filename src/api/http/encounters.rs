@@ -55,7 +55,7 @@ pub async fn list(
     headers: HeaderMap,
     Params(p): Params<EncounterParams>,
 ) -> Result<Response, Problem> {
-    let table = wants_table(&headers, &p)?;
+    let table = wants_table(&headers, p.format.as_deref())?;
     let limit = match p.limit {
         Some(n) if table && n > 0 => n.min(LONGEST_TABLE),
         None if table => LONGEST_TABLE,
@@ -79,8 +79,9 @@ pub async fn list(
     Ok(response)
 }
 
-fn wants_table(headers: &HeaderMap, p: &EncounterParams) -> Result<bool, Problem> {
-    match p.format.as_deref() {
+/// Whether a table is asked for, instead of JSON.
+pub fn wants_table(headers: &HeaderMap, format: Option<&str>) -> Result<bool, Problem> {
+    match format {
         Some("csv") => Ok(true),
         Some("json") => Ok(false),
         Some(other) => {
@@ -139,7 +140,8 @@ fn csv(items: &[EncounterDto]) -> String {
     text
 }
 
-fn quoted(cell: &str) -> String {
+/// A cell of a table.
+pub fn quoted(cell: &str) -> String {
     if cell.contains(['"', ',', '\r', '\n']) {
         format!("\"{}\"", cell.replace('"', "\"\""))
     } else {

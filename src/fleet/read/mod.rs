@@ -13,5 +13,6 @@ mod questions;
 pub(in crate::fleet) mod robot_events;
 pub mod rows;
 pub(in crate::fleet) mod safety_regions;
+pub(in crate::fleet) mod shift;
 pub mod view;
 pub(in crate::fleet) mod why;

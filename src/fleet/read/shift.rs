@@ -1,0 +1,79 @@
+//! What the durable lists say about a stretch of time, for reports.
+//!
+//! Main type: [`ShiftRows`]. Refuses: anything by person.
+
+use super::rows::JobRow;
+use crate::fleet::{Encounter, JobState};
+use crate::id::StationId;
+use crate::time::{Span, Time};
+use std::collections::BTreeMap;
+
+/// A job that ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EndedJob {
+    /// The word for its kind.
+    pub kind: String,
+    /// The word for the state in which it ended.
+    pub state: String,
+    /// The station it was for.
+    pub station: Option<StationId>,
+    /// When it was submitted.
+    pub accepted: Time,
+    /// By when it was to be done.
+    pub deadline: Option<Time>,
+    /// When its rack stood at the station.
+    pub arrived: Option<Time>,
+    /// When it ended.
+    pub ended: Time,
+}
+
+/// What the lists say about the time from one moment to another.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ShiftRows {
+    /// Jobs that ended in that time.
+    pub ended: Vec<EndedJob>,
+    /// How long somebody picked at each station in that time.
+    pub picking: BTreeMap<StationId, Span>,
+    /// Jobs whose deadline passed in that time and that were not over at its end.
+    pub overdue: u64,
+    /// Assignments that workers completed.
+    pub assignments_done: u64,
+    /// Encounters that began.
+    pub encounters: Vec<Encounter>,
+}
+
+impl ShiftRows {
+    /// Takes a job in, as the list has it, if it says anything about the time from `from` to `to`; what is not over lasts
+    /// until `now`.
+    pub fn note(&mut self, row: &JobRow, (from, to): (Time, Time), now: Time) {
+        let request = &row.job.request;
+        let station = request.kind.station();
+        let within = |t: Time| from <= t && t < to;
+        let picks = matches!(row.job.state, JobState::Picking { .. });
+        if let (Some(station), Some(arrived)) = (station, row.times.arrived)
+            && (picks || row.times.ended.is_some())
+        {
+            let picked = row.times.ended.unwrap_or(now).min(to) - arrived.max(from);
+            if picked > Span::ZERO {
+                *self.picking.entry(station).or_default() += picked;
+            }
+        }
+        if row.job.accepted < to
+            && request.deadline.is_some_and(within)
+            && row.times.ended.is_none_or(|ended| ended >= to)
+        {
+            self.overdue += 1;
+        }
+        if let Some(ended) = row.times.ended.filter(|t| within(*t)) {
+            self.ended.push(EndedJob {
+                kind: request.kind.word().into(),
+                state: row.job.state.word().into(),
+                station,
+                accepted: row.job.accepted,
+                deadline: request.deadline,
+                arrived: row.times.arrived,
+                ended,
+            });
+        }
+    }
+}
