@@ -1,6 +1,9 @@
 // How the page is built, tested and served while it is being written. Without GIVEWAY_URL the dev
 // server starts the toy floor of dev/mock.mjs and talks to that; with it, to the server named there.
 import { svelte } from '@sveltejs/vite-plugin-svelte';
+import { readdirSync, readFileSync, statSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { brotliCompressSync, constants, gzipSync } from 'node:zlib';
 import { defineConfig, type Plugin } from 'vitest/config';
 
 const MOCK_PORT = 8791;
@@ -18,6 +21,27 @@ function mockServer(): Plugin {
   };
 }
 
+/** Below this many bytes a file is sent as it is. */
+const SMALL = 1024;
+
+/** Writes `.br` and `.gz` beside each text of the build, from which the server takes what a browser accepts. */
+function compressed(): Plugin {
+  return {
+    name: 'giveway-compressed',
+    apply: 'build',
+    writeBundle({ dir }) {
+      for (const name of readdirSync(dir!, { recursive: true, encoding: 'utf8' })) {
+        const path = join(dir!, name);
+        if (!/\.(html|js|css|json|svg|txt)$/.test(name) || statSync(path).size < SMALL) continue;
+        const text = readFileSync(path);
+        writeFileSync(`${path}.gz`, gzipSync(text, { level: 9 }));
+        const size = { [constants.BROTLI_PARAM_SIZE_HINT]: text.length };
+        writeFileSync(`${path}.br`, brotliCompressSync(text, { params: size }));
+      }
+    },
+  };
+}
+
 /** `--mode single`: script and style in one piece each, for pages that are a file with a reel in it. */
 const single = {
   copyPublicDir: false,
@@ -29,7 +53,7 @@ const single = {
 };
 
 export default defineConfig(({ mode }) => ({
-  plugins: [svelte(), mockServer()],
+  plugins: [svelte(), mockServer(), ...(mode === 'single' ? [] : [compressed()])],
   // Tests run components as a browser would, not as a server-side render.
   ...(process.env['VITEST'] ? { resolve: { conditions: ['browser'] } } : {}),
   build: {

@@ -28,6 +28,7 @@ pub mod port;
 pub mod recording;
 mod refusal;
 mod roles;
+mod shift;
 pub mod text;
 pub mod trial;
 pub mod waits;

@@ -8,7 +8,7 @@ use super::called::Called;
 use super::error::Problem;
 use super::extract::Params;
 use super::feed::hub::CarriedSenses;
-use super::live::{LAGGING, PatchFormat};
+use super::live::{LAGGING, PatchFormat, Reader, SnapshotFormat};
 use super::people::SensesDto;
 use super::text::worker_name;
 use crate::id::{Dense, WorkerId};
@@ -47,12 +47,14 @@ pub struct LiveParams {
     senses: Option<bool>,
     /// Whether patches are to be thin: numbers by row instead of rows by name, about a tenth of the bytes.
     thin: Option<bool>,
+    /// Whether snapshots are to be packed: binary messages, each the text packed with gzip.
+    packed: Option<bool>,
 }
 
 /// The live feed: JSON texts, first `{"type": "snapshot", "version", …}`, then `{"type": "patch", "base",
 /// "version", …}` ten times a second. A patch names only items and keys that changed; if its base is not
-/// the reader's version, connect again. With `thin=true` patches carry numbers by row (docs/api.md, "Live feed").
-/// With `senses=true` there are messages `{"type": "senses", "workers": [{"id", "gaze", "hands", "battery"}]}`
+/// the reader's version, connect again. With `thin=true` patches carry numbers by row (docs/api.md, "Live feed"),
+/// with `packed=true` snapshots are binary messages: their text, packed with gzip. With `senses=true` there are messages `{"type": "senses", "workers": [{"id", "gaze", "hands", "battery"}]}`
 /// besides. Offer the protocol `giveway`, and `bearer.TOKEN` where a token is needed.
 #[utoipa::path(get, path = "/v1/live", tag = "floor", operation_id = "openLiveFeed", params(LiveParams), responses(
     (status = 101, description = "The feed begins"),
@@ -90,14 +92,17 @@ async fn serve(api: &Api, mut socket: WebSocket, p: &LiveParams) {
     let mut ping = interval(PING);
     ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let mut silent = 0;
-    let shape = if p.thin == Some(true) { PatchFormat::Thin } else { PatchFormat::Plain };
-    let (mut texts, mut version) = api.live.after(shape, p.since, api.live.kept());
+    let reader = Reader {
+        patches: if p.thin == Some(true) { PatchFormat::Thin } else { PatchFormat::Plain },
+        snapshots: if p.packed == Some(true) { SnapshotFormat::Gzip } else { SnapshotFormat::Text },
+    };
+    let (mut messages, mut version) = api.live.after(reader, p.since, api.live.kept());
     let mut ended = pin!(api.gate.ended(&api.caller, &api.now));
     loop {
-        let news = !texts.is_empty();
-        let senses = (news && p.senses == Some(true)).then(|| senses(api));
-        for text in texts.drain(..).chain(senses) {
-            if !send(&mut socket, Message::Text(text)).await {
+        let news = !messages.is_empty();
+        let senses = (news && p.senses == Some(true)).then(|| Message::Text(senses(api)));
+        for message in messages.drain(..).chain(senses) {
+            if !send(&mut socket, message).await {
                 return;
             }
         }
@@ -107,7 +112,7 @@ async fn serve(api: &Api, mut socket: WebSocket, p: &LiveParams) {
                     return;
                 }
                 newest.mark_unchanged();
-                (texts, version) = api.live.after(shape, Some(version), LAGGING);
+                (messages, version) = api.live.after(reader, Some(version), LAGGING);
             }
             message = socket.recv() => match message {
                 Some(Ok(Message::Close(_)) | Err(_)) | None => return,

@@ -31,6 +31,7 @@ mod recurring;
 mod reports;
 mod robot_life;
 mod robots;
+mod shift;
 mod stations;
 mod timelines;
 mod tokens;
@@ -56,6 +57,8 @@ use axum::routing::get;
 use serde_json::Value;
 use std::sync::Arc;
 use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::compression::CompressionLayer;
+use tower_http::compression::predicate::{NotForContentType, Predicate, SizeAbove};
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
@@ -75,9 +78,18 @@ pub fn router(api: Api) -> (Router, Document) {
         .fallback(page::page)
         .method_not_allowed_fallback(wrong_method)
         .with_state(api.clone())
+        .layer(CompressionLayer::new().compress_when(worth_compressing()))
         .layer(CatchPanicLayer::custom(|_| Problem::internal().into_response()))
         .layer(middleware::from_fn_with_state(api, account));
     (router, document)
+}
+
+/// Texts of more than a kilobyte; neither event streams, which must leave at once, nor what is compressed already.
+fn worth_compressing() -> impl Predicate {
+    SizeAbove::new(1024)
+        .and(NotForContentType::SSE)
+        .and(NotForContentType::const_new("application/gzip"))
+        .and(NotForContentType::IMAGES)
 }
 
 /// The routes that are described, each beside what it says of itself.
@@ -141,6 +153,7 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(past::figures))
         .routes(routes!(past::recording))
         .routes(routes!(history::history))
+        .routes(routes!(shift::report))
         .routes(routes!(heat::heat))
         .routes(routes!(audit::list))
         .routes(routes!(tokens::list, tokens::make))

@@ -3,7 +3,7 @@
 //! Main function: [`page`]. Files with a hash in their name never change; the pages themselves
 //! are asked for again each time. Refuses: scripts from elsewhere, by Content-Security-Policy.
 
-use crate::api::assets::file;
+use crate::api::assets::{encoded, file};
 use crate::api::error::Problem;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
@@ -40,20 +40,35 @@ fn serve(name: &str, file: &EmbeddedFile, headers: &HeaderMap) -> Response {
     let digest: String = file.metadata.sha256_hash()[..12].iter().map(|b| format!("{b:02x}")).collect();
     let etag = format!("\"{digest}\"");
     let known = headers.get(header::IF_NONE_MATCH).and_then(|v| v.to_str().ok());
+    let smaller = encoded(name, |encoding| accepts(headers, encoding));
     let mut response = if known.is_some_and(|known| known.contains(&etag)) {
         StatusCode::NOT_MODIFIED.into_response()
     } else {
-        file.data.to_vec().into_response()
+        smaller.as_ref().map_or(file, |(_, smaller)| smaller).data.to_vec().into_response()
     };
     let hashed = name.starts_with("assets/");
     let caching = if hashed { "public, max-age=31536000, immutable" } else { "no-cache" };
     let out = response.headers_mut();
+    if let Some((encoding, _)) = smaller {
+        out.insert(header::CONTENT_ENCODING, HeaderValue::from_static(encoding));
+    }
+    out.insert(header::VARY, HeaderValue::from_static("accept-encoding"));
     out.insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type(name)));
     out.insert(header::CACHE_CONTROL, HeaderValue::from_static(caching));
     out.insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY));
     out.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
     out.insert(header::ETAG, HeaderValue::from_str(&etag).expect("hexadecimal digits in quotes"));
     response
+}
+
+/// Whether a client says that it takes this encoding.
+fn accepts(headers: &HeaderMap, encoding: &str) -> bool {
+    let values = headers.get_all(header::ACCEPT_ENCODING).into_iter().filter_map(|v| v.to_str().ok());
+    values.flat_map(|v| v.split(',')).any(|item| {
+        let (name, weight) = item.split_once(';').unwrap_or((item, ""));
+        let refused = weight.trim().strip_prefix("q=").is_some_and(|q| q.parse() == Ok(0.0));
+        name.trim().eq_ignore_ascii_case(encoding) && !refused
+    })
 }
 
 fn media_type(name: &str) -> &'static str {

@@ -1,6 +1,6 @@
 //! The live feed: a snapshot, then patches with base and version, made once for all clients.
 //!
-//! Main types: [`Live`], [`PatchFormat`]. [`Live::publish`] compares the new frame with the last one and writes one
+//! Main types: [`Live`], [`Reader`]. [`Live::publish`] compares the new frame with the last one and writes one
 //! patch for each format that has readers; these fetch what they miss by version, so that a slow reader costs
 //! nothing but its own fresh snapshot. Versions start above those of every earlier run, so that a reader that resumes
 //! after a restart gets a snapshot. Refuses: a queue per reader, an encoding per reader, and work for formats without
@@ -16,8 +16,12 @@ pub use frame::Frame;
 use super::port::Moment;
 use crate::alarm::Alarm;
 use crate::warehouse::Warehouse;
-use axum::extract::ws::Utf8Bytes;
+use axum::extract::ws::{Message, Utf8Bytes};
+use bytes::Bytes;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use std::collections::VecDeque;
+use std::io::Write;
 use std::sync::{Arc, Mutex, MutexGuard};
 use tokio::sync::watch;
 
@@ -26,6 +30,24 @@ const KEPT: usize = 300;
 
 /// A reader further behind than this while it reads gets a snapshot: five seconds.
 pub const LAGGING: u64 = 50;
+
+/// How a reader wants what it is sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reader {
+    /// What is sent of each change.
+    pub patches: PatchFormat,
+    /// What is sent of the whole floor.
+    pub snapshots: SnapshotFormat,
+}
+
+/// How snapshots are sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SnapshotFormat {
+    /// As a text message.
+    Text,
+    /// As a binary message: the text packed with gzip, about a tenth of the bytes.
+    Gzip,
+}
 
 /// How patches are written. Snapshots are the same in both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +71,7 @@ struct LiveState {
     version: u64,
     frame: Arc<Frame>,
     snapshot: Option<Utf8Bytes>,
+    packed: Option<Bytes>,
     plain: RecentPatches,
     thin: RecentPatches,
 }
@@ -68,6 +91,7 @@ impl Live {
             version: first,
             frame: Arc::default(),
             snapshot: None,
+            packed: None,
             plain: RecentPatches::default(),
             thin: RecentPatches::default(),
         };
@@ -96,17 +120,18 @@ impl Live {
         state.version = base + 1;
         state.frame = new;
         state.snapshot = None;
+        state.packed = None;
         drop(state);
         self.newest.send_replace(base + 1);
     }
 
     /// What a reader at version `since` misses, with the version it has then: patches if there are at most
     /// `most`, else a snapshot.
-    pub fn after(&self, shape: PatchFormat, since: Option<u64>, most: u64) -> (Vec<Utf8Bytes>, u64) {
+    pub fn after(&self, reader: Reader, since: Option<u64>, most: u64) -> (Vec<Message>, u64) {
         let mut state = self.state();
         let version = state.version;
         let missing = since.and_then(|s| version.checked_sub(s));
-        let kept = match shape {
+        let kept = match reader.patches {
             PatchFormat::Plain => &mut state.plain,
             PatchFormat::Thin => &mut state.thin,
         };
@@ -114,12 +139,15 @@ impl Live {
         let most = most.min(kept.patches.len() as u64);
         if let Some(missing) = missing.filter(|m| *m <= most) {
             let skip = kept.patches.len() - missing as usize;
-            return (kept.patches.iter().skip(skip).cloned().collect(), version);
+            return (kept.patches.iter().skip(skip).cloned().map(Message::Text).collect(), version);
         }
-        let snapshot = state.snapshot.clone();
-        let text = snapshot.unwrap_or_else(|| state.frame.snapshot(version).to_string().into());
-        state.snapshot = Some(text.clone());
-        (vec![text], version)
+        let LiveState { frame, snapshot, packed, .. } = &mut *state;
+        let text = snapshot.get_or_insert_with(|| frame.snapshot(version).to_string().into());
+        let message = match reader.snapshots {
+            SnapshotFormat::Text => Message::Text(text.clone()),
+            SnapshotFormat::Gzip => Message::Binary(packed.get_or_insert_with(|| gzip(text)).clone()),
+        };
+        (vec![message], version)
     }
 
     /// The latest frame; nothing before the first was published.
@@ -154,3 +182,9 @@ impl RecentPatches {
 
 #[cfg(test)]
 mod tests;
+
+fn gzip(text: &str) -> Bytes {
+    let mut packed = GzEncoder::new(Vec::new(), Compression::default());
+    packed.write_all(text.as_bytes()).expect("memory takes what is written");
+    packed.finish().expect("memory takes what is written").into()
+}

@@ -7,7 +7,10 @@ use crate::human::{Mixture, Part};
 use crate::id::{Dense, NodeId, WorkerId};
 use crate::time::Span;
 use crate::time::Time;
+use axum::extract::ws::{Message, Utf8Bytes};
+use flate2::read::MultiGzDecoder;
 use serde_json::{Value, json};
+use std::io::Read;
 
 fn robot(name: &str, x: f64) -> RobotView {
     RobotView {
@@ -201,8 +204,33 @@ fn live() -> Live {
     Live::new(Arc::new(map), 1000)
 }
 
+/// What a reader of texts misses.
+fn after(live: &Live, patches: PatchFormat, since: Option<u64>, most: u64) -> (Vec<Utf8Bytes>, u64) {
+    let (messages, version) = live.after(Reader { patches, snapshots: SnapshotFormat::Text }, since, most);
+    (messages.into_iter().map(|m| m.into_text().unwrap()).collect(), version)
+}
+
+#[test]
+fn a_packed_snapshot_is_the_text_of_the_other_and_made_once() {
+    let live = live();
+    live.publish(&picture(3), &[], 0.0);
+    let reader = Reader { patches: PatchFormat::Plain, snapshots: SnapshotFormat::Gzip };
+    let packed = || match live.after(reader, None, LAGGING).0.remove(0) {
+        Message::Binary(bytes) => bytes,
+        other => panic!("{other:?}"),
+    };
+    let bytes = packed();
+    let mut text = String::new();
+    MultiGzDecoder::new(&bytes[..]).read_to_string(&mut text).unwrap();
+    assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), fresh(&live));
+    assert!(bytes.len() * 2 < text.len(), "{} of {}", bytes.len(), text.len());
+    assert_eq!(packed().as_ptr(), bytes.as_ptr());
+    live.publish(&picture(4), &[], 0.0);
+    assert_ne!(packed(), bytes);
+}
+
 fn fresh(live: &Live) -> Value {
-    let (texts, _) = live.after(PatchFormat::Plain, None, LAGGING);
+    let (texts, _) = after(&live, PatchFormat::Plain, None, LAGGING);
     serde_json::from_str(&texts[0]).unwrap()
 }
 
@@ -211,19 +239,19 @@ fn a_reader_of_patches_sees_what_a_reader_of_snapshots_sees() {
     for shape in [PatchFormat::Plain, PatchFormat::Thin] {
         let live = live();
         live.publish(&picture(0), &[], 0.0);
-        let (first, mut version) = live.after(shape, None, LAGGING);
+        let (first, mut version) = after(&live, shape, None, LAGGING);
         let mut mirror = Value::Null;
         apply(&mut mirror, &first[0]);
         for t in 0..60 {
             live.publish(&picture(t), &[], 0.0);
             if t % 3 == 0 {
-                let (texts, now) = live.after(shape, Some(version), LAGGING);
+                let (texts, now) = after(&live, shape, Some(version), LAGGING);
                 assert!(texts.iter().all(|t| !t.contains("snapshot")), "nothing is sent twice");
                 texts.iter().for_each(|t| apply(&mut mirror, t));
                 version = now;
             }
         }
-        let (texts, _) = live.after(shape, Some(version), LAGGING);
+        let (texts, _) = after(&live, shape, Some(version), LAGGING);
         texts.iter().for_each(|t| apply(&mut mirror, t));
         assert_eq!(mirror["robots"].as_array().unwrap().len(), 6);
         assert!(mirror["workers"][0]["path"].as_array().unwrap().len() > 2);
@@ -237,11 +265,11 @@ fn a_patch_names_only_what_changed() {
     let live = live();
     live.publish(&moment(vec![robot("a", 1.0), robot("b", 1.0)]), &[], 0.0);
     for shape in [PatchFormat::Plain, PatchFormat::Thin] {
-        live.after(shape, None, LAGGING);
+        after(&live, shape, None, LAGGING);
     }
     live.publish(&moment(vec![robot("a", 1.0), robot("b", 1.5)]), &[], 0.0);
     let patch = |shape| -> Value {
-        let (texts, version) = live.after(shape, Some(1001), LAGGING);
+        let (texts, version) = after(&live, shape, Some(1001), LAGGING);
         assert_eq!(version, 1002);
         serde_json::from_str(&texts[0]).unwrap()
     };
@@ -289,11 +317,11 @@ fn eight_hundred_moving_robots_and_twenty_people_are_150_kilobytes_a_second() {
     };
     let live = live();
     live.publish(&moment(0), &[], 0.0);
-    let (_, first) = live.after(PatchFormat::Thin, None, LAGGING);
+    let (_, first) = after(&live, PatchFormat::Thin, None, LAGGING);
     for t in 1..=10 {
         live.publish(&moment(t), &[], 0.0);
     }
-    let (texts, _) = live.after(PatchFormat::Thin, Some(first), LAGGING);
+    let (texts, _) = after(&live, PatchFormat::Thin, Some(first), LAGGING);
     let bytes: usize = texts.iter().map(|t| t.len()).sum();
     assert_eq!(texts.len(), 10, "one second");
     assert!(bytes <= 150_000, "{bytes} bytes a second");
@@ -304,10 +332,10 @@ fn a_reader_too_far_behind_or_from_another_run_gets_a_snapshot() {
     let live = live();
     for i in 0..400 {
         live.publish(&moment(vec![robot("a", f64::from(i))]), &[], 0.0);
-        live.after(PatchFormat::Plain, None, LAGGING);
+        after(&live, PatchFormat::Plain, None, LAGGING);
     }
     let kind = |since, most| {
-        let (texts, _) = live.after(PatchFormat::Plain, since, most);
+        let (texts, _) = after(&live, PatchFormat::Plain, since, most);
         (texts.len(), texts.first().is_some_and(|t| t.contains("\"snapshot\"")))
     };
     assert_eq!(kind(Some(1400), 300), (0, false), "nothing is missing");
@@ -322,16 +350,16 @@ fn a_reader_too_far_behind_or_from_another_run_gets_a_snapshot() {
 fn patches_are_written_only_while_somebody_reads_them() {
     let live = live();
     live.publish(&moment(vec![robot("a", 0.0)]), &[], 0.0);
-    live.after(PatchFormat::Thin, None, LAGGING);
+    after(&live, PatchFormat::Thin, None, LAGGING);
     for i in 0..KEPT + 5 {
         live.publish(&moment(vec![robot("a", i as f64)]), &[], 0.0);
         assert!(live.state().plain.patches.is_empty());
     }
     let version = live.state().version;
     assert!(live.state().thin.patches.is_empty(), "nobody read for half a minute");
-    let (texts, _) = live.after(PatchFormat::Thin, Some(version - 1), LAGGING);
+    let (texts, _) = after(&live, PatchFormat::Thin, Some(version - 1), LAGGING);
     assert!(texts[0].contains("\"snapshot\""), "who comes back late begins anew");
     live.publish(&moment(vec![robot("a", 0.5)]), &[], 0.0);
-    let (texts, _) = live.after(PatchFormat::Thin, Some(version), LAGGING);
+    let (texts, _) = after(&live, PatchFormat::Thin, Some(version), LAGGING);
     assert!(texts[0].contains("\"patch\""));
 }

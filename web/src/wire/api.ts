@@ -110,11 +110,24 @@ export class Api {
     const url = new URL('/v1/live', location.href);
     url.protocol = url.protocol.replace('http', 'ws');
     url.searchParams.set('thin', 'true');
+    url.searchParams.set('packed', 'true');
     if (since !== null) url.searchParams.set('since', String(since));
     // Browsers let no header be set on a WebSocket; the subprotocol list is the one place for a token.
     const socket = this.token ? new WebSocket(url, ['giveway', `bearer.${this.token}`]) : new WebSocket(url);
-    socket.onmessage = (event) => events.message(String(event.data));
-    socket.onclose = () => events.closed();
+    socket.binaryType = 'arraybuffer';
+    // Unpacking takes a moment, and no message may overtake another one.
+    let last: Promise<void> = Promise.resolve();
+    // What one message breaks keeps none from the next; the console has it.
+    const inTurn = (then: () => void | Promise<void>): void => {
+      const mine = last.then(then);
+      last = mine.catch(() => {});
+      void mine.then();
+    };
+    socket.onmessage = ({ data }: MessageEvent<string | ArrayBuffer>) => {
+      const text = typeof data === 'string' ? data : unpacked(data);
+      inTurn(async () => events.message(await text));
+    };
+    socket.onclose = () => inTurn(() => events.closed());
     return socket;
   }
 
@@ -142,6 +155,15 @@ export class Api {
     } catch {
       return { kind: 'unreachable' };
     }
+  }
+}
+
+/** The text of a message that came packed with gzip; an empty one, which nobody understands, if it is none. */
+async function unpacked(data: ArrayBuffer): Promise<string> {
+  try {
+    return await new Response(new Blob([data]).stream().pipeThrough(new DecompressionStream('gzip'))).text();
+  } catch {
+    return '';
   }
 }
 
