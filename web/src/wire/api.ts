@@ -115,17 +115,22 @@ export class Api {
     // Browsers let no header be set on a WebSocket; the subprotocol list is the one place for a token.
     const socket = this.token ? new WebSocket(url, ['giveway', `bearer.${this.token}`]) : new WebSocket(url);
     socket.binaryType = 'arraybuffer';
-    // Unpacking takes a moment, and no message may overtake another one.
-    let last: Promise<void> = Promise.resolve();
-    // What one message breaks keeps none from the next; the console has it.
-    const inTurn = (then: () => void | Promise<void>): void => {
-      const mine = last.then(then);
-      last = mine.catch(() => {});
-      void mine.then();
+    // Unpacking takes a moment: what comes meanwhile waits, since no message may overtake another one.
+    let unpacking: Promise<void> | null = null;
+    const inTurn = (run: () => void): void => {
+      if (unpacking) void unpacking.finally(run);
+      else run();
     };
     socket.onmessage = ({ data }: MessageEvent<string | ArrayBuffer>) => {
-      const text = typeof data === 'string' ? data : unpacked(data);
-      inTurn(async () => events.message(await text));
+      if (typeof data === 'string') return inTurn(() => events.message(data));
+      const before = unpacking;
+      const mine: Promise<void> = unpacked(data).then(async (text) => {
+        await before;
+        // What waited runs right after this, in the order in which it came.
+        if (unpacking === mine) unpacking = null;
+        events.message(text);
+      });
+      unpacking = mine;
     };
     socket.onclose = () => inTurn(() => events.closed());
     return socket;
