@@ -26,6 +26,8 @@ listen(page, complaints);
 const ask = async (path) => (await context.request.get(new URL(path, url).href)).json();
 const button = (name) => page.getByRole('button', { name, exact: true });
 const charts = page.getByRole('region', { name: 'Charts', exact: true });
+const system = page.getByRole('region', { name: 'System', exact: true });
+const report = page.getByRole('region', { name: 'Report', exact: true });
 const encounters = page.getByRole('region', { name: 'Encounters', exact: true });
 const data = (name) => page.evaluate((n) => document.querySelector('canvas')?.dataset[n] ?? null, name);
 
@@ -91,7 +93,6 @@ await check('Charts have values after deliveries, and follow the pointer and the
   await button('Charts').click();
   await until('a delivery in the history', async () => (await ask('/v1/history?step=10')).buckets.some((b) => b.robot_deliveries > 0));
   await charts.locator('[data-chart="deliveries"] polyline').first().waitFor({ state: 'attached', timeout: PATIENCE });
-  await page.waitForFunction(() => document.querySelector('[data-chart="plans"] [data-value="median"]')?.textContent !== '–', null, { timeout: PATIENCE });
   const box = await charts.locator('[data-chart="deliveries"] .plot').boundingBox();
   await page.mouse.move(box.x + box.width - 20, box.y + box.height / 2);
   const pointed = await charts.getByRole('status').textContent();
@@ -173,8 +174,17 @@ await check('Figures over time come as a table, too', async () => {
   await button('15 min').click();
   return `${rows - 1} rows`;
 });
-await check('The file of an experiment shows its arms side by side', async () => {
-  await button('Compare arms of an experiment').click();
+await check('What planning takes is in a tab of its own', async () => {
+  assert(await charts.locator('[data-chart="plans"]').count() === 0, 'it is among the charts of the floor');
+  await button('System').click();
+  await page.waitForFunction(() => document.querySelector('[data-chart="plans"] [data-value="median"]')?.textContent !== '–', null, { timeout: PATIENCE });
+  await system.locator('[data-chart="steps"] polyline').first().waitFor({ state: 'attached', timeout: PATIENCE });
+  await page.waitForTimeout(600);
+  await page.screenshot({ path: `${SHOTS}system.png` });
+  await assertAccessible(page, 'system');
+});
+await check('The file of an experiment shows its policies side by side', async () => {
+  await button('Compare policies of an experiment').click();
   const file = `${scratch}/table.json`;
   const figures = (mean, sd) => ({ total_deliveries: { mean, sd }, encounters_per_worker_minute: { mean: mean / 100, sd: sd / 100 } });
   const pair = (mean, low, high) => ({ total_deliveries: { mean, ci95: [low, high] }, encounters_per_worker_minute: { mean: -mean / 100, ci95: [-high / 100, -low / 100] } });
@@ -182,13 +192,54 @@ await check('The file of an experiment shows its arms side by side', async () =>
     workers, arms: { nhir: figures(150 - workers, 9), shir: figures(155 - workers, 8), phir: figures(161 - workers, 7), giveway: figures(183 - workers, 6) },
     paired: { 'giveway-phir': pair(22, 17, 27), 'phir-nhir': pair(5, -3, 13) },
   })) }));
-  await charts.getByLabel(/^Open the output/).setInputFiles(file);
-  await charts.getByText('giveway (running here)').first().waitFor({ timeout: PATIENCE });
+  await system.getByLabel(/^Open the output/).setInputFiles(file);
+  await system.getByText('giveway (running here)').first().waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}experiment.png` });
   await assertAccessible(page, 'experiment');
-  await charts.getByLabel(/^Open the output/).setInputFiles({ name: 'x.json', mimeType: 'application/json', buffer: Buffer.from('{}') });
-  await charts.getByRole('alert').waitFor({ timeout: PATIENCE });
-  await button('Compare arms of an experiment').click();
+  await system.getByLabel(/^Open the output/).setInputFiles({ name: 'x.json', mimeType: 'application/json', buffer: Buffer.from('{}') });
+  await system.getByRole('alert').waitFor({ timeout: PATIENCE });
+  await button('Compare policies of an experiment').click();
+});
+await check('A report says what the lists say, on the screen, as a table and as JSON', async () => {
+  await button('Report').click();
+  await report.getByText('the server ran for').waitFor({ timeout: PATIENCE });
+  // Jobs go on meanwhile: the same question once more, of a time that is over.
+  const to = new Date().toISOString();
+  const from = new Date(Date.now() - 3_600_000).toISOString();
+  const words = await ask(`/v1/report?from=${from}&to=${to}`);
+  const done = [];
+  for (let cursor = ''; cursor !== null;) {
+    const { items, next } = await ask(`/v1/jobs?state=done&limit=500${cursor && `&cursor=${cursor}`}`);
+    done.push(...items.filter((job) => job.kind === 'deliver' && job.ended_at >= from && job.ended_at < to));
+    cursor = next;
+  }
+  assert(words.deliveries.done === done.length && done.length > 0, `it has ${words.deliveries.done} deliveries, the list ${done.length}`);
+  for (const { station, deliveries } of words.stations) {
+    const listed = done.filter((job) => job.station === station).length;
+    assert(deliveries === listed, `${station}: ${deliveries} and ${listed}`);
+  }
+  const shares = Object.values(words.robots.shares).reduce((sum, share) => sum + share, 0);
+  assert(Math.abs(shares - 1) < 0.01, `the shares of robots add up to ${shares}`);
+  const csv = page.waitForEvent('download');
+  await report.getByRole('button', { name: 'CSV' }).click();
+  const table = readFileSync(await (await csv).path(), 'utf8');
+  assert(/^table,row,figure,value\r\n/.test(table) && /\r\nstations,[^,]+,deliveries,\d+\r\n/.test(table), table.slice(0, 300));
+  const file = page.waitForEvent('download');
+  await report.getByRole('button', { name: 'JSON' }).click();
+  assert(JSON.parse(readFileSync(await (await file).path(), 'utf8')).stations.length === words.stations.length, 'the file has other stations');
+  await report.getByLabel('Of which time').selectOption('From – to');
+  await report.getByLabel('From').fill('2020-01-01T00:00');
+  await report.getByRole('button', { name: 'Show' }).click();
+  await report.getByRole('alert').waitFor({ timeout: PATIENCE });
+  await report.getByLabel('Of which time').selectOption('Last hour');
+  await report.getByRole('alert').waitFor({ state: 'detached', timeout: PATIENCE });
+  await page.waitForTimeout(300);
+  await page.screenshot({ path: `${SHOTS}report.png` });
+  await assertAccessible(page, 'report');
+  await page.emulateMedia({ media: 'print' });
+  await page.screenshot({ path: `${SHOTS}report-print.png`, fullPage: true });
+  await page.emulateMedia({ media: 'screen' });
+  return `${done.length} deliveries`;
 });
 
 await page.getByLabel('Theme').selectOption('light');
@@ -202,7 +253,7 @@ await page.screenshot({ path: `${SHOTS}heat-light.png` });
 await page.setViewportSize({ width: 375, height: 740 });
 await page.waitForTimeout(600);
 await check('The page fits a phone without scrolling sideways', async () => {
-  for (const tab of ['Encounters', 'Charts']) {
+  for (const tab of ['Encounters', 'Report', 'System', 'Charts']) {
     await button(tab).click();
     await page.waitForTimeout(600);
     const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);

@@ -39,7 +39,7 @@ describe('scales', () => {
 const bucket = (second: number, more: Partial<Bucket> = {}): Bucket => ({
   at: new Date(Date.parse('2027-01-31T12:00:00Z') + 1_000 * second).toISOString(), covered_s: 30, robot_deliveries: 0,
   human_deliveries: 0, encounters: 0, interruptions: 0, replans: 0, worker_s: 0, waiting_s: 0, plan_us_p50: null,
-  plan_us_p95: null, plan_us_max: null, ...more,
+  plan_us_p95: null, plan_us_max: null, step_us_max: null, ...more,
 });
 const page = (buckets: Bucket[]): HistoryPage => ({
   from: '2027-01-31T11:00:00Z', to: '2027-01-31T12:05:00.000001Z', step_s: 30, started: '2027-01-31T12:00:00Z', arm: 'giveway', buckets,

@@ -1,5 +1,4 @@
 // The live feed over a socket: packed snapshots arrive as text, and before what came after them.
-import { gzipSync } from 'node:zlib';
 import { afterEach, expect, test, vi } from 'vitest';
 import { Api } from '../src/wire';
 
@@ -21,13 +20,14 @@ function open(): { socket: FakeSocket; heard: string[] } {
   return { socket: FakeSocket.last, heard };
 }
 
-const packed = (text: string): ArrayBuffer => Uint8Array.from(gzipSync(text)).buffer;
+const packed = (text: string): Promise<ArrayBuffer> =>
+  new Response(new Blob([text]).stream().pipeThrough(new CompressionStream('gzip'))).arrayBuffer();
 
 test('a packed snapshot comes before the patches that follow it, and before the end', async () => {
   const { socket, heard } = open();
   expect(socket.url.searchParams.get('packed')).toBe('true');
   expect(socket.binaryType).toBe('arraybuffer');
-  socket.onmessage({ data: packed('{"type":"snapshot"}'.repeat(5_000)) });
+  socket.onmessage({ data: await packed('{"type":"snapshot"}'.repeat(5_000)) });
   socket.onmessage({ data: 'patch 1' });
   socket.onmessage({ data: 'patch 2' });
   socket.onclose();

@@ -4,7 +4,7 @@ import { describe, expect, test } from 'vitest';
 /** In reading order: a room names only rooms above it. */
 const ROOMS = [
   'wire', 'words', 'parts', 'replay', 'floor', 'cards', 'why', 'robots', 'people', 'places', 'jobs', 'encounters',
-  'timelines', 'charts', 'alarms', 'audit', 'page', 'headset', 'docs', 'editor',
+  'timelines', 'charts', 'report', 'alarms', 'audit', 'page', 'headset', 'docs', 'editor',
 ];
 /** The page of a wearer, that of the API and the map editor load nothing of the dashboard. */
 const HEADSET_KNOWS = ['wire', 'parts'];

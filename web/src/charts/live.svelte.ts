@@ -24,7 +24,6 @@ class Spans {
 export class LiveCharts implements ChartsShown {
   readonly title = 'Over time';
   readonly charts = CHARTS;
-  readonly experiment = 'offered';
   readonly moment = null;
   readonly onGo = undefined;
   readonly spans = new Spans();

@@ -14,7 +14,6 @@ export class PastCharts implements ChartsShown {
   readonly charts = CHARTS_THEN;
   readonly spans = null;
   readonly arm = null;
-  readonly experiment = 'none';
   wrong = $state.raw<string | null>(null);
   #sums = $state.raw<readonly Sum[] | null>(null);
   #replay: Replay;

@@ -17,6 +17,8 @@ export interface Chart {
   title: string;
   unit: string;
   scale: 'linear' | 'log';
+  /** Who looks at it: those who lead the floor, or those who look after the server. */
+  about: 'floor' | 'system';
   lines: readonly Line[];
   format(value: number): string;
 }
@@ -35,7 +37,7 @@ const number = (value: number): string => short.format(value);
 
 export const CHARTS: readonly Chart[] = [
   {
-    id: 'deliveries', title: 'Deliveries', unit: 'per hour', scale: 'linear', format: number,
+    id: 'deliveries', about: 'floor', title: 'Deliveries', unit: 'per hour', scale: 'linear', format: number,
     lines: [
       { name: 'robots', ink: ROBOTS, dash: null, of: perHour((b) => b.robot_deliveries) },
       { name: 'people', ink: PEOPLE, dash: '5 3', of: perHour((b) => b.human_deliveries) },
@@ -43,23 +45,23 @@ export const CHARTS: readonly Chart[] = [
     ],
   },
   {
-    id: 'encounters', title: 'Encounters', unit: 'per worker-minute', scale: 'linear', format: number,
+    id: 'encounters', about: 'floor', title: 'Encounters', unit: 'per worker-minute', scale: 'linear', format: number,
     // Without anybody on the floor there is no rate, rather than a rate of zero.
     lines: [{ name: 'encounters', ink: PEOPLE, dash: null, of: (b) => (b.worker_s < LEAST_S ? null : (60 * b.encounters) / b.worker_s) }],
   },
   {
-    id: 'interruptions', title: 'Interruptions and replans', unit: 'per minute', scale: 'linear', format: number,
+    id: 'interruptions', about: 'floor', title: 'Interruptions and replans', unit: 'per minute', scale: 'linear', format: number,
     lines: [
       { name: 'interruptions', ink: PEOPLE, dash: null, of: perMinute((b) => b.interruptions) },
       { name: 'replans', ink: ROBOTS, dash: '5 3', of: perMinute((b) => b.replans) },
     ],
   },
   {
-    id: 'waiting', title: 'Waiting robots', unit: 'on average', scale: 'linear', format: number,
+    id: 'waiting', about: 'floor', title: 'Waiting robots', unit: 'on average', scale: 'linear', format: number,
     lines: [{ name: 'waiting robots', ink: ROBOTS, dash: null, of: average((b) => b.waiting_s) }],
   },
   {
-    id: 'plans', title: 'Search time', unit: 'logarithmic', scale: 'log', format: micros,
+    id: 'plans', about: 'system', title: 'Search time', unit: 'logarithmic', scale: 'log', format: micros,
     lines: [
       { name: 'median', ink: ROBOTS, dash: null, of: (b) => b.plan_us_p50 },
       { name: '95 %', ink: ALL, dash: '5 3', of: (b) => b.plan_us_p95 },
@@ -67,7 +69,11 @@ export const CHARTS: readonly Chart[] = [
     ],
   },
   {
-    id: 'people', title: 'People on the floor', unit: 'on average', scale: 'linear', format: number,
+    id: 'steps', about: 'system', title: 'Longest step', unit: 'logarithmic', scale: 'log', format: micros,
+    lines: [{ name: 'longest step', ink: ROBOTS, dash: null, of: (b) => b.step_us_max }],
+  },
+  {
+    id: 'people', about: 'floor', title: 'People on the floor', unit: 'on average', scale: 'linear', format: number,
     lines: [{ name: 'people on the floor', ink: PEOPLE, dash: null, of: average((b) => b.worker_s) }],
   },
 ];

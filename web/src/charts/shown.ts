@@ -16,8 +16,6 @@ export interface ChartsShown {
   readonly spans: { readonly words: readonly string[]; chosen: number } | null;
   /** How the fleet deals with people, where that is known. */
   readonly arm: string | null;
-  /** Experiments are compared with what runs now, so of the past they are not. */
-  readonly experiment: 'offered' | 'none';
   /** The moment that is shown elsewhere on the page, milliseconds. */
   readonly moment: number | null;
   /** Goes to a moment, where that is possible, milliseconds. */

@@ -1,4 +1,6 @@
-// Deliveries per hour over the last ten minutes of the floor's own clock, in a ring of fixed size.
+// Deliveries per hour over the last ten minutes: of the present from what the server kept, of the past from what was shown.
+import type { Bucket } from '../wire';
+
 export const SPAN_S = 600;
 const STEP_S = 5;
 const SLOTS = SPAN_S / STEP_S;
@@ -26,4 +28,12 @@ export class History {
     const top = Math.max(...this.#values.map((v) => v.value)) || 1;
     return this.#values.map((v) => [1 - (last.slot - v.slot) / (SLOTS - 1), 1 - v.value / top]);
   }
+}
+
+/** Deliveries per hour in each bucket, as points in the same box; a bucket that has just begun says nothing yet. */
+export function trend(buckets: readonly Bucket[]): [x: number, y: number][] {
+  const rates = buckets.filter((b) => b.covered_s >= 20).map((b) => (3_600 * b.robot_deliveries) / b.covered_s);
+  if (rates.length < 2) return [];
+  const top = Math.max(...rates) || 1;
+  return rates.map((rate, i) => [i / (rates.length - 1), 1 - rate / top]);
 }

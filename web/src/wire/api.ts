@@ -2,6 +2,7 @@
 // or unreachable. It keeps the access token, and tells the page when the server wants one.
 import type { Socket, SocketEvents } from './link';
 import type { Past, Sum } from './past';
+import type { ShiftReport } from './report';
 import type {
   AlarmPage, AlarmRecord, AuditPage, Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobBatch, JobPage, JobState, NewClosure, NewJob,
   Problem, RobotDetail, RobotHistoryPage, RobotKind, Timelines, Why, WorkerDetail,
@@ -76,6 +77,11 @@ export class Api {
   history = (query: Record<string, string>) => this.#ask<HistoryPage>('GET', `/v1/history?${new URLSearchParams(query)}`);
   heat = (kind: HeatKind, query: Record<string, string>) => this.#ask<HeatPage>('GET', `/v1/heat?${new URLSearchParams({ kind, ...query })}`);
   encounters = (query: Record<string, string>) => this.#ask<EncounterPage>('GET', `/v1/encounters?${new URLSearchParams(query)}`);
+
+  report = (query: Record<string, string>) => this.#ask<ShiftReport>('GET', `/v1/report?${new URLSearchParams(query)}`);
+  /** The same as a table: a line for each figure. */
+  reportTable = (query: Record<string, string>) =>
+    this.#ask<Blob>('GET', `/v1/report?${new URLSearchParams({ ...query, format: 'csv' })}`, { Accept: 'text/csv' });
 
   /** The table of encounters as a file: a link, and, where a token is needed that a link cannot carry, what fetches it. */
   encountersFile(query: Record<string, string>): { href: string; fetch: (() => Promise<Answer<Blob>>) | null } {

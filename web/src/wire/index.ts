@@ -2,6 +2,7 @@
 // It knows no other room, and no word that a person reads but why a request failed.
 export * from './types';
 export * from './past';
+export * from './report';
 export { Api, trouble, type Answer } from './api';
 export { Keys, newKey } from './keys';
 export { Link, retryDelay, type Clock, type LinkState, type Socket, type SocketEvents } from './link';

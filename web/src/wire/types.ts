@@ -474,6 +474,7 @@ export interface Bucket {
   plan_us_p50: number | null;
   plan_us_p95: number | null;
   plan_us_max: number | null;
+  step_us_max: number | null;
 }
 export const HEAT_KINDS = ['waiting', 'encounters'] as const;
 export type HeatKind = (typeof HEAT_KINDS)[number];

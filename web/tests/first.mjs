@@ -1,0 +1,61 @@
+// What a first visit to a hall with 800 robots costs: node tests/first.mjs PROGRAM
+// Bytes as they travel are counted until all robots are drawn, and asserted; times depend on the machine and are printed.
+import { mkdtempSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { fileURLToPath } from 'node:url';
+import { PATIENCE, assert, check, finish, openBrowser } from './chromium.mjs';
+import { serve } from './serve.mjs';
+
+const ROBOTS = 800;
+const MOST_BYTES = 200_000;
+const program = process.argv[2];
+const scenario = fileURLToPath(new URL('../../scenarios/kiva-800.json', import.meta.url));
+const server = await serve(program, scenario, mkdtempSync(`${tmpdir()}/giveway-first-`));
+const browser = await openBrowser();
+
+/** Visits the floor with nothing in the cache, and counts until all robots are drawn. */
+async function visit() {
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });
+  const page = await context.newPage();
+  const cdp = await context.newCDPSession(page);
+  const urls = new Map();
+  const sizes = new Map();
+  const add = (url, bytes) => sizes.set(url, (sizes.get(url) ?? 0) + bytes);
+  await cdp.send('Network.enable');
+  cdp.on('Network.requestWillBeSent', ({ requestId, request }) => urls.set(requestId, new URL(request.url).pathname));
+  cdp.on('Network.webSocketCreated', ({ requestId, url }) => urls.set(requestId, new URL(url).pathname));
+  cdp.on('Network.loadingFinished', ({ requestId, encodedDataLength }) => add(urls.get(requestId), encodedDataLength));
+  cdp.on('Network.webSocketFrameReceived', ({ requestId, response: { opcode, payloadData } }) => {
+    add(urls.get(requestId), opcode === 2 ? Buffer.byteLength(payloadData, 'base64') : Buffer.byteLength(payloadData));
+  });
+  const began = performance.now();
+  await page.goto(server.url);
+  await page.waitForFunction((robots) => Number(document.querySelector('canvas')?.dataset.robots) >= robots, ROBOTS, { timeout: PATIENCE });
+  const took = performance.now() - began;
+  await context.close();
+  return { took, sizes };
+}
+
+const visits = [];
+for (let i = 0; i < 5; i++) visits.push(await visit());
+await check(`A first visit to a hall with ${ROBOTS} robots takes at most 200 kB until all of them are drawn`, () => {
+  const totals = visits.map(({ sizes }) => [...sizes.values()].reduce((sum, bytes) => sum + bytes, 0));
+  const largest = [...visits[0].sizes].sort((a, b) => b[1] - a[1]).slice(0, 6);
+  const told = largest.map(([url, bytes]) => `${url} ${(bytes / 1_000).toFixed(1)} kB`).join(', ');
+  assert(Math.max(...totals) <= MOST_BYTES, `${totals.join(', ')} bytes: ${told}`);
+  const ms = visits.map(({ took }) => took).sort((a, b) => a - b);
+  return `${(Math.max(...totals) / 1_000).toFixed(0)} kB: ${told}; drawn after ${ms[2].toFixed(0)} ms, median of five, ${ms[0].toFixed(0)} to ${ms[4].toFixed(0)}`;
+});
+await check('Every text above a kilobyte is compressed for those who take it, and nothing is for those who do not', async () => {
+  const encoding = async (path, accepts) => (await fetch(server.url + path, { headers: { 'Accept-Encoding': accepts } })).headers.get('content-encoding');
+  for (const path of ['/v1/map', '/v1/robots', '/openapi.json']) {
+    const found = [await encoding(path, 'br'), await encoding(path, 'gzip'), await encoding(path, 'identity')];
+    assert(String(found) === 'br,gzip,', `${path}: ${found}`);
+  }
+  const script = /src="(\/assets\/[^"]+\.js)"/.exec(await (await fetch(`${server.url}/`)).text())[1];
+  assert((await encoding(script, 'br')) === 'br' && (await encoding(script, 'gzip;q=0, identity')) === null, script);
+  assert((await encoding('/v1/health/live', 'br')) === null, 'a few bytes are compressed');
+});
+await browser.close();
+await server.stop();
+finish();
