@@ -8,6 +8,7 @@ use crate::server::{Config, Flags, Server, SimulatedFloor};
 use anyhow::Context;
 use clap::Args;
 use std::io::IsTerminal;
+use std::path::Path;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
 
@@ -28,7 +29,11 @@ impl Serve {
     /// Serves until SIGINT or SIGTERM.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         trace_to_stderr();
+        #[cfg(unix)]
+        keep_files_private();
         let config = Config::read(&self.flags)?;
+        #[cfg(unix)]
+        warn_of_readers(&config.database);
         let mut setup = Setup::read(&config.scenario, self.map.as_deref(), None)
             .context("there is nothing to run: name a scenario with --scenario")?;
         setup.use_model(self.model.as_deref())?;
@@ -41,6 +46,25 @@ impl Serve {
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
         runtime.block_on(serve(&config, floor))?;
         Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// What the server writes says who was where: its files and folders are for its own user alone.
+#[cfg(unix)]
+fn keep_files_private() {
+    use rustix::fs::Mode;
+    rustix::process::umask(Mode::RWXG | Mode::RWXO);
+}
+
+/// A database that others of this machine may read stays as it is, since somebody may want that, but is told about.
+#[cfg(unix)]
+fn warn_of_readers(database: &Path) {
+    use std::os::unix::fs::PermissionsExt;
+    let Ok(file) = std::fs::metadata(database) else { return };
+    let others = file.permissions().mode() & 0o077;
+    if others != 0 {
+        let path = database.display();
+        tracing::warn!("{path} can be used by other users of this machine; `chmod go= {path}*` ends that");
     }
 }
 

@@ -195,3 +195,34 @@ async fn a_server_starts_with_another_map_than_the_one_of_its_scenario() {
     }
     assert_eq!(name, "drawn");
 }
+
+#[test]
+fn what_the_server_writes_is_for_its_user_alone() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::new();
+    let database = folder.database();
+    let (server, address) = Shown::of(&[
+        "serve",
+        "--scenario",
+        concat!(env!("CARGO_MANIFEST_DIR"), "/tests/it/quiet.json"),
+        "--listen",
+        "127.0.0.1:0",
+        "--database",
+        database.to_str().unwrap(),
+    ]);
+    let runtime = tokio::runtime::Runtime::new().unwrap();
+    let answer = runtime.block_on(post(address, None, &delivery(0))).unwrap();
+    assert_eq!(answer.status, 201);
+    let mut found = 0;
+    let mut folders = vec![folder.path().to_owned()];
+    while let Some(path) = folders.pop() {
+        for entry in std::fs::read_dir(path).unwrap().map(Result::unwrap) {
+            let file = entry.metadata().unwrap();
+            assert_eq!(file.permissions().mode() & 0o077, 0, "{}", entry.path().display());
+            found += 1;
+            folders.extend(file.is_dir().then(|| entry.path()));
+        }
+    }
+    assert!(found > 2, "only {found} files");
+    drop(server);
+}

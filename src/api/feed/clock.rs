@@ -72,6 +72,8 @@ pub struct ClockSync {
     used: Option<Used>,
     pings: u32,
     next: Option<Time>,
+    /// When a ping went out last.
+    last: Option<Time>,
 }
 
 impl ClockSync {
@@ -83,6 +85,7 @@ impl ClockSync {
     /// Notes that a ping goes out.
     pub fn pinged(&mut self, now: Time) {
         self.pings += 1;
+        self.last = Some(now);
         self.next = Some(now + if self.pings < FIRST_PINGS { OFTEN } else { SELDOM });
     }
 
@@ -90,6 +93,14 @@ impl ClockSync {
     pub fn resync(&mut self) {
         self.samples.clear();
         (self.pings, self.next) = (0, None);
+    }
+
+    /// The clock may have jumped: the next ping is due at once, though not sooner than a second after the last one. The
+    /// samples stand until an answer contradicts them.
+    pub fn doubt(&mut self, now: Time) {
+        if self.last.is_none_or(|last| now - last >= OFTEN) {
+            self.next = None;
+        }
     }
 
     /// Takes an exchange in.

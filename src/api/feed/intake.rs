@@ -27,6 +27,13 @@ const WALKING_MPS: f64 = 1.6;
 /// Movements shorter than this are sway, not way; metres.
 const STRIDE_M: f64 = 0.25;
 
+/// So many poses in a row that are later, but have a smaller number than one before, are counted from there.
+const RECOUNT: u32 = 5;
+
+/// Clocks that went on so differently between two poses are compared at once, milliseconds. Poses that were held up on
+/// their way look the same; then nothing is lost but a ping.
+const JUMP_MS: f64 = 500.0;
+
 /// The most joints of a hand.
 const MOST_JOINTS: usize = 32;
 
@@ -42,6 +49,12 @@ pub struct PoseIntake {
     /// Whether this epoch began with marks that were touched for it.
     at_marks: bool,
     last_seq: Option<u64>,
+    /// How many poses in a row had a smaller number than the last, but were later.
+    recounted: u32,
+    /// How many poses of this epoch had a number that was new.
+    counted: u64,
+    /// The last time on the device's clock, milliseconds, and when it came.
+    heard: Option<(f64, Time)>,
     /// The latest moment on the device's clock, milliseconds, and when that was.
     latest: Option<(f64, Time)>,
     /// Where the device was last, and where the head faced, in the device's frame.
@@ -158,6 +171,9 @@ impl PoseIntake {
             epoch: 1,
             at_marks: false,
             last_seq: None,
+            recounted: 0,
+            counted: 0,
+            heard: None,
             latest: None,
             stood: None,
             faced: None,
@@ -198,6 +214,7 @@ impl PoseIntake {
     fn begin_epoch(&mut self) {
         self.epoch += 1;
         (self.last_seq, self.stood, self.faced) = (None, None, None);
+        (self.recounted, self.counted) = (0, 0);
         (self.strode, self.walked_m, self.at_marks) = (None, 0.0, false);
         self.clock.resync();
     }
@@ -216,6 +233,7 @@ impl PoseIntake {
         if !(0.0..=100.0).contains(&accuracy_m) || !said.t.is_finite() {
             return Err(PoseFault::Absurd);
         }
+        self.compare_clocks(said.t, now);
         let (device, faced) = self.place(said)?;
         let alignment = self.alignment.as_ref().ok_or(PoseFault::NotAligned)?;
         let (at, heading) = (alignment.point(device), faced.map(|phi| alignment.heading(phi)));
@@ -231,14 +249,17 @@ impl PoseIntake {
         let late_m = WALKING_MPS * error.as_secs_f64();
         let accuracy_m = (accuracy_m.powi(2) + sigma_m.powi(2) + late_m.powi(2)).sqrt();
         let senses = senses(alignment, said);
+        let later = self.latest.is_none_or(|(before, _)| said.t > before);
         let seen = self.in_order(said.t, seen);
-        let fault = self.count(said.seq);
+        let fault = self.count(said.seq, later);
         if fault.is_none() && said.quality == QualitySaid::Tracked {
             self.stride(device);
         }
         (self.stood, self.faced) = (Some(device), faced);
         let quality = quality(said.quality);
-        let (worker, epoch, seq) = (self.worker, self.epoch, said.seq);
+        // The fleet drops what has no number of its own.
+        let seq = if fault.is_none() { self.counted } else { 0 };
+        let (worker, epoch) = (self.worker, self.epoch);
         let (source, at_marks) = (SourceId::Headset, self.at_marks);
         let sighting =
             Sighting { worker, source, seen, epoch, at_marks, seq, at, heading, accuracy_m, quality };
@@ -278,15 +299,31 @@ impl PoseIntake {
         Ok((device, faced))
     }
 
-    /// Whether the number of a pose is new.
-    fn count(&mut self, seq: u64) -> Option<PoseFault> {
+    /// Whether the number of a pose is new. A number that was far too large does not silence the feed: if several poses
+    /// in a row are later and have smaller ones, the device counts from there.
+    fn count(&mut self, seq: u64, later: bool) -> Option<PoseFault> {
         let fault = match self.last_seq {
             Some(last) if seq == last => Some(PoseFault::Repeated),
             Some(last) if seq < last => Some(PoseFault::Reordered),
             _ => None,
         };
-        self.last_seq = self.last_seq.max(Some(seq));
-        fault
+        let recounts = fault == Some(PoseFault::Reordered) && later;
+        self.recounted = if recounts { self.recounted + 1 } else { 0 };
+        if fault.is_some() && self.recounted < RECOUNT {
+            return fault;
+        }
+        (self.last_seq, self.recounted) = (Some(seq), 0);
+        self.counted += 1;
+        None
+    }
+
+    /// Where the device's clock and the server's went on differently since the pose before, the device's clock is measured
+    /// anew: it may have jumped.
+    fn compare_clocks(&mut self, device_ms: f64, now: Time) {
+        let Some((before_ms, before)) = self.heard.replace((device_ms, now)) else { return };
+        if (device_ms - before_ms - 1000.0 * (now - before).as_secs_f64()).abs() > JUMP_MS {
+            self.clock.doubt(now);
+        }
     }
 
     fn stride(&mut self, device: Vector) {
@@ -447,6 +484,35 @@ mod tests {
         assert_eq!(fault(&mut intake, 5), Some(PoseFault::Repeated));
         assert_eq!(fault(&mut intake, 4), Some(PoseFault::Reordered));
         assert_eq!(fault(&mut intake, 9), None, "gaps are no fault");
+    }
+
+    #[test]
+    fn a_number_that_was_far_too_large_does_not_silence_the_feed() {
+        let mut intake = intake(PoseFrame::Map);
+        let mut taken = |seq, t| intake.take(&PoseSaid { t, ..pose(seq) }, NOW).unwrap();
+        let first = taken(1, 1000.0).sighting.seq;
+        assert_eq!(taken(1 << 63, 1001.0).fault, None);
+        let faults: Vec<_> = (2..8).map(|seq| taken(seq, 1000.0 + seq as f64).fault).collect();
+        let late = Some(PoseFault::Reordered);
+        assert_eq!(faults, [late, late, late, late, None, None]);
+        let last = taken(8, 1010.0).sighting.seq;
+        assert!(last > first, "the fleet drops it: {last} after {first}");
+        assert_eq!(taken(u64::MAX, 1011.0).fault, None);
+        assert_eq!(taken(7, 1005.0).fault, late, "what is earlier stays late");
+    }
+
+    #[test]
+    fn a_clock_that_jumps_between_two_poses_is_measured_anew_at_once() {
+        for jump_ms in [-3_600_000.0, -4000.0, 4000.0, 3_600_000.0] {
+            let mut intake = intake(PoseFrame::Map);
+            intake.clock.pinged(NOW);
+            let after = |s: i64| NOW + Span::from_secs(s);
+            intake.take(&pose(1), NOW).unwrap();
+            intake.take(&PoseSaid { t: 3000.0, ..pose(2) }, after(2)).unwrap();
+            assert!(intake.clock.due().is_some(), "nothing has jumped");
+            let _ = intake.take(&PoseSaid { t: 7000.0 + jump_ms, ..pose(3) }, after(6));
+            assert_eq!(intake.clock.due(), None, "{jump_ms}");
+        }
     }
 
     #[test]
