@@ -23,6 +23,7 @@ mod http;
 pub mod live;
 pub mod massrobotics;
 pub mod metrics;
+pub mod once;
 pub mod people;
 pub mod port;
 pub mod recording;
@@ -44,7 +45,9 @@ use alarms::Alarms;
 use audit::{AuditDesk, AuditEntry};
 use caller::Caller;
 use error::Problem;
-use port::{FleetRequest, KindRequest, Moment, Now, Question, Records, SharedHistory, TokenDesk, What};
+use port::{
+    AnswerDesk, FleetRequest, KindRequest, Moment, Now, Question, Records, SharedHistory, TokenDesk, What,
+};
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -92,6 +95,8 @@ pub struct Api {
     pub gate: Arc<auth::Gate>,
     /// Keeps named tokens; absent where a recording is shown.
     pub tokens: Option<Arc<dyn TokenDesk>>,
+    /// Keeps answers to requests with keys; absent where a recording is shown.
+    pub answers: Option<Arc<dyn AnswerDesk>>,
     /// Numbers requests that are to change something, and has them written down.
     pub audit: Arc<AuditDesk>,
     /// Who called, in the copy of this that one request has.

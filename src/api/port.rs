@@ -6,6 +6,7 @@
 
 use super::audit::{AuditEntry, AuditQuery};
 use super::caller::{NamedToken, TokenHash};
+use super::once::{KeptAnswer, KeyedRequest, KnownRequest};
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
@@ -75,6 +76,23 @@ pub trait TokenDesk: Send + Sync {
     fn revoke(&self, id: i64) -> Later<'_, Result<bool, String>>;
     /// Puts another token, known by its digest, in the place of one that holds; nothing where there is no such one.
     fn rotate(&self, id: i64, hash: TokenHash) -> Later<'_, Result<Option<NamedToken>, String>>;
+}
+
+/// Keeps the answers to requests that are to be carried out once. Errors are texts for people.
+pub trait AnswerDesk: Send + Sync {
+    /// What is known of a request whose body has this digest. If nothing is, it is noted that it begins.
+    fn begin(
+        &self,
+        request: KeyedRequest,
+        digest: String,
+        now: Time,
+    ) -> Later<'_, Result<KnownRequest, String>>;
+    /// Keeps the answer of a request that began.
+    fn finish(&self, request: KeyedRequest, answer: KeptAnswer) -> Later<'_, ()>;
+    /// Forgets a request that came to nothing: it may be tried again.
+    fn forget(&self, request: KeyedRequest) -> Later<'_, ()>;
+    /// Leaves open what came of a request.
+    fn leave(&self, request: &KeyedRequest);
 }
 
 /// A request to the fleet.

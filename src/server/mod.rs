@@ -7,6 +7,7 @@
 
 mod ahead;
 mod alarm_keeper;
+mod answers;
 mod audit_keeper;
 mod certificate;
 mod clock;
@@ -316,6 +317,7 @@ async fn work(
         trials: trial::trials(),
         gate,
         tokens: Some(Arc::new(tokens)),
+        answers: Some(Arc::new(answers::AnswerKeeper::new(store.clone()))),
         audit: Arc::new(audit),
         caller: Arc::new(Caller::anonymous()),
         entry: None,

@@ -111,6 +111,7 @@ impl Show {
             trials: super::trial::trials(),
             gate: Arc::new(Gate::default()),
             tokens: None,
+            answers: None,
             audit: Arc::new(AuditDesk::new(0).0),
             caller: Arc::new(Caller::this_machine()),
             entry: None,

@@ -12,6 +12,7 @@
 
 mod act_record;
 mod alarms;
+mod answers;
 mod audit;
 mod body_record;
 mod carry;
@@ -42,6 +43,7 @@ mod tokens;
 mod webhooks;
 
 pub use alarms::MOST_PAST;
+pub use answers::{AnswerKey, AnswerRow};
 pub use audit::{AuditFilter, AuditRow, StepCause};
 pub use carry::{CarriedOver, CarryOver};
 pub use check::Belongs;
@@ -264,6 +266,7 @@ fn migrator() -> Migrator {
     let eleventh = include_str!("../../migrations/sqlite/0011_tokens.sql").into_sql_str();
     let twelfth = include_str!("../../migrations/sqlite/0012_events.sql").into_sql_str();
     let fifteenth = include_str!("../../migrations/sqlite/0015_shift.sql").into_sql_str();
+    let sixteenth = include_str!("../../migrations/sqlite/0016_answers.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
@@ -278,6 +281,7 @@ fn migrator() -> Migrator {
         Migration::new(11, "tokens".into(), MigrationType::Simple, eleventh, false),
         Migration::new(12, "events".into(), MigrationType::Simple, twelfth, false),
         Migration::new(15, "shift".into(), MigrationType::Simple, fifteenth, false),
+        Migration::new(16, "answers".into(), MigrationType::Simple, sixteenth, false),
     ])
 }
 

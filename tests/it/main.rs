@@ -27,6 +27,7 @@ mod live;
 mod load;
 mod maps;
 mod measured;
+mod once;
 mod page_filters;
 mod page_fixtures;
 mod past;

@@ -102,6 +102,7 @@ impl TestServer {
             trials: crate::api::trial::Trials::default(),
             gate: Arc::new(Gate::default()),
             tokens: None,
+            answers: None,
             audit: Arc::new(AuditDesk::new(0).0),
             caller: Arc::new(Caller::this_machine()),
             entry: None,

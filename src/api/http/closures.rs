@@ -88,8 +88,13 @@ pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json
 /// around it and robots parked inside leave; once it has begun, robots inside drive out and others stay out. At its
 /// end the area opens by itself.
 #[utoipa::path(post, path = "/v1/closures", tag = "people",
-    operation_id = "closeArea", request_body = NewClosure, responses(
+    operation_id = "closeArea", request_body = NewClosure,
+    params(("Idempotency-Key" = Option<String>, Header,
+        description = "Your own key, up to 255 characters: a repeat gets the same answer and makes nothing")),
+    responses(
     (status = 201, description = "Closed and durable", body = ClosedDto, headers(("Location" = String))),
+    (status = 409, description = "The request with this key is still in progress, or its outcome is not known",
+     body = Problem, content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
      content_type = "application/problem+json"),

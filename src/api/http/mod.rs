@@ -47,7 +47,7 @@ use super::error::Problem;
 use super::feed::session;
 use super::metrics::HttpLabels;
 use super::roles::{Access, access_of, check_role, is_audited, subject_of};
-use super::{Api, ws};
+use super::{Api, once, ws};
 use axum::Router;
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::{HeaderName, HeaderValue, Method, StatusCode, header};
@@ -181,11 +181,12 @@ async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> 
     let response = match check_role(&caller, method, route, path) {
         Err(problem) => problem.into_response(),
         Ok(()) => {
+            let (who, route) = (caller.clone(), route.to_owned());
             request.extensions_mut().insert(caller);
             if let Some(entry) = &entry {
                 request.extensions_mut().insert(entry.clone());
             }
-            next.run(request).await
+            once::answer(&api, &who, &route, request, next).await
         }
     };
     if let Some(entry) = entry {

@@ -105,10 +105,13 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Vec<WebhookDto>>, Probl
 /// A message that is tried again has the same events and `webhook-id`. After a kill, events may come again, perhaps
 /// with later ones: skip numbers that you have had.
 #[utoipa::path(post, path = "/v1/webhooks", tag = "events", operation_id = "addWebhook", request_body = NewWebhook,
+    params(("Idempotency-Key" = Option<String>, Header,
+        description = "Your own key, up to 255 characters: a repeat gets the same answer and makes nothing")),
     responses(
     (status = 201, description = "From now on it is told; the secret is not shown again", body = WebhookDto),
     (status = 400, description = "The body is not JSON", body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "There are too many, or a recording is shown", body = Problem,
+    (status = 409, description = "There are too many, a recording is shown, or the request with this key is in progress or its outcome is \
+     not known", body = Problem,
      content_type = "application/problem+json"),
     (status = 422, description = "A field is wrong", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "The database does not answer", body = Problem,

@@ -1,0 +1,154 @@
+//! Requests with an `Idempotency-Key` whose effect has no key of its own: a repeat gets the answer of the first one.
+//!
+//! Main function: [`answer`]. Jobs and assignments carry their keys themselves, in the same transaction; for what is
+//! listed in [`KEYED`], it is noted before the request is carried out that it has begun, and its answer after that. So a
+//! repeat never does it twice; if the server ended in between, the repeat is told that nobody knows. Refuses: to keep
+//! tokens, which are shown once.
+
+use super::Api;
+use super::caller::Caller;
+use super::error::Problem;
+use super::extract::{BODY_LIMIT, IdempotencyKey};
+use super::port::AnswerDesk;
+use axum::body::{Body, to_bytes};
+use axum::extract::{FromRequestParts, Request};
+use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use sha2::{Digest, Sha256};
+use std::sync::Arc;
+
+/// Requests that make something which no name tells apart. A robot or worker of the same name is the same one.
+const KEYED: [&str; 2] = ["/v1/closures", "/v1/webhooks"];
+
+/// The longest answer that is kept, bytes.
+const LONGEST: usize = 1 << 20;
+
+/// Says that an answer was given before.
+const REPLAYED: HeaderName = HeaderName::from_static("idempotency-replayed");
+
+/// A request that is to be carried out once.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct KeyedRequest {
+    /// Who asked; keys of different callers have nothing to do with one another.
+    pub caller: String,
+    /// The route.
+    pub route: String,
+    /// The key.
+    pub key: String,
+}
+
+/// An answer that is kept.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KeptAnswer {
+    /// Its status.
+    pub status: u16,
+    /// Where what was made is.
+    pub location: Option<String>,
+    /// Its body, JSON.
+    pub body: String,
+}
+
+/// What is known of a request.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum KnownRequest {
+    /// Nothing: it is noted now that it has begun.
+    New,
+    /// It came before with another body.
+    Other,
+    /// It is being carried out.
+    Running,
+    /// It had begun when the server ended, or its answer was that nobody knows.
+    Unknown,
+    /// It came before, with this answer.
+    Answered(KeptAnswer),
+}
+
+/// Answers a request: as it was answered before, if it has a key under which it was.
+pub async fn answer(api: &Api, caller: &Caller, route: &str, request: Request, next: Next) -> Response {
+    let (mut parts, body) = request.into_parts();
+    let keyed = parts.method == axum::http::Method::POST && KEYED.contains(&route);
+    let (Some(desk), true) = (api.answers.clone(), keyed && parts.headers.contains_key("idempotency-key"))
+    else {
+        return next.run(Request::from_parts(parts, body)).await;
+    };
+    let key = match IdempotencyKey::from_request_parts(&mut parts, &()).await {
+        Ok(IdempotencyKey(key)) => key.unwrap_or_default(),
+        Err(problem) => return problem.into_response(),
+    };
+    // What is too long is refused by who reads it, and leaves nothing to be repeated.
+    let Ok(body) = to_bytes(body, BODY_LIMIT + 1).await else {
+        let detail = format!("a body may have {BODY_LIMIT} bytes at most");
+        let status = StatusCode::PAYLOAD_TOO_LARGE;
+        return Problem::new(status, "too-large", "The body is too long", detail).into_response();
+    };
+    let digest = Sha256::digest(&body).iter().map(|b| format!("{b:02x}")).collect();
+    let keyed = KeyedRequest { caller: caller.name.clone(), route: route.into(), key };
+    match desk.begin(keyed.clone(), digest, (api.now)()).await {
+        Err(why) => Problem::unavailable(why, 2).into_response(),
+        Ok(KnownRequest::Answered(kept)) => replayed(kept),
+        Ok(KnownRequest::New) => {
+            // To its end, whether or not the client waits for that.
+            let request = Request::from_parts(parts, Body::from(body));
+            let run = tokio::spawn(async move { kept(desk, keyed, next.run(request).await).await });
+            run.await.unwrap_or_else(|_| Problem::internal().into_response())
+        }
+        Ok(known) => refused(&known).into_response(),
+    }
+}
+
+/// Keeps an answer, and gives it.
+async fn kept(desk: Arc<dyn AnswerDesk>, request: KeyedRequest, response: Response) -> Response {
+    let (parts, body) = response.into_parts();
+    if parts.status.is_server_error() {
+        desk.leave(&request);
+        return Response::from_parts(parts, body);
+    }
+    if !parts.status.is_success() {
+        desk.forget(request).await;
+        return Response::from_parts(parts, body);
+    }
+    let body = match to_bytes(body, LONGEST).await {
+        Ok(body) => body,
+        Err(_) => {
+            desk.leave(&request);
+            return Problem::internal().into_response();
+        }
+    };
+    let location = parts.headers.get(header::LOCATION).and_then(|v| v.to_str().ok()).map(str::to_owned);
+    let text = String::from_utf8_lossy(&body).into_owned();
+    desk.finish(request, KeptAnswer { status: parts.status.as_u16(), location, body: text }).await;
+    Response::from_parts(parts, Body::from(body))
+}
+
+fn replayed(kept: KeptAnswer) -> Response {
+    // What was made then is not made now; the status stays, as the body does.
+    let status = StatusCode::from_u16(kept.status).unwrap_or(StatusCode::OK);
+    let mut response = (status, kept.body).into_response();
+    let headers = response.headers_mut();
+    headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/json"));
+    headers.insert(REPLAYED, HeaderValue::from_static("true"));
+    if let Some(place) = kept.location.and_then(|place| HeaderValue::from_str(&place).ok()) {
+        headers.insert(header::LOCATION, place);
+    }
+    response
+}
+
+fn refused(known: &KnownRequest) -> Problem {
+    match known {
+        KnownRequest::Other => {
+            let detail = "the Idempotency-Key was used for another request: use a new key for a new one";
+            let status = StatusCode::UNPROCESSABLE_ENTITY;
+            Problem::new(status, "key-reused", "The key belongs to another request", detail)
+        }
+        KnownRequest::Running => {
+            let detail = "the request with this key is still being carried out: ask again in a second";
+            Problem { retry_after: Some(1), ..Problem::conflict("in-progress", "Still in progress", detail) }
+        }
+        _ => {
+            let detail = "the server ended, or could not write, while it carried out the request with this key, so it is \
+                          not known whether it did: look at the list, and use a new key if it is not there";
+            Problem::conflict("outcome-unknown", "The outcome is not known", detail)
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Requests with an `Idempotency-Key` that make something besides jobs and assignments.
+
+use crate::helper::{Answer, Folder, get, send, start};
+use serde_json::json;
+use std::net::SocketAddr;
+
+async fn keyed(at: SocketAddr, path: &str, key: &str, body: &serde_json::Value) -> Answer {
+    let headers = [("content-type", "application/json"), ("idempotency-key", key)];
+    send(at, "POST", path, &headers, &body.to_string()).await.unwrap()
+}
+
+fn area(x: f64) -> serde_json::Value {
+    json!({"outline": [[x, 1.0], [x + 1.0, 1.0], [x + 1.0, 2.0]], "reason": "a spill"})
+}
+
+#[tokio::test]
+async fn a_repeat_with_the_same_key_closes_nothing_a_second_time_also_over_a_restart() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let first = keyed(at, "/v1/closures", "spill-1", &area(1.0)).await;
+    assert_eq!(first.status, 201, "{}", first.text);
+    assert_eq!(first.header("idempotency-replayed"), None);
+    let again = keyed(at, "/v1/closures", "spill-1", &area(1.0)).await;
+    assert_eq!((again.status, &again.text), (201, &first.text));
+    assert_eq!(again.header("location"), first.header("location"));
+    assert_eq!(again.header("idempotency-replayed"), Some("true"));
+    let other = keyed(at, "/v1/closures", "spill-1", &area(3.0)).await;
+    assert_eq!((other.status, &*other.json()["type"].to_string()), (422, "\"/problems/key-reused\""));
+    server.stop().await.unwrap();
+
+    let server = start(&folder).await;
+    let at = server.address();
+    let again = keyed(at, "/v1/closures", "spill-1", &area(1.0)).await;
+    assert_eq!((again.status, &again.text), (201, &first.text));
+    assert_eq!(keyed(at, "/v1/closures", "spill-2", &area(1.0)).await.status, 201);
+    let closed = get(at, "/v1/closures").await.json();
+    assert_eq!(closed["items"].as_array().unwrap().len(), 2, "{closed}");
+    server.stop().await.unwrap();
+}
+
+#[tokio::test]
+async fn what_was_refused_may_be_tried_again_with_the_same_key() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    assert_eq!(keyed(at, "/v1/closures", "k", &json!({"outline": [[0.0, 0.0]]})).await.status, 422);
+    assert_eq!(keyed(at, "/v1/closures", "k", &area(1.0)).await.status, 201);
+    assert_eq!(keyed(at, "/v1/closures", "", &area(1.0)).await.status, 400);
+    server.stop().await.unwrap();
+}
+
+#[tokio::test]
+async fn two_at_the_same_time_with_one_key_make_one() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let hook = json!({"url": "http://127.0.0.1:9/nobody", "kinds": ["job"]});
+    let (a, b) = tokio::join!(keyed(at, "/v1/webhooks", "k", &hook), keyed(at, "/v1/webhooks", "k", &hook));
+    let mut statuses = [a.status, b.status];
+    statuses.sort_unstable();
+    assert!(statuses == [201, 409] || statuses == [201, 201], "{} {}", a.text, b.text);
+    let hooks = get(at, "/v1/webhooks").await.json();
+    assert_eq!(hooks["items"].as_array().unwrap().len(), 1, "{hooks}");
+    assert_eq!(keyed(at, "/v1/webhooks", "k", &hook).await.status, 201);
+    server.stop().await.unwrap();
+}
+
+#[tokio::test]
+async fn a_key_whose_request_had_begun_when_the_server_ended_is_told_that_nobody_knows() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    assert_eq!(keyed(server.address(), "/v1/closures", "k", &area(1.0)).await.status, 201);
+    server.stop().await.unwrap();
+    // As a server leaves it that is killed before its answer is kept.
+    let options = sqlx::sqlite::SqliteConnectOptions::new().filename(folder.database());
+    let database = sqlx::SqlitePool::connect_with(options).await.unwrap();
+    sqlx::query("UPDATE answers SET status = NULL, location = NULL, body = NULL")
+        .execute(&database)
+        .await
+        .unwrap();
+    database.close().await;
+    let server = start(&folder).await;
+    let answer = keyed(server.address(), "/v1/closures", "k", &area(1.0)).await;
+    assert_eq!((answer.status, &*answer.json()["type"].to_string()), (409, "\"/problems/outcome-unknown\""));
+    server.stop().await.unwrap();
+}
