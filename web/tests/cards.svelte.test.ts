@@ -5,6 +5,7 @@ import type { Drawing, Picked } from '../src/floor';
 import PickedCard from '../src/page/PickedCard.svelte';
 import { Chances } from '../src/people';
 import ClosureForm from '../src/places/ClosureForm.svelte';
+import { Notices } from '../src/parts';
 import { EMPTY, reduce, type Answer, type FloorMap, type Mirror, type Point } from '../src/wire';
 import { robot, snapshot, worker } from './samples';
 
@@ -24,7 +25,7 @@ function card(first: Picked, mirror: Mirror) {
   const api = { why: refused, pause: refused, resume: refused, maintain: refused, workAgain: refused, retire: refused, robot: refused, robotHistory: refused, assign: refused, clear: refused, narrow: refused, worker: refused, station: refused };
   let drawing: Drawing | null = null;
   const props = $state({
-    picked: first, mirror, map, source: { tense: 'now', api } as const, chances: new Chances(), onDraw: (asked: Drawing) => { drawing = asked; },
+    picked: first, mirror, map, source: { tense: 'now', api } as const, chances: new Chances(), notices: new Notices(), onDraw: (asked: Drawing) => { drawing = asked; },
     frame: { kept: 'chosen', lines: [], since: 'this page was opened', onCentre: () => {}, onClose: () => {} } as const,
     onPick: () => {}, onJob: () => {},
   });
@@ -67,7 +68,7 @@ describe('the form for a closed area', () => {
     const target = document.createElement('div');
     const never = (): Promise<never> => new Promise(() => {});
     const mounted = mount(ClosureForm, { target, props: {
-      closures: [], api: { close: never, reopen: never }, onPick: () => {},
+      closures: [], api: { close: never, reopen: never }, notices: new Notices(), onPick: () => {},
       onDraw: (asked: Drawing) => { drawing = asked; }, onSketch: (outline: readonly Point[] | null) => { sketch = outline; },
     } });
     flushSync();

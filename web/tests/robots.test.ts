@@ -65,8 +65,8 @@ describe('several robots at once', () => {
     };
     const act = ROBOT_ACTS.find((one) => one.id === 'pause')!;
     const api = { pause } as unknown as ActsApi;
-    expect(await tellAll(act, api, ['robot-1', 'robot-3'])).toEqual({ words: '2 robots paused.', wrong: false });
-    expect(await tellAll(act, api, ['robot-1', 'robot-2'])).toEqual({ words: '1 robot of 2 refused. robot-2: too busy', wrong: true });
+    expect(await tellAll(act, api, ['robot-1', 'robot-3'])).toEqual({ words: '2 robots paused.', wrong: false, done: ['robot-1', 'robot-3'] });
+    expect(await tellAll(act, api, ['robot-1', 'robot-2'])).toEqual({ words: '1 robot of 2 refused. robot-2: too busy', wrong: true, done: ['robot-1'] });
     expect(told).toEqual(['robot-1', 'robot-3', 'robot-1', 'robot-2']);
   });
   test('an act is offered for robots that it changes', () => {

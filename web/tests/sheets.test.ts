@@ -104,7 +104,8 @@ describe('the composition', () => {
     for (let i = 0; i < 10; i++) composer.compose(stage.scene, { ...VIEW, x: i }, NOBODY, NOTHING);
     expect([racks.turn, ways.turn, heat.turn]).toEqual(before);
     expect(robots.marks).toBe(memory);
-    expect(composer.words.list.length).toBe(1);
+    // The names of the station and of the robot.
+    expect(composer.words.list.length).toBe(2);
   });
 
   test('a station says how many wait in its queue', () => {

@@ -3,15 +3,16 @@
 import type { Activity, Closure, FloorMap, Mirror, Point } from '../wire';
 import type { Picked } from './scene/picked';
 import type { Cell } from './paint/heatmap';
-import { announced, Composer, type Chosen } from './paint/compose';
+import { alarmedOf, announced, Composer, type Chosen } from './paint/compose';
 import { drawGround } from './paint/ground';
 import { listen } from './scene/hands';
 import type { Forecast } from './paint/heat';
+import { titlesOf } from './paint/labels';
 import type { Frame, Painter } from './paint/painter';
 import { readPalette, type Palette } from './paint/palette';
 import { placeOf, thingAt, thingBeside } from './scene/pick';
 import { LOOKS, Stage } from './scene/scene';
-import { fit, pan, toWorld, zoomAt, type View } from './scene/view';
+import { fit, FOOT_PX, pan, toWorld, zoomAt, type FixedName, type View } from './scene/view';
 
 export interface ShowOptions {
   host: HTMLElement;
@@ -21,13 +22,15 @@ export interface ShowOptions {
   onChoose(picked: Picked | null): void;
   /** The camera moved. */
   onView?(view: View): void;
+  /** The map alone is wanted on the whole screen, or no longer. */
+  onFull(): void;
 }
 
 /** The kept picture reaches this far beyond the window, as a share of it, on every side. */
 const BEYOND = 0.25;
 const REST_MS = 140;
 const DENSEST = 2;
-/** Pixels per metre when one robot is brought to the middle: near enough to read its name. */
+/** Pixels per metre when one thing is brought to the middle: names are shown from NAMES_FROM on. */
 const CLOSE_SCALE = 36;
 
 export class Show {
@@ -47,6 +50,9 @@ export class Show {
   #chosen: Picked | null = null;
   #marked: Point | null = null;
   #closures: readonly Closure[] = [];
+  #alarms: Mirror['alarms'] = [];
+  #titles: readonly FixedName[];
+  #foot = FOOT_PX;
   #movedAt = 0;
   #dirty = true;
   #fitted = true;
@@ -64,7 +70,8 @@ export class Show {
     this.#painter = painter;
     this.#palette = palette;
     this.#stage = new Stage(options.map);
-    this.view = fit(options.map.bounds, 300, 150);
+    this.#titles = titlesOf(options.map);
+    this.view = this.#whole(300, 150);
     this.#composer = new Composer(palette);
     this.#drawn = {
       view: this.view, ground: { picture: document.createElement('canvas'), view: this.view },
@@ -79,6 +86,7 @@ export class Show {
       pan: (dx, dy) => this.#pan(dx, dy),
       zoom: (factor, px, py) => this.zoom(factor, px, py),
       fit: () => this.fit(),
+      full: () => options.onFull(),
       hover: (at) => options.onHover(at && lively(this.#pickedAt(...at))),
       choose: (at) => options.onChoose(at && this.#pickedAt(...at)),
       step: (step) => options.onChoose(thingBeside(options.map, this.#stage.scene, this.view, this.#chosen, step)),
@@ -93,6 +101,10 @@ export class Show {
     this.#stage.take(mirror, performance.now(), how);
     this.#mirror = mirror;
     this.#how = how;
+    if (this.#alarms !== mirror.alarms) {
+      this.#alarms = mirror.alarms;
+      this.#composer.alarmed = alarmedOf(mirror.alarms);
+    }
     if (this.#closures !== mirror.closures) {
       this.#closures = mirror.closures;
       this.#composer.notes = announced(mirror.closures);
@@ -133,9 +145,11 @@ export class Show {
     this.#centre(at);
   }
 
-  centreOn(picked: Picked): void {
+  /** Brings a thing to the middle; says whether it is there. */
+  centreOn(picked: Picked): boolean {
     const at = placeOf(this.#options.map, this.#mirror, this.#stage.scene, picked);
     if (at) this.#centre(at);
+    return at !== null;
   }
 
   #centre(at: readonly [x: number, y: number]): void {
@@ -145,7 +159,14 @@ export class Show {
 
   fit(): void {
     this.#fitted = true;
-    this.#move(fit(this.#options.map.bounds, this.view.width, this.view.height));
+    this.#move(this.#whole(this.view.width, this.view.height));
+  }
+
+  /** Leaves so many pixels free below the whole floor. */
+  leaveFree(px: number): void {
+    if (px === this.#foot) return;
+    this.#foot = px;
+    if (this.#fitted) this.fit();
   }
 
   zoom(factor: number, px = this.view.width / 2, py = this.view.height / 2): void {
@@ -216,8 +237,12 @@ export class Show {
     if (clientWidth === 0 || clientHeight === 0) return;
     this.#painter.resize(clientWidth, clientHeight, this.#density());
     const resized = { ...this.view, width: clientWidth, height: clientHeight };
-    this.#move(this.#fitted ? fit(this.#options.map.bounds, clientWidth, clientHeight) : resized);
+    this.#move(this.#fitted ? this.#whole(clientWidth, clientHeight) : resized);
     this.#paintGround();
+  }
+
+  #whole(width: number, height: number): View {
+    return fit(this.#options.map.bounds, width, height, this.#titles, this.#foot);
   }
 
   #covers(): boolean {

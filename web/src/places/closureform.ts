@@ -1,5 +1,5 @@
 // The form for a closed area without its looks: the request made of what somebody typed.
-import type { Binds, NewClosure, Point } from '../wire';
+import type { Binds, Closure, NewClosure, Point } from '../wire';
 
 export interface ClosureValues {
   reason: string;
@@ -56,4 +56,12 @@ const clock = (t: Date) => `${two(t.getHours())}:${two(t.getMinutes())}`;
 function offset(t: Date): string {
   const ahead = -t.getTimezoneOffset();
   return `${ahead < 0 ? '-' : '+'}${two(Math.floor(Math.abs(ahead) / 60))}:${two(Math.abs(ahead) % 60)}`;
+}
+
+/** The request that closes an area again as it was. */
+export function closedAgain({ outline, reason, binds, from, until, state }: Closure): NewClosure {
+  return {
+    outline: [...outline], reason, binds: binds ?? 'robots',
+    ...(state === 'announced' && from ? { from } : {}), ...(until ? { until } : {}),
+  };
 }

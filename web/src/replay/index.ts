@@ -2,6 +2,7 @@
 // It knows no panel of another room; the other rooms take from a replay what they show.
 export { type Recording, type Span } from './recording';
 export { type Listed, type Frame } from './reel';
+export { replayRoute } from './route';
 export { Replay } from './replay.svelte';
 export { after, seek, type Shown } from './seek';
 export type { Source } from './source';

@@ -13,6 +13,8 @@ export interface RobotAct {
   /** Whether it makes sense for a robot. */
   readonly fits: (robot: Robot) => boolean;
   readonly tell: (api: ActsApi, id: string) => Promise<Answer<unknown>>;
+  /** The id of the act that takes it back. */
+  readonly undo?: string;
 }
 
 const inService = (robot: Robot): boolean => !robot.maintenance && !robot.leaving;
@@ -20,11 +22,11 @@ const inService = (robot: Robot): boolean => !robot.maintenance && !robot.leavin
 export const ROBOT_ACTS: readonly RobotAct[] = [
   {
     id: 'pause', label: 'Pause', title: 'They stop where they are, keep their reservations and get no new job', done: 'paused',
-    fits: (robot) => activityOf(robot) !== 'paused', tell: (api, id) => api.pause(id),
+    fits: (robot) => activityOf(robot) !== 'paused', tell: (api, id) => api.pause(id), undo: 'resume',
   },
   {
     id: 'resume', label: 'Resume', title: 'They continue where they were', done: 'resumed',
-    fits: (robot) => activityOf(robot) === 'paused' || activityOf(robot) === 'failed', tell: (api, id) => api.resume(id),
+    fits: (robot) => activityOf(robot) === 'paused' || activityOf(robot) === 'failed', tell: (api, id) => api.resume(id), undo: 'pause',
   },
   {
     id: 'charge', label: 'Charge', title: 'They drive to a free charger when they have finished their job', done: 'sent to charge',
@@ -36,11 +38,11 @@ export const ROBOT_ACTS: readonly RobotAct[] = [
   },
   {
     id: 'out', label: 'Out of service', title: 'They finish what they carry, go to a parking place and get no new job', done: 'going out of service',
-    fits: inService, tell: (api, id) => api.maintain(id),
+    fits: inService, tell: (api, id) => api.maintain(id), undo: 'back',
   },
   {
     id: 'back', label: 'Back in service', title: 'They take jobs again', done: 'back in service',
-    fits: (robot) => !inService(robot), tell: (api, id) => api.workAgain(id),
+    fits: (robot) => !inService(robot), tell: (api, id) => api.workAgain(id), undo: 'out',
   },
 ];
 
@@ -50,21 +52,35 @@ const AT_ONCE = 8;
 export interface Told {
   readonly words: string;
   readonly wrong: boolean;
+  /** The robots that did it. */
+  readonly done: readonly string[];
+}
+
+/** Takes an act on some robots back; answers why it could not. Null where it cannot be taken back. */
+export function undoOf(act: RobotAct, api: ActsApi, ids: readonly string[]): (() => Promise<string | null>) | null {
+  const undo = ROBOT_ACTS.find((one) => one.id === act.undo);
+  if (undo === undefined || ids.length === 0) return null;
+  return async () => {
+    const told = await tellAll(undo, api, ids);
+    return told.wrong ? told.words : null;
+  };
 }
 
 /** Tells robots one after the other, and says what came of it. */
 export async function tellAll(act: RobotAct, api: ActsApi, ids: readonly string[]): Promise<Told> {
   const refused: string[] = [];
+  const done: string[] = [];
   for (let i = 0; i < ids.length; i += AT_ONCE) {
     const some = ids.slice(i, i + AT_ONCE);
     const answers = await Promise.all(some.map((id) => act.tell(api, id)));
     answers.forEach((answer, k) => {
       const why = trouble(answer);
-      if (why !== null) refused.push(`${some[k]}: ${why}`);
+      if (why === null) done.push(some[k]!);
+      else refused.push(`${some[k]}: ${why}`);
     });
   }
   const robots = (n: number): string => `${n} ${n === 1 ? 'robot' : 'robots'}`;
-  if (refused.length === 0) return { words: `${robots(ids.length)} ${act.done}.`, wrong: false };
+  if (refused.length === 0) return { words: `${robots(ids.length)} ${act.done}.`, wrong: false, done };
   const more = refused.length > 3 ? ` And ${refused.length - 3} more.` : '';
-  return { words: `${robots(refused.length)} of ${ids.length} refused. ${refused.slice(0, 3).join(' ')}${more}`, wrong: true };
+  return { words: `${robots(refused.length)} of ${ids.length} refused. ${refused.slice(0, 3).join(' ')}${more}`, wrong: true, done };
 }

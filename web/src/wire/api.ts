@@ -96,6 +96,9 @@ export class Api {
     return this.#ask<JobPage>('GET', `/v1/jobs?${query}`);
   }
 
+  /** Jobs that a customer calls so, newest first. */
+  jobsCalled = (reference: string) => this.#ask<JobPage>('GET', `/v1/jobs?${new URLSearchParams({ limit: '5', reference })}`);
+
   submit(job: NewJob, key: string): Promise<Answer<Job>> {
     return this.#ask<Job>('POST', '/v1/jobs', { 'Idempotency-Key': key }, job);
   }

@@ -338,6 +338,8 @@ export type JobState = (typeof JOB_STATES)[number];
 
 export interface Job {
   id: string;
+  /** What the customer calls it. */
+  reference?: string | null;
   kind: JobKind;
   rack: string | null;
   station: string | null;

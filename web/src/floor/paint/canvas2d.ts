@@ -69,8 +69,9 @@ export class Canvas2dPainter implements Painter {
     ink.setLineDash([]);
     ink.setTransform(this.#density, 0, 0, this.#density, 0, 0);
     for (let i = 0; i < words.count; i++) {
-      const { text, x, y, below, px } = words.list[i]!;
-      label(ink, text, (x - view.x) * view.scale + view.width / 2, (view.y - y) * view.scale + view.height / 2 + below, px, this.#palette.of);
+      const { text, x, y, below, px, pale } = words.list[i]!;
+      const { halo, label: dark, gauge } = this.#palette.of;
+      label(ink, text, (x - view.x) * view.scale + view.width / 2, (view.y - y) * view.scale + view.height / 2 + below, px, halo, pale ? gauge : dark);
     }
   }
 
@@ -104,11 +105,8 @@ export class Canvas2dPainter implements Painter {
       const h = marks[at + 3]!;
       if (view && !inSight(view, x, y, Math.max(w, h))) continue;
       const [turn, kind, more, dye] = [marks[at + 4]!, marks[at + 5]! as Kind, marks[at + 6]!, inks[at + 7]!];
-      // Along an axis or across it, a turned box is a plain one.
-      const across = turn !== 0 && Math.abs(Math.cos(turn)) < 1e-6;
-      const straight = turn === 0 || across || Math.abs(Math.sin(turn)) < 1e-6;
       const width = kind === KIND.dashes ? h : kind === KIND.ring || kind === KIND.frame ? more : 0;
-      if (!(RUNS.has(kind) && (straight || kind !== KIND.box))) {
+      if (!RUNS.has(kind) || (kind === KIND.frame && turn !== 0)) {
         if (run) out(this.#finish(run));
         run = null;
         out(() => this.#single(kind, x, y, w, h, turn, more, dye));
@@ -131,9 +129,7 @@ export class Canvas2dPainter implements Painter {
           path.lineTo(x + dx, y + dy);
           break;
         }
-        default:
-          if (across) path.rect(x - h / 2, y - r, h, w);
-          else path.rect(x - r, y - h / 2, w, h);
+        default: addBox(path, x, y, w, h, turn);
       }
     }
     if (run) out(this.#finish(run));
@@ -212,6 +208,18 @@ export class Canvas2dPainter implements Painter {
     if (css === undefined) this.#css.set(ink, css = cssOf(ink));
     return css;
   }
+}
+
+/** A box around (x, y) that is turned. */
+function addBox(path: Path2D, x: number, y: number, w: number, h: number, turn: number): void {
+  if (turn === 0) return path.rect(x - w / 2, y - h / 2, w, h);
+  const [ax, ay] = [(Math.cos(turn) * w) / 2, (Math.sin(turn) * w) / 2];
+  const [bx, by] = [(-Math.sin(turn) * h) / 2, (Math.cos(turn) * h) / 2];
+  path.moveTo(x - ax - bx, y - ay - by);
+  path.lineTo(x + ax - bx, y + ay - by);
+  path.lineTo(x + ax + bx, y + ay + by);
+  path.lineTo(x - ax + bx, y - ay + by);
+  path.closePath();
 }
 
 const inSight = (view: View, x: number, y: number, reach: number): boolean =>

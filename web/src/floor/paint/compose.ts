@@ -1,12 +1,14 @@
 // What the floor looks like: puts the scene onto sheets, layer by layer, and only those that changed.
-// Ways and resting racks change with a patch; robots, people and words with every frame.
+// Ways and resting racks change with a patch; robots, people and words with every frame. From afar a robot is one mark in
+// the colour of its state, without its route; names come where there is room for them (labels.ts).
 import { timeOfDay } from '../../words';
 import type { Cell } from './heatmap';
 import { around } from '../scene/sketch';
-import type { Closure } from '../../wire';
+import type { Alarm, Closure } from '../../wire';
 import { putHeat, type Forecast } from './heat';
 import type { Palette } from './palette';
 import type { Person } from '../scene/people';
+import { Labels, stationTitle } from './labels';
 import { LOOKS, LOW_BATTERY, robotNear, type Look, type Paths, type Scene } from '../scene/scene';
 import { inkOf, KIND, Sheet, Words } from './sheet';
 import type { View } from '../scene/view';
@@ -40,12 +42,18 @@ export const SIZE = {
   rack: 0.42, carried: 0.46, gauge: 0.12, ring: 0.28, person: 0.4, place: 0.72,
   granted: 0.12, held: 0.07, ahead: 0.1, area: 0.9,
 } as const;
-/** Pixels per metre from which on names and gauges appear, where neighbours no longer write over each other. */
-const NAMES_FROM = 76;
+/** Pixels per metre below which the floor is seen from afar. */
+export const FAR_BELOW = 14;
+/** Pixels per metre from which on names and gauges appear. */
+export const NAMES_FROM = 28;
 const RACK_NAMES_FROM = 52;
+const NODE_NAMES_FROM = 62;
 const GAUGES_FROM = 28;
-const TICKS_FROM = 5;
 const WORD_PX = 11;
+const NODE_WORD_PX = 9.5;
+/** From afar, cells of about this size show where robots wait together: from so many robots on. */
+const CROWD_PX = 30;
+const CROWD_FROM = 2;
 /** Least radii in pixels: what needs a person stays visible on a whole floor. */
 const LEAST: Record<Look, number> = {
   idle: 2.2, driving: 2.4, handling: 2.4, picking: 2.4, queueing: 2.4, charging: 2.2, waiting: 4, paused: 4, stopped: 4, out_of_service: 3,
@@ -58,6 +66,21 @@ const FACELESS: readonly Look[] = ['failed', 'charging', 'paused', 'stopped', 'o
 /** Of a person's mark, metres: never so small that it is lost among the robots. */
 export const personRadius = (scale: number): number => Math.max(SIZE.person, 6 / scale);
 const PERSON_REACH = 1.35;
+/** From afar: what needs a person is no disc. */
+const ON_ITS_CORNER: readonly Look[] = ['waiting', 'offline'];
+const SQUARE: readonly Look[] = ['failed', 'stopped', 'paused', 'out_of_service'];
+const WAITING = LOOKS.indexOf('waiting');
+
+/** Ids of what has an alarm. */
+export interface Alarmed {
+  robot: ReadonlySet<string>;
+  worker: ReadonlySet<string>;
+  station: ReadonlySet<string>;
+}
+export function alarmedOf(alarms: readonly Alarm[]): Alarmed {
+  const of = (kind: keyof Alarmed): Set<string> => new Set(alarms.flatMap((a) => (a.subject_kind === kind && a.subject ? [a.subject] : [])));
+  return { robot: of('robot'), worker: of('worker'), station: of('station') };
+}
 
 type Inks = ReturnType<typeof inksOf>;
 
@@ -70,18 +93,22 @@ function inksOf({ of: c, looks }: Palette) {
     chosen: inkOf(c.chosen), person: inkOf(c.person), pale: inkOf(c.person, 0.35), ahead: inkOf(c.ahead),
     region: inkOf(c.region), stopping: inkOf(c.region, 0.3), keeping: inkOf(c.region, 0.55), slowing: inkOf(c.region, 0.9),
     off: inkOf(c.off), stop: inkOf(c.stop), heat: inkOf(c.heat),
+    crowds: [0.25, 0.37, 0.5].map((opacity) => inkOf(looks[WAITING]!, opacity)),
     levels: (['heat-1', 'heat-2', 'heat-3', 'heat-4', 'heat-5'] as const).map((name) => inkOf(c[name], 0.78)),
   };
 }
 
 export class Composer {
   /** From the floor up. */
-  readonly sheets = { racks: new Sheet(), amounts: new Sheet(), heat: new Sheet(), regions: new Sheet(), ways: new Sheet(), robots: new Sheet(), people: new Sheet() };
+  readonly sheets = { racks: new Sheet(), amounts: new Sheet(), crowds: new Sheet(), heat: new Sheet(), regions: new Sheet(), ways: new Sheet(), robots: new Sheet(), people: new Sheet() };
   readonly words = new Words();
   /** A map of heat; empty where none is shown. */
   cells: readonly Cell[] = [];
   /** What is written on the floor itself. */
   notes: readonly Note[] = [];
+  alarmed: Alarmed = alarmedOf([]);
+  #labels = new Labels(this.words);
+  #crowds = new Map<number, number>();
   #inks: Inks;
   #done = { racks: -1, ways: -1, edges: -1, chosen: -1, hair: 0, forecasts: null as readonly Forecast[] | null, cells: null as readonly Cell[] | null };
 
@@ -103,10 +130,11 @@ export class Composer {
     if (done.racks !== scene.rackTurn || done.edges !== edges) this.#racks(scene, edges);
     if (done.ways !== scene.wayTurn || done.hair !== hair || done.chosen !== chosen.robot) this.#ways(scene, hair, chosen.robot);
     Object.assign(done, { racks: scene.rackTurn, ways: scene.wayTurn, edges, chosen: chosen.robot, hair, forecasts, cells: this.cells });
+    this.#waitTogether(scene, view.scale);
     this.#regions(scene.people, hair, chosen.person);
     this.#robots(scene, view, chosen);
     this.#people(scene.people, hair, chosen.person);
-    this.#words(scene, view, chosen.robot);
+    this.#names(scene, view, chosen);
   }
 
   #heat(forecasts: readonly Forecast[]): void {
@@ -133,7 +161,8 @@ export class Composer {
     }
   }
 
-  /** What is held is dashed, what is granted is solid: a robot may be anywhere on the latter at once. */
+  /** What is held is dashed, what is granted is solid: a robot may be anywhere on the latter at once. From afar only the
+   *  route of the chosen robot is there. */
   #ways(scene: Scene, hair: number, chosen: number): void {
     const ink = this.#inks;
     const sheet = this.sheets.ways;
@@ -147,8 +176,10 @@ export class Composer {
         sheet.line(kind, paths.at[k]!, paths.at[k + 1]!, paths.at[k + 2]!, paths.at[k + 3]!, width, colour, dash);
       }
     };
-    lines(scene.held, false, Math.max(SIZE.held, 0.9 * hair), ink.held);
-    lines(scene.granted, true, Math.max(SIZE.granted, 1.6 * hair), ink.granted);
+    if (hair * FAR_BELOW <= 1) {
+      lines(scene.held, false, Math.max(SIZE.held, 0.9 * hair), ink.held);
+      lines(scene.granted, true, Math.max(SIZE.granted, 1.6 * hair), ink.granted);
+    }
     if (chosen < 0) return;
     lines(scene.held, false, Math.max(SIZE.held * 1.8, 2 * hair), ink.chosen, chosen);
     lines(scene.granted, true, Math.max(SIZE.granted * 1.5, 3 * hair), ink.chosen, chosen);
@@ -174,6 +205,7 @@ export class Composer {
       }
       sheet.put(KIND.disc, x, y, 2 * stop, 2 * stop, ink.stopping);
       sheet.put(KIND.ring, x, y, 2 * stop, 2 * stop, ink.region, 0, 2 * hair);
+      if (hair * FAR_BELOW > 1 && i !== chosen) continue;
       const colour = i === chosen ? ink.chosen : ink.ahead;
       const width = Math.max(SIZE.ahead, 1.8 * hair);
       for (let k = 1; k < path.length; k++) {
@@ -196,19 +228,63 @@ export class Composer {
       const around = 2 * Math.max(scene.reach[chosen.robot]! + SIZE.ring, 8 * hair);
       sheet.put(KIND.ring, scene.x[chosen.robot]!, scene.y[chosen.robot]!, around, around, ink.chosen, 0, Math.max(0.09, 2 * hair));
     }
+    const far = scale < FAR_BELOW;
     // Like after like, so that a painter can draw a run of them at once.
     for (let look = 0; look < LOOKS.length; look++) {
-      for (let i = 0; i < scene.robots; i++) if (scene.look[i] === look) this.#body(scene, i, scale, chosen.look);
+      for (let i = 0; i < scene.robots; i++) {
+        if (scene.look[i] !== look) continue;
+        if (far) this.#mark(scene, i, scale, chosen.look);
+        else this.#body(scene, i, scale, chosen.look);
+      }
     }
-    if (scale > TICKS_FROM) for (let i = 0; i < scene.robots; i++) {
+    if (!far) for (let i = 0; i < scene.robots; i++) {
       if (chosen.look < 0 || scene.look[i] === chosen.look) this.#tick(scene, i, hair);
     }
     for (let i = 0; i < scene.robots; i++) this.#battery(scene, i, scale);
+    if (far) return;
     const edge = Math.max(0.09, hair);
     for (let i = 0; i < scene.racks; i++) {
       if (scene.rackOn[i]! < 0) continue;
       sheet.put(KIND.box, scene.rackX[i]!, scene.rackY[i]!, 2 * SIZE.carried, 2 * SIZE.carried, ink.under);
       sheet.put(KIND.frame, scene.rackX[i]!, scene.rackY[i]!, 2 * SIZE.carried, 2 * SIZE.carried, ink.carried, 0, edge);
+    }
+  }
+
+  /** From afar: one mark in the colour of the state, and not a disc if the robot needs a person. */
+  #mark(scene: Scene, i: number, scale: number, only: number): void {
+    const { robots } = this.sheets;
+    const look = scene.look[i]!;
+    const word = LOOKS[look]!;
+    const [x, y] = [scene.x[i]!, scene.y[i]!];
+    const d = 2 * Math.max(scene.reach[i]!, LEAST[word] / scale);
+    const colour = this.#inks.looks[look]!;
+    if (only >= 0 && look !== only) robots.put(KIND.disc, x, y, d / 2, d / 2, this.#inks.faint);
+    else if (ON_ITS_CORNER.includes(word)) robots.put(KIND.box, x, y, 0.85 * d, 0.85 * d, colour, Math.PI / 4);
+    else if (SQUARE.includes(word)) robots.put(KIND.box, x, y, 0.9 * d, 0.9 * d, colour);
+    else robots.put(KIND.disc, x, y, d, d, colour);
+  }
+
+  /** From afar: cells in which several robots wait, the more the darker. */
+  #waitTogether(scene: Scene, scale: number): void {
+    const sheet = this.sheets.crowds;
+    const cells = this.#crowds;
+    if (scale >= FAR_BELOW && sheet.count === 0) return;
+    sheet.begin();
+    if (scale >= FAR_BELOW) return;
+    cells.clear();
+    const size = Math.ceil(CROWD_PX / scale);
+    for (let i = 0; i < scene.robots; i++) {
+      if (scene.look[i] !== WAITING) continue;
+      const key = Math.floor(scene.x[i]! / size) * 65_536 + Math.floor(scene.y[i]! / size);
+      cells.set(key, (cells.get(key) ?? 0) + 1);
+    }
+    const { crowds } = this.#inks;
+    for (const [key, robots] of cells) {
+      if (robots < CROWD_FROM) continue;
+      // Rows may be negative: the nearest whole number of columns, and what is left.
+      const column = Math.round(key / 65_536);
+      const row = key - column * 65_536;
+      sheet.put(KIND.box, (column + 0.5) * size, (row + 0.5) * size, size, size, crowds[Math.min(robots - CROWD_FROM, crowds.length - 1)]!);
     }
   }
 
@@ -246,7 +322,7 @@ export class Composer {
         break;
       case 'charging':
         sheet.put(KIND.disc, x, y, d, d, colour);
-        if (scale > TICKS_FROM) sheet.put(KIND.bolt, x, y, 1.5 * r, 1.5 * r, ink.tick);
+        sheet.put(KIND.bolt, x, y, 1.5 * r, 1.5 * r, ink.tick);
         break;
       case 'waiting':
         sheet.put(KIND.box, x, y, 1.9 * r, 1.9 * r, ink.halo, Math.PI / 4);
@@ -331,29 +407,40 @@ export class Composer {
     }
   }
 
-  #words(scene: Scene, view: View, chosen: number): void {
-    const { words } = this;
+  /** Names, in their order of precedence: what is chosen, what has an alarm, people, stations and closed areas, robots,
+   *  racks, places. A name that would cover one before it is left out. */
+  #names(scene: Scene, view: View, chosen: Chosen): void {
+    const labels = this.#labels;
     const { scale } = view;
-    words.begin();
-    const put = (text: string, x: number, y: number, below: number, px = WORD_PX): void => {
-      if (inSight(view, x, y)) words.put(text, x, y, below, px);
-    };
+    const { alarmed } = this;
+    const robot = (i: number): boolean => labels.beside(scene.ids[i]!, scene.x[i]!, scene.y[i]!, Math.max(scale * 0.72, 13), WORD_PX);
+    const person = (p: Person): boolean => labels.beside(p.title, p.x, p.y, Math.max(scale * 0.75, 16), WORD_PX);
+    const { below, px } = stationTitle(scale);
+    const station = (s: Scene['stations'][number]): boolean => labels.put(s.title, s.x, s.y, below, px);
+    labels.begin(view);
+    if (chosen.robot >= 0) robot(chosen.robot);
+    if (chosen.person >= 0) person(scene.people[chosen.person]!);
+    if (alarmed.robot.size > 0) {
+      for (let i = 0; i < scene.robots; i++) if (i !== chosen.robot && alarmed.robot.has(scene.ids[i]!)) robot(i);
+    }
+    scene.people.forEach((p, i) => { if (i !== chosen.person && alarmed.worker.has(p.id)) person(p); });
+    for (const s of scene.stations) if (alarmed.station.has(s.id)) station(s);
+    scene.people.forEach((p, i) => { if (i !== chosen.person && !alarmed.worker.has(p.id)) person(p); });
+    for (const s of scene.stations) if (!alarmed.station.has(s.id)) station(s);
+    for (const n of this.notes) labels.put(n.text, n.x, n.y, -9, 12);
+    if (scale >= NAMES_FROM) {
+      for (let i = 0; i < scene.robots; i++) if (i !== chosen.robot && !alarmed.robot.has(scene.ids[i]!)) robot(i);
+    }
     if (scale >= RACK_NAMES_FROM) {
       for (let i = 0; i < scene.racks; i++) {
         const [x, y] = [scene.rackX[i]!, scene.rackY[i]!];
         // A robot below the rack is worth more than the rack's name.
-        if (scene.rackOn[i]! < 0 && inSight(view, x, y) && robotNear(scene, x, y, 0.6) < 0) put(scene.rackIds[i]!, x, y, 0);
+        if (scene.rackOn[i]! < 0 && inSight(view, x, y) && robotNear(scene, x, y, 0.6) < 0) labels.put(scene.rackIds[i]!, x, y, 0, WORD_PX);
       }
     }
-    const stationPx = Math.max(10, Math.min(15, scale * 0.5));
-    for (const s of scene.stations) put(s.title, s.x, s.y, -scale * 0.62 - 8, stationPx);
-    if (scale >= NAMES_FROM) {
-      for (let i = 0; i < scene.robots; i++) put(scene.ids[i]!, scene.x[i]!, scene.y[i]!, scale * 0.72);
-    } else if (chosen >= 0) {
-      put(scene.ids[chosen]!, scene.x[chosen]!, scene.y[chosen]!, Math.max(scale * 0.9, 15));
+    if (scale >= NODE_NAMES_FROM) {
+      for (const { id, x, y } of scene.nodes) labels.put(id, x, y, scale * 0.34, NODE_WORD_PX, true);
     }
-    for (const n of this.notes) put(n.text, n.x, n.y, -9, 12);
-    for (const p of scene.people) put(p.title, p.x, p.y, Math.max(scale * 0.75, 16));
   }
 }
 

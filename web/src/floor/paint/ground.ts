@@ -1,6 +1,6 @@
 // Draws what does not move (floor, walls, lanes, places) into any 2D context. It is slow on purpose: it
 // runs once per view that comes to rest, and the result is kept as a picture.
-import type { Closure, FloorMap, MapNode, Point } from '../../wire';
+import type { Closure, FloorMap, Point } from '../../wire';
 import type { Palette } from './palette';
 import { toScreen, type View } from '../scene/view';
 
@@ -143,7 +143,6 @@ function drawPlaces(ink: Ink, map: FloorMap, view: View, palette: Palette): void
       case 'aisle': if (s > 12) box(ink, px, py, s * 0.035, 0, c.lane, null); break;
       case 'station': break;
     }
-    if (s > 62 && node.kind !== 'station') nodeName(ink, node, px, py, s, c.label);
   }
 }
 
@@ -203,20 +202,14 @@ function word(ink: Ink, text: string, x: number, y: number, px: number, fill: st
   ink.fillText(text, x, y);
 }
 
-function nodeName(ink: Ink, node: MapNode, x: number, y: number, s: number, fill: string): void {
-  ink.globalAlpha = 0.7;
-  word(ink, node.id, x, y + s * 0.34, Math.min(11, s * 0.14), fill);
-  ink.globalAlpha = 1;
-}
-
-export function label(ink: Ink, text: string, x: number, y: number, px: number, c: { halo: string; label: string }): void {
+export function label(ink: Ink, text: string, x: number, y: number, px: number, halo: string, fill: string): void {
   ink.font = `600 ${px}px system-ui, sans-serif`;
   ink.textAlign = 'center';
   ink.textBaseline = 'middle';
   ink.lineJoin = 'round';
   ink.lineWidth = 3;
-  ink.strokeStyle = c.halo;
+  ink.strokeStyle = halo;
   ink.strokeText(text, x, y);
-  ink.fillStyle = c.label;
+  ink.fillStyle = fill;
   ink.fillText(text, x, y);
 }

@@ -88,6 +88,8 @@ export interface Word {
   below: number;
   /** Height of the letters, pixels. */
   px: number;
+  /** Of what there is much and matters least. */
+  pale: boolean;
 }
 
 export class Words {
@@ -98,10 +100,10 @@ export class Words {
     this.count = 0;
   }
 
-  put(text: string, x: number, y: number, below: number, px: number): void {
+  put(text: string, x: number, y: number, below: number, px: number, pale = false): void {
     const word = this.list[this.count];
-    if (word === undefined) this.list.push({ text, x, y, below, px });
-    else Object.assign(word, { text, x, y, below, px });
+    if (word === undefined) this.list.push({ text, x, y, below, px, pale });
+    else Object.assign(word, { text, x, y, below, px, pale });
     this.count += 1;
   }
 }

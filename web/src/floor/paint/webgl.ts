@@ -41,6 +41,7 @@ class WebglPainter implements Painter {
   #halo: readonly number[] = [];
   #void: readonly number[] = [];
   #label = 0;
+  #pale = 0;
 
   constructor(element: HTMLCanvasElement, gl: GL, palette: Palette) {
     this.element = element;
@@ -57,6 +58,7 @@ class WebglPainter implements Painter {
     this.#halo = parts(palette.of.halo);
     this.#void = parts(palette.of.void);
     this.#label = inkOf(palette.of.label);
+    this.#pale = inkOf(palette.of.gauge);
   }
 
   resize(width: number, height: number, density: number): void {
@@ -153,7 +155,7 @@ class WebglPainter implements Painter {
     letters.begin();
     const whole = (v: number): number => Math.round(v * this.#density) / this.#density;
     for (let i = 0; i < count; i++) {
-      const { text, x, y, below, px } = list[i]!;
+      const { text, x, y, below, px, pale } = list[i]!;
       let wide = 0;
       for (const letter of text) wide += this.#glyphs.of(letter).advance;
       const cell = Glyphs.REACH * px;
@@ -164,7 +166,7 @@ class WebglPainter implements Painter {
         const cx = left - Glyphs.INSET * px + cell / 2 - view.width / 2;
         const cy = top + cell / 2 - view.height / 2;
         letters.put(GLYPH as Kind, view.x + cx / view.scale, view.y - cy / view.scale,
-          cell / view.scale, cell / view.scale, this.#label, 0, glyph.cell);
+          cell / view.scale, cell / view.scale, pale ? this.#pale : this.#label, 0, glyph.cell);
         left += glyph.advance * px;
       }
     }

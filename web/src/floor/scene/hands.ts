@@ -5,6 +5,8 @@ export interface Wishes {
   pan(dx: number, dy: number): void;
   zoom(factor: number, px?: number, py?: number): void;
   fit(): void;
+  /** The map alone on the whole screen, or no longer. */
+  full(): void;
   /** null: nothing is pointed at any more. */
   hover(at: Pixel | null): void;
   choose(at: Pixel | null): void;
@@ -79,6 +81,7 @@ function press(key: string, wishes: Wishes): boolean {
     case '+': case '=': wishes.zoom(1.25); return true;
     case '-': case '_': wishes.zoom(0.8); return true;
     case '0': wishes.fit(); return true;
+    case 'f': wishes.full(); return true;
     case 'n': wishes.step(1); return true;
     case 'p': wishes.step(-1); return true;
     case 'Escape': wishes.choose(null); return true;

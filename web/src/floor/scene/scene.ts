@@ -37,7 +37,9 @@ export interface Scene {
   wayTurn: number;
   granted: Paths;
   held: Paths;
-  stations: readonly { x: number; y: number; title: string; waiting: number }[];
+  stations: readonly { id: string; x: number; y: number; title: string; waiting: number }[];
+  /** Places with a name of their own. */
+  nodes: readonly MapNode[];
   people: readonly Person[];
 }
 
@@ -69,6 +71,7 @@ export class Stage {
 
   constructor(map: FloorMap) {
     this.#map = map;
+    this.scene.nodes = map.nodes.filter((node) => node.kind !== 'station');
     this.#reach = new Map((map.kinds ?? []).map((kind) => [kind.name, reach(kind.footprint)]));
     this.#joined = new Set(map.lanes.flatMap((l) => [pair(l.from, l.to), pair(l.to, l.from)]));
   }
@@ -157,7 +160,7 @@ export class Stage {
       const node = this.#map.nodes[station.node];
       if (!node) return [];
       const waiting = row(mirror.stations, station.id)?.queue.length ?? 0;
-      return { x: node.x, y: node.y, waiting, title: `${station.id}  ${waiting}/${station.queue.length}` };
+      return { id: station.id, x: node.x, y: node.y, waiting, title: `${station.id}  ${waiting}/${station.queue.length}` };
     });
   }
 
@@ -261,6 +264,6 @@ function blank(): Scene {
     robots: 0, x: new Float32Array(0), y: new Float32Array(0), heading: new Float32Array(0),
     look: new Uint8Array(0), battery: new Float32Array(0), reach: new Float32Array(0), ids: [],
     racks: 0, rackTurn: 0, rackIds: [], rackX: new Float32Array(0), rackY: new Float32Array(0), rackOn: new Int32Array(0),
-    wayTurn: 0, granted: none(), held: none(), stations: [], people: [],
+    wayTurn: 0, granted: none(), held: none(), stations: [], nodes: [], people: [],
   };
 }

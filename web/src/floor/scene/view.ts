@@ -10,17 +10,46 @@ export interface View {
 }
 export type Bounds = readonly [x0: number, y0: number, x1: number, y1: number];
 
+/** A name that belongs to a place and is written above it. */
+export interface FixedName {
+  x: number;
+  y: number;
+  /** Half its width, pixels. */
+  half_px: number;
+  /** How far it reaches above the place: so many metres and so many pixels. */
+  up_m: number;
+  up_px: number;
+}
+
 const LARGEST_SCALE = 160;
 const FIT_MARGIN_PX = 14;
-/** Kept free below the floor for the legend. */
-const FOOT_PX = 52;
+/** Kept free below the floor for the folded legend. */
+export const FOOT_PX = 52;
+/** Between a name and the edge of the picture. */
+const NAME_GAP_PX = 4;
+/** Names may take this share of the picture on each side: a small screen is for the floor. */
+const MOST_FOR_NAMES = 0.2;
+/** The margins depend on the scale and the scale on the margins; after so many rounds they agree to a pixel. */
+const ROUNDS = 4;
 
-export function fit(bounds: Bounds, width: number, height: number): View {
+/** The whole floor with the names at its edge, above `foot` pixels that are left free. */
+export function fit(bounds: Bounds, width: number, height: number, names: readonly FixedName[] = [], foot = FOOT_PX): View {
   const [x0, y0, x1, y1] = bounds;
-  const across = Math.max(40, width - 2 * FIT_MARGIN_PX) / Math.max(1, x1 - x0);
-  const upright = Math.max(40, height - 2 * FIT_MARGIN_PX - FOOT_PX) / Math.max(1, y1 - y0);
-  const scale = Math.min(across, upright, LARGEST_SCALE);
-  return { x: (x0 + x1) / 2, y: (y0 + y1) / 2 - FOOT_PX / 2 / scale, scale, width, height };
+  let [left, right, top] = [FIT_MARGIN_PX, FIT_MARGIN_PX, FIT_MARGIN_PX];
+  let scale = LARGEST_SCALE;
+  for (let round = 0; round < ROUNDS; round++) {
+    const across = Math.max(40, width - left - right) / Math.max(1, x1 - x0);
+    const upright = Math.max(40, height - top - FIT_MARGIN_PX - foot) / Math.max(1, y1 - y0);
+    scale = Math.min(across, upright, LARGEST_SCALE);
+    const room = (most: number, wanted: number[]): number =>
+      Math.max(FIT_MARGIN_PX, Math.min(most, Math.max(0, ...wanted) + NAME_GAP_PX));
+    left = room(MOST_FOR_NAMES * width, names.map((n) => n.half_px - (n.x - x0) * scale));
+    right = room(MOST_FOR_NAMES * width, names.map((n) => n.half_px - (x1 - n.x) * scale));
+    top = room(MOST_FOR_NAMES * height, names.map((n) => n.up_px + n.up_m * scale - (y1 - n.y) * scale));
+  }
+  return {
+    x: (x0 + x1) / 2 - (left - right) / 2 / scale, y: (y0 + y1) / 2 + (top - FIT_MARGIN_PX - foot) / 2 / scale, scale, width, height,
+  };
 }
 
 export const toScreen = (v: View, x: number, y: number): [number, number] =>

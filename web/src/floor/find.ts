@@ -1,0 +1,72 @@
+// Finding things on the floor by a part of their name: without case, and with the parts of a name in any order. Pure: it
+// is given all that there is.
+import { onFloor, type FloorMap, type Job, type Mirror } from '../wire';
+import type { Picked } from './scene/picked';
+
+export type FoundKind = Picked['kind'] | 'job';
+export interface Found {
+  readonly kind: FoundKind;
+  readonly id: string;
+  /** What is looked for and shown. */
+  readonly name: string;
+  /** The kind in a word. */
+  readonly word: string;
+  /** What else there is to say of it; it is looked for, too. */
+  readonly more: string;
+}
+
+const MOST = 12;
+/** Of one kind, while others match as well. */
+const MOST_OF_KIND = 5;
+const NODE_WORDS = {
+  storage: 'Storage', charger: 'Charger', parking: 'Parking', exit: 'Exit', queue: 'Queue', station: 'Station', aisle: 'Aisle',
+} as const;
+
+/** Everything that has a name, what moves first. A job is known if a robot has it; the server knows the others. */
+export function namesOn(mirror: Mirror, map: FloorMap | null): Found[] {
+  const all: Found[] = [];
+  const robots = onFloor(mirror);
+  for (const r of robots) all.push({ kind: 'robot', id: r.id, name: r.id, word: 'Robot', more: '' });
+  for (const w of mirror.workers.rows) all.push({ kind: 'worker', id: w.id, name: w.name, word: 'Person', more: w.name === w.id ? '' : w.id });
+  for (const s of mirror.stations.rows) all.push({ kind: 'station', id: s.id, name: s.id, word: 'Station', more: '' });
+  for (const r of mirror.racks.rows) all.push({ kind: 'rack', id: r.id, name: r.id, word: 'Rack', more: r.robot === null ? '' : `on ${r.robot}` });
+  for (const r of robots) if (r.job !== null) all.push({ kind: 'job', id: r.job, name: r.job, word: 'Job', more: r.id });
+  for (const c of mirror.closures) all.push({ kind: 'closure', id: c.id, name: c.id, word: 'Closed area', more: c.reason });
+  for (const n of map?.nodes ?? []) if (n.kind !== 'station') all.push({ kind: 'place', id: n.id, name: n.id, word: NODE_WORDS[n.kind], more: '' });
+  return all;
+}
+
+export const foundJob = (job: Job): Found => ({ kind: 'job', id: job.id, name: job.id, word: 'Job', more: job.reference ?? job.state });
+
+/** The best matches first: the whole name, its beginning, a part of it, its parts. */
+export function matching(all: readonly Found[], text: string): Found[] {
+  const wanted = text.trim().toLowerCase();
+  if (wanted === '') return [];
+  const parts = wanted.split(/[\s-]+/).filter((part) => part !== '');
+  const ranks: Found[][] = [[], [], [], []];
+  const seen = new Set<string>();
+  for (const one of all) {
+    const rank = rankOf(one, wanted, parts);
+    const key = `${one.kind} ${one.id}`;
+    if (rank < 0 || seen.has(key)) continue;
+    seen.add(key);
+    ranks[rank]!.push(one);
+  }
+  const found = ranks.flat();
+  const counts = new Map<FoundKind, number>();
+  const few = found.filter(({ kind }) => {
+    const count = (counts.get(kind) ?? 0) + 1;
+    counts.set(kind, count);
+    return count <= MOST_OF_KIND;
+  });
+  return (counts.size > 1 ? few : found).slice(0, MOST);
+}
+
+function rankOf({ name, more }: Found, wanted: string, parts: readonly string[]): number {
+  const [short, rest] = [name.toLowerCase(), more.toLowerCase()];
+  if (short === wanted || rest === wanted) return 0;
+  if (short.startsWith(wanted)) return 1;
+  if (short.includes(wanted)) return 2;
+  const whole = `${short} ${rest}`;
+  return parts.every((part) => whole.includes(part)) ? 3 : -1;
+}
