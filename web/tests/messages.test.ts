@@ -84,16 +84,25 @@ function hardCodedInSvelte(source: string): string[] {
 function hardCodedInScript(source: string): string[] {
   const found: string[] = [];
   const seen = ['textContent', 'ariaLabel', 'placeholder', 'title', 'alt', 'innerText', 'label'];
-  const textOf = (node: ts.Node): string =>
-    ts.isStringLiteralLike(node) ? node.text : ts.isTemplateExpression(node) ? [node.head, ...node.templateSpans.map((s) => s.literal)].map((p) => p.text).join(' ') : '';
+  const textOf = (node: ts.Node): string => {
+    if (ts.isStringLiteralLike(node)) return node.text;
+    return ts.isTemplateExpression(node) ? [node.head, ...node.templateSpans.map((s) => s.literal)].map((p) => p.text).join(' ') : '';
+  };
+  const isCallOfT = (node: ts.Node): node is ts.CallExpression =>
+    ts.isCallExpression(node) && ts.isIdentifier(node.expression) && node.expression.text === 't';
+  const targetOf = (node: ts.Node): string | null => {
+    if (ts.isPropertyAssignment(node)) return node.name.getText();
+    return ts.isBinaryExpression(node) && ts.isPropertyAccessExpression(node.left) ? node.left.name.text : null;
+  };
   const walk = (node: ts.Node, isShown: boolean): void => {
     // What a programmer did wrong is told to programmers.
     if (ts.isThrowStatement(node) || ts.isImportDeclaration(node) || ts.isLiteralTypeNode(node)) return;
-    if (ts.isCallExpression(node) && ts.isIdentifier(node.expression) && node.expression.text === 't') return node.arguments.slice(1).forEach((one) => walk(one, false));
+    if (isCallOfT(node)) return node.arguments.slice(1).forEach((one) => walk(one, false));
     const text = textOf(node);
     if ((isShown && isWord(text)) || /^\p{Lu}\p{Ll}+ \p{Ll}/u.test(text)) found.push(text);
-    const target = ts.isPropertyAssignment(node) ? node.name.getText() : ts.isBinaryExpression(node) && ts.isPropertyAccessExpression(node.left) ? node.left.name.text : null;
-    ts.forEachChild(node, (child) => walk(child, target === null ? isShown && !ts.isCallExpression(node) && !ts.isBinaryExpression(node) : seen.includes(target)));
+    const target = targetOf(node);
+    const goesOn = isShown && !ts.isCallExpression(node) && !ts.isBinaryExpression(node);
+    ts.forEachChild(node, (child) => walk(child, target === null ? goesOn : seen.includes(target)));
   };
   walk(ts.createSourceFile('x.ts', source, ts.ScriptTarget.Latest, true), false);
   return found;
@@ -107,7 +116,8 @@ function callsIn(source: string): { key: string | null; values: string[] | null 
       const [key, values] = node.arguments;
       const given = values && ts.isObjectLiteralExpression(values) ? values.properties.map((p) => p.name?.getText() ?? '') : [];
       const keys = key && ts.isConditionalExpression(key) ? [key.whenTrue, key.whenFalse] : [key];
-      for (const one of keys) found.push({ key: one && ts.isStringLiteralLike(one) ? one.text : null, values: values && !ts.isObjectLiteralExpression(values) ? null : given.sort() });
+      const isKnown = !values || ts.isObjectLiteralExpression(values);
+      for (const one of keys) found.push({ key: one && ts.isStringLiteralLike(one) ? one.text : null, values: isKnown ? given.sort() : null });
     }
     ts.forEachChild(node, walk);
   };
@@ -139,7 +149,8 @@ describe.each([...rooms])('the messages of %s', (room, languages) => {
   });
   test('each message is used', () => {
     const all = own.map(([, source]) => source).join('\n');
-    const made = [...all.matchAll(/`([^`$]*)\$\{[^}]*\}([^`$]*)`/g)].map(([, before, after]) => [before ?? '', after ?? ''] as const).filter(([before, after]) => /\w\.$/.test(before) || /^\.\w/.test(after));
+    const made = [...all.matchAll(/`([^`$]*)\$\{[^}]*\}([^`$]*)`/g)].map(([, before, after]) => [before ?? '', after ?? ''] as const)
+      .filter(([before, after]) => /\w\.$/.test(before) || /^\.\w/.test(after));
     const isMade = (key: string): boolean => made.some(([before, after]) => key.startsWith(before) && key.endsWith(after));
     expect(Object.keys(english).filter((key) => !all.includes(`'${key}'`) && !isMade(key))).toEqual([]);
   });

@@ -64,7 +64,9 @@ export function drawMap(canvas: HTMLCanvasElement, map: FloorMap, self: Self | n
   c.fillRect(0, 0, width, height);
   ground(c, map, at, l.scale, ink);
   way(c, shown, self ? fromFeet(shown, self.at) : shown.path, at, ink);
-  const robots = self ? shown.near.map((robot): Named => ({ at: at(robotAt(self.at, robot)), text: `${robot.id} ${metres(robot.distance)}`, close: robot.distance < CLOSE_M })) : [];
+  const named = (robot: Shown['near'][number], from: Vec2): Named =>
+    ({ at: at(robotAt(from, robot)), text: `${robot.id} ${metres(robot.distance)}`, close: robot.distance < CLOSE_M });
+  const robots = self ? shown.near.map((robot) => named(robot, self.at)) : [];
   const radius = Math.max(10, 0.5 * l.scale);
   for (const robot of robots) ring(c, robot.at, radius, ink(robot.close ? 'map-stop' : 'map-granted'));
   if (self) selfMark(c, at(self.at), self.heading, wayAhead(self.at, shown), ink);
